@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: Apache-2.0
+# The commands of the project; each does all the set-up it needs. JOBS limits parallel compilation.
+JOBS ?= $(shell nproc)
+PRESET ?= release
+BIN = build/$(PRESET)/bin/aureole
+DEMO_OUT ?= out/condensation
+DEMO_ARGS ?=
+export CCACHE_MAXSIZE ?= 2G
+
+.PHONY: deps build demo test test-asan test-tsan bench docs docs-check format format-check includes lint install references clean
+
+deps:
+	@tools/install_deps.sh
+
+build: deps
+	@cmake --preset $(PRESET) > build-configure.log 2>&1 || { cat build-configure.log; exit 1; }
+	@rm -f build-configure.log
+	cmake --build --preset $(PRESET) -j $(JOBS)
+
+demo: build
+	@mkdir -p $(dir $(DEMO_OUT))
+	$(BIN) render scenes/condensation/condensation.xml -o $(DEMO_OUT).exr $(DEMO_ARGS)
+	@$(BIN) rings $(DEMO_OUT).exr
+	@echo "The picture is $(abspath $(DEMO_OUT).png)"
+
+test: build
+	ctest --preset $(PRESET) -j $(JOBS) $(CTEST_ARGS)
+
+test-asan:
+	$(MAKE) test PRESET=asan
+
+test-tsan:
+	$(MAKE) build PRESET=tsan
+	ctest --preset tsan -j $(JOBS) -R 'Determinism|Job' $(CTEST_ARGS)
+
+bench: build
+	@bench/run.sh build/release/bin
+
+docs: build
+	$(BIN) docs > docs/plugins.md
+
+format:
+	@git ls-files -co --exclude-standard '*.h' '*.cpp' | xargs clang-format -i
+
+format-check: deps
+	@git ls-files -co --exclude-standard '*.h' '*.cpp' | xargs clang-format --dry-run -Werror && echo "clang-format: clean"
+
+includes:
+	@tools/check_includes.py .
+
+lint: build
+	@git ls-files 'src/*.cpp' 'apps/*.cpp' | xargs -P $(JOBS) -n 4 clang-tidy -p build/$(PRESET) --quiet
+
+install: build
+	cmake --install build/$(PRESET) --prefix $(or $(PREFIX),/usr/local)
+
+clean:
+	rm -rf build out

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole list: the plug-ins there are.
+#include <fmt/format.h>
+
+#include "aureole/core/error.h"
+#include "aureole/plugin/registry.h"
+#include "commands.h"
+
+namespace aureole {
+namespace {
+
+int list(const std::string& kind) {
+  const Registry& registry = Registry::instance();
+  const auto families = registry.families();
+  if (!kind.empty() && std::find(families.begin(), families.end(), kind) == families.end())
+    throw Error(fmt::format("there is no kind \"{}\"{}; kinds: {}", kind, did_you_mean(kind, families), fmt::join(families, ", ")));
+  for (const auto& family : families) {
+    if (!kind.empty() && family != kind) continue;
+    fmt::print("{}\n", family);
+    for (const auto& name : registry.names(family)) {
+      const std::string& summary = registry.find(family, name)->doc.summary;
+      const size_t stop = summary.find_first_of(".:;");
+      fmt::print("  {:<22} {}\n", name, summary.substr(0, stop));
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_list_command(CLI::App& app, CommandResult& result) {
+  CLI::App* c = app.add_subcommand("list", "List the plug-ins, of one kind or all");
+  auto kind = std::make_shared<std::string>();
+  c->add_option("kind", *kind, "bsdf, emitter, film, ...");
+  c->callback([=, &result] { result.exit_code = list(*kind); });
+}
+
+}  // namespace aureole

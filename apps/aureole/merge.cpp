@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole merge: parts of a picture rendered apart become one.
+#include <fmt/format.h>
+
+#include "aureole/core/error.h"
+#include "aureole/render/output.h"
+#include "aureole/render/state.h"
+#include "commands.h"
+
+namespace aureole {
+namespace {
+
+int merge(const std::vector<std::string>& files, const std::filesystem::path& output) {
+  if (output.extension() != ".exr") throw Error("-o " + output.string() + ": the output is an .exr file");
+  require_writable(output);
+  RenderState sum;
+  for (size_t i = 0; i < files.size(); ++i) {
+    const RenderState part = RenderState::load(files[i]);
+    try {
+      if (i == 0) sum = part;
+      else sum.merge(part);
+    } catch (const Error& e) {
+      throw Error({files[i], 0, 0}, e.message());
+    }
+  }
+  write_pictures(sum, output);
+  sum.save(std::filesystem::path(output).replace_extension(".state"));
+  if (sum.units_done() < sum.units())
+    fmt::print(stderr, "note: samples {}:{} are not complete: {:.1f} % are there\n", sum.begin, sum.end,
+               100.0 * double(sum.units_done()) / double(sum.units()));
+  fmt::print("{}\n", output.string());
+  return 0;
+}
+
+}  // namespace
+
+void add_merge_command(CLI::App& app, CommandResult& result) {
+  CLI::App* c = app.add_subcommand("merge", "Merge the .state files of parts rendered with --samples into one picture");
+  auto files = std::make_shared<std::vector<std::string>>();
+  auto output = std::make_shared<std::string>();
+  c->add_option("states", *files, "state files")->required();
+  c->add_option("-o,--output", *output, "output .exr")->required();
+  c->callback([=, &result] { result.exit_code = merge(*files, *output); });
+}
+
+}  // namespace aureole

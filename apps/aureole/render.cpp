@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole render: a scene file becomes a picture.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <mutex>
+#include <thread>
+
+#include "aureole/core/error.h"
+#include "aureole/core/units.h"
+#include "aureole/render/job.h"
+#include "aureole/render/output.h"
+#include "commands.h"
+
+namespace aureole {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+extern "C" void request_stop(int) {
+  // A second Ctrl-C means now.
+  if (stop_requested.exchange(true)) _exit(130);
+}
+
+struct Arguments {
+  std::string scene, output, samples, sampler, integrator, pixel;
+  std::vector<std::string> defines;
+  std::int64_t spp = -1, seed = -1;
+  int threads = 0, replicates = 1;
+  double time_s = 0, checkpoint_s = 30;
+  bool resume = false, preview = false, quiet = false;
+};
+
+std::vector<std::pair<std::string, std::string>> split_defines(const std::vector<std::string>& list) {
+  std::vector<std::pair<std::string, std::string>> defines;
+  for (const auto& d : list) {
+    const size_t equals = d.find('=');
+    if (equals == std::string::npos || equals == 0) throw Error("-D " + d + ": write -D name=value");
+    defines.emplace_back(d.substr(0, equals), d.substr(equals + 1));
+  }
+  return defines;
+}
+
+/// "A:B" as two integers.
+std::pair<std::int64_t, std::int64_t> parse_pair(const std::string& text, char separator, const char* option) {
+  const size_t at = text.find(separator);
+  if (at != std::string::npos) {
+    try {
+      const double a = parse_number(text.substr(0, at)), b = parse_number(text.substr(at + 1));
+      if (a == std::floor(a) && b == std::floor(b) && std::abs(a) < 1e15 && std::abs(b) < 1e15) return {std::int64_t(a), std::int64_t(b)};
+    } catch (const Error&) {
+    }
+  }
+  throw Error(fmt::format("{} {}: expected two integers, such as {} 0{}64", option, text, option, separator));
+}
+
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool quiet) : shown_(!quiet && isatty(2)) {}
+  ~ProgressLine() { clear(); }
+  void show(const Progress& p) {
+    if (!shown_) return;
+    const double part = p.units > 0 ? double(p.units_done) / double(p.units) : 1.0;
+    const double left = p.samples_per_second > 0 && part > 0 ? p.seconds * (1 - part) / std::max(part, 1e-9) : 0;
+    const int width = 30, filled = int(part * width);
+    std::fprintf(stderr, "\r[%.*s%*s] %5.1f %%  %.2f Msamples/s  %s left \033[K", filled, "##############################",
+                 width - filled, "", 100 * part, p.samples_per_second * 1e-6, duration(left).c_str());
+    std::fflush(stderr);
+  }
+  void clear() {
+    if (shown_) std::fprintf(stderr, "\r\033[K");
+  }
+
+ private:
+  static std::string duration(double s) {
+    const auto n = static_cast<long>(s + 0.5);
+    return n >= 3600 ? fmt::format("{}:{:02}:{:02}", n / 3600, n / 60 % 60, n % 60) : fmt::format("{}:{:02}", n / 60, n % 60);
+  }
+  bool shown_;
+};
+
+/// Refreshes the PNG every few seconds while a job runs.
+class Preview {
+ public:
+  Preview(const RenderJob& job, std::filesystem::path output) : job_(job), output_(std::move(output)), thread_([this] { loop(); }) {}
+  ~Preview() {
+    done_ = true;
+    thread_.join();
+  }
+
+ private:
+  void loop() {
+    for (int tick = 1; !done_; ++tick) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      if (tick % 20 == 0) write_preview(job_.snapshot(), output_);
+    }
+  }
+  const RenderJob& job_;
+  std::filesystem::path output_;
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, const RenderOptions& options) {
+  const auto [x, y] = parse_pair(a.pixel, ',', "--pixel");
+  const Film& film = scene.film();
+  if (x < film.crop_x() || y < film.crop_y() || x >= film.crop_x() + film.crop_width() || y >= film.crop_y() + film.crop_height())
+    throw Error(fmt::format("--pixel {}: outside the film ({} x {})", a.pixel, film.width(), film.height()));
+  const std::int64_t end = options.end.value_or(scene.sensor().sampler().sample_count());
+  const bool verbose = end - options.begin <= 16;
+  std::vector<double> sum;
+  std::int64_t valid = 0;
+  for (std::int64_t i = options.begin; i < end; ++i) {
+    if (verbose) fmt::print("sample {}\n", i);
+    const auto measured = job.replay(int(x), int(y), i, 0, verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog());
+    if (measured.empty()) {
+      fmt::print("sample {}: INVALID (NaN, infinite or negative radiance)\n", i);
+      continue;
+    }
+    sum.resize(measured.size());
+    for (size_t c = 0; c < measured.size(); ++c) sum[c] += measured[c];
+    ++valid;
+    if (verbose) fmt::print("  measured {:.7g}\n", fmt::join(measured, ", "));
+  }
+  for (double& s : sum) s /= double(std::max<std::int64_t>(1, valid));
+  fmt::print("pixel ({}, {}): mean of {} samples {:.7g}{}\n", x, y, valid, fmt::join(sum, ", "),
+             film.measured_channels() == 3 ? " (X, Y, Z)" : "");
+  return 0;
+}
+
+int render(const Arguments& a) {
+  LoadOptions load;
+  load.defines = split_defines(a.defines);
+  load.sampler = a.sampler;
+  load.integrator = a.integrator;
+  if (a.spp == 0 || a.spp < -1) throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
+  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  if (a.replicates < 1) throw Error(fmt::format("--replicates {}: must be at least 1", a.replicates));
+  if (a.threads < 0 || a.threads > 4096) throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
+  if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
+  if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
+
+  std::filesystem::path output = a.output;
+  if (output.empty()) output = std::filesystem::path(a.scene).replace_extension(".exr");
+  if (output.extension() != ".exr") throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
+  if (a.pixel.empty()) require_writable(output);
+
+  RenderOptions options;
+  if (a.spp > 0) options.end = a.spp;
+  if (!a.samples.empty()) {
+    const auto [first, last] = parse_pair(a.samples, ':', "--samples");
+    options.begin = first, options.end = last;
+    options.keep_state = true;
+  }
+  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
+  options.threads = a.threads;
+  options.replicates = a.replicates;
+  options.time_limit_s = a.time_s;
+  options.checkpoint_interval_s = a.checkpoint_s;
+  options.state_file = std::filesystem::path(output).replace_extension(".state");
+
+  const auto scene = std::make_shared<const Scene>(load_scene(a.scene, load));
+  if (!a.quiet)
+    for (const auto& note : scene->loaded().notes) fmt::print(stderr, "note: {}\n", note);
+  RenderJob job(scene, options);
+  if (!a.pixel.empty()) return replay_pixel(job, *scene, a, options);
+
+  if (a.resume) {
+    if (std::filesystem::exists(options.state_file)) {
+      job.resume(RenderState::load(options.state_file));
+      if (!a.quiet)
+        fmt::print(stderr, "resuming: {:.1f} % done\n", 100.0 * double(job.state().units_done()) / double(job.state().units()));
+    } else if (!a.quiet) {
+      fmt::print(stderr, "note: there is no {} to resume from: starting at the beginning\n", options.state_file.string());
+    }
+  }
+
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  RenderJob::Outcome outcome;
+  {
+    ProgressLine line(a.quiet);
+    std::optional<Preview> preview;
+    if (a.preview) preview.emplace(job, output);
+    outcome = job.run(stop_requested, [&](const Progress& p) { line.show(p); });
+  }
+  write_pictures(job.state(), output);
+
+  const RenderState& state = job.state();
+  if (state.invalid_samples > 0) {
+    fmt::print(stderr, "note: {} samples were invalid (NaN, infinite or negative) and left out; the first ones:\n", state.invalid_samples);
+    for (const auto& s : job.invalid_samples())
+      fmt::print(stderr, "  --pixel {},{} --samples {}:{}{}\n", s.x, s.y, s.sample / kSampleBlock * kSampleBlock, s.sample + 1,
+                 s.replicate ? fmt::format(" (replicate {})", s.replicate) : "");
+  }
+  if (!a.quiet) {
+    const double rate = double(state.samples_everywhere()) * state.identity.width * state.identity.height * state.identity.replicates;
+    fmt::print(stderr, "{} samples per pixel in {:.2f} s ({:.2f} Msamples/s)\n", state.samples_everywhere(), state.seconds,
+               rate / std::max(1e-9, state.seconds) * 1e-6);
+    fmt::print("{}\n{}\n", output.string(), std::filesystem::path(output).replace_extension(".png").string());
+  }
+  if (outcome == RenderJob::Outcome::interrupted) {
+    fmt::print(stderr, "interrupted at {:.1f} %: what is done is written; the same command with --resume continues\n",
+               100.0 * double(state.units_done()) / double(state.units()));
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, CommandResult& result) {
+  auto a = std::make_shared<Arguments>();
+  CLI::App* c = app.add_subcommand("render", "Render a scene file to an EXR and a PNG");
+  c->add_option("scene", a->scene, "scene file (Mitsuba XML)")->required();
+  c->add_option("-o,--output", a->output, "output .exr (default: beside the scene)");
+  c->add_option("-D,--define", a->defines, "set a $name of the scene: -D name=value")->allow_extra_args(false);
+  c->add_option("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
+  c->add_option("--seed", a->seed, "seed of the samples (default: the scene's)");
+  c->add_option("--threads", a->threads, "threads (default: all cores); the picture does not depend on it");
+  c->add_option("--time", a->time_s, "stop after this many seconds, on whole sample blocks");
+  c->add_option("--samples", a->samples, "render only samples A:B of the picture, to be merged; A a multiple of 16");
+  c->add_option("--replicates", a->replicates, "render R independently scrambled pictures; store their mean and its variance");
+  c->add_option("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
+  c->add_option("--integrator", a->integrator, "replace the scene's integrator: path, direct");
+  c->add_option("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");
+  c->add_option("--pixel", a->pixel, "replay one pixel, x,y, and print what happens");
+  c->add_flag("--resume", a->resume, "continue from the checkpoint of the same command");
+  c->add_flag("--preview", a->preview, "refresh the PNG while rendering");
+  c->add_flag("-q,--quiet", a->quiet, "print errors only");
+  c->callback([a, &result] { result.exit_code = render(*a); });
+}
+
+}  // namespace aureole

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/bsdf/bsdf.h"
+
+#include <cmath>
+
+#include "aureole/plugin/registry.h"
+#include "aureole/spectrum/refractive_index.h"
+
+namespace aureole {
+
+namespace {
+
+constexpr double kSodiumD = 589.3;
+
+std::string range_text(const RefractiveIndex& n) {
+  return std::to_string(int(std::lround(n.min_nm()))) + " to " +
+         std::to_string(int(std::lround(n.max_nm()))) + " nm";
+}
+
+}  // namespace
+
+Ior Ior::from(const Properties& properties, std::string_view name, const std::string& fallback) {
+  // A plug-in that documents `dispersion` lets a scene ask for the constant indices that other renderers use.
+  const bool may_disperse = !properties.plugin() || !properties.plugin()->documents("dispersion") ||
+                            properties.get_bool("dispersion", true);
+  Ior ior;
+  std::string material = fallback;
+  if (const Properties::Entry* e = properties.find(name)) {
+    if (std::holds_alternative<double>(e->value) || std::holds_alternative<std::int64_t>(e->value)) {
+      ior.constant_ = float(properties.get_float(name, Range::positive()));
+      return ior;
+    }
+    if (!std::holds_alternative<std::string>(e->value))
+      throw properties.error(name, "expected a number or the name of a material");
+    material = std::get<std::string>(e->value);
+  }
+  const auto constant = find_refractive_index(material, false);
+  if (!constant)
+    throw properties.error(
+        name, "unknown material \"" + material + "\"" + did_you_mean(material, refractive_index_names()));
+  // What stays a table without dispersion is a conductor.
+  if (constant->is_dispersive())
+    throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
+  const auto index = find_refractive_index(material, may_disperse);
+  ior.constant_ = float(index->at(kSodiumD).real());
+  if (!index->is_dispersive()) return ior;
+  const SpectralGrid& grid = properties.context().grid;
+  if (grid.min_nm < index->min_nm() || grid.max_nm > index->max_nm())
+    properties.note(name, "the index of \"" + material + "\" is known from " + range_text(*index) +
+                              "; outside that range its value at the end is used");
+  ior.dispersive_ = true;
+  ior.table_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
+  return ior;
+}
+
+}  // namespace aureole

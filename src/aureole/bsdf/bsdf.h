@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+// The BSDF family. Conventions (docs/conventions.md): local frame, z = shading normal; `wi` is the given direction (towards the
+// previous vertex), `wo` the sampled one, both outward. Values include |cos theta_o|. In Radiance mode light travels
+// wo -> wi, in Importance mode wi -> wo. Values and densities are per wavelength.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "aureole/plugin/object.h"
+#include "aureole/plugin/properties.h"
+#include "aureole/shape/surface_point.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+enum class TransportMode { radiance, importance };
+
+/// What a lobe does; a BSDF's `lobes()` is the union over its lobes.
+enum class Lobe : unsigned {
+  none = 0,
+  diffuse = 1,
+  glossy = 2,
+  delta = 4,
+  reflect = 8,
+  transmit = 16,
+  through = 32,  ///< leaves the direction unchanged
+};
+constexpr Lobe operator|(Lobe a, Lobe b) { return Lobe(unsigned(a) | unsigned(b)); }
+constexpr Lobe operator&(Lobe a, Lobe b) { return Lobe(unsigned(a) & unsigned(b)); }
+constexpr bool has(Lobe set, Lobe flag) { return unsigned(set & flag) != 0; }
+
+struct BsdfContext {
+  const Wavelengths& wavelengths;  ///< index 0 is the hero
+  const SurfacePoint& point;
+  TransportMode mode = TransportMode::radiance;
+  std::uint32_t key = 0;  ///< random key for stochastic (layered) BSDFs
+};
+
+struct BsdfSample {
+  Vec3 wo;
+  Weight value;   ///< f |cos theta_o|; for a delta lobe the factor of the delta (its mass-weighted reflectance)
+  Spectrum pdf;   ///< per wavelength: a density [1/sr], or where `lobe` is delta a probability (mass)
+  Lobe lobe = Lobe::none;
+
+  bool is_delta() const { return has(lobe, Lobe::delta); }
+};
+
+struct BsdfEval {
+  Weight value{0.f};  ///< f |cos theta_o|, delta lobes left out
+  Spectrum pdf{0.f};  ///< density of `sample` for wo [1/sr] per wavelength, delta lobes left out
+};
+
+class Bsdf : public Object {
+ public:
+  static constexpr const char* kFamily = "a BSDF";
+  using Object::Object;
+
+  /// Value and density of the non-delta lobes.
+  virtual BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const = 0;
+  Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const { return eval_pdf(wi, wo, ctx).value; }
+  /// The reverse density is this with swapped arguments.
+  Spectrum pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const { return eval_pdf(wi, wo, ctx).pdf; }
+
+  /// A direction drawn for the hero wavelength; nothing where no direction exists. `pdf[0]` > 0. The value and the density are those of
+  /// all non-delta lobes at wo where a non-delta lobe was drawn (as `eval_pdf`), and of the one delta direction otherwise. Where
+  /// a delta direction depends on the wavelength, wavelengths that go elsewhere have value 0 and mass 0.
+  virtual std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const = 0;
+
+  virtual Lobe lobes() const = 0;
+  /// Diffuse and glossy lobes exist: next-event estimation is worth its ray.
+  bool is_smooth() const { return has(lobes(), Lobe::diffuse | Lobe::glossy); }
+};
+using BsdfPtr = std::shared_ptr<const Bsdf>;
+
+inline float cos_theta(const Vec3& w) { return w.z; }
+inline float abs_cos_theta(const Vec3& w) { return std::abs(w.z); }
+inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }  ///< about the local normal
+
+/// A refractive index given as a number or a material's name, per wavelength of the path.
+class Ior {
+ public:
+  /// Reads `name` ("bk7", 1.5, ...); a name with dispersion data disperses. Errors are located and suggest names.
+  static Ior from(const Properties& properties, std::string_view name, const std::string& fallback);
+  Spectrum eval(const Wavelengths& w) const { return dispersive_ ? table_.eval(w) : Spectrum(constant_); }
+  bool is_dispersive() const { return dispersive_; }
+  /// The index at the sodium D line (589.3 nm) or the constant.
+  float at_sodium_d() const { return constant_; }
+
+ private:
+  bool dispersive_ = false;
+  float constant_ = 1;
+  SampledSpectrum table_;
+};
+
+}  // namespace aureole

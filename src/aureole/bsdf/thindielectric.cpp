@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// A pane: two parallel dielectric interfaces, thin against everything else and thick against the coherence
+// length.
+#include <cmath>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/fresnel.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+class ThinDielectric final : public Bsdf {
+public:
+  explicit ThinDielectric(const Properties& properties)
+      : Bsdf(properties),
+        interior_(Ior::from(properties, "int_ior", "bk7")),
+        exterior_(Ior::from(properties, "ext_ior", "air")),
+        dispersive_(interior_.is_dispersive() || exterior_.is_dispersive()),
+        eta_(interior_.at_sodium_d() / exterior_.at_sodium_d()),
+        reflectance_(get_optional_texture(properties, "specular_reflectance", SpectrumRole::reflectance)),
+        transmittance_(
+            get_optional_texture(properties, "specular_transmittance", SpectrumRole::reflectance)) {}
+
+  BsdfEval eval_pdf(const Vec3&, const Vec3&, const BsdfContext&) const override { return {}; }
+
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2, const BsdfContext& ctx) const override {
+    const float cos_i = std::abs(wi.z);
+    if (!(cos_i > 0)) return {};
+    Spectrum r;
+    if (dispersive_)
+      r = thin_slab(
+          fresnel_dielectric(cos_i, interior_.eval(ctx.wavelengths) / exterior_.eval(ctx.wavelengths)));
+    else
+      r = thin_slab(fresnel_dielectric(cos_i, eta_).reflectance);
+    if (u1 < r[0]) {
+      BsdfSample s{reflect(wi), r, r, Lobe::delta | Lobe::reflect};
+      if (reflectance_) s.value *= reflectance_->eval(ctx.point, ctx.wavelengths);
+      return s;
+    }
+    const Spectrum t = Spectrum(1.f) - r;
+    BsdfSample s{-wi, t, t, Lobe::delta | Lobe::transmit | Lobe::through};
+    if (transmittance_) s.value *= transmittance_->eval(ctx.point, ctx.wavelengths);
+    return s;
+  }
+
+  Lobe lobes() const override { return Lobe::delta | Lobe::reflect | Lobe::transmit | Lobe::through; }
+
+private:
+  Ior interior_, exterior_;
+  bool dispersive_;
+  float eta_;  // without dispersion
+  TexturePtr reflectance_, transmittance_;
+};
+
+AUREOLE_PLUGIN(
+    ThinDielectric, "bsdf", "thindielectric",
+    PluginDoc{
+        "A pane of a transparent material in one surface: both faces and all reflections between them, R' = "
+        "2R/(1 + R) "
+        "with R of one face. Transmitted light keeps its direction. Polarisation is not followed through the "
+        "pane, as in "
+        "Mitsuba.",
+        "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2; the sum over reflections is "
+        "geometric",
+        {{"int_ior", "float or string", "", "bk7",
+          "index of the pane, as a number or the name of a material"},
+         {"ext_ior", "float or string", "", "air", "index around it, as a number or the name of a material"},
+         {"dispersion", "boolean", "", "true",
+          "named materials use their dispersion data where there are any"},
+         {"specular_reflectance", "texture", "", "1",
+          "factor of the reflected light; leave at 1 for a real pane"},
+         {"specular_transmittance", "texture", "", "1", "factor of the transmitted light, for tinted glass"}},
+        {R"(<bsdf type="thindielectric">
+    <string name="int_ior" value="bk7"/>
+    <string name="ext_ior" value="air"/>
+    <boolean name="dispersion" value="false"/>
+</bsdf>)",
+         R"(<bsdf type="thindielectric">
+    <float name="int_ior" value="1.5"/>
+    <float name="specular_reflectance" value="0.9"/>
+    <rgb name="specular_transmittance" value="0.7, 0.9, 0.8"/>
+</bsdf>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/core/error.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace aureole {
+
+std::string SourceLocation::str() const {
+  std::string s = file;
+  if (line > 0) s += ":" + std::to_string(line);
+  if (line > 0 && column > 0) s += ":" + std::to_string(column);
+  return s;
+}
+
+namespace {
+
+void add_once(std::vector<std::string>& list, const SourceLocation& where, const std::string& message) {
+  std::string text = where.file.empty() ? message : where.str() + ": " + message;
+  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(std::move(text));
+}
+
+std::string joined(const std::vector<std::string>& lines) {
+  std::string s;
+  for (const auto& l : lines) s += (s.empty() ? "" : "\n") + l;
+  return s;
+}
+
+std::string lower(std::string_view s) {
+  std::string r(s);
+  for (char& c : r) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return r;
+}
+
+size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<size_t> row(b.size() + 1);
+  for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (size_t i = 1; i <= a.size(); ++i) {
+    size_t diagonal = row[0];
+    row[0] = i;
+    for (size_t j = 1; j <= b.size(); ++j) {
+      const size_t substituted = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+void Diagnostics::error(const SourceLocation& where, const std::string& m) { add_once(errors_, where, m); }
+void Diagnostics::note(const SourceLocation& where, const std::string& m) { add_once(notes_, where, m); }
+
+void Diagnostics::throw_if_errors() const {
+  if (has_errors()) throw ErrorList(errors_);
+}
+
+ErrorList::ErrorList(std::vector<std::string> errors) : Error(joined(errors)), errors_(std::move(errors)) {}
+
+std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
+  const std::string wanted = lower(name);
+  std::string best;
+  // A third of the length may differ: enough for slips, too little to suggest an unrelated word.
+  size_t best_distance = std::max<size_t>(2, wanted.size() / 3) + 1;
+  for (const auto& c : candidates) {
+    const std::string candidate = lower(c);
+    size_t d = edit_distance(wanted, candidate);
+    if (wanted.size() >= 4 && candidate.size() > wanted.size() && candidate.find(wanted) != std::string::npos)
+      d = std::min<size_t>(d, 2);
+    if (d < best_distance) best_distance = d, best = c;
+  }
+  return best;
+}
+
+std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates) {
+  const std::string best = nearest_name(name, candidates);
+  return best.empty() ? "" : "; did you mean \"" + best + "\"?";
+}
+
+}  // namespace aureole

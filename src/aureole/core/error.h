@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Errors that know where they come from. Wrong input is an `Error` with a location in a file where there is one;
+// `Diagnostics` collects all of them so that a user sees every problem of a scene at once.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace aureole {
+
+/// A place in a text file. `line` and `column` count from 1; 0 means unknown.
+struct SourceLocation {
+  std::string file;
+  int line = 0;
+  int column = 0;
+
+  /// "file:line:column", leaving out what is unknown.
+  std::string str() const;
+};
+
+/// A problem with what the user gave us. Caught by the applications, which print it and exit with code 2.
+class Error : public std::runtime_error {
+ public:
+  explicit Error(const std::string& message) : std::runtime_error(message), message_(message) {}
+  Error(const SourceLocation& where, const std::string& message)
+      : std::runtime_error(where.file.empty() ? message : where.str() + ": " + message),
+        where_(where),
+        message_(message) {}
+
+  const SourceLocation& where() const { return where_; }
+  const std::string& message() const { return message_; }
+
+ private:
+  SourceLocation where_;
+  std::string message_;
+};
+
+/// Collects errors and notes while a file is read. Identical entries are kept once.
+class Diagnostics {
+ public:
+  void error(const SourceLocation& where, const std::string& message);
+  void error(const Error& e) { error(e.where(), e.message()); }
+  void note(const SourceLocation& where, const std::string& message);
+
+  bool has_errors() const { return !errors_.empty(); }
+  const std::vector<std::string>& errors() const { return errors_; }
+  const std::vector<std::string>& notes() const { return notes_; }
+
+  /// Throws one `ErrorList` with everything collected, if there is any error.
+  void throw_if_errors() const;
+
+ private:
+  std::vector<std::string> errors_, notes_;
+};
+
+/// Several errors at once; `what()` joins them by newlines.
+class ErrorList : public Error {
+ public:
+  explicit ErrorList(std::vector<std::string> errors);
+  const std::vector<std::string>& errors() const { return errors_; }
+
+ private:
+  std::vector<std::string> errors_;
+};
+
+/// The candidate nearest to `name` in edit distance (case-insensitive), or an empty string if none is near.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
+
+/// `"; did you mean \"x\"?"` for the nearest candidate, or an empty string.
+std::string did_you_mean(std::string_view name, const std::vector<std::string>& candidates);
+
+}  // namespace aureole

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/core/image.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <new>
+
+#include "aureole/core/error.h"
+#include "aureole/core/image_codecs.h"
+
+namespace aureole {
+
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& message) {
+  throw Error({file.string(), 0, 0}, message);
+}
+
+std::vector<unsigned char> read_bytes(const std::filesystem::path& file) {
+  struct Closer {
+    void operator()(std::FILE* f) const { std::fclose(f); }
+  };
+  std::error_code code;
+  if (!std::filesystem::exists(file, code)) fail(file, "no such file");
+  if (std::filesystem::is_directory(file, code)) fail(file, "is a directory, not an image");
+  const std::unique_ptr<std::FILE, Closer> f(std::fopen(file.c_str(), "rb"));
+  if (!f) fail(file, std::string("cannot be opened: ") + std::strerror(errno));
+  const auto size = std::filesystem::file_size(file, code);
+  if (code) fail(file, "is not a regular file");
+  std::vector<unsigned char> bytes(size);
+  if (std::fread(bytes.data(), 1, size, f.get()) != size) fail(file, "cannot be read");
+  return bytes;
+}
+
+bool starts_with(codec::Bytes bytes, std::string_view signature) {
+  return bytes.size() >= signature.size() && std::memcmp(bytes.data(), signature.data(), signature.size()) == 0;
+}
+
+Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) {
+  using namespace std::string_view_literals;
+  if (b.empty()) throw Error("the file is empty");
+  if (starts_with(b, "\x76\x2f\x31\x01"sv)) return codec::read_exr(b, attributes, max_pixels);
+  if (starts_with(b, "\x89PNG"sv)) return codec::read_png(b, max_pixels);
+  if (starts_with(b, "\xff\xd8\xff"sv)) return codec::read_jpeg(b, max_pixels);
+  for (const auto signature : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
+    if (starts_with(b, signature)) return codec::read_tiff(b, max_pixels);
+  return codec::read_hdr_tga_bmp(b, max_pixels);
+}
+
+/// Writes all of `bytes`, through to the disc.
+bool write_all(int descriptor, std::span<const char> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(descriptor, bytes.data(), std::min(bytes.size(), std::size_t(1) << 30));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    bytes = bytes.subspan(std::size_t(n));
+  }
+  return ::fsync(descriptor) == 0 || errno == EINVAL;  // pipes have nothing to flush
+}
+
+}  // namespace
+
+int Image::channel(const std::string& name) const {
+  const auto found = std::find(channels.begin(), channels.end(), name);
+  return found == channels.end() ? -1 : int(found - channels.begin());
+}
+
+Image read_image(const std::filesystem::path& file, ExrAttributes* attributes, std::size_t max_pixels) {
+  try {
+    const std::vector<unsigned char> bytes = read_bytes(file);
+    return decode(bytes, attributes, max_pixels);
+  } catch (const Error& e) {
+    if (!e.where().file.empty()) throw;
+    fail(file, e.message());
+  } catch (const std::bad_alloc&) {
+    fail(file, "not enough memory for this image");
+  }
+}
+
+void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel pixel, const ExrAttributes& attributes) {
+  try {
+    write_file_atomically(file, codec::encode_exr(image, pixel, attributes));
+  } catch (const Error& e) {
+    if (!e.where().file.empty()) throw;
+    fail(file, e.message());
+  }
+}
+
+void write_png(const std::filesystem::path& file, const Image& image) {
+  try {
+    write_file_atomically(file, codec::encode_png(image));
+  } catch (const Error& e) {
+    if (!e.where().file.empty()) throw;
+    fail(file, e.message());
+  }
+}
+
+float srgb_encode(float linear) {
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;
+}
+
+float srgb_decode(float encoded) {
+  return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
+}
+
+void write_file_atomically(const std::filesystem::path& file, std::span<const char> bytes) {
+  namespace fs = std::filesystem;
+  std::error_code code;
+  const auto system_failure = [&](const char* what) { fail(file, std::string(what) + ": " + std::strerror(errno)); };
+  // A link is followed, so that it stays one; a device or pipe cannot be replaced.
+  const fs::path target = fs::is_symlink(file, code) ? fs::weakly_canonical(file, code) : file;
+  if (fs::is_directory(target, code)) fail(file, "is a directory");
+  if (fs::exists(target, code) && !fs::is_regular_file(target, code)) {
+    const int d = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
+    if (d < 0) system_failure("cannot be opened for writing");
+    const bool good = write_all(d, bytes);
+    if (::close(d) != 0 || !good) system_failure("cannot be written");
+    return;
+  }
+
+  static std::atomic<unsigned> counter{0};
+  fs::path beside = target;
+  beside += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+  const int d = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (d < 0) system_failure("cannot be created");
+  const bool written = write_all(d, bytes);
+  const int write_error = errno;
+  if (::close(d) != 0 || !written || std::rename(beside.c_str(), target.c_str()) != 0) {
+    if (!written) errno = write_error;
+    const int reason = errno;
+    ::unlink(beside.c_str());
+    errno = reason;
+    system_failure("cannot be written");
+  }
+}
+
+namespace codec {
+
+void check_size(long long width, long long height, std::size_t max_pixels, std::size_t file_bytes, double most_per_byte) {
+  if (width <= 0 || height <= 0) throw Error("the image has no pixels");
+  const double pixels = double(width) * double(height);
+  const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
+  if (pixels > double(max_pixels)) throw Error(size + " are more than the limit of " + std::to_string(max_pixels));
+  if (pixels > most_per_byte * (double(file_bytes) + 64))
+    throw Error("the file is truncated or damaged: " + size + " cannot be in " + std::to_string(file_bytes) + " bytes");
+}
+
+std::vector<std::string> channel_names(int count) {
+  switch (count) {
+    case 1: return {"Y"};
+    case 2: return {"Y", "A"};
+    case 3: return {"R", "G", "B"};
+    default: return {"R", "G", "B", "A"};
+  }
+}
+
+}  // namespace codec
+
+}  // namespace aureole

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+// jpeglib.h needs size_t and FILE first.
+#include <jerror.h>
+#include <jpeglib.h>
+
+#include "aureole/core/error.h"
+#include "aureole/core/image_codecs.h"
+
+namespace aureole::codec {
+
+namespace {
+
+/// libjpeg reports errors by longjmp: functions that call setjmp keep no objects with destructors of their own.
+struct JpegState {
+  jpeg_decompress_struct jpeg{};
+  jpeg_error_mgr errors{};
+  std::jmp_buf jump;
+  char message[JMSG_LENGTH_MAX] = "";
+  std::vector<unsigned char> data;
+};
+
+void on_error(j_common_ptr jpeg) {
+  auto* state = static_cast<JpegState*>(jpeg->client_data);
+  jpeg->err->format_message(jpeg, state->message);
+  std::longjmp(state->jump, 1);
+}
+
+/// Most warnings are harmless; these mean that pixels are missing, which libjpeg fills with grey.
+void on_message(j_common_ptr jpeg, int level) {
+  if (level >= 0) return;
+  const int code = jpeg->err->msg_code;
+  if (code == JWRN_JPEG_EOF || code == JWRN_HIT_MARKER || code == JWRN_HUFF_BAD_CODE) on_error(jpeg);
+}
+
+bool read_header(JpegState& s, Bytes bytes) {
+  if (setjmp(s.jump)) return false;
+  jpeg_create_decompress(&s.jpeg);
+  jpeg_mem_src(&s.jpeg, bytes.data(), static_cast<unsigned long>(bytes.size()));
+  jpeg_read_header(&s.jpeg, TRUE);
+  const bool cmyk = s.jpeg.jpeg_color_space == JCS_CMYK || s.jpeg.jpeg_color_space == JCS_YCCK;
+  s.jpeg.out_color_space = s.jpeg.num_components == 1 ? JCS_GRAYSCALE : cmyk ? JCS_CMYK : JCS_RGB;
+  return true;
+}
+
+bool read_rows(JpegState& s) {
+  if (setjmp(s.jump)) return false;
+  jpeg_start_decompress(&s.jpeg);
+  const std::size_t row_bytes = std::size_t(s.jpeg.output_width) * s.jpeg.output_components;
+  while (s.jpeg.output_scanline < s.jpeg.output_height) {
+    JSAMPROW row = s.data.data() + s.jpeg.output_scanline * row_bytes;
+    jpeg_read_scanlines(&s.jpeg, &row, 1);
+  }
+  jpeg_finish_decompress(&s.jpeg);
+  return true;
+}
+
+}  // namespace
+
+Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
+  JpegState s;
+  s.jpeg.err = jpeg_std_error(&s.errors);
+  s.errors.error_exit = on_error;
+  s.errors.emit_message = on_message;
+  s.jpeg.client_data = &s;
+  struct Guard {
+    JpegState& s;
+    ~Guard() { jpeg_destroy_decompress(&s.jpeg); }
+  } guard{s};
+  const auto check = [&](bool good) {
+    if (!good) throw Error(std::string("damaged JPEG: ") + s.message);
+  };
+  check(read_header(s, bytes));
+  const int width = int(s.jpeg.image_width), height = int(s.jpeg.image_height);
+  // A block of 64 pixels takes a bit at the very least.
+  check_size(width, height, max_pixels, bytes.size(), 8 * 64);
+  const int components = s.jpeg.out_color_space == JCS_GRAYSCALE ? 1 : s.jpeg.out_color_space == JCS_CMYK ? 4 : 3;
+  s.data.resize(std::size_t(width) * height * components);
+  check(read_rows(s));
+  const auto* v = s.data.data();
+  if (components != 4)
+    return make_image(width, height, components, true, [&](std::size_t i) { return float(v[i]) / 255; });
+  // Files with four inks store them inverted, as Adobe's programs do.
+  return make_image(width, height, 3, true, [&](std::size_t i) {
+    const unsigned char* pixel = v + i / 3 * 4;
+    return float(pixel[i % 3]) * float(pixel[3]) / (255.f * 255.f);
+  });
+}
+
+}  // namespace aureole::codec

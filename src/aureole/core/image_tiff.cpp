@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <tiffio.h>
+
+#include <half.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include "aureole/core/error.h"
+#include "aureole/core/image_codecs.h"
+
+namespace aureole::codec {
+
+namespace {
+
+struct Memory {
+  Bytes bytes;
+  std::size_t position = 0;
+};
+
+tmsize_t on_read(thandle_t handle, void* to, tmsize_t n) {
+  auto& m = *static_cast<Memory*>(handle);
+  const std::size_t left = m.bytes.size() - std::min(m.position, m.bytes.size());
+  const std::size_t count = std::min(left, std::size_t(n));
+  std::memcpy(to, m.bytes.data() + m.position, count);
+  m.position += count;
+  return tmsize_t(count);
+}
+tmsize_t on_write(thandle_t, void*, tmsize_t) { return 0; }
+toff_t on_seek(thandle_t handle, toff_t offset, int whence) {
+  auto& m = *static_cast<Memory*>(handle);
+  const std::size_t base = whence == SEEK_CUR ? m.position : whence == SEEK_END ? m.bytes.size() : 0;
+  m.position = std::min(base + std::size_t(offset), m.bytes.size());
+  return m.position;
+}
+int on_close(thandle_t) { return 0; }
+toff_t on_size(thandle_t handle) { return static_cast<Memory*>(handle)->bytes.size(); }
+
+struct Layout {
+  std::uint32_t width = 0, height = 0;
+  std::uint16_t bits = 1, samples = 1, format = SAMPLEFORMAT_UINT, planar = PLANARCONFIG_CONTIG, photometric = 0;
+};
+
+float sample_value(const unsigned char* at, const Layout& l) {
+  const auto as = [&](auto value) {
+    std::memcpy(&value, at, sizeof value);
+    return value;
+  };
+  const bool real = l.format == SAMPLEFORMAT_IEEEFP;
+  switch (l.bits) {
+    case 8: return float(*at) / 255;
+    case 16: {
+      const std::uint16_t raw = as(std::uint16_t());
+      if (!real) return float(raw) / 65535;
+      half h;
+      h.setBits(raw);
+      return float(h);
+    }
+    default: return real ? (l.bits == 64 ? float(as(double())) : as(float())) : float(as(std::uint32_t()) / 4294967295.0);
+  }
+}
+
+/// Reads strips or tiles of the plain kinds: gray or RGB of 8, 16, 32 or 64 bits, samples together or in planes.
+Image read_plain(TIFF* tiff, const Layout& l, bool encoded) {
+  const int channels = std::min<int>(l.samples, 4);
+  Image image = make_image(int(l.width), int(l.height), channels, encoded, [](std::size_t) { return 0.f; });
+  const std::size_t sample_bytes = l.bits / 8;
+  const bool tiled = TIFFIsTiled(tiff), planes = l.planar == PLANARCONFIG_SEPARATE;
+  const int per_piece = planes ? 1 : l.samples;
+  std::uint32_t piece_width = l.width, piece_height = 1;
+  if (tiled) {
+    TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &piece_width);
+    TIFFGetField(tiff, TIFFTAG_TILELENGTH, &piece_height);
+  }
+  const tmsize_t piece_bytes = tiled ? TIFFTileSize(tiff) : TIFFScanlineSize(tiff);
+  const double needed = double(piece_width) * piece_height * per_piece * sample_bytes;
+  if (piece_width == 0 || piece_height == 0 || double(piece_bytes) < needed || needed > double(image.pixels.size()) * 8 + (1 << 26))
+    throw Error("damaged TIFF: impossible tiles");
+  std::vector<unsigned char> piece(static_cast<std::size_t>(piece_bytes));
+  for (int plane = 0; plane < (planes ? channels : 1); ++plane)
+    for (std::uint32_t y0 = 0; y0 < l.height; y0 += piece_height)
+      for (std::uint32_t x0 = 0; x0 < l.width; x0 += piece_width) {
+        const auto got = tiled ? TIFFReadTile(tiff, piece.data(), x0, y0, 0, std::uint16_t(plane))
+                               : TIFFReadScanline(tiff, piece.data(), y0, std::uint16_t(plane));
+        if (got < 0) throw Error("the TIFF is truncated or damaged");
+        for (std::uint32_t y = y0; y < std::min(l.height, y0 + piece_height); ++y)
+          for (std::uint32_t x = x0; x < std::min(l.width, x0 + piece_width); ++x)
+            for (int c = 0; c < (planes ? 1 : channels); ++c) {
+              const std::size_t at = (std::size_t(y - y0) * piece_width + (x - x0)) * per_piece + c;
+              image.at(int(x), int(y), std::size_t(planes ? plane : c)) = sample_value(piece.data() + at * sample_bytes, l);
+            }
+      }
+  return image;
+}
+
+/// Everything else (palettes, few bits, white-is-zero, inks, YCbCr) through libtiff's own conversion to 8-bit RGBA.
+Image read_converted(TIFF* tiff, const Layout& l) {
+  char why[1024] = "";
+  if (!TIFFRGBAImageOK(tiff, why)) throw Error(std::string("this kind of TIFF is not supported: ") + why);
+  std::vector<std::uint32_t> rgba(std::size_t(l.width) * l.height);
+  if (!TIFFReadRGBAImageOriented(tiff, l.width, l.height, rgba.data(), ORIENTATION_TOPLEFT, 1))
+    throw Error("the TIFF is truncated or damaged");
+  return make_image(int(l.width), int(l.height), 4, true,
+                    [&](std::size_t i) { return float(rgba[i / 4] >> (8 * (i % 4)) & 255) / 255; });
+}
+
+}  // namespace
+
+Image read_tiff(Bytes bytes, std::size_t max_pixels) {
+  // Messages would go to stderr; the error below says enough.
+  static const bool quiet = (TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr), true);
+  (void)quiet;
+  Memory memory{bytes};
+  const std::unique_ptr<TIFF, void (*)(TIFF*)> tiff(
+      TIFFClientOpen("image", "rm", &memory, on_read, on_write, on_seek, on_close, on_size, nullptr, nullptr), TIFFClose);
+  if (!tiff) throw Error("damaged TIFF");
+  Layout l;
+  if (!TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &l.width) || !TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &l.height))
+    throw Error("damaged TIFF: no size");
+  TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_BITSPERSAMPLE, &l.bits);
+  TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, &l.samples);
+  TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLEFORMAT, &l.format);
+  TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_PLANARCONFIG, &l.planar);
+  TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &l.photometric);
+  // No scheme in use packs more than some thousands to one.
+  check_size(l.width, l.height, max_pixels, bytes.size(), 20000);
+  const bool real = l.format == SAMPLEFORMAT_IEEEFP;
+  const bool known_bits = real ? l.bits == 16 || l.bits == 32 || l.bits == 64 : l.bits == 8 || l.bits == 16 || l.bits == 32;
+  const bool known_format = real || l.format == SAMPLEFORMAT_UINT || l.format == SAMPLEFORMAT_VOID;
+  const bool known_colour = l.photometric == PHOTOMETRIC_MINISBLACK || l.photometric == PHOTOMETRIC_RGB;
+  if (known_bits && known_format && known_colour && l.samples >= 1 && l.samples <= 64)
+    return read_plain(tiff.get(), l, !real);
+  return read_converted(tiff.get(), l);
+}
+
+}  // namespace aureole::codec

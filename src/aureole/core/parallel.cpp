@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/core/parallel.h"
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#ifndef AUREOLE_STD_THREADS
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#endif
+
+namespace aureole {
+
+int default_thread_count() { return std::max(1, int(std::thread::hardware_concurrency())); }
+
+void run_workers(int threads, const std::function<void(int)>& worker) {
+  std::exception_ptr first;
+  std::mutex mutex;
+  const auto guarded = [&](int i) {
+    try {
+      worker(i);
+    } catch (...) {
+      const std::lock_guard lock(mutex);
+      if (!first) first = std::current_exception();
+    }
+  };
+#ifdef AUREOLE_STD_THREADS
+  std::vector<std::thread> pool;
+  for (int i = 0; i < threads; ++i) pool.emplace_back(guarded, i);
+  for (auto& t : pool) t.join();
+#else
+  // More threads than cores are allowed on request: the determinism tests use them.
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(std::max(threads, default_thread_count())));
+  tbb::task_arena arena(threads);
+  arena.execute([&] { tbb::parallel_for(0, threads, 1, guarded, tbb::simple_partitioner()); });
+#endif
+  if (first) std::rethrow_exception(first);
+}
+
+}  // namespace aureole

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same radiance from every direction at infinity.
+#include "aureole/emitter/emitter.h"
+#include "aureole/math/warp.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+class ConstantEmitter final : public Emitter {
+ public:
+  explicit ConstantEmitter(const Properties& p)
+      : Emitter(p), radiance_(get_texture(p, "radiance", 1, SpectrumRole::emission)) {
+    if (!radiance_->is_constant()) throw p.error("radiance", "a constant emitter takes a spectrum, not a texture; use envmap");
+  }
+
+  void set_scene_bounds(const Vec3&, float radius) override { radius_ = radius; }
+  bool is_infinite() const override { return true; }
+
+  Spectrum eval_escaped(const Vec3&, const Wavelengths& w) const override { return radiance_->eval({}, w); }
+
+  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u, const Wavelengths& w) const override {
+    DirectSample s;
+    s.wo = square_to_uniform_sphere(u);
+    s.radiance = radiance_->eval({}, w);
+    s.pdf = 0.25f * kInvPi;
+    s.infinite = true;
+    return s;
+  }
+  float pdf_direct_escaped(const Vec3&, const Vec3&) const override { return 0.25f * kInvPi; }
+
+  SampledSpectrum power_spectrum() const override {
+    SampledSpectrum s = radiance_->average();
+    s.scale(4 * kPi * kPi * radius_ * radius_);
+    return s;
+  }
+  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+
+ private:
+  TexturePtr radiance_;
+  float radius_ = 1;
+};
+
+AUREOLE_PLUGIN(ConstantEmitter, "emitter", "constant",
+               PluginDoc{"Environment of constant radiance around the scene.",
+                         "",
+                         {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1", "spectral radiance"}},
+                         {R"(<emitter type="constant"><rgb name="radiance" value="0.5, 0.7, 1"/></emitter>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The emitter family. An emitter is divided into parts (patches of a shape, or one) between which the light selection chooses.
+#pragma once
+
+#include <optional>
+
+#include "aureole/plugin/object.h"
+#include "aureole/shape/surface_point.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+class Shape;
+
+/// A direction towards an emitter, from `Emitter::sample_direct`.
+struct DirectSample {
+  Vec3 wo;        ///< unit direction from the reference point towards the emitter
+  Vec3 p;         ///< where the connection ends; for an emitter at infinity a point beyond the scene
+  Vec3 p_error;   ///< zero for points that lie on no surface
+  Vec3 ng;        ///< zero for points that lie on no surface
+  Spectrum radiance;  ///< arriving along -wo; of a delta emitter the factor of the delta (irradiance)
+  float pdf = 0;  ///< density [1/sr], or 1 (a mass) where `delta`
+  bool delta = false;
+  bool infinite = false;
+};
+
+/// How much light a part may send somewhere, for light selection (Conty Estevez & Kulla 2018, "Importance sampling of many lights
+/// with adaptive tree splitting").
+struct EmissionBounds {
+  Bounds3 box;
+  Vec3 axis{0, 0, 1};
+  float cos_normals = -1;   ///< cosine of the half-angle of the cone of normals around axis
+  float cos_emission = 0;   ///< cosine of the further angle into which it shines (0 for a surface)
+  float power = 1;          ///< fraction of the emitter's power that this part sends
+};
+
+class Emitter : public Object {
+ public:
+  static constexpr const char* kFamily = "an emitter";
+  using Object::Object;
+
+  /// Called once when the emitter belongs to `shape`; others keep an error. Throws Error for an emitter that can't sit on a shape.
+  virtual void attach(const Shape& shape);
+  /// Called once with the scene's bounds before anything is sampled.
+  virtual void set_scene_bounds(const Vec3& center, float radius);
+
+  virtual bool is_infinite() const { return false; }
+  virtual std::size_t part_count() const { return 1; }
+  virtual std::size_t part_of(const SurfacePoint& point) const;
+
+  /// Radiance that leaves the surface `point` along the unit direction `w`.
+  virtual Spectrum eval(const SurfacePoint& point, const Vec3& w, const Wavelengths& wavelengths) const;
+  /// Radiance arriving from infinity against the direction `d` of a ray that left the scene.
+  virtual Spectrum eval_escaped(const Vec3& d, const Wavelengths& wavelengths) const;
+
+  virtual std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t part, Vec2 u,
+                                                    const Wavelengths& wavelengths) const = 0;
+  /// Solid-angle density with which sample_direct of `point`'s part chooses it from `reference`; 0 for delta emitters.
+  virtual float pdf_direct(const Vec3& reference, const SurfacePoint& point) const;
+  /// The same for a direction that left the scene.
+  virtual float pdf_direct_escaped(const Vec3& reference, const Vec3& d) const;
+
+  /// Power of a part per wavelength on the scene's grid (arbitrary but common scale for all emitters: W/nm).
+  virtual SampledSpectrum power_spectrum() const = 0;
+  virtual EmissionBounds emission_bounds(std::size_t part) const = 0;
+};
+using EmitterPtr = std::shared_ptr<Emitter>;
+
+}  // namespace aureole

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// Environment map in latitude-longitude projection, importance-sampled. Geometry as Mitsuba's: local +y is up, u = 0 looks along
+// local -z and grows towards +x; texels are centred in azimuth, the first and last rows are the poles.
+#include <cmath>
+
+#include "aureole/core/image.h"
+#include "aureole/emitter/emitter.h"
+#include "aureole/math/piecewise.h"
+#include "aureole/math/transform.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/spectrum/tables.h"
+#include "aureole/spectrum/upsampling.h"
+
+namespace aureole {
+namespace {
+
+class EnvmapEmitter final : public Emitter {
+ public:
+  explicit EnvmapEmitter(const Properties& p) : Emitter(p) {
+    const Transform to_world = p.get_transform("to_world");
+    const auto axes = orthonormal(p, to_world);
+    frame_ = {axes[0], axes[1], axes[2]};
+    scale_ = float(p.get_float("scale", 1, Range::non_negative()));
+    mis_compensation_ = p.get_bool("mis_compensation", false);
+    load(p);
+
+    const auto d65 = find_illuminant("D65");
+    d65_ = SampledSpectrum::from_points(p.context().grid, d65->wavelengths_nm, d65->values);
+    d65_.scale(float(d65_whitepoint_normalization()));
+  }
+
+  void set_scene_bounds(const Vec3&, float radius) override { radius_ = radius; }
+  bool is_infinite() const override { return true; }
+
+  Spectrum eval_escaped(const Vec3& d, const Wavelengths& w) const override { return eval_uv(to_uv(frame_.to_local(d)), w); }
+
+  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u, const Wavelengths& w) const override {
+    float pdf;
+    const Vec2 uv = distribution_.sample(u, &pdf);
+    const float theta = uv.y * kPi, phi = uv.x * 2 * kPi, sine = std::sin(theta);
+    if (!(pdf > 0) || !(sine > 0)) return {};
+    DirectSample s;
+    s.wo = frame_.to_world({std::sin(phi) * sine, std::cos(theta), -std::cos(phi) * sine});
+    s.radiance = eval_uv(uv, w);
+    s.pdf = pdf / (2 * kPi * kPi * sine);
+    s.infinite = true;
+    return s;
+  }
+
+  float pdf_direct_escaped(const Vec3&, const Vec3& d) const override {
+    const Vec3 v = frame_.to_local(d);
+    const float sine = std::sqrt(v.x * v.x + v.z * v.z);
+    return sine > 0 ? distribution_.pdf(to_uv(v)) / (2 * kPi * kPi * sine) : 0;
+  }
+
+  SampledSpectrum power_spectrum() const override {
+    // The mean colour's spectrum stands for the mean of the texels' spectra: only used to choose densities.
+    const UnboundedRgb mean = upsample_unbounded(mean_[0], mean_[1], mean_[2]);
+    std::vector<float> nodes(d65_.nodes().begin(), d65_.nodes().end());
+    for (size_t i = 0; i < nodes.size(); ++i)
+      nodes[i] *= scale_ * mean.at(float(d65_.grid().node(int(i)))) * 4 * kPi * kPi * radius_ * radius_;
+    return {d65_.grid(), nodes};
+  }
+  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+
+ private:
+  struct Texel {
+    SigmoidPolynomial polynomial;
+    float scale;
+  };
+
+  /// The transform's axes; a scale would distort solid angles.
+  static std::array<Vec3, 3> orthonormal(const Properties& p, const Transform& t) {
+    std::array<Vec3, 3> axes{normalize(t.vector({1, 0, 0})), normalize(t.vector({0, 1, 0})), normalize(t.vector({0, 0, 1}))};
+    for (int i = 0; i < 3; ++i)
+      if (std::abs(dot(axes[size_t(i)], axes[size_t((i + 1) % 3)])) > 1e-3f)
+        throw p.error("to_world", "an environment map may be rotated and mirrored, not sheared");
+    return axes;
+  }
+
+  void load(const Properties& p) {
+    const Image image = read_image(p.get_file("filename"));
+    if (image.width < 2 || image.height < 3) throw p.error("filename", "an environment map needs at least 2 x 3 pixels");
+    width_ = image.width, height_ = image.height;
+    int rgb[3] = {image.channel("R"), image.channel("G"), image.channel("B")};
+    if (rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0) {
+      const int y = image.channel("Y");
+      if (y < 0) throw p.error("filename", "the image has neither R, G, B nor Y channels");
+      rgb[0] = rgb[1] = rgb[2] = y;
+    }
+    texels_.resize(size_t(width_) * size_t(height_));
+    std::vector<float> luminance(texels_.size());
+    double weight_sum = 0, sums[3] = {};
+    for (int y = 0; y < height_; ++y) {
+      const double sine = std::sin(M_PI * y / (height_ - 1));
+      for (int x = 0; x < width_; ++x) {
+        float c[3];
+        for (int k = 0; k < 3; ++k) {
+          c[k] = image.at(x, y, size_t(rgb[k]));
+          if (image.srgb_encoded) c[k] = srgb_decode(c[k]);
+          if (!std::isfinite(c[k]) || c[k] < 0)
+            throw p.error("filename", "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is negative or not finite");
+          sums[k] += c[k] * sine;
+        }
+        weight_sum += sine;
+        const UnboundedRgb u = upsample_unbounded(c[0], c[1], c[2]);
+        const size_t i = size_t(y) * size_t(width_) + size_t(x);
+        texels_[i] = {u.polynomial, u.scale};
+        luminance[i] = 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
+      }
+    }
+    for (int k = 0; k < 3; ++k) mean_[k] = float(sums[k] / weight_sum);
+    build_distribution(luminance);
+  }
+
+  /// One cell per bilinear patch between texel centres would sit across the seam; cells of the image size are used instead, each
+  /// weighted by the mean over its four corners and its centre, so that it is never zero where the interpolant is positive.
+  void build_distribution(const std::vector<float>& luminance) {
+    const auto lum = [&](float u, float v) {
+      const float x = u * float(width_) - 0.5f, y = v * float(height_ - 1);
+      const int x0 = int(std::floor(x)), y0 = std::min(int(y), height_ - 2);
+      const float fx = x - float(x0), fy = y - float(y0);
+      const auto at = [&](int i, int j) {
+        return luminance[size_t(j) * size_t(width_) + size_t((i + width_) % width_)];
+      };
+      return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) + fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
+    };
+    std::vector<float> weights(luminance.size());
+    double mean = 0, area = 0;
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x) {
+        float sum = 0;
+        for (int j = 0; j <= 4; ++j)
+          for (int i = 0; i <= 4; ++i) {
+            const float v = (float(y) + 0.25f * float(j)) / float(height_);
+            sum += lum((float(x) + 0.25f * float(i)) / float(width_), std::min(v, 1.f)) / 25;
+          }
+        const float sine = std::sin(kPi * (float(y) + 0.5f) / float(height_));
+        weights[size_t(y) * size_t(width_) + size_t(x)] = sum;
+        mean += double(sum) * sine, area += sine;
+      }
+    // MIS compensation (Karlik et al. 2019): leave what BSDF sampling finds anyway.
+    const float offset = mis_compensation_ ? float(mean / area) : 0.f;
+    bool any = false;
+    for (float w : weights) any |= w > offset * 1.01f;
+    for (int y = 0; y < height_; ++y)
+      for (int x = 0; x < width_; ++x) {
+        float& w = weights[size_t(y) * size_t(width_) + size_t(x)];
+        w = (any ? std::max(0.f, w - offset) : w) * std::sin(kPi * (float(y) + 0.5f) / float(height_));
+      }
+    distribution_ = Piecewise2D(weights, width_, height_);
+  }
+
+  static Vec2 to_uv(const Vec3& v) {
+    const float u = std::atan2(v.x, -v.z) * (0.5f * kInvPi);
+    return {u < 0 ? u + 1 : u, std::acos(std::clamp(v.y, -1.f, 1.f)) * kInvPi};
+  }
+
+  Spectrum eval_uv(Vec2 uv, const Wavelengths& w) const {
+    const float x = uv.x * float(width_) - 0.5f, y = uv.y * float(height_ - 1);
+    const int x0 = int(std::floor(x)), y0 = std::clamp(int(y), 0, height_ - 2);
+    const float fx = x - float(x0), fy = std::clamp(y - float(y0), 0.f, 1.f);
+    const auto at = [&](int i, int j) -> const Texel& {
+      i = i < 0 ? i + width_ : i >= width_ ? i - width_ : i;
+      return texels_[size_t(j) * size_t(width_) + size_t(i)];
+    };
+    const Texel *a = &at(x0, y0), *b = &at(x0 + 1, y0), *c = &at(x0, y0 + 1), *d = &at(x0 + 1, y0 + 1);
+    const float wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wd = fx * fy;
+    // Shapes and scales are interpolated apart, as Mitsuba does: products would darken steep edges less, but pictures would differ.
+    const Spectrum shape = eval(a->polynomial, w.nm) * wa + eval(b->polynomial, w.nm) * wb +
+                           eval(c->polynomial, w.nm) * wc + eval(d->polynomial, w.nm) * wd;
+    const float scale = a->scale * wa + b->scale * wb + c->scale * wc + d->scale * wd;
+    return shape * d65_.eval(w) * (scale * scale_);
+  }
+
+  static Spectrum eval(const SigmoidPolynomial& p, const Spectrum& nm) {
+    return make_spectrum([&](int i) { return p.at(nm[i]); });
+  }
+
+  Frame frame_;
+  float scale_ = 1, radius_ = 1, mean_[3];
+  bool mis_compensation_;
+  int width_ = 0, height_ = 0;
+  std::vector<Texel> texels_;
+  Piecewise2D distribution_;
+  SampledSpectrum d65_;
+};
+
+AUREOLE_PLUGIN(
+    EnvmapEmitter, "emitter", "envmap",
+    PluginDoc{"Environment map in latitude-longitude projection. Colours are upsampled to spectra and multiplied by D65.",
+              "",
+              {{"filename", "file", "", "required", "EXR, HDR or any other image"},
+               {"scale", "float", "", "1", "factor of the radiance"},
+               {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
+               {"mis_compensation", "boolean", "", "false",
+                "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}},
+              {R"(<emitter type="envmap"><string name="filename" value="sky.exr"/><float name="scale" value="2"/>
+    <boolean name="mis_compensation" value="true"/><transform name="to_world"><rotate y="1" angle="90"/></transform></emitter>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reconstruction filter family: separable, symmetric kernels over pixels.
+#pragma once
+
+#include <vector>
+
+#include "aureole/plugin/object.h"
+#include "aureole/plugin/properties.h"
+
+namespace aureole {
+
+class Filter : public Object {
+ public:
+  static constexpr const char* kFamily = "a reconstruction filter";
+  using Object::Object;
+  virtual float radius() const = 0;       ///< support is [-radius, radius], in pixels
+  virtual float eval(float x) const = 0;  ///< not normalised; the film divides by the sum of weights
+};
+
+/// A filter tabulated finely over [0, radius], linearly interpolated (error below 1e-5 of the peak; a box is exact).
+class FilterTable {
+ public:
+  explicit FilterTable(const Filter& filter);
+  float radius() const { return radius_; }
+  /// Pixels beyond a sample's own that its support reaches, on each side.
+  int border() const { return border_; }
+  bool is_box() const { return border_ == 0; }
+  float eval(float x) const {
+    const float t = std::abs(x) * scale_;
+    const int i = int(t);
+    if (i >= kCells) return 0;
+    return values_[size_t(i)] + (values_[size_t(i) + 1] - values_[size_t(i)]) * (t - float(i));
+  }
+
+ private:
+  static constexpr int kCells = 2048;
+  float radius_, scale_;
+  int border_;
+  std::vector<float> values_;
+};
+
+}  // namespace aureole

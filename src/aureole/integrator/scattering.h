@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// What every integrator does at a surface: scatter and connect to lights in world space, with the checks that keep light from leaking through a
+// shading normal's wrong side. Integrators are built from these functions; none names a concrete plug-in.
+#pragma once
+
+#include <optional>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/scene/scene.h"
+#include "aureole/spectrum/path_density.h"
+
+namespace aureole {
+
+/// A surface point as a path sees it: the point, its BSDF and the direction towards the previous vertex.
+class SurfaceVertex {
+ public:
+  SurfaceVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, std::uint32_t key = 0)
+      : point_(&point),
+        bsdf_(point.shape->bsdf().get()),
+        context_{w, point, TransportMode::radiance, key},
+        wi_(point.shading.to_local(to_previous)),
+        wi_side_(dot(point.ng, to_previous)) {}
+
+  const SurfacePoint& point() const { return *point_; }
+  const Bsdf& bsdf() const { return *bsdf_; }
+  /// Normal for light selection; zero where light may arrive from both sides.
+  Vec3 light_normal() const { return has(bsdf_->lobes(), Lobe::transmit) ? Vec3{} : point_->shading.n; }
+
+  /// Value and density for a world direction; zero where shading and geometric normal disagree about its side.
+  BsdfEval eval_pdf(const Vec3& world_wo) const {
+    const Vec3 wo = point_->shading.to_local(world_wo);
+    if (!consistent(wo, world_wo)) return {};
+    return bsdf_->eval_pdf(wi_, wo, context_);
+  }
+  /// A sampled direction in world space.
+  std::optional<BsdfSample> sample(float u1, Vec2 u2) const {
+    auto s = bsdf_->sample(wi_, u1, u2, context_);
+    if (!s || !(s->pdf[0] > 0)) return {};
+    const Vec3 world = point_->shading.to_world(s->wo);
+    if (!consistent(s->wo, world)) return {};
+    s->wo = normalize(world);
+    return s;
+  }
+
+ private:
+  /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change it.
+  bool consistent(const Vec3& wo, const Vec3& world_wo) const {
+    return (wi_.z * wo.z > 0) == (wi_side_ * dot(point_->ng, world_wo) > 0);
+  }
+
+  const SurfacePoint* point_;
+  const Bsdf* bsdf_;
+  BsdfContext context_;
+  Vec3 wi_;
+  float wi_side_;
+};
+
+/// A light chosen for a vertex, and the density with which its direction was chosen.
+struct LightConnection {
+  DirectSample direct;
+  BsdfEval scattering;  ///< of the vertex for that direction
+  float density;        ///< selection probability times density, or mass for a delta light
+};
+
+/// Chooses a light and a direction towards it for the vertex; nothing where it could carry no light.
+inline std::optional<LightConnection> sample_light(const Scene& scene, const SurfaceVertex& vertex, float u1, Vec2 u2,
+                                                   const Wavelengths& w) {
+  const auto choice = scene.lights().choose(vertex.point().p, vertex.light_normal(), u1);
+  if (!choice || !(choice->probability > 0)) return {};
+  const auto direct = choice->emitter->sample_direct(vertex.point().p, choice->part, u2, w);
+  if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return {};
+  const BsdfEval scattering = vertex.eval_pdf(direct->wo);
+  if (is_black(scattering.value)) return {};
+  return LightConnection{*direct, scattering, choice->probability * direct->pdf};
+}
+
+/// Density with which `sample_light` at `from` would have chosen the emitting surface point (or, `hit` null, the escaping
+/// direction `d` of an infinite emitter).
+inline float light_density(const Scene& scene, const Vec3& from, const Vec3& light_normal, const Emitter& emitter,
+                           const SurfacePoint* hit, const Vec3& d) {
+  if (!hit) return scene.lights().probability(from, light_normal, &emitter, 0) * emitter.pdf_direct_escaped(from, d);
+  return scene.lights().probability(from, light_normal, &emitter, emitter.part_of(*hit)) * emitter.pdf_direct(from, *hit);
+}
+
+}  // namespace aureole

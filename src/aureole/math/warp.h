@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Maps from the unit square to discs, spheres, cones and triangles that carry uniform points to the stated
+// density. Only polynomials and square roots: fast, and the same bits with every C library.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/math/vec.h"
+
+namespace aureole {
+
+/// The largest float below one: what keeps a warped point off the boundary of its domain.
+inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
+
+namespace detail {
+/// (cos a, sin a) for |a| <= pi/4; errors below 1.2e-7 (the polynomials of S. Moshier's Cephes library).
+inline Vec2 cos_sin_quarter(float a) {
+  const float a2 = a * a;
+  const float c = 1 + a2 * (-0.5f + a2 * (4.166664568e-2f + a2 * (-1.388731625e-3f + a2 * 2.443315712e-5f)));
+  const float s = a * (1 + a2 * (-1.666665461e-1f + a2 * (8.332160874e-3f + a2 * -1.951529589e-4f)));
+  return {c, s};
+}
+}  // namespace detail
+
+/// (cos, sin) of 2 pi u for u in [0, 1].
+inline Vec2 cos_sin_2pi(float u) {
+  const int quadrant = int(4 * u + 0.5f);
+  const Vec2 a = detail::cos_sin_quarter(2 * kPi * (u - 0.25f * float(quadrant)));
+  switch (quadrant & 3) {
+    case 0:
+      return a;
+    case 1:
+      return {-a.y, a.x};
+    case 2:
+      return {-a.x, -a.y};
+    default:
+      return {a.y, -a.x};
+  }
+}
+
+/// A point of a disc with the polar radius it was made from, which has no rounding error.
+struct DiscPoint {
+  Vec2 p;
+  float radius = 0;
+};
+
+/// The unit disc, area-preserving and with little distortion (Shirley & Chiu 1997, "A low distortion map
+/// between disk and square"). The radius stays below one.
+inline DiscPoint square_to_disc_concentric(Vec2 u) {
+  const float a = 2 * u.x - 1, b = 2 * u.y - 1;
+  if (a == 0 && b == 0) return {};
+  const bool x_major = std::abs(a) > std::abs(b);
+  const float major = x_major ? a : b, minor = x_major ? b : a;
+  const float r = std::copysign(std::min(std::abs(major), kOneMinusEpsilon), major);
+  const Vec2 angle = detail::cos_sin_quarter(0.25f * kPi * (minor / major));
+  const float along = r * angle.x, across = r * angle.y;
+  return {x_major ? Vec2{along, across} : Vec2{across, along}, std::abs(r)};
+}
+inline float square_to_disc_pdf() { return kInvPi; }
+
+/// The upper hemisphere with density cos(theta)/pi; z is always positive.
+inline Vec3 square_to_cosine_hemisphere(Vec2 u) {
+  const DiscPoint d = square_to_disc_concentric(u);
+  return {d.p.x, d.p.y, std::sqrt((1 - d.radius) * (1 + d.radius))};
+}
+inline float cosine_hemisphere_pdf(float cos_theta) { return std::max(cos_theta, 0.f) * kInvPi; }
+
+/// The unit sphere, density 1/(4 pi).
+inline Vec3 square_to_uniform_sphere(Vec2 u) {
+  const float z = 1 - 2 * u.x;
+  const float r = 2 * std::sqrt(std::max(u.x * (1 - u.x), 0.f));
+  const Vec2 a = cos_sin_2pi(u.y);
+  return {r * a.x, r * a.y, z};
+}
+inline constexpr float uniform_sphere_pdf() { return 0.25f * kInvPi; }
+
+/// The cone around +z whose half-angle alpha has 1 - cos(alpha) = `one_minus_cos`, which keeps narrow cones
+/// exact.
+inline Vec3 square_to_uniform_cone(Vec2 u, float one_minus_cos) {
+  const float x = u.x * one_minus_cos;  // 1 - cos(theta)
+  const float r = std::sqrt(std::max(x * (2 - x), 0.f));
+  const Vec2 a = cos_sin_2pi(u.y);
+  return {r * a.x, r * a.y, 1 - x};
+}
+inline float uniform_cone_pdf(float one_minus_cos) { return 1 / (2 * kPi * one_minus_cos); }
+
+/// The upper hemisphere, density 1/(2 pi).
+inline Vec3 square_to_uniform_hemisphere(Vec2 u) { return square_to_uniform_cone(u, 1); }
+inline constexpr float uniform_hemisphere_pdf() { return 0.5f * kInvPi; }
+
+/// Two barycentric coordinates, uniform over a triangle (Heitz 2019, "A low-distortion map between triangle
+/// and square").
+inline Vec2 square_to_triangle(Vec2 u) {
+  if (u.y > u.x) return {0.5f * u.x, u.y - 0.5f * u.x};
+  return {u.x - 0.5f * u.y, 0.5f * u.y};
+}
+
+}  // namespace aureole

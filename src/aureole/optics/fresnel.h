@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reflection and refraction of a plane wave at a flat interface (Born & Wolf, Principles of Optics, 7th ed.
+// 1999, sections 1.5.2, 1.5.4 and 14.2).
+//
+// Conventions. Time dependence exp(-i omega t), so an absorbing medium has n = eta + i k with k >= 0. The
+// wave comes from a lossless medium n_i. All cosines are between a direction and the normal on its own side,
+// in [0, 1]; values less than 1e-6 outside are taken for rounding errors and clamped. Indices are
+// dimensionless. Every function throws std::domain_error, with the value, for a cosine or an index out of its
+// range.
+#pragma once
+
+#include <complex>
+
+namespace aureole::optics {
+
+/// Ratios of complex electric-field amplitudes to that of the incident wave, for the polarisations
+/// perpendicular (s) and parallel (p) to the plane of incidence, and the transmitted wave's complex cosine.
+struct FresnelAmplitudes {
+  std::complex<double> r_s, r_p, t_s, t_p;
+  std::complex<double> cos_t;
+};
+
+/// Fresnel's formulae (Born & Wolf 1999, 1.5.2 equations 20 and 21), with the p axes such that at normal
+/// incidence r_p = -r_s and t_p = t_s. `n_t` is real (k = 0) for a dielectric and complex for a conductor.
+/// Beyond the critical angle the amplitudes of reflection have modulus 1 and the phases of total internal
+/// reflection, and cos_t is on the branch of a wave that decays away from the interface. The transmitted
+/// fractions of power are Re(n_t cos_t) |t_s|^2 / (n_i cos_i) and Re(n_t conj(cos_t)) |t_p|^2 / (n_i cos_i).
+FresnelAmplitudes fresnel_amplitudes(double cos_i, double n_i, std::complex<double> n_t);
+
+/// Reflected fraction of unpolarised power at a dielectric interface, (|r_s|^2 + |r_p|^2)/2; 1 beyond the
+/// critical angle.
+double fresnel_reflectance(double cos_i, double n_i, double n_t);
+
+/// The same for a conductor of index n_t = eta + i k.
+double fresnel_reflectance_conductor(double cos_i, double n_i, std::complex<double> n_t);
+
+/// Reflected fraction of unpolarised power of a lossless slab thick against the coherence length and thin
+/// against everything else, all interreflections added as powers: R + T^2 R / (1 - R^2) = 2R/(1 + R), with R
+/// of one face for unpolarised light and T = 1 - R (the `thindielectric` of Mitsuba 3, Jakob et al. 2022,
+/// which like this does not follow the two polarisations through the slab). `n_ext` is the index outside,
+/// `n_int` that of the slab.
+double thin_slab_reflectance(double cos_i, double n_ext, double n_int);
+
+/// Reflected fraction of ideally diffuse unpolarised light, integral of 2 R(mu) mu over mu in [0, 1]. `eta`
+/// is the index beyond the interface over the index on the side of the light: eta > 1 is the "external" and
+/// eta < 1 the "internal" diffuse reflectance. By quadrature, error below 1e-9.
+double fresnel_diffuse_reflectance(double eta);
+
+}  // namespace aureole::optics

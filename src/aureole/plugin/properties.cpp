@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/plugin/properties.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include "aureole/core/units.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+std::string number_text(double v) {
+  std::string s = std::to_string(v);
+  if (s.find('.') != std::string::npos) {
+    while (s.back() == '0') s.pop_back();
+    if (s.back() == '.') s.pop_back();
+  }
+  return s;
+}
+
+std::string describe(const Properties::Value& v) {
+  switch (v.index()) {
+    case 0: return "a boolean";
+    case 1: return "an integer";
+    case 2: return "a float";
+    case 3: return "a string";
+    case 4: return "a vector";
+    case 5: return "a transform";
+    case 6: return "a spectrum";
+    default: return "an object";
+  }
+}
+
+}  // namespace
+
+Object::Object(const Properties& properties) : properties_(std::make_shared<Properties>(properties)) {}
+Object::~Object() = default;
+const std::string& Object::id() const { return properties_->id(); }
+
+Properties::Properties(std::string type, std::string id, SourceLocation where,
+                       std::shared_ptr<const BuildContext> context, const PluginInfo* plugin)
+    : type_(std::move(type)),
+      id_(std::move(id)),
+      where_(std::move(where)),
+      context_(context ? std::move(context) : std::make_shared<const BuildContext>()),
+      plugin_(plugin) {}
+
+void Properties::add(std::string name, Value value, SourceLocation where) {
+  if (!name.empty() && has(name)) throw Error(where, "parameter \"" + name + "\" is given twice");
+  entries_.push_back({std::move(name), std::move(value), std::move(where)});
+}
+
+bool Properties::has(std::string_view name) const {
+  return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.name == name; });
+}
+
+void Properties::require_documented(std::string_view name) const {
+  if (plugin_ && !plugin_->documents(name))
+    throw std::logic_error("plug-in \"" + plugin_->name + "\" reads the undocumented parameter \"" + std::string(name) + "\"");
+  if (std::find(queried_.begin(), queried_.end(), name) == queried_.end()) queried_.emplace_back(name);
+}
+
+const Properties::Entry* Properties::find(std::string_view name) const {
+  require_documented(name);
+  for (const Entry& e : entries_)
+    if (e.name == name) return e.used = true, &e;
+  return nullptr;
+}
+
+Error Properties::error(std::string_view name, const std::string& message) const {
+  for (const Entry& e : entries_)
+    if (e.name == name) return Error(e.where, "parameter \"" + std::string(name) + "\" of \"" + type_ + "\": " + message);
+  return Error(where_, "\"" + type_ + "\": " + message);
+}
+
+Error Properties::wrong_type(const Entry& e, std::string_view expected) const {
+  return error(e.name, "expected " + std::string(expected) + ", got " + describe(e.value));
+}
+
+double Properties::checked(const Entry& e, double v, Range r) const {
+  const bool low = r.open_min ? !(v > r.min) : !(v >= r.min);
+  if (!std::isfinite(v)) throw error(e.name, "must be a finite number");
+  if (low || v > r.max) {
+    std::string bound = std::isfinite(r.max) ? "in " + std::string(r.open_min ? "(" : "[") + number_text(r.min) + ", " +
+                                                   number_text(r.max) + "]"
+                                             : (r.open_min ? "> " : ">= ") + number_text(r.min);
+    if (!std::isfinite(r.min)) bound = "<= " + number_text(r.max);
+    throw error(e.name, "must be " + bound + ", got " + number_text(v));
+  }
+  return v;
+}
+
+bool Properties::get_bool(std::string_view name, bool fallback) const {
+  const Entry* e = find(name);
+  if (!e) return fallback;
+  if (const bool* b = std::get_if<bool>(&e->value)) return *b;
+  throw wrong_type(*e, "a boolean");
+}
+
+std::int64_t Properties::get_int(std::string_view name, std::int64_t fallback, Range range) const {
+  const Entry* e = find(name);
+  if (!e) return fallback;
+  if (const auto* i = std::get_if<std::int64_t>(&e->value)) return checked(*e, double(*i), range), *i;
+  if (const auto* d = std::get_if<double>(&e->value); d && *d == std::floor(*d) && std::abs(*d) < 9e15)
+    return checked(*e, *d, range), std::int64_t(*d);
+  throw wrong_type(*e, "an integer");
+}
+
+double Properties::get_float(std::string_view name, double fallback, Range range) const {
+  return has(name) ? get_float(name, range) : (require_documented(name), fallback);
+}
+
+double Properties::get_float(std::string_view name, Range range) const {
+  const Entry* e = find(name);
+  if (!e) throw Error(where_, "\"" + type_ + "\" needs the parameter \"" + std::string(name) + "\"");
+  if (const auto* d = std::get_if<double>(&e->value)) return checked(*e, *d, range);
+  if (const auto* i = std::get_if<std::int64_t>(&e->value)) return checked(*e, double(*i), range);
+  throw wrong_type(*e, "a float");
+}
+
+std::string Properties::get_string(std::string_view name, const std::string& fallback) const {
+  const Entry* e = find(name);
+  if (!e) return fallback;
+  if (const auto* s = std::get_if<std::string>(&e->value)) return *s;
+  throw wrong_type(*e, "a string");
+}
+
+std::string Properties::get_string(std::string_view name) const {
+  if (!has(name)) {
+    require_documented(name);
+    throw Error(where_, "\"" + type_ + "\" needs the parameter \"" + std::string(name) + "\"");
+  }
+  return get_string(name, "");
+}
+
+std::string Properties::get_choice(std::string_view name, const std::string& fallback,
+                                   const std::vector<std::string>& allowed) const {
+  const std::string s = get_string(name, fallback);
+  if (std::find(allowed.begin(), allowed.end(), s) != allowed.end()) return s;
+  std::string list;
+  for (const auto& a : allowed) list += (list.empty() ? "" : ", ") + a;
+  throw error(name, "\"" + s + "\" is not one of " + list + did_you_mean(s, allowed));
+}
+
+Vec3 Properties::get_vec3(std::string_view name, const Vec3& fallback) const {
+  const Entry* e = find(name);
+  if (!e) return fallback;
+  const Vec3* v = std::get_if<Vec3>(&e->value);
+  if (!v) throw wrong_type(*e, "a point or vector");
+  if (!is_finite(*v)) throw error(name, "must be finite");
+  return *v;
+}
+
+Transform Properties::get_transform(std::string_view name) const {
+  const Entry* e = find(name);
+  if (!e) return {};
+  const Transform* t = std::get_if<Transform>(&e->value);
+  if (!t) throw wrong_type(*e, "a transform");
+  if (t->is_singular()) throw error(name, "the transform is singular (it cannot be inverted)");
+  return *t;
+}
+
+double Properties::get_length_m(std::string_view name, double fallback_m, Range range) const {
+  const Entry* e = find(name);
+  if (!e) return fallback_m;
+  if (std::holds_alternative<double>(e->value) || std::holds_alternative<std::int64_t>(e->value))
+    throw error(name, "a physical length needs a unit: write <string name=\"" + std::string(name) + "\" value=\"5um\"/>");
+  const auto* s = std::get_if<std::string>(&e->value);
+  if (!s) throw wrong_type(*e, "a length such as \"5um\"");
+  double v = 0;
+  try {
+    v = parse_length_m(*s);
+  } catch (const Error& problem) {
+    throw error(name, problem.message());
+  }
+  return checked(*e, v, range);
+}
+
+std::filesystem::path Properties::get_file(std::string_view name) const {
+  const std::filesystem::path path = get_string(name);
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw error(name, "no such file: " + path.string());
+  if (!std::filesystem::is_regular_file(path, ignored) || !std::ifstream(path))
+    throw error(name, "not a readable file: " + path.string());
+  return path;
+}
+
+void Properties::note(std::string_view name, const std::string& message) const {
+  if (!context_->diagnostics) return;
+  SourceLocation at = where_;
+  for (const Entry& e : entries_)
+    if (e.name == name) at = e.where;
+  context_->diagnostics->note(at, message);
+}
+
+void Properties::report_unused(Diagnostics& diagnostics) const {
+  for (const Entry& e : entries_) {
+    if (e.used) continue;
+    if (e.name.empty()) {
+      diagnostics.error(e.where, "\"" + type_ + "\" has no use for this child object");
+      continue;
+    }
+    std::vector<std::string> names = plugin_ ? plugin_->parameter_names() : queried_;
+    std::string suggestion = did_you_mean(e.name, names);
+    if (plugin_ && plugin_->documents(e.name)) {
+      diagnostics.error(e.where, "parameter \"" + e.name + "\" has no effect here with the other parameters of \"" + type_ + "\"");
+      continue;
+    }
+    diagnostics.error(e.where, "unknown parameter \"" + e.name + "\" of \"" + type_ + "\"" + suggestion);
+  }
+}
+
+}  // namespace aureole

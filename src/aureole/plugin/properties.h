@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// `Properties`: the named, typed and located parameters that a plug-in is made from. Reading a parameter checks its type and
+// range, marks it as used, and throws an `Error` that names the place in the scene file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "aureole/core/error.h"
+#include "aureole/math/transform.h"
+#include "aureole/plugin/object.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+struct PluginInfo;
+
+/// What a scene fixes before its objects are built.
+struct BuildContext {
+  SpectralGrid grid;           ///< wavelengths of the sensor
+  double length_unit_m = 1.0;  ///< metres per scene unit
+  Diagnostics* diagnostics = nullptr;  ///< receives notes; may be null
+};
+
+/// A spectrum as written in a scene file; what it means (reflectance, emission) is decided by the parameter it is for.
+struct SpectrumLiteral {
+  enum class Kind { value, rgb, points } kind = Kind::value;
+  double value = 0;                ///< Kind::value
+  double rgb[3] = {0, 0, 0};       ///< Kind::rgb, linear sRGB
+  std::vector<double> nm, values;  ///< Kind::points, nm increasing
+};
+
+/// A closed or half-open interval that a number must lie in.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool open_min = false;  ///< min itself is not allowed
+
+  static Range positive() { return {0, std::numeric_limits<double>::infinity(), true}; }
+  static Range non_negative() { return {0}; }
+  static Range unit() { return {0, 1}; }
+};
+
+class Properties {
+ public:
+  using Value = std::variant<bool, std::int64_t, double, std::string, Vec3, Transform, SpectrumLiteral, ObjectPtr>;
+  struct Entry {
+    std::string name;  ///< empty for unnamed child objects
+    Value value;
+    SourceLocation where;
+    mutable bool used = false;
+  };
+
+  Properties(std::string type, std::string id, SourceLocation where, std::shared_ptr<const BuildContext> context,
+             const PluginInfo* plugin = nullptr);
+
+  const std::string& type() const { return type_; }
+  const std::string& id() const { return id_; }
+  const SourceLocation& where() const { return where_; }
+  const BuildContext& context() const { return *context_; }
+  const std::shared_ptr<const BuildContext>& shared_context() const { return context_; }
+  const PluginInfo* plugin() const { return plugin_; }
+
+  /// Adds a parameter; throws Error at `where` if the name is taken.
+  void add(std::string name, Value value, SourceLocation where);
+  const std::vector<Entry>& entries() const { return entries_; }
+
+  /// True if present; does not mark it as used.
+  bool has(std::string_view name) const;
+  /// The entry, marked as used, or null. For readers of several types (textures).
+  const Entry* find(std::string_view name) const;
+
+  // Typed readers. The two-argument forms have a default; the one-argument forms require the parameter.
+  bool get_bool(std::string_view name, bool fallback) const;
+  std::int64_t get_int(std::string_view name, std::int64_t fallback, Range range = {}) const;
+  double get_float(std::string_view name, double fallback, Range range = {}) const;
+  double get_float(std::string_view name, Range range) const;
+  std::string get_string(std::string_view name, const std::string& fallback) const;
+  std::string get_string(std::string_view name) const;
+  /// One of `allowed`, else an error that lists them.
+  std::string get_choice(std::string_view name, const std::string& fallback,
+                         const std::vector<std::string>& allowed) const;
+  Vec3 get_vec3(std::string_view name, const Vec3& fallback) const;
+  /// Identity where absent; a singular transform is an error.
+  Transform get_transform(std::string_view name) const;
+  /// A physical length in metres. In the file a string with a unit ("5um") is required; a plain number is an error that says so.
+  double get_length_m(std::string_view name, double fallback_m, Range range = Range::positive()) const;
+  /// An existing, readable file, absolute (the scene reader has made it so).
+  std::filesystem::path get_file(std::string_view name) const;
+
+  /// The object given under `name`, or null. Of the wrong family: an error.
+  template <class T>
+  std::shared_ptr<T> get_object(std::string_view name) const {
+    const Entry* e = find(name);
+    return e ? cast<T>(*e) : nullptr;
+  }
+  /// All child objects of family T, in order, whatever their names, that no other reader took.
+  /// `documented_name` is the row of the parameter table that describes them.
+  template <class T>
+  std::vector<std::shared_ptr<T>> get_children(std::string_view documented_name) const {
+    require_documented(documented_name);
+    std::vector<std::shared_ptr<T>> found;
+    for (const Entry& e : entries_)
+      if (!e.used && std::holds_alternative<ObjectPtr>(e.value))
+        if (auto p = std::dynamic_pointer_cast<T>(std::get<ObjectPtr>(e.value))) e.used = true, found.push_back(p);
+    return found;
+  }
+
+  /// An error located at the parameter, or at the object if the parameter is absent.
+  [[nodiscard]] Error error(std::string_view name, const std::string& message) const;
+  /// A message to the user about a parameter that is accepted but has no effect here.
+  void note(std::string_view name, const std::string& message) const;
+
+  /// Reports every entry that nothing read as an error with a suggestion.
+  void report_unused(Diagnostics& diagnostics) const;
+  /// Names of documented parameters asked for so far, present or not (for the documentation test).
+  const std::vector<std::string>& queried() const { return queried_; }
+
+ private:
+  template <class T>
+  std::shared_ptr<T> cast(const Entry& e) const {
+    if (const auto* object = std::get_if<ObjectPtr>(&e.value))
+      if (auto p = std::dynamic_pointer_cast<T>(*object)) return p;
+    throw wrong_type(e, T::kFamily);
+  }
+  Error wrong_type(const Entry& e, std::string_view expected) const;
+  void require_documented(std::string_view name) const;
+  double checked(const Entry& e, double value, Range range) const;
+
+  std::string type_, id_;
+  SourceLocation where_;
+  std::shared_ptr<const BuildContext> context_;
+  const PluginInfo* plugin_;
+  std::vector<Entry> entries_;
+  mutable std::vector<std::string> queried_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The film's memory: sums in 128-bit fixed point, whose addition is exact and needs no order, so that a picture is the same bit for bit
+// whoever adds its parts in whatever order.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace aureole {
+
+using Fixed = __int128;  ///< units of 2^-64
+
+/// Largest magnitude that `to_fixed` takes; 2^62 leaves room for 2^1 ... additions never come near it in practice.
+inline constexpr float kFixedLimit = 0x1p60f;
+inline Fixed to_fixed(float x) { return Fixed(double(x) * 0x1p64); }
+inline double from_fixed(Fixed x) { return double(x) * 0x1p-64; }
+
+/// Per pixel: the film's measured channels, then alpha, then the sum of filter weights.
+class FilmBuffer {
+ public:
+  FilmBuffer() = default;
+  FilmBuffer(int width, int height, int measured_channels)
+      : width_(width), height_(height), channels_(measured_channels), data_(std::size_t(width) * height * (measured_channels + 2)) {}
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  int measured_channels() const { return channels_; }
+  int stride() const { return channels_ + 2; }
+  Fixed* pixel(int x, int y) { return &data_[(std::size_t(y) * width_ + x) * stride()]; }
+  const Fixed* pixel(int x, int y) const { return &data_[(std::size_t(y) * width_ + x) * stride()]; }
+  std::vector<Fixed>& data() { return data_; }
+  const std::vector<Fixed>& data() const { return data_; }
+
+  /// Adds a block of float sums whose top left pixel is (x0, y0); what lies outside the film is left out.
+  void add(int x0, int y0, int block_width, int block_height, const float* sums) {
+    for (int y = 0; y < block_height; ++y) {
+      if (y0 + y < 0 || y0 + y >= height_) continue;
+      for (int x = 0; x < block_width; ++x) {
+        if (x0 + x < 0 || x0 + x >= width_) continue;
+        const float* s = sums + (std::size_t(y) * block_width + x) * stride();
+        if (s[stride() - 1] == 0) continue;
+        Fixed* p = pixel(x0 + x, y0 + y);
+        for (int c = 0; c < stride(); ++c) p[c] += to_fixed(s[c]);
+      }
+    }
+  }
+
+  void add(const FilmBuffer& b) {
+    for (std::size_t i = 0; i < data_.size(); ++i) data_[i] += b.data_[i];
+  }
+
+  /// Weighted means of the measured channels and of alpha of one pixel; zeros where no sample counted.
+  void mean(int x, int y, double* measured, double* alpha) const {
+    const Fixed* p = pixel(x, y);
+    const double w = from_fixed(p[channels_ + 1]);
+    const double inverse = w != 0 ? 1 / w : 0;
+    for (int c = 0; c < channels_; ++c) measured[c] = from_fixed(p[c]) * inverse;
+    *alpha = from_fixed(p[channels_]) * inverse;
+  }
+
+ private:
+  int width_ = 0, height_ = 0, channels_ = 0;
+  std::vector<Fixed> data_;
+};
+
+}  // namespace aureole

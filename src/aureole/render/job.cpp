@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/render/job.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <mutex>
+
+#include "aureole/core/parallel.h"
+#include "aureole/core/random.h"
+#include "aureole/core/version.h"
+
+namespace aureole {
+
+struct RenderJob::Lock {
+  std::mutex mutex;
+};
+
+namespace {
+
+constexpr int kMaxChannels = 8;
+
+double available_memory_bytes() {
+  std::ifstream in("/proc/meminfo");
+  std::string key, unit;
+  double kib;
+  while (in >> key >> kib >> unit)
+    if (key == "MemAvailable:") return kib * 1024;
+  return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
+}
+
+double now_s() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace
+
+Development development_of(const Film& film) {
+  Development d;
+  d.names = film.channel_names();
+  d.half = film.pixel_type() == ExrPixel::half;
+  const size_t channels = size_t(film.measured_channels());
+  const bool alpha = d.names.back() == "A";
+  d.rows.assign(d.names.size() - (alpha ? 1 : 0), std::vector<float>(channels));
+  d.rgb_rows.assign(3, std::vector<float>(channels));
+  std::vector<float> out(d.names.size());
+  for (size_t k = 0; k < channels; ++k) {
+    std::vector<double> unit(channels, 0.0);
+    unit[k] = 1;
+    film.develop(unit.data(), 0, out.data());
+    for (size_t c = 0; c < d.rows.size(); ++c) d.rows[c][k] = out[c];
+    float rgb[3];
+    film.develop_rgb(unit.data(), rgb);
+    for (size_t c = 0; c < 3; ++c) d.rgb_rows[c][k] = rgb[c];
+  }
+  return d;
+}
+
+RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& options)
+    : scene_(std::move(scene)), options_(options), filter_(scene_->film().filter()), lock_(std::make_shared<Lock>()) {
+  integrator_ = dynamic_cast<const Integrator*>(scene_->integrator_object().get());
+  if (!integrator_) throw Error("the scene has no integrator");
+  const Film& film = scene_->film();
+  const Sampler& sampler = scene_->sensor().sampler();
+  const std::int64_t end = options_.end.value_or(sampler.sample_count());
+  if (end <= options_.begin || options_.begin < 0)
+    throw Error(fmt::format("nothing to render: samples {}:{}", options_.begin, end));
+  if (options_.begin % kSampleBlock != 0)
+    throw Error(fmt::format("samples {}:{}: the first must be a multiple of {} (try {}), so that parts rendered apart make the same picture",
+                            options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
+  if (options_.replicates < 1) throw Error("there must be at least one replicate");
+  if (film.measured_channels() > kMaxChannels) throw Error("this film measures too many channels");
+  seed_ = options_.seed.value_or(sampler.seed());
+
+  const double needed = 2 * state_bytes(film.crop_width(), film.crop_height(), film.measured_channels(), options_.replicates);
+  const double available = available_memory_bytes();
+  if (needed > 0.8 * available)
+    throw Error(fmt::format("a picture of {} x {} pixels{} needs about {:.1f} GiB of memory, and {:.1f} GiB are available: render it in "
+                            "parts with crop_offset_x, crop_width, ...",
+                            film.crop_width(), film.crop_height(),
+                            options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
+                            needed / (1 << 30), available / (1 << 30)));
+  PictureIdentity id;
+  id.scene = scene_->loaded().file.filename().string();
+  id.version = kVersion;
+  id.sampler = sampler.properties().type();
+  id.integrator = integrator_->properties().type();
+  id.scene_hash = scene_->hash();
+  id.seed = seed_;
+  id.wavelengths = kWavelengths;
+  id.width = film.crop_width(), id.height = film.crop_height();
+  id.border = film.sample_border() ? filter_.border() : 0;
+  id.measured_channels = film.measured_channels();
+  id.replicates = options_.replicates;
+  state_ = RenderState(std::move(id), development_of(film), options_.begin, end);
+}
+
+void RenderJob::resume(RenderState state) {
+  if (const std::string d = state_.identity.difference(state.identity); !d.empty())
+    throw Error("the saved state belongs to another picture: they differ in their " + d);
+  state.set_range(state_.begin, state_.end);
+  state_ = std::move(state);
+}
+
+RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int replicate, const PathLog& log) const {
+  const Film& film = scene_->film();
+  const std::uint64_t pixel = std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
+  const std::uint64_t key = combine_bits(combine_bits(seed_, std::uint64_t(replicate)), pixel);
+  SampleStream stream(scene_->sensor().sampler(), key, std::uint32_t(index));
+  const Vec2 u = stream.get2(0);
+  const Wavelengths w = scene_->wavelengths().sample(stream.get1(2));
+  Sample s;
+  s.position = {float(x) + u.x, float(y) + u.y};
+  const Vec2 on_film{s.position.x + float(film.crop_x()), s.position.y + float(film.crop_y())};
+  const Ray ray = scene_->sensor().sample_ray(on_film, {});
+  const RadianceEstimate r = integrator_->radiance(*scene_, ray, w, stream, log);
+  s.alpha = r.alpha;
+  s.valid = is_valid_radiance(r.estimate);
+  if (s.valid) {
+    film.measure(r.estimate, w, s.measured);
+    for (int c = 0; c < film.measured_channels(); ++c) s.valid &= std::abs(s.measured[c]) < kFixedLimit;
+  }
+  return s;
+}
+
+void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
+  // Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
+  const std::int64_t tiles = state_.tiles();
+  const std::int64_t tile = unit % tiles;
+  const int replicate = int(unit / tiles % state_.identity.replicates);
+  const std::int64_t block = unit / state_.units_per_block();
+  const int outside = state_.identity.border;
+  const int x0 = int(tile % state_.tiles_x()) * kTileSize - outside, y0 = int(tile / state_.tiles_x()) * kTileSize - outside;
+  const int x1 = std::min(x0 + kTileSize, state_.identity.width + outside);
+  const int y1 = std::min(y0 + kTileSize, state_.identity.height + outside);
+  const std::int64_t first = state_.begin + block * kSampleBlock, last = std::min(first + kSampleBlock, state_.end);
+
+  const int border = filter_.border(), channels = state_.identity.measured_channels, stride = channels + 2;
+  const int width = x1 - x0 + 2 * border, height = y1 - y0 + 2 * border;
+  sums.assign(size_t(width) * size_t(height) * size_t(stride), 0.f);
+  std::vector<InvalidSample> invalid;
+  static const PathLog no_log;
+  float wx[64], wy[64];
+  const int reach = 2 * border + 1;
+  for (int y = y0; y < y1; ++y)
+    for (int x = x0; x < x1; ++x)
+      for (std::int64_t i = first; i < last; ++i) {
+        const Sample s = render_sample(x, y, i, replicate, no_log);
+        if (!s.valid) {
+          invalid.push_back({x + scene_->film().crop_x(), y + scene_->film().crop_y(), replicate, i});
+          continue;
+        }
+        if (border == 0) {
+          float* p = &sums[(size_t(y - y0) * size_t(width) + size_t(x - x0)) * size_t(stride)];
+          for (int c = 0; c < channels; ++c) p[c] += s.measured[c];
+          p[channels] += s.alpha;
+          p[channels + 1] += 1;
+          continue;
+        }
+        for (int k = 0; k < reach; ++k) {
+          wx[k] = filter_.eval(float(x - border + k) + 0.5f - s.position.x);
+          wy[k] = filter_.eval(float(y - border + k) + 0.5f - s.position.y);
+        }
+        for (int j = 0; j < reach; ++j) {
+          float* p = &sums[(size_t(y - y0 + j) * size_t(width) + size_t(x - x0)) * size_t(stride)];
+          for (int k = 0; k < reach; ++k, p += stride) {
+            const float weight = wx[k] * wy[j];
+            for (int c = 0; c < channels; ++c) p[c] += weight * s.measured[c];
+            p[channels] += weight * s.alpha;
+            p[channels + 1] += weight;
+          }
+        }
+      }
+  const std::lock_guard guard(lock_->mutex);
+  state_.films[size_t(replicate)].add(x0 - border, y0 - border, width, height, sums.data());
+  state_.done[size_t(unit)] = 1;
+  state_.invalid_samples += invalid.size();
+  for (const auto& s : invalid)
+    if (invalid_.size() < 16) invalid_.push_back(s);
+}
+
+RenderState RenderJob::snapshot() const {
+  const std::lock_guard guard(lock_->mutex);
+  return state_;
+}
+
+RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop, const std::function<void(const Progress&)>& report) {
+  const double start = now_s(), spent_before = state_.seconds;
+  double last_checkpoint = start;
+  std::int64_t done_at_start = 0;
+  std::vector<std::int64_t> missing;
+  for (std::int64_t u = 0; u < state_.units(); ++u)
+    if (!state_.done[size_t(u)]) missing.push_back(u);
+    else ++done_at_start;
+  const double samples_per_unit = double(state_.identity.width) * state_.identity.height * kSampleBlock / double(state_.tiles());
+  const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
+
+  std::atomic<size_t> next{0};
+  std::atomic<std::int64_t> finished{0};
+  std::atomic<bool> out_of_time{false};
+  // With a time limit all threads meet after each block, so that the picture ends on whole blocks that every pixel has.
+  const std::int64_t per_block = state_.units_per_block();
+  size_t limit = missing.size();
+  const auto work = [&](int thread) {
+    std::vector<float> sums;
+    double last_report = now_s();
+    for (;;) {
+      if (stop.load(std::memory_order_relaxed)) return;
+      const size_t i = next.fetch_add(1);
+      if (i >= limit) return;
+      render_unit(missing[i], sums);
+      ++finished;
+      if (thread != 0) continue;
+      const double t = now_s();
+      if (report && t - last_report > 0.2) {
+        last_report = t;
+        report({done_at_start + finished, state_.units(), t - start, double(finished) * samples_per_unit / (t - start)});
+      }
+      if (!options_.state_file.empty() && t - last_checkpoint > options_.checkpoint_interval_s) {
+        {
+          const std::lock_guard guard(lock_->mutex);
+          state_.seconds = spent_before + t - start;
+          save();
+        }
+        last_checkpoint = now_s();
+      }
+    }
+  };
+  if (options_.time_limit_s <= 0) {
+    run_workers(threads, work);
+  } else {
+    size_t begin = 0;
+    while (begin < missing.size() && !stop) {
+      const std::int64_t block = missing[begin] / per_block;
+      limit = begin;
+      while (limit < missing.size() && missing[limit] / per_block == block) ++limit;
+      next = begin;
+      run_workers(threads, work);
+      begin = limit;
+      if (now_s() - start >= options_.time_limit_s && begin < missing.size()) {
+        out_of_time = true;
+        break;
+      }
+    }
+  }
+  const double seconds = now_s() - start;
+  state_.seconds = spent_before + seconds;
+  const bool complete = state_.units_done() == state_.units();
+  if (report)
+    report({done_at_start + finished, state_.units(), seconds, double(finished) * samples_per_unit / std::max(1e-9, seconds)});
+  if (!options_.state_file.empty()) {
+    if (complete && !options_.keep_state) std::filesystem::remove(options_.state_file);
+    else save();
+  }
+  return complete ? Outcome::finished : out_of_time ? Outcome::time_limit : Outcome::interrupted;
+}
+
+void RenderJob::save() const { state_.save(options_.state_file); }
+
+std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const {
+  const Film& film = scene_->film();
+  const Sample s = render_sample(x - film.crop_x(), y - film.crop_y(), sample, replicate, log);
+  if (!s.valid) return {};
+  return {s.measured, s.measured + film.measured_channels()};
+}
+
+}  // namespace aureole

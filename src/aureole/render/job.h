@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rendering job: work units of tile x sample block over threads, with progress, checkpoints, interruption and resumption.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aureole/integrator/integrator.h"
+#include "aureole/render/state.h"
+#include "aureole/scene/scene.h"
+
+namespace aureole {
+
+struct RenderOptions {
+  std::int64_t begin = 0;
+  std::optional<std::int64_t> end;  ///< samples per pixel; default: the scene's sample_count
+  std::optional<std::uint64_t> seed;
+  int threads = 0;                  ///< 0: all cores
+  int replicates = 1;               ///< independently scrambled renders, for variances
+  double time_limit_s = 0;          ///< 0: none; else ends after the first whole block that every pixel has
+  double checkpoint_interval_s = 30;
+  std::filesystem::path state_file; ///< empty: no checkpoints
+  bool keep_state = false;          ///< keep the state file of a finished job
+};
+
+/// Invalid radiance estimate of one sample, for --pixel to replay.
+struct InvalidSample {
+  int x, y, replicate;
+  std::int64_t sample;
+};
+
+struct Progress {
+  std::int64_t units_done, units;
+  double seconds, samples_per_second;
+};
+
+class RenderJob {
+ public:
+  /// Throws Error: a sample range that cuts blocks, a film too large for memory, wrong integrator.
+  RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& options);
+
+  /// Continues from a saved state. Throws Error where it belongs to another picture.
+  void resume(RenderState state);
+
+  enum class Outcome { finished, interrupted, time_limit };
+  /// Renders what is missing. `stop` may be set by a signal handler. `report` is called from one thread, a few times a second.
+  Outcome run(const std::atomic<bool>& stop, const std::function<void(const Progress&)>& report = {});
+
+  const RenderState& state() const { return state_; }
+  /// A consistent copy while `run` is going on (previews).
+  RenderState snapshot() const;
+  /// The first few invalid samples met.
+  const std::vector<InvalidSample>& invalid_samples() const { return invalid_; }
+
+  /// Replays one sample of a pixel, logging its vertices; returns its measured channels. Pixel coordinates are the film's.
+  std::vector<float> replay(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const;
+
+ private:
+  struct Sample {
+    Vec2 position;     ///< relative to the crop's corner
+    float alpha;
+    float measured[8];
+    bool valid;
+  };
+  Sample render_sample(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const;
+  void render_unit(std::int64_t unit, std::vector<float>& sums);
+  void save() const;
+
+  std::shared_ptr<const Scene> scene_;
+  const Integrator* integrator_;
+  RenderOptions options_;
+  FilterTable filter_;
+  RenderState state_;
+  std::uint64_t seed_;
+  std::vector<InvalidSample> invalid_;
+  struct Lock;
+  std::shared_ptr<Lock> lock_;  ///< guards state_ and invalid_ while units are added
+};
+
+/// What a film does to measured values, as matrices.
+Development development_of(const Film& film);
+
+}  // namespace aureole

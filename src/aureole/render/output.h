@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Writing a job's pictures: EXR with its origin in the header, and a PNG to look at.
+#pragma once
+
+#include <filesystem>
+
+#include "aureole/render/state.h"
+
+namespace aureole {
+
+/// Writes `file` (EXR: scene, hash, seed, samples, version, wall time in the header) and a tone-mapped PNG of the same name beside it.
+void write_pictures(const RenderState& state, const std::filesystem::path& file);
+
+/// Only the PNG.
+void write_preview(const RenderState& state, const std::filesystem::path& exr_file);
+
+/// Throws Error if a file of this name could not be written: asked before hours are spent on its content.
+void require_writable(const std::filesystem::path& file);
+
+}  // namespace aureole

@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/render/state.h"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "aureole/core/error.h"
+
+namespace aureole {
+
+namespace {
+
+constexpr char kMagic[] = "aureole-state-1\n";
+constexpr std::size_t kMagicSize = sizeof kMagic - 1;
+
+std::uint64_t checksum(const char* p, std::size_t n) {
+  std::uint64_t h = 0xcbf29ce484222325u;
+  // Eight bytes a step: a checkpoint of a large film must not wait for a byte-wise hash.
+  for (; n >= 8; p += 8, n -= 8) {
+    std::uint64_t word;
+    std::memcpy(&word, p, 8);
+    h = (h ^ word) * 0x100000001b3u;
+    h ^= h >> 29;
+  }
+  for (; n; ++p, --n) h = (h ^ std::uint8_t(*p)) * 0x100000001b3u;
+  return h;
+}
+
+nlohmann::json header_of(const RenderState& s) {
+  const PictureIdentity& i = s.identity;
+  return {{"scene", i.scene},
+          {"version", i.version},
+          {"sampler", i.sampler},
+          {"integrator", i.integrator},
+          {"scene_hash", i.scene_hash},
+          {"seed", i.seed},
+          {"wavelengths", i.wavelengths},
+          {"width", i.width},
+          {"height", i.height},
+          {"border", i.border},
+          {"measured_channels", i.measured_channels},
+          {"replicates", i.replicates},
+          {"names", s.development.names},
+          {"rows", s.development.rows},
+          {"rgb_rows", s.development.rgb_rows},
+          {"half", s.development.half},
+          {"begin", s.begin},
+          {"end", s.end},
+          {"invalid_samples", s.invalid_samples},
+          {"seconds", s.seconds}};
+}
+
+}  // namespace
+
+std::string PictureIdentity::difference(const PictureIdentity& o) const {
+  if (version != o.version) return "program version (" + version + " and " + o.version + ")";
+  if (scene_hash != o.scene_hash) return "scene";
+  if (width != o.width || height != o.height || border != o.border || measured_channels != o.measured_channels)
+    return "film";
+  if (seed != o.seed) return "seed (" + std::to_string(seed) + " and " + std::to_string(o.seed) + ")";
+  if (sampler != o.sampler) return "sampler (" + sampler + " and " + o.sampler + ")";
+  if (integrator != o.integrator) return "integrator (" + integrator + " and " + o.integrator + ")";
+  if (replicates != o.replicates) return "number of replicates";
+  if (wavelengths != o.wavelengths) return "number of wavelengths per path";
+  return "";
+}
+
+RenderState::RenderState(PictureIdentity id, Development d, std::int64_t first, std::int64_t last)
+    : identity(std::move(id)), development(std::move(d)), begin(first), end(last) {
+  for (int r = 0; r < identity.replicates; ++r)
+    films.emplace_back(identity.width, identity.height, identity.measured_channels);
+  done.assign(std::size_t(units()), 0);
+}
+
+std::int64_t RenderState::units_done() const { return std::count(done.begin(), done.end(), std::uint8_t(1)); }
+
+std::int64_t RenderState::samples_everywhere() const {
+  std::int64_t samples = 0;
+  for (std::int64_t b = 0; b < blocks(); ++b) {
+    const auto first = done.begin() + b * units_per_block();
+    if (std::find(first, first + units_per_block(), std::uint8_t(0)) == first + units_per_block())
+      samples += std::min<std::int64_t>(kSampleBlock, end - begin - b * kSampleBlock);
+  }
+  return samples;
+}
+
+void RenderState::set_range(std::int64_t new_begin, std::int64_t new_end) {
+  if (new_begin == begin && new_end == end) return;
+  const std::int64_t per_block = units_per_block();
+  RenderState changed;
+  changed.identity = identity;
+  changed.begin = new_begin, changed.end = new_end;
+  std::vector<std::uint8_t> flags(std::size_t(changed.blocks() * per_block), 0);
+  for (std::int64_t b = 0; b < blocks(); ++b) {
+    const auto first = done.begin() + b * per_block;
+    if (std::find(first, first + per_block, std::uint8_t(1)) == first + per_block) continue;
+    const std::int64_t sample = begin + b * kSampleBlock;
+    const std::int64_t old_stop = std::min(sample + kSampleBlock, end), new_stop = std::min(sample + kSampleBlock, new_end);
+    if (sample < new_begin || sample >= new_end || old_stop != new_stop)
+      throw Error("samples " + std::to_string(sample) + ":" + std::to_string(old_stop) +
+                  " are done already and do not fit into the samples " + std::to_string(new_begin) + ":" +
+                  std::to_string(new_end) + " asked for (use multiples of " + std::to_string(kSampleBlock) + ")");
+    std::copy(first, first + per_block, flags.begin() + (sample - new_begin) / kSampleBlock * per_block);
+  }
+  begin = new_begin, end = new_end;
+  done = std::move(flags);
+}
+
+void RenderState::merge(const RenderState& other) {
+  if (const std::string d = identity.difference(other.identity); !d.empty())
+    throw Error("these states belong to different pictures: they differ in their " + d);
+  RenderState b = other;
+  const std::int64_t first = std::min(begin, b.begin), last = std::max(end, b.end);
+  set_range(first, last);
+  b.set_range(first, last);
+  for (std::size_t i = 0; i < done.size(); ++i)
+    if (done[i] && b.done[i]) {
+      const std::int64_t sample = begin + std::int64_t(i) / units_per_block() * kSampleBlock;
+      throw Error("the states overlap: both hold samples from " + std::to_string(sample) + " on");
+    }
+  for (std::size_t i = 0; i < done.size(); ++i) done[i] |= b.done[i];
+  for (std::size_t r = 0; r < films.size(); ++r) films[r].add(b.films[r]);
+  invalid_samples += b.invalid_samples;
+  seconds += b.seconds;
+}
+
+void RenderState::save(const std::filesystem::path& file) const {
+  const std::string header = header_of(*this).dump() + "\n";
+  std::vector<char> bytes;
+  std::size_t size = kMagicSize + 8 + header.size() + done.size() + 8;
+  for (const auto& f : films) size += f.data().size() * sizeof(Fixed);
+  bytes.reserve(size);
+  const auto append = [&](const void* p, std::size_t n) {
+    bytes.insert(bytes.end(), static_cast<const char*>(p), static_cast<const char*>(p) + n);
+  };
+  append(kMagic, kMagicSize);
+  const std::uint64_t header_size = header.size();
+  append(&header_size, 8);
+  append(header.data(), header.size());
+  append(done.data(), done.size());
+  for (const auto& f : films) append(f.data().data(), f.data().size() * sizeof(Fixed));
+  const std::uint64_t sum = checksum(bytes.data(), bytes.size());
+  append(&sum, 8);
+  write_file_atomically(file, bytes);
+}
+
+RenderState RenderState::load(const std::filesystem::path& file) {
+  const SourceLocation where{file.string(), 0, 0};
+  std::ifstream in(file, std::ios::binary | std::ios::ate);
+  if (!in) throw Error(where, "cannot be read");
+  const std::streamoff size = in.tellg();
+  std::vector<char> bytes(size > 0 ? std::size_t(size) : 0);
+  in.seekg(0);
+  in.read(bytes.data(), std::streamsize(bytes.size()));
+  const Error broken(where, "is not a complete state file");
+  if (bytes.size() < kMagicSize + 16 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) throw broken;
+  std::uint64_t header_size, sum;
+  std::memcpy(&header_size, bytes.data() + kMagicSize, 8);
+  std::memcpy(&sum, bytes.data() + bytes.size() - 8, 8);
+  if (sum != checksum(bytes.data(), bytes.size() - 8) || header_size > bytes.size() - kMagicSize - 16) throw broken;
+  try {
+    const char* p = bytes.data() + kMagicSize + 8;
+    const auto j = nlohmann::json::parse(p, p + header_size);
+    RenderState s;
+    PictureIdentity id;
+    id.scene = j.at("scene"), id.version = j.at("version"), id.sampler = j.at("sampler"), id.integrator = j.at("integrator");
+    id.scene_hash = j.at("scene_hash"), id.seed = j.at("seed"), id.wavelengths = j.at("wavelengths");
+    id.width = j.at("width"), id.height = j.at("height"), id.border = j.at("border");
+    id.measured_channels = j.at("measured_channels"), id.replicates = j.at("replicates");
+    Development d;
+    d.names = j.at("names").get<std::vector<std::string>>();
+    d.rows = j.at("rows").get<std::vector<std::vector<float>>>();
+    d.rgb_rows = j.at("rgb_rows").get<std::vector<std::vector<float>>>();
+    d.half = j.at("half");
+    s = RenderState(id, d, j.at("begin"), j.at("end"));
+    s.invalid_samples = j.at("invalid_samples"), s.seconds = j.at("seconds");
+    p += header_size;
+    std::size_t needed = s.done.size();
+    for (auto& f : s.films) needed += f.data().size() * sizeof(Fixed);
+    if (needed != std::size_t(bytes.data() + bytes.size() - 8 - p)) throw broken;
+    std::memcpy(s.done.data(), p, s.done.size());
+    p += s.done.size();
+    for (auto& f : s.films) {
+      std::memcpy(f.data().data(), p, f.data().size() * sizeof(Fixed));
+      p += f.data().size() * sizeof(Fixed);
+    }
+    return s;
+  } catch (const nlohmann::json::exception&) {
+    throw broken;
+  }
+}
+
+Image RenderState::picture() const {
+  Image image;
+  image.width = identity.width, image.height = identity.height;
+  image.channels = development.names;
+  const std::size_t n = development.names.size();
+  const bool variances = identity.replicates > 1;
+  if (variances)
+    for (std::size_t c = 0; c < n; ++c) image.channels.push_back("variance." + development.names[c]);
+  image.pixels.resize(std::size_t(image.width) * image.height * image.channels.size());
+  std::vector<double> measured(std::size_t(identity.measured_channels)), sum(n), sum_of_squares(n);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      std::fill(sum.begin(), sum.end(), 0.0);
+      std::vector<std::vector<double>> values(films.size(), std::vector<double>(n));
+      for (std::size_t r = 0; r < films.size(); ++r) {
+        double alpha;
+        films[r].mean(x, y, measured.data(), &alpha);
+        for (std::size_t c = 0; c < n; ++c) {
+          double v = 0;
+          if (c < development.rows.size())
+            for (std::size_t k = 0; k < measured.size(); ++k) v += double(development.rows[c][k]) * measured[k];
+          else
+            v = alpha;
+          values[r][c] = v;
+          sum[c] += v;
+        }
+      }
+      const double replicates = double(films.size());
+      for (std::size_t c = 0; c < n; ++c) {
+        const double mean = sum[c] / replicates;
+        image.at(x, y, c) = float(mean);
+        if (!variances) continue;
+        double squares = 0;
+        for (std::size_t r = 0; r < films.size(); ++r) squares += (values[r][c] - mean) * (values[r][c] - mean);
+        image.at(x, y, n + c) = float(squares / (replicates - 1) / replicates);
+      }
+    }
+  return image;
+}
+
+Image RenderState::display_picture() const {
+  Image image;
+  image.width = identity.width, image.height = identity.height;
+  image.channels = {"R", "G", "B"};
+  image.srgb_encoded = true;
+  image.pixels.resize(std::size_t(image.width) * image.height * 3);
+  std::vector<double> measured(std::size_t(identity.measured_channels));
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      float rgb[3] = {};
+      for (const auto& film : films) {
+        double alpha;
+        film.mean(x, y, measured.data(), &alpha);
+        for (std::size_t c = 0; c < 3; ++c)
+          for (std::size_t k = 0; k < measured.size(); ++k)
+            rgb[c] += float(double(development.rgb_rows[c][k]) * measured[k] / double(films.size()));
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        constexpr float knee = 0.8f;
+        float v = std::max(0.f, rgb[c]);
+        if (v > knee) v = knee + (1 - knee) * (1 - std::exp(-(v - knee) / (1 - knee)));
+        image.at(x, y, c) = srgb_encode(std::min(v, 1.f));
+      }
+    }
+  return image;
+}
+
+double state_bytes(int width, int height, int measured_channels, int replicates) {
+  return double(width) * height * (measured_channels + 2) * sizeof(Fixed) * replicates;
+}
+
+}  // namespace aureole

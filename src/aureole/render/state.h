@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a job has done so far: fixed-point films and the units they hold. Checkpoints, parts of a picture rendered apart and merges are all
+// this, in memory or in a file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "aureole/core/image.h"
+#include "aureole/render/film_buffer.h"
+
+namespace aureole {
+
+inline constexpr int kTileSize = 16;       ///< pixels
+inline constexpr int kSampleBlock = 16;    ///< samples of a work unit, aligned
+
+/// Which picture a state belongs to. Two states can be merged or resumed only where all of this agrees.
+struct PictureIdentity {
+  std::string scene, version, sampler, integrator;
+  std::uint64_t scene_hash = 0, seed = 0;
+  int wavelengths = 0;
+  int width = 0, height = 0, border = 0, measured_channels = 0, replicates = 1;
+
+  /// Names of the first difference, or an empty string.
+  std::string difference(const PictureIdentity& other) const;
+};
+
+/// How measured values become the channels of a picture: linear, so that it fits in a state file.
+struct Development {
+  std::vector<std::string> names;   ///< channels, "A" last where alpha is stored
+  std::vector<std::vector<float>> rows;  ///< per channel: factors of the measured channels
+  std::vector<std::vector<float>> rgb_rows;  ///< linear sRGB for previews
+  bool half = true;
+};
+
+class RenderState {
+ public:
+  RenderState() = default;
+  RenderState(PictureIdentity identity, Development development, std::int64_t begin, std::int64_t end);
+
+  PictureIdentity identity;
+  Development development;
+  std::int64_t begin = 0, end = 0;  ///< samples asked for; `begin` is a multiple of kSampleBlock
+  std::vector<FilmBuffer> films;    ///< one per replicate
+  std::vector<std::uint8_t> done;   ///< per unit
+  std::uint64_t invalid_samples = 0;
+  double seconds = 0;               ///< wall time spent
+
+  int tiles_x() const { return (identity.width + 2 * identity.border + kTileSize - 1) / kTileSize; }
+  int tiles_y() const { return (identity.height + 2 * identity.border + kTileSize - 1) / kTileSize; }
+  std::int64_t tiles() const { return std::int64_t(tiles_x()) * tiles_y(); }
+  std::int64_t blocks() const { return (end - begin + kSampleBlock - 1) / kSampleBlock; }
+  std::int64_t units_per_block() const { return tiles() * identity.replicates; }
+  std::int64_t units() const { return blocks() * units_per_block(); }
+  std::int64_t units_done() const;
+  /// Samples that every pixel has; partly done blocks do not count.
+  std::int64_t samples_everywhere() const;
+
+  /// Changes the samples asked for, keeping the units done. Throws Error where a block done was cut short at the old end.
+  void set_range(std::int64_t new_begin, std::int64_t new_end);
+
+  /// Adds the units of another state. Throws Error for another picture, overlapping units, or a gap-making cut block.
+  void merge(const RenderState& other);
+
+  void save(const std::filesystem::path& file) const;                  ///< atomic
+  static RenderState load(const std::filesystem::path& file);          ///< throws Error: missing, truncated, corrupt
+
+  /// The mean over replicates and, with two replicates or more, the variance of that mean ("variance.R", ...).
+  Image picture() const;
+  /// Tone-mapped and encoded for display: highlights above 0.8 are compressed, nothing else is changed.
+  Image display_picture() const;
+};
+
+/// Memory of a state in bytes.
+double state_bytes(int width, int height, int measured_channels, int replicates);
+
+}  // namespace aureole

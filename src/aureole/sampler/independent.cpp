@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Independent uniform random numbers, counter-based. May change: the hash, never its statistics.
+#include "aureole/core/random.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/sampler/sampler.h"
+
+namespace aureole {
+namespace {
+
+class IndependentSampler final : public Sampler {
+ public:
+  explicit IndependentSampler(const Properties& p) : Sampler(p) { read_common(p); }
+
+  void block(std::uint64_t pixel_key, std::uint32_t sample, int block, float out[kBlock]) const override {
+    const std::uint64_t key = combine_bits(pixel_key, sample);
+    for (int i = 0; i < kBlock; i += 2) {
+      const std::uint64_t bits = combine_bits(key, std::uint64_t(block) * kBlock + std::uint64_t(i));
+      out[i] = unit_float(std::uint32_t(bits));
+      out[i + 1] = unit_float(std::uint32_t(bits >> 32));
+    }
+  }
+};
+
+AUREOLE_PLUGIN(IndependentSampler, "sampler", "independent",
+               PluginDoc{"Independent uniform random numbers. `sobol` converges faster on almost every scene.",
+                         "",
+                         {{"sample_count", "integer", "", "4", "samples per pixel"},
+                          {"seed", "integer", "", "0", "chooses another independent set of samples"}},
+                         {R"(<sampler type="independent"><integer name="sample_count" value="64"/><integer name="seed" value="1"/></sampler>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sobol points with one true dimension per decision, Owen-scrambled by hash per pixel and dimension. May change: the number of
+// dimensions, the scrambling hash.
+#include <array>
+#include <initializer_list>
+
+#include "aureole/core/random.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/sampler/sampler.h"
+
+namespace aureole {
+namespace {
+
+constexpr int kDimensions = 256;
+
+struct Directions {
+  std::uint32_t polynomial;
+  std::array<std::uint32_t, 12> m;
+};
+constexpr Directions kDirections[kDimensions] = {
+#include "aureole/sampler/sobol_directions.inc"
+};
+
+constexpr std::uint32_t reverse_bits(std::uint32_t x) {
+  x = (x >> 16) | (x << 16);
+  x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
+  x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
+  x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
+  return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
+}
+
+/// Generator matrices, for 8 dimensions at a time, bit-reversed because the scrambling works on reversed bits.
+struct Matrices {
+  alignas(32) std::uint32_t column[kDimensions / 8][32][8];
+
+  Matrices() {
+    for (int d = 0; d < kDimensions; ++d) {
+      std::uint32_t v[32];
+      const Directions& t = kDirections[d];
+      int degree = 31;
+      while (!(t.polynomial >> degree)) --degree;
+      for (int i = 0; i < 32; ++i) {
+        if (d == 0) {
+          v[i] = 1u << (31 - i);  // van der Corput
+        } else if (i < degree) {
+          v[i] = t.m[size_t(i)] << (31 - i);
+        } else {
+          // Bratley & Fox 1988, "Algorithm 659", Eq. 3.
+          v[i] = v[i - degree] ^ (v[i - degree] >> degree);
+          for (int k = 1; k < degree; ++k)
+            if ((t.polynomial >> (degree - k)) & 1) v[i] ^= v[i - k];
+        }
+        column[d / 8][i][d % 8] = reverse_bits(v[i]);
+      }
+    }
+  }
+};
+const Matrices& matrices() {
+  static const Matrices m;
+  return m;
+}
+
+/// A hash whose every output bit depends only on input bits at or below it: on reversed bits, a nested uniform (Owen) scramble
+/// (Laine & Karras 2011, "Stratified sampling for stochastic transparency"; constants of N. Vegdahl, 2021).
+constexpr std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
+  x ^= x * 0x3d20adeau;
+  x += seed;
+  x *= (seed >> 16) | 1u;
+  x ^= x * 0x05526c56u;
+  x ^= x * 0x53a22864u;
+  return x;
+}
+
+class SobolSampler final : public Sampler {
+ public:
+  explicit SobolSampler(const Properties& p) : Sampler(p), table_(&matrices()) { read_common(p); }
+
+  void block(std::uint64_t pixel_key, std::uint32_t sample, int block, float out[kBlock]) const override {
+    constexpr int kBlocks = kDimensions / kBlock;
+    // Beyond the table its dimensions are used again, with the sample index shuffled per repetition (Burley 2020, "Practical
+    // hash-based Owen scrambling"): without the shuffle the repeated dimensions would be correlated with the first ones and
+    // the error would stop falling.
+    const int repetition = block / kBlocks;
+    std::uint32_t index = sample;
+    if (repetition > 0)
+      index = reverse_bits(owen_hash(reverse_bits(sample), std::uint32_t(combine_bits(pixel_key, ~std::uint64_t(repetition)))));
+    const auto& columns = table_->column[block % kBlocks];
+    alignas(32) std::uint32_t x[kBlock] = {};
+    for (; index; index &= index - 1) {
+      const auto& c = columns[__builtin_ctz(index)];
+      for (int i = 0; i < kBlock; ++i) x[i] ^= c[i];
+    }
+    const std::uint32_t key = std::uint32_t(pixel_key) ^ std::uint32_t(pixel_key >> 32);
+    for (int i = 0; i < kBlock; ++i) {
+      // A 32-bit finaliser (C. Wellons' "lowbias32"), so that 8 seeds are one vector computation.
+      std::uint32_t seed = key + 0x9e3779b9u * std::uint32_t(block * kBlock + i + 1);
+      seed ^= seed >> 16;
+      seed *= 0x21f0aaadu;
+      seed ^= seed >> 15;
+      seed *= 0xd35a2d97u;
+      seed ^= seed >> 15;
+      out[i] = float(std::int32_t(reverse_bits(owen_hash(x[i], seed)) >> 8)) * 0x1p-24f;
+    }
+  }
+
+ private:
+  const Matrices* table_;
+};
+
+AUREOLE_PLUGIN(SobolSampler, "sampler", "sobol",
+               PluginDoc{"Sobol points, Owen-scrambled per pixel and dimension: the default. Any number of samples works; powers of two "
+                         "have the lowest error.",
+                         "Directions: Joe & Kuo 2008. Scrambling: Owen 1995, by hash as in Laine & Karras 2011 and Burley 2020.",
+                         {{"sample_count", "integer", "", "4", "samples per pixel"},
+                          {"seed", "integer", "", "0", "chooses another independent scrambling"}},
+                         {R"(<sampler type="sobol"><integer name="sample_count" value="64"/><integer name="seed" value="1"/></sampler>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/aliases.h"
+
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+constexpr std::string_view kOneIntegrator = "it renders surfaces and media alike";
+constexpr std::string_view kBetterSampler = "it is stratified in every dimension";
+
+const std::vector<PluginAlias> kAliases = {
+    {"integrator", "volpath", "path", kOneIntegrator, {}},
+    {"integrator", "volpathmis", "path", kOneIntegrator, {"use_spectral_mis"}},
+    {"sampler", "ldsampler", "sobol", kBetterSampler, {"dimension"}},
+    {"sampler", "multijitter", "sobol", kBetterSampler, {"jitter"}},
+    {"sampler", "orthogonal", "sobol", kBetterSampler, {"jitter", "strength"}},
+    {"sampler", "stratified", "sobol", kBetterSampler, {"dimension", "jitter"}},
+};
+
+}  // namespace
+
+const PluginAlias* find_alias(std::string_view family, std::string_view name) {
+  // A plug-in of that very name, added later, needs no stand-in.
+  if (Registry::instance().find(family, name)) return nullptr;
+  for (const PluginAlias& alias : kAliases)
+    if (alias.family == family && alias.name == name) return &alias;
+  return nullptr;
+}
+
+bool is_surface_emitter(std::string_view name) { return name == "area" || name == "directionalarea"; }
+
+}  // namespace aureole

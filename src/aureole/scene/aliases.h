@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plug-ins of Mitsuba that another plug-in stands in for, and other facts about Mitsuba's plug-in names.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace aureole {
+
+struct PluginAlias {
+  std::string_view family, name;
+  std::string_view replacement;
+  std::string_view reason;                ///< for the note to the user
+  std::vector<std::string_view> ignored;  ///< parameters the replacement has no use for
+};
+
+/// The stand-in for a plug-in that is not registered itself, or null.
+const PluginAlias* find_alias(std::string_view family, std::string_view name);
+
+/// True for emitters that shine from a shape and therefore do nothing by themselves.
+bool is_surface_emitter(std::string_view name);
+
+}  // namespace aureole

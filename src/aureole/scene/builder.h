@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Last stage of loading: nodes -> objects. Each object is built once, when it is first needed, and shared by
+// every reference to it, so that a reference may come before what it refers to.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <unordered_map>
+
+#include "aureole/plugin/properties.h"
+#include "aureole/scene/resolve.h"
+
+namespace aureole {
+
+struct PluginAlias;
+
+class Builder {
+public:
+  Builder(const References& references, std::shared_ptr<const BuildContext> context, Diagnostics& diagnostics)
+      : references_(references), context_(std::move(context)), diagnostics_(diagnostics) {}
+
+  /// The object of an element or of a <ref> to it. Null where it could not be built; the reasons have been
+  /// reported, and only once for all references to it.
+  ObjectPtr object(const Node& node);
+
+  /// The element itself, or what a <ref> points to, or null.
+  const Node* target(const Node& node) const;
+
+private:
+  ObjectPtr construct(const Node& node);
+  const PluginInfo* plugin_of(const Node& node, const PluginAlias** alias);
+  /// Adds the parameter or child object; false if it has a problem.
+  bool add_child(const Node& child, Properties& properties);
+  ObjectPtr create(const Node& node, const PluginInfo& plugin, const Properties& properties);
+  void report_unknown_parameters(const Node& node, const PluginInfo& plugin);
+
+  const References& references_;
+  std::shared_ptr<const BuildContext> context_;
+  Diagnostics& diagnostics_;
+  std::unordered_map<const Node*, ObjectPtr> built_;  ///< null for failed ones
+};
+
+/// `unknown element <bdsf>; did you mean "bsdf"?`
+Error unknown_element(const Node& node);
+
+}  // namespace aureole

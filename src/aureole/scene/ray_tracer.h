@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Ray casting: the one place that calls Embree (what differs between Embree 3 and 4 is behind this file; shapes only make geometries).
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <cstdint>
+#include <span>
+
+#include "aureole/shape/shape.h"
+
+namespace aureole {
+
+class RayTracer {
+ public:
+  /// Builds the acceleration structure; throws Error where memory runs out.
+  explicit RayTracer(std::span<const ShapePtr> shapes);
+  ~RayTracer();
+  RayTracer(const RayTracer&) = delete;
+  RayTracer& operator=(const RayTracer&) = delete;
+
+  struct Hit {
+    std::uint32_t shape = ~0u;  ///< index into the shapes; ~0 where nothing was met
+    std::uint32_t primitive = 0;
+    float u = 0, v = 0, t = 0;
+    explicit operator bool() const { return shape != ~0u; }
+  };
+  Hit intersect(const Ray& ray) const;
+  bool occluded(const Ray& ray) const;
+  Bounds3 bounds() const { return bounds_; }
+
+ private:
+  RTCDevice device_ = nullptr;
+  RTCScene scene_ = nullptr;
+  Bounds3 bounds_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/scene.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace aureole {
+
+namespace {
+
+/// Integral of the product of two spectra on one grid.
+double overlap(const SampledSpectrum& a, const SampledSpectrum& b) {
+  double s = 0;
+  for (size_t i = 0; i < a.nodes().size(); ++i) s += double(a.nodes()[i]) * b.nodes()[i];
+  return s * a.grid().step();
+}
+
+SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b) {
+  std::vector<float> nodes(a.nodes().size());
+  for (size_t i = 0; i < nodes.size(); ++i) nodes[i] = a.nodes()[i] * b.nodes()[i];
+  return {a.grid(), std::move(nodes)};
+}
+
+}  // namespace
+
+Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.shapes) {
+  sensor_ = std::dynamic_pointer_cast<Sensor>(loaded_.sensor);
+  if (!sensor_) throw Error({loaded_.file.string(), 0, 0}, "the scene has no sensor");
+  for (const auto& shape : shapes_)
+    if (shape->shared_emitter()) {
+      shape->shared_emitter()->attach(*shape);
+      emitters_.push_back(shape->emitter());
+    }
+  tracer_ = std::make_unique<RayTracer>(shapes_);
+
+  const Bounds3 box = tracer_->bounds();
+  const Vec3 center = box.empty() ? Vec3{} : box.center();
+  const float radius = box.empty() ? 1.f : std::max(1e-6f, 0.5f * length(box.diagonal()));
+  for (const auto& emitter : loaded_.emitters) {
+    emitter->set_scene_bounds(center, radius);
+    emitters_.push_back(emitter.get());
+    if (emitter->is_infinite()) infinite_.push_back(emitter.get());
+  }
+
+  // p_lambda mixes the film's response with response x emitted power, so that a line that carries the light is found.
+  const SpectralGrid& grid = loaded_.context->grid;
+  const SampledSpectrum response = film().response();
+  std::vector<double> powers;
+  std::vector<float> emitted(size_t(grid.cells) + 1);
+  for (const Emitter* e : emitters_) {
+    const SampledSpectrum power = e->power_spectrum();
+    powers.push_back(overlap(power, response));
+    for (size_t i = 0; i < emitted.size(); ++i) emitted[i] += power.nodes()[i];
+  }
+  const SampledSpectrum densities[2] = {response, product(response, SampledSpectrum(grid, emitted))};
+  const float weights[2] = {0.5f, 0.5f};
+  wavelengths_ = std::make_unique<WavelengthDistribution>(grid, densities, weights);
+  lights_ = LightSampler(emitters_, powers);
+}
+
+Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to) const {
+  const Vec3 o = offset_origin(from, to.wo);
+  if (to.infinite) return tracer_->occluded({o, to.wo, kInfinity}) ? 0.f : 1.f;
+  // Both ends lie off their surfaces, so that the segment needs no shortening by a constant. At the far end the rounding of the ray's own
+  // arithmetic counts too: direction, distance and differences of the length of the segment (gamma(10) of each).
+  constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
+  const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * kGamma10;
+  const Vec3 target = offset_origin(to.p, p_error, to.ng, -to.wo);
+  return tracer_->occluded({o, target - o, 1.f}) ? 0.f : 1.f;
+}
+
+}  // namespace aureole

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+// `Scene`: everything a job renders, ready for rays.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "aureole/scene/build.h"
+#include "aureole/scene/light_sampler.h"
+#include "aureole/scene/ray_tracer.h"
+#include "aureole/sensor/sensor.h"
+
+namespace aureole {
+
+class Scene {
+ public:
+  /// Attaches emitters to their shapes, builds the ray tracer, the light tree and the density of wavelengths.
+  explicit Scene(LoadedScene loaded);
+
+  /// The nearest surface point along a ray.
+  std::optional<SurfacePoint> intersect(const Ray& ray) const {
+    const RayTracer::Hit hit = tracer_->intersect(ray);
+    if (!hit) return {};
+    SurfacePoint point = shapes_[hit.shape]->surface_point(hit.primitive, hit.u, hit.v, ray, hit.t);
+    point.shape = shapes_[hit.shape].get();
+    point.primitive = hit.primitive;
+    return point;
+  }
+  /// The fraction of light that passes, per wavelength, from a surface point to the other end of a connection: the only visibility call.
+  Spectrum connect(const SurfacePoint& from, const DirectSample& to) const;
+
+  const Sensor& sensor() const { return *sensor_; }
+  const Film& film() const { return sensor_->film(); }
+  const std::vector<ShapePtr>& shapes() const { return shapes_; }
+  const std::vector<const Emitter*>& emitters() const { return emitters_; }
+  const std::vector<const Emitter*>& infinite_emitters() const { return infinite_; }
+  const LightSampler& lights() const { return lights_; }
+  const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
+  const ObjectPtr& integrator_object() const { return loaded_.integrator; }
+  const LoadedScene& loaded() const { return loaded_; }
+  Bounds3 bounds() const { return tracer_->bounds(); }
+  std::uint64_t hash() const { return loaded_.hash; }
+
+ private:
+  LoadedScene loaded_;
+  std::vector<ShapePtr> shapes_;
+  std::vector<const Emitter*> emitters_, infinite_;
+  std::shared_ptr<Sensor> sensor_;
+  std::unique_ptr<RayTracer> tracer_;
+  LightSampler lights_;
+  std::unique_ptr<WavelengthDistribution> wavelengths_;
+};
+
+}  // namespace aureole

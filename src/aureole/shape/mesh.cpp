@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/shape/mesh.h"
+
+#include <cmath>
+
+#include "aureole/shape/double3.h"
+
+namespace aureole {
+
+namespace {
+
+/// The bound n u / (1 - n u) on the relative error of n roundings (Pharr, Jakob & Humphreys 2023, eq. 6.16).
+constexpr float gamma_bound(int n) {
+  constexpr float kHalfUlp = 5.9604645e-8f;
+  return n * kHalfUlp / (1 - n * kHalfUlp);
+}
+
+/// Unit normal of a triangle in double, or zero where it has no area.
+Double3 plane_normal(const TriangleCorners& c) {
+  const Double3 n = cross(Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]));
+  const double l = length(n);
+  return l > 0 ? n * (1 / l) : Double3();
+}
+
+std::string count_text(std::size_t n, const char* what) {
+  return std::to_string(n) + " " + what + (n == 1 ? "" : "s");
+}
+
+}  // namespace
+
+Mesh::Mesh(const Properties& properties)
+    : Shape(properties), to_world_(properties.get_transform("to_world")) {
+  identity_ = to_world_ == Transform();
+  flip_normals_ = properties.get_bool("flip_normals", false);
+  reverse_winding_ = (to_world_.determinant3() < 0) != flip_normals_;
+  face_normals_ = properties.get_bool("face_normals", false);
+}
+
+Vec3 Mesh::place_point(double x, double y, double z) const {
+  if (identity_) return {float(x), float(y), float(z)};
+  const auto& m = to_world_.matrix();
+  Vec3 r;
+  for (int i = 0; i < 3; ++i) r[i] = float(m[i][0] * x + m[i][1] * y + m[i][2] * z + m[i][3]);
+  return r;
+}
+
+Vec3 Mesh::place_normal(double x, double y, double z) const {
+  Double3 n(x, y, z);
+  if (!identity_) n = Double3(to_world_.normal({float(x), float(y), float(z)}));
+  const double l = length(n);
+  if (!(l > 0) || !std::isfinite(l)) return {};
+  return (n * ((flip_normals_ ? -1 : 1) / l)).to_float();
+}
+
+void Mesh::build(MeshData data, std::string_view source) {
+  data_ = std::move(data);
+  if (face_normals_) data_.normals = {}, data_.normal_triangles = {};
+  const std::size_t dropped = drop_degenerate();
+  if (dropped) remarks_.push_back(count_text(dropped, "degenerate triangle") + " dropped");
+  if (reverse_winding_)
+    for (std::size_t i = 0; i < data_.triangles.size(); ++i) reverse(i);
+  if (!data_.normals.empty())
+    orient_by_vertex_normals();
+  else if (!face_normals_)
+    compute_vertex_normals();
+  for (const TriangleIndices& t : data_.triangles)
+    for (const std::uint32_t v : t) bounds_.extend(data_.positions[v]);
+  if (data_.triangles.empty()) {
+    remarks_.push_back("the mesh has no triangles");
+    if (emitter()) throw properties().error(source, "an emitter needs at least one triangle of non-zero area");
+  }
+  if (emitter()) patches_ = MeshPatches::build(data_.positions, data_.triangles);
+  // Embree reads 16 bytes at every vertex: one more keeps the last read inside.
+  data_.positions.push_back({});
+}
+
+std::size_t Mesh::drop_degenerate() {
+  auto& d = data_;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < d.triangles.size(); ++i) {
+    const Vec3 &p0 = d.positions[d.triangles[i][0]], &p1 = d.positions[d.triangles[i][1]];
+    const Vec3& p2 = d.positions[d.triangles[i][2]];
+    const Vec3 n = cross(p1 - p0, p2 - p0);
+    // In float: the area must be visible to the ray caster, which is float too.
+    if (!(length_squared(n) > 0) || !is_finite(n)) {
+      // Underflow of tiny and overflow of huge triangles is no degeneracy.
+      const Double3 exact = cross(Double3(p1) - Double3(p0), Double3(p2) - Double3(p0));
+      const double l = length(exact);
+      if (!(l > 0) || !std::isfinite(l)) continue;
+    }
+    if (kept != i) {
+      d.triangles[kept] = d.triangles[i];
+      if (!d.normal_triangles.empty()) d.normal_triangles[kept] = d.normal_triangles[i];
+      if (!d.uv_triangles.empty()) d.uv_triangles[kept] = d.uv_triangles[i];
+    }
+    ++kept;
+  }
+  const std::size_t dropped = d.triangles.size() - kept;
+  d.triangles.resize(kept);
+  if (!d.normal_triangles.empty()) d.normal_triangles.resize(kept);
+  if (!d.uv_triangles.empty()) d.uv_triangles.resize(kept);
+  return dropped;
+}
+
+void Mesh::reverse(std::size_t i) {
+  std::swap(data_.triangles[i][0], data_.triangles[i][2]);
+  if (!data_.normal_triangles.empty()) std::swap(data_.normal_triangles[i][0], data_.normal_triangles[i][2]);
+  if (!data_.uv_triangles.empty()) std::swap(data_.uv_triangles[i][0], data_.uv_triangles[i][2]);
+}
+
+void Mesh::orient_by_vertex_normals() {
+  std::size_t turned = 0;
+  for (std::size_t i = 0; i < data_.triangles.size(); ++i) {
+    const TriangleCorners c = corners(i);
+    const TriangleIndices& n = normal_triangle(i);
+    const Vec3 sum = data_.normals[n[0]] + data_.normals[n[1]] + data_.normals[n[2]];
+    if (dot(cross(c[1] - c[0], c[2] - c[0]), sum) < 0) reverse(i), ++turned;
+  }
+  if (turned)
+    remarks_.push_back(count_text(turned, "triangle") + " wound against the vertex normals turned around");
+}
+
+void Mesh::compute_vertex_normals() {
+  data_.normals.assign(data_.positions.size(), Vec3{});
+  for (std::size_t i = 0; i < data_.triangles.size(); ++i) {
+    const TriangleCorners c = corners(i);
+    const Vec3 n = plane_normal(c).to_float();
+    const Vec3 e[3] = {normalize(c[1] - c[0]), normalize(c[2] - c[1]), normalize(c[0] - c[2])};
+    const float a0 = std::acos(std::clamp(-dot(e[2], e[0]), -1.f, 1.f));
+    const float a1 = std::acos(std::clamp(-dot(e[0], e[1]), -1.f, 1.f));
+    const float angle[3] = {a0, a1, std::max(0.f, kPi - a0 - a1)};
+    for (int k = 0; k < 3; ++k)
+      if (std::isfinite(angle[k])) data_.normals[data_.triangles[i][k]] += n * angle[k];
+  }
+  for (Vec3& n : data_.normals) {
+    const float l2 = length_squared(n);
+    n = l2 > 0 ? n * (1 / std::sqrt(l2)) : Vec3{};
+  }
+}
+
+RTCGeometry Mesh::make_geometry(RTCDevice device) const {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, data_.positions.data(), 0, sizeof(Vec3),
+                             data_.positions.size() - 1);
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, data_.triangles.data(), 0,
+                             sizeof(TriangleIndices), data_.triangles.size());
+  rtcCommitGeometry(g);
+  return g;
+}
+
+TriangleCorners Mesh::corners(std::size_t i) const {
+  const TriangleIndices& t = data_.triangles[i];
+  return {data_.positions[t[0]], data_.positions[t[1]], data_.positions[t[2]]};
+}
+
+Vec2 Mesh::interpolate_uv(std::uint32_t triangle, float b0, float b1, float b2) const {
+  if (data_.uvs.empty()) return {b1, b2};
+  const TriangleIndices& t = uv_triangle(triangle);
+  return data_.uvs[t[0]] * b0 + data_.uvs[t[1]] * b1 + data_.uvs[t[2]] * b2;
+}
+
+MeshPoint Mesh::point_at(std::uint32_t triangle, float b1, float b2) const {
+  const TriangleCorners c = corners(triangle);
+  const float b0 = 1 - b1 - b2;
+  MeshPoint r;
+  r.p = c[0] * b0 + c[1] * b1 + c[2] * b2;
+  // Pharr, Jakob & Humphreys 2023, section 6.8.4.
+  // The interpolation's own rounding, and that of a later ray's intersection with this triangle, which Embree computes from
+  // differences to its corners.
+  const Vec3 extent = max(max(abs(c[0] - r.p), abs(c[1] - r.p)), abs(c[2] - r.p));
+  r.p_error = (abs(c[0] * b0) + abs(c[1] * b1) + abs(c[2] * b2)) * gamma_bound(7) + extent * gamma_bound(10);
+  r.ng = plane_normal(c).to_float();
+  r.uv = interpolate_uv(triangle, b0, b1, b2);
+  return r;
+}
+
+SurfacePoint Mesh::surface_point(std::uint32_t primitive, float u, float v, const Ray&, float) const {
+  const MeshPoint at = point_at(primitive, u, v);
+  SurfacePoint s;
+  s.p = at.p, s.p_error = at.p_error, s.ng = at.ng, s.uv = at.uv;
+  s.shape = this;
+  s.primitive = primitive;
+
+  Vec3 normal = s.ng;
+  if (!data_.normals.empty()) {
+    const TriangleIndices& t = normal_triangle(primitive);
+    const Vec3 n = data_.normals[t[0]] * (1 - u - v) + data_.normals[t[1]] * u + data_.normals[t[2]] * v;
+    const float l2 = length_squared(n);
+    if (l2 > 1e-12f && std::isfinite(l2)) normal = n * (1 / std::sqrt(l2));
+  }
+  s.shading = Frame::from_normal_tangent(normal, tangent(primitive));
+  return s;
+}
+
+Vec3 Mesh::tangent(std::uint32_t primitive) const {
+  const TriangleCorners c = corners(primitive);
+  const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0];
+  if (data_.uvs.empty()) return e1;
+  const TriangleIndices& t = uv_triangle(primitive);
+  const Vec2 d1 = data_.uvs[t[1]] - data_.uvs[t[0]], d2 = data_.uvs[t[2]] - data_.uvs[t[0]];
+  const float determinant = d1.x * d2.y - d1.y * d2.x;
+  // dp/du = (d2.y e1 - d1.y e2) / determinant; only its direction matters.
+  return determinant == 0 ? Vec3{} : (e1 * d2.y - e2 * d1.y) * std::copysign(1.f, determinant);
+}
+
+std::size_t Mesh::memory_bytes() const {
+  const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return bytes(data_.positions) + bytes(data_.normals) + bytes(data_.uvs) + bytes(data_.triangles) +
+         bytes(data_.normal_triangles) + bytes(data_.uv_triangles) + bytes(patches_.patches) +
+         bytes(patches_.of_triangle);
+}
+
+}  // namespace aureole

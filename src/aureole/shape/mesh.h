@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// Triangle meshes: what every mesh reader builds.
+//
+// Conventions, the same as Mitsuba 3's:
+// - Everything is placed in the world at load. `to_world` turns vertex normals by its inverse transpose; a mirroring one reverses
+//   the order of the vertices, so that a closed surface keeps its normals outside. `flip_normals` reverses the order (vertices
+//   0 and 2 swap) and negates the vertex normals.
+// - The geometric normal is cross(p1 - p0, p2 - p0), normalised. Where the file gives vertex normals, they decide which side is out (and
+//   which side of an area emitter shines): a triangle wound against the sum of its vertex normals is turned around at load.
+// - Without vertex normals in the file, they are computed, weighted by the angle at each corner (Thürmer & Wüthrich 1998,
+//   "Computing vertex normals from polygonal facets"), and shared by all triangles at a position; `face_normals` drops normals.
+// - Without texture coordinates uv are the barycentric coordinates (b1, b2).
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "aureole/shape/mesh_patches.h"
+#include "aureole/shape/shape.h"
+
+namespace aureole {
+
+/// What a reader hands over, already placed in the world. Attribute indices are apart from position indices, so that a texture seam is
+/// not a crack; where they are empty, the position indices are used. A zero normal means "none here".
+struct MeshData {
+  std::vector<Vec3> positions;
+  std::vector<Vec3> normals;  ///< empty: none in the file
+  std::vector<Vec2> uvs;      ///< empty: none in the file
+  std::vector<TriangleIndices> triangles, normal_triangles, uv_triangles;
+};
+
+struct PatchView;
+
+/// A point of a triangle without its shading frame.
+struct MeshPoint {
+  Vec3 p, p_error, ng;
+  Vec2 uv;
+};
+
+class Mesh : public Shape {
+ public:
+  RTCGeometry make_geometry(RTCDevice device) const override;
+  SurfacePoint surface_point(std::uint32_t primitive, float u, float v, const Ray& ray, float t) const override;
+  Bounds3 bounds() const override { return bounds_; }
+  std::size_t primitive_count() const override { return data_.triangles.size(); }
+  std::size_t memory_bytes() const override;
+
+  std::size_t patch_count() const override;
+  std::size_t patch_of_primitive(std::uint32_t primitive) const override;
+  float patch_area(std::size_t patch) const override;
+  Bounds3 patch_bounds(std::size_t patch) const override;
+  std::pair<Vec3, float> patch_normals(std::size_t patch) const override;
+  std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t patch, Vec2 u) const override;
+  float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const override;
+
+  /// The geometry as it is rendered; edges and neighbours are found from the position indices.
+  const MeshData& data() const { return data_; }
+
+ protected:
+  /// Reads to_world, flip_normals and face_normals.
+  explicit Mesh(const Properties& properties);
+
+  /// A position of the file in the world: computed in double, rounded once.
+  Vec3 place_point(double x, double y, double z) const;
+  /// A normal of the file in the world, of unit length, or zero where it has no direction.
+  Vec3 place_normal(double x, double y, double z) const;
+  bool face_normals() const { return face_normals_; }
+
+  /// Takes the data over: drops degenerate triangles, orients, computes normals, makes patches where an emitter needs them. `source` is
+  /// the parameter that errors point to. Every index must be in range.
+  void build(MeshData data, std::string_view source);
+
+ private:
+  std::size_t drop_degenerate();
+  void reverse(std::size_t triangle);
+  void orient_by_vertex_normals();
+  void compute_vertex_normals();
+  const TriangleIndices& normal_triangle(std::size_t i) const {
+    return data_.normal_triangles.empty() ? data_.triangles[i] : data_.normal_triangles[i];
+  }
+  const TriangleIndices& uv_triangle(std::size_t i) const {
+    return data_.uv_triangles.empty() ? data_.triangles[i] : data_.uv_triangles[i];
+  }
+  TriangleCorners corners(std::size_t triangle) const;
+  Vec2 interpolate_uv(std::uint32_t triangle, float b0, float b1, float b2) const;
+  MeshPoint point_at(std::uint32_t triangle, float b1, float b2) const;
+  Vec3 tangent(std::uint32_t primitive) const;  ///< along dp/du; zero where texture coordinates are constant
+  MeshPatch patch(std::size_t index) const;
+  double area(const MeshPatch& patch) const;
+  PatchView view(const Vec3& reference, const MeshPatch& patch) const;
+
+  Transform to_world_;
+  bool identity_ = true, reverse_winding_ = false, flip_normals_ = false, face_normals_ = false;
+  MeshData data_;
+  Bounds3 bounds_;
+  MeshPatches patches_;  ///< empty without an emitter: then every triangle is a patch
+};
+
+}  // namespace aureole

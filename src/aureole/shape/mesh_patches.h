@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The patches of a mesh that area emitters are sampled by: triangles, and parallelograms of two triangles.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "aureole/math/vec.h"
+
+namespace aureole {
+
+using TriangleIndices = std::array<std::uint32_t, 3>;
+using TriangleCorners = std::array<Vec3, 3>;
+
+/// One triangle, or two that form a parallelogram. Corner `apex[i]` of triangle i lies opposite the shared edge.
+struct MeshPatch {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+  std::uint32_t triangle[2] = {0, kNone};
+  std::uint8_t apex[2] = {0, 0};
+  bool is_rectangle = false;
+
+  bool is_pair() const { return triangle[1] != kNone; }
+};
+
+struct MeshPatches {
+  std::vector<MeshPatch> patches;
+  std::vector<std::uint32_t> of_triangle;  ///< index of the patch that holds each triangle
+
+  bool empty() const { return patches.empty(); }
+  /// Pairs triangles that share an edge and form a parallelogram to within rounding. A pair is worth more than two
+  /// triangles: light selection has half as many parts, and a rectangle is sampled without a choice between triangles.
+  static MeshPatches build(std::span<const Vec3> positions, std::span<const TriangleIndices> triangles);
+};
+
+}  // namespace aureole

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstring>
+#include <set>
+
+#include "aureole/shape/mesh.h"
+#include "aureole/shape/mesh_file.h"
+#include "aureole/shape/shape_docs.h"
+
+namespace aureole {
+namespace {
+
+/// Reads the statements v, vt, vn and f; remembers what else there was.
+class ObjReader {
+ public:
+  ObjReader(MeshFile& file, bool flip_v) : file_(file), flip_v_(flip_v) {}
+
+  template <class PlacePoint, class PlaceNormal>
+  MeshData read(const PlacePoint& place_point, const PlaceNormal& place_normal);
+
+  std::vector<std::string> remarks() const;
+
+ private:
+  struct Corner {
+    std::uint32_t v, vt, vn;
+  };
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  char* end_of_line(char* at);
+  double number(Scanner& s, const char* what);
+  std::uint32_t index(Scanner& s, std::size_t count, const char* what);
+  void face(Scanner& s);
+  void other(std::string_view keyword, Scanner& s, const char* line);
+  void finish();
+
+  MeshFile& file_;
+  const bool flip_v_;
+  MeshData d_;
+  std::vector<Corner> polygon_;
+  bool any_vt_ = false, any_vn_ = false, missing_vt_ = false, missing_vn_ = false;
+  std::size_t small_faces_ = 0;
+  std::set<std::string, std::less<>> materials_, ignored_;
+};
+
+/// The end of the statement at `at`; a backslash before the end of a line continues it, and becomes a blank.
+char* ObjReader::end_of_line(char* at) {
+  char* const end = file_.begin() + file_.size();
+  for (char* from = at;;) {
+    char* e = static_cast<char*>(std::memchr(from, '\n', std::size_t(end - from)));
+    if (!e) return end;
+    char* last = e;
+    while (last > at && last[-1] == '\r') --last;
+    if (last == at || last[-1] != '\\') return e;
+    // '\v' instead of the newline would lose the line count: only the backslash goes, and blanks include newlines below.
+    last[-1] = ' ';
+    from = e + 1;
+  }
+}
+
+double ObjReader::number(Scanner& s, const char* what) {
+  double value;
+  s.skip_white();
+  if (!s.number(value)) throw file_.error_at(s.at, std::string("expected a number in ") + what);
+  return value;
+}
+
+std::uint32_t ObjReader::index(Scanner& s, std::size_t count, const char* what) {
+  long long i;
+  if (!s.integer(i)) throw file_.error_at(s.at, std::string("expected the index of a ") + what);
+  const long long resolved = i < 0 ? i + (long long)count : i - 1;
+  if (i == 0 || resolved < 0 || resolved >= (long long)count)
+    throw file_.error_at(s.at, std::string("there is no ") + what + " " + std::to_string(i) + "; " +
+                                   std::to_string(count) + " precede this line");
+  return std::uint32_t(resolved);
+}
+
+void ObjReader::face(Scanner& s) {
+  polygon_.clear();
+  for (s.skip_white(); s.at < s.end; s.skip_white()) {
+    Corner c{index(s, d_.positions.size(), "vertex"), kNone, kNone};
+    if (s.at < s.end && *s.at == '/') {
+      ++s.at;
+      if (s.at < s.end && *s.at != '/' && *s.at != ' ') c.vt = index(s, d_.uvs.size(), "texture coordinate");
+      if (s.at < s.end && *s.at == '/') {
+        ++s.at;
+        c.vn = index(s, d_.normals.size(), "normal");
+      }
+    }
+    if (s.at < s.end && !std::strchr(" \t\r\n", *s.at)) throw file_.error_at(s.at, "malformed face");
+    polygon_.push_back(c);
+  }
+  if (polygon_.size() < 3) {
+    ++small_faces_;
+    return;
+  }
+  // A face with a normal missing anywhere has none.
+  const bool bare = std::any_of(polygon_.begin(), polygon_.end(), [](const Corner& c) { return c.vn == kNone; });
+  for (Corner& c : polygon_) {
+    if (bare) c.vn = kNone;
+    (c.vn == kNone ? missing_vn_ : any_vn_) = true;
+    (c.vt == kNone ? missing_vt_ : any_vt_) = true;
+  }
+  const Corner& a = polygon_[0];
+  for (std::size_t i = 1; i + 1 < polygon_.size(); ++i) {
+    const Corner &b = polygon_[i], &c = polygon_[i + 1];
+    d_.triangles.push_back({a.v, b.v, c.v});
+    d_.uv_triangles.push_back({a.vt, b.vt, c.vt});
+    d_.normal_triangles.push_back({a.vn, b.vn, c.vn});
+  }
+}
+
+void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
+  if (keyword == "usemtl") {
+    materials_.emplace(s.word());
+    return;
+  }
+  static const std::set<std::string, std::less<>> kKnown = {"g", "o", "s", "mtllib", "maplib", "usemap", "shadow_obj"};
+  if (kKnown.contains(keyword)) return;
+  const bool text = std::all_of(keyword.begin(), keyword.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+  });
+  if (!text || keyword.size() > 32) throw file_.error_at(line, "not an OBJ statement");
+  ignored_.emplace(keyword);
+}
+
+template <class PlacePoint, class PlaceNormal>
+MeshData ObjReader::read(const PlacePoint& place_point, const PlaceNormal& place_normal) {
+  // A vertex or a face takes some 30 bytes.
+  d_.positions.reserve(file_.size() / 80);
+  d_.triangles.reserve(file_.size() / 60);
+  for (char *at = file_.begin(), *eof = at + file_.size(); at < eof;) {
+    char* const end = end_of_line(at);
+    Scanner s{at, end};
+    const std::string_view keyword = s.word();
+    if (keyword == "v") {
+      const double x = number(s, "v"), y = number(s, "v"), z = number(s, "v");
+      d_.positions.push_back(place_point(x, y, z));
+    } else if (keyword == "vn") {
+      const double x = number(s, "vn"), y = number(s, "vn"), z = number(s, "vn");
+      d_.normals.push_back(place_normal(x, y, z));
+    } else if (keyword == "vt") {
+      const double u = number(s, "vt");
+      double v = 0;
+      if (!s.at_end() && !s.number(v)) throw file_.error_at(s.at, "expected a number in vt");
+      d_.uvs.push_back({float(u), float(flip_v_ ? 1 - v : v)});
+    } else if (keyword == "f") {
+      face(s);
+    } else if (!keyword.empty() && keyword[0] != '#') {
+      other(keyword, s, at);
+    }
+    at = end + 1;
+  }
+  finish();
+  return std::move(d_);
+}
+
+void ObjReader::finish() {
+  if (d_.triangles.empty()) throw file_.error("no faces in the file");
+  // Missing entries get one of their own: texture coordinates (0, 0), no normal.
+  const auto resolve = [](auto& values, std::vector<TriangleIndices>& indices, bool any, bool missing) {
+    if (!any) {
+      values.clear(), indices.clear();
+      return;
+    }
+    if (!missing) return;
+    const auto last = std::uint32_t(values.size());
+    values.emplace_back();
+    for (TriangleIndices& t : indices)
+      for (std::uint32_t& i : t)
+        if (i == kNone) i = last;
+  };
+  resolve(d_.uvs, d_.uv_triangles, any_vt_, missing_vt_);
+  resolve(d_.normals, d_.normal_triangles, any_vn_, missing_vn_);
+}
+
+std::vector<std::string> ObjReader::remarks() const {
+  std::vector<std::string> r;
+  if (materials_.size() > 1)
+    r.push_back(std::to_string(materials_.size()) + " materials in the file; the whole mesh gets the shape's bsdf");
+  if (small_faces_) r.push_back(std::to_string(small_faces_) + " faces of fewer than three vertices dropped");
+  for (const auto& keyword : ignored_) r.push_back("statements \"" + keyword + "\" ignored");
+  return r;
+}
+
+class Obj final : public Mesh {
+ public:
+  explicit Obj(const Properties& properties) : Mesh(properties) {
+    MeshFile file(properties);
+    ObjReader reader(file, properties.get_bool("flip_tex_coords", true));
+    MeshData data = reader.read([this](double x, double y, double z) { return place_point(x, y, z); },
+                                [this](double x, double y, double z) { return place_normal(x, y, z); });
+    for (std::string& remark : reader.remarks()) remarks_.push_back(std::move(remark));
+    build(std::move(data), "filename");
+  }
+};
+
+AUREOLE_PLUGIN(
+    Obj, "shape", "obj",
+    PluginDoc{.summary = "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (fanned) and negative indices. Groups "
+                         "and materials are ignored: the whole file is one mesh. Without vn, normals are computed from "
+                         "positions, weighted by angle.",
+              .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
+              .parameters = mesh_parameters(
+                  {{"filename", "file", "", "required", "The OBJ file."},
+                   {"flip_tex_coords", "boolean", "", "true", "Replaces the texture coordinate v by 1 - v."}}),
+              .examples = {R"(<shape type="obj">
+  <string name="filename" value="mesh.obj"/>
+  <boolean name="face_normals" value="true"/>
+  <boolean name="flip_tex_coords" value="false"/>
+  <boolean name="flip_normals" value="false"/>
+  <transform name="to_world"><rotate x="1" angle="90"/></transform>
+  <bsdf type="diffuse"/>
+  <emitter type="area"><float name="radiance" value="1"/></emitter>
+</shape>)"}});
+
+}  // namespace
+}  // namespace aureole

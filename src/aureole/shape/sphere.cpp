@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+// Conventions as Mitsuba 3's: normals outside; `flip_normals`, a mirroring `to_world` and a negative radius each turn them around.
+// u runs with the azimuth about the sphere's own z axis, v from its north pole.
+#include <algorithm>
+#include <utility>
+
+#include "aureole/shape/double3.h"
+#include "aureole/shape/shape.h"
+#include "aureole/shape/shape_docs.h"
+#include "aureole/shape/sphere_geometry.h"
+
+namespace aureole {
+namespace {
+
+class Sphere final : public Shape {
+ public:
+  explicit Sphere(const Properties& properties);
+
+  RTCGeometry make_geometry(RTCDevice device) const override { return make_sphere_geometry(device, ball_); }
+  SurfacePoint surface_point(std::uint32_t, float, float, const Ray& ray, float t) const override {
+    return point_in_direction(Double3(ray.o) + Double3(ray.d) * double(t) - ball_.center);
+  }
+  Bounds3 bounds() const override { return ball_.bounds(); }
+  std::size_t primitive_count() const override { return 1; }
+
+  std::size_t patch_count() const override { return 1; }
+  std::size_t patch_of_primitive(std::uint32_t) const override { return 0; }
+  float patch_area(std::size_t) const override { return float(4 * kPiD * ball_.radius * ball_.radius); }
+  Bounds3 patch_bounds(std::size_t) const override { return bounds(); }
+  std::pair<Vec3, float> patch_normals(std::size_t) const override { return {{0, 0, 1}, -1.f}; }
+  std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
+  float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const override;
+
+ private:
+  static constexpr double kPiD = 3.14159265358979323846;
+  /// The surface point in the direction `out` of any length from the centre.
+  SurfacePoint point_in_direction(const Double3& out) const;
+
+  Ball ball_;
+  Double3 axis_[3];  ///< of the sphere's own coordinates, unit length
+  bool inward_ = false;
+};
+
+Sphere::Sphere(const Properties& properties) : Shape(properties) {
+  const Transform to_world = properties.get_transform("to_world");
+  const Vec3 center = properties.get_vec3("center", {0, 0, 0});
+  double radius = properties.get_float("radius", 1.0);
+  if (radius == 0) throw properties.error("radius", "must not be 0");
+  inward_ = properties.get_bool("flip_normals", false);
+
+  const auto& m = to_world.matrix();
+  double scale[3];
+  for (int k = 0; k < 3; ++k) {
+    const Double3 column(m[0][k], m[1][k], m[2][k]);
+    scale[k] = length(column);
+    // A negative radius is a point reflection.
+    axis_[k] = column * ((radius < 0 ? -1 : 1) / scale[k]);
+  }
+  const double skew = std::max({std::abs(dot(axis_[0], axis_[1])), std::abs(dot(axis_[1], axis_[2])),
+                                std::abs(dot(axis_[2], axis_[0]))});
+  const auto [least, most] = std::minmax({scale[0], scale[1], scale[2]});
+  if (skew > 1e-4 || most - least > 1e-4 * most)
+    throw properties.error("to_world", "a sphere stays one only under rotation, uniform scaling and translation");
+  if (dot(cross(axis_[0], axis_[1]), axis_[2]) < 0) inward_ = !inward_;
+
+  for (int i = 0; i < 3; ++i) {
+    const double c = m[i][0] * center.x + m[i][1] * center.y + m[i][2] * center.z + m[i][3];
+    (i == 0 ? ball_.center.x : i == 1 ? ball_.center.y : ball_.center.z) = c;
+  }
+  ball_.radius = std::abs(radius) * (scale[0] + scale[1] + scale[2]) / 3;
+}
+
+SurfacePoint Sphere::point_in_direction(const Double3& out) const {
+  const double l = length(out);
+  const Double3 n = l > 0 ? out * (1 / l) : axis_[2];
+  SurfacePoint s;
+  s.p = (ball_.center + n * ball_.radius).to_float();
+  // The point is computed in double: all the error is that of the result's rounding; gamma(5) |p| is the bound that Pharr, Jakob &
+  // Humphreys 2023, section 6.8.5, give for a point projected in float.
+  s.p_error = abs(s.p) * (5 * 5.9604645e-8f);
+  s.ng = (inward_ ? -n : n).to_float();
+
+  const double x = dot(n, axis_[0]), y = dot(n, axis_[1]), z = dot(n, axis_[2]);
+  double phi = std::atan2(y, x);
+  if (phi < 0) phi += 2 * kPiD;
+  s.uv = {float(phi / (2 * kPiD)), float(std::atan2(std::hypot(x, y), z) / kPiD)};
+  s.shading = Frame::from_normal_tangent(s.ng, (axis_[1] * x - axis_[0] * y).to_float());
+  s.shape = this;
+  return s;
+}
+
+std::optional<ShapeSample> Sphere::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
+  const auto out = ball_.sample_visible(Double3(reference), u);
+  if (!out) return std::nullopt;
+  const SurfacePoint s = point_in_direction(*out);
+  return ShapeSample{s.p, s.p_error, s.ng, s.uv, ball_.visible_pdf(Double3(reference))};
+}
+
+float Sphere::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const {
+  return ball_.visible_pdf(Double3(reference));
+}
+
+AUREOLE_PLUGIN(
+    Sphere, "shape", "sphere",
+    PluginDoc{.summary = "A sphere, exact. As an emitter it is sampled uniformly over the cone of directions in which it is seen, "
+                         "and over all directions from inside.",
+              .source = "Pharr, Jakob & Humphreys 2023, \"Physically Based Rendering\", sections 6.2.4 and 6.8.5; quadratic of "
+                        "Haines, Guenther & Akenine-Moeller 2019, \"Precision improvements for ray/sphere intersection\".",
+              .parameters = shape_parameters(
+                  {{"center", "vector", "scene units", "0, 0, 0", "Centre, before to_world."},
+                   {"radius", "float", "scene units", "1", "Radius, before to_world; a negative one turns the normals inside."}}),
+              .examples = {R"(<shape type="sphere">
+  <point name="center" x="1" y="0" z="0"/>
+  <float name="radius" value="2"/>
+  <boolean name="flip_normals" value="false"/>
+  <transform name="to_world"><rotate z="1" angle="30"/></transform>
+  <bsdf type="diffuse"/>
+  <emitter type="area"><float name="radiance" value="1"/></emitter>
+</shape>)"}});
+
+}  // namespace
+}  // namespace aureole

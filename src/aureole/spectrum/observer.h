@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// The CIE 1931 observer on a scene's grid, and XYZ to linear sRGB.
+#pragma once
+
+#include <array>
+
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+/// xbar, ybar, zbar of the CIE 1931 2-degree observer on `grid`, divided by the integral of ybar [1/nm], so that a flat spectrum
+/// of radiance 1 has Y = 1.
+std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid);
+
+/// XYZ to linear sRGB (IEC 61966-2-1, D65 white).
+void xyz_to_srgb(const double* xyz, float rgb[3]);
+
+}  // namespace aureole

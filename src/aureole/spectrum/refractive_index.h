@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// Complex refractive indices of named materials: dispersion formulas, constants and tables from the
+// literature.
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace aureole {
+
+namespace detail {
+struct DispersionFormula;
+struct MetalRecord;
+}  // namespace detail
+
+/// A refractive index n + i k, k >= 0 for absorption, as a function of the wavelength in vacuum. (Most
+/// dielectric measurements are relative to air and use the wavelength in air; the difference, 3e-4, is below
+/// what a picture shows.)
+class RefractiveIndex {
+public:
+  /// The same index at every wavelength.
+  explicit RefractiveIndex(std::complex<double> constant) : constant_(constant) {}
+  explicit RefractiveIndex(const detail::DispersionFormula& formula) : formula_(&formula) {}
+  explicit RefractiveIndex(const detail::MetalRecord& table) : table_(&table) {}
+
+  /// n + i k at a wavelength in nm, which is clamped to [min_nm(), max_nm()] first: a dispersion formula is
+  /// wrong, and can be singular, beyond its range. Tables are interpolated linearly in n and in k. Never
+  /// throws.
+  std::complex<double> at(double lambda_nm) const;
+
+  /// Whether the index depends on the wavelength (a constant one refracts all wavelengths alike).
+  bool is_dispersive() const { return formula_ != nullptr || table_ != nullptr; }
+
+  /// The range, in nm, over which the data hold; [0, infinity] for a constant.
+  double min_nm() const;
+  double max_nm() const;
+
+  /// Where the numbers come from.
+  std::string_view source() const;
+
+private:
+  std::complex<double> constant_{1.0, 0.0};
+  const detail::DispersionFormula* formula_ = nullptr;
+  const detail::MetalRecord* table_ = nullptr;
+};
+
+/// The index of the material `name`, ignoring case, or nothing if it is unknown. Known are Mitsuba 3's scalar
+/// indices
+/// ("bk7", "water", "fused quartz", ...), more dielectrics with dispersion ("sapphire", "polystyrene",
+/// "sf11", ...) and Mitsuba 3's conductors ("Au", "Cu_palik", ...; its "none", a perfect mirror, is not an
+/// index). With `dispersion` a dispersion formula is used where there is one. Without it the answer for a
+/// dielectric is a constant: Mitsuba's where Mitsuba has the name, otherwise the formula at 589.3 nm (sodium
+/// D); metals stay tables. Note that Mitsuba's "bk7" is 1.5046 where the glass has 1.5167.
+std::optional<RefractiveIndex> find_refractive_index(std::string_view name, bool dispersion = true);
+
+/// All names, aliases included, in a fixed order: constants, dispersion formulas, metals; each name once.
+std::vector<std::string> refractive_index_names();
+
+}  // namespace aureole

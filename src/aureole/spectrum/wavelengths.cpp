@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/spectrum/wavelengths.h"
+
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/core/error.h"
+
+namespace aureole {
+
+SpectralGrid SpectralGrid::over(double min_nm, double max_nm) {
+  if (!(min_nm > 0) || !(max_nm > min_nm) || !std::isfinite(max_nm))
+    throw Error("a wavelength range must be 0 < min < max");
+  // Wide ranges get wider cells and narrow ones (a laser line) still enough cells to show a shape.
+  const double width = max_nm - min_nm;
+  return {min_nm, max_nm, int(std::clamp(std::ceil(width), 64.0, 2000.0))};
+}
+
+Wavelengths Wavelengths::at(const SpectralGrid& grid, const Spectrum& nm, float pdf_per_nm) {
+  Wavelengths w;
+  w.nm = nm;
+  w.pdf = pdf_per_nm;
+  for (int i = 0; i < kWavelengths; ++i) {
+    const float x = std::clamp(float((nm[i] - grid.min_nm) / grid.step()), 0.f, float(grid.cells));
+    w.cell[i] = std::min(int(x), grid.cells - 1);
+    w.fraction[i] = x - float(w.cell[i]);
+  }
+  return w;
+}
+
+SampledSpectrum::SampledSpectrum(const SpectralGrid& grid, std::vector<float> node_values)
+    : grid_(grid), table_(std::move(node_values)) {
+  if (int(table_.size()) != grid.cells + 1) throw std::logic_error("SampledSpectrum: wrong number of nodes");
+}
+
+SampledSpectrum SampledSpectrum::constant(const SpectralGrid& grid, float value) {
+  return {grid, std::vector<float>(grid.cells + 1, value)};
+}
+
+SampledSpectrum SampledSpectrum::from_points(const SpectralGrid& grid, std::span<const double> nm,
+                                             std::span<const double> values) {
+  std::vector<double> moments(grid.cells + 1, 0.0);  // integral(s hat_i), in units of a cell
+  const double h = grid.step();
+  for (size_t k = 0; k + 1 < nm.size(); ++k) {
+    // Clip the piece to the grid, then integrate it cell by cell: s and hat are linear there, so Simpson is exact.
+    const double a = std::max(nm[k], grid.min_nm), b = std::min(nm[k + 1], grid.max_nm);
+    if (!(b > a)) continue;
+    const double slope = (values[k + 1] - values[k]) / (nm[k + 1] - nm[k]);
+    const auto s = [&](double x) { return values[k] + slope * (x - nm[k]); };
+    const int first = std::clamp(int((a - grid.min_nm) / h), 0, grid.cells - 1);
+    for (int c = first; c < grid.cells; ++c) {
+      const double lo = std::max(a, grid.node(c)), hi = std::min(b, grid.node(c + 1));
+      if (lo >= b) break;
+      if (!(hi > lo)) continue;
+      const double mid = 0.5 * (lo + hi), w = (hi - lo) / (6 * h);
+      const auto right = [&](double x) { return (x - grid.node(c)) / h; };
+      const double to_right = w * (s(lo) * right(lo) + 4 * s(mid) * right(mid) + s(hi) * right(hi));
+      const double all = w * (s(lo) + 4 * s(mid) + s(hi));
+      moments[c] += all - to_right;
+      moments[c + 1] += to_right;
+    }
+  }
+  std::vector<float> nodes(grid.cells + 1);
+  for (int i = 0; i <= grid.cells; ++i)
+    nodes[i] = float(moments[i] / (i == 0 || i == grid.cells ? 0.5 : 1.0));
+  return {grid, std::move(nodes)};
+}
+
+SampledSpectrum SampledSpectrum::from_function(const SpectralGrid& grid, const std::function<double(double)>& f) {
+  std::vector<float> nodes(grid.cells + 1);
+  for (int i = 0; i <= grid.cells; ++i) nodes[i] = float(f(grid.node(i)));
+  return {grid, std::move(nodes)};
+}
+
+Spectrum SampledSpectrum::eval_gather(const Wavelengths& w) const {
+#ifdef __AVX2__
+  if constexpr (kWavelengths == 8) {
+    const __m256i cell = reinterpret_cast<const __m256i&>(w.cell);
+    const __m256 a = _mm256_i32gather_ps(table_.data(), cell, 4);
+    const __m256 b = _mm256_i32gather_ps(table_.data() + 1, cell, 4);
+    const __m256 t = reinterpret_cast<const __m256&>(w.fraction.v);
+    const __m256 r = _mm256_fmadd_ps(_mm256_sub_ps(b, a), t, a);
+    return Spectrum(reinterpret_cast<const SpectrumVector&>(r));
+  }
+#endif
+  return w.fraction;  // never reached: the caller takes the portable branch
+}
+
+double SampledSpectrum::integral() const {
+  double s = 0;
+  for (size_t i = 0; i + 1 < table_.size(); ++i) s += 0.5 * (double(table_[i]) + table_[i + 1]);
+  return s * grid_.step();
+}
+
+float SampledSpectrum::maximum() const { return *std::max_element(table_.begin(), table_.end()); }
+float SampledSpectrum::minimum() const { return *std::min_element(table_.begin(), table_.end()); }
+
+void SampledSpectrum::scale(float s) {
+  for (float& x : table_) x *= s;
+}
+
+WavelengthDistribution::WavelengthDistribution(const SpectralGrid& grid,
+                                               std::span<const SampledSpectrum> densities,
+                                               std::span<const float> weights)
+    : grid_(grid), inverse_cdf_(kPieces + 1) {
+  constexpr double kUniform = 0.02;
+  std::vector<double> cell(grid.cells, kUniform / grid.cells);
+  double total_weight = 0;
+  for (size_t k = 0; k < densities.size(); ++k)
+    if (densities[k].integral() > 0) total_weight += weights[k];
+  for (size_t k = 0; k < densities.size(); ++k) {
+    const double integral = densities[k].integral();
+    if (!(integral > 0)) continue;
+    const auto nodes = densities[k].nodes();
+    const double scale = (1 - kUniform) * weights[k] / total_weight * grid.step() / integral;
+    for (int c = 0; c < grid.cells; ++c) cell[c] += scale * 0.5 * (double(nodes[c]) + nodes[c + 1]);
+  }
+  double total = 0;
+  for (double c : cell) total += c;
+  int c = 0;
+  double below = 0;
+  for (int k = 0; k <= kPieces; ++k) {
+    const double target = total * k / kPieces;
+    while (c < grid.cells - 1 && below + cell[c] < target) below += cell[c++];
+    inverse_cdf_[k] = float(grid.node(c) + grid.step() * std::clamp((target - below) / cell[c], 0.0, 1.0));
+  }
+  inverse_cdf_[0] = float(grid.min_nm);
+  inverse_cdf_[kPieces] = float(grid.max_nm);
+}
+
+Wavelengths WavelengthDistribution::sample(float u) const {
+  Spectrum nm, pdf;
+  for (int j = 0; j < kWavelengths; ++j) {
+    float x = u + float(j) / kWavelengths;
+    x = (x >= 1 ? x - 1 : x) * kPieces;
+    const int k = std::min(int(x), kPieces - 1);
+    const float lower = inverse_cdf_[k], width = inverse_cdf_[k + 1] - lower;
+    nm[j] = lower + width * (x - float(k));
+    pdf[j] = 1.f / (kPieces * width);
+  }
+  Wavelengths w = Wavelengths::at(grid_, nm);
+  w.pdf = pdf;
+  return w;
+}
+
+float WavelengthDistribution::pdf(float nm) const {
+  if (!(nm >= grid_.min_nm && nm <= grid_.max_nm)) return 0;
+  const auto it = std::upper_bound(inverse_cdf_.begin(), inverse_cdf_.end(), nm);
+  const size_t k = std::clamp<size_t>(size_t(it - inverse_cdf_.begin()), 1, kPieces);
+  return 1.f / (kPieces * (inverse_cdf_[k] - inverse_cdf_[k - 1]));
+}
+
+}  // namespace aureole

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// The wavelengths of a path, the grid on which every spectrum of a scene is tabulated, and the density from which
+// wavelengths are drawn.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "aureole/spectrum/spectrum.h"
+
+namespace aureole {
+
+/// Equidistant nodes over the range a sensor sees, in nm. Every tabulated spectrum of a scene has one value per node, so a
+/// look-up is an index that a path computes once (`Wavelengths::cell`), not a search.
+struct SpectralGrid {
+  double min_nm = 360, max_nm = 830;
+  int cells = 470;  ///< nodes - 1
+
+  /// The grid over [min_nm, max_nm]: 1 nm cells up to 2000 of them, then wider ones.
+  static SpectralGrid over(double min_nm, double max_nm);
+  double step() const { return (max_nm - min_nm) / cells; }
+  double node(int i) const { return min_nm + step() * i; }
+  bool operator==(const SpectralGrid&) const = default;
+};
+
+/// The N wavelengths of a path with their densities p_lambda [1/nm]; index 0 is the hero.
+struct Wavelengths {
+  Spectrum nm;
+  Spectrum pdf;
+  SpectrumMask cell{};  ///< grid cell that holds each wavelength
+  Spectrum fraction;    ///< position within it, in [0, 1]
+
+  /// Wavelengths given directly (tests, instruments); pdf is set to `pdf_per_nm`.
+  static Wavelengths at(const SpectralGrid& grid, const Spectrum& nm, float pdf_per_nm = 1);
+};
+
+/// A spectrum tabulated on a grid's nodes, piecewise linear between them.
+class SampledSpectrum {
+ public:
+  SampledSpectrum() = default;
+  SampledSpectrum(const SpectralGrid& grid, std::vector<float> node_values);
+
+  static SampledSpectrum constant(const SpectralGrid& grid, float value);
+
+  /// Tabulates the piecewise-linear function through (nm, value), zero outside [nm.front(), nm.back()], so that its
+  /// integral over the grid's range is kept: a line narrower than a cell keeps its power. Node values are hat-weighted means,
+  /// integral(s hat_i) / integral(hat_i), which also leaves linear pieces unchanged.
+  static SampledSpectrum from_points(const SpectralGrid& grid, std::span<const double> nm,
+                                     std::span<const double> values);
+
+  /// Tabulates a smooth function of the wavelength in nm by its node values.
+  static SampledSpectrum from_function(const SpectralGrid& grid, const std::function<double(double)>& f);
+
+  Spectrum eval(const Wavelengths& w) const {
+#ifdef __AVX2__
+    if constexpr (kWavelengths == 8) return eval_gather(w);
+#endif
+    return make_spectrum([&](int i) {
+      const float a = table_[w.cell[i]], b = table_[w.cell[i] + 1];
+      return a + (b - a) * w.fraction.v[i];
+    });
+  }
+
+  double integral() const;  ///< over the grid's range, [value * nm]
+  float maximum() const;
+  float minimum() const;
+  double average() const { return integral() / (grid_.max_nm - grid_.min_nm); }
+  std::span<const float> nodes() const { return table_; }
+  const SpectralGrid& grid() const { return grid_; }
+  void scale(float s);
+
+ private:
+  Spectrum eval_gather(const Wavelengths& w) const;
+
+  SpectralGrid grid_;
+  std::vector<float> table_;
+};
+
+/// p_lambda: a piecewise-constant density over the grid's range, given by a table of its inverse CDF, which is piecewise
+/// linear in u. It is positive over the whole range.
+class WavelengthDistribution {
+ public:
+  /// Density proportional to the mixture of `densities` (node values on the grid, each normalised to unit integral
+  /// first; all-zero ones are left out), with a uniform part of 2 % so that no wavelength is missed.
+  WavelengthDistribution(const SpectralGrid& grid, std::span<const SampledSpectrum> densities,
+                         std::span<const float> weights);
+
+  /// N wavelengths lambda_j = CDF^-1(frac(u + j/N)) (Wilkie et al. 2014, "Hero wavelength spectral sampling").
+  Wavelengths sample(float u) const;
+  float pdf(float nm) const;
+  const SpectralGrid& grid() const { return grid_; }
+
+ private:
+  static constexpr int kPieces = 2048;
+  SpectralGrid grid_;
+  std::vector<float> inverse_cdf_;  ///< kPieces + 1 wavelengths
+};
+
+}  // namespace aureole

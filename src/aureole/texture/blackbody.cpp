@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Planck's law: the spectral radiance of a black body,
+//     L = 2 h c^2 / (lambda^5 (exp(h c / (lambda k T)) - 1)),  in W / (m^2 sr nm).
+#include <cmath>
+
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/constant_texture.h"
+
+namespace aureole {
+namespace {
+
+// Exact by the definition of the SI units (2019).
+constexpr double kPlanck = 6.62607015e-34, kSpeedOfLight = 299792458, kBoltzmann = 1.380649e-23;
+
+SampledSpectrum tabulate(const Properties& properties) {
+  const double temperature = properties.get_float("temperature", Range::positive());
+  const double min = properties.get_float("wavelength_min", 0, Range::non_negative());
+  const double max =
+      properties.get_float("wavelength_max", std::numeric_limits<double>::infinity(), Range::positive());
+  if (!(max > min)) throw properties.error("wavelength_max", "must be greater than wavelength_min");
+  return SampledSpectrum::from_function(properties.context().grid, [&](double nm) {
+    if (nm < min || nm > max) return 0.0;
+    const double metres = nm * 1e-9;
+    return 1e-9 * 2 * kPlanck * kSpeedOfLight * kSpeedOfLight /
+           (std::pow(metres, 5) * std::expm1(kPlanck * kSpeedOfLight / (metres * kBoltzmann * temperature)));
+  });
+}
+
+class Blackbody final : public ConstantTexture {
+public:
+  explicit Blackbody(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
+};
+
+AUREOLE_PLUGIN(
+    Blackbody, "texture", "blackbody",
+    PluginDoc{"The radiance of a black body in W/(m^2 sr nm). It is a physical quantity, of the order of "
+              "10^4 for an "
+              "incandescent lamp, so that other emitters of the scene need the same units.",
+              "M. Planck, Annalen der Physik 309, 1901",
+              {{"temperature", "float", "K", "required", "temperature of the black body"},
+               {"wavelength_min", "float", "nm", "0", "the spectrum is zero below this wavelength"},
+               {"wavelength_max", "float", "nm", "infinity", "the spectrum is zero above this wavelength"}},
+              {R"(<spectrum type="blackbody">
+    <float name="temperature" value="2856"/>
+    <float name="wavelength_min" value="360"/>
+    <float name="wavelength_max" value="830"/>
+</spectrum>)"}});
+
+}  // namespace
+}  // namespace aureole

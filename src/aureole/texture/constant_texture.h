@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// `ConstantTexture`: one spectrum everywhere, and what the spectrum plug-ins share to make it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+
+class ConstantTexture : public Texture {
+public:
+  ConstantTexture(const Properties& properties, SampledSpectrum spectrum);
+
+  Spectrum eval(const SurfacePoint&, const Wavelengths& w) const final {
+    return flat_ ? Spectrum(value_) : spectrum_.eval(w);
+  }
+  SampledSpectrum average() const final { return spectrum_; }
+  bool is_constant() const final { return true; }
+  float maximum() const final { return spectrum_.maximum(); }
+  float minimum() const final { return spectrum_.minimum(); }
+
+private:
+  SampledSpectrum spectrum_;
+  bool flat_ = false;
+  float value_ = 0;
+};
+
+/// The spectrum of a linear sRGB colour, not multiplied by an illuminant. A colour in [0, 1] is the
+/// reflectance of that colour; a brighter one is scaled down for the upsampling, and its spectrum up again.
+SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3]);
+
+/// D65 with luminance `scale`, that is `scale` times what a flat spectrum of one has.
+SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale);
+
+/// The colour given as `<rgb>` under `name`; without `unbounded`, components over one are errors.
+SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, bool unbounded);
+
+/// The numbers in a string such as "0.1, 0.2 0.3" under `name`, at least two, none negative.
+std::vector<double> get_numbers(const Properties& properties, std::string_view name);
+
+}  // namespace aureole

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// CIE illuminant D65, alone or times a colour or another texture.
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/constant_texture.h"
+
+namespace aureole {
+namespace {
+
+class D65 final : public Texture {
+public:
+  explicit D65(const Properties& properties)
+      : Texture(properties),
+        d65_(d65_spectrum(properties.context().grid,
+                          properties.get_float("scale", 1, Range::non_negative()))) {
+    const auto nested = properties.get_children<Texture>("texture");
+    if (nested.size() > 1) throw Error(properties.where(), "\"d65\" takes one nested texture at most");
+    if (!nested.empty()) nested_ = nested.front();
+    if (properties.find("color")) {
+      if (nested_) throw properties.error("color", "give either a color or a nested texture, not both");
+      multiply(spectrum_of_rgb(d65_.grid(), get_rgb(properties, "color", true).rgb));
+    }
+    if (nested_ && nested_->is_constant()) {
+      multiply(nested_->average());
+      nested_ = nullptr;
+    }
+  }
+
+  Spectrum eval(const SurfacePoint& point, const Wavelengths& w) const override {
+    const Spectrum d65 = d65_.eval(w);
+    return nested_ ? d65 * nested_->eval(point, w) : d65;
+  }
+  SampledSpectrum average() const override { return nested_ ? product(d65_, nested_->average()) : d65_; }
+  bool is_constant() const override { return !nested_; }
+  float maximum() const override { return d65_.maximum() * (nested_ ? nested_->maximum() : 1); }
+  float minimum() const override { return d65_.minimum() * (nested_ ? nested_->minimum() : 1); }
+
+private:
+  static SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b) {
+    std::vector<float> nodes(a.nodes().begin(), a.nodes().end());
+    for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] *= b.nodes()[i];
+    return {a.grid(), std::move(nodes)};
+  }
+  void multiply(const SampledSpectrum& s) { d65_ = product(d65_, s); }
+
+  SampledSpectrum d65_;
+  TexturePtr nested_;
+};
+
+AUREOLE_PLUGIN(D65, "texture", "d65",
+               PluginDoc{"CIE standard illuminant D65, average daylight, with the luminance of a flat "
+                         "spectrum of one. It is what a "
+                         "plain number or an rgb colour means for an emitter; with a nested texture it makes "
+                         "an emitter of a picture.",
+                         "CIE 15:2004, Colorimetry",
+                         {{"scale", "float", "", "1", "factor"},
+                          {"color", "rgb", "", "1, 1, 1",
+                           "linear sRGB colour that the illuminant is multiplied by; may exceed one"},
+                          {"texture", "texture", "", "none",
+                           "a nested texture that the illuminant is multiplied by, under any name"}},
+                         {R"(<spectrum type="d65">
+    <float name="scale" value="3"/>
+    <rgb name="color" value="2, 1.4, 0.6"/>
+</spectrum>)",
+                          R"(<texture type="d65">
+    <texture type="checkerboard"/>
+</texture>)"}});
+
+}  // namespace
+}  // namespace aureole

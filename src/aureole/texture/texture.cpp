@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/texture/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/core/units.h"
+#include "aureole/spectrum/tables.h"
+#include "aureole/spectrum/upsampling_fit.h"
+#include "aureole/texture/constant_texture.h"
+
+namespace aureole {
+
+namespace {
+
+/// Rounding errors of tabulation and of image formats may pass a bound by this much.
+constexpr float kTolerance = 1e-5f;
+
+std::string text(double v) {
+  std::string s = std::to_string(v);
+  while (s.back() == '0') s.pop_back();
+  if (s.back() == '.') s.pop_back();
+  return s;
+}
+
+void check_number(const Properties& properties, std::string_view name, double v, SpectrumRole role) {
+  if (!std::isfinite(v)) throw properties.error(name, "must be finite");
+  if (v < 0) throw properties.error(name, "must not be negative, got " + text(v));
+  if (role == SpectrumRole::reflectance && v > 1)
+    throw properties.error(name, "a reflectance or transmittance lies in [0, 1], got " + text(v));
+}
+
+TexturePtr make_constant(const Properties& owner, std::string_view name, SampledSpectrum spectrum) {
+  SourceLocation where = owner.where();
+  for (const Properties::Entry& e : owner.entries())
+    if (e.name == name) where = e.where;
+  const Properties properties("spectrum", "", where, owner.shared_context());
+  return std::make_shared<ConstantTexture>(properties, std::move(spectrum));
+}
+
+SampledSpectrum tabulate_number(const SpectralGrid& grid, double v, SpectrumRole role) {
+  return role == SpectrumRole::emission ? d65_spectrum(grid, v) : SampledSpectrum::constant(grid, float(v));
+}
+
+SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b) {
+  std::vector<float> nodes(a.nodes().begin(), a.nodes().end());
+  for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] *= b.nodes()[i];
+  return {a.grid(), std::move(nodes)};
+}
+
+SampledSpectrum tabulate(const Properties& properties, std::string_view name, const SpectrumLiteral& literal,
+                         SpectrumRole role) {
+  const SpectralGrid& grid = properties.context().grid;
+  switch (literal.kind) {
+    case SpectrumLiteral::Kind::value:
+      // Unlike a plain number, a spectrum of one value is flat for emitters, too.
+      check_number(properties, name, literal.value, role);
+      return SampledSpectrum::constant(grid, float(literal.value));
+    case SpectrumLiteral::Kind::rgb:
+      for (double c : literal.rgb) check_number(properties, name, c, role);
+      if (role == SpectrumRole::emission)
+        return product(spectrum_of_rgb(grid, literal.rgb), d65_spectrum(grid, 1));
+      return spectrum_of_rgb(grid, literal.rgb);
+    case SpectrumLiteral::Kind::points:
+      for (double v : literal.values) check_number(properties, name, v, role);
+      if (literal.nm.size() < 2 || literal.nm.size() != literal.values.size())
+        throw properties.error(name, "a spectrum needs at least two wavelengths, each with its value");
+      return SampledSpectrum::from_points(grid, literal.nm, literal.values);
+  }
+  throw std::logic_error("unknown kind of spectrum");
+}
+
+void check_range(const Properties& properties, std::string_view name, const Texture& texture,
+                 SpectrumRole role) {
+  if (texture.minimum() < -kTolerance)
+    throw properties.error(name, "the texture has negative values, down to " + text(texture.minimum()));
+  if (role == SpectrumRole::reflectance && texture.maximum() > 1 + kTolerance)
+    throw properties.error(name,
+                           "a reflectance or transmittance lies in [0, 1], but the texture goes up to " +
+                               text(texture.maximum()));
+}
+
+}  // namespace
+
+ConstantTexture::ConstantTexture(const Properties& properties, SampledSpectrum spectrum)
+    : Texture(properties), spectrum_(std::move(spectrum)) {
+  flat_ = spectrum_.minimum() == spectrum_.maximum();
+  value_ = spectrum_.maximum();
+}
+
+SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3]) {
+  const double largest = std::max({rgb[0], rgb[1], rgb[2]});
+  if (largest <= 0) return SampledSpectrum::constant(grid, 0);
+  if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return SampledSpectrum::constant(grid, float(largest));
+  // Half of the brightest: there the spectra of the upsampling are smooth.
+  const double scale = largest <= 1 ? 1 : 2 * largest;
+  const SigmoidPolynomial p = fit_srgb({rgb[0] / scale, rgb[1] / scale, rgb[2] / scale});
+  return SampledSpectrum::from_function(grid, [&](double nm) { return scale * p.at(float(nm)); });
+}
+
+SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale) {
+  const TabulatedSpectrum d65 = *find_illuminant("D65");
+  SampledSpectrum s = SampledSpectrum::from_points(grid, d65.wavelengths_nm, d65.values);
+  s.scale(float(scale * d65_whitepoint_normalization()));
+  return s;
+}
+
+SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, bool unbounded) {
+  const Properties::Entry* e = properties.find(name);
+  if (!e) throw properties.error(name, "needs the parameter \"" + std::string(name) + "\"");
+  const auto* literal = std::get_if<SpectrumLiteral>(&e->value);
+  if (!literal || literal->kind != SpectrumLiteral::Kind::rgb)
+    throw properties.error(name, "expected an rgb colour");
+  for (double c : literal->rgb)
+    check_number(properties, name, c, unbounded ? SpectrumRole::unbounded : SpectrumRole::reflectance);
+  return *literal;
+}
+
+std::vector<double> get_numbers(const Properties& properties, std::string_view name) {
+  const std::string all = properties.get_string(name);
+  std::vector<double> numbers;
+  constexpr const char* kSeparators = ", \t\r\n";
+  for (std::size_t at = all.find_first_not_of(kSeparators); at != std::string::npos;) {
+    const std::size_t end = std::min(all.find_first_of(kSeparators, at), all.size());
+    try {
+      numbers.push_back(parse_number(std::string_view(all).substr(at, end - at)));
+    } catch (const Error& problem) {
+      throw properties.error(name, problem.message());
+    }
+    check_number(properties, name, numbers.back(), SpectrumRole::unbounded);
+    at = all.find_first_not_of(kSeparators, end);
+  }
+  if (numbers.size() < 2) throw properties.error(name, "needs at least two numbers");
+  return numbers;
+}
+
+TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role) {
+  const Properties::Entry* e = properties.find(name);
+  if (!e) return nullptr;
+  double number = 0;
+  if (const auto* d = std::get_if<double>(&e->value))
+    number = *d;
+  else if (const auto* i = std::get_if<std::int64_t>(&e->value))
+    number = double(*i);
+  else if (const auto* literal = std::get_if<SpectrumLiteral>(&e->value))
+    return make_constant(properties, name, tabulate(properties, name, *literal, role));
+  else if (std::holds_alternative<ObjectPtr>(e->value)) {
+    const auto texture = properties.get_object<Texture>(name);
+    check_range(properties, name, *texture, role);
+    return texture;
+  } else
+    throw properties.error(name, "expected a number, a spectrum or a texture");
+  check_number(properties, name, number, role);
+  return make_constant(properties, name, tabulate_number(properties.context().grid, number, role));
+}
+
+TexturePtr get_texture(const Properties& properties, std::string_view name, double fallback,
+                       SpectrumRole role) {
+  if (TexturePtr texture = get_optional_texture(properties, name, role)) return texture;
+  return make_constant(properties, name, tabulate_number(properties.context().grid, fallback, role));
+}
+
+}  // namespace aureole

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The texture family: spectra that may vary over a surface.
+#pragma once
+
+#include "aureole/plugin/properties.h"
+#include "aureole/shape/surface_point.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+class Texture : public Object {
+ public:
+  static constexpr const char* kFamily = "a texture or spectrum";
+  using Object::Object;
+
+  /// Value at the path's wavelengths.
+  virtual Spectrum eval(const SurfacePoint& point, const Wavelengths& wavelengths) const = 0;
+  /// The mean over the surface (over uv in [0, 1]^2), tabulated on the scene's grid.
+  virtual SampledSpectrum average() const = 0;
+  /// True where the value does not depend on the point.
+  virtual bool is_constant() const { return false; }
+  /// Largest value over the surface and all wavelengths, for range checks.
+  virtual float maximum() const = 0;
+  /// Smallest value over the surface and all wavelengths.
+  virtual float minimum() const = 0;
+};
+using TexturePtr = std::shared_ptr<const Texture>;
+
+/// What a spectrum given as rgb or as a number stands for, as in Mitsuba's spectral mode: a reflectance in [0, 1], an unbounded
+/// quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has luminance 1).
+enum class SpectrumRole { reflectance, unbounded, emission };
+
+/// The texture, spectrum or number given under `name`; `fallback` where absent. A reflectance outside [0, 1] and any negative value
+/// are errors located at the parameter.
+TexturePtr get_texture(const Properties& properties, std::string_view name, double fallback, SpectrumRole role);
+
+/// The texture given under `name`, or null where absent.
+TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role);
+
+}  // namespace aureole

@@ -1,0 +1,598 @@
+// SPDX-License-Identifier: Apache-2.0
+// The layer of correlated scatterers against its formulas written out anew in double precision, through
+// optics:: only.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <random>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/optics/fresnel.h"
+#include "aureole/optics/scatterer_layer.h"
+#include "harness/properties_builder.h"
+
+namespace aureole {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+using Mode = TransportMode;
+
+const Spectrum kLambdas =
+    make_spectrum([](int i) { return 400.f + 350.f / kWavelengths * (float(i) + 0.3f); });
+
+struct LayerCase {
+  std::string scatterer = "apertures", substrate = "none", radius = "5um", correlation_radius = "5um";
+  double area_fraction = 0.5;
+  std::string extra = "";
+
+  std::shared_ptr<Bsdf> build() const {
+    std::string xml = R"(<bsdf type="correlated_scatterers"><string name="scatterer" value=")" + scatterer +
+                      R"("/><string name="substrate" value=")" + substrate +
+                      R"("/><string name="radius" value=")" + radius +
+                      R"("/><string name="correlation_radius" value=")" + correlation_radius +
+                      R"("/><float name="area_fraction" value=")" + std::to_string(area_fraction) +
+                      R"("/><float name="ext_ior" value="1"/>)";
+    if (substrate != "none") xml += R"(<float name="int_ior" value="1.5"/>)";
+    return testing::build<Bsdf>(xml + extra + "</bsdf>");
+  }
+  double a() const { return std::stod(correlation_radius) * 1e-6; }
+  double b() const { return std::stod(radius) * 1e-6; }
+  /// Made once for each of the few layers: its total is an integral.
+  const optics::ScattererLayer& layer() const {
+    static std::map<std::tuple<double, double, double>, optics::ScattererLayer> layers;
+    return layers.try_emplace({b(), a(), area_fraction}, b(), a(), area_fraction).first->second;
+  }
+  double index(double z) const { return substrate == "dielectric" && z < 0 ? 1.5 : 1; }
+  /// Of a direction with transverse index p = n sin, from the side with index n; one beyond the critical
+  /// angle.
+  double reflectance(double p, double n) const {
+    if (substrate == "none") return 0;
+    const double cosine = std::sqrt(1 - p * p / (n * n));
+    return substrate == "dielectric" ? optics::fresnel_reflectance(cosine, n, 2.5 - n)
+                                     : optics::thin_slab_reflectance(cosine, 1, 1.5);
+  }
+};
+
+std::string text(const char* name, const std::string& value) {
+  return std::string("<string name=\"") + name + "\" value=\"" + value + "\"/>";
+}
+
+class Context {
+public:
+  explicit Context(Mode mode = Mode::radiance, const Spectrum& nm = kLambdas)
+      : wavelengths_(Wavelengths::at(SpectralGrid{}, nm)), ctx{wavelengths_, point_, mode, 0} {}
+
+private:
+  SurfacePoint point_;
+  Wavelengths wavelengths_;
+
+public:
+  BsdfContext ctx;
+};
+
+Vec3 direction(double degrees, double azimuth_degrees = 0) {
+  const double t = degrees * kPi / 180, f = azimuth_degrees * kPi / 180;
+  return {float(std::sin(t) * std::cos(f)), float(std::sin(t) * std::sin(f)), float(std::cos(t))};
+}
+
+/// f |cos theta_o| of the diffracted lobe by the formulas of the source with O = `obliquity`.
+double expected_value(const LayerCase& s, const Vec3& wi, const Vec3& wo, double nm, Mode mode,
+                      double obliquity = 1) {
+  const bool reflected = wi.z * wo.z > 0;
+  if (s.substrate == "none" && reflected) return 0;
+  const double n_i = s.index(wi.z), n_o = s.index(wo.z), lambda = nm * 1e-9;
+  const double x = n_o * wo.x + n_i * wi.x, y = n_o * wo.y + n_i * wi.y;
+  const auto& layer = s.layer();
+  const double j = layer.intensity(2 * kPi / lambda * std::hypot(x, y)) * layer.normalisation();
+  const double root = std::sqrt(s.reflectance(n_i * std::hypot(wi.x, wi.y), n_i) *
+                                s.reflectance(n_o * std::hypot(wo.x, wo.y), n_o));
+  const double n_leaving = mode == Mode::radiance ? n_i : n_o;
+  const double share = s.substrate == "none" ? 1 : reflected ? root : 1 - root;
+  return n_leaving * n_leaving / (lambda * lambda) * j * share * std::abs(wo.z) * obliquity;
+}
+
+TEST(CorrelatedScatterers, ValueIsTheFormula) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform;
+  for (const char* substrate : {"none", "thindielectric", "dielectric"})
+    for (double degrees : {0., 20., 75., 105., 130., 150., 180.})
+      for (Mode mode : {Mode::radiance, Mode::importance}) {
+        LayerCase s{.substrate = substrate, .radius = "4um"};
+        const auto bsdf = s.build();
+        const Context c(mode);
+        const Vec3 wi = direction(degrees, 40);
+        for (int i = 0; i < 100; ++i) {
+          // Near the specular directions, where the rings are, on both sides of the layer.
+          const double side = i % 2 ? 1 : -1, n_i = s.index(wi.z), n_o = s.index(side);
+          const double r = 0.2 * uniform(random), f = 2 * kPi * uniform(random);
+          const double x = (r * std::cos(f) - n_i * wi.x) / n_o, y = (r * std::sin(f) - n_i * wi.y) / n_o;
+          if (x * x + y * y >= 0.999) continue;
+          const Vec3 wo{float(x), float(y), float(side * std::sqrt(1 - x * x - y * y))};
+          const Spectrum v = bsdf->eval(wi, wo, c.ctx);
+          const double scale = expected_value(s, wi, wi * -1.f, 550, mode) + 1;
+          for (int j = 0; j < kWavelengths; ++j) {
+            const double e = expected_value(s, wi, wo, kLambdas[j], mode);
+            EXPECT_NEAR(v[j], e, 1e-3 * e + 1e-5 * scale) << substrate << degrees << " r " << r;
+          }
+        }
+      }
+}
+
+TEST(CorrelatedScatterers, LargeScatterersKeepTheirRings) {
+  // 100 um: rings are milliradians wide and the two directions nearly cancel in q.
+  const LayerCase s{.radius = "100um", .correlation_radius = "100um"};
+  const auto bsdf = s.build();
+  const Context c;
+  for (double degrees : {0., 45.})
+    for (double u : {1., 2.548, 5.392, 20.}) {
+      const Vec3 wi = direction(degrees);
+      const double x = u / (2 * kPi / 550e-9 * 100e-6) - wi.x;
+      const Vec3 wo{float(x), 0, float(-std::sqrt(1 - x * x))};
+      for (int j = 0; j < kWavelengths; ++j) {
+        const double e = expected_value(s, wi, wo, kLambdas[j], Mode::radiance);
+        EXPECT_NEAR(bsdf->eval(wi, wo, c.ctx)[j], e, 2e-3 * e + 0.02) << u;
+      }
+    }
+}
+
+TEST(CorrelatedScatterers, ObliquityAtPoints) {
+  for (const char* substrate : {"none", "dielectric", "thindielectric"})
+    for (Mode mode : {Mode::radiance, Mode::importance})
+      for (double ti : {10., 50., 120., 160.})
+        for (double to : {15., 55., 125., 165.}) {
+          LayerCase s{.substrate = substrate, .radius = "1um", .correlation_radius = "1um"};
+          LayerCase f = s, k = s;
+          f.extra = text("obliquity", "fraunhofer");
+          k.extra = text("obliquity", "kirchhoff");
+          const Vec3 wi = direction(ti), wo = direction(to, 170);
+          const Context c(mode);
+          // In Radiance mode the light comes along wo and leaves along wi.
+          const Vec3 from = mode == Mode::radiance ? wo : wi, to_w = mode == Mode::radiance ? wi : wo;
+          const double sine = s.index(from.z) / s.index(to_w.z) * std::hypot(from.x, from.y);
+          const double cs = sine < 1 ? std::sqrt(1 - sine * sine) : 0, co = std::abs(to_w.z);
+          const double of = cs / co, ok = cs > 0 ? (cs + co) * (cs + co) / (4 * cs * co) : 0;
+          const double e = expected_value(s, wi, wo, kLambdas[0], mode);
+          EXPECT_NEAR(s.build()->eval(wi, wo, c.ctx)[0], e, 3e-3 * e + 1e-6);
+          EXPECT_NEAR(f.build()->eval(wi, wo, c.ctx)[0], e * of, (3e-3 * e + 1e-6) * std::max(of, 1.));
+          EXPECT_NEAR(k.build()->eval(wi, wo, c.ctx)[0], e * ok, (3e-3 * e + 1e-6) * std::max(ok, 1.));
+        }
+}
+
+/// Integral over the whole sphere of a function of wo, in polar coordinates of q around the specular
+/// directions.
+double integrate(const LayerCase& s, const Vec3& wi, double nm, const std::function<double(const Vec3&)>& f) {
+  const double k = 2 * kPi / (nm * 1e-9), n_i = s.index(wi.z), phase = k * s.a();
+  const double u_max = phase * (1.5 + n_i);
+  const int rings = std::max(1000, int(u_max * 12)), azimuths = 240;
+  double sum = 0;
+  for (int i = 0; i < rings; ++i) {
+    const double u = (i + 0.5) * u_max / rings,
+                 area = u * (u_max / rings) * 2 * kPi / azimuths / (phase * phase);
+    for (int m = 0; m < azimuths; ++m) {
+      const double phi = 2 * kPi * (m + 0.5 * (i % 2)) / azimuths;
+      const double x = u / phase * std::cos(phi) - n_i * wi.x, y = u / phase * std::sin(phi) - n_i * wi.y;
+      for (double side : {1., -1.}) {
+        const double n = s.index(side), c2 = 1 - (x * x + y * y) / (n * n);
+        if (c2 <= 1e-9) continue;
+        const double z = std::sqrt(c2);
+        sum += f({float(x / n), float(y / n), float(side * z)}) * area / (n * n * z);
+      }
+    }
+  }
+  return sum;
+}
+
+/// Fr (1 - Fr) minus what falls on evanescent waves and on the share of directions that do not exist: without
+/// the BSDF, over |q| and the arc of real directions.
+double expected_energy(const LayerCase& s, const Vec3& wi, double nm) {
+  const double phase = 2 * kPi / (nm * 1e-9) * s.a(), n_i = s.index(wi.z), n_t = s.index(-wi.z);
+  const double p = n_i * std::hypot(wi.x, wi.y), root_i = std::sqrt(s.reflectance(p, n_i));
+  const double u_max = phase * (std::max(n_i, n_t) + p);
+  const auto& layer = s.layer();
+  const int steps = std::max(4000, int(u_max * 40));
+  double sum = 0;
+  for (int i = 0; i < steps; ++i) {
+    const double u = (i + 0.5) * u_max / steps, v = u / phase;
+    const double j = layer.intensity(u / s.a()) * layer.normalisation() / (s.a() * s.a());
+    double share = 0;
+    if (s.substrate == "none") {
+      // The arc of the circle of radius v around the specular point that lies in the unit disc.
+      const double c = p > 0 ? (v * v + p * p - 1) / (2 * v * p) : (v < 1 ? -1 : 1);
+      share = std::acos(std::clamp(c, -1., 1.)) / kPi;
+    } else {
+      const int azimuths = 400;
+      for (int m = 0; m < azimuths; ++m) {
+        const double p_o = std::sqrt(v * v + p * p - 2 * v * p * std::cos(kPi * (m + 0.5) / azimuths));
+        if (p_o < n_i) share += root_i * std::sqrt(s.reflectance(p_o, n_i)) / azimuths;
+        if (p_o < n_t) share += (1 - root_i * std::sqrt(s.reflectance(p_o, n_t))) / azimuths;
+      }
+    }
+    sum += j * share * u * (u_max / steps) / (2 * kPi);
+  }
+  return sum;
+}
+
+TEST(CorrelatedScatterers, EnergyIsAllButTheEvanescentPart) {
+  const Context c(Mode::importance);
+  for (const char* substrate : {"none", "thindielectric", "dielectric"})
+    for (const char* radius : {"0.8um", "5um"})
+      for (double degrees : {0., 45., 80., 125., 140., 175.}) {
+        if (substrate != std::string("dielectric") && degrees > 90) continue;
+        const LayerCase s{.substrate = substrate, .radius = radius, .correlation_radius = radius};
+        const auto bsdf = s.build();
+        const Vec3 wi = direction(degrees, 25);
+        const double fr = s.area_fraction;
+        for (int j : {0, kWavelengths - 1}) {
+          const double energy =
+              integrate(s, wi, kLambdas[j], [&](const Vec3& wo) { return bsdf->eval(wi, wo, c.ctx)[j]; });
+          const double expected = expected_energy(s, wi, kLambdas[j]);
+          EXPECT_NEAR(energy / expected, 1, 3e-3) << substrate << radius << degrees;
+          EXPECT_LT(expected, fr * (1 - fr));
+          std::printf("%-14s %-6s %5.0f deg %.0f nm: diffracted %.5f of %.5f, lost %.2f %%\n", substrate,
+                      radius, degrees, kLambdas[j], energy, fr * (1 - fr),
+                      100 * (1 - energy / (fr * (1 - fr))));
+        }
+      }
+}
+
+TEST(CorrelatedScatterers, RenormalizedEnergyIsComplete) {
+  const Context c(Mode::importance);
+  for (const char* substrate : {"none", "thindielectric", "dielectric"})
+    for (const char* radius : {"0.8um", "5um"})
+      for (double degrees : {0., 45., 80., 88., 125., 140., 175.}) {
+        if (substrate != std::string("dielectric") && degrees > 90) continue;
+        const LayerCase s{.substrate = substrate,
+                          .radius = radius,
+                          .correlation_radius = radius,
+                          .extra = R"(<boolean name="renormalize" value="true"/>)"};
+        const auto bsdf = s.build();
+        const Vec3 wi = direction(degrees, 25);
+        for (int j : {0, kWavelengths / 2 + 1}) {
+          const double energy =
+              integrate(s, wi, kLambdas[j], [&](const Vec3& wo) { return bsdf->eval(wi, wo, c.ctx)[j]; });
+          EXPECT_NEAR(energy / 0.25, 1, 4e-3) << substrate << radius << degrees << " " << kLambdas[j];
+        }
+      }
+}
+
+TEST(CorrelatedScatterers, Reciprocity) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> uniform;
+  for (const char* substrate : {"none", "thindielectric", "dielectric"})
+    for (const char* extra : {"", R"(<boolean name="renormalize" value="true"/>)"}) {
+      const LayerCase s{.substrate = substrate, .radius = "1um", .correlation_radius = "1um", .extra = extra};
+      const auto bsdf = s.build();
+      const Context radiance(Mode::radiance), importance(Mode::importance);
+      int beyond_critical = 0;
+      for (int i = 0; i < 2000; ++i) {
+        // Uniform over the sphere: in the dielectric most directions are beyond the critical angle.
+        const auto draw = [&] {
+          const float z = 2 * uniform(random) - 1, f = 2 * float(kPi) * uniform(random),
+                      r = std::sqrt(1 - z * z);
+          return Vec3{r * std::cos(f), r * std::sin(f), z};
+        };
+        const Vec3 wi = draw(), wo = draw();
+        const double ni = s.index(wi.z), no = s.index(wo.z);
+        if (ni * std::hypot(wi.x, wi.y) > 1) ++beyond_critical;
+        const Spectrum f = bsdf->eval(wi, wo, radiance.ctx), g = bsdf->eval(wo, wi, radiance.ctx);
+        const Spectrum h = bsdf->eval(wi, wo, importance.ctx);
+        for (int j = 0; j < kWavelengths; ++j) {
+          const double a = f[j] / std::abs(wo.z) / (ni * ni), b = g[j] / std::abs(wi.z) / (no * no);
+          EXPECT_NEAR(a, b, 2e-3 * (a + b) + 2e-6);
+          // The same light, from wi to wo, found in either mode.
+          const double d = h[j] / std::abs(wo.z), e = g[j] / std::abs(wi.z);
+          EXPECT_NEAR(d, e, 2e-3 * (d + e) + 2e-6);
+        }
+      }
+      EXPECT_TRUE(substrate != std::string("dielectric") || beyond_critical > 300);
+    }
+}
+
+TEST(CorrelatedScatterers, DeltaLobesCarryTheirWeights) {
+  const double fr = 0.3 * 16 / 25;
+  for (const char* scatterer : {"apertures", "discs"})
+    for (const char* substrate : {"none", "thindielectric", "dielectric"})
+      for (double degrees : {0., 60., 130., 160.}) {
+        const LayerCase s{
+            .scatterer = scatterer, .substrate = substrate, .radius = "4um", .area_fraction = 0.3};
+        const auto bsdf = s.build();
+        const bool discs = scatterer == std::string("discs"), none = substrate == std::string("none");
+        const double weight = discs ? (1 - fr) * (1 - fr) : fr * fr + (none ? 0 : 1 - fr);
+        const Vec3 wi = direction(degrees);
+        const double n_i = s.index(wi.z), n_t = s.index(-wi.z), p = n_i * std::hypot(wi.x, wi.y);
+        const double r = s.reflectance(p, n_i);
+        const Context c;
+        double mass = 0, reflected = 0, transmitted = 0;
+        const int samples = 20000;
+        for (int i = 0; i < samples; ++i) {
+          const auto x = bsdf->sample(wi, float((i + 0.5) / samples), {0.4f, 0.7f}, c.ctx);
+          if (!x || !x->is_delta()) continue;
+          mass += 1.0 / samples;
+          const double estimate = x->value[0] / x->pdf[0] / samples;
+          if (has(x->lobe, Lobe::reflect)) {
+            EXPECT_EQ(x->wo, reflect(wi));
+            EXPECT_NEAR(x->value[1], weight * r, 1e-5);
+            reflected += estimate;
+          } else {
+            EXPECT_NEAR(x->wo.x * n_t, -wi.x * n_i, 1e-6);
+            EXPECT_NEAR(length(x->wo), 1, 1e-6);
+            EXPECT_EQ(x->wo.z > 0, wi.z < 0);
+            EXPECT_NEAR(x->value[1], weight * (1 - r) * n_i * n_i / (n_t * n_t), 1e-5);
+            transmitted += estimate;
+          }
+        }
+        const double all = weight + fr * (1 - fr);
+        EXPECT_NEAR(mass, weight / all, 2e-4) << scatterer << substrate;
+        EXPECT_NEAR(reflected, weight * r, 2e-4);
+        EXPECT_NEAR(transmitted, weight * (1 - r) * n_i * n_i / (n_t * n_t), 3e-4) << substrate << degrees;
+      }
+}
+
+TEST(CorrelatedScatterers, BlockedLightGoesToTheNestedBsdf) {
+  const double fr = 0.4;
+  const LayerCase s{.scatterer = "discs",
+                    .area_fraction = fr,
+                    .extra = R"(<bsdf type="diffuse"><float name="reflectance" value="0.6"/></bsdf>)"};
+  const auto bsdf = s.build();
+  const Context c;
+  const Vec3 wi = direction(30), wo = direction(50, 100);
+  const BsdfEval e = bsdf->eval_pdf(wi, wo, c.ctx);
+  EXPECT_NEAR(e.value[0], fr * 0.6 / kPi * wo.z, 1e-6);
+  EXPECT_NEAR(e.pdf[0], fr / kPi * wo.z, 1e-6);  // (1 - fr)^2 + fr (1 - fr) + fr is one
+  const auto x = bsdf->sample(wi, 0.999f, {0.3f, 0.6f}, c.ctx);
+  ASSERT_TRUE(x);
+  EXPECT_GT(x->wo.z, 0);
+  EXPECT_NEAR(x->value[2] / x->pdf[2], 0.6, 1e-5);
+}
+
+TEST(CorrelatedScatterers, Babinet) {
+  // Discs and apertures of the same size and places diffract alike; only what keeps its direction differs.
+  for (const char* substrate : {"none", "dielectric"}) {
+    const LayerCase a{.substrate = substrate, .area_fraction = 0.4};
+    LayerCase d = a;
+    d.scatterer = "discs";
+    const auto apertures = a.build(), discs = d.build();
+    const Context c;
+    for (double to = 0.5; to < 180; to += 7.3) {
+      const Vec3 wi = direction(35), wo = direction(to, 185);
+      const Spectrum x = apertures->eval(wi, wo, c.ctx), y = discs->eval(wi, wo, c.ctx);
+      for (int j = 0; j < kWavelengths; ++j) EXPECT_EQ(x[j], y[j]);
+    }
+  }
+}
+
+/// Chi-square of samples against the density over bins of (u, azimuth of q) on either side.
+void check_distribution(const LayerCase& s, double degrees, unsigned seed) {
+  const auto bsdf = s.build();
+  const Vec3 wi = direction(degrees, 15);
+  const Context c;
+  const double phase = 2 * kPi / (kLambdas[0] * 1e-9) * s.a(), n_i = s.index(wi.z);
+  const int rings = 40, azimuths = 8, bins = 2 * rings * azimuths, samples = 200000;
+  const double u_end = phase * (1.5 + n_i);
+  // Narrow rings in the middle and wide ones outside.
+  const auto ring_of = [&](double u) { return std::min(rings - 1, int(rings * std::sqrt(u / u_end))); };
+  const auto bin_of = [&](const Vec3& wo) {
+    const double n = s.index(wo.z), x = n * wo.x + n_i * wi.x, y = n * wo.y + n_i * wi.y;
+    double f = std::atan2(y, x) / (2 * kPi);
+    f -= std::floor(f);
+    return ((wo.z > 0 ? rings : 0) + ring_of(phase * std::hypot(x, y))) * azimuths +
+           std::min(int(f * azimuths), azimuths - 1);
+  };
+  std::vector<double> expected(bins, 0.0), observed(bins, 0.0);
+  double mass = 0;
+  mass = integrate(s, wi, kLambdas[0], [&](const Vec3&) { return 0.0; });
+  const int fine = std::max(1600, int(u_end * 40)), around = 160;
+  for (int i = 0; i < fine; ++i) {
+    const double u = (i + 0.5) * u_end / fine, area = u * (u_end / fine) * 2 * kPi / around / (phase * phase);
+    for (int m = 0; m < around; ++m) {
+      const double f = 2 * kPi * (m + 0.5) / around;
+      const double x = u / phase * std::cos(f) - n_i * wi.x, y = u / phase * std::sin(f) - n_i * wi.y;
+      for (double side : {1., -1.}) {
+        const double n = s.index(side), c2 = 1 - (x * x + y * y) / (n * n);
+        if (c2 <= 1e-9) continue;
+        const Vec3 wo{float(x / n), float(y / n), float(side * std::sqrt(c2))};
+        const double p = bsdf->pdf(wi, wo, c.ctx)[0] * area / (n * n * std::sqrt(c2));
+        expected[bin_of(wo)] += p;
+        mass += p;
+      }
+    }
+  }
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform;
+  int kept = 0;
+  const auto below_one = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
+  for (int i = 0; i < samples; ++i) {
+    const auto x = bsdf->sample(wi, below_one(), {below_one(), below_one()}, c.ctx);
+    if (!x || x->is_delta()) continue;
+    ++kept;
+    ++observed[bin_of(x->wo)];
+    const BsdfEval e = bsdf->eval_pdf(wi, x->wo, c.ctx);
+    for (int j = 0; j < kWavelengths; ++j) {
+      ASSERT_EQ(e.value[j], x->value[j]);
+      ASSERT_EQ(e.pdf[j], x->pdf[j]);
+    }
+  }
+  EXPECT_NEAR(double(kept) / samples, mass, 5 * std::sqrt(mass / samples) + 2e-3) << s.substrate << degrees;
+  double chi2 = 0, pooled_expected = 0, pooled_observed = 0;
+  int freedom = 0;
+  const auto add = [&](double e, double o) {
+    // The quadrature's own error is some 0.5 % of a bin.
+    chi2 += (o - e) * (o - e) / (e + 2.5e-5 * e * e);
+    ++freedom;
+  };
+  for (int i = 0; i < bins; ++i) {
+    const double e = expected[i] * samples;
+    if (e < 20)
+      pooled_expected += e, pooled_observed += observed[i];
+    else
+      add(e, observed[i]);
+  }
+  if (pooled_expected > 20) add(pooled_expected, pooled_observed);
+  // Wilson and Hilferty's approximation of the chi-square distribution, at five sigma.
+  const double v = 2.0 / (9 * freedom), z = (std::cbrt(chi2 / freedom) - (1 - v)) / std::sqrt(v);
+  EXPECT_LT(z, 5) << s.substrate << " " << s.extra << " " << degrees << ": chi2 " << chi2 << " for "
+                  << freedom;
+}
+
+TEST(CorrelatedScatterers, SamplesFollowTheirDensity) {
+  unsigned seed = 1;
+  for (const char* extra : {"product", "factors"})
+    for (const char* substrate : {"none", "thindielectric", "dielectric"})
+      for (double degrees : {0., 70., 125., 155.}) {
+        if (substrate != std::string("dielectric") && degrees > 90) continue;
+        check_distribution({.substrate = substrate,
+                            .radius = "1.6um",
+                            .correlation_radius = "2um",
+                            .extra = text("sampling", extra)},
+                           degrees, seed++);
+      }
+}
+
+TEST(CorrelatedScatterers, ProductSamplesHaveOneWeight) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> uniform;
+  for (const char* substrate : {"none", "thindielectric", "dielectric"}) {
+    const LayerCase s{.substrate = substrate};
+    const auto bsdf = s.build();
+    const Context c(Mode::importance);
+    const Vec3 wi = direction(40);
+    double first = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const auto x = bsdf->sample(wi, 0.999f * uniform(random),
+                                  {0.999f * uniform(random), 0.999f * uniform(random)}, c.ctx);
+      if (!x || x->is_delta()) continue;
+      const double weight = x->value[0] / x->pdf[0];
+      if (first == 0) first = weight;
+      EXPECT_NEAR(weight, first, 1e-5 * first) << substrate;
+    }
+    EXPECT_GT(first, 0);
+  }
+}
+
+TEST(CorrelatedScatterers, FactorsGiveTheSameIntegrals) {
+  // The power sent to each of several zones around the specular direction, estimated by either way of
+  // sampling.
+  const LayerCase product{.substrate = "thindielectric", .radius = "2um", .correlation_radius = "2um"};
+  LayerCase factors = product;
+  factors.extra = text("sampling", "factors");
+  const Vec3 wi = direction(30);
+  const Context c;
+  const int samples = 400000, zones = 6;
+  std::vector<double> mean[2], square[2];
+  int which = 0;
+  for (const LayerCase& s : {product, factors}) {
+    const auto bsdf = s.build();
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> uniform;
+    const auto draw = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
+    mean[which].assign(zones, 0), square[which].assign(zones, 0);
+    for (int i = 0; i < samples; ++i) {
+      const auto x = bsdf->sample(wi, draw(), {draw(), draw()}, c.ctx);
+      if (!x || x->is_delta()) continue;
+      const double q = std::hypot(x->wo.x + wi.x, x->wo.y + wi.y);
+      const int zone = (x->wo.z > 0 ? 3 : 0) + (q < 0.08 ? 0 : q < 0.2 ? 1 : 2);
+      const double w = x->value[0] / x->pdf[0];
+      mean[which][zone] += w / samples, square[which][zone] += w * w / samples;
+    }
+    ++which;
+  }
+  for (int z = 0; z < zones; ++z) {
+    const double variance =
+        (square[0][z] - mean[0][z] * mean[0][z] + square[1][z] - mean[1][z] * mean[1][z]) / samples;
+    EXPECT_NEAR(mean[0][z], mean[1][z], 5 * std::sqrt(variance)) << z;
+    EXPECT_GT(mean[0][z], 0);
+  }
+}
+
+TEST(CorrelatedScatterers, WavelengthsAreExchangeable) {
+  Spectrum rotated;
+  for (int j = 0; j < kWavelengths; ++j) rotated[j] = kLambdas[(j + 3) % kWavelengths];
+  for (const char* substrate : {"thindielectric", "dielectric"}) {
+    const auto bsdf = testing::build<Bsdf>(
+        std::string(R"(<bsdf type="correlated_scatterers"><string name="radius" value="3um"/>
+        <float name="area_fraction" value="0.5"/><string name="substrate" value=")") +
+        substrate + R"("/><string name="int_ior" value="bk7"/></bsdf>)");
+    const Context a, b(Mode::radiance, rotated);
+    for (double to : {5., 40., 100., 150., 165.}) {
+      const BsdfEval x = bsdf->eval_pdf(direction(20), direction(to, 180), a.ctx);
+      const BsdfEval y = bsdf->eval_pdf(direction(20), direction(to, 180), b.ctx);
+      for (int j = 0; j < kWavelengths; ++j) {
+        EXPECT_NEAR(x.value[(j + 3) % kWavelengths], y.value[j], 1e-5 * y.value[j]);
+        EXPECT_NEAR(x.pdf[(j + 3) % kWavelengths], y.pdf[j], 1e-5 * y.pdf[j]);
+      }
+    }
+    // A refracted direction belongs to the hero alone; through a pane all wavelengths go the same way.
+    const auto s = bsdf->sample(direction(30), 0.5f, {0.5f, 0.5f}, a.ctx);
+    ASSERT_TRUE(s && s->is_delta());
+    EXPECT_GT(s->value[0], 0);
+    if (substrate == std::string("dielectric")) {
+      EXPECT_EQ(s->value[1], 0);
+      EXPECT_EQ(s->pdf[1], 0);
+    } else {
+      EXPECT_GT(s->value[1], 0);
+    }
+  }
+}
+
+TEST(CorrelatedScatterers, GrazingIsFinite) {
+  for (const char* substrate : {"none", "thindielectric", "dielectric"})
+    for (const std::string& extra :
+         {text("obliquity", "reciprocal"), text("obliquity", "fraunhofer"), text("obliquity", "kirchhoff"),
+          std::string(R"(<boolean name="renormalize" value="true"/>)")}) {
+      const LayerCase s{.substrate = substrate, .extra = extra};
+      const auto bsdf = s.build();
+      for (Mode mode : {Mode::radiance, Mode::importance}) {
+        const Context c(mode);
+        const std::vector<Vec3> directions = {{1, 0, 1e-7f},   {-1, 0, 1e-7f},   {-1, 0, -1e-7f},
+                                              {0, 1, -1e-20f}, {0, 0, 1},        {0, 0, -1},
+                                              {1, 0, 0},       direction(89.99), direction(90.01, 180)};
+        for (const Vec3& wi : directions)
+          for (const Vec3& wo : directions) {
+            const BsdfEval e = bsdf->eval_pdf(wi, wo, c.ctx);
+            EXPECT_TRUE(is_valid_radiance(e.value)) << substrate << extra;
+            EXPECT_TRUE(is_valid_radiance(e.pdf));
+            EXPECT_TRUE((wi.z != 0 && wo.z != 0) || is_black(e.value));
+            for (float u : {0.f, 0.3f, 0.9f, 0x1.fffffep-1f}) {
+              const auto x = bsdf->sample(wi, u, {u, 0.1f}, c.ctx);
+              if (!x) continue;
+              EXPECT_GT(x->pdf[0], 0);
+              EXPECT_TRUE(is_valid_radiance(x->value) && is_valid_radiance(x->pdf) && is_finite(x->wo));
+            }
+          }
+      }
+    }
+}
+
+TEST(CorrelatedScatterers, WrongInputIsNamed) {
+  const auto fails_with = [](const std::string& body, const std::string& part) {
+    try {
+      testing::build<Bsdf>("<bsdf type=\"correlated_scatterers\">" + body + "</bsdf>");
+      ADD_FAILURE() << body;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+    }
+  };
+  const std::string radius = text("radius", "5um"), fraction = R"(<float name="area_fraction" value="0.5"/>)";
+  fails_with(fraction, "radius");
+  fails_with(radius, "area_fraction");
+  fails_with(radius + R"(<float name="area_fraction" value="0.71"/>)", "0.7");
+  fails_with(R"(<float name="radius" value="5"/>)" + fraction, "unit");
+  fails_with(radius + fraction + text("correlation_radius", "4um"), "correlation_radius");
+  fails_with(radius + fraction + text("substrate", "glass"), "glass");
+  fails_with(radius + fraction + text("int_ior", "water"), "int_ior");
+  fails_with(
+      radius + fraction + text("obliquity", "kirchhoff") + R"(<boolean name="renormalize" value="true"/>)",
+      "renormalize");
+  fails_with(radius + fraction + R"(<bsdf type="diffuse"/>)", "no use for");
+}
+
+}  // namespace
+}  // namespace aureole

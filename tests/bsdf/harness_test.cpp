@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// Runs the harness over every registered BSDF, and checks that the harness sees the errors it is there for.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/math/warp.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/spectrum/refractive_index.h"
+#include "harness/bsdf_harness.h"
+#include "harness/statistics.h"
+
+namespace aureole::testing {
+namespace {
+
+std::function<float(float)> constant(double n) {
+  return [n](float) { return float(n); };
+}
+std::function<float(float)> material(const char* name, bool dispersion = true) {
+  return [index = *find_refractive_index(name, dispersion)](float nm) { return float(index.at(nm).real()); };
+}
+BsdfCase make_case(std::string name, std::string xml, const std::function<void(BsdfCase&)>& adapt = {}) {
+  BsdfCase c;
+  c.name = std::move(name);
+  c.xml = std::move(xml);
+  if (adapt) adapt(c);
+  return c;
+}
+void one_sided(BsdfCase& c) { c.black_below = true; }
+void lossless_one_sided(BsdfCase& c) { c.black_below = c.lossless = true; }
+
+const BsdfCases kDiffuse("diffuse", one_sided,
+                         {make_case("diffuse_white",
+                                    R"(<bsdf type="diffuse"><float name="reflectance" value="1"/></bsdf>)",
+                                    lossless_one_sided)});
+
+const BsdfCases kTwoSided(
+    "twosided", {},
+    {make_case(
+        "twosided_plastic",
+        R"(<bsdf type="twosided"><bsdf type="plastic"><float name="diffuse_reflectance" value="1"/></bsdf></bsdf>)",
+        [](BsdfCase& c) { c.lossless = true; })});
+
+const BsdfCases kConductor("conductor", one_sided,
+                           {make_case("conductor_mirror", R"(<bsdf type="conductor"/>)", lossless_one_sided),
+                            make_case("conductor_cu",
+                                      R"(<bsdf type="conductor"><string name="material" value="Cu"/></bsdf>)",
+                                      one_sided)});
+
+const BsdfCases kDielectric(
+    "dielectric",
+    [](BsdfCase& c) {
+      c.n_above = material("air");
+      c.lossless = c.name != "dielectric_example_2";
+      if (c.name == "dielectric_example_1") c.n_below = material("water");
+      if (c.name == "dielectric_example_2") c.n_below = constant(1.5);
+      if (c.name == "dielectric_example_3") c.n_below = material("bk7", false);
+    },
+    {make_case("dielectric_default", R"(<bsdf type="dielectric"/>)",
+               [](BsdfCase& c) {
+                 c.lossless = true;
+                 c.n_above = material("air");
+                 c.n_below = material("bk7");
+               }),
+     make_case(
+         "dielectric_diamond_in_sf11",
+         R"(<bsdf type="dielectric"><string name="int_ior" value="diamond"/><string name="ext_ior" value="sf11"/></bsdf>)",
+         [](BsdfCase& c) {
+           c.lossless = true;
+           c.n_above = material("sf11");
+           c.n_below = material("diamond");
+         }),
+     make_case(
+         "dielectric_bubble",
+         R"(<bsdf type="dielectric"><float name="int_ior" value="1"/><float name="ext_ior" value="1.33"/></bsdf>)",
+         [](BsdfCase& c) {
+           c.lossless = true;
+           c.n_above = constant(1.33);
+           c.n_below = constant(1);
+         }),
+     make_case(
+         "dielectric_matched",
+         R"(<bsdf type="dielectric"><float name="int_ior" value="1.5"/><float name="ext_ior" value="1.5"/></bsdf>)",
+         [](BsdfCase& c) {
+           c.lossless = true;
+           c.n_above = c.n_below = constant(1.5);
+         })});
+
+const BsdfCases kThinDielectric("thindielectric", {},
+                                {make_case("thindielectric_default", R"(<bsdf type="thindielectric"/>)",
+                                           [](BsdfCase& c) { c.lossless = true; }),
+                                 make_case("thindielectric_bubble",
+                                           R"(<bsdf type="thindielectric"><float name="int_ior" value="1"/>
+               <string name="ext_ior" value="water"/></bsdf>)",
+                                           [](BsdfCase& c) { c.lossless = true; })});
+
+const BsdfCases kPlastic(
+    "plastic", one_sided,
+    {make_case("plastic_default", R"(<bsdf type="plastic"/>)", one_sided),
+     make_case("plastic_white",
+               R"(<bsdf type="plastic"><float name="diffuse_reflectance" value="1"/></bsdf>)",
+               lossless_one_sided),
+     make_case("plastic_white_dispersive",
+               R"(<bsdf type="plastic"><float name="diffuse_reflectance" value="1"/>
+               <string name="int_ior" value="sf11"/><boolean name="nonlinear" value="true"/></bsdf>)",
+               lossless_one_sided),
+     make_case("plastic_black",
+               R"(<bsdf type="plastic"><float name="diffuse_reflectance" value="0"/></bsdf>)", one_sided),
+     make_case("plastic_dull", R"(<bsdf type="plastic"><float name="specular_reflectance" value="0"/>
+               <spectrum name="diffuse_reflectance" value="400:0, 700:0.9"/></bsdf>)",
+               one_sided)});
+
+class Harness : public ::testing::TestWithParam<std::size_t> {};
+
+TEST_P(Harness, Passes) {
+  const std::vector<BsdfCase> cases = all_bsdf_cases();
+  HarnessOptions options;
+  options.family_size = cases.size();
+  options.dump_folder = ::testing::TempDir();
+  for (const std::string& failure : check_bsdf(cases[GetParam()], options)) ADD_FAILURE() << failure;
+  const HarnessFigures& f = last_figures();
+  RecordProperty("smallest_p", std::to_string(f.smallest_p));
+  RecordProperty("statistical_tests", std::to_string(f.statistical_tests));
+  RecordProperty("largest_energy", std::to_string(f.largest_energy));
+  RecordProperty("largest_mass_error", std::to_string(f.largest_mass_error));
+}
+
+INSTANTIATE_TEST_SUITE_P(Bsdf, Harness, ::testing::Range(std::size_t(0), all_bsdf_cases().size()),
+                         [](const auto& info) { return all_bsdf_cases()[info.param].name; });
+
+// A harness that never fails would pass every test above: each of these breaks one rule.
+enum class Fault { none, density, value, mass, energy, adjoint, reciprocity, hero, shape, delta_hero };
+
+class Faulty final : public Bsdf {
+public:
+  explicit Faulty(const Properties& p)
+      : Bsdf(p), fault_(Fault(p.get_int("fault", 0))), delta_(p.get_float("delta", 0.25, Range::unit())) {}
+
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    if (!(wi.z > 0 && wo.z > 0)) return {};
+    Spectrum pdf = float(1 - delta_) * cosine_hemisphere_pdf(wo.z);
+    Spectrum value = 0.5f * cosine_hemisphere_pdf(wo.z);
+    if (fault_ == Fault::density) pdf *= 1.05f;
+    if (fault_ == Fault::shape) pdf *= 1 + 0.08f * (wo.x > 0.3f ? 1.f : -1.f) * wo.y;
+    if (fault_ == Fault::energy) value *= 2;
+    if (fault_ == Fault::adjoint) value *= ctx.mode == TransportMode::radiance ? 1.02f : 1.f;
+    // By the cosine at which the light arrives.
+    if (fault_ == Fault::reciprocity) value *= ctx.mode == TransportMode::radiance ? wo.z : wi.z;
+    if (fault_ == Fault::hero) value[0] *= 1.01f;
+    return {value, pdf};
+  }
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
+    if (!(wi.z > 0)) return {};
+    if (u1 < float(delta_)) {
+      BsdfSample s{reflect(wi), 0.25f, float(delta_), Lobe::delta | Lobe::reflect};
+      if (fault_ == Fault::mass) s.pdf = 1.f;
+      if (fault_ == Fault::delta_hero) s.pdf[1] = 0;
+      return s;
+    }
+    const Vec3 wo = square_to_cosine_hemisphere(u2);
+    BsdfEval e = eval_pdf(wi, wo, ctx);
+    if (fault_ == Fault::value) e.value *= 1.05f;
+    return BsdfSample{wo, e.value, e.pdf, Lobe::diffuse | Lobe::reflect};
+  }
+  Lobe lobes() const override { return Lobe::diffuse | Lobe::delta | Lobe::reflect; }
+
+private:
+  Fault fault_;
+  double delta_;
+};
+
+// Outside the family "bsdf", so that the suite above does not run it.
+AUREOLE_PLUGIN(Faulty, "faulty_bsdf", "faulty",
+               PluginDoc{
+                   "", "", {{"fault", "integer", "", "0", ""}, {"delta", "float", "", "0.25", ""}}, {}});
+
+std::vector<std::string> faults(Fault fault) {
+  HarnessOptions options;
+  options.dump_folder = ::testing::TempDir();
+  return check_bsdf(make_case("faulty",
+                              "<faulty_bsdf type=\"faulty\"><integer name=\"fault\" value=\"" +
+                                  std::to_string(int(fault)) + "\"/></faulty_bsdf>",
+                              one_sided),
+                    options);
+}
+
+bool says(const std::vector<std::string>& failures, const std::string& text) {
+  for (const std::string& f : failures)
+    if (f.find(text) != std::string::npos) return true;
+  return false;
+}
+
+TEST(HarnessItself, AcceptsWhatIsRight) { EXPECT_EQ(faults(Fault::none), std::vector<std::string>{}); }
+TEST(HarnessItself, SeesWrongDensity) { EXPECT_TRUE(says(faults(Fault::density), "add up to")); }
+TEST(HarnessItself, SeesWrongShape) { EXPECT_TRUE(says(faults(Fault::shape), "chi-square")); }
+TEST(HarnessItself, SeesWrongValue) { EXPECT_TRUE(says(faults(Fault::value), "is not eval_pdf's")); }
+TEST(HarnessItself, SeesWrongMass) { EXPECT_TRUE(says(faults(Fault::mass), "delta lobe of mass")); }
+TEST(HarnessItself, SeesEnergyGain) { EXPECT_TRUE(says(faults(Fault::energy), "gains energy")); }
+TEST(HarnessItself, SeesWrongMode) { EXPECT_TRUE(says(faults(Fault::adjoint), "importance mode")); }
+TEST(HarnessItself, SeesBrokenReciprocity) {
+  EXPECT_TRUE(says(faults(Fault::reciprocity), "not reciprocal"));
+}
+TEST(HarnessItself, SeesWrongHero) { EXPECT_TRUE(says(faults(Fault::hero), "value of wavelength")); }
+TEST(HarnessItself, SeesWrongDeltaHero) { EXPECT_TRUE(says(faults(Fault::delta_hero), "as hero")); }
+
+TEST(Statistics, KnownValues) {
+  EXPECT_NEAR(chi_square_p_value(18.307, 10), 0.05, 1e-5);
+  EXPECT_NEAR(normal_p_value(1.959964), 0.05, 1e-6);
+  EXPECT_NEAR(sidak_level(0.05, 1), 0.05, 1e-12);
+  EXPECT_NEAR(std::pow(1 - sidak_level(0.01, 300), 300), 0.99, 1e-12);
+  // P(X <= 2) of ten throws with 1/2 is 56/1024.
+  EXPECT_NEAR(binomial_p_value(2, 10, 0.5), 2 * 56.0 / 1024, 1e-12);
+}
+
+}  // namespace
+}  // namespace aureole::testing

@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/core/image.h"
+
+#include <gtest/gtest.h>
+#include <png.h>
+#include <sys/resource.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <limits>
+
+#include "aureole/core/error.h"
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#endif
+#include <stb/stb_image_write.h>
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+
+namespace aureole {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ImageTest : public ::testing::Test {
+ protected:
+  ImageTest() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() / ("aureole-image-" + std::string(info->name()) + "-" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  ~ImageTest() override { fs::remove_all(folder_); }
+
+  fs::path path(const std::string& name) const { return folder_ / name; }
+  static std::string bytes_of(const fs::path& p) {
+    std::ifstream in(p, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  static void put(const fs::path& p, const std::string& bytes) { std::ofstream(p, std::ios::binary) << bytes; }
+  static std::string error_of(const fs::path& p, std::size_t max_pixels = std::size_t(1) << 30) {
+    try {
+      read_image(p, nullptr, max_pixels);
+      return "";
+    } catch (const Error& e) {
+      return e.what();
+    }
+  }
+  /// Every truncation is an Error that names the file; `most_missing` bytes at the end carry no pixels.
+  void expect_truncations_fail(const fs::path& p, std::size_t most_missing) const {
+    const std::string whole = bytes_of(p);
+    const fs::path cut = path("cut" + p.extension().string());
+    for (std::size_t n = 0; n + most_missing < whole.size(); n += n < 400 || whole.size() - n < 200 ? 1 : 37) {
+      put(cut, whole.substr(0, n));
+      const std::string error = error_of(cut);
+      ASSERT_FALSE(error.empty()) << p << " cut to " << n << " of " << whole.size();
+      ASSERT_NE(error.find(cut.string()), std::string::npos) << error;
+    }
+  }
+  /// Single damaged bytes give an image or an Error, nothing else.
+  void expect_damage_survived(const fs::path& p) const {
+    const std::string whole = bytes_of(p);
+    const fs::path bad = path("bad" + p.extension().string());
+    for (std::size_t n = 0; n < whole.size(); n += n < 500 ? 1 : 53)
+      for (const char flip : {'\x01', '\x80', '\xff'}) {
+        std::string bytes = whole;
+        bytes[n] = char(bytes[n] ^ flip);
+        put(bad, bytes);
+        error_of(bad);
+      }
+  }
+
+  fs::path folder_;
+};
+
+Image gradient(int width, int height, std::vector<std::string> channels, float scale = 1) {
+  Image image;
+  image.width = width, image.height = height, image.channels = std::move(channels);
+  image.pixels.resize(std::size_t(width) * height * image.channels.size());
+  for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = scale * float(i % 251) / 250;
+  return image;
+}
+
+std::vector<unsigned char> gradient8(std::size_t n) {
+  std::vector<unsigned char> v(n);
+  for (std::size_t i = 0; i < n; ++i) v[i] = static_cast<unsigned char>(i * 7 + i / 11);
+  return v;
+}
+
+TEST_F(ImageTest, ExrRoundTripFloat) {
+  Image image = gradient(13, 7, {"R", "G", "B", "A", "depth.Z"}, 1000);
+  image.pixels[3] = -2, image.pixels[4] = std::numeric_limits<float>::infinity();
+  ExrAttributes written;
+  written.strings["scene"] = "tests/ring.xml", written.integers["seed"] = -7, written.floats["exposure"] = 0.25f;
+  write_exr(path("a.exr"), image, ExrPixel::float32, written);
+  ExrAttributes attributes;
+  const Image back = read_image(path("a.exr"), &attributes);
+  ASSERT_EQ(back.width, 13);
+  ASSERT_EQ(back.height, 7);
+  EXPECT_FALSE(back.srgb_encoded);
+  EXPECT_EQ(back.channels, (std::vector<std::string>{"A", "B", "G", "R", "depth.Z"}));  // a file sorts them
+  for (const std::string& name : image.channels)
+    for (int y = 0; y < 7; ++y)
+      for (int x = 0; x < 13; ++x)
+        ASSERT_EQ(image.at(x, y, std::size_t(image.channel(name))), back.at(x, y, std::size_t(back.channel(name))));
+  EXPECT_EQ(attributes.strings["scene"], "tests/ring.xml");
+  EXPECT_EQ(attributes.integers["seed"], -7);
+  EXPECT_EQ(attributes.floats["exposure"], 0.25f);
+  EXPECT_NE(bytes_of(path("a.exr")).find("chromaticities"), std::string::npos);
+  EXPECT_EQ(back.channel("nothing"), -1);
+}
+
+TEST_F(ImageTest, ExrHalf) {
+  Image image = gradient(5, 4, {"Y"}, 3);
+  image.pixels[0] = 1e9f;  // not representable: the largest half, not infinity
+  write_exr(path("h.exr"), image, ExrPixel::half, {});
+  const Image back = read_image(path("h.exr"));
+  EXPECT_EQ(back.pixels[0], 65504.f);
+  for (std::size_t i = 1; i < image.pixels.size(); ++i) EXPECT_NEAR(back.pixels[i], image.pixels[i], 2e-3f);
+  EXPECT_EQ(bytes_of(path("h.exr")).find("chromaticities"), std::string::npos);
+}
+
+TEST_F(ImageTest, ExrTruncatedOrDamaged) {
+  write_exr(path("t.exr"), gradient(17, 33, {"R", "G", "B"}), ExrPixel::float32, {});
+  expect_truncations_fail(path("t.exr"), 0);
+  expect_damage_survived(path("t.exr"));
+}
+
+TEST_F(ImageTest, ExrHugeWindowIsRefused) {
+  write_exr(path("e.exr"), gradient(4, 4, {"Y"}), ExrPixel::float32, {});
+  std::string bytes = bytes_of(path("e.exr"));
+  const std::size_t at = bytes.find("dataWindow") + std::strlen("dataWindow") + 1 + std::strlen("box2i") + 1 + 4;
+  for (const std::int32_t most : {20000, 2000000, 0x7fffffff}) {
+    std::memcpy(bytes.data() + at + 8, &most, 4), std::memcpy(bytes.data() + at + 12, &most, 4);
+    put(path("huge.exr"), bytes);
+    const std::string error = error_of(path("huge.exr"));
+    EXPECT_TRUE(error.find("cannot be in") != std::string::npos || error.find("limit") != std::string::npos) << error;
+  }
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  EXPECT_LT(usage.ru_maxrss, 1 << 20) << "more than 1 GiB taken";
+  EXPECT_NE(error_of(path("e.exr"), 15).find("limit of 15"), std::string::npos);
+}
+
+TEST_F(ImageTest, PngRoundTrip) {
+  for (const auto& channels : {std::vector<std::string>{"Y"}, {"R", "G", "B"}, {"R", "G", "B", "A"}}) {
+    const Image image = gradient(19, 11, channels);
+    write_png(path("a.png"), image);
+    const Image back = read_image(path("a.png"));
+    EXPECT_EQ(back.channels, channels);
+    EXPECT_TRUE(back.srgb_encoded);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) EXPECT_NEAR(back.pixels[i], image.pixels[i], 0.5f / 255 + 1e-6f);
+    expect_truncations_fail(path("a.png"), 0);
+  }
+  expect_damage_survived(path("a.png"));
+  EXPECT_THROW(write_png(path("b.png"), gradient(2, 2, {"a", "b"})), Error);
+  Image odd = gradient(3, 1, {"Y"});
+  odd.pixels = {-1, 2, std::numeric_limits<float>::quiet_NaN()};
+  write_png(path("c.png"), odd);
+  EXPECT_EQ(read_image(path("c.png")).pixels, (std::vector<float>{0, 1, 0}));
+}
+
+TEST_F(ImageTest, Png16AndPalette) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION, png.width = 2, png.height = 1, png.format = PNG_FORMAT_LINEAR_Y;
+  const std::uint16_t values[2] = {0x1234, 0xffff};
+  ASSERT_TRUE(png_image_write_to_file(&png, path("p16.png").c_str(), 0, values, 0, nullptr));
+  const Image back = read_image(path("p16.png"));
+  EXPECT_EQ(back.channels, std::vector<std::string>{"Y"});
+  EXPECT_FLOAT_EQ(back.pixels[0], 0x1234 / 65535.f);
+  EXPECT_EQ(back.pixels[1], 1);
+
+  png_image palette{};
+  palette.version = PNG_IMAGE_VERSION, palette.width = 2, palette.height = 1, palette.format = PNG_FORMAT_RGB_COLORMAP;
+  palette.colormap_entries = 2;
+  const unsigned char colours[6] = {255, 0, 51, 0, 255, 0}, indices[2] = {1, 0};
+  ASSERT_TRUE(png_image_write_to_file(&palette, path("pal.png").c_str(), 0, indices, 0, colours));
+  const Image p = read_image(path("pal.png"));
+  EXPECT_EQ(p.channels, (std::vector<std::string>{"R", "G", "B"}));
+  EXPECT_EQ(p.pixels, (std::vector<float>{0, 1, 0, 1, 0, 51 / 255.f}));
+}
+
+TEST_F(ImageTest, Jpeg) {
+  std::vector<unsigned char> pixels(32 * 24 * 3);
+  for (int i = 0; i < 32 * 24; ++i) pixels[i * 3] = static_cast<unsigned char>(i % 32 * 8), pixels[i * 3 + 1] = 100, pixels[i * 3 + 2] = 30;
+  ASSERT_TRUE(stbi_write_jpg(path("a.jpg").c_str(), 32, 24, 3, pixels.data(), 95));
+  const Image back = read_image(path("a.jpg"));
+  EXPECT_EQ(back.channels, (std::vector<std::string>{"R", "G", "B"}));
+  EXPECT_TRUE(back.srgb_encoded);
+  for (std::size_t i = 0; i < pixels.size(); ++i) EXPECT_NEAR(back.pixels[i], pixels[i] / 255.f, 0.04f);
+  expect_truncations_fail(path("a.jpg"), 2);  // the end marker
+  expect_damage_survived(path("a.jpg"));
+}
+
+void write_tiff(const fs::path& p, int bits, int format, int planar, bool tiled, int compression, int photometric) {
+  TIFF* t = TIFFOpen(p.c_str(), "w");
+  const int w = 21, h = 18, samples = photometric == PHOTOMETRIC_RGB ? 3 : 1;
+  TIFFSetField(t, TIFFTAG_IMAGEWIDTH, w), TIFFSetField(t, TIFFTAG_IMAGELENGTH, h);
+  TIFFSetField(t, TIFFTAG_BITSPERSAMPLE, bits), TIFFSetField(t, TIFFTAG_SAMPLESPERPIXEL, samples);
+  TIFFSetField(t, TIFFTAG_SAMPLEFORMAT, format), TIFFSetField(t, TIFFTAG_PLANARCONFIG, planar);
+  TIFFSetField(t, TIFFTAG_COMPRESSION, compression), TIFFSetField(t, TIFFTAG_PHOTOMETRIC, photometric);
+  if (tiled) TIFFSetField(t, TIFFTAG_TILEWIDTH, 16), TIFFSetField(t, TIFFTAG_TILELENGTH, 16);
+  else TIFFSetField(t, TIFFTAG_ROWSPERSTRIP, 5);
+  const auto value = [&](int x, int y, int c) { return float((x * 5 + y * 3 + c * 50) % 256) / 255; };
+  const auto encode = [&](unsigned char* to, float v) {
+    if (format == SAMPLEFORMAT_IEEEFP) std::memcpy(to, &v, 4);
+    else if (bits == 8) *to = static_cast<unsigned char>(v * 255 + 0.5f);
+    else {
+      const auto n = std::uint16_t(v * 65535 + 0.5f);
+      std::memcpy(to, &n, 2);
+    }
+  };
+  const bool planes = planar == PLANARCONFIG_SEPARATE;
+  const int piece_w = tiled ? 16 : w, piece_h = tiled ? 16 : 1, bytes = bits / 8;
+  std::vector<unsigned char> piece(std::size_t(piece_w * piece_h * samples * bytes));
+  for (int plane = 0; plane < (planes ? samples : 1); ++plane)
+    for (int y0 = 0; y0 < h; y0 += piece_h)
+      for (int x0 = 0; x0 < w; x0 += piece_w) {
+        const int per = planes ? 1 : samples;
+        for (int y = 0; y < piece_h; ++y)
+          for (int x = 0; x < piece_w; ++x)
+            for (int c = 0; c < per; ++c)
+              encode(piece.data() + ((y * piece_w + x) * per + c) * bytes, value(x0 + x, y0 + y, planes ? plane : c));
+        if (tiled) TIFFWriteTile(t, piece.data(), x0, y0, 0, plane);
+        else TIFFWriteScanline(t, piece.data(), y0, plane);
+      }
+  TIFFClose(t);
+}
+
+TEST_F(ImageTest, TiffKinds) {
+  for (const bool tiled : {false, true})
+    for (const int planar : {PLANARCONFIG_CONTIG, PLANARCONFIG_SEPARATE})
+      for (const int compression : {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE})
+        for (const auto& [bits, format] : {std::pair{8, SAMPLEFORMAT_UINT}, {16, SAMPLEFORMAT_UINT}, {32, SAMPLEFORMAT_IEEEFP}})
+          for (const int photometric : {PHOTOMETRIC_RGB, PHOTOMETRIC_MINISBLACK}) {
+            write_tiff(path("a.tif"), bits, format, planar, tiled, compression, photometric);
+            const Image image = read_image(path("a.tif"));
+            ASSERT_EQ(image.width, 21);
+            ASSERT_EQ(image.height, 18);
+            ASSERT_EQ(image.channel_count(), photometric == PHOTOMETRIC_RGB ? 3u : 1u);
+            EXPECT_EQ(image.srgb_encoded, bits != 32);
+            for (int y = 0; y < 18; ++y)
+              for (int x = 0; x < 21; ++x)
+                for (int c = 0; c < int(image.channel_count()); ++c)
+                  ASSERT_NEAR(image.at(x, y, std::size_t(c)), float((x * 5 + y * 3 + c * 50) % 256) / 255, 1e-4f);
+          }
+  write_tiff(path("w.tif"), 8, SAMPLEFORMAT_UINT, PLANARCONFIG_CONTIG, false, COMPRESSION_NONE, PHOTOMETRIC_MINISWHITE);
+  EXPECT_NEAR(read_image(path("w.tif")).at(0, 0, 0), 1, 1e-4f);
+}
+
+TEST_F(ImageTest, TiffTruncatedOrDamaged) {
+  for (const int compression : {COMPRESSION_NONE, COMPRESSION_LZW}) {
+    write_tiff(path("a.tif"), 8, SAMPLEFORMAT_UINT, PLANARCONFIG_CONTIG, false, compression, PHOTOMETRIC_RGB);
+    expect_truncations_fail(path("a.tif"), 40);  // resolution and the like may be last
+    expect_damage_survived(path("a.tif"));
+  }
+}
+
+TEST_F(ImageTest, TgaBmpHdr) {
+  const int w = 23, h = 9;
+  const auto pixels = gradient8(w * h * 4);
+  for (const int channels : {3, 4}) {
+    for (const int rle : {0, 1}) {
+      stbi_write_tga_with_rle = rle;
+      ASSERT_TRUE(stbi_write_tga(path("a.tga").c_str(), w, h, channels, pixels.data()));
+      const Image tga = read_image(path("a.tga"));
+      ASSERT_EQ(int(tga.channel_count()), channels);
+      EXPECT_TRUE(tga.srgb_encoded);
+      for (int i = 0; i < w * h * channels; ++i) ASSERT_EQ(tga.pixels[std::size_t(i)], float(pixels[std::size_t(i)]) * (1 / 255.f));
+      expect_truncations_fail(path("a.tga"), 0);
+      expect_damage_survived(path("a.tga"));
+    }
+    ASSERT_TRUE(stbi_write_bmp(path("a.bmp").c_str(), w, h, channels, pixels.data()));
+    const Image bmp = read_image(path("a.bmp"));
+    ASSERT_EQ(int(bmp.channel_count()), channels);
+    EXPECT_FLOAT_EQ(bmp.at(5, 6, 1), pixels[std::size_t((6 * w + 5) * channels + 1)] / 255.f);
+    expect_truncations_fail(path("a.bmp"), 3);  // padding of the last row
+    expect_damage_survived(path("a.bmp"));
+  }
+  const Image bright = gradient(w, h, {"R", "G", "B"}, 40);
+  ASSERT_TRUE(stbi_write_hdr(path("a.hdr").c_str(), w, h, 3, bright.pixels.data()));
+  const Image hdr = read_image(path("a.hdr"));
+  EXPECT_FALSE(hdr.srgb_encoded);
+  for (std::size_t i = 0; i < bright.pixels.size(); ++i) ASSERT_NEAR(hdr.pixels[i], bright.pixels[i], 0.2f);
+  expect_truncations_fail(path("a.hdr"), 0);
+  expect_damage_survived(path("a.hdr"));
+}
+
+TEST_F(ImageTest, WrongFiles) {
+  EXPECT_NE(error_of(path("absent.png")).find("absent.png: no such file"), std::string::npos);
+  EXPECT_NE(error_of(folder_).find("directory"), std::string::npos);
+  put(path("empty.exr"), "");
+  EXPECT_NE(error_of(path("empty.exr")).find("empty"), std::string::npos);
+  put(path("text.png"), "This is not an image at all, but a text of some length that no reader should take for one.");
+  EXPECT_NE(error_of(path("text.png")).find("EXR, PNG"), std::string::npos);
+}
+
+TEST_F(ImageTest, ContentDecidesNotTheName) {
+  write_png(path("a.exr"), gradient(3, 3, {"Y"}));
+  EXPECT_TRUE(read_image(path("a.exr")).srgb_encoded);
+}
+
+TEST_F(ImageTest, AtomicWrite) {
+  put(path("f"), "old");
+  const std::string text = "new contents";
+  write_file_atomically(path("f"), text);
+  EXPECT_EQ(bytes_of(path("f")), text);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1) << "nothing is left beside it";
+  fs::create_symlink("f", path("link"));
+  write_file_atomically(path("link"), std::string("through"));
+  EXPECT_TRUE(fs::is_symlink(path("link")));
+  EXPECT_EQ(bytes_of(path("f")), "through");
+  EXPECT_THROW(write_file_atomically(path("no/such/folder/f"), text), Error);
+  EXPECT_THROW(write_file_atomically(folder_, text), Error);
+}
+
+TEST(Srgb, InverseOfEachOther) {
+  for (int i = 0; i <= 255; ++i) EXPECT_NEAR(srgb_encode(srgb_decode(float(i) / 255)), float(i) / 255, 1e-6f);
+  EXPECT_NEAR(srgb_decode(0.5f), 0.21404114f, 1e-7f);
+}
+
+}  // namespace
+}  // namespace aureole

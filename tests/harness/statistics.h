@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Significance tests for the tests' samples.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "harness/sphere_bins.h"
+
+namespace aureole::testing {
+
+/// The level of each of `tests` tests that together are wrong with probability `family` (Sidak 1967).
+double sidak_level(double family, std::size_t tests);
+
+/// P(X >= statistic) for a chi-square distribution.
+double chi_square_p_value(double statistic, std::size_t degrees_of_freedom);
+
+/// Two-sided, exact: how unusual are `count` successes of `trials` at `probability`.
+double binomial_p_value(std::size_t count, std::size_t trials, double probability);
+
+/// Two-sided, of a standard normal.
+double normal_p_value(double z);
+
+/// Independent uniform numbers in [0, 1), all a function of the seed.
+class TestRandom {
+public:
+  explicit TestRandom(std::uint64_t seed) : seed_(seed) {}
+  float next();
+  Vec2 next2() {
+    const float x = next();
+    return {x, next()};
+  }
+
+private:
+  std::uint64_t seed_, counter_ = 0;
+};
+
+struct ChiSquareResult {
+  double p_value = 1, statistic = 0;
+  std::size_t bins = 0;
+};
+
+/// Tests `counts[bin]` of `trials` samples against the bins' masses; what is missing to 1 fell elsewhere.
+/// Neighbouring bins are pooled until at least `least_expected` samples are expected in each.
+ChiSquareResult chi_square_test(const SphereBins& bins, const std::vector<std::size_t>& counts,
+                                std::size_t trials, double least_expected = 5);
+
+/// Writes a table of bins: direction, size, expected and found counts.
+void dump_histogram(const std::filesystem::path& file, const SphereBins& bins,
+                    const std::vector<std::size_t>& counts, std::size_t trials);
+
+}  // namespace aureole::testing

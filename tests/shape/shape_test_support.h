@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the shape tests share: shapes from parameters, emitters that do nothing, rays, temporary files.
+#pragma once
+
+#include <embree3/rtcore.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "aureole/emitter/emitter.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/shape.h"
+
+namespace aureole::test {
+
+/// An emitter that only makes its shape prepare patches.
+class DarkEmitter final : public Emitter {
+ public:
+  using Emitter::Emitter;
+  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2, const Wavelengths&) const override {
+    return std::nullopt;
+  }
+  SampledSpectrum power_spectrum() const override { return {}; }
+  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+};
+
+/// Builds a shape: ShapeBuilder("sphere").set("radius", 2.0).emitting().build().
+class ShapeBuilder {
+ public:
+  explicit ShapeBuilder(const std::string& name)
+      : info_(Registry::instance().find("shape", name)),
+        properties_(name, "", {"scene.xml", 7, 3}, nullptr, info_) {}
+  ShapeBuilder& set(const std::string& name, Properties::Value value) {
+    properties_.add(name, std::move(value), {"scene.xml", 8, 5});
+    return *this;
+  }
+  ShapeBuilder& to_world(const Transform& t) { return set("to_world", t); }
+  ShapeBuilder& emitting() {
+    const Properties p("dark", "", {}, nullptr);
+    return set("", ObjectPtr(std::make_shared<DarkEmitter>(p)));
+  }
+  ShapePtr build() const { return std::dynamic_pointer_cast<Shape>(info_->create(properties_)); }
+
+ private:
+  const PluginInfo* info_;
+  Properties properties_;
+};
+
+/// An Embree scene of one shape.
+class OneShapeScene {
+ public:
+  explicit OneShapeScene(const Shape& shape) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)), shape_(shape) {
+    rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
+    RTCGeometry g = shape.make_geometry(device_);
+    rtcAttachGeometry(scene_, g);
+    rtcReleaseGeometry(g);
+    rtcCommitScene(scene_);
+  }
+  ~OneShapeScene() {
+    rtcReleaseScene(scene_);
+    rtcReleaseDevice(device_);
+  }
+  OneShapeScene(const OneShapeScene&) = delete;
+  OneShapeScene& operator=(const OneShapeScene&) = delete;
+
+  struct Hit {
+    float t, u, v;
+    std::uint32_t primitive;
+    SurfacePoint point;
+  };
+  std::optional<Hit> intersect(const Ray& ray) const {
+    RTCRayHit r = query(ray);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene_, &context, &r);
+    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    return Hit{r.ray.tfar, r.hit.u, r.hit.v, r.hit.primID,
+               shape_.surface_point(r.hit.primID, r.hit.u, r.hit.v, ray, r.ray.tfar)};
+  }
+  bool occluded(const Ray& ray) const {
+    RTCRayHit r = query(ray);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene_, &context, &r.ray);
+    return r.ray.tfar < 0;
+  }
+  RTCScene scene() const { return scene_; }
+
+ private:
+  static RTCRayHit query(const Ray& ray) {
+    RTCRayHit r{};
+    r.ray.org_x = ray.o.x, r.ray.org_y = ray.o.y, r.ray.org_z = ray.o.z;
+    r.ray.dir_x = ray.d.x, r.ray.dir_y = ray.d.y, r.ray.dir_z = ray.d.z;
+    r.ray.tfar = ray.t_max, r.ray.mask = ~0u;
+    r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return r;
+  }
+  RTCDevice device_;
+  RTCScene scene_;
+  const Shape& shape_;
+};
+
+/// Random numbers of a test, the same on every run.
+class Random {
+ public:
+  explicit Random(unsigned seed) : engine_(seed) {}
+  float uniform(float a = 0, float b = 1) { return a + (b - a) * float(engine_() >> 8) * 0x1p-24f; }
+  Vec2 square() {
+    const float x = uniform();
+    return {x, uniform()};
+  }
+  Vec3 direction() {
+    const float z = uniform(-1, 1), phi = uniform(0, 2 * kPi), r = std::sqrt(std::max(0.f, 1 - z * z));
+    return {r * std::cos(phi), r * std::sin(phi), z};
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+/// A folder of its own for every test, removed at its end.
+class FileTest : public ::testing::Test {
+ protected:
+  FileTest() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = std::filesystem::temp_directory_path() /
+              ("aureole-" + std::string(info->test_suite_name()) + "-" + info->name() + "-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  ~FileTest() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder_ / name, std::ios::binary) << bytes;
+    return (folder_ / name).string();
+  }
+  std::filesystem::path folder_;
+};
+
+/// The error that building gives, or an empty string.
+inline std::string build_error(const ShapeBuilder& builder) {
+  try {
+    builder.build();
+    return "";
+  } catch (const Error& e) {
+    return e.what();
+  }
+}
+
+}  // namespace aureole::test
