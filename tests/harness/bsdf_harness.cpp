@@ -43,7 +43,9 @@ struct DeltaLobe {
 class Check {
 public:
   Check(const BsdfCase& c, const HarnessOptions& options)
-      : case_(c), options_(options), bsdf_(build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm))) {
+      : case_(c),
+        options_(options),
+        bsdf_(c.bsdf ? c.bsdf : build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm))) {
     level_ = sidak_level(options.family_significance,
                          options.family_size * std::size_t(kIncidences * kHeroes * kTestsPerRun));
     grid_ = SpectralGrid::over(c.min_nm, c.max_nm);

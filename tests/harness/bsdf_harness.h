@@ -17,6 +17,7 @@ namespace aureole::testing {
 struct BsdfCase {
   std::string name;  ///< letters, digits and underscores
   std::string xml;
+  std::shared_ptr<const Bsdf> bsdf;  ///< instead of xml, for what is not registered
   /// Nothing is absorbed and nothing fails, for wi above the surface (and below, if it transmits or is
   /// two-sided).
   bool lossless = false;

@@ -57,13 +57,12 @@ Transform transform(const pugi::xml_node& node) {
 }
 
 ObjectPtr build_node(const pugi::xml_node& node, const std::shared_ptr<const BuildContext>& context,
-                     const FileResolver& resolve) {
-  const std::string tag = node.name(), family = tag == "spectrum" ? "texture" : tag;
-  const std::string type = node.attribute("type").as_string();
-  const PluginInfo* plugin = Registry::instance().find(family, type);
-  if (!plugin) throw Error("unknown " + family + " \"" + type + "\"");
+                     const FileResolver& resolve);
+
+Properties read_node(const pugi::xml_node& node, const PluginInfo* plugin,
+                     const std::shared_ptr<const BuildContext>& context, const FileResolver& resolve) {
   const SourceLocation where{"snippet", 1, int(node.offset_debug())};
-  Properties p(type, node.attribute("id").as_string(), where, context, plugin);
+  Properties p(node.attribute("type").as_string(), node.attribute("id").as_string(), where, context, plugin);
   for (const pugi::xml_node child : node.children()) {
     const std::string name = child.attribute("name").as_string(),
                       value = child.attribute("value").as_string();
@@ -96,11 +95,28 @@ ObjectPtr build_node(const pugi::xml_node& node, const std::shared_ptr<const Bui
     } else
       p.add(name, build_node(child, context, resolve), at);
   }
+  return p;
+}
+
+ObjectPtr build_node(const pugi::xml_node& node, const std::shared_ptr<const BuildContext>& context,
+                     const FileResolver& resolve) {
+  const std::string tag = node.name(), family = tag == "spectrum" ? "texture" : tag;
+  const std::string type = node.attribute("type").as_string();
+  const PluginInfo* plugin = Registry::instance().find(family, type);
+  if (!plugin) throw Error("unknown " + family + " \"" + type + "\"");
+  const Properties p = read_node(node, plugin, context, resolve);
   ObjectPtr object = plugin->create(p);
   Diagnostics unused;
   p.report_unused(unused);
   unused.throw_if_errors();
   return object;
+}
+
+pugi::xml_document parse(const std::string& xml) {
+  pugi::xml_document document;
+  const auto result = document.load_string(xml.c_str());
+  if (!result) throw Error("snippet: " + std::string(result.description()));
+  return document;
 }
 
 }  // namespace
@@ -112,12 +128,14 @@ std::shared_ptr<const BuildContext> make_context(double min_nm, double max_nm, D
   return context;
 }
 
+Properties read_properties(const std::string& xml, const std::shared_ptr<const BuildContext>& context,
+                           const FileResolver& resolve) {
+  return read_node(parse(xml).first_child(), nullptr, context, resolve);
+}
+
 ObjectPtr build_object(const std::string& xml, const std::shared_ptr<const BuildContext>& context,
                        const FileResolver& resolve) {
-  pugi::xml_document document;
-  const auto result = document.load_string(xml.c_str());
-  if (!result) throw Error("snippet: " + std::string(result.description()));
-  return build_node(document.first_child(), context, resolve);
+  return build_node(parse(xml).first_child(), context, resolve);
 }
 
 }  // namespace aureole::testing

@@ -20,6 +20,11 @@ std::shared_ptr<const BuildContext> make_context(double min_nm = 360, double max
 /// What a `filename` in a snippet stands for.
 using FileResolver = std::function<std::filesystem::path(const std::string&)>;
 
+/// The parameters in `xml`, for classes that are not registered.
+Properties read_properties(const std::string& xml,
+                           const std::shared_ptr<const BuildContext>& context = make_context(),
+                           const FileResolver& resolve = {});
+
 /// The instance described by `xml`, with nested objects. Throws Error for wrong input and for parameters that
 /// nothing read.
 ObjectPtr build_object(const std::string& xml,

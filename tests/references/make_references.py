@@ -29,7 +29,7 @@ def arguments():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("scenes", nargs="*", type=Path, help="scene files, or folders of them")
     p.add_argument("-o", "--out", type=Path, default=HERE, help="where the images and the index go")
-    p.add_argument("-r", "--replicates", type=int, help="independent renders of each scene (default: 32, or the index's)")
+    p.add_argument("-r", "--replicates", type=int, help="renders of each scene (default: 32, or the index's)")
     p.add_argument("--spp", type=int, help="samples per pixel of one replicate (default: the scene's, or the index's)")
     p.add_argument("-D", dest="overrides", metavar="k=v", action="append", default=[], help="scene parameter")
     p.add_argument("--name", help="name of the reference (one scene only; default: the file's)")
@@ -86,7 +86,8 @@ def render(mi, path, overrides, spp, replicates, threads):
     """Mean, variance of the mean, samples per pixel, largest studentised deviation per pixel."""
     import drjit
     drjit.set_thread_count(max(2, threads))  # with one, Mitsuba 3.9.1 waits for ever when it reads an EXR
-    scene = mi.load_file(str(path), parallel=False, **dict(o.split("=", 1) for o in overrides))
+    # optimize=False: what the file says, without merging meshes (which fails where two differ in flip_normals).
+    scene = mi.load_file(str(path), parallel=False, optimize=False, **dict(o.split("=", 1) for o in overrides))
     drjit.set_thread_count(threads)
     spp = spp or scene.sensors()[0].sampler().sample_count()
     images = np.stack([np.array(mi.render(scene, spp=spp, seed=i), dtype=np.float64)[..., :3]

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sampling of patches by solid angle against quadrature over their surface and closed forms.
-#include "shape_test_support.h"
-
 #include <array>
 #include <functional>
 
 #include "aureole/shape/double3.h"
 #include "aureole/shape/mesh.h"
 #include "aureole/shape/spherical_sampling.h"
+#include "shape_test_support.h"
 
 namespace aureole {
 namespace {
@@ -23,9 +22,11 @@ TEST(SolidAngle, OctantAndCorners) {
   // In the plane and outside: nothing.
   EXPECT_EQ(triangle_solid_angle({5, 5, 0}, {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}), 0);
   // Far away: projected area over squared distance.
-  EXPECT_NEAR(triangle_solid_angle({0, 0, 1e6f}, {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}) * 1e12 / 0.5, 1, 1e-9);
+  EXPECT_NEAR(triangle_solid_angle({0, 0, 1e6f}, {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}) * 1e12 / 0.5, 1,
+              1e-9);
   // Very near: half the sphere.
-  EXPECT_NEAR(triangle_solid_angle({0.3f, 0.3f, 1e-9f}, {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}), 2 * kPiD, 1e-7);
+  EXPECT_NEAR(triangle_solid_angle({0.3f, 0.3f, 1e-9f}, {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}), 2 * kPiD,
+              1e-7);
 }
 
 /// Solid angle of a rectangle a x b seen from height h above a corner: asin-form of the closed expression.
@@ -73,16 +74,17 @@ ShapePtr turned_rectangle() {
 }
 
 std::vector<Case> cases() {
-  const std::vector<Vec3> references = {{0, 0, 5},       {0.3f, 0.2f, 1},   {0.1f, -0.2f, 0.05f}, {4, 0, 0.1f},
-                                        {1.5f, 1.5f, 2}, {-3, 2, -4},       {100, 40, 60},        {0.99f, 0.99f, 0.01f},
-                                        {2, 3, 4},       {1.01f, 0, 0.003f}};
+  const std::vector<Vec3> references = {
+      {0, 0, 5},   {0.3f, 0.2f, 1}, {0.1f, -0.2f, 0.05f},  {4, 0, 0.1f}, {1.5f, 1.5f, 2},
+      {-3, 2, -4}, {100, 40, 60},   {0.99f, 0.99f, 0.01f}, {2, 3, 4},    {1.01f, 0, 0.003f}};
   return {
       {"rectangle", [] { return ShapeBuilder("rectangle").emitting().build(); }, references},
       {"turned rectangle", turned_rectangle, references},
       {"parallelogram", skewed_parallelogram, references},
       // Without an emitter every triangle is a patch.
       {"triangle", [] { return ShapeBuilder("rectangle").build(); }, references},
-      {"sphere", [] { return ShapeBuilder("sphere").emitting().build(); },
+      {"sphere",
+       [] { return ShapeBuilder("sphere").emitting().build(); },
        {{0, 0, 5}, {1.05f, 0, 0}, {3, 4, 5}, {200, 10, 0}, {0.2f, 0.3f, 0}, {0.9f, 0, 0}, {0, 0, 0}}},
   };
 }
@@ -95,8 +97,8 @@ Moments moments(const Double3& p, const Bounds3& box) {
 }
 
 /// Adds the integral of the moments over the solid angle of a triangle, by subdivision until it looks small.
-void add_triangle(const Double3& o, const Double3& a, const Double3& b, const Double3& c, const Bounds3& box, Moments& sum,
-                  int depth = 0) {
+void add_triangle(const Double3& o, const Double3& a, const Double3& b, const Double3& c, const Bounds3& box,
+                  Moments& sum, int depth = 0) {
   const double size = std::max({length(b - a), length(c - b), length(a - c)});
   const Double3 middle = (a + b + c) * (1 / 3.0);
   if (depth < 18 && size > 0.1 * length(middle - o)) {
@@ -114,7 +116,8 @@ void add_triangle(const Double3& o, const Double3& a, const Double3& b, const Do
   }
 }
 
-/// Integral of the moments over the directions in which a unit sphere at the origin is seen, by double quadrature.
+/// Integral of the moments over the directions in which a unit sphere at the origin is seen, by double
+/// quadrature.
 Moments sphere_quadrature(const Double3& o, const Bounds3& box) {
   const double d = length(o), cos_max = d > 1 ? std::sqrt(1 - 1 / (d * d)) : -1;
   const Frame frame = Frame::from_normal(d > 0 ? normalize(-o).to_float() : Vec3{0, 0, 1});
@@ -123,9 +126,11 @@ Moments sphere_quadrature(const Double3& o, const Bounds3& box) {
   for (int i = 0; i < kN; ++i)
     for (int j = 0; j < 64; ++j) {
       const double z = 1 - (1 - cos_max) * (i + 0.5) / kN, phi = 2 * kPiD * j / 64, r = std::sqrt(1 - z * z);
-      const Double3 w = Double3(frame.s) * (r * std::cos(phi)) + Double3(frame.t) * (r * std::sin(phi)) + Double3(frame.n) * z;
+      const Double3 w = Double3(frame.s) * (r * std::cos(phi)) + Double3(frame.t) * (r * std::sin(phi)) +
+                        Double3(frame.n) * z;
       const double b = dot(o, w), discriminant = std::max(0.0, b * b - dot(o, o) + 1);
-      const Moments m = moments(o + w * (d > 1 ? -b - std::sqrt(discriminant) : -b + std::sqrt(discriminant)), box);
+      const Moments m =
+          moments(o + w * (d > 1 ? -b - std::sqrt(discriminant) : -b + std::sqrt(discriminant)), box);
       for (std::size_t k = 0; k < m.size(); ++k) sum[k] += m[k] * 2 * kPiD * (1 - cos_max) / (kN * 64.0);
     }
   return sum;
@@ -157,14 +162,16 @@ TEST(DirectSampling, MomentsAgreeWithQuadrature) {
         const auto s = shape->sample_direct(reference, 0, random.square());
         if (!s) continue;
         const Moments m = moments(Double3(s->p), box);
-        for (std::size_t k = 0; k < m.size(); ++k) sum[k] += m[k] / s->pdf, sum2[k] += m[k] * m[k] / s->pdf / s->pdf;
+        for (std::size_t k = 0; k < m.size(); ++k)
+          sum[k] += m[k] / s->pdf, sum2[k] += m[k] * m[k] / s->pdf / s->pdf;
       }
       const Moments expected = quadrature(*shape, reference);
       for (std::size_t k = 0; k < expected.size(); ++k) {
         const double mean = sum[k] / kSamples;
         const double error = std::sqrt(std::max(0.0, sum2[k] / kSamples - mean * mean) / kSamples);
         EXPECT_NEAR(mean, expected[k], 5 * error + 1e-4 * expected[0])
-            << c.name << " from " << reference.x << ' ' << reference.y << ' ' << reference.z << " moment " << k;
+            << c.name << " from " << reference.x << ' ' << reference.y << ' ' << reference.z << " moment "
+            << k;
       }
     }
   }
@@ -197,8 +204,9 @@ TEST(DirectSampling, DensityAgreesWithSample) {
 }
 
 TEST(DirectSampling, UniformInSolidAngle) {
-  // Chi-square over equal-probability cells: the share of samples whose direction lies in a cone bin equals the bin's solid angle.
-  // For the rectangle seen from above its centre the four quadrants and 2 x 2 x 4 sub-rectangles have known shares.
+  // Chi-square over equal-probability cells: the share of samples whose direction lies in a cone bin equals
+  // the bin's solid angle. For the rectangle seen from above its centre the four quadrants and 2 x 2 x 4
+  // sub-rectangles have known shares.
   const auto shape = ShapeBuilder("rectangle").emitting().build();
   const double h = 0.4;
   constexpr int kCells = 8, kSamples = 400000;
@@ -210,18 +218,21 @@ TEST(DirectSampling, UniformInSolidAngle) {
   const double total = 4 * corner_rectangle(1, 1, h);
   for (int j = 0; j < kCells; ++j)
     for (int i = 0; i < kCells; ++i)
-      expected[j * kCells + i] = (signed_corner(edge(i + 1), edge(j + 1)) - signed_corner(edge(i), edge(j + 1)) -
-                                  signed_corner(edge(i + 1), edge(j)) + signed_corner(edge(i), edge(j))) /
-                                 total * kSamples;
+      expected[j * kCells + i] =
+          (signed_corner(edge(i + 1), edge(j + 1)) - signed_corner(edge(i), edge(j + 1)) -
+           signed_corner(edge(i + 1), edge(j)) + signed_corner(edge(i), edge(j))) /
+          total * kSamples;
   Random random(11);
   for (int n = 0; n < kSamples; ++n) {
     const auto s = shape->sample_direct({0, 0, float(h)}, 0, random.square());
     ASSERT_TRUE(s);
-    const int i = std::min(kCells - 1, int((s->p.x + 1) / 2 * kCells)), j = std::min(kCells - 1, int((s->p.y + 1) / 2 * kCells));
+    const int i = std::min(kCells - 1, int((s->p.x + 1) / 2 * kCells)),
+              j = std::min(kCells - 1, int((s->p.y + 1) / 2 * kCells));
     count[j * kCells + i] += 1;
   }
   double chi2 = 0;
-  for (std::size_t i = 0; i < count.size(); ++i) chi2 += (count[i] - expected[i]) * (count[i] - expected[i]) / expected[i];
+  for (std::size_t i = 0; i < count.size(); ++i)
+    chi2 += (count[i] - expected[i]) * (count[i] - expected[i]) / expected[i];
   EXPECT_LT(chi2, 63 + 5 * std::sqrt(2 * 63.0));
 }
 

@@ -18,9 +18,10 @@ namespace aureole::test {
 
 /// An emitter that only makes its shape prepare patches.
 class DarkEmitter final : public Emitter {
- public:
+public:
   using Emitter::Emitter;
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2, const Wavelengths&) const override {
+  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2,
+                                            const Wavelengths&) const override {
     return std::nullopt;
   }
   SampledSpectrum power_spectrum() const override { return {}; }
@@ -29,7 +30,7 @@ class DarkEmitter final : public Emitter {
 
 /// Builds a shape: ShapeBuilder("sphere").set("radius", 2.0).emitting().build().
 class ShapeBuilder {
- public:
+public:
   explicit ShapeBuilder(const std::string& name)
       : info_(Registry::instance().find("shape", name)),
         properties_(name, "", {"scene.xml", 7, 3}, nullptr, info_) {}
@@ -44,15 +45,16 @@ class ShapeBuilder {
   }
   ShapePtr build() const { return std::dynamic_pointer_cast<Shape>(info_->create(properties_)); }
 
- private:
+private:
   const PluginInfo* info_;
   Properties properties_;
 };
 
 /// An Embree scene of one shape.
 class OneShapeScene {
- public:
-  explicit OneShapeScene(const Shape& shape) : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)), shape_(shape) {
+public:
+  explicit OneShapeScene(const Shape& shape)
+      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)), shape_(shape) {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry g = shape.make_geometry(device_);
     rtcAttachGeometry(scene_, g);
@@ -89,7 +91,7 @@ class OneShapeScene {
   }
   RTCScene scene() const { return scene_; }
 
- private:
+private:
   static RTCRayHit query(const Ray& ray) {
     RTCRayHit r{};
     r.ray.org_x = ray.o.x, r.ray.org_y = ray.o.y, r.ray.org_z = ray.o.z;
@@ -105,7 +107,7 @@ class OneShapeScene {
 
 /// Random numbers of a test, the same on every run.
 class Random {
- public:
+public:
   explicit Random(unsigned seed) : engine_(seed) {}
   float uniform(float a = 0, float b = 1) { return a + (b - a) * float(engine_() >> 8) * 0x1p-24f; }
   Vec2 square() {
@@ -117,22 +119,24 @@ class Random {
     return {r * std::cos(phi), r * std::sin(phi), z};
   }
 
- private:
+private:
   std::mt19937 engine_;
 };
 
 /// A folder of its own for every test, removed at its end.
 class FileTest : public ::testing::Test {
- protected:
+protected:
   FileTest() {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() /
-              ("aureole-" + std::string(info->test_suite_name()) + "-" + info->name() + "-" + std::to_string(::getpid()));
+    folder_ =
+        std::filesystem::temp_directory_path() / ("aureole-" + std::string(info->test_suite_name()) + "-" +
+                                                  info->name() + "-" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder_);
   }
   ~FileTest() override { std::filesystem::remove_all(folder_); }
 
   std::string write(const std::string& name, const std::string& bytes) const {
+    std::filesystem::remove(folder_ / name);  // overwriting a file flushes it on some file systems: slow
     std::ofstream(folder_ / name, std::ios::binary) << bytes;
     return (folder_ / name).string();
   }

@@ -7,7 +7,6 @@
 #include <filesystem>
 
 #include "aureole/core/image.h"
-#include "aureole/plugin/registry.h"
 #include "aureole/spectrum/tables.h"
 #include "aureole/spectrum/upsampling_fit.h"
 #include "harness/properties_builder.h"
@@ -17,23 +16,20 @@ namespace {
 
 using testing::build;
 using testing::make_context;
+using testing::read_properties;
 
 /// The value of a parameter as each role reads it, straight from a snippet.
 class Probe final : public Object {
 public:
   explicit Probe(const Properties& p)
       : Object(p), texture(get_texture(p, "t", 0.5, SpectrumRole(p.get_int("role", 0, Range{0, 2})))) {}
-  static constexpr const char* kFamily = "a probe";
   TexturePtr texture;
 };
-AUREOLE_PLUGIN(Probe, "texture_probe", "probe",
-               PluginDoc{"", "", {{"t", "texture", "", "0.5", ""}, {"role", "integer", "", "0", ""}}, {}});
-
 TexturePtr read(SpectrumRole role, const std::string& parameter, double min_nm = 360, double max_nm = 830) {
-  return build<Probe>("<texture_probe type=\"probe\"><integer name=\"role\" value=\"" +
-                          std::to_string(int(role)) + "\"/>" + parameter + "</texture_probe>",
-                      make_context(min_nm, max_nm))
-      ->texture;
+  return Probe(read_properties("<probe type=\"probe\"><integer name=\"role\" value=\"" +
+                                   std::to_string(int(role)) + "\"/>" + parameter + "</probe>",
+                               make_context(min_nm, max_nm)))
+      .texture;
 }
 
 double at(const Texture& t, double nm, Vec2 uv = {}, double min_nm = 360, double max_nm = 830) {
@@ -343,10 +339,10 @@ TEST_F(BitmapTest, BrightTexelsScaleAndAreNoReflectance) {
   for (double nm = 360; nm < 830; nm += 23) EXPECT_NEAR(at(*t, nm, {0.25f, 0.25f}), red.at(float(nm)), 1e-4);
   EXPECT_GT(t->maximum(), 1);
   const std::string xml =
-      R"(<texture_probe type="probe"><texture type="bitmap" name="t"><string name="filename" value="x"/>
-      </texture></texture_probe>)";
+      R"(<probe type="probe"><texture type="bitmap" name="t"><string name="filename" value="x"/>
+      </texture></probe>)";
   EXPECT_NE(message_of([&] {
-              build<Probe>(xml, make_context(), [&](const std::string&) { return file; });
+              Probe(read_properties(xml, make_context(), [&](const std::string&) { return file; }));
             }).find("[0, 1]"),
             std::string::npos);
 }

@@ -25,6 +25,7 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
                             properties.get_bool("dispersion", true);
   Ior ior;
   std::string material = fallback;
+  bool named = false;
   if (const Properties::Entry* e = properties.find(name)) {
     if (std::holds_alternative<double>(e->value) || std::holds_alternative<std::int64_t>(e->value)) {
       ior.constant_ = float(properties.get_float(name, Range::positive()));
@@ -33,6 +34,7 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
     if (!std::holds_alternative<std::string>(e->value))
       throw properties.error(name, "expected a number or the name of a material");
     material = std::get<std::string>(e->value);
+    named = true;
   }
   const auto constant = find_refractive_index(material, false);
   if (!constant)
@@ -41,7 +43,8 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
   // What stays a table without dispersion is a conductor.
   if (constant->is_dispersive())
     throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
-  const auto index = find_refractive_index(material, may_disperse);
+  // A default is the constant of other renderers, so that their scenes look the same; a material that a scene names is the real one.
+  const auto index = find_refractive_index(material, named && may_disperse);
   ior.constant_ = float(index->at(kSodiumD).real());
   if (!index->is_dispersive()) return ior;
   const SpectralGrid& grid = properties.context().grid;

@@ -320,7 +320,7 @@ AUREOLE_PLUGIN(
          {"substrate", "string", "", "none",
           "none: a sheet in one medium, nothing is reflected; dielectric: the interface of two "
           "media; thindielectric: a pane in one surface"},
-         {"int_ior", "float or string", "", "bk7", "index below the interface or of the pane; not for none"},
+         {"int_ior", "float or string", "", "1.5046", "index below the interface or of the pane; not for none"},
          {"ext_ior", "float or string", "", "air", "index above, and on both sides of a sheet or pane"},
          {"dispersion", "boolean", "", "true",
           "named materials use their dispersion data where there are any"},

@@ -76,7 +76,7 @@ AUREOLE_PLUGIN(Dielectric, "bsdf", "dielectric",
                    "dispersion switched off "
                    "have one index for all wavelengths, which is Mitsuba's where Mitsuba knows the name.",
                    "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2",
-                   {{"int_ior", "float or string", "", "bk7",
+                   {{"int_ior", "float or string", "", "1.5046",
                      "index of the interior, as a number or the name of a material"},
                     {"ext_ior", "float or string", "", "air",
                      "index of the exterior, as a number or the name of a material"},

@@ -97,7 +97,7 @@ private:
 
   void tabulate_coating(const SpectralGrid& grid) {
     // The quadrature is not free and the function is smooth: few nodes, straight between them.
-    constexpr int kNodes = 33;
+    constexpr int kNodes = 129;
     std::vector<double> nm(kNodes), values(kNodes);
     for (int i = 0; i < kNodes; ++i) {
       nm[i] = grid.min_nm + (grid.max_nm - grid.min_nm) * i / (kNodes - 1);

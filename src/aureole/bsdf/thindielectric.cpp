@@ -64,7 +64,7 @@ AUREOLE_PLUGIN(
         "Mitsuba.",
         "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2; the sum over reflections is "
         "geometric",
-        {{"int_ior", "float or string", "", "bk7",
+        {{"int_ior", "float or string", "", "1.5046",
           "index of the pane, as a number or the name of a material"},
          {"ext_ior", "float or string", "", "air", "index around it, as a number or the name of a material"},
          {"dispersion", "boolean", "", "true",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Layout: "OpenEXR File Layout" (openexr.com): magic, version and flags, then per part attributes of name, type, size, value; an empty
-// name ends a header, an empty header ends those of a multi-part file.
+// Layout: "OpenEXR File Layout" (openexr.com): magic, version and flags, then per part attributes of name,
+// type, size, value; an empty name ends a header, an empty header ends those of a multi-part file.
 #include "aureole/core/exr_header.h"
 
 #include <cstdint>
@@ -19,7 +19,7 @@ constexpr std::uint32_t kDeep = 0x800, kMultiPart = 0x1000;
 constexpr double kMostRatio = 20000;
 
 class Cursor {
- public:
+public:
   explicit Cursor(Bytes bytes) : bytes_(bytes) {}
   Bytes take(std::size_t n) {
     if (n > bytes_.size()) throw Error("the file is truncated: its header does not end");
@@ -35,10 +35,11 @@ class Cursor {
   }
   std::int32_t integer() { return integer_at(take(4)); }
   static std::int32_t integer_at(Bytes b) {
-    return std::int32_t(std::uint32_t(b[0]) | std::uint32_t(b[1]) << 8 | std::uint32_t(b[2]) << 16 | std::uint32_t(b[3]) << 24);
+    return std::int32_t(std::uint32_t(b[0]) | std::uint32_t(b[1]) << 8 | std::uint32_t(b[2]) << 16 |
+                        std::uint32_t(b[3]) << 24);
   }
 
- private:
+private:
   Bytes bytes_;
 };
 
@@ -77,11 +78,13 @@ void check_exr_header(Bytes bytes, std::size_t max_pixels) {
         height = 1LL + Cursor::integer_at(value.subspan(12)) - Cursor::integer_at(value.subspan(4));
       }
       if (name == "tiles" && size >= 8)
-        tile = double(std::uint32_t(Cursor::integer_at(value))) * std::uint32_t(Cursor::integer_at(value.subspan(4)));
+        tile = double(std::uint32_t(Cursor::integer_at(value))) *
+               std::uint32_t(Cursor::integer_at(value.subspan(4)));
     }
     if (!empty) {
       check_size(width, height, max_pixels, bytes.size(), kMostRatio / (per_pixel > 0 ? per_pixel : 1));
-      if (tile * per_pixel > kMostRatio * (double(bytes.size()) + 64)) throw Error("damaged EXR: impossible tiles");
+      if (tile * per_pixel > kMostRatio * (double(bytes.size()) + 64))
+        throw Error("damaged EXR: impossible tiles");
     }
     more = (version & kMultiPart) && !empty;
   }

@@ -41,7 +41,8 @@ std::vector<unsigned char> read_bytes(const std::filesystem::path& file) {
 }
 
 bool starts_with(codec::Bytes bytes, std::string_view signature) {
-  return bytes.size() >= signature.size() && std::memcmp(bytes.data(), signature.data(), signature.size()) == 0;
+  return bytes.size() >= signature.size() &&
+         std::memcmp(bytes.data(), signature.data(), signature.size()) == 0;
 }
 
 Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) {
@@ -85,7 +86,8 @@ Image read_image(const std::filesystem::path& file, ExrAttributes* attributes, s
   }
 }
 
-void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel pixel, const ExrAttributes& attributes) {
+void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel pixel,
+               const ExrAttributes& attributes) {
   try {
     write_file_atomically(file, codec::encode_exr(image, pixel, attributes));
   } catch (const Error& e) {
@@ -114,7 +116,9 @@ float srgb_decode(float encoded) {
 void write_file_atomically(const std::filesystem::path& file, std::span<const char> bytes) {
   namespace fs = std::filesystem;
   std::error_code code;
-  const auto system_failure = [&](const char* what) { fail(file, std::string(what) + ": " + std::strerror(errno)); };
+  const auto system_failure = [&](const char* what) {
+    fail(file, std::string(what) + ": " + std::strerror(errno));
+  };
   // A link is followed, so that it stays one; a device or pipe cannot be replaced.
   const fs::path target = fs::is_symlink(file, code) ? fs::weakly_canonical(file, code) : file;
   if (fs::is_directory(target, code)) fail(file, "is a directory");
@@ -144,21 +148,28 @@ void write_file_atomically(const std::filesystem::path& file, std::span<const ch
 
 namespace codec {
 
-void check_size(long long width, long long height, std::size_t max_pixels, std::size_t file_bytes, double most_per_byte) {
+void check_size(long long width, long long height, std::size_t max_pixels, std::size_t file_bytes,
+                double most_per_byte) {
   if (width <= 0 || height <= 0) throw Error("the image has no pixels");
   const double pixels = double(width) * double(height);
   const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
-  if (pixels > double(max_pixels)) throw Error(size + " are more than the limit of " + std::to_string(max_pixels));
+  if (pixels > double(max_pixels))
+    throw Error(size + " are more than the limit of " + std::to_string(max_pixels));
   if (pixels > most_per_byte * (double(file_bytes) + 64))
-    throw Error("the file is truncated or damaged: " + size + " cannot be in " + std::to_string(file_bytes) + " bytes");
+    throw Error("the file is truncated or damaged: " + size + " cannot be in " + std::to_string(file_bytes) +
+                " bytes");
 }
 
 std::vector<std::string> channel_names(int count) {
   switch (count) {
-    case 1: return {"Y"};
-    case 2: return {"Y", "A"};
-    case 3: return {"R", "G", "B"};
-    default: return {"R", "G", "B", "A"};
+    case 1:
+      return {"Y"};
+    case 2:
+      return {"Y", "A"};
+    case 3:
+      return {"R", "G", "B"};
+    default:
+      return {"R", "G", "B", "A"};
   }
 }
 

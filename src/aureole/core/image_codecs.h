@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One function per image format, used by image.cpp alone. They read from memory and throw Error without the file's name.
+// One function per image format, used by image.cpp alone. They read from memory and throw Error without the
+// file's name.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +12,10 @@ namespace aureole::codec {
 
 using Bytes = std::span<const unsigned char>;
 
-/// Throws Error unless width x height is positive, at most max_pixels, and at most `most_per_byte` pixels for every byte of
-/// the file: a damaged header must not ask for memory that no file of this size can fill.
-void check_size(long long width, long long height, std::size_t max_pixels, std::size_t file_bytes, double most_per_byte);
+/// Throws Error unless width x height is positive, at most max_pixels, and at most `most_per_byte` pixels for
+/// every byte of the file: a damaged header must not ask for memory that no file of this size can fill.
+void check_size(long long width, long long height, std::size_t max_pixels, std::size_t file_bytes,
+                double most_per_byte);
 
 /// Channel names of one to four channels: Y; Y, A; R, G, B; R, G, B, A.
 std::vector<std::string> channel_names(int count);

@@ -24,7 +24,7 @@ namespace aureole::codec {
 namespace {
 
 class MemoryInput final : public Imf::IStream {
- public:
+public:
   explicit MemoryInput(Bytes bytes) : IStream("image"), bytes_(bytes) {}
   bool read(char to[], int n) override {
     if (n < 0 || std::uint64_t(n) > bytes_.size() - position_) throw Error("the file is truncated");
@@ -38,13 +38,13 @@ class MemoryInput final : public Imf::IStream {
     position_ = position;
   }
 
- private:
+private:
   Bytes bytes_;
   std::uint64_t position_ = 0;
 };
 
 class MemoryOutput final : public Imf::OStream {
- public:
+public:
   MemoryOutput() : OStream("image") {}
   void write(const char from[], int n) override {
     if (position_ + std::uint64_t(n) > bytes.size()) bytes.resize(position_ + std::uint64_t(n));
@@ -56,7 +56,7 @@ class MemoryOutput final : public Imf::OStream {
 
   std::vector<char> bytes;
 
- private:
+private:
   std::uint64_t position_ = 0;
 };
 
@@ -90,7 +90,8 @@ Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) t
   Imf::FrameBuffer frame;
   const std::size_t stride = sizeof(float) * image.channels.size();
   for (std::size_t c = 0; c < image.channels.size(); ++c)
-    frame.insert(image.channels[c], Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, window, stride, stride * image.width));
+    frame.insert(image.channels[c],
+                 Imf::Slice::Make(Imf::FLOAT, image.pixels.data() + c, window, stride, stride * image.width));
   file.setFrameBuffer(frame);
   file.readPixels(window.min.y, window.max.y);
   if (attributes) read_attributes(header, *attributes);
@@ -118,7 +119,8 @@ std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttrib
   if (as_half) {
     halves.reserve(image.pixels.size());
     // Out of range becomes the largest half, not infinity.
-    for (const float v : image.pixels) halves.emplace_back(std::isfinite(v) ? std::clamp(v, -65504.f, 65504.f) : v);
+    for (const float v : image.pixels)
+      halves.emplace_back(std::isfinite(v) ? std::clamp(v, -65504.f, 65504.f) : v);
   }
   const std::size_t stride = (as_half ? sizeof(half) : sizeof(float)) * image.channels.size();
   char* const base = as_half ? reinterpret_cast<char*>(halves.data())
@@ -127,7 +129,8 @@ std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttrib
   for (std::size_t c = 0; c < image.channels.size(); ++c) {
     const Imf::PixelType type = as_half ? Imf::HALF : Imf::FLOAT;
     header.channels().insert(image.channels[c], Imf::Channel(type));
-    frame.insert(image.channels[c], Imf::Slice(type, base + c * (stride / image.channels.size()), stride, stride * image.width));
+    frame.insert(image.channels[c],
+                 Imf::Slice(type, base + c * (stride / image.channels.size()), stride, stride * image.width));
   }
   MemoryOutput stream;
   {

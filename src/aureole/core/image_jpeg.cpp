@@ -13,7 +13,8 @@ namespace aureole::codec {
 
 namespace {
 
-/// libjpeg reports errors by longjmp: functions that call setjmp keep no objects with destructors of their own.
+/// libjpeg reports errors by longjmp: functions that call setjmp keep no objects with destructors of their
+/// own.
 struct JpegState {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -76,7 +77,9 @@ Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
   const int width = int(s.jpeg.image_width), height = int(s.jpeg.image_height);
   // A block of 64 pixels takes a bit at the very least.
   check_size(width, height, max_pixels, bytes.size(), 8 * 64);
-  const int components = s.jpeg.out_color_space == JCS_GRAYSCALE ? 1 : s.jpeg.out_color_space == JCS_CMYK ? 4 : 3;
+  const int components = s.jpeg.out_color_space == JCS_GRAYSCALE ? 1
+                         : s.jpeg.out_color_space == JCS_CMYK    ? 4
+                                                                 : 3;
   s.data.resize(std::size_t(width) * height * components);
   check(read_rows(s));
   const auto* v = s.data.data();

@@ -14,8 +14,8 @@ namespace aureole::codec {
 
 namespace {
 
-/// What libpng's callbacks work on. libpng reports errors by longjmp: functions that call setjmp keep no objects with destructors of
-/// their own.
+/// What libpng's callbacks work on. libpng reports errors by longjmp: functions that call setjmp keep no
+/// objects with destructors of their own.
 struct PngState {
   Bytes input;
   std::size_t position = 0;
@@ -77,7 +77,9 @@ bool read_rows(PngState& s) {
 bool write_rows(PngState& s) {
   if (setjmp(png_jmpbuf(s.png))) return false;
   png_set_write_fn(s.png, &s, on_write, on_flush);
-  const int type = s.channels == 1 ? PNG_COLOR_TYPE_GRAY : s.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_RGB_ALPHA;
+  const int type = s.channels == 1   ? PNG_COLOR_TYPE_GRAY
+                   : s.channels == 3 ? PNG_COLOR_TYPE_RGB
+                                     : PNG_COLOR_TYPE_RGB_ALPHA;
   png_set_IHDR(s.png, s.info, png_uint_32(s.width), png_uint_32(s.height), 8, type, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   png_set_sRGB(s.png, s.info, PNG_sRGB_INTENT_RELATIVE);
@@ -113,9 +115,11 @@ Image read_png(Bytes bytes, std::size_t max_pixels) {
   if (!read_rows(s)) throw Error(std::string("damaged PNG: ") + s.message);
   if (s.bits == 16) {
     const auto* v = reinterpret_cast<const std::uint16_t*>(s.data.data());
-    return make_image(s.width, s.height, s.channels, true, [&](std::size_t i) { return float(v[i]) / 65535; });
+    return make_image(s.width, s.height, s.channels, true,
+                      [&](std::size_t i) { return float(v[i]) / 65535; });
   }
-  return make_image(s.width, s.height, s.channels, true, [&](std::size_t i) { return float(s.data[i]) / 255; });
+  return make_image(s.width, s.height, s.channels, true,
+                    [&](std::size_t i) { return float(s.data[i]) / 255; });
 }
 
 std::vector<char> encode_png(const Image& image) {

@@ -1,12 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
 // The formats read through stb_image: HDR, TGA, BMP.
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
-#include <memory>
+#include <unordered_set>
 
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
 
+namespace aureole::codec {
+namespace {
+
+/// Memory that stb_image holds, so that an exception can pass through it.
+class Blocks {
+public:
+  ~Blocks() {
+    for (void* p : live_) std::free(p);
+  }
+  void* allocate(std::size_t n) { return track(std::malloc(n)); }
+  void* resize(void* p, std::size_t n) {
+    void* moved = std::realloc(p, n);
+    if (moved) live_.erase(p);
+    return moved ? track(moved) : nullptr;
+  }
+  void free(void* p) {
+    live_.erase(p);
+    std::free(p);
+  }
+
+private:
+  void* track(void* p) {
+    if (p) live_.insert(p);
+    return p;
+  }
+  std::unordered_set<void*> live_;
+};
+/// Those of the image that this thread reads.
+thread_local Blocks* blocks = nullptr;
+
+}  // namespace
+}  // namespace aureole::codec
+
+#define STBI_MALLOC(n) aureole::codec::blocks->allocate(n)
+#define STBI_REALLOC(p, n) aureole::codec::blocks->resize(p, n)
+#define STBI_FREE(p) aureole::codec::blocks->free(p)
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_ONLY_HDR
@@ -28,12 +65,12 @@ namespace aureole::codec {
 
 namespace {
 
-/// Feeds stb_image and notes when it asks for bytes beyond the end: it takes them as zeros and calls that a success.
+/// Feeds stb_image and throws when it asks for bytes beyond the end: it takes them as zeros and calls that a
+/// success, or loops.
 struct Feed {
   Bytes bytes;
   std::size_t position = 0;
   const char* buffer = nullptr;  ///< stb_image's own; refilling it may come up short, anything else may not
-  bool short_read = false;
 
   static int read(void* user, char* to, int wanted) {
     auto& f = *static_cast<Feed*>(user);
@@ -41,14 +78,14 @@ struct Feed {
     const std::size_t n = std::min(std::size_t(wanted), f.bytes.size() - f.position);
     std::memcpy(to, f.bytes.data() + f.position, n);
     f.position += n;
-    if (to == f.buffer ? n == 0 : n < std::size_t(wanted)) f.short_read = true;
+    if (to == f.buffer ? n == 0 : n < std::size_t(wanted)) throw Error("the file is truncated");
     return int(n);
   }
   static void skip(void* user, int n) {
     auto& f = *static_cast<Feed*>(user);
     const long long to = (long long)f.position + n;
-    if (to < 0 || to > (long long)f.bytes.size()) f.short_read = true;
-    f.position = std::size_t(std::clamp<long long>(to, 0, (long long)f.bytes.size()));
+    if (to < 0 || to > (long long)f.bytes.size()) throw Error("the file is truncated");
+    f.position = std::size_t(to);
   }
   static int end(void* user) {
     auto& f = *static_cast<Feed*>(user);
@@ -61,19 +98,27 @@ constexpr stbi_io_callbacks kCallbacks = {Feed::read, Feed::skip, Feed::end};
 }  // namespace
 
 Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels) {
+  Blocks held;
+  struct Guard {
+    explicit Guard(Blocks& b) { blocks = &b; }
+    ~Guard() { blocks = nullptr; }
+  } guard(held);
+  constexpr const char* kUnknown =
+      "unknown or damaged image; EXR, PNG, JPEG, TIFF, HDR, TGA and BMP can be read";
   int width = 0, height = 0, channels = 0;
-  Feed probe{bytes};
-  if (!stbi_info_from_callbacks(&kCallbacks, &probe, &width, &height, &channels))
-    throw Error("unknown or damaged image; EXR, PNG, JPEG, TIFF, HDR, TGA and BMP can be read");
+  Feed probe{bytes}, test{bytes}, feed{bytes};
+  try {
+    if (!stbi_info_from_callbacks(&kCallbacks, &probe, &width, &height, &channels)) throw Error(kUnknown);
+  } catch (const Error&) {
+    // Too short even for a header.
+    throw Error(kUnknown);
+  }
   // Run lengths go up to 128.
   check_size(width, height, max_pixels, bytes.size(), 128);
 
-  Feed test{bytes}, feed{bytes};
   const bool hdr = stbi_is_hdr_from_callbacks(&kCallbacks, &test);
-  const auto finish = [&](auto* raw, float scale) {
-    const std::unique_ptr<std::remove_pointer_t<decltype(raw)>, void (*)(void*)> data(raw, stbi_image_free);
-    if (!data) throw Error(std::string("damaged image: ") + stbi_failure_reason());
-    if (feed.short_read) throw Error("the file is truncated");
+  const auto finish = [&](const auto* raw, float scale) {
+    if (!raw) throw Error(std::string("damaged image: ") + stbi_failure_reason());
     return make_image(width, height, channels, !hdr, [&](std::size_t i) { return float(raw[i]) * scale; });
   };
   if (hdr) return finish(stbi_loadf_from_callbacks(&kCallbacks, &feed, &width, &height, &channels, 0), 1.f);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <tiffio.h>
-
 #include <half.h>
+#include <tiffio.h>
 
 #include <algorithm>
 #include <cstring>
@@ -39,7 +38,8 @@ toff_t on_size(thandle_t handle) { return static_cast<Memory*>(handle)->bytes.si
 
 struct Layout {
   std::uint32_t width = 0, height = 0;
-  std::uint16_t bits = 1, samples = 1, format = SAMPLEFORMAT_UINT, planar = PLANARCONFIG_CONTIG, photometric = 0;
+  std::uint16_t bits = 1, samples = 1, format = SAMPLEFORMAT_UINT, planar = PLANARCONFIG_CONTIG,
+                photometric = 0;
 };
 
 float sample_value(const unsigned char* at, const Layout& l) {
@@ -49,7 +49,8 @@ float sample_value(const unsigned char* at, const Layout& l) {
   };
   const bool real = l.format == SAMPLEFORMAT_IEEEFP;
   switch (l.bits) {
-    case 8: return float(*at) / 255;
+    case 8:
+      return float(*at) / 255;
     case 16: {
       const std::uint16_t raw = as(std::uint16_t());
       if (!real) return float(raw) / 65535;
@@ -57,11 +58,14 @@ float sample_value(const unsigned char* at, const Layout& l) {
       h.setBits(raw);
       return float(h);
     }
-    default: return real ? (l.bits == 64 ? float(as(double())) : as(float())) : float(as(std::uint32_t()) / 4294967295.0);
+    default:
+      return real ? (l.bits == 64 ? float(as(double())) : as(float()))
+                  : float(as(std::uint32_t()) / 4294967295.0);
   }
 }
 
-/// Reads strips or tiles of the plain kinds: gray or RGB of 8, 16, 32 or 64 bits, samples together or in planes.
+/// Reads strips or tiles of the plain kinds: gray or RGB of 8, 16, 32 or 64 bits, samples together or in
+/// planes.
 Image read_plain(TIFF* tiff, const Layout& l, bool encoded) {
   const int channels = std::min<int>(l.samples, 4);
   Image image = make_image(int(l.width), int(l.height), channels, encoded, [](std::size_t) { return 0.f; });
@@ -75,7 +79,8 @@ Image read_plain(TIFF* tiff, const Layout& l, bool encoded) {
   }
   const tmsize_t piece_bytes = tiled ? TIFFTileSize(tiff) : TIFFScanlineSize(tiff);
   const double needed = double(piece_width) * piece_height * per_piece * sample_bytes;
-  if (piece_width == 0 || piece_height == 0 || double(piece_bytes) < needed || needed > double(image.pixels.size()) * 8 + (1 << 26))
+  if (piece_width == 0 || piece_height == 0 || double(piece_bytes) < needed ||
+      needed > double(image.pixels.size()) * 8 + (1 << 26))
     throw Error("damaged TIFF: impossible tiles");
   std::vector<unsigned char> piece(static_cast<std::size_t>(piece_bytes));
   for (int plane = 0; plane < (planes ? channels : 1); ++plane)
@@ -88,13 +93,15 @@ Image read_plain(TIFF* tiff, const Layout& l, bool encoded) {
           for (std::uint32_t x = x0; x < std::min(l.width, x0 + piece_width); ++x)
             for (int c = 0; c < (planes ? 1 : channels); ++c) {
               const std::size_t at = (std::size_t(y - y0) * piece_width + (x - x0)) * per_piece + c;
-              image.at(int(x), int(y), std::size_t(planes ? plane : c)) = sample_value(piece.data() + at * sample_bytes, l);
+              image.at(int(x), int(y), std::size_t(planes ? plane : c)) =
+                  sample_value(piece.data() + at * sample_bytes, l);
             }
       }
   return image;
 }
 
-/// Everything else (palettes, few bits, white-is-zero, inks, YCbCr) through libtiff's own conversion to 8-bit RGBA.
+/// Everything else (palettes, few bits, white-is-zero, inks, YCbCr) through libtiff's own conversion to 8-bit
+/// RGBA.
 Image read_converted(TIFF* tiff, const Layout& l) {
   char why[1024] = "";
   if (!TIFFRGBAImageOK(tiff, why)) throw Error(std::string("this kind of TIFF is not supported: ") + why);
@@ -113,10 +120,12 @@ Image read_tiff(Bytes bytes, std::size_t max_pixels) {
   (void)quiet;
   Memory memory{bytes};
   const std::unique_ptr<TIFF, void (*)(TIFF*)> tiff(
-      TIFFClientOpen("image", "rm", &memory, on_read, on_write, on_seek, on_close, on_size, nullptr, nullptr), TIFFClose);
+      TIFFClientOpen("image", "rm", &memory, on_read, on_write, on_seek, on_close, on_size, nullptr, nullptr),
+      TIFFClose);
   if (!tiff) throw Error("damaged TIFF");
   Layout l;
-  if (!TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &l.width) || !TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &l.height))
+  if (!TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &l.width) ||
+      !TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &l.height))
     throw Error("damaged TIFF: no size");
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_BITSPERSAMPLE, &l.bits);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, &l.samples);
@@ -126,7 +135,8 @@ Image read_tiff(Bytes bytes, std::size_t max_pixels) {
   // No scheme in use packs more than some thousands to one.
   check_size(l.width, l.height, max_pixels, bytes.size(), 20000);
   const bool real = l.format == SAMPLEFORMAT_IEEEFP;
-  const bool known_bits = real ? l.bits == 16 || l.bits == 32 || l.bits == 64 : l.bits == 8 || l.bits == 16 || l.bits == 32;
+  const bool known_bits =
+      real ? l.bits == 16 || l.bits == 32 || l.bits == 64 : l.bits == 8 || l.bits == 16 || l.bits == 32;
   const bool known_format = real || l.format == SAMPLEFORMAT_UINT || l.format == SAMPLEFORMAT_VOID;
   const bool known_colour = l.photometric == PHOTOMETRIC_MINISBLACK || l.photometric == PHOTOMETRIC_RGB;
   if (known_bits && known_format && known_colour && l.samples >= 1 && l.samples <= 64)

@@ -37,8 +37,8 @@ float Piecewise1D::sample(float u, float* pdf, std::size_t* cell) const {
   const float mass = cdf_[i + 1] - cdf_[i];
   if (pdf) *pdf = mass * float(n);
   if (cell) *cell = i;
-  const float within = mass > 0 ? std::min((u - cdf_[i]) / mass, 0x1.fffffep-1f) : 0.5f;
-  return (float(i) + within) / float(n);
+  const float within = mass > 0 ? std::min((u - cdf_[i]) / mass, 1.f) : 0.5f;
+  return std::min((float(i) + within) / float(n), 0x1.fffffep-1f);  // the sum may be rounded up to n
 }
 
 float Piecewise1D::pdf(float x) const {

@@ -6,10 +6,11 @@ namespace aureole {
 namespace {
 
 class Cube final : public Mesh {
- public:
+public:
   explicit Cube(const Properties& properties) : Mesh(properties) {
     MeshData d;
-    for (int i = 0; i < 8; ++i) d.positions.push_back(place_point(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    for (int i = 0; i < 8; ++i)
+      d.positions.push_back(place_point(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
     d.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
     // Corners of a side counter-clockwise seen from outside; bit k of a corner is the sign of axis k.
     struct Side {
@@ -32,12 +33,14 @@ class Cube final : public Mesh {
   }
 };
 
-AUREOLE_PLUGIN(Cube, "shape", "cube",
-               PluginDoc{.summary = "The cube [-1, 1]^3 with its normals outside; every side has texture coordinates over "
-                                    "[0, 1]^2.",
-                         .source = "",
-                         .parameters = mesh_parameters({}),
-                         .examples = {R"(<shape type="cube">
+AUREOLE_PLUGIN(
+    Cube, "shape", "cube",
+    PluginDoc{
+        .summary = "The cube [-1, 1]^3 with its normals outside; every side has texture coordinates over "
+                   "[0, 1]^2.",
+        .source = "",
+        .parameters = mesh_parameters({}),
+        .examples = {R"(<shape type="cube">
   <transform name="to_world"><scale value="0.5"/></transform>
   <boolean name="face_normals" value="false"/>
   <boolean name="flip_normals" value="false"/>

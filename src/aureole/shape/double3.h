@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A double-precision vector for the places where float loses the result: solid angles, quadratics, transforms at load.
+// A double-precision vector for the places where float loses the result: solid angles, quadratics, transforms
+// at load.
 #pragma once
 
 #include <cmath>

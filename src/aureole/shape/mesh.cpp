@@ -15,11 +15,29 @@ constexpr float gamma_bound(int n) {
   return n * kHalfUlp / (1 - n * kHalfUlp);
 }
 
-/// Unit normal of a triangle in double, or zero where it has no area.
-Double3 plane_normal(const TriangleCorners& c) {
-  const Double3 n = cross(Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]));
-  const double l = length(n);
-  return l > 0 ? n * (1 / l) : Double3();
+/// Bound of the distance from the plane at which the float ray caster may still see a hit at t > 0: it finds
+/// t from dot(p0 - o, n) / dot(d, n), whose numerator errs by some half ulps of |p0 - o|, and by as many of
+/// |p0 - o| |e| |e| / |n| from n itself, which counts for slender triangles. Without it a ray that leaves a
+/// point near the coordinate origin on a triangle with a far corner meets that triangle again.
+float ray_caster_error(const TriangleCorners& c, double doubled_area) {
+  const double a = length_squared(c[1] - c[0]), b = length_squared(c[2] - c[1]),
+               d = length_squared(c[0] - c[2]);
+  const double longest = std::max({a, b, d}), shortest = std::min({a, b, d});
+  const double middle = a + b + d - longest - shortest;
+  return float(std::sqrt(longest) *
+               (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) / doubled_area));
+}
+
+/// acos to 2e-8 (Abramowitz & Stegun 1964, 4.4.46): the library's takes most of the time to load a mesh
+/// without normals.
+float fast_acos(float x) {
+  const float a = std::min(std::abs(x), 1.f);
+  float p = -0.0012624911f;
+  for (const float c : {0.0066700901f, -0.0170881256f, 0.0308918810f, -0.0501743046f, 0.0889789874f,
+                        -0.2145988016f, 1.5707963050f})
+    p = p * a + c;
+  p *= std::sqrt(1 - a);
+  return x < 0 ? kPi - p : p;
 }
 
 std::string count_text(std::size_t n, const char* what) {
@@ -67,7 +85,8 @@ void Mesh::build(MeshData data, std::string_view source) {
     for (const std::uint32_t v : t) bounds_.extend(data_.positions[v]);
   if (data_.triangles.empty()) {
     remarks_.push_back("the mesh has no triangles");
-    if (emitter()) throw properties().error(source, "an emitter needs at least one triangle of non-zero area");
+    if (emitter())
+      throw properties().error(source, "an emitter needs at least one triangle of non-zero area");
   }
   if (emitter()) patches_ = MeshPatches::build(data_.positions, data_.triangles);
   // Embree reads 16 bytes at every vertex: one more keeps the last read inside.
@@ -124,13 +143,20 @@ void Mesh::compute_vertex_normals() {
   data_.normals.assign(data_.positions.size(), Vec3{});
   for (std::size_t i = 0; i < data_.triangles.size(); ++i) {
     const TriangleCorners c = corners(i);
-    const Vec3 n = plane_normal(c).to_float();
-    const Vec3 e[3] = {normalize(c[1] - c[0]), normalize(c[2] - c[1]), normalize(c[0] - c[2])};
-    const float a0 = std::acos(std::clamp(-dot(e[2], e[0]), -1.f, 1.f));
-    const float a1 = std::acos(std::clamp(-dot(e[0], e[1]), -1.f, 1.f));
+    // Scaled to size 1: the fourth power of a length leaves the range of float soon.
+    const Vec3 edge0 = c[1] - c[0], edge2 = c[0] - c[2];
+    const float scale = 1 / std::max(max_component(abs(edge0)), max_component(abs(edge2)));
+    const Vec3 e[3] = {edge0 * scale, (c[2] - c[1]) * scale, edge2 * scale};
+    const Vec3 n = cross(e[0], e[1]);
+    const float n2 = length_squared(n), l0 = length_squared(e[0]), l1 = length_squared(e[1]),
+                l2 = length_squared(e[2]);
+    const float per_n = 1 / std::sqrt(n2);
+    const float a0 = fast_acos(-dot(e[2], e[0]) / std::sqrt(l2 * l0));
+    const float a1 = fast_acos(-dot(e[0], e[1]) / std::sqrt(l0 * l1));
     const float angle[3] = {a0, a1, std::max(0.f, kPi - a0 - a1)};
-    for (int k = 0; k < 3; ++k)
-      if (std::isfinite(angle[k])) data_.normals[data_.triangles[i][k]] += n * angle[k];
+    // A triangle too slender for float has no say.
+    if (!std::isfinite(per_n) || !std::isfinite(a0) || !std::isfinite(a1)) continue;
+    for (int k = 0; k < 3; ++k) data_.normals[data_.triangles[i][k]] += n * (per_n * angle[k]);
   }
   for (Vec3& n : data_.normals) {
     const float l2 = length_squared(n);
@@ -140,8 +166,8 @@ void Mesh::compute_vertex_normals() {
 
 RTCGeometry Mesh::make_geometry(RTCDevice device) const {
   RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, data_.positions.data(), 0, sizeof(Vec3),
-                             data_.positions.size() - 1);
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, data_.positions.data(), 0,
+                             sizeof(Vec3), data_.positions.size() - 1);
   rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, data_.triangles.data(), 0,
                              sizeof(TriangleIndices), data_.triangles.size());
   rtcCommitGeometry(g);
@@ -164,12 +190,13 @@ MeshPoint Mesh::point_at(std::uint32_t triangle, float b1, float b2) const {
   const float b0 = 1 - b1 - b2;
   MeshPoint r;
   r.p = c[0] * b0 + c[1] * b1 + c[2] * b2;
-  // Pharr, Jakob & Humphreys 2023, section 6.8.4.
-  // The interpolation's own rounding, and that of a later ray's intersection with this triangle, which Embree computes from
-  // differences to its corners.
-  const Vec3 extent = max(max(abs(c[0] - r.p), abs(c[1] - r.p)), abs(c[2] - r.p));
-  r.p_error = (abs(c[0] * b0) + abs(c[1] * b1) + abs(c[2] * b2)) * gamma_bound(7) + extent * gamma_bound(10);
-  r.ng = plane_normal(c).to_float();
+  const Double3 n = cross(Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]));
+  const double doubled_area = length(n);
+  r.ng = (n * (1 / doubled_area)).to_float();
+  // The interpolation's own rounding (Pharr, Jakob & Humphreys 2023, section 6.8.4) and, along the normal,
+  // that of the ray caster.
+  r.p_error = (abs(c[0] * b0) + abs(c[1] * b1) + abs(c[2] * b2)) * gamma_bound(7) +
+              abs(r.ng) * ray_caster_error(c, doubled_area);
   r.uv = interpolate_uv(triangle, b0, b1, b2);
   return r;
 }

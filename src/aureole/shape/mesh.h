@@ -2,13 +2,18 @@
 // Triangle meshes: what every mesh reader builds.
 //
 // Conventions, the same as Mitsuba 3's:
-// - Everything is placed in the world at load. `to_world` turns vertex normals by its inverse transpose; a mirroring one reverses
-//   the order of the vertices, so that a closed surface keeps its normals outside. `flip_normals` reverses the order (vertices
-//   0 and 2 swap) and negates the vertex normals.
-// - The geometric normal is cross(p1 - p0, p2 - p0), normalised. Where the file gives vertex normals, they decide which side is out (and
-//   which side of an area emitter shines): a triangle wound against the sum of its vertex normals is turned around at load.
-// - Without vertex normals in the file, they are computed, weighted by the angle at each corner (Thürmer & Wüthrich 1998,
-//   "Computing vertex normals from polygonal facets"), and shared by all triangles at a position; `face_normals` drops normals.
+// - Everything is placed in the world at load. `to_world` turns vertex normals by its inverse transpose; a
+// mirroring one reverses
+//   the order of the vertices, so that a closed surface keeps its normals outside. `flip_normals` reverses
+//   the order (vertices 0 and 2 swap) and negates the vertex normals.
+// - The geometric normal is cross(p1 - p0, p2 - p0), normalised. Where the file gives vertex normals, they
+// decide which side is out (and
+//   which side of an area emitter shines): a triangle wound against the sum of its vertex normals is turned
+//   around at load.
+// - Without vertex normals in the file, they are computed, weighted by the angle at each corner (Thürmer &
+// Wüthrich 1998,
+//   "Computing vertex normals from polygonal facets"), and shared by all triangles at a position;
+//   `face_normals` drops normals.
 // - Without texture coordinates uv are the barycentric coordinates (b1, b2).
 #pragma once
 
@@ -20,8 +25,9 @@
 
 namespace aureole {
 
-/// What a reader hands over, already placed in the world. Attribute indices are apart from position indices, so that a texture seam is
-/// not a crack; where they are empty, the position indices are used. A zero normal means "none here".
+/// What a reader hands over, already placed in the world. Attribute indices are apart from position indices,
+/// so that a texture seam is not a crack; where they are empty, the position indices are used. A zero normal
+/// means "none here".
 struct MeshData {
   std::vector<Vec3> positions;
   std::vector<Vec3> normals;  ///< empty: none in the file
@@ -38,9 +44,10 @@ struct MeshPoint {
 };
 
 class Mesh : public Shape {
- public:
+public:
   RTCGeometry make_geometry(RTCDevice device) const override;
-  SurfacePoint surface_point(std::uint32_t primitive, float u, float v, const Ray& ray, float t) const override;
+  SurfacePoint surface_point(std::uint32_t primitive, float u, float v, const Ray& ray,
+                             float t) const override;
   Bounds3 bounds() const override { return bounds_; }
   std::size_t primitive_count() const override { return data_.triangles.size(); }
   std::size_t memory_bytes() const override;
@@ -56,7 +63,7 @@ class Mesh : public Shape {
   /// The geometry as it is rendered; edges and neighbours are found from the position indices.
   const MeshData& data() const { return data_; }
 
- protected:
+protected:
   /// Reads to_world, flip_normals and face_normals.
   explicit Mesh(const Properties& properties);
 
@@ -66,11 +73,11 @@ class Mesh : public Shape {
   Vec3 place_normal(double x, double y, double z) const;
   bool face_normals() const { return face_normals_; }
 
-  /// Takes the data over: drops degenerate triangles, orients, computes normals, makes patches where an emitter needs them. `source` is
-  /// the parameter that errors point to. Every index must be in range.
+  /// Takes the data over: drops degenerate triangles, orients, computes normals, makes patches where an
+  /// emitter needs them. `source` is the parameter that errors point to. Every index must be in range.
   void build(MeshData data, std::string_view source);
 
- private:
+private:
   std::size_t drop_degenerate();
   void reverse(std::size_t triangle);
   void orient_by_vertex_normals();

@@ -7,7 +7,8 @@
 
 namespace aureole {
 
-MeshFile::MeshFile(const Properties& properties) : properties_(properties), path_(properties.get_file("filename")) {
+MeshFile::MeshFile(const Properties& properties)
+    : properties_(properties), path_(properties.get_file("filename")) {
   struct Closer {
     void operator()(std::FILE* f) const { std::fclose(f); }
   };
@@ -43,9 +44,11 @@ bool Scanner::number(double& value) {
   const char* start = at < end && *at == '+' ? at + 1 : at;
   const auto [next, code] = std::from_chars(start, end, value);
   if (code == std::errc::result_out_of_range) {
-    // from_chars leaves the value alone; a number too small is zero, one too large is infinite and its triangles get dropped.
-    const bool small = std::string_view(start, std::size_t(next - start)).find("e-") != std::string_view::npos ||
-                       std::string_view(start, std::size_t(next - start)).find("E-") != std::string_view::npos;
+    // from_chars leaves the value alone; a number too small is zero, one too large is infinite and its
+    // triangles get dropped.
+    const bool small =
+        std::string_view(start, std::size_t(next - start)).find("e-") != std::string_view::npos ||
+        std::string_view(start, std::size_t(next - start)).find("E-") != std::string_view::npos;
     value = small ? 0 : HUGE_VAL;
   } else if (code != std::errc()) {
     return false;

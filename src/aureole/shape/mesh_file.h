@@ -14,7 +14,7 @@ namespace aureole {
 
 /// A mesh file in memory, from the parameter `filename`. A zero byte follows the last one.
 class MeshFile {
- public:
+public:
   /// Reads the whole file; throws Error located at `filename`.
   explicit MeshFile(const Properties& properties);
 
@@ -28,7 +28,7 @@ class MeshFile {
   /// The same with the line of the file that holds `at`.
   [[nodiscard]] Error error_at(const char* at, const std::string& message) const;
 
- private:
+private:
   const Properties& properties_;
   std::filesystem::path path_;
   std::unique_ptr<char[]> bytes_;
@@ -52,7 +52,8 @@ struct Scanner {
   }
   /// The next word, empty at the end.
   std::string_view word();
-  /// A number; false, and nothing consumed but blanks, where there is none. Infinities and NaN are numbers here.
+  /// A number; false, and nothing consumed but blanks, where there is none. Infinities and NaN are numbers
+  /// here.
   bool number(double& value);
   bool integer(long long& value);
 };

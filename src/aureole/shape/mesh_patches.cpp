@@ -11,7 +11,8 @@ namespace aureole {
 
 namespace {
 
-/// Half of an edge shared by two triangles: the vertices (equal positions count as one), the triangle, the corner opposite.
+/// Half of an edge shared by two triangles: the vertices (equal positions count as one), the triangle, the
+/// corner opposite.
 struct HalfEdge {
   std::uint32_t from, to, triangle;
   std::uint8_t apex;
@@ -29,7 +30,8 @@ std::vector<std::uint32_t> first_at_position(std::span<const Vec3> positions) {
   };
   std::sort(order.begin(), order.end(), less);
   for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] = i > 0 && positions[order[i]] == positions[order[i - 1]] ? first[order[i - 1]] : order[i];
+    first[order[i]] =
+        i > 0 && positions[order[i]] == positions[order[i - 1]] ? first[order[i - 1]] : order[i];
   return first;
 }
 
@@ -72,7 +74,8 @@ MeshPatches MeshPatches::build(std::span<const Vec3> positions, std::span<const 
       paired[e.triangle] = paired[f.triangle] = true;
       const bool in_order = e.triangle < f.triangle;
       const HalfEdge &lower = in_order ? e : f, &upper = in_order ? f : e;
-      partner[lower.triangle] = {{lower.triangle, upper.triangle}, {lower.apex, upper.apex}, wanted == Figure::rectangle};
+      partner[lower.triangle] = {
+          {lower.triangle, upper.triangle}, {lower.apex, upper.apex}, wanted == Figure::rectangle};
     }
 
   result.of_triangle.assign(triangles.size(), MeshPatch::kNone);

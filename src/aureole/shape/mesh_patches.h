@@ -14,7 +14,8 @@ namespace aureole {
 using TriangleIndices = std::array<std::uint32_t, 3>;
 using TriangleCorners = std::array<Vec3, 3>;
 
-/// One triangle, or two that form a parallelogram. Corner `apex[i]` of triangle i lies opposite the shared edge.
+/// One triangle, or two that form a parallelogram. Corner `apex[i]` of triangle i lies opposite the shared
+/// edge.
 struct MeshPatch {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   std::uint32_t triangle[2] = {0, kNone};
@@ -29,8 +30,9 @@ struct MeshPatches {
   std::vector<std::uint32_t> of_triangle;  ///< index of the patch that holds each triangle
 
   bool empty() const { return patches.empty(); }
-  /// Pairs triangles that share an edge and form a parallelogram to within rounding. A pair is worth more than two
-  /// triangles: light selection has half as many parts, and a rectangle is sampled without a choice between triangles.
+  /// Pairs triangles that share an edge and form a parallelogram to within rounding. A pair is worth more
+  /// than two triangles: light selection has half as many parts, and a rectangle is sampled without a choice
+  /// between triangles.
   static MeshPatches build(std::span<const Vec3> positions, std::span<const TriangleIndices> triangles);
 };
 

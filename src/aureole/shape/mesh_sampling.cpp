@@ -24,8 +24,8 @@ Vec2 sample_triangle_area(Vec2 u) {
   return {u.y * s, (1 - u.y) * s};
 }
 
-/// The point (x, y) in [0, 1]^2 of a parallelogram whose origin is the apex of its first triangle and whose axes lead to the
-/// next two corners of that triangle.
+/// The point (x, y) in [0, 1]^2 of a parallelogram whose origin is the apex of its first triangle and whose
+/// axes lead to the next two corners of that triangle.
 TriangleSample parallelogram_point(const MeshPatch& patch, Vec2 at) {
   float b[3];
   const bool far = at.x + at.y > 1;
@@ -40,10 +40,13 @@ TriangleSample parallelogram_point(const MeshPatch& patch, Vec2 at) {
 }  // namespace
 
 MeshPatch Mesh::patch(std::size_t index) const {
-  return patches_.empty() ? MeshPatch{{std::uint32_t(index), MeshPatch::kNone}, {0, 0}, false} : patches_.patches[index];
+  return patches_.empty() ? MeshPatch{{std::uint32_t(index), MeshPatch::kNone}, {0, 0}, false}
+                          : patches_.patches[index];
 }
 
-std::size_t Mesh::patch_count() const { return patches_.empty() ? primitive_count() : patches_.patches.size(); }
+std::size_t Mesh::patch_count() const {
+  return patches_.empty() ? primitive_count() : patches_.patches.size();
+}
 
 std::size_t Mesh::patch_of_primitive(std::uint32_t primitive) const {
   return patches_.empty() ? primitive : patches_.of_triangle[primitive];
@@ -98,7 +101,8 @@ std::optional<ShapeSample> Mesh::sample_direct(const Vec3& reference, std::size_
     const int which = p.is_pair() && u.x >= split;
     const double rescaled = which ? (u.x - split) / (1 - split) : u.x / split;
     const Vec2 rest{float(std::clamp(rescaled, 0.0, 1.0)), u.y};
-    const Vec2 b = sample_spherical_triangle(reference, corners(p.triangle[which]), seen.solid_angle[which], rest);
+    const Vec2 b =
+        sample_spherical_triangle(reference, corners(p.triangle[which]), seen.solid_angle[which], rest);
     chosen = {p.triangle[which], b.x, b.y};
   }
   const MeshPoint at = point_at(chosen.triangle, chosen.b1, chosen.b2);

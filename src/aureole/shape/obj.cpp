@@ -12,7 +12,7 @@ namespace {
 
 /// Reads the statements v, vt, vn and f; remembers what else there was.
 class ObjReader {
- public:
+public:
   ObjReader(MeshFile& file, bool flip_v) : file_(file), flip_v_(flip_v) {}
 
   template <class PlacePoint, class PlaceNormal>
@@ -20,7 +20,7 @@ class ObjReader {
 
   std::vector<std::string> remarks() const;
 
- private:
+private:
   struct Corner {
     std::uint32_t v, vt, vn;
   };
@@ -51,7 +51,8 @@ char* ObjReader::end_of_line(char* at) {
     char* last = e;
     while (last > at && last[-1] == '\r') --last;
     if (last == at || last[-1] != '\\') return e;
-    // '\v' instead of the newline would lose the line count: only the backslash goes, and blanks include newlines below.
+    // '\v' instead of the newline would lose the line count: only the backslash goes, and blanks include
+    // newlines below.
     last[-1] = ' ';
     from = e + 1;
   }
@@ -94,7 +95,8 @@ void ObjReader::face(Scanner& s) {
     return;
   }
   // A face with a normal missing anywhere has none.
-  const bool bare = std::any_of(polygon_.begin(), polygon_.end(), [](const Corner& c) { return c.vn == kNone; });
+  const bool bare =
+      std::any_of(polygon_.begin(), polygon_.end(), [](const Corner& c) { return c.vn == kNone; });
   for (Corner& c : polygon_) {
     if (bare) c.vn = kNone;
     (c.vn == kNone ? missing_vn_ : any_vn_) = true;
@@ -114,7 +116,8 @@ void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
     materials_.emplace(s.word());
     return;
   }
-  static const std::set<std::string, std::less<>> kKnown = {"g", "o", "s", "mtllib", "maplib", "usemap", "shadow_obj"};
+  static const std::set<std::string, std::less<>> kKnown = {"g",      "o",      "s",         "mtllib",
+                                                            "maplib", "usemap", "shadow_obj"};
   if (kKnown.contains(keyword)) return;
   const bool text = std::all_of(keyword.begin(), keyword.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -176,14 +179,15 @@ void ObjReader::finish() {
 std::vector<std::string> ObjReader::remarks() const {
   std::vector<std::string> r;
   if (materials_.size() > 1)
-    r.push_back(std::to_string(materials_.size()) + " materials in the file; the whole mesh gets the shape's bsdf");
+    r.push_back(std::to_string(materials_.size()) +
+                " materials in the file; the whole mesh gets the shape's bsdf");
   if (small_faces_) r.push_back(std::to_string(small_faces_) + " faces of fewer than three vertices dropped");
   for (const auto& keyword : ignored_) r.push_back("statements \"" + keyword + "\" ignored");
   return r;
 }
 
 class Obj final : public Mesh {
- public:
+public:
   explicit Obj(const Properties& properties) : Mesh(properties) {
     MeshFile file(properties);
     ObjReader reader(file, properties.get_bool("flip_tex_coords", true));
@@ -196,14 +200,17 @@ class Obj final : public Mesh {
 
 AUREOLE_PLUGIN(
     Obj, "shape", "obj",
-    PluginDoc{.summary = "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (fanned) and negative indices. Groups "
-                         "and materials are ignored: the whole file is one mesh. Without vn, normals are computed from "
-                         "positions, weighted by angle.",
-              .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
-              .parameters = mesh_parameters(
-                  {{"filename", "file", "", "required", "The OBJ file."},
-                   {"flip_tex_coords", "boolean", "", "true", "Replaces the texture coordinate v by 1 - v."}}),
-              .examples = {R"(<shape type="obj">
+    PluginDoc{
+        .summary =
+            "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (fanned) and negative indices. "
+            "Groups "
+            "and materials are ignored: the whole file is one mesh. Without vn, normals are computed from "
+            "positions, weighted by angle.",
+        .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
+        .parameters = mesh_parameters({{"filename", "file", "", "required", "The OBJ file."},
+                                       {"flip_tex_coords", "boolean", "", "true",
+                                        "Replaces the texture coordinate v by 1 - v."}}),
+        .examples = {R"(<shape type="obj">
   <string name="filename" value="mesh.obj"/>
   <boolean name="face_normals" value="true"/>
   <boolean name="flip_tex_coords" value="false"/>

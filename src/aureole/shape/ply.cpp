@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <limits>
 #include <set>
 
 #include "aureole/shape/mesh.h"
 #include "aureole/shape/mesh_file.h"
-#include "aureole/shape/ply_header.h"
+#include "aureole/shape/ply_source.h"
 #include "aureole/shape/shape_docs.h"
 
 namespace aureole {
@@ -15,76 +14,11 @@ namespace {
 
 using ply::Element;
 using ply::Property;
-using ply::Type;
-
-/// Takes values from the body of the file, one after the other.
-class TextSource {
- public:
-  TextSource(const MeshFile& file, const char* at) : file_(file), s_{at, file.end()} {}
-  double value(Type) {
-    double v;
-    s_.skip_white();
-    if (s_.at >= s_.end) throw file_.error("the file is truncated");
-    if (!s_.number(v)) throw file_.error_at(s_.at, "expected a number");
-    return v;
-  }
-  /// A value takes a digit and a blank.
-  std::size_t values_left() const { return std::size_t(s_.end - s_.at) / 2 + 1; }
-  void require(std::size_t) {}
-  bool finished() {
-    s_.skip_white();
-    return s_.at >= s_.end;
-  }
-
- private:
-  const MeshFile& file_;
-  Scanner s_;
-};
-
-template <bool kSwap>
-class BinarySource {
- public:
-  BinarySource(const MeshFile& file, const char* at) : file_(file), at_(at), end_(file.end()) {}
-  double value(Type t) {
-    switch (t) {
-      case Type::int8: return take<std::int8_t>();
-      case Type::uint8: return take<std::uint8_t>();
-      case Type::int16: return take<std::int16_t>();
-      case Type::uint16: return take<std::uint16_t>();
-      case Type::int32: return take<std::int32_t>();
-      case Type::uint32: return take<std::uint32_t>();
-      case Type::int64: return double(take<std::int64_t>());
-      case Type::uint64: return double(take<std::uint64_t>());
-      case Type::float32: return take<float>();
-      case Type::float64: return take<double>();
-    }
-    return 0;
-  }
-  std::size_t values_left() const { return std::size_t(end_ - at_); }
-  /// The next `bytes` bytes can be taken without further checks.
-  void require(std::size_t bytes) {
-    if (std::size_t(end_ - at_) < bytes) throw file_.error("the file is truncated");
-  }
-  bool finished() const { return at_ == end_; }
-
- private:
-  template <class T>
-  T take() {
-    char raw[sizeof(T)];
-    std::memcpy(raw, at_, sizeof(T));
-    if constexpr (kSwap) std::reverse(raw, raw + sizeof(T));
-    at_ += sizeof(T);
-    return std::bit_cast<T>(raw);
-  }
-
-  const MeshFile& file_;
-  const char *at_, *end_;
-};
 
 /// Reads the elements `vertex` and `face`, and walks over the others.
 template <class Source>
 class PlyReader {
- public:
+public:
   PlyReader(const MeshFile& file, const ply::Header& header, bool flip_v)
       : file_(file), header_(header), source_(file, header.body), flip_v_(flip_v) {}
 
@@ -101,7 +35,9 @@ class PlyReader {
         faces(e);
       } else {
         ignored_.insert(e.name);
-        for (std::size_t i = 0; i < e.count; ++i) record(e, [](std::size_t, double) {}, [](std::size_t, std::size_t, double) {});
+        for (std::size_t i = 0; i < e.count; ++i)
+          record(
+              e, [](std::size_t, double) {}, [](std::size_t, std::size_t, double) {});
       }
     }
     if (!has_vertices) throw file_.error("no element \"vertex\"");
@@ -110,7 +46,8 @@ class PlyReader {
     for (const TriangleIndices& t : d_.triangles)
       for (const std::uint32_t i : t)
         if (i >= d_.positions.size())
-          throw file_.error("a face refers to vertex " + std::to_string(i) + " of " + std::to_string(d_.positions.size()));
+          throw file_.error("a face refers to vertex " + std::to_string(i) + " of " +
+                            std::to_string(d_.positions.size()));
     return std::move(d_);
   }
 
@@ -119,23 +56,26 @@ class PlyReader {
     std::string names;
     for (const std::string& name : ignored_) names += (names.empty() ? "" : ", ") + name;
     if (!names.empty()) r.push_back("ignored in the file: " + names);
-    if (small_faces_) r.push_back(std::to_string(small_faces_) + " faces of fewer than three vertices dropped");
+    if (small_faces_)
+      r.push_back(std::to_string(small_faces_) + " faces of fewer than three vertices dropped");
     return r;
   }
 
- private:
+private:
   /// Refuses counts that cannot be in the file before memory is taken for them.
   void check_size(const Element& e) const {
     const std::size_t least = header_.format == ply::Format::ascii ? e.properties.size() : e.least_bytes();
-    if (e.properties.empty() && e.count > 0) throw file_.error("element \"" + e.name + "\" has no properties");
-    if (e.count > std::numeric_limits<std::uint32_t>::max() - 1 || (least > 0 && e.count > source_.values_left() / least))
-      throw file_.error("the file is truncated: " + std::to_string(e.count) + " times \"" + e.name + "\" cannot be in it");
+    if (e.properties.empty() && e.count > 0)
+      throw file_.error("element \"" + e.name + "\" has no properties");
+    if (e.count > std::numeric_limits<std::uint32_t>::max() - 1 ||
+        (least > 0 && e.count > source_.values_left() / least))
+      throw file_.error("the file is truncated: " + std::to_string(e.count) + " times \"" + e.name +
+                        "\" cannot be in it");
   }
 
   /// One record: `scalar(property, value)` and `item(property, index, value)` for its values in order.
   template <class Scalar, class Item>
   void record(const Element& e, const Scalar& scalar, const Item& item) {
-    source_.require(e.least_bytes());
     for (std::size_t k = 0; k < e.properties.size(); ++k) {
       const Property& p = e.properties[k];
       if (!p.is_list) {
@@ -173,7 +113,9 @@ class PlyReader {
     if (uvs) d_.uvs.reserve(e.count);
     double v[9] = {};
     for (std::size_t i = 0; i < e.count; ++i) {
-      record(e, [&](std::size_t k, double value) { v[slot[k]] = value; }, [](std::size_t, std::size_t, double) {});
+      record(
+          e, [&](std::size_t k, double value) { v[slot[k]] = value; },
+          [](std::size_t, std::size_t, double) {});
       d_.positions.push_back(place_point(v[0], v[1], v[2]));
       if (normals) d_.normals.push_back(place_normal(v[3], v[4], v[5]));
       if (uvs) d_.uvs.push_back({float(v[6]), float(flip_v_ ? 1 - v[7] : v[7])});
@@ -191,17 +133,18 @@ class PlyReader {
     for (std::size_t i = 0; i < e.count; ++i) {
       std::uint32_t first = 0, previous = 0;
       std::size_t corners = 0;
-      record(e, [](std::size_t, double) {},
-             [&](std::size_t k, std::size_t at, double value) {
-               if (k != std::size_t(list)) return;
-               if (!(value >= 0 && value < 4294967295.0))
-                 throw file_.error("a face refers to the vertex " + std::to_string(value));
-               const auto v = std::uint32_t(value);
-               if (at == 0) first = v;
-               if (at >= 2) d_.triangles.push_back({first, previous, v});
-               previous = v;
-               corners = at + 1;
-             });
+      record(
+          e, [](std::size_t, double) {},
+          [&](std::size_t k, std::size_t at, double value) {
+            if (k != std::size_t(list)) return;
+            if (!(value >= 0 && value < 4294967295.0))
+              throw file_.error("a face refers to the vertex " + std::to_string(value));
+            const auto v = std::uint32_t(value);
+            if (at == 0) first = v;
+            if (at >= 2) d_.triangles.push_back({first, previous, v});
+            previous = v;
+            corners = at + 1;
+          });
       if (corners < 3) ++small_faces_;
     }
   }
@@ -216,18 +159,21 @@ class PlyReader {
 };
 
 class Ply final : public Mesh {
- public:
+public:
   explicit Ply(const Properties& properties) : Mesh(properties) {
     const bool flip_v = properties.get_bool("flip_tex_coords", false);
     const MeshFile file(properties);
     const ply::Header header = ply::read_header(file);
     constexpr bool kLittle = std::endian::native == std::endian::little;
-    if (header.format == ply::Format::ascii) load<TextSource>(file, header, flip_v);
-    else if ((header.format == ply::Format::little_endian) == kLittle) load<BinarySource<false>>(file, header, flip_v);
-    else load<BinarySource<true>>(file, header, flip_v);
+    if (header.format == ply::Format::ascii)
+      load<ply::TextSource>(file, header, flip_v);
+    else if ((header.format == ply::Format::little_endian) == kLittle)
+      load<ply::BinarySource<false>>(file, header, flip_v);
+    else
+      load<ply::BinarySource<true>>(file, header, flip_v);
   }
 
- private:
+private:
   template <class Source>
   void load(const MeshFile& file, const ply::Header& header, bool flip_v) {
     PlyReader<Source> reader(file, header, flip_v);
@@ -240,14 +186,17 @@ class Ply final : public Mesh {
 
 AUREOLE_PLUGIN(
     Ply, "shape", "ply",
-    PluginDoc{.summary = "A mesh from a PLY file, ASCII or binary of either byte order. Polygons are fanned; vertex normals (nx, ny, "
-                         "nz) and texture coordinates (u, v or s, t or texture_u, texture_v) are read, everything else is "
-                         "ignored. Without normals they are computed, weighted by angle.",
-              .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
-              .parameters = mesh_parameters(
-                  {{"filename", "file", "", "required", "The PLY file."},
-                   {"flip_tex_coords", "boolean", "", "false", "Replaces the texture coordinate v by 1 - v."}}),
-              .examples = {R"(<shape type="ply">
+    PluginDoc{
+        .summary =
+            "A mesh from a PLY file, ASCII or binary of either byte order. Polygons are fanned; vertex "
+            "normals (nx, ny, "
+            "nz) and texture coordinates (u, v or s, t or texture_u, texture_v) are read, everything else is "
+            "ignored. Without normals they are computed, weighted by angle.",
+        .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
+        .parameters = mesh_parameters({{"filename", "file", "", "required", "The PLY file."},
+                                       {"flip_tex_coords", "boolean", "", "false",
+                                        "Replaces the texture coordinate v by 1 - v."}}),
+        .examples = {R"(<shape type="ply">
   <string name="filename" value="mesh.ply"/>
   <boolean name="flip_tex_coords" value="true"/>
   <boolean name="face_normals" value="false"/>

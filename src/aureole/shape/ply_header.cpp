@@ -10,13 +10,16 @@ namespace {
 
 Type type_named(const MeshFile& file, std::string_view name) {
   static const std::map<std::string_view, Type> kTypes = {
-      {"char", Type::int8},     {"int8", Type::int8},       {"uchar", Type::uint8},    {"uint8", Type::uint8},
-      {"short", Type::int16},   {"int16", Type::int16},     {"ushort", Type::uint16},  {"uint16", Type::uint16},
-      {"int", Type::int32},     {"int32", Type::int32},     {"uint", Type::uint32},    {"uint32", Type::uint32},
-      {"long", Type::int64},    {"int64", Type::int64},     {"ulong", Type::uint64},   {"uint64", Type::uint64},
-      {"float", Type::float32}, {"float32", Type::float32}, {"double", Type::float64}, {"float64", Type::float64}};
+      {"char", Type::int8},      {"int8", Type::int8},      {"uchar", Type::uint8},
+      {"uint8", Type::uint8},    {"short", Type::int16},    {"int16", Type::int16},
+      {"ushort", Type::uint16},  {"uint16", Type::uint16},  {"int", Type::int32},
+      {"int32", Type::int32},    {"uint", Type::uint32},    {"uint32", Type::uint32},
+      {"long", Type::int64},     {"int64", Type::int64},    {"ulong", Type::uint64},
+      {"uint64", Type::uint64},  {"float", Type::float32},  {"float32", Type::float32},
+      {"double", Type::float64}, {"float64", Type::float64}};
   const auto found = kTypes.find(name);
-  if (found == kTypes.end()) throw file.error_at(name.data(), "unknown type \"" + std::string(name.substr(0, 32)) + "\"");
+  if (found == kTypes.end())
+    throw file.error_at(name.data(), "unknown type \"" + std::string(name.substr(0, 32)) + "\"");
   return found->second;
 }
 
@@ -76,10 +79,14 @@ Header read_header(const MeshFile& file) {
     if (!end) throw file.error("the file is truncated: its header does not end");
     if (keyword == "format") {
       const std::string_view name = s.word();
-      if (name == "ascii") header.format = Format::ascii;
-      else if (name == "binary_little_endian") header.format = Format::little_endian;
-      else if (name == "binary_big_endian") header.format = Format::big_endian;
-      else throw file.error_at(at, "unknown format \"" + std::string(name.substr(0, 32)) + "\"");
+      if (name == "ascii")
+        header.format = Format::ascii;
+      else if (name == "binary_little_endian")
+        header.format = Format::little_endian;
+      else if (name == "binary_big_endian")
+        header.format = Format::big_endian;
+      else
+        throw file.error_at(at, "unknown format \"" + std::string(name.substr(0, 32)) + "\"");
       has_format = true;
     } else if (keyword == "element") {
       header.elements.push_back(read_element(file, s));

@@ -6,7 +6,7 @@ namespace aureole {
 namespace {
 
 class Rectangle final : public Mesh {
- public:
+public:
   explicit Rectangle(const Properties& properties) : Mesh(properties) {
     MeshData d;
     for (int i = 0; i < 4; ++i) {
@@ -20,14 +20,16 @@ class Rectangle final : public Mesh {
   }
 };
 
-AUREOLE_PLUGIN(Rectangle, "shape", "rectangle",
-               PluginDoc{
-                   .summary = "The square [-1, 1] x [-1, 1] in the plane z = 0, normal +z, texture coordinates (0, 0) at "
-                              "(-1, -1) to (1, 1) at (1, 1). As an emitter it is sampled uniformly in solid angle.",
-                   .source = "Sampling: Urena, Fajardo & King 2013, \"An area-preserving parametrization for spherical "
-                             "rectangles\".",
-                   .parameters = mesh_parameters({}),
-                   .examples = {R"(<shape type="rectangle">
+AUREOLE_PLUGIN(
+    Rectangle, "shape", "rectangle",
+    PluginDoc{
+        .summary =
+            "The square [-1, 1] x [-1, 1] in the plane z = 0, normal +z, texture coordinates (0, 0) at "
+            "(-1, -1) to (1, 1) at (1, 1). As an emitter it is sampled uniformly in solid angle.",
+        .source = "Sampling: Urena, Fajardo & King 2013, \"An area-preserving parametrization for spherical "
+                  "rectangles\".",
+        .parameters = mesh_parameters({}),
+        .examples = {R"(<shape type="rectangle">
   <transform name="to_world">
     <scale x="2" y="0.5"/>
     <translate z="1"/>

@@ -25,7 +25,7 @@ T little_endian(const char* at) {
 
 /// Inflates a zlib stream piece by piece, never more than is asked for.
 class Inflater {
- public:
+public:
   Inflater(const MeshFile& file, std::size_t offset) : file_(file) {
     stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(file.begin() + offset));
     left_ = file.size() - offset;
@@ -65,24 +65,26 @@ class Inflater {
   /// Compressed bytes not yet used.
   std::size_t left() const { return left_ + stream_.avail_in; }
 
- private:
+private:
   const MeshFile& file_;
   z_stream stream_{};
   std::size_t left_ = 0;
 };
 
-/// Where the stream of mesh `index` starts, behind its header. The dictionary at the end of the file holds an offset for every mesh (64 bits
-/// since version 4) and their number.
+/// Where the stream of mesh `index` starts, behind its header. The dictionary at the end of the file holds an
+/// offset for every mesh (64 bits since version 4) and their number.
 std::size_t stream_offset(const MeshFile& file, std::int64_t index, int version) {
   if (index == 0) return 4;
   const std::uint32_t count = little_endian<std::uint32_t>(file.end() - 4);
   const std::size_t entry = version >= 4 ? 8 : 4;
-  if (count == 0 || (file.size() - 4) / entry < count) throw file.error("the file is truncated: no table of meshes at its end");
+  if (count == 0 || (file.size() - 4) / entry < count)
+    throw file.error("the file is truncated: no table of meshes at its end");
   if (index >= count)
     throw Error(file.error("shape_index " + std::to_string(index) + " is out of range: the file holds " +
                            std::to_string(count) + " meshes"));
   const char* at = file.end() - 4 - entry * (count - std::size_t(index));
-  const std::uint64_t offset = entry == 8 ? little_endian<std::uint64_t>(at) : little_endian<std::uint32_t>(at);
+  const std::uint64_t offset =
+      entry == 8 ? little_endian<std::uint64_t>(at) : little_endian<std::uint32_t>(at);
   if (offset > file.size() - 8) throw file.error("the table of meshes points beyond the file");
   if (little_endian<std::uint16_t>(file.begin() + offset) != kMagic)
     throw file.error("the table of meshes points at something that is not a mesh");
@@ -90,7 +92,7 @@ std::size_t stream_offset(const MeshFile& file, std::int64_t index, int version)
 }
 
 class Serialized final : public Mesh {
- public:
+public:
   explicit Serialized(const Properties& properties) : Mesh(properties) {
     const std::int64_t index = properties.get_int("shape_index", 0, Range::non_negative());
     const bool flip_v = properties.get_bool("flip_tex_coords", false);
@@ -99,12 +101,13 @@ class Serialized final : public Mesh {
     if (little_endian<std::uint16_t>(file.begin()) != kMagic) throw file.error("not a serialized mesh");
     const int version = little_endian<std::uint16_t>(file.begin() + 2);
     if (version != 3 && version != 4)
-      throw file.error("serialized mesh of version " + std::to_string(version) + "; versions 3 and 4 can be read");
+      throw file.error("serialized mesh of version " + std::to_string(version) +
+                       "; versions 3 and 4 can be read");
     Inflater in(file, stream_offset(file, index, version));
     build(read(file, in, version, flip_v), "filename");
   }
 
- private:
+private:
   MeshData read(const MeshFile& file, Inflater& in, int version, bool flip_v);
 };
 
@@ -138,23 +141,27 @@ MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool 
   const std::uint64_t most = 1032 * (std::uint64_t(in.left()) + 64);
   const bool has_normals = flags & kHasNormals, has_uvs = flags & kHasUvs, in_double = flags & kDouble;
   const std::uint64_t per_vertex =
-      (in_double ? 8u : 4u) * (3u + (has_normals ? 3u : 0u) + (has_uvs ? 2u : 0u) + (flags & kHasColors ? 3u : 0u));
-  if (vertices > std::numeric_limits<std::uint32_t>::max() - 1 || triangles > most / 12 || vertices > most / per_vertex ||
-      vertices * per_vertex + triangles * 12 > most)
+      (in_double ? 8u : 4u) *
+      (3u + (has_normals ? 3u : 0u) + (has_uvs ? 2u : 0u) + (flags & kHasColors ? 3u : 0u));
+  if (vertices > std::numeric_limits<std::uint32_t>::max() - 1 || triangles > most / 12 ||
+      vertices > most / per_vertex || vertices * per_vertex + triangles * 12 > most)
     throw file.error("the file is truncated or damaged: " + std::to_string(vertices) + " vertices and " +
                      std::to_string(triangles) + " triangles cannot be in it");
 
   MeshData d;
   d.positions.reserve(vertices + 1);
-  read_tuples(in, in_double, vertices, 3, [&](const double* v) { d.positions.push_back(place_point(v[0], v[1], v[2])); });
+  read_tuples(in, in_double, vertices, 3,
+              [&](const double* v) { d.positions.push_back(place_point(v[0], v[1], v[2])); });
   if (has_normals) {
     d.normals.reserve(vertices);
-    read_tuples(in, in_double, vertices, 3, [&](const double* v) { d.normals.push_back(place_normal(v[0], v[1], v[2])); });
+    read_tuples(in, in_double, vertices, 3,
+                [&](const double* v) { d.normals.push_back(place_normal(v[0], v[1], v[2])); });
   }
   if (has_uvs) {
     d.uvs.reserve(vertices);
-    read_tuples(in, in_double, vertices, 2,
-                [&](const double* v) { d.uvs.push_back({float(v[0]), float(flip_v ? 1 - v[1] : v[1])}); });
+    read_tuples(in, in_double, vertices, 2, [&](const double* v) {
+      d.uvs.push_back({float(v[0]), float(flip_v ? 1 - v[1] : v[1])});
+    });
   }
   if (flags & kHasColors) {
     read_tuples(in, in_double, vertices, 3, [](const double*) {});
@@ -165,20 +172,22 @@ MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool 
   for (const TriangleIndices& t : d.triangles)
     for (const std::uint32_t i : t)
       if (i >= vertices)
-        throw file.error("a triangle refers to vertex " + std::to_string(i) + " of " + std::to_string(vertices));
+        throw file.error("a triangle refers to vertex " + std::to_string(i) + " of " +
+                         std::to_string(vertices));
   return d;
 }
 
-AUREOLE_PLUGIN(
-    Serialized, "shape", "serialized",
-    PluginDoc{.summary = "A mesh from Mitsuba's compressed binary format, versions 3 and 4. Without normals in the file they are "
-                         "computed, weighted by angle. Vertex colours are ignored.",
-              .source = "",
-              .parameters = mesh_parameters(
-                  {{"filename", "file", "", "required", "The .serialized file."},
-                   {"shape_index", "integer", "", "0", "Which of the meshes in the file, from 0."},
-                   {"flip_tex_coords", "boolean", "", "false", "Replaces the texture coordinate v by 1 - v."}}),
-              .examples = {R"(<shape type="serialized">
+AUREOLE_PLUGIN(Serialized, "shape", "serialized",
+               PluginDoc{.summary = "A mesh from Mitsuba's compressed binary format, versions 3 and 4. "
+                                    "Without normals in the file they are "
+                                    "computed, weighted by angle. Vertex colours are ignored.",
+                         .source = "",
+                         .parameters = mesh_parameters(
+                             {{"filename", "file", "", "required", "The .serialized file."},
+                              {"shape_index", "integer", "", "0", "Which of the meshes in the file, from 0."},
+                              {"flip_tex_coords", "boolean", "", "false",
+                               "Replaces the texture coordinate v by 1 - v."}}),
+                         .examples = {R"(<shape type="serialized">
   <string name="filename" value="mesh.serialized"/>
   <integer name="shape_index" value="0"/>
   <boolean name="flip_tex_coords" value="false"/>

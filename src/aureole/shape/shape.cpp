@@ -22,8 +22,8 @@ template <class T>
 std::shared_ptr<T> only_child(const Properties& properties, const char* name) {
   const auto children = properties.get_children<T>(name);
   if (children.size() > 1)
-    throw Error(properties.where(), "\"" + properties.type() + "\" has " + std::to_string(children.size()) + " " +
-                                        name + " children; a shape has at most one");
+    throw Error(properties.where(), "\"" + properties.type() + "\" has " + std::to_string(children.size()) +
+                                        " " + name + " children; a shape has at most one");
   return children.empty() ? nullptr : children.front();
 }
 
@@ -38,10 +38,13 @@ Shape::Shape(const Properties& properties) : Object(properties) {
 Shape::~Shape() = default;
 
 std::vector<ParameterDoc> shape_parameters(std::vector<ParameterDoc> own) {
-  own.push_back({"bsdf", "bsdf", "", "diffuse of reflectance 0.5, or 0 on an emitter", "What the surface is made of."});
+  own.push_back(
+      {"bsdf", "bsdf", "", "diffuse of reflectance 0.5, or 0 on an emitter", "What the surface is made of."});
   own.push_back({"emitter", "emitter", "", "none", "Makes the surface shine; usually an area emitter."});
-  own.push_back({"to_world", "transform", "", "identity", "From the shape's own coordinates to those of the scene."});
-  own.push_back({"flip_normals", "boolean", "", "false", "Turns the normals, and with them the shining side, around."});
+  own.push_back(
+      {"to_world", "transform", "", "identity", "From the shape's own coordinates to those of the scene."});
+  own.push_back(
+      {"flip_normals", "boolean", "", "false", "Turns the normals, and with them the shining side, around."});
   return own;
 }
 

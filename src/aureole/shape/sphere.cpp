@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conventions as Mitsuba 3's: normals outside; `flip_normals`, a mirroring `to_world` and a negative radius each turn them around.
-// u runs with the azimuth about the sphere's own z axis, v from its north pole.
+// Conventions as Mitsuba 3's: normals outside; `flip_normals`, a mirroring `to_world` and a negative radius
+// each turn them around. u runs with the azimuth about the sphere's own z axis, v from its north pole.
 #include <algorithm>
 #include <utility>
 
@@ -13,7 +13,7 @@ namespace aureole {
 namespace {
 
 class Sphere final : public Shape {
- public:
+public:
   explicit Sphere(const Properties& properties);
 
   RTCGeometry make_geometry(RTCDevice device) const override { return make_sphere_geometry(device, ball_); }
@@ -31,7 +31,7 @@ class Sphere final : public Shape {
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const override;
 
- private:
+private:
   static constexpr double kPiD = 3.14159265358979323846;
   /// The surface point in the direction `out` of any length from the centre.
   SurfacePoint point_in_direction(const Double3& out) const;
@@ -60,7 +60,8 @@ Sphere::Sphere(const Properties& properties) : Shape(properties) {
                                 std::abs(dot(axis_[2], axis_[0]))});
   const auto [least, most] = std::minmax({scale[0], scale[1], scale[2]});
   if (skew > 1e-4 || most - least > 1e-4 * most)
-    throw properties.error("to_world", "a sphere stays one only under rotation, uniform scaling and translation");
+    throw properties.error("to_world",
+                           "a sphere stays one only under rotation, uniform scaling and translation");
   if (dot(cross(axis_[0], axis_[1]), axis_[2]) < 0) inward_ = !inward_;
 
   for (int i = 0; i < 3; ++i) {
@@ -75,8 +76,8 @@ SurfacePoint Sphere::point_in_direction(const Double3& out) const {
   const Double3 n = l > 0 ? out * (1 / l) : axis_[2];
   SurfacePoint s;
   s.p = (ball_.center + n * ball_.radius).to_float();
-  // The point is computed in double: all the error is that of the result's rounding; gamma(5) |p| is the bound that Pharr, Jakob &
-  // Humphreys 2023, section 6.8.5, give for a point projected in float.
+  // The point is computed in double: all the error is that of the result's rounding; gamma(5) |p| is the
+  // bound that Pharr, Jakob & Humphreys 2023, section 6.8.5, give for a point projected in float.
   s.p_error = abs(s.p) * (5 * 5.9604645e-8f);
   s.ng = (inward_ ? -n : n).to_float();
 
@@ -100,16 +101,19 @@ float Sphere::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&
   return ball_.visible_pdf(Double3(reference));
 }
 
-AUREOLE_PLUGIN(
-    Sphere, "shape", "sphere",
-    PluginDoc{.summary = "A sphere, exact. As an emitter it is sampled uniformly over the cone of directions in which it is seen, "
-                         "and over all directions from inside.",
-              .source = "Pharr, Jakob & Humphreys 2023, \"Physically Based Rendering\", sections 6.2.4 and 6.8.5; quadratic of "
-                        "Haines, Guenther & Akenine-Moeller 2019, \"Precision improvements for ray/sphere intersection\".",
-              .parameters = shape_parameters(
-                  {{"center", "vector", "scene units", "0, 0, 0", "Centre, before to_world."},
-                   {"radius", "float", "scene units", "1", "Radius, before to_world; a negative one turns the normals inside."}}),
-              .examples = {R"(<shape type="sphere">
+AUREOLE_PLUGIN(Sphere, "shape", "sphere",
+               PluginDoc{.summary = "A sphere, exact. As an emitter it is sampled uniformly over the cone of "
+                                    "directions in which it is seen, "
+                                    "and over all directions from inside.",
+                         .source = "Pharr, Jakob & Humphreys 2023, \"Physically Based Rendering\", sections "
+                                   "6.2.4 and 6.8.5; quadratic of "
+                                   "Haines, Guenther & Akenine-Moeller 2019, \"Precision improvements for "
+                                   "ray/sphere intersection\".",
+                         .parameters = shape_parameters(
+                             {{"center", "vector", "scene units", "0, 0, 0", "Centre, before to_world."},
+                              {"radius", "float", "scene units", "1",
+                               "Radius, before to_world; a negative one turns the normals inside."}}),
+                         .examples = {R"(<shape type="sphere">
   <point name="center" x="1" y="0" z="0"/>
   <float name="radius" value="2"/>
   <boolean name="flip_normals" value="false"/>

@@ -9,7 +9,8 @@ namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
 
-/// A right-handed pair of unit vectors across the unit vector n (Duff et al. 2017, "Building an orthonormal basis, revisited").
+/// A right-handed pair of unit vectors across the unit vector n (Duff et al. 2017, "Building an orthonormal
+/// basis, revisited").
 void make_basis(const Double3& n, Double3& s, Double3& t) {
   const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
   s = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
@@ -73,7 +74,8 @@ Bounds3 Ball::bounds() const {
 std::optional<double> Ball::intersect(const Double3& o, const Double3& d, double t_min, double t_max) const {
   const Double3 f = o - center;
   const double a = dot(d, d), b = -dot(f, d), c = dot(f, f) - radius * radius;
-  // The discriminant from the distance between centre and line: no cancellation for far balls (Haines et al. 2019).
+  // The discriminant from the distance between centre and line: no cancellation for far balls (Haines et al.
+  // 2019).
   const Double3 across = f + d * (b / a);
   const double discriminant = radius * radius - dot(across, across);
   if (!(discriminant >= 0)) return std::nullopt;
@@ -110,7 +112,8 @@ std::optional<Double3> Ball::sample_visible(const Double3& reference, Vec2 u) co
   const double distance_squared = dot(w, w), sin2_max = radius * radius / distance_squared;
   const double one_minus_cos = u.x * sin2_max / (1 + std::sqrt(1 - sin2_max));
   const double cos_theta = 1 - one_minus_cos, sin2 = one_minus_cos * (2 - one_minus_cos);
-  // The angle at the centre between the reference point and the visible point (Pharr, Jakob & Humphreys 2023, section 6.2.4).
+  // The angle at the centre between the reference point and the visible point (Pharr, Jakob & Humphreys 2023,
+  // section 6.2.4).
   const double cos_alpha =
       sin2 / std::sqrt(sin2_max) + cos_theta * std::sqrt(std::max(0.0, 1 - sin2 / sin2_max));
   const double sin_alpha = std::sqrt(std::max(0.0, 1 - cos_alpha * cos_alpha));
@@ -124,7 +127,8 @@ RTCGeometry make_sphere_geometry(RTCDevice device, const Ball& ball) {
   RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
   rtcSetGeometryUserPrimitiveCount(g, 1);
   rtcSetGeometryUserData(g, const_cast<Ball*>(&ball));
-  rtcSetGeometryBoundsFunction(g, [](const RTCBoundsFunctionArguments* args) { ball_bounds(args); }, nullptr);
+  rtcSetGeometryBoundsFunction(
+      g, [](const RTCBoundsFunctionArguments* args) { ball_bounds(args); }, nullptr);
   rtcSetGeometryIntersectFunction(g, ball_intersect);
   rtcSetGeometryOccludedFunction(g, ball_occluded);
   rtcCommitGeometry(g);

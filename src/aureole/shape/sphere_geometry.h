@@ -18,10 +18,12 @@ struct Ball {
   /// The nearest distance in (t_min, t_max) at which the ray meets the surface, from outside or inside.
   std::optional<double> intersect(const Double3& o, const Double3& d, double t_min, double t_max) const;
 
-  /// True where the point sees the ball from outside; a point on the surface, to within rounding, counts as inside.
+  /// True where the point sees the ball from outside; a point on the surface, to within rounding, counts as
+  /// inside.
   bool sees_from_outside(const Double3& reference) const;
-  /// The unit vector from the centre to a visible point: from outside uniform over the cone of directions that meet the ball, from
-  /// inside over all directions; nothing where a direction meets nothing (only from points on the surface).
+  /// The unit vector from the centre to a visible point: from outside uniform over the cone of directions
+  /// that meet the ball, from inside over all directions; nothing where a direction meets nothing (only from
+  /// points on the surface).
   std::optional<Double3> sample_visible(const Double3& reference, Vec2 u) const;
   /// Density of sample_visible [1/sr]; it is the same for all visible points.
   float visible_pdf(const Double3& reference) const;

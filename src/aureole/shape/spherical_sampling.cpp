@@ -10,18 +10,22 @@ namespace aureole {
 namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
-/// Below this solid angle [sr] uniform area and uniform solid angle differ little, and area sampling is cheaper.
+/// Below this solid angle [sr] uniform area and uniform solid angle differ little, and area sampling is
+/// cheaper.
 constexpr double kSmall = 3e-4;
 /// A reference point this close [sr] to seeing a full hemisphere lies on the patch, to within rounding.
 constexpr double kHemisphere = 2 * kPiD - 1e-6;
 
 /// The angle between two vectors, accurate for all angles.
-double angle_between(const Double3& a, const Double3& b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
+double angle_between(const Double3& a, const Double3& b) {
+  return std::atan2(length(cross(a, b)), dot(a, b));
+}
 
 }  // namespace
 
 double triangle_solid_angle(const Vec3& reference, const TriangleCorners& corners) {
-  const Double3 o(reference), a = Double3(corners[0]) - o, b = Double3(corners[1]) - o, c = Double3(corners[2]) - o;
+  const Double3 o(reference), a = Double3(corners[0]) - o, b = Double3(corners[1]) - o,
+                              c = Double3(corners[2]) - o;
   const double la = length(a), lb = length(b), lc = length(c);
   // a . (b x c) from differences: no cancellation for a small, far triangle.
   const double determinant = dot(a, cross(b - a, c - a));
@@ -29,9 +33,11 @@ double triangle_solid_angle(const Vec3& reference, const TriangleCorners& corner
   return 2 * std::atan2(std::abs(determinant), denominator);
 }
 
-Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& corners, double solid_angle, Vec2 u) {
+Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& corners, double solid_angle,
+                               Vec2 u) {
   const Double3 o(reference), to0 = Double3(corners[0]) - o;
-  const Double3 e1 = Double3(corners[1]) - Double3(corners[0]), e2 = Double3(corners[2]) - Double3(corners[0]);
+  const Double3 e1 = Double3(corners[1]) - Double3(corners[0]),
+                e2 = Double3(corners[2]) - Double3(corners[0]);
   const Double3 a = normalize(to0), b = normalize(to0 + e1), c = normalize(to0 + e2);
 
   // Arvo's names: alpha is the angle at a, cos_c the cosine of side ab.
@@ -65,8 +71,8 @@ Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& cor
   return {float(b1), float(b2)};
 }
 
-Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const Vec3& along_x, const Vec3& along_y,
-                                Vec2 u) {
+Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const Vec3& along_x,
+                                const Vec3& along_y, Vec2 u) {
   const Double3 ex(along_x), ey(along_y), from = Double3(corner) - Double3(reference);
   const double width = length(ex);
   const Double3 x = ex * (1 / width);
@@ -76,12 +82,14 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
   const double z0 = -std::abs(dot(from, cross(x, y)));
   const double x0 = dot(from, x), y0 = dot(from, y), x1 = x0 + width, y1 = y0 + height;
 
-  // Normals of the planes through the reference point and the edges; by symmetry two components tell them apart.
-  const double b0 = -y0 / std::hypot(z0, y0), b1 = y1 / std::hypot(z0, y1);
-  const Double3 n0(0, z0 / std::hypot(z0, y0), b0), n1(-z0 / std::hypot(z0, x1), 0, x1 / std::hypot(z0, x1));
-  const Double3 n2(0, -z0 / std::hypot(z0, y1), b1), n3(z0 / std::hypot(z0, x0), 0, -x0 / std::hypot(z0, x0));
-  const auto inner = [](const Double3& m, const Double3& n) { return std::acos(std::clamp(-dot(m, n), -1.0, 1.0)); };
-  const double g0 = inner(n0, n1), g1 = inner(n1, n2), g2 = inner(n2, n3), g3 = inner(n3, n0);
+  // The planes through the reference point and the edges y = y0, x = x1, y = y1, x = x0 have the normals (0,
+  // z0, -y0), (-z0, 0, x1), (0, -z0, y1), (z0, 0, -x0) up to length; the cosines of the angles between
+  // neighbours come from their z alone.
+  const auto inverse_hypot = [](double p, double q) { return 1 / std::sqrt(p * p + q * q); };
+  const double b0 = -y0 * inverse_hypot(z0, y0), b1 = y1 * inverse_hypot(z0, y1);
+  const double c0 = -x0 * inverse_hypot(z0, x0), c1 = x1 * inverse_hypot(z0, x1);
+  const auto inner = [](double m, double n) { return std::acos(std::clamp(-m * n, -1.0, 1.0)); };
+  const double g0 = inner(b0, c1), g1 = inner(c1, b1), g2 = inner(b1, c0), g3 = inner(c0, b0);
   const double k = 2 * kPiD - g2 - g3, solid_angle = g0 + g1 - k;
 
   // Column: cosine of the angle whose left part has the share u.x.
@@ -92,10 +100,10 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
   if (!(xu >= x0)) xu = x0;
   if (xu > x1) xu = x1;
   // Row: the height of the point on the unit sphere is uniform.
-  const double d = std::hypot(xu, z0);
-  const double h0 = y0 / std::hypot(d, y0), h1 = y1 / std::hypot(d, y1);
+  const double d2 = xu * xu + z0 * z0;
+  const double h0 = y0 / std::sqrt(d2 + y0 * y0), h1 = y1 / std::sqrt(d2 + y1 * y1);
   const double h = h0 + u.y * (h1 - h0);
-  const double yv = h * h < 1 - 1e-15 ? h * d / std::sqrt(1 - h * h) : y1;
+  const double yv = h * h < 1 - 1e-15 ? h * std::sqrt(d2 / (1 - h * h)) : y1;
   return {float(std::clamp((xu - x0) / width, 0.0, 1.0)), float(std::clamp((yv - y0) / height, 0.0, 1.0))};
 }
 

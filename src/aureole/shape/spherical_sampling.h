@@ -1,28 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sampling of plane figures by the solid angle they fill: free of the variance that distance and cosine give to area
-// sampling. All in double: the angles of a small spherical triangle sum to little more than pi.
+// Sampling of plane figures by the solid angle they fill: free of the variance that distance and cosine give
+// to area sampling. All in double: the angles of a small spherical triangle sum to little more than pi.
 #pragma once
 
 #include "aureole/shape/mesh_patches.h"
 
 namespace aureole {
 
-/// Solid angle of a triangle (van Oosterom & Strackee 1983, "The solid angle of a plane triangle", eq. 8), unsigned.
+/// Solid angle of a triangle (van Oosterom & Strackee 1983, "The solid angle of a plane triangle", eq. 8),
+/// unsigned.
 double triangle_solid_angle(const Vec3& reference, const TriangleCorners& corners);
 
-/// Barycentrics (b1, b2) of a point chosen uniformly in the solid angle of a triangle (Arvo 1995, "Stratified sampling of
-/// spherical triangles", section 3). `solid_angle` is that of `triangle_solid_angle`.
-Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& corners, double solid_angle, Vec2 u);
+/// Barycentrics (b1, b2) of a point chosen uniformly in the solid angle of a triangle (Arvo 1995, "Stratified
+/// sampling of spherical triangles", section 3). `solid_angle` is that of `triangle_solid_angle`.
+Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& corners, double solid_angle,
+                               Vec2 u);
 
-/// Coordinates in [0, 1]^2 along the edges of a rectangle of a point chosen uniformly in its solid angle (Ureña, Fajardo &
-/// King 2013, "An area-preserving parametrization for spherical rectangles", section 4).
-Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const Vec3& along_x, const Vec3& along_y,
-                                Vec2 u);
+/// Coordinates in [0, 1]^2 along the edges of a rectangle of a point chosen uniformly in its solid angle
+/// (Ureña, Fajardo & King 2013, "An area-preserving parametrization for spherical rectangles", section 4).
+Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const Vec3& along_x,
+                                const Vec3& along_y, Vec2 u);
 
-/// Density of uniform sampling of an area, as solid angle seen from `reference` [1/sr]; 0 where it is seen edge-on.
+/// Density of uniform sampling of an area, as solid angle seen from `reference` [1/sr]; 0 where it is seen
+/// edge-on.
 float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, double area);
 
-/// How a patch is sampled from a reference point, decided from the two alone so that sampling and density agree.
+/// How a patch is sampled from a reference point, decided from the two alone so that sampling and density
+/// agree.
 struct PatchView {
   enum class Technique { none, area, solid_angle };
   Technique technique = Technique::none;

@@ -106,7 +106,7 @@ void SampledSpectrum::scale(float s) {
 WavelengthDistribution::WavelengthDistribution(const SpectralGrid& grid,
                                                std::span<const SampledSpectrum> densities,
                                                std::span<const float> weights)
-    : grid_(grid), inverse_cdf_(kPieces + 1) {
+    : grid_(grid), inverse_cdf_(kPieces + 1), density_(kPieces) {
   constexpr double kUniform = 0.02;
   std::vector<double> cell(grid.cells, kUniform / grid.cells);
   double total_weight = 0;
@@ -122,14 +122,17 @@ WavelengthDistribution::WavelengthDistribution(const SpectralGrid& grid,
   double total = 0;
   for (double c : cell) total += c;
   int c = 0;
-  double below = 0;
-  for (int k = 0; k <= kPieces; ++k) {
+  double below = 0, previous = grid.min_nm;
+  inverse_cdf_[0] = float(grid.min_nm);
+  for (int k = 1; k <= kPieces; ++k) {
     const double target = total * k / kPieces;
     while (c < grid.cells - 1 && below + cell[c] < target) below += cell[c++];
-    inverse_cdf_[k] = float(grid.node(c) + grid.step() * std::clamp((target - below) / cell[c], 0.0, 1.0));
+    const double nm =
+        k == kPieces ? grid.max_nm : grid.node(c) + grid.step() * std::clamp((target - below) / cell[c], 0.0, 1.0);
+    inverse_cdf_[k] = float(nm);
+    density_[k - 1] = float(1 / (kPieces * (nm - previous)));
+    previous = nm;
   }
-  inverse_cdf_[0] = float(grid.min_nm);
-  inverse_cdf_[kPieces] = float(grid.max_nm);
 }
 
 Wavelengths WavelengthDistribution::sample(float u) const {
@@ -140,7 +143,7 @@ Wavelengths WavelengthDistribution::sample(float u) const {
     const int k = std::min(int(x), kPieces - 1);
     const float lower = inverse_cdf_[k], width = inverse_cdf_[k + 1] - lower;
     nm[j] = lower + width * (x - float(k));
-    pdf[j] = 1.f / (kPieces * width);
+    pdf[j] = density_[k];
   }
   Wavelengths w = Wavelengths::at(grid_, nm);
   w.pdf = pdf;
@@ -151,7 +154,7 @@ float WavelengthDistribution::pdf(float nm) const {
   if (!(nm >= grid_.min_nm && nm <= grid_.max_nm)) return 0;
   const auto it = std::upper_bound(inverse_cdf_.begin(), inverse_cdf_.end(), nm);
   const size_t k = std::clamp<size_t>(size_t(it - inverse_cdf_.begin()), 1, kPieces);
-  return 1.f / (kPieces * (inverse_cdf_[k] - inverse_cdf_[k - 1]));
+  return density_[k - 1];
 }
 
 }  // namespace aureole

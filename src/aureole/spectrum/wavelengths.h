@@ -46,7 +46,8 @@ class SampledSpectrum {
 
   /// Tabulates the piecewise-linear function through (nm, value), zero outside [nm.front(), nm.back()], so that its
   /// integral over the grid's range is kept: a line narrower than a cell keeps its power. Node values are hat-weighted means,
-  /// integral(s hat_i) / integral(hat_i), which also leaves linear pieces unchanged.
+  /// integral(s hat_i) / integral(hat_i), which also leaves linear pieces unchanged (at the two ends, whose hats are
+  /// halves, a slope counts a third of a cell inside).
   static SampledSpectrum from_points(const SpectralGrid& grid, std::span<const double> nm,
                                      std::span<const double> values);
 
@@ -96,6 +97,7 @@ class WavelengthDistribution {
   static constexpr int kPieces = 2048;
   SpectralGrid grid_;
   std::vector<float> inverse_cdf_;  ///< kPieces + 1 wavelengths
+  std::vector<float> density_;      ///< of the kPieces; not from the wavelengths, whose rounding may make a narrow piece empty
 };
 
 }  // namespace aureole

@@ -2,10 +2,6 @@
 // A picture as a texture. Colours become spectra texel by texel, and spectra are interpolated: upsampling is
 // not linear, so that interpolated colours would give other spectra. The first row of the picture is at v =
 // 0.
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -26,18 +22,10 @@ struct alignas(16) ColorTexel {
   float c0 = 0, c1 = 0, c2 = 0, scale = 0;
 };
 
-inline Spectrum fast_sqrt(const Spectrum& a) {
-#ifdef __AVX2__
-  if constexpr (kWavelengths == 8)
-    return Spectrum(SpectrumVector(_mm256_sqrt_ps(reinterpret_cast<const __m256&>(a.v))));
-#endif
-  return sqrt(a);
-}
-
 /// SigmoidPolynomial::at for all wavelengths at once; `nm` is in the model's range.
 inline Spectrum evaluate(const ColorTexel& t, const Spectrum& nm) {
   const Spectrum x = (nm * t.c0 + t.c1) * nm + t.c2;
-  const Spectrum root = fast_sqrt(Spectrum(1.f) + x * x);
+  const Spectrum root = sqrt(Spectrum(1.f) + x * x);
   const Spectrum tail = Spectrum(0.5f) / (root * (root + abs(x)));
   return select(x.v < Spectrum(0.f).v, tail, Spectrum(1.f) - tail) * t.scale;
 }

@@ -17,7 +17,7 @@ public:
     if (!nested.empty()) nested_ = nested.front();
     if (properties.find("color")) {
       if (nested_) throw properties.error("color", "give either a color or a nested texture, not both");
-      multiply(spectrum_of_rgb(d65_.grid(), get_rgb(properties, "color", true).rgb));
+      multiply(spectrum_of_rgb(d65_.grid(), get_rgb(properties, "color", true).rgb, true));
     }
     if (nested_ && nested_->is_constant()) {
       multiply(nested_->average());

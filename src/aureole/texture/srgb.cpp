@@ -8,7 +8,7 @@ namespace {
 
 SampledSpectrum tabulate(const Properties& properties) {
   const SpectrumLiteral color = get_rgb(properties, "color", properties.get_bool("unbounded", false));
-  return spectrum_of_rgb(properties.context().grid, color.rgb);
+  return spectrum_of_rgb(properties.context().grid, color.rgb, false);
 }
 
 class Srgb final : public ConstantTexture {

@@ -59,8 +59,8 @@ SampledSpectrum tabulate(const Properties& properties, std::string_view name, co
     case SpectrumLiteral::Kind::rgb:
       for (double c : literal.rgb) check_number(properties, name, c, role);
       if (role == SpectrumRole::emission)
-        return product(spectrum_of_rgb(grid, literal.rgb), d65_spectrum(grid, 1));
-      return spectrum_of_rgb(grid, literal.rgb);
+        return product(spectrum_of_rgb(grid, literal.rgb, true), d65_spectrum(grid, 1));
+      return spectrum_of_rgb(grid, literal.rgb, false);
     case SpectrumLiteral::Kind::points:
       for (double v : literal.values) check_number(properties, name, v, role);
       if (literal.nm.size() < 2 || literal.nm.size() != literal.values.size())
@@ -88,12 +88,13 @@ ConstantTexture::ConstantTexture(const Properties& properties, SampledSpectrum s
   value_ = spectrum_.maximum();
 }
 
-SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3]) {
+SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], bool emission) {
   const double largest = std::max({rgb[0], rgb[1], rgb[2]});
   if (largest <= 0) return SampledSpectrum::constant(grid, 0);
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return SampledSpectrum::constant(grid, float(largest));
-  // Half of the brightest: there the spectra of the upsampling are smooth.
-  const double scale = largest <= 1 ? 1 : 2 * largest;
+  // Scaled so that the largest component is 1/2: there the spectra of the upsampling are smooth. A reflectance must stay as it is: another
+  // spectrum of the same colour (a metamer) would look different under coloured light.
+  const double scale = !emission && largest <= 1 ? 1 : 2 * largest;
   const SigmoidPolynomial p = fit_srgb({rgb[0] / scale, rgb[1] / scale, rgb[2] / scale});
   return SampledSpectrum::from_function(grid, [&](double nm) { return scale * p.at(float(nm)); });
 }

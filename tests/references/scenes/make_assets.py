@@ -226,12 +226,12 @@ def write_images():
     # Latitude-longitude maps, 16 x 8. One pixel is far brighter than the others.
     x, y = np.meshgrid(np.arange(16), np.arange(8))
     grey = 0.2 + 0.6 * (1 - y / 7) + 0.25 * np.cos(2 * np.pi * x / 16)
-    grey[2, 5] = 120
+    grey[2, 5] = 40
     write_exr(TEXTURES / "sky_grey.exr", np.repeat(grey[..., None], 3, -1))
     up = (1 - y / 7)[..., None]
     sky = up * (0.25, 0.45, 0.9) + (1 - up) * (0.45, 0.3, 0.15)
     sky *= (1 + 0.4 * np.sin(2 * np.pi * x / 16))[..., None]
-    sky[2, 5] = (100, 70, 35)
+    sky[2, 5] = (60, 42, 21)
     write_exr(TEXTURES / "sky_colour.exr", sky)
 
 

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program as a user meets it: exit codes, messages, files; every kind of bad input is a located error with exit code 2 and nothing written.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "aureole/core/image.h"
+#include "render/small_scene.h"
+#include "scene/load_text.h"
+
+namespace aureole::test {
+namespace {
+
+struct Outcome {
+  int exit_code;
+  std::string output;  ///< stdout and stderr
+};
+
+pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& log) {
+  const pid_t pid = fork();
+  if (pid == 0) {
+    if (!freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
+    std::vector<char*> argv{const_cast<char*>(AUREOLE_BINARY)};
+    for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+    argv.push_back(nullptr);
+    execv(AUREOLE_BINARY, argv.data());
+    _exit(98);
+  }
+  return pid;
+}
+
+std::string content(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class Cli : public ::testing::Test {
+ protected:
+  Outcome run(const std::vector<std::string>& arguments) {
+    const auto log = folder.path / "log.txt";
+    int status = 0;
+    waitpid(start(arguments, log), &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(log)};
+  }
+  std::string out() const { return (folder.path / "out.exr").string(); }
+  std::string scene(const std::string& text, const std::string& name = "scene.xml") { return folder.write(name, text).string(); }
+
+  /// A scene of one shape element after the usual rest.
+  static std::string with(const std::string& element) {
+    std::string text = small_scene_text();
+    return text.insert(text.rfind("</scene>"), element + "\n");
+  }
+  /// Rendering must end with exit code 2, mention `message`, and write nothing.
+  void refused(const std::string& text, const std::string& message, const std::vector<std::string>& extra = {}) {
+    std::vector<std::string> arguments{"render", scene(text), "-o", out(), "--spp", "1"};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    refused_arguments(arguments, message);
+    const Outcome o = run(arguments);
+    EXPECT_NE(o.output.find("scene.xml:"), std::string::npos) << "no location in: " << o.output;
+  }
+  void refused_arguments(const std::vector<std::string>& arguments, const std::string& message) {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.exit_code, 2) << o.output;
+    EXPECT_NE(o.output.find(message), std::string::npos) << "expected \"" << message << "\" in: " << o.output;
+    for (const char* file : {"out.exr", "out.png", "out.state"})
+      EXPECT_FALSE(std::filesystem::exists(folder.path / file)) << file << " was written";
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(Cli, RendersAndSaysWhere) {
+  const Outcome o = run({"render", scene(small_scene_text()), "-o", out(), "--spp", "4"});
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_NE(o.output.find("out.exr"), std::string::npos);
+  EXPECT_EQ(o.output.find('\r'), std::string::npos) << "progress must be quiet when not a terminal";
+  ExrAttributes a;
+  const Image image = read_image(out(), &a);
+  EXPECT_EQ(image.width, 40);
+  EXPECT_EQ(image.channels.size(), 4u);
+  EXPECT_EQ(a.integers["aureole:spp"], 4);
+  for (const char* name : {"aureole:scene", "aureole:scene_hash", "aureole:version", "aureole:seed"})
+    EXPECT_FALSE(a.strings[name].empty()) << name;
+  EXPECT_GT(a.floats["aureole:seconds"], 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path / "out.png"));
+}
+
+TEST_F(Cli, OtherCommands) {
+  const std::string s = scene(small_scene_text());
+  EXPECT_EQ(run({"info", s}).exit_code, 0);
+  EXPECT_NE(run({"list", "bsdf"}).output.find("dielectric"), std::string::npos);
+  EXPECT_EQ(run({"list", "bsfd"}).exit_code, 2);
+  EXPECT_EQ(run({"--version"}).exit_code, 0);
+  EXPECT_EQ(run({}).exit_code, 2);
+  EXPECT_EQ(run({"rendr", s}).exit_code, 2);
+  const Outcome pixel = run({"render", s, "--pixel", "20,14", "--samples", "0:2"});
+  EXPECT_EQ(pixel.exit_code, 0);
+  EXPECT_NE(pixel.output.find("depth 0"), std::string::npos) << pixel.output;
+  EXPECT_EQ(run({"render", s, "--pixel", "200,14"}).exit_code, 2);
+}
+
+TEST_F(Cli, CompareTellsSameFromDifferent) {
+  const std::string s = scene(small_scene_text());
+  const auto file = [&](const char* name) { return (folder.path / name).string(); };
+  ASSERT_EQ(run({"render", s, "-o", file("a.exr"), "--replicates", "16", "--spp", "16"}).exit_code, 0);
+  ASSERT_EQ(run({"render", s, "-o", file("b.exr"), "--replicates", "16", "--spp", "16", "--seed", "5", "--sampler", "independent"}).exit_code, 0);
+  std::string brighter = small_scene_text();
+  brighter.replace(brighter.find("8, 7, 5"), 7, "9, 7, 5");
+  ASSERT_EQ(run({"render", scene(brighter, "brighter.xml"), "-o", file("c.exr"), "--replicates", "16", "--spp", "16"}).exit_code, 0);
+  const Outcome same = run({"compare", file("a.exr"), file("b.exr")});
+  EXPECT_EQ(same.exit_code, 0) << same.output;
+  const Outcome different = run({"compare", file("a.exr"), file("c.exr"), "--z-map", file("z.png")});
+  EXPECT_EQ(different.exit_code, 1) << different.output;
+  EXPECT_TRUE(std::filesystem::exists(file("z.png")));
+  EXPECT_EQ(run({"compare", file("a.exr"), file("none.exr")}).exit_code, 2);
+}
+
+TEST_F(Cli, ResumesToTheSameBitsAfterKill) {
+  const std::string s = scene(small_scene_text(160, 120));
+  const std::string whole = (folder.path / "whole.exr").string();
+  ASSERT_EQ(run({"render", s, "-o", whole, "--spp", "160", "--samples", "0:160"}).exit_code, 0);
+  const auto state = folder.path / "out.state";
+  // Kill it for good shortly after its first checkpoint appears.
+  const pid_t pid = start({"render", s, "-o", out(), "--spp", "160", "--checkpoint", "0.05", "--threads", "1"}, folder.path / "killed.txt");
+  for (int i = 0; i < 2000 && !std::filesystem::exists(state); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  kill(pid, SIGKILL);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "it finished before it could be killed: make it longer";
+  ASSERT_TRUE(std::filesystem::exists(state));
+  EXPECT_FALSE(std::filesystem::exists(out()));
+  const Outcome resumed = run({"render", s, "-o", out(), "--spp", "160", "--resume", "--threads", "2"});
+  EXPECT_EQ(resumed.exit_code, 0) << resumed.output;
+  EXPECT_NE(resumed.output.find("resuming"), std::string::npos);
+  EXPECT_EQ(read_image(out()).pixels, read_image(whole).pixels);
+}
+
+TEST_F(Cli, CtrlCWritesWhatIsDoneAndSaysHowToResume) {
+  const std::string s = scene(small_scene_text(160, 120));
+  const pid_t pid = start({"render", s, "-o", out(), "--spp", "4000"}, folder.path / "log.txt");
+  std::this_thread::sleep_for(std::chrono::milliseconds(700));
+  kill(pid, SIGINT);
+  int status = 0;
+  waitpid(pid, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_NE(content(folder.path / "log.txt").find("--resume"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(out()));
+  EXPECT_TRUE(std::filesystem::exists(folder.path / "out.state"));
+}
+
+TEST_F(Cli, PartsMergeAndStrangersAreRefused) {
+  const std::string s = scene(small_scene_text());
+  const auto file = [&](const char* name) { return (folder.path / name).string(); };
+  ASSERT_EQ(run({"render", s, "-o", file("whole.exr"), "--spp", "48"}).exit_code, 0);
+  ASSERT_EQ(run({"render", s, "-o", file("a.exr"), "--samples", "0:32"}).exit_code, 0);
+  ASSERT_EQ(run({"render", s, "-o", file("b.exr"), "--samples", "32:48"}).exit_code, 0);
+  ASSERT_EQ(run({"render", s, "-o", file("c.exr"), "--samples", "16:48"}).exit_code, 0);
+  ASSERT_EQ(run({"render", s, "-o", file("d.exr"), "--samples", "32:48", "--seed", "9"}).exit_code, 0);
+  const Outcome merged = run({"merge", file("a.state"), file("b.state"), "-o", out()});
+  EXPECT_EQ(merged.exit_code, 0) << merged.output;
+  EXPECT_EQ(read_image(out()).pixels, read_image(file("whole.exr")).pixels);
+  std::filesystem::remove(out());
+  std::filesystem::remove(folder.path / "out.png");
+  std::filesystem::remove(folder.path / "out.state");
+  refused_arguments({"merge", file("a.state"), file("c.state"), "-o", out()}, "overlap");
+  refused_arguments({"merge", file("a.state"), file("d.state"), "-o", out()}, "seed");
+  refused_arguments({"merge", file("a.state"), s, "-o", out()}, "not a complete state file");
+  refused_arguments({"render", s, "-o", out(), "--samples", "8:48"}, "multiple of 16");
+}
+
+TEST_F(Cli, BadScenes) {
+  refused(with(R"(<bsdf type="difuse" id="b"/>)"), "did you mean \"diffuse\"");
+  refused(with(R"(<bsdf type="diffuse" id="b"><rgb name="reflectence" value="0.5"/></bsdf>)"), "did you mean \"reflectance\"");
+  refused(with(R"(<bsdf type="diffuse" id="glass"/><shape type="cube"><ref id="glas"/></shape>)"), "did you mean \"glass\"");
+  refused(with(R"(<shape type="sphere"><string name="radius" value="big"/></shape>)"), "radius");
+  refused(with(R"(<shape type="sphere"><float name="radius" value="big"/></shape>)"), "\"big\"");
+  refused(with(R"(<shape type="obj"><string name="filename" value="none.obj"/></shape>)"), "none.obj");
+  refused(with(R"(<shape type="sphere"><float name="radius" value="nan"/></shape>)"), "nan");
+  refused(with(R"(<shape type="sphere"><float name="radius" value="-1"/></shape>)"), "radius");
+  refused(with(R"(<shape type="cube"><transform name="to_world"><scale value="0"/></transform></shape>)"), "singular");
+  refused(with(R"(<include filename="scene.xml"/>)"), "include");
+  refused(with(R"(<bsdf type="twosided" id="a"><ref id="b"/></bsdf><bsdf type="twosided" id="b"><ref id="a"/></bsdf>)"), "circular");
+  refused(with(R"(<shape type="sphere"><float name="radius" value="$size"/></shape>)"), "$size");
+  refused(with(""), "-D", {"-D", "unused=1"});
+  refused(with(R"(<emitter type="point"><rgb name="intensity" value="-1"/></emitter>)"), "intensity");
+  refused(with(R"(<bsdf type="diffuse"><rgb name="reflectance" value="1.5"/></bsdf>)"), "reflectance");
+  refused(with(R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><float name="radius" value="5"/><float name="area_fraction" value="0.5"/></bsdf></shape>)"), "unit");
+  refused(with(R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><string name="radius" value="5 furlongs"/><float name="area_fraction" value="0.5"/></bsdf></shape>)"), "furlongs");
+  refused(with(R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><string name="radius" value="5um"/><float name="area_fraction" value="0.8"/></bsdf></shape>)"), "area_fraction");
+  refused("<scene version=\"3.0.0\"><shape></scene>", "scene.xml");
+}
+
+TEST_F(Cli, TruncatedFilesAreLocatedErrors) {
+  const std::filesystem::path assets = std::filesystem::path(AUREOLE_SOURCE_DIR) / "tests/references/scenes";
+  for (const auto& [type, file] : {std::pair{"ply", "meshes/hill_little.ply"}, {"serialized", "meshes/pair.serialized"}}) {
+    const std::string bytes = content(assets / file);
+    ASSERT_FALSE(bytes.empty());
+    folder.write("cut.bin", bytes.substr(0, bytes.size() / 2));
+    refused(with("<shape type=\"" + std::string(type) + "\"><string name=\"filename\" value=\"cut.bin\"/></shape>"), "cut.bin");
+  }
+  folder.write("cut.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
+  refused(with(R"(<shape type="obj"><string name="filename" value="cut.obj"/></shape>)"), "cut.obj");
+  const std::string exr = content(assets / "textures/sky_colour.exr");
+  ASSERT_FALSE(exr.empty());
+  folder.write("cut.exr", exr.substr(0, exr.size() / 2));
+  refused(with(R"(<emitter type="envmap"><string name="filename" value="cut.exr"/></emitter>)"), "cut.exr");
+}
+
+TEST_F(Cli, EveryProblemAtOnce) {
+  const Outcome o = run({"render", scene(with("<bsdf type=\"difuse\" id=\"b\"/>\n<shape type=\"sphere\"><float name=\"radius\" value=\"-1\"/></shape>\n"
+                                              "<shape type=\"cube\"><ref id=\"nothing\"/></shape>")),
+                         "-o", out()});
+  EXPECT_EQ(o.exit_code, 2);
+  EXPECT_NE(o.output.find("difuse"), std::string::npos) << o.output;
+  EXPECT_NE(o.output.find("radius"), std::string::npos) << o.output;
+  EXPECT_NE(o.output.find("nothing"), std::string::npos) << o.output;
+}
+
+TEST_F(Cli, BadArguments) {
+  const std::string s = scene(small_scene_text());
+  refused_arguments({"render", s, "-o", out(), "--spp", "0"}, "--spp 0");
+  refused_arguments({"render", s, "-o", out(), "--spp", "many"}, "spp");
+  refused_arguments({"render", s, "-o", (folder.path / "no/such/out.exr").string()}, "no folder");
+  refused_arguments({"render", s, "-o", folder.path.string()}, ".exr");
+  refused_arguments({"render", s, "-o", "/proc/out.exr"}, "not writable");
+  refused_arguments({"render", s, "-o", out(), "--samples", "10"}, "--samples");
+  refused_arguments({"render", s, "-o", out(), "--samples", "32:16"}, "nothing to render");
+  refused_arguments({"render", s, "-o", out(), "--replicates", "0"}, "--replicates");
+  refused_arguments({"render", s, "-o", out(), "--sampler", "sobl"}, "sobol");
+  refused_arguments({"render", s, "-o", out(), "--integrator", "pth"}, "path");
+  refused_arguments({"render", (folder.path / "none.xml").string(), "-o", out()}, "none.xml");
+  refused_arguments({"render", scene(small_scene_text(1000000, 1000000), "huge.xml"), "-o", out()}, "GiB");
+  refused_arguments({"render", s, "-o", out(), "-D", "nothing"}, "-D name=value");
+}
+
+TEST_F(Cli, DegenerateTrianglesAreDroppedWithACount) {
+  folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\nf 1 1 2\n");
+  const Outcome o = run({"info", scene(with(R"(<shape type="obj"><string name="filename" value="flat.obj"/></shape>)"))});
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_NE(o.output.find("2 degenerate"), std::string::npos) << o.output;
+}
+
+}  // namespace
+}  // namespace aureole::test

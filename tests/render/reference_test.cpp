@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole against stored pictures of Mitsuba 3 in spectral mode (tests/references): mean and variance from independently scrambled renders,
+// a z-value per pixel and channel.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "aureole/render/job.h"
+#include "aureole/render/output.h"
+#include "aureole/render/statistics.h"
+
+namespace aureole::test {
+namespace {
+
+const std::filesystem::path kReferences = std::filesystem::path(AUREOLE_SOURCE_DIR) / "tests/references";
+
+struct Reference {
+  std::string name, scene;
+  std::vector<std::pair<std::string, std::string>> defines;
+};
+
+void PrintTo(const Reference& r, std::ostream* out) { *out << r.name; }
+
+std::vector<Reference> references() {
+  std::vector<Reference> list;
+  std::ifstream in(kReferences / "references.json");
+  if (!in) return list;
+  for (const auto& entry : nlohmann::json::parse(in)) {
+    Reference r{entry.at("name"), entry.at("scene"), {}};
+    for (const std::string o : entry.at("overrides")) {
+      const size_t equals = o.find('=');
+      r.defines.emplace_back(o.substr(0, equals), o.substr(equals + 1));
+    }
+    list.push_back(r);
+  }
+  return list;
+}
+
+class MitsubaReference : public ::testing::TestWithParam<Reference> {};
+
+TEST_P(MitsubaReference, AgreesWithinNoise) {
+  std::filesystem::path scene = GetParam().scene;
+  if (GetParam().scene.starts_with("shared:")) {
+    const char* shared = std::getenv("AUREOLE_SHARED");
+    const std::filesystem::path folder = shared ? shared : std::filesystem::path(AUREOLE_SOURCE_DIR) / ".." / "shared";
+    scene = folder / GetParam().scene.substr(7);
+    if (!std::filesystem::exists(scene)) GTEST_SKIP() << "the scene " << scene << " is not here";
+  } else {
+    scene = std::filesystem::path(AUREOLE_SOURCE_DIR) / scene;
+  }
+  LoadOptions load;
+  load.defines = GetParam().defines;
+  load.sampler = "sobol";
+  const auto loaded = std::make_shared<const Scene>(load_scene(scene, load));
+  const Image reference = read_image(kReferences / (GetParam().name + ".exr"));
+
+  // Enough samples that the noise is a per cent or so, few enough that all references take a minute; 32 replicates make the variance's own
+  // error small.
+  RenderOptions options;
+  options.replicates = 32;
+  options.end = 16;
+  const std::atomic<bool> go{false};
+  RenderJob job(loaded, options);
+  job.run(go);
+  EXPECT_EQ(job.state().invalid_samples, 0u);
+  const Comparison c = compare_images(job.state().picture(), reference);
+  ASSERT_TRUE(c.z);
+  RecordProperty("mean_z2", std::to_string(c.z->mean_square));
+  std::printf("%-28s mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n", GetParam().name.c_str(),
+              c.z->mean_square, 100 * c.z->outside, c.z->mean_difference, 100 * c.z->mean_relative);
+  EXPECT_TRUE(c.z->passes) << "mean of z^2 " << c.z->mean_square << ", outside " << 100 * c.z->outside << " %, image mean "
+                           << c.z->mean_difference << " standard errors, " << 100 * c.z->mean_relative << " %";
+  if (!c.z->passes) {
+    const auto folder = std::filesystem::path(AUREOLE_BINARY).parent_path().parent_path() / "failed-references";
+    std::filesystem::create_directories(folder);
+    write_pictures(job.state(), folder / (GetParam().name + ".exr"));
+    write_z_map(c, folder / (GetParam().name + "-z.png"));
+    Image shown = reference;
+    for (float& v : shown.pixels) v = srgb_encode(std::clamp(v, 0.f, 1.f));
+    Image rgb{reference.width, reference.height, {"R", "G", "B"}, {}, true};
+    for (int y = 0; y < rgb.height; ++y)
+      for (int x = 0; x < rgb.width; ++x)
+        for (const char* n : {"R", "G", "B"}) rgb.pixels.push_back(shown.at(x, y, size_t(shown.channel(n))));
+    write_png(folder / (GetParam().name + "-reference.png"), rgb);
+    ADD_FAILURE() << "pictures and z-map in " << folder;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MitsubaReference, ::testing::ValuesIn(references()), [](const auto& info) {
+  std::string name = info.param.name;
+  for (char& ch : name)
+    if (!std::isalnum(static_cast<unsigned char>(ch))) ch = '_';
+  return name;
+});
+GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(MitsubaReference);
+
+}  // namespace
+}  // namespace aureole::test

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light selection: probabilities are those of its choices, add up, and are never zero where a light
+// contributes.
+#include "aureole/scene/light_sampler.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "aureole/math/warp.h"
+#include "aureole/scene/scene.h"
+#include "tests/harness/statistics.h"
+
+namespace aureole::testing {
+namespace {
+
+std::string vec(const std::string& name, const Vec3& v) {
+  return "<point name=\"" + name + "\" x=\"" + std::to_string(v.x) + "\" y=\"" + std::to_string(v.y) +
+         "\" z=\"" + std::to_string(v.z) + "\"/>";
+}
+
+Vec3 in_box(TestRandom& random, float half) {
+  const float x = random.next(), y = random.next();
+  return Vec3{2 * x - 1, 2 * y - 1, 2 * random.next() - 1} * half;
+}
+
+/// Random lights: rectangles, small spheres, cubes and points.
+std::string random_lights(TestRandom& random, int count, float half) {
+  std::string text;
+  for (int k = 0; k < count; ++k) {
+    const Vec3 c = in_box(random, half), axis = square_to_uniform_sphere(random.next2());
+    const float size = 0.05f + 0.3f * random.next() * random.next(),
+                power = 0.1f + 10 * random.next() * random.next();
+    if (k % 4 == 3) {
+      text += "<emitter type=\"point\">" + vec("position", c) + "<float name=\"intensity\" value=\"" +
+              std::to_string(power) + "\"/></emitter>";
+      continue;
+    }
+    const char* shapes[] = {"rectangle", "sphere", "cube"};
+    text += std::string("<shape type=\"") + shapes[k % 4] +
+            "\"><transform name=\"to_world\"><scale value=\"" + std::to_string(size) + "\"/><rotate x=\"" +
+            std::to_string(axis.x) + "\" y=\"" + std::to_string(axis.y) + "\" z=\"" + std::to_string(axis.z) +
+            "\" angle=\"" + std::to_string(360 * random.next()) + "\"/><translate x=\"" +
+            std::to_string(c.x) + "\" y=\"" + std::to_string(c.y) + "\" z=\"" + std::to_string(c.z) +
+            "\"/></transform><emitter type=\"area\"><float name=\"radiance\" value=\"" +
+            std::to_string(power) + "\"/></emitter></shape>";
+  }
+  return text;
+}
+
+std::unique_ptr<Scene> scene_with(const std::string& lights) {
+  return std::make_unique<Scene>(
+      load_scene_from_string("<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor "
+                             "type=\"perspective\"><film type=\"hdrfilm\"/></sensor>" +
+                                 lights + "</scene>",
+                             "lights.xml"));
+}
+
+double total_probability(const Scene& s, const Vec3& p, const Vec3& n) {
+  double sum = 0;
+  for (const Emitter* e : s.emitters())
+    for (std::size_t part = 0; part < e->part_count(); ++part)
+      sum += double(s.lights().probability(p, n, e, part));
+  return sum;
+}
+
+TEST(LightSampler, ProbabilitiesAddUp) {
+  TestRandom random(1);
+  for (const char* infinite : {"", "<emitter type=\"constant\"/>"})
+    for (int lights : {1, 2, 7, 40}) {
+      const auto scene = scene_with(random_lights(random, lights, 3) + infinite);
+      for (int k = 0; k < 300; ++k) {
+        const Vec3 p = in_box(random, k % 2 ? 3.f : 20.f);
+        const Vec3 n = k % 3 ? square_to_uniform_sphere(random.next2()) : Vec3{};
+        const double total = total_probability(*scene, p, n);
+        // What `choose` leaves open is where it chooses nothing: a branch whose both sides cannot reach the
+        // point.
+        int nothing = 0;
+        constexpr int n_choices = 400;
+        for (int i = 0; i < n_choices; ++i)
+          nothing += !scene->lights().choose(p, n, (float(i) + 0.5f) / n_choices);
+        EXPECT_NEAR(total + double(nothing) / n_choices, 1, 0.006) << lights;
+        EXPECT_LT(total, 1 + 1e-5);
+      }
+    }
+}
+
+TEST(LightSampler, ChoicesHaveTheirProbability) {
+  TestRandom random(2);
+  const auto scene =
+      scene_with(random_lights(random, 12, 2) + "<emitter type=\"constant\"/><emitter type=\"constant\"/>");
+  for (int k = 0; k < 40; ++k) {
+    const Vec3 p = in_box(random, 3);
+    const Vec3 n = k % 3 ? square_to_uniform_sphere(random.next2()) : Vec3{};
+    std::map<std::pair<const Emitter*, std::size_t>, int> count;
+    constexpr int samples = 20000;
+    for (int i = 0; i < samples; ++i) {
+      const auto c = scene->lights().choose(p, n, (float(i) + 0.5f) / samples);
+      if (!c) continue;
+      const float again = scene->lights().probability(p, n, c->emitter, c->part);
+      ASSERT_NEAR(c->probability, again, 1e-5f * again);
+      ++count[{c->emitter, c->part}];
+    }
+    for (const Emitter* e : scene->emitters())
+      for (std::size_t part = 0; part < e->part_count(); ++part)
+        // Equidistant numbers: each choice is an interval, its count is exact to one.
+        EXPECT_NEAR(count[std::pair(e, part)], samples * double(scene->lights().probability(p, n, e, part)),
+                    2);
+  }
+}
+
+TEST(LightSampler, NeverZeroWhereALightContributes) {
+  TestRandom random(3);
+  int contributions = 0;
+  for (int scenes = 0; scenes < 6; ++scenes) {
+    const auto scene = scene_with(random_lights(random, 3 + 10 * scenes, 2));
+    const Wavelengths w = Wavelengths::at(scene->loaded().context->grid, 550.f);
+    for (int k = 0; k < 1500; ++k) {
+      Vec3 p = in_box(random, 2.5f);
+      const Vec3 n = square_to_uniform_sphere(random.next2());
+      // Also points that lie on lights.
+      if (k % 5 == 0)
+        if (const auto hit = scene->intersect({p, n, kInfinity})) p = hit->p;
+      for (const Emitter* e : scene->emitters())
+        for (std::size_t part = 0; part < e->part_count(); ++part) {
+          const auto s = e->sample_direct(p, part, random.next2(), w);
+          if (!s || is_black(s->radiance)) continue;
+          ++contributions;
+          EXPECT_GT(scene->lights().probability(p, {}, e, part), 0) << "scene " << scenes;
+          if (std::abs(dot(n, s->wo)) > 1e-4f) {
+            ASSERT_GT(scene->lights().probability(p, n, e, part), 0) << "scene " << scenes;
+          }
+        }
+    }
+  }
+  EXPECT_GT(contributions, 100000);
+}
+
+TEST(LightSampler, ManyLightsAreCheapAndFollowTheLight) {
+  TestRandom random(4);
+  const auto scene = scene_with(random_lights(random, 1000, 10));
+  EXPECT_GT(scene->lights().leaf_count(), 1000u);
+  // Second moments of the unoccluded light at a point: of this choice and of one among all alike.
+  const Wavelengths w = Wavelengths::at(scene->loaded().context->grid, 550.f);
+  double log_gain = 0;
+  constexpr int points = 100;
+  for (int k = 0; k < points; ++k) {
+    const Vec3 p = in_box(random, 10), n = square_to_uniform_sphere(random.next2());
+    double tree = 0, alike = 0;
+    for (const Emitter* e : scene->emitters())
+      for (std::size_t part = 0; part < e->part_count(); ++part) {
+        const auto s = e->sample_direct(p, part, {0.5f, 0.5f}, w);
+        if (!s) continue;
+        const double x = double(s->radiance[0]) * std::max(0.f, dot(s->wo, n)) / double(s->pdf);
+        if (x == 0) continue;
+        tree += x * x / double(scene->lights().probability(p, n, e, part));
+        alike += x * x * double(scene->lights().leaf_count());
+      }
+    log_gain += std::log(alike / tree) / points;
+  }
+  EXPECT_GT(std::exp(log_gain), 5) << "the choice does not follow the light";
+  RecordProperty("gain_percent", int(100 * std::exp(log_gain)));
+  // Many calls; a search through all lights would make this test last seconds.
+  double sum = 0;
+  for (int k = 0; k < 200000; ++k)
+    if (const auto c = scene->lights().choose(in_box(random, 10), {0, 0, 1}, random.next()))
+      sum += c->probability;
+  EXPECT_GT(sum, 0);
+}
+
+TEST(LightSampler, OneLightIsCertain) {
+  const auto scene =
+      scene_with("<emitter type=\"point\"><point name=\"position\" x=\"1\" y=\"2\" z=\"3\"/></emitter>");
+  const auto c = scene->lights().choose({0, 0, 0}, {0, 0, 1}, 0.7f);
+  ASSERT_TRUE(c);
+  EXPECT_EQ(c->probability, 1);
+  EXPECT_EQ(c->emitter, scene->emitters()[0]);
+}
+
+TEST(LightSampler, EmptyAndDark) {
+  const auto none = scene_with("");
+  EXPECT_TRUE(none->lights().empty());
+  EXPECT_FALSE(none->lights().choose({}, {}, 0.5f));
+  const auto dark = scene_with("<emitter type=\"point\"><float name=\"intensity\" value=\"0\"/></emitter>");
+  EXPECT_TRUE(dark->lights().empty());
+  EXPECT_EQ(dark->lights().probability({1, 0, 0}, {}, dark->emitters()[0], 0), 0);
+}
+
+TEST(LightSampler, InfiniteLightsShareWithTheTree) {
+  TestRandom random(5);
+  const auto scene =
+      scene_with(random_lights(random, 8, 2) + "<emitter type=\"constant\"/><emitter type=\"constant\"/>");
+  const auto& infinite = scene->infinite_emitters();
+  ASSERT_EQ(infinite.size(), 2u);
+  for (int k = 0; k < 100; ++k) {
+    const Vec3 p = in_box(random, 5);
+    const float a = scene->lights().probability(p, {}, infinite[0], 0),
+                b = scene->lights().probability(p, {}, infinite[1], 0);
+    EXPECT_EQ(a, b);
+    EXPECT_GT(a, 0.1f);
+    EXPECT_LT(a + b, 0.9f);
+  }
+  const auto only = scene_with("<emitter type=\"constant\"/>");
+  EXPECT_EQ(only->lights().probability({}, {}, only->emitters()[0], 0), 1);
+  EXPECT_EQ(only->lights().choose({}, {}, 0x1.fffffep-1f)->emitter, only->emitters()[0]);
+}
+
+}  // namespace
+}  // namespace aureole::testing
