@@ -62,7 +62,7 @@ const BsdfCases kDielectric(
                [](BsdfCase& c) {
                  c.lossless = true;
                  c.n_above = material("air");
-                 c.n_below = material("bk7");
+                 c.n_below = constant(1.5046);
                }),
      make_case(
          "dielectric_diamond_in_sf11",

@@ -122,7 +122,7 @@ TEST(ReferenceValues, Dielectrics) {
 /// With dispersion each hero refracts by Snell's law with its own index; the others keep no part in that
 /// direction.
 TEST(Dispersion, FollowsTheHero) {
-  const auto glass = build<Bsdf>(R"(<bsdf type="dielectric"/>)");
+  const auto glass = build<Bsdf>(R"(<bsdf type="dielectric"><string name="int_ior" value="bk7"/></bsdf>)");
   // Schott's data sheet of N-BK7, relative to air: n_F' = 1.52283 (479.99 nm), n_d = 1.51680, n_C = 1.51432
   // (656.27 nm).
   constexpr double kAir = 1.000277;

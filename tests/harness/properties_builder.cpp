@@ -50,7 +50,13 @@ Transform transform(const pugi::xml_node& node) {
       t = Transform::translate(x, y, z) * t;
     else if (name == "rotate")
       t = Transform::rotate(x, y, z, step.attribute("angle").as_double()) * t;
-    else
+    else if (name == "lookat") {
+      const auto point = [&](const char* key) {
+        const std::vector<double> v = numbers(step.attribute(key).as_string());
+        return std::array<double, 3>{v.at(0), v.at(1), v.at(2)};
+      };
+      t = Transform::look_at(point("origin"), point("target"), point("up")) * t;
+    } else
       throw Error("unknown transform step \"" + name + "\"");
   }
   return t;

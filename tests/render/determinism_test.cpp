@@ -88,7 +88,7 @@ TEST(Determinism, InterruptedAndResumed) {
     if (std::filesystem::exists(options.state_file)) job.resume(RenderState::load(options.state_file));
     std::atomic<bool> stop{false};
     std::thread breaker([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(15));
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
       stop = interruptions < 5;
     });
     const auto outcome = job.run(stop);

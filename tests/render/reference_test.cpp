@@ -38,6 +38,18 @@ std::vector<Reference> references() {
   return list;
 }
 
+/// Mean standard deviation over mean.
+double relative_noise(const Image& image) {
+  double mean = 0, deviation = 0;
+  for (const char* name : {"R", "G", "B"})
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x) {
+        mean += image.at(x, y, size_t(image.channel(name)));
+        deviation += std::sqrt(image.at(x, y, size_t(image.channel(std::string("variance.") + name))));
+      }
+  return deviation / mean;
+}
+
 class MitsubaReference : public ::testing::TestWithParam<Reference> {};
 
 TEST_P(MitsubaReference, AgreesWithinNoise) {
@@ -56,16 +68,24 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   const auto loaded = std::make_shared<const Scene>(load_scene(scene, load));
   const Image reference = read_image(kReferences / (GetParam().name + ".exr"));
 
-  // Enough samples that the noise is a per cent or so, few enough that all references take a minute; 32 replicates make the variance's own
-  // error small.
+  // 32 replicates make the variance's own error small. Few samples do for most scenes; where the noise is above 1 % of the mean a pixel's mean is
+  // not yet normally distributed (rare bright samples), and more are taken.
   RenderOptions options;
   options.replicates = 32;
-  options.end = 16;
   const std::atomic<bool> go{false};
-  RenderJob job(loaded, options);
-  job.run(go);
-  EXPECT_EQ(job.state().invalid_samples, 0u);
-  const Comparison c = compare_images(job.state().picture(), reference);
+  RenderState state;
+  for (options.end = 16; *options.end <= 256; *options.end *= 4) {
+    RenderJob job(loaded, options);
+    if (options.end > 16) job.resume(state);
+    job.run(go);
+    state = job.state();
+    if (relative_noise(state.picture()) < 0.01) break;
+  }
+  EXPECT_EQ(state.invalid_samples, 0u);
+  // Mitsuba 3.9.1 divides by an integral of ybar of 106.7503 nm, where the CIE's table has 106.857 nm: spectra given in absolute numbers are .1 %
+  // brighter there, its upsampled colours err by a few 1e-4 (its table's interpolation), and some pixels have less noise than that.
+  constexpr double kMitsubaTables = 1e-3;
+  const Comparison c = compare_images(state.picture(), reference, kMitsubaTables);
   ASSERT_TRUE(c.z);
   RecordProperty("mean_z2", std::to_string(c.z->mean_square));
   std::printf("%-28s mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n", GetParam().name.c_str(),
@@ -75,7 +95,7 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   if (!c.z->passes) {
     const auto folder = std::filesystem::path(AUREOLE_BINARY).parent_path().parent_path() / "failed-references";
     std::filesystem::create_directories(folder);
-    write_pictures(job.state(), folder / (GetParam().name + ".exr"));
+    write_pictures(state, folder / (GetParam().name + ".exr"));
     write_z_map(c, folder / (GetParam().name + "-z.png"));
     Image shown = reference;
     for (float& v : shown.pixels) v = srgb_encode(std::clamp(v, 0.f, 1.f));

@@ -19,7 +19,6 @@ TEST(Sphere, NormalsAndTextureCoordinatesAsMitsuba) {
   std::vector<Expected> all = {
       {ShapeBuilder("sphere"), 1, -a, 0.176208f, 0.0717831f},
       {ShapeBuilder("sphere").to_world(Transform::scale(-1, 1, 1)), -1, a, 0.323792f, 0.0717831f},
-      {ShapeBuilder("sphere").set("radius", -1.0), -1, -a, 0.676208f, 0.928217f},
       {ShapeBuilder("sphere").set("flip_normals", true), -1, -a, 0.176208f, 0.0717831f}};
   for (const auto& e : all) {
     const auto shape = e.builder.build();

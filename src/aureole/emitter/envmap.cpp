@@ -91,6 +91,7 @@ class EnvmapEmitter final : public Emitter {
     texels_.resize(size_t(width_) * size_t(height_));
     std::vector<float> luminance(texels_.size());
     double weight_sum = 0, sums[3] = {};
+    bool negative = false;
     for (int y = 0; y < height_; ++y) {
       const double sine = std::sin(M_PI * y / (height_ - 1));
       for (int x = 0; x < width_; ++x) {
@@ -98,8 +99,10 @@ class EnvmapEmitter final : public Emitter {
         for (int k = 0; k < 3; ++k) {
           c[k] = image.at(x, y, size_t(rgb[k]));
           if (image.srgb_encoded) c[k] = srgb_decode(c[k]);
-          if (!std::isfinite(c[k]) || c[k] < 0)
-            throw p.error("filename", "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is negative or not finite");
+          if (!std::isfinite(c[k]))
+            throw p.error("filename", "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is not finite");
+          // Resampled photographs often have slightly negative pixels beside bright ones.
+          if (c[k] < 0) c[k] = 0, negative = true;
           sums[k] += c[k] * sine;
         }
         weight_sum += sine;
@@ -109,6 +112,7 @@ class EnvmapEmitter final : public Emitter {
         luminance[i] = 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
       }
     }
+    if (negative) p.note("filename", "negative values of the map count as 0");
     for (int k = 0; k < 3; ++k) mean_[k] = float(sums[k] / weight_sum);
     build_distribution(luminance);
   }

@@ -72,7 +72,10 @@ class PathIntegrator final : public Integrator {
     Step step;
     if (!hit) {
       // Vertex kind: escape.
-      if (s.depth == 0) s.result.alpha = hide_emitters_ || scene.infinite_emitters().empty() ? 0.f : 1.f;
+      if (s.depth == 0) {
+        s.result.alpha = hide_emitters_ || scene.infinite_emitters().empty() ? 0.f : 1.f;
+        if (hide_emitters_) return step;
+      }
       for (const Emitter* e : scene.infinite_emitters())
         add_emission(scene, s, *e, nullptr, e->eval_escaped(s.ray.d, w), w);
       return step;
@@ -154,7 +157,7 @@ AUREOLE_PLUGIN(PathIntegrator, "integrator", "path",
                          {{"max_depth", "integer", "", "-1",
                            "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
                           {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces"},
-                          {"hide_emitters", "boolean", "", "false", "camera rays pass through area emitters"}},
+                          {"hide_emitters", "boolean", "", "false", "camera rays pass through area emitters and see no environment"}},
                          {R"(<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
     <boolean name="hide_emitters" value="false"/></integrator>)"}});
 

@@ -9,7 +9,7 @@
 
 namespace aureole {
 
-Comparison compare_images(const Image& a, const Image& b) {
+Comparison compare_images(const Image& a, const Image& b, double rounding) {
   if (a.width != b.width || a.height != b.height)
     throw Error("the pictures differ in size: " + std::to_string(a.width) + " x " + std::to_string(a.height) + " and " +
                 std::to_string(b.width) + " x " + std::to_string(b.height));
@@ -30,6 +30,7 @@ Comparison compare_images(const Image& a, const Image& b) {
       }
   ZTest z;
   double variance_of_mean = 0;
+  std::size_t noisy = 0;  // values whose noise exceeds rounding: only these have a z^2 of 1 on average
   std::vector<double> zs;
   c.z_map.width = a.width, c.z_map.height = a.height, c.z_map.channels = {"Z"};
   c.z_map.pixels.assign(size_t(a.width) * size_t(a.height), 0.f);
@@ -45,10 +46,10 @@ Comparison compare_images(const Image& a, const Image& b) {
         if (!variances) continue;
         const double variance = (va >= 0 ? a.at(x, y, size_t(va)) : 0.0) + (vb >= 0 ? b.at(x, y, size_t(vb)) : 0.0);
         variance_of_mean += variance / (n * n);
-        // Below this a difference is rounding, not noise: half-precision or float storage, tabulated spectra.
-        const double floor = 2e-4 * std::max(std::abs(reference), 0.01 * std::abs(c.mean_b));
+        const double floor = rounding * std::max(std::abs(reference), 0.01 * std::abs(c.mean_b));
         const double value = d / std::sqrt(variance + floor * floor);
         zs.push_back(value);
+        if (variance > floor * floor) z.mean_square += value * value, ++noisy;
         float& map = c.z_map.at(x, y, 0);
         if (std::abs(value) > std::abs(map)) map = float(value);
       }
@@ -58,10 +59,8 @@ Comparison compare_images(const Image& a, const Image& b) {
   z.count = zs.size();
   const double alpha = 1 - std::pow(1 - 0.01, 1.0 / double(z.count));
   const double bound = boost::math::quantile(boost::math::complement(boost::math::normal(), alpha / 2));
-  for (double v : zs) {
-    z.mean_square += v * v / double(zs.size());
-    z.outside += (std::abs(v) > bound) / double(zs.size());
-  }
+  z.mean_square = noisy > 0 ? z.mean_square / double(noisy) : 1;
+  for (double v : zs) z.outside += (std::abs(v) > bound) / double(zs.size());
   z.mean_relative = c.mean_b != 0 ? c.mean_a / c.mean_b - 1 : 0;
   z.mean_difference = variance_of_mean > 0 ? (c.mean_a - c.mean_b) / std::sqrt(variance_of_mean) : 0;
   z.passes = z.mean_square >= kZMeanSquareMin && z.mean_square <= kZMeanSquareMax && z.outside <= kZOutsideMax &&

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conventions as Mitsuba 3's: normals outside; `flip_normals`, a mirroring `to_world` and a negative radius
-// each turn them around. u runs with the azimuth about the sphere's own z axis, v from its north pole.
+// Conventions as Mitsuba 3's: normals outside; `flip_normals` and a mirroring `to_world` each turn
+// them around (a negative radius, which Mitsuba takes for the same, is an error). u runs with the azimuth about the sphere's own z axis, v from its north pole.
 #include <algorithm>
 #include <utility>
 
@@ -44,8 +44,7 @@ private:
 Sphere::Sphere(const Properties& properties) : Shape(properties) {
   const Transform to_world = properties.get_transform("to_world");
   const Vec3 center = properties.get_vec3("center", {0, 0, 0});
-  double radius = properties.get_float("radius", 1.0);
-  if (radius == 0) throw properties.error("radius", "must not be 0");
+  const double radius = properties.get_float("radius", 1.0, Range::positive());
   inward_ = properties.get_bool("flip_normals", false);
 
   const auto& m = to_world.matrix();
@@ -53,8 +52,7 @@ Sphere::Sphere(const Properties& properties) : Shape(properties) {
   for (int k = 0; k < 3; ++k) {
     const Double3 column(m[0][k], m[1][k], m[2][k]);
     scale[k] = length(column);
-    // A negative radius is a point reflection.
-    axis_[k] = column * ((radius < 0 ? -1 : 1) / scale[k]);
+    axis_[k] = column * (1 / scale[k]);
   }
   const double skew = std::max({std::abs(dot(axis_[0], axis_[1])), std::abs(dot(axis_[1], axis_[2])),
                                 std::abs(dot(axis_[2], axis_[0]))});
@@ -68,7 +66,7 @@ Sphere::Sphere(const Properties& properties) : Shape(properties) {
     const double c = m[i][0] * center.x + m[i][1] * center.y + m[i][2] * center.z + m[i][3];
     (i == 0 ? ball_.center.x : i == 1 ? ball_.center.y : ball_.center.z) = c;
   }
-  ball_.radius = std::abs(radius) * (scale[0] + scale[1] + scale[2]) / 3;
+  ball_.radius = radius * (scale[0] + scale[1] + scale[2]) / 3;
 }
 
 SurfacePoint Sphere::point_in_direction(const Double3& out) const {
