@@ -14,17 +14,22 @@ int compare(const std::string& a_file, const std::string& b_file, const std::str
   const Image a = read_image(a_file), b = read_image(b_file);
   const Comparison c = compare_images(a, b);
   fmt::print("channels   {}\n", fmt::join(c.channels, ", "));
-  fmt::print("mean       {:.6g} and {:.6g} ({:+.3f} %)\n", c.mean_a, c.mean_b, 100 * (c.mean_a / c.mean_b - 1));
+  fmt::print("mean       {:.6g} and {:.6g} ({:+.3f} %)\n", c.mean_a, c.mean_b,
+             100 * (c.mean_a / c.mean_b - 1));
   fmt::print("RMSE       {:.6g}\n", c.rmse);
   fmt::print("relMSE     {:.6g}\n", c.relative_mse);
   fmt::print("max        {:.6g} at ({}, {})\n", c.max, c.max_x, c.max_y);
   if (!c.z) {
-    fmt::print("z-test     needs variances: render both with --replicates 16 or more (or one, against a reference with variances)\n");
+    fmt::print(
+        "z-test     needs variances: render both with --replicates 16 or more (or one, against a reference "
+        "with variances)\n");
     return 0;
   }
-  fmt::print("z-test     mean of z^2 {:.4f} (expect {} to {}), outside {:.4f} % of {} values (at most {} %), image mean {:+.2f} standard errors\n",
-             c.z->mean_square, kZMeanSquareMin, kZMeanSquareMax, 100 * c.z->outside, c.z->count, 100 * kZOutsideMax,
-             c.z->mean_difference);
+  fmt::print(
+      "z-test     mean of z^2 {:.4f} (expect {} to {}), outside {:.4f} % of {} values (at most {} %), image "
+      "mean {:+.2f} standard errors\n",
+      c.z->mean_square, kZMeanSquareMin, kZMeanSquareMax, 100 * c.z->outside, c.z->count, 100 * kZOutsideMax,
+      c.z->mean_difference);
   fmt::print("verdict    {}\n", c.z->passes ? "the same within noise" : "DIFFERENT");
   if (!map_file.empty()) write_z_map(c, map_file);
   return c.z->passes ? 0 : 1;
@@ -33,8 +38,10 @@ int compare(const std::string& a_file, const std::string& b_file, const std::str
 }  // namespace
 
 void add_compare_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand("compare", "Compare two pictures: RMSE, relMSE, largest difference, z-test where variances are stored");
-  auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>(), map = std::make_shared<std::string>();
+  CLI::App* c = app.add_subcommand(
+      "compare", "Compare two pictures: RMSE, relMSE, largest difference, z-test where variances are stored");
+  auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>(),
+       map = std::make_shared<std::string>();
   c->add_option("a", *a, "picture")->required();
   c->add_option("b", *b, "reference")->required();
   c->add_option("--z-map", *map, "write the z-values as a PNG (blue -4, white 0, red +4)");

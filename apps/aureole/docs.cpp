@@ -15,7 +15,9 @@ std::string cell(std::string s) {
 
 int docs() {
   const Registry& registry = Registry::instance();
-  fmt::print("# Plug-in reference\n\nWritten by `aureole docs` from the registrations in the sources; not edited by hand.\n");
+  fmt::print(
+      "# Plug-in reference\n\nWritten by `aureole docs` from the registrations in the sources; not edited by "
+      "hand.\n");
   for (const auto& family : registry.families()) {
     fmt::print("\n## {}\n", family);
     for (const auto& name : registry.names(family)) {
@@ -25,7 +27,8 @@ int docs() {
       if (!d.parameters.empty()) {
         fmt::print("\n| parameter | type | unit | default | meaning |\n|---|---|---|---|---|\n");
         for (const auto& p : d.parameters)
-          fmt::print("| `{}` | {} | {} | {} | {} |\n", p.name, cell(p.type), cell(p.unit), cell(p.fallback), cell(p.meaning));
+          fmt::print("| `{}` | {} | {} | {} | {} |\n", p.name, cell(p.type), cell(p.unit), cell(p.fallback),
+                     cell(p.meaning));
       }
       for (const auto& e : d.examples) fmt::print("\n```xml\n{}\n```\n", e);
     }

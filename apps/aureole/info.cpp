@@ -22,8 +22,9 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
   for (const auto& note : scene.loaded().notes) fmt::print(stderr, "note: {}\n", note);
   const Film& film = scene.film();
   fmt::print("scene        {} (hash {:016x})\n", scene.loaded().file.string(), scene.hash());
-  fmt::print("film         {} {} x {}, rendered part {} x {} at ({}, {}), channels {}\n", film.properties().type(), film.width(),
-             film.height(), film.crop_width(), film.crop_height(), film.crop_x(), film.crop_y(), fmt::join(film.channel_names(), ", "));
+  fmt::print("film         {} {} x {}, rendered part {} x {} at ({}, {}), channels {}\n",
+             film.properties().type(), film.width(), film.height(), film.crop_width(), film.crop_height(),
+             film.crop_x(), film.crop_y(), fmt::join(film.channel_names(), ", "));
   fmt::print("memory       {:.1f} MiB for the film\n",
              state_bytes(film.crop_width(), film.crop_height(), film.measured_channels(), 1) / (1 << 20));
   const auto& grid = scene.wavelengths().grid();
@@ -33,13 +34,15 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
   fmt::print("integrator   {}\n", scene.integrator_object()->properties().type());
   const Bounds3 b = scene.bounds();
   if (!b.empty())
-    fmt::print("bounds       ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})\n", b.lower.x, b.lower.y, b.lower.z, b.upper.x, b.upper.y, b.upper.z);
+    fmt::print("bounds       ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})\n", b.lower.x, b.lower.y, b.lower.z,
+               b.upper.x, b.upper.y, b.upper.z);
   std::size_t primitives = 0;
   for (const auto& s : scene.shapes()) primitives += s->primitive_count();
   fmt::print("shapes       {} with {} primitives\n", scene.shapes().size(), primitives);
   for (const auto& s : scene.shapes()) {
-    fmt::print("  {:<12} {:<24} {:>9} primitives  bsdf {}{}\n", s->properties().type(), s->id().empty() ? "-" : s->id(),
-               s->primitive_count(), s->bsdf()->properties().type(), s->emitter() ? "  emits" : "");
+    fmt::print("  {:<12} {:<24} {:>9} primitives  bsdf {}{}\n", s->properties().type(),
+               s->id().empty() ? "-" : s->id(), s->primitive_count(), s->bsdf()->properties().type(),
+               s->emitter() ? "  emits" : "");
     for (const auto& r : s->remarks()) fmt::print("    {}\n", r);
   }
   std::map<std::string, int> emitters;

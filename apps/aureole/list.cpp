@@ -13,7 +13,8 @@ int list(const std::string& kind) {
   const Registry& registry = Registry::instance();
   const auto families = registry.families();
   if (!kind.empty() && std::find(families.begin(), families.end(), kind) == families.end())
-    throw Error(fmt::format("there is no kind \"{}\"{}; kinds: {}", kind, did_you_mean(kind, families), fmt::join(families, ", ")));
+    throw Error(fmt::format("there is no kind \"{}\"{}; kinds: {}", kind, did_you_mean(kind, families),
+                            fmt::join(families, ", ")));
   for (const auto& family : families) {
     if (!kind.empty() && family != kind) continue;
     fmt::print("{}\n", family);

@@ -17,8 +17,10 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
   for (size_t i = 0; i < files.size(); ++i) {
     const RenderState part = RenderState::load(files[i]);
     try {
-      if (i == 0) sum = part;
-      else sum.merge(part);
+      if (i == 0)
+        sum = part;
+      else
+        sum.merge(part);
     } catch (const Error& e) {
       throw Error({files[i], 0, 0}, e.message());
     }
@@ -35,7 +37,8 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
 }  // namespace
 
 void add_merge_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand("merge", "Merge the .state files of parts rendered with --samples into one picture");
+  CLI::App* c =
+      app.add_subcommand("merge", "Merge the .state files of parts rendered with --samples into one picture");
   auto files = std::make_shared<std::vector<std::string>>();
   auto output = std::make_shared<std::string>();
   c->add_option("states", *files, "state files")->required();

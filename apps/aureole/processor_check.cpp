@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs before every other initialiser, compiled for the oldest x86-64: a processor without AVX2 gets a sentence, not a crash.
+// Runs before every other initialiser, compiled for the oldest x86-64: a processor without AVX2 gets a
+// sentence, not a crash.
 #include <unistd.h>
 
 namespace {
 
 __attribute__((constructor(101))) void check_processor() {
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2")) return;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2"))
+    return;
   static const char message[] =
       "aureole: this processor lacks AVX2, FMA or BMI2 (x86-64-v3), which this build needs\n";
   const auto written = write(2, message, sizeof message - 1);

@@ -45,12 +45,14 @@ std::vector<std::pair<std::string, std::string>> split_defines(const std::vector
 }
 
 /// "A:B" as two integers.
-std::pair<std::int64_t, std::int64_t> parse_pair(const std::string& text, char separator, const char* option) {
+std::pair<std::int64_t, std::int64_t> parse_pair(const std::string& text, char separator,
+                                                 const char* option) {
   const size_t at = text.find(separator);
   if (at != std::string::npos) {
     try {
       const double a = parse_number(text.substr(0, at)), b = parse_number(text.substr(at + 1));
-      if (a == std::floor(a) && b == std::floor(b) && std::abs(a) < 1e15 && std::abs(b) < 1e15) return {std::int64_t(a), std::int64_t(b)};
+      if (a == std::floor(a) && b == std::floor(b) && std::abs(a) < 1e15 && std::abs(b) < 1e15)
+        return {std::int64_t(a), std::int64_t(b)};
     } catch (const Error&) {
     }
   }
@@ -58,40 +60,44 @@ std::pair<std::int64_t, std::int64_t> parse_pair(const std::string& text, char s
 }
 
 class ProgressLine {
- public:
+public:
   explicit ProgressLine(bool quiet) : shown_(!quiet && isatty(2)) {}
   ~ProgressLine() { clear(); }
   void show(const Progress& p) {
     if (!shown_) return;
     const double part = p.units > 0 ? double(p.units_done) / double(p.units) : 1.0;
-    const double left = p.samples_per_second > 0 && part > 0 ? p.seconds * (1 - part) / std::max(part, 1e-9) : 0;
+    const double left =
+        p.samples_per_second > 0 && part > 0 ? p.seconds * (1 - part) / std::max(part, 1e-9) : 0;
     const int width = 30, filled = int(part * width);
-    std::fprintf(stderr, "\r[%.*s%*s] %5.1f %%  %.2f Msamples/s  %s left \033[K", filled, "##############################",
-                 width - filled, "", 100 * part, p.samples_per_second * 1e-6, duration(left).c_str());
+    std::fprintf(stderr, "\r[%.*s%*s] %5.1f %%  %.2f Msamples/s  %s left \033[K", filled,
+                 "##############################", width - filled, "", 100 * part,
+                 p.samples_per_second * 1e-6, duration(left).c_str());
     std::fflush(stderr);
   }
   void clear() {
     if (shown_) std::fprintf(stderr, "\r\033[K");
   }
 
- private:
+private:
   static std::string duration(double s) {
     const auto n = static_cast<long>(s + 0.5);
-    return n >= 3600 ? fmt::format("{}:{:02}:{:02}", n / 3600, n / 60 % 60, n % 60) : fmt::format("{}:{:02}", n / 60, n % 60);
+    return n >= 3600 ? fmt::format("{}:{:02}:{:02}", n / 3600, n / 60 % 60, n % 60)
+                     : fmt::format("{}:{:02}", n / 60, n % 60);
   }
   bool shown_;
 };
 
 /// Refreshes the PNG every few seconds while a job runs.
 class Preview {
- public:
-  Preview(const RenderJob& job, std::filesystem::path output) : job_(job), output_(std::move(output)), thread_([this] { loop(); }) {}
+public:
+  Preview(const RenderJob& job, std::filesystem::path output)
+      : job_(job), output_(std::move(output)), thread_([this] { loop(); }) {}
   ~Preview() {
     done_ = true;
     thread_.join();
   }
 
- private:
+private:
   void loop() {
     for (int tick = 1; !done_; ++tick) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -107,7 +113,8 @@ class Preview {
 int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, const RenderOptions& options) {
   const auto [x, y] = parse_pair(a.pixel, ',', "--pixel");
   const Film& film = scene.film();
-  if (x < film.crop_x() || y < film.crop_y() || x >= film.crop_x() + film.crop_width() || y >= film.crop_y() + film.crop_height())
+  if (x < film.crop_x() || y < film.crop_y() || x >= film.crop_x() + film.crop_width() ||
+      y >= film.crop_y() + film.crop_height())
     throw Error(fmt::format("--pixel {}: outside the film ({} x {})", a.pixel, film.width(), film.height()));
   const std::int64_t end = options.end.value_or(scene.sensor().sampler().sample_count());
   const bool verbose = end - options.begin <= 16;
@@ -115,7 +122,9 @@ int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, c
   std::int64_t valid = 0;
   for (std::int64_t i = options.begin; i < end; ++i) {
     if (verbose) fmt::print("sample {}\n", i);
-    const auto measured = job.replay(int(x), int(y), i, 0, verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog());
+    const auto measured =
+        job.replay(int(x), int(y), i, 0,
+                   verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog());
     if (measured.empty()) {
       fmt::print("sample {}: INVALID (NaN, infinite or negative radiance)\n", i);
       continue;
@@ -136,16 +145,19 @@ int render(const Arguments& a) {
   load.defines = split_defines(a.defines);
   load.sampler = a.sampler;
   load.integrator = a.integrator;
-  if (a.spp == 0 || a.spp < -1) throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
+  if (a.spp == 0 || a.spp < -1)
+    throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
   if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
   if (a.replicates < 1) throw Error(fmt::format("--replicates {}: must be at least 1", a.replicates));
-  if (a.threads < 0 || a.threads > 4096) throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
+  if (a.threads < 0 || a.threads > 4096)
+    throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
 
   std::filesystem::path output = a.output;
   if (output.empty()) output = std::filesystem::path(a.scene).replace_extension(".exr");
-  if (output.extension() != ".exr") throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
+  if (output.extension() != ".exr")
+    throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
   if (a.pixel.empty()) require_writable(output);
 
   RenderOptions options;
@@ -172,9 +184,11 @@ int render(const Arguments& a) {
     if (std::filesystem::exists(options.state_file)) {
       job.resume(RenderState::load(options.state_file));
       if (!a.quiet)
-        fmt::print(stderr, "resuming: {:.1f} % done\n", 100.0 * double(job.state().units_done()) / double(job.state().units()));
+        fmt::print(stderr, "resuming: {:.1f} % done\n",
+                   100.0 * double(job.state().units_done()) / double(job.state().units()));
     } else if (!a.quiet) {
-      fmt::print(stderr, "note: there is no {} to resume from: starting at the beginning\n", options.state_file.string());
+      fmt::print(stderr, "note: there is no {} to resume from: starting at the beginning\n",
+                 options.state_file.string());
     }
   }
 
@@ -191,19 +205,24 @@ int render(const Arguments& a) {
 
   const RenderState& state = job.state();
   if (state.invalid_samples > 0) {
-    fmt::print(stderr, "note: {} samples were invalid (NaN, infinite or negative) and left out; the first ones:\n", state.invalid_samples);
+    fmt::print(stderr,
+               "note: {} samples were invalid (NaN, infinite or negative) and left out; the first ones:\n",
+               state.invalid_samples);
     for (const auto& s : job.invalid_samples())
-      fmt::print(stderr, "  --pixel {},{} --samples {}:{}{}\n", s.x, s.y, s.sample / kSampleBlock * kSampleBlock, s.sample + 1,
+      fmt::print(stderr, "  --pixel {},{} --samples {}:{}{}\n", s.x, s.y,
+                 s.sample / kSampleBlock * kSampleBlock, s.sample + 1,
                  s.replicate ? fmt::format(" (replicate {})", s.replicate) : "");
   }
   if (!a.quiet) {
-    const double rate = double(state.samples_everywhere()) * state.identity.width * state.identity.height * state.identity.replicates;
-    fmt::print(stderr, "{} samples per pixel in {:.2f} s ({:.2f} Msamples/s)\n", state.samples_everywhere(), state.seconds,
-               rate / std::max(1e-9, state.seconds) * 1e-6);
+    const double rate = double(state.samples_everywhere()) * state.identity.width * state.identity.height *
+                        state.identity.replicates;
+    fmt::print(stderr, "{} samples per pixel in {:.2f} s ({:.2f} Msamples/s)\n", state.samples_everywhere(),
+               state.seconds, rate / std::max(1e-9, state.seconds) * 1e-6);
     fmt::print("{}\n{}\n", output.string(), std::filesystem::path(output).replace_extension(".png").string());
   }
   if (outcome == RenderJob::Outcome::interrupted) {
-    fmt::print(stderr, "interrupted at {:.1f} %: what is done is written; the same command with --resume continues\n",
+    fmt::print(stderr,
+               "interrupted at {:.1f} %: what is done is written; the same command with --resume continues\n",
                100.0 * double(state.units_done()) / double(state.units()));
     return 1;
   }
@@ -217,13 +236,16 @@ void add_render_command(CLI::App& app, CommandResult& result) {
   CLI::App* c = app.add_subcommand("render", "Render a scene file to an EXR and a PNG");
   c->add_option("scene", a->scene, "scene file (Mitsuba XML)")->required();
   c->add_option("-o,--output", a->output, "output .exr (default: beside the scene)");
-  c->add_option("-D,--define", a->defines, "set a $name of the scene: -D name=value")->allow_extra_args(false);
+  c->add_option("-D,--define", a->defines, "set a $name of the scene: -D name=value")
+      ->allow_extra_args(false);
   c->add_option("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
   c->add_option("--seed", a->seed, "seed of the samples (default: the scene's)");
   c->add_option("--threads", a->threads, "threads (default: all cores); the picture does not depend on it");
   c->add_option("--time", a->time_s, "stop after this many seconds, on whole sample blocks");
-  c->add_option("--samples", a->samples, "render only samples A:B of the picture, to be merged; A a multiple of 16");
-  c->add_option("--replicates", a->replicates, "render R independently scrambled pictures; store their mean and its variance");
+  c->add_option("--samples", a->samples,
+                "render only samples A:B of the picture, to be merged; A a multiple of 16");
+  c->add_option("--replicates", a->replicates,
+                "render R independently scrambled pictures; store their mean and its variance");
   c->add_option("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
   c->add_option("--integrator", a->integrator, "replace the scene's integrator: path, direct");
   c->add_option("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program as a user meets it: exit codes, messages, files; every kind of bad input is a located error with exit code 2 and nothing written.
+// The program as a user meets it: exit codes, messages, files; every kind of bad input is a located error
+// with exit code 2 and nothing written.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -41,7 +42,7 @@ std::string content(const std::filesystem::path& file) {
 }
 
 class Cli : public ::testing::Test {
- protected:
+protected:
   Outcome run(const std::vector<std::string>& arguments) {
     const auto log = folder.path / "log.txt";
     int status = 0;
@@ -49,7 +50,9 @@ class Cli : public ::testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(log)};
   }
   std::string out() const { return (folder.path / "out.exr").string(); }
-  std::string scene(const std::string& text, const std::string& name = "scene.xml") { return folder.write(name, text).string(); }
+  std::string scene(const std::string& text, const std::string& name = "scene.xml") {
+    return folder.write(name, text).string();
+  }
 
   /// A scene of one shape element after the usual rest.
   static std::string with(const std::string& element) {
@@ -57,7 +60,8 @@ class Cli : public ::testing::Test {
     return text.insert(text.rfind("</scene>"), element + "\n");
   }
   /// Rendering must end with exit code 2, mention `message`, and write nothing.
-  void refused(const std::string& text, const std::string& message, const std::vector<std::string>& extra = {}) {
+  void refused(const std::string& text, const std::string& message,
+               const std::vector<std::string>& extra = {}) {
     std::vector<std::string> arguments{"render", scene(text), "-o", out(), "--spp", "1"};
     arguments.insert(arguments.end(), extra.begin(), extra.end());
     refused_arguments(arguments, message);
@@ -108,10 +112,16 @@ TEST_F(Cli, CompareTellsSameFromDifferent) {
   const std::string s = scene(small_scene_text());
   const auto file = [&](const char* name) { return (folder.path / name).string(); };
   ASSERT_EQ(run({"render", s, "-o", file("a.exr"), "--replicates", "16", "--spp", "16"}).exit_code, 0);
-  ASSERT_EQ(run({"render", s, "-o", file("b.exr"), "--replicates", "16", "--spp", "16", "--seed", "5", "--sampler", "independent"}).exit_code, 0);
+  ASSERT_EQ(run({"render", s, "-o", file("b.exr"), "--replicates", "16", "--spp", "16", "--seed", "5",
+                 "--sampler", "independent"})
+                .exit_code,
+            0);
   std::string brighter = small_scene_text();
   brighter.replace(brighter.find("8, 7, 5"), 7, "9, 7, 5");
-  ASSERT_EQ(run({"render", scene(brighter, "brighter.xml"), "-o", file("c.exr"), "--replicates", "16", "--spp", "16"}).exit_code, 0);
+  ASSERT_EQ(run({"render", scene(brighter, "brighter.xml"), "-o", file("c.exr"), "--replicates", "16",
+                 "--spp", "16"})
+                .exit_code,
+            0);
   const Outcome same = run({"compare", file("a.exr"), file("b.exr")});
   EXPECT_EQ(same.exit_code, 0) << same.output;
   const Outcome different = run({"compare", file("a.exr"), file("c.exr"), "--z-map", file("z.png")});
@@ -126,8 +136,11 @@ TEST_F(Cli, ResumesToTheSameBitsAfterKill) {
   ASSERT_EQ(run({"render", s, "-o", whole, "--spp", "160", "--samples", "0:160"}).exit_code, 0);
   const auto state = folder.path / "out.state";
   // Kill it for good shortly after its first checkpoint appears.
-  const pid_t pid = start({"render", s, "-o", out(), "--spp", "160", "--checkpoint", "0.05", "--threads", "1"}, folder.path / "killed.txt");
-  for (int i = 0; i < 2000 && !std::filesystem::exists(state); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  const pid_t pid =
+      start({"render", s, "-o", out(), "--spp", "160", "--checkpoint", "0.05", "--threads", "1"},
+            folder.path / "killed.txt");
+  for (int i = 0; i < 2000 && !std::filesystem::exists(state); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
   kill(pid, SIGKILL);
   int status = 0;
   waitpid(pid, &status, 0);
@@ -176,33 +189,51 @@ TEST_F(Cli, PartsMergeAndStrangersAreRefused) {
 
 TEST_F(Cli, BadScenes) {
   refused(with(R"(<bsdf type="difuse" id="b"/>)"), "did you mean \"diffuse\"");
-  refused(with(R"(<bsdf type="diffuse" id="b"><rgb name="reflectence" value="0.5"/></bsdf>)"), "did you mean \"reflectance\"");
-  refused(with(R"(<bsdf type="diffuse" id="glass"/><shape type="cube"><ref id="glas"/></shape>)"), "did you mean \"glass\"");
+  refused(with(R"(<bsdf type="diffuse" id="b"><rgb name="reflectence" value="0.5"/></bsdf>)"),
+          "did you mean \"reflectance\"");
+  refused(with(R"(<bsdf type="diffuse" id="glass"/><shape type="cube"><ref id="glas"/></shape>)"),
+          "did you mean \"glass\"");
   refused(with(R"(<shape type="sphere"><string name="radius" value="big"/></shape>)"), "radius");
   refused(with(R"(<shape type="sphere"><float name="radius" value="big"/></shape>)"), "\"big\"");
   refused(with(R"(<shape type="obj"><string name="filename" value="none.obj"/></shape>)"), "none.obj");
   refused(with(R"(<shape type="sphere"><float name="radius" value="nan"/></shape>)"), "nan");
   refused(with(R"(<shape type="sphere"><float name="radius" value="-1"/></shape>)"), "radius");
-  refused(with(R"(<shape type="cube"><transform name="to_world"><scale value="0"/></transform></shape>)"), "singular");
+  refused(with(R"(<shape type="cube"><transform name="to_world"><scale value="0"/></transform></shape>)"),
+          "singular");
   refused(with(R"(<include filename="scene.xml"/>)"), "include");
-  refused(with(R"(<bsdf type="twosided" id="a"><ref id="b"/></bsdf><bsdf type="twosided" id="b"><ref id="a"/></bsdf>)"), "circular");
+  refused(
+      with(
+          R"(<bsdf type="twosided" id="a"><ref id="b"/></bsdf><bsdf type="twosided" id="b"><ref id="a"/></bsdf>)"),
+      "circular");
   refused(with(R"(<shape type="sphere"><float name="radius" value="$size"/></shape>)"), "$size");
   refused(with(""), "-D", {"-D", "unused=1"});
   refused(with(R"(<emitter type="point"><rgb name="intensity" value="-1"/></emitter>)"), "intensity");
   refused(with(R"(<bsdf type="diffuse"><rgb name="reflectance" value="1.5"/></bsdf>)"), "reflectance");
-  refused(with(R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><float name="radius" value="5"/><float name="area_fraction" value="0.5"/></bsdf></shape>)"), "unit");
-  refused(with(R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><string name="radius" value="5 furlongs"/><float name="area_fraction" value="0.5"/></bsdf></shape>)"), "furlongs");
-  refused(with(R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><string name="radius" value="5um"/><float name="area_fraction" value="0.8"/></bsdf></shape>)"), "area_fraction");
+  refused(
+      with(
+          R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><float name="radius" value="5"/><float name="area_fraction" value="0.5"/></bsdf></shape>)"),
+      "unit");
+  refused(
+      with(
+          R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><string name="radius" value="5 furlongs"/><float name="area_fraction" value="0.5"/></bsdf></shape>)"),
+      "furlongs");
+  refused(
+      with(
+          R"(<shape type="rectangle"><bsdf type="correlated_scatterers"><string name="radius" value="5um"/><float name="area_fraction" value="0.8"/></bsdf></shape>)"),
+      "area_fraction");
   refused("<scene version=\"3.0.0\"><shape></scene>", "scene.xml");
 }
 
 TEST_F(Cli, TruncatedFilesAreLocatedErrors) {
   const std::filesystem::path assets = std::filesystem::path(AUREOLE_SOURCE_DIR) / "tests/references/scenes";
-  for (const auto& [type, file] : {std::pair{"ply", "meshes/hill_little.ply"}, {"serialized", "meshes/pair.serialized"}}) {
+  for (const auto& [type, file] :
+       {std::pair{"ply", "meshes/hill_little.ply"}, {"serialized", "meshes/pair.serialized"}}) {
     const std::string bytes = content(assets / file);
     ASSERT_FALSE(bytes.empty());
     folder.write("cut.bin", bytes.substr(0, bytes.size() / 2));
-    refused(with("<shape type=\"" + std::string(type) + "\"><string name=\"filename\" value=\"cut.bin\"/></shape>"), "cut.bin");
+    refused(with("<shape type=\"" + std::string(type) +
+                 "\"><string name=\"filename\" value=\"cut.bin\"/></shape>"),
+            "cut.bin");
   }
   folder.write("cut.obj", "v 0 0 0\nv 1 0 0\nf 1 2 3\n");
   refused(with(R"(<shape type="obj"><string name="filename" value="cut.obj"/></shape>)"), "cut.obj");
@@ -213,8 +244,10 @@ TEST_F(Cli, TruncatedFilesAreLocatedErrors) {
 }
 
 TEST_F(Cli, EveryProblemAtOnce) {
-  const Outcome o = run({"render", scene(with("<bsdf type=\"difuse\" id=\"b\"/>\n<shape type=\"sphere\"><float name=\"radius\" value=\"-1\"/></shape>\n"
-                                              "<shape type=\"cube\"><ref id=\"nothing\"/></shape>")),
+  const Outcome o = run({"render",
+                         scene(with("<bsdf type=\"difuse\" id=\"b\"/>\n<shape type=\"sphere\"><float "
+                                    "name=\"radius\" value=\"-1\"/></shape>\n"
+                                    "<shape type=\"cube\"><ref id=\"nothing\"/></shape>")),
                          "-o", out()});
   EXPECT_EQ(o.exit_code, 2);
   EXPECT_NE(o.output.find("difuse"), std::string::npos) << o.output;
@@ -241,7 +274,8 @@ TEST_F(Cli, BadArguments) {
 
 TEST_F(Cli, DegenerateTrianglesAreDroppedWithACount) {
   folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\nf 1 1 2\n");
-  const Outcome o = run({"info", scene(with(R"(<shape type="obj"><string name="filename" value="flat.obj"/></shape>)"))});
+  const Outcome o =
+      run({"info", scene(with(R"(<shape type="obj"><string name="filename" value="flat.obj"/></shape>)"))});
   EXPECT_EQ(o.exit_code, 0) << o.output;
   EXPECT_NE(o.output.find("2 degenerate"), std::string::npos) << o.output;
 }

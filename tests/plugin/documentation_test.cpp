@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every registered parameter is read by an example and every parameter that is read is documented (Properties throws otherwise); docs/plugins.md is
-// what the registrations say.
+// Every registered parameter is read by an example and every parameter that is read is documented (Properties
+// throws otherwise); docs/plugins.md is what the registrations say.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -26,7 +26,8 @@ TEST(Documentation, EveryPluginSaysWhatItIs) {
     std::set<std::string> names;
     for (const auto& row : p.doc.parameters) {
       EXPECT_TRUE(names.insert(row.name).second) << p.name << " documents " << row.name << " twice";
-      EXPECT_FALSE(row.type.empty() || row.fallback.empty() || row.meaning.empty()) << p.name << " " << row.name;
+      EXPECT_FALSE(row.type.empty() || row.fallback.empty() || row.meaning.empty())
+          << p.name << " " << row.name;
     }
   }
   EXPECT_GT(count, 30);
@@ -63,8 +64,10 @@ TEST(Documentation, EveryParameterIsReadByAnExample) {
       EXPECT_TRUE(diagnostics.errors().empty()) << diagnostics.errors().front();
     }
     for (const auto& row : p.doc.parameters)
-      EXPECT_TRUE(read.count(row.name)) << p.family << " " << p.name << ": no example makes it read \"" << row.name << "\"";
-    for (const auto& name : read) EXPECT_TRUE(p.documents(name)) << p.name << " reads the undocumented " << name;
+      EXPECT_TRUE(read.count(row.name))
+          << p.family << " " << p.name << ": no example makes it read \"" << row.name << "\"";
+    for (const auto& name : read)
+      EXPECT_TRUE(p.documents(name)) << p.name << " reads the undocumented " << name;
   }
 }
 

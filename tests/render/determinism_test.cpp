@@ -19,8 +19,10 @@ RenderState rendered(const RenderOptions& options, const std::string& extra_film
 }
 
 TEST(Determinism, ThreadsDoNotChangeABit) {
-  for (const char* film : {"", R"(<boolean name="sample_border" value="true"/>)",
-                           R"(<integer name="crop_offset_x" value="5"/><integer name="crop_offset_y" value="3"/><integer name="crop_width" value="21"/><integer name="crop_height" value="18"/>)"}) {
+  for (
+      const char* film :
+      {"", R"(<boolean name="sample_border" value="true"/>)",
+       R"(<integer name="crop_offset_x" value="5"/><integer name="crop_offset_y" value="3"/><integer name="crop_width" value="21"/><integer name="crop_height" value="18"/>)"}) {
     RenderOptions options;
     options.threads = 1;
     const RenderState one = rendered(options, film);

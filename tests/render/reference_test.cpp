@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole against stored pictures of Mitsuba 3 in spectral mode (tests/references): mean and variance from independently scrambled renders,
-// a z-value per pixel and channel.
+// aureole against stored pictures of Mitsuba 3 in spectral mode (tests/references): mean and variance from
+// independently scrambled renders, a z-value per pixel and channel.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -56,7 +56,8 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   std::filesystem::path scene = GetParam().scene;
   if (GetParam().scene.starts_with("shared:")) {
     const char* shared = std::getenv("AUREOLE_SHARED");
-    const std::filesystem::path folder = shared ? shared : std::filesystem::path(AUREOLE_SOURCE_DIR) / ".." / "shared";
+    const std::filesystem::path folder =
+        shared ? shared : std::filesystem::path(AUREOLE_SOURCE_DIR) / ".." / "shared";
     scene = folder / GetParam().scene.substr(7);
     if (!std::filesystem::exists(scene)) GTEST_SKIP() << "the scene " << scene << " is not here";
   } else {
@@ -68,8 +69,9 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   const auto loaded = std::make_shared<const Scene>(load_scene(scene, load));
   const Image reference = read_image(kReferences / (GetParam().name + ".exr"));
 
-  // 32 replicates make the variance's own error small. Few samples do for most scenes; where the noise is above 1 % of the mean a pixel's mean is
-  // not yet normally distributed (rare bright samples), and more are taken.
+  // 32 replicates make the variance's own error small. Few samples do for most scenes; where the noise is
+  // above 1 % of the mean a pixel's mean is not yet normally distributed (rare bright samples), and more are
+  // taken.
   RenderOptions options;
   options.replicates = 32;
   const std::atomic<bool> go{false};
@@ -82,18 +84,22 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
     if (relative_noise(state.picture()) < 0.01) break;
   }
   EXPECT_EQ(state.invalid_samples, 0u);
-  // Mitsuba 3.9.1 divides by an integral of ybar of 106.7503 nm, where the CIE's table has 106.857 nm: spectra given in absolute numbers are .1 %
-  // brighter there, its upsampled colours err by a few 1e-4 (its table's interpolation), and some pixels have less noise than that.
+  // Mitsuba 3.9.1 divides by an integral of ybar of 106.7503 nm, where the CIE's table has 106.857 nm:
+  // spectra given in absolute numbers are .1 % brighter there, its upsampled colours err by a few 1e-4 (its
+  // table's interpolation), and some pixels have less noise than that.
   constexpr double kMitsubaTables = 1e-3;
   const Comparison c = compare_images(state.picture(), reference, kMitsubaTables);
   ASSERT_TRUE(c.z);
   RecordProperty("mean_z2", std::to_string(c.z->mean_square));
-  std::printf("%-28s mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n", GetParam().name.c_str(),
-              c.z->mean_square, 100 * c.z->outside, c.z->mean_difference, 100 * c.z->mean_relative);
-  EXPECT_TRUE(c.z->passes) << "mean of z^2 " << c.z->mean_square << ", outside " << 100 * c.z->outside << " %, image mean "
-                           << c.z->mean_difference << " standard errors, " << 100 * c.z->mean_relative << " %";
+  std::printf("%-28s mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n",
+              GetParam().name.c_str(), c.z->mean_square, 100 * c.z->outside, c.z->mean_difference,
+              100 * c.z->mean_relative);
+  EXPECT_TRUE(c.z->passes) << "mean of z^2 " << c.z->mean_square << ", outside " << 100 * c.z->outside
+                           << " %, image mean " << c.z->mean_difference << " standard errors, "
+                           << 100 * c.z->mean_relative << " %";
   if (!c.z->passes) {
-    const auto folder = std::filesystem::path(AUREOLE_BINARY).parent_path().parent_path() / "failed-references";
+    const auto folder =
+        std::filesystem::path(AUREOLE_BINARY).parent_path().parent_path() / "failed-references";
     std::filesystem::create_directories(folder);
     write_pictures(state, folder / (GetParam().name + ".exr"));
     write_z_map(c, folder / (GetParam().name + "-z.png"));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A small scene with textures of everything a job touches: border-crossing filter, glass, dispersion, area and point lights.
+// A small scene with textures of everything a job touches: border-crossing filter, glass, dispersion, area
+// and point lights.
 #pragma once
 
 #include <memory>
@@ -31,8 +32,10 @@ inline std::string small_scene_text(int width = 40, int height = 28, const std::
 </scene>)";
 }
 
-inline std::shared_ptr<const Scene> small_scene(int width = 40, int height = 28, const std::string& extra_film = "") {
-  return std::make_shared<const Scene>(load_scene_from_string(small_scene_text(width, height, extra_film), "small.xml"));
+inline std::shared_ptr<const Scene> small_scene(int width = 40, int height = 28,
+                                                const std::string& extra_film = "") {
+  return std::make_shared<const Scene>(
+      load_scene_from_string(small_scene_text(width, height, extra_film), "small.xml"));
 }
 
 inline bool same_bits(const RenderState& a, const RenderState& b) {

@@ -17,10 +17,13 @@ TEST(FilmBuffer, AdditionIsExactAndNeedsNoOrder) {
   std::normal_distribution<float> normal;
   std::vector<std::vector<float>> blocks(200, std::vector<float>(5 * 4 * 5));
   for (auto& b : blocks)
-    for (size_t i = 0; i < b.size(); ++i) b[i] = i % 5 == 4 ? 1.f : normal(random) * std::pow(10.f, float(random() % 12) - 6);
+    for (size_t i = 0; i < b.size(); ++i)
+      b[i] = i % 5 == 4 ? 1.f : normal(random) * std::pow(10.f, float(random() % 12) - 6);
   FilmBuffer forward(8, 8, 3), backward(8, 8, 3);
-  for (size_t i = 0; i < blocks.size(); ++i) forward.add(int(i % 7) - 2, int(i % 5) - 2, 5, 4, blocks[i].data());
-  for (size_t i = blocks.size(); i-- > 0;) backward.add(int(i % 7) - 2, int(i % 5) - 2, 5, 4, blocks[i].data());
+  for (size_t i = 0; i < blocks.size(); ++i)
+    forward.add(int(i % 7) - 2, int(i % 5) - 2, 5, 4, blocks[i].data());
+  for (size_t i = blocks.size(); i-- > 0;)
+    backward.add(int(i % 7) - 2, int(i % 5) - 2, 5, 4, blocks[i].data());
   EXPECT_EQ(forward.data(), backward.data());
 }
 

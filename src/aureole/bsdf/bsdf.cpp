@@ -43,7 +43,8 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
   // What stays a table without dispersion is a conductor.
   if (constant->is_dispersive())
     throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
-  // A default is the constant of other renderers, so that their scenes look the same; a material that a scene names is the real one.
+  // A default is the constant of other renderers, so that their scenes look the same; a material that a scene
+  // names is the real one.
   const auto index = find_refractive_index(material, named && may_disperse);
   ior.constant_ = float(index->at(kSodiumD).real());
   if (!index->is_dispersive()) return ior;

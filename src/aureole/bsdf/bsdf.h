@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The BSDF family. Conventions (docs/conventions.md): local frame, z = shading normal; `wi` is the given direction (towards the
-// previous vertex), `wo` the sampled one, both outward. Values include |cos theta_o|. In Radiance mode light travels
-// wo -> wi, in Importance mode wi -> wo. Values and densities are per wavelength.
+// The BSDF family. Conventions (docs/conventions.md): local frame, z = shading normal; `wi` is the given
+// direction (towards the previous vertex), `wo` the sampled one, both outward. Values include |cos theta_o|.
+// In Radiance mode light travels wo -> wi, in Importance mode wi -> wo. Values and densities are per
+// wavelength.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +40,9 @@ struct BsdfContext {
 
 struct BsdfSample {
   Vec3 wo;
-  Weight value;   ///< f |cos theta_o|; for a delta lobe the factor of the delta (its mass-weighted reflectance)
-  Spectrum pdf;   ///< per wavelength: a density [1/sr], or where `lobe` is delta a probability (mass)
+  Weight
+      value;  ///< f |cos theta_o|; for a delta lobe the factor of the delta (its mass-weighted reflectance)
+  Spectrum pdf;  ///< per wavelength: a density [1/sr], or where `lobe` is delta a probability (mass)
   Lobe lobe = Lobe::none;
 
   bool is_delta() const { return has(lobe, Lobe::delta); }
@@ -52,20 +54,26 @@ struct BsdfEval {
 };
 
 class Bsdf : public Object {
- public:
+public:
   static constexpr const char* kFamily = "a BSDF";
   using Object::Object;
 
   /// Value and density of the non-delta lobes.
   virtual BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const = 0;
-  Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const { return eval_pdf(wi, wo, ctx).value; }
+  Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
+    return eval_pdf(wi, wo, ctx).value;
+  }
   /// The reverse density is this with swapped arguments.
-  Spectrum pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const { return eval_pdf(wi, wo, ctx).pdf; }
+  Spectrum pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
+    return eval_pdf(wi, wo, ctx).pdf;
+  }
 
-  /// A direction drawn for the hero wavelength; nothing where no direction exists. `pdf[0]` > 0. The value and the density are those of
-  /// all non-delta lobes at wo where a non-delta lobe was drawn (as `eval_pdf`), and of the one delta direction otherwise. Where
-  /// a delta direction depends on the wavelength, wavelengths that go elsewhere have value 0 and mass 0.
-  virtual std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const = 0;
+  /// A direction drawn for the hero wavelength; nothing where no direction exists. `pdf[0]` > 0. The value
+  /// and the density are those of all non-delta lobes at wo where a non-delta lobe was drawn (as `eval_pdf`),
+  /// and of the one delta direction otherwise. Where a delta direction depends on the wavelength, wavelengths
+  /// that go elsewhere have value 0 and mass 0.
+  virtual std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2,
+                                           const BsdfContext& ctx) const = 0;
 
   virtual Lobe lobes() const = 0;
   /// Diffuse and glossy lobes exist: next-event estimation is worth its ray.
@@ -79,15 +87,16 @@ inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }  ///< about the
 
 /// A refractive index given as a number or a material's name, per wavelength of the path.
 class Ior {
- public:
-  /// Reads `name` ("bk7", 1.5, ...); a name with dispersion data disperses. Errors are located and suggest names.
+public:
+  /// Reads `name` ("bk7", 1.5, ...); a name with dispersion data disperses. Errors are located and suggest
+  /// names.
   static Ior from(const Properties& properties, std::string_view name, const std::string& fallback);
   Spectrum eval(const Wavelengths& w) const { return dispersive_ ? table_.eval(w) : Spectrum(constant_); }
   bool is_dispersive() const { return dispersive_; }
   /// The index at the sodium D line (589.3 nm) or the constant.
   float at_sodium_d() const { return constant_; }
 
- private:
+private:
   bool dispersive_ = false;
   float constant_ = 1;
   SampledSpectrum table_;

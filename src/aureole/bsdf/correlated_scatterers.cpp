@@ -297,46 +297,46 @@ private:
 
 AUREOLE_PLUGIN(
     CorrelatedScatterers, "bsdf", "correlated_scatterers",
-    PluginDoc{
-        "A layer of equal circles that do not overlap, diffracting light into coloured rings "
-        "around every lamp (a corona): openings in a sheet or in the mist on a pane, or "
-        "opaque discs. Their places are those of hard discs, Percus-Yevick; the empty centre "
-        "of the corona comes from that order. Part of the light keeps its direction, part is "
-        "diffracted, and the rest meets the substrate between apertures (absorbed for "
-        "\"none\") or is blocked by discs. With Fr the covered part, apertures: Fr^2, Fr - "
-        "Fr^2, 1 - Fr; discs: (1 - Fr)^2, Fr - Fr^2, Fr. Diffracted waves without a real "
-        "direction (evanescent) are lost, about 2/(pi k a (1 - Fr)) of the diffracted part at"
-        " normal incidence and more at grazing; renormalize gives that power back.",
-        "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated "
-        "scatterers, 2025, equations 14 to 20; J. E. Harvey et al., Diffracted radiance: a "
-        "fundamental quantity in nonparaxial scalar diffraction theory, Appl. Opt. 38, 1999",
-        {{"scatterer", "string", "", "apertures",
-          "apertures (the light goes through the circles) or discs (around them)"},
-         {"radius", "length", "", "required", "radius of the circles, such as 5um"},
-         {"correlation_radius", "length", "", "radius",
-          "half the smallest distance of two centres; between radius and 64 times that"},
-         {"area_fraction", "float", "", "required",
-          "part of the plane that discs of correlation_radius would cover, in (0, 0.7]"},
-         {"substrate", "string", "", "none",
-          "none: a sheet in one medium, nothing is reflected; dielectric: the interface of two "
-          "media; thindielectric: a pane in one surface"},
-         {"int_ior", "float or string", "", "1.5046", "index below the interface or of the pane; not for none"},
-         {"ext_ior", "float or string", "", "air", "index above, and on both sides of a sheet or pane"},
-         {"dispersion", "boolean", "", "true",
-          "named materials use their dispersion data where there are any"},
-         {"obliquity", "string", "", "reciprocal",
-          "factor of the diffracted radiance, with s the specular and o the outgoing angle of "
-          "the light: reciprocal: 1; fraunhofer: cos s/cos o, as published, not reciprocal; "
-          "kirchhoff: ((cos s + cos o)/2)^2/(cos s cos o)"},
-         {"renormalize", "boolean", "", "false",
-          "scale by h(w_i) h(w_o) such that no diffracted power is lost to evanescent waves; "
-          "only with reciprocal"},
-         {"sampling", "string", "", "product",
-          "product: in proportion to the diffracted intensity; factors: by its two factors in "
-          "turn, as published; the picture is the same, with more noise"},
-         {"blocked", "bsdf", "", "none",
-          "what the discs do with the light they block (absorbed without); not for apertures"}},
-        {R"(<bsdf type="correlated_scatterers">
+    PluginDoc{"A layer of equal circles that do not overlap, diffracting light into coloured rings "
+              "around every lamp (a corona): openings in a sheet or in the mist on a pane, or "
+              "opaque discs. Their places are those of hard discs, Percus-Yevick; the empty centre "
+              "of the corona comes from that order. Part of the light keeps its direction, part is "
+              "diffracted, and the rest meets the substrate between apertures (absorbed for "
+              "\"none\") or is blocked by discs. With Fr the covered part, apertures: Fr^2, Fr - "
+              "Fr^2, 1 - Fr; discs: (1 - Fr)^2, Fr - Fr^2, Fr. Diffracted waves without a real "
+              "direction (evanescent) are lost, about 2/(pi k a (1 - Fr)) of the diffracted part at"
+              " normal incidence and more at grazing; renormalize gives that power back.",
+              "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated "
+              "scatterers, 2025, equations 14 to 20; J. E. Harvey et al., Diffracted radiance: a "
+              "fundamental quantity in nonparaxial scalar diffraction theory, Appl. Opt. 38, 1999",
+              {{"scatterer", "string", "", "apertures",
+                "apertures (the light goes through the circles) or discs (around them)"},
+               {"radius", "length", "", "required", "radius of the circles, such as 5um"},
+               {"correlation_radius", "length", "", "radius",
+                "half the smallest distance of two centres; between radius and 64 times that"},
+               {"area_fraction", "float", "", "required",
+                "part of the plane that discs of correlation_radius would cover, in (0, 0.7]"},
+               {"substrate", "string", "", "none",
+                "none: a sheet in one medium, nothing is reflected; dielectric: the interface of two "
+                "media; thindielectric: a pane in one surface"},
+               {"int_ior", "float or string", "", "1.5046",
+                "index below the interface or of the pane; not for none"},
+               {"ext_ior", "float or string", "", "air", "index above, and on both sides of a sheet or pane"},
+               {"dispersion", "boolean", "", "true",
+                "named materials use their dispersion data where there are any"},
+               {"obliquity", "string", "", "reciprocal",
+                "factor of the diffracted radiance, with s the specular and o the outgoing angle of "
+                "the light: reciprocal: 1; fraunhofer: cos s/cos o, as published, not reciprocal; "
+                "kirchhoff: ((cos s + cos o)/2)^2/(cos s cos o)"},
+               {"renormalize", "boolean", "", "false",
+                "scale by h(w_i) h(w_o) such that no diffracted power is lost to evanescent waves; "
+                "only with reciprocal"},
+               {"sampling", "string", "", "product",
+                "product: in proportion to the diffracted intensity; factors: by its two factors in "
+                "turn, as published; the picture is the same, with more noise"},
+               {"blocked", "bsdf", "", "none",
+                "what the discs do with the light they block (absorbed without); not for apertures"}},
+              {R"(<bsdf type="correlated_scatterers">
     <string name="scatterer" value="apertures"/>
     <string name="radius" value="5um"/>
     <float name="area_fraction" value="0.5"/>
@@ -345,7 +345,7 @@ AUREOLE_PLUGIN(
     <boolean name="dispersion" value="false"/>
     <boolean name="renormalize" value="true"/>
 </bsdf>)",
-         R"(<bsdf type="correlated_scatterers">
+               R"(<bsdf type="correlated_scatterers">
     <string name="scatterer" value="discs"/>
     <string name="radius" value="4um"/> <string name="correlation_radius" value="5um"/>
     <float name="area_fraction" value="0.3"/>

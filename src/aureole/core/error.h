@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors that know where they come from. Wrong input is an `Error` with a location in a file where there is one;
-// `Diagnostics` collects all of them so that a user sees every problem of a scene at once.
+// Errors that know where they come from. Wrong input is an `Error` with a location in a file where there is
+// one; `Diagnostics` collects all of them so that a user sees every problem of a scene at once.
 #pragma once
 
 #include <stdexcept>
@@ -22,7 +22,7 @@ struct SourceLocation {
 
 /// A problem with what the user gave us. Caught by the applications, which print it and exit with code 2.
 class Error : public std::runtime_error {
- public:
+public:
   explicit Error(const std::string& message) : std::runtime_error(message), message_(message) {}
   Error(const SourceLocation& where, const std::string& message)
       : std::runtime_error(where.file.empty() ? message : where.str() + ": " + message),
@@ -32,14 +32,14 @@ class Error : public std::runtime_error {
   const SourceLocation& where() const { return where_; }
   const std::string& message() const { return message_; }
 
- private:
+private:
   SourceLocation where_;
   std::string message_;
 };
 
 /// Collects errors and notes while a file is read. Identical entries are kept once.
 class Diagnostics {
- public:
+public:
   void error(const SourceLocation& where, const std::string& message);
   void error(const Error& e) { error(e.where(), e.message()); }
   void note(const SourceLocation& where, const std::string& message);
@@ -51,17 +51,17 @@ class Diagnostics {
   /// Throws one `ErrorList` with everything collected, if there is any error.
   void throw_if_errors() const;
 
- private:
+private:
   std::vector<std::string> errors_, notes_;
 };
 
 /// Several errors at once; `what()` joins them by newlines.
 class ErrorList : public Error {
- public:
+public:
   explicit ErrorList(std::vector<std::string> errors);
   const std::vector<std::string>& errors() const { return errors_; }
 
- private:
+private:
   std::vector<std::string> errors_;
 };
 

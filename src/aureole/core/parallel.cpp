@@ -34,7 +34,8 @@ void run_workers(int threads, const std::function<void(int)>& worker) {
   for (auto& t : pool) t.join();
 #else
   // More threads than cores are allowed on request: the determinism tests use them.
-  tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(std::max(threads, default_thread_count())));
+  tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                            size_t(std::max(threads, default_thread_count())));
   tbb::task_arena arena(threads);
   arena.execute([&] { tbb::parallel_for(0, threads, 1, guarded, tbb::simple_partitioner()); });
 #endif

@@ -9,8 +9,9 @@ namespace aureole {
 /// Number of threads a job uses when none is asked for.
 int default_thread_count();
 
-/// Calls `worker(i)` for i in [0, threads), concurrently where the machine can, and returns when all have returned. Workers share work
-/// through state of their own (an atomic counter); each must be able to finish it alone. The first exception is rethrown.
+/// Calls `worker(i)` for i in [0, threads), concurrently where the machine can, and returns when all have
+/// returned. Workers share work through state of their own (an atomic counter); each must be able to finish
+/// it alone. The first exception is rethrown.
 void run_workers(int threads, const std::function<void(int)>& worker);
 
 }  // namespace aureole

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Counter-based random numbers: everything random is a function of (seed, pixel or path, sample, dimension), so that a picture does
-// not depend on threads, order or interruptions.
+// Counter-based random numbers: everything random is a function of (seed, pixel or path, sample, dimension),
+// so that a picture does not depend on threads, order or interruptions.
 #pragma once
 
 #include <cstdint>
 
 namespace aureole {
 
-/// The finaliser of SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators"): a bijection of 64 bits.
+/// The finaliser of SplitMix64 (Steele, Lea & Flood 2014, "Fast splittable pseudorandom number generators"):
+/// a bijection of 64 bits.
 constexpr std::uint64_t mix_bits(std::uint64_t x) {
   x ^= x >> 30;
   x *= 0xbf58476d1ce4e5b9u;

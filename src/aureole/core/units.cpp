@@ -12,8 +12,10 @@ namespace aureole {
 namespace {
 
 std::string_view trimmed(std::string_view s) {
-  while (!s.empty() && (s.front() == ' ' || s.front() == '\t' || s.front() == '\n' || s.front() == '\r')) s.remove_prefix(1);
-  while (!s.empty() && (s.back() == ' ' || s.back() == '\t' || s.back() == '\n' || s.back() == '\r')) s.remove_suffix(1);
+  while (!s.empty() && (s.front() == ' ' || s.front() == '\t' || s.front() == '\n' || s.front() == '\r'))
+    s.remove_prefix(1);
+  while (!s.empty() && (s.back() == ' ' || s.back() == '\t' || s.back() == '\n' || s.back() == '\r'))
+    s.remove_suffix(1);
   return s;
 }
 
@@ -21,8 +23,8 @@ struct Unit {
   std::string_view name;
   double factor;
 };
-constexpr Unit kLengths[] = {{"nm", 1e-9}, {"um", 1e-6}, {"µm", 1e-6}, {"μm", 1e-6}, {"mm", 1e-3},
-                             {"cm", 1e-2}, {"m", 1},     {"km", 1e3}};
+constexpr Unit kLengths[] = {{"nm", 1e-9}, {"um", 1e-6}, {"µm", 1e-6}, {"μm", 1e-6},
+                             {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1},     {"km", 1e3}};
 constexpr Unit kFrequencies[] = {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}, {"THz", 1e12}};
 
 /// The number at the start of `text` and what follows it.

@@ -9,7 +9,7 @@ namespace aureole {
 namespace {
 
 class AreaEmitter final : public Emitter {
- public:
+public:
   explicit AreaEmitter(const Properties& p)
       : Emitter(p), radiance_(get_texture(p, "radiance", 1, SpectrumRole::emission)) {}
 
@@ -21,7 +21,9 @@ class AreaEmitter final : public Emitter {
   }
 
   std::size_t part_count() const override { return shape_->patch_count(); }
-  std::size_t part_of(const SurfacePoint& point) const override { return shape_->patch_of_primitive(point.primitive); }
+  std::size_t part_of(const SurfacePoint& point) const override {
+    return shape_->patch_of_primitive(point.primitive);
+  }
 
   Spectrum eval(const SurfacePoint& point, const Vec3& w, const Wavelengths& wavelengths) const override {
     return dot(point.ng, w) > 0 ? radiance_->eval(point, wavelengths) : Spectrum(0.f);
@@ -36,7 +38,8 @@ class AreaEmitter final : public Emitter {
     if (!(dot(s->ng, wo) < 0) || !(s->pdf > 0)) return {};
     SurfacePoint point;
     point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
-    return DirectSample{wo, s->p, s->p_error, s->ng, radiance_->eval(point, wavelengths), s->pdf, false, false};
+    return DirectSample{wo,     s->p,  s->p_error, s->ng, radiance_->eval(point, wavelengths),
+                        s->pdf, false, false};
   }
 
   float pdf_direct(const Vec3& reference, const SurfacePoint& point) const override {
@@ -51,20 +54,25 @@ class AreaEmitter final : public Emitter {
 
   EmissionBounds emission_bounds(std::size_t part) const override {
     const auto [axis, cosine] = shape_->patch_normals(part);
-    return {shape_->patch_bounds(part), axis, cosine, 0, area_ > 0 ? float(shape_->patch_area(part) / area_) : 0};
+    return {shape_->patch_bounds(part), axis, cosine, 0,
+            area_ > 0 ? float(shape_->patch_area(part) / area_) : 0};
   }
 
- private:
+private:
   TexturePtr radiance_;
   const Shape* shape_ = nullptr;
   double area_ = 0;
 };
 
-AUREOLE_PLUGIN(AreaEmitter, "emitter", "area",
-               PluginDoc{"Makes the shape it is a child of shine with the same radiance into all directions of its front side.",
-                         "",
-                         {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1", "emitted spectral radiance; may be a texture"}},
-                         {R"(<emitter type="area"><spectrum name="radiance" value="400:0, 500:8, 700:18"/></emitter>)"}});
+AUREOLE_PLUGIN(
+    AreaEmitter, "emitter", "area",
+    PluginDoc{
+        "Makes the shape it is a child of shine with the same radiance into all directions of its front "
+        "side.",
+        "",
+        {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
+          "emitted spectral radiance; may be a texture"}},
+        {R"(<emitter type="area"><spectrum name="radiance" value="400:0, 500:8, 700:18"/></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

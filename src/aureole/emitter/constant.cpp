@@ -9,10 +9,11 @@ namespace aureole {
 namespace {
 
 class ConstantEmitter final : public Emitter {
- public:
+public:
   explicit ConstantEmitter(const Properties& p)
       : Emitter(p), radiance_(get_texture(p, "radiance", 1, SpectrumRole::emission)) {
-    if (!radiance_->is_constant()) throw p.error("radiance", "a constant emitter takes a spectrum, not a texture; use envmap");
+    if (!radiance_->is_constant())
+      throw p.error("radiance", "a constant emitter takes a spectrum, not a texture; use envmap");
   }
 
   void set_scene_bounds(const Vec3&, float radius) override { radius_ = radius; }
@@ -20,7 +21,8 @@ class ConstantEmitter final : public Emitter {
 
   Spectrum eval_escaped(const Vec3&, const Wavelengths& w) const override { return radiance_->eval({}, w); }
 
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u, const Wavelengths& w) const override {
+  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
+                                            const Wavelengths& w) const override {
     DirectSample s;
     s.wo = square_to_uniform_sphere(u);
     s.radiance = radiance_->eval({}, w);
@@ -37,16 +39,17 @@ class ConstantEmitter final : public Emitter {
   }
   EmissionBounds emission_bounds(std::size_t) const override { return {}; }
 
- private:
+private:
   TexturePtr radiance_;
   float radius_ = 1;
 };
 
 AUREOLE_PLUGIN(ConstantEmitter, "emitter", "constant",
-               PluginDoc{"Environment of constant radiance around the scene.",
-                         "",
-                         {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1", "spectral radiance"}},
-                         {R"(<emitter type="constant"><rgb name="radiance" value="0.5, 0.7, 1"/></emitter>)"}});
+               PluginDoc{
+                   "Environment of constant radiance around the scene.",
+                   "",
+                   {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1", "spectral radiance"}},
+                   {R"(<emitter type="constant"><rgb name="radiance" value="0.5, 0.7, 1"/></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -7,7 +7,8 @@
 namespace aureole {
 
 void Emitter::attach(const Shape&) {
-  throw Error(properties().where(), "an emitter of type \"" + properties().type() + "\" cannot sit on a shape; use \"area\"");
+  throw Error(properties().where(),
+              "an emitter of type \"" + properties().type() + "\" cannot sit on a shape; use \"area\"");
 }
 void Emitter::set_scene_bounds(const Vec3&, float) {}
 std::size_t Emitter::part_of(const SurfacePoint&) const { return 0; }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The emitter family. An emitter is divided into parts (patches of a shape, or one) between which the light selection chooses.
+// The emitter family. An emitter is divided into parts (patches of a shape, or one) between which the light
+// selection chooses.
 #pragma once
 
 #include <optional>
@@ -14,32 +15,33 @@ class Shape;
 
 /// A direction towards an emitter, from `Emitter::sample_direct`.
 struct DirectSample {
-  Vec3 wo;        ///< unit direction from the reference point towards the emitter
-  Vec3 p;         ///< where the connection ends; for an emitter at infinity a point beyond the scene
-  Vec3 p_error;   ///< zero for points that lie on no surface
-  Vec3 ng;        ///< zero for points that lie on no surface
+  Vec3 wo;            ///< unit direction from the reference point towards the emitter
+  Vec3 p;             ///< where the connection ends; for an emitter at infinity a point beyond the scene
+  Vec3 p_error;       ///< zero for points that lie on no surface
+  Vec3 ng;            ///< zero for points that lie on no surface
   Spectrum radiance;  ///< arriving along -wo; of a delta emitter the factor of the delta (irradiance)
-  float pdf = 0;  ///< density [1/sr], or 1 (a mass) where `delta`
+  float pdf = 0;      ///< density [1/sr], or 1 (a mass) where `delta`
   bool delta = false;
   bool infinite = false;
 };
 
-/// How much light a part may send somewhere, for light selection (Conty Estevez & Kulla 2018, "Importance sampling of many lights
-/// with adaptive tree splitting").
+/// How much light a part may send somewhere, for light selection (Conty Estevez & Kulla 2018, "Importance
+/// sampling of many lights with adaptive tree splitting").
 struct EmissionBounds {
   Bounds3 box;
   Vec3 axis{0, 0, 1};
-  float cos_normals = -1;   ///< cosine of the half-angle of the cone of normals around axis
-  float cos_emission = 0;   ///< cosine of the further angle into which it shines (0 for a surface)
-  float power = 1;          ///< fraction of the emitter's power that this part sends
+  float cos_normals = -1;  ///< cosine of the half-angle of the cone of normals around axis
+  float cos_emission = 0;  ///< cosine of the further angle into which it shines (0 for a surface)
+  float power = 1;         ///< fraction of the emitter's power that this part sends
 };
 
 class Emitter : public Object {
- public:
+public:
   static constexpr const char* kFamily = "an emitter";
   using Object::Object;
 
-  /// Called once when the emitter belongs to `shape`; others keep an error. Throws Error for an emitter that can't sit on a shape.
+  /// Called once when the emitter belongs to `shape`; others keep an error. Throws Error for an emitter that
+  /// can't sit on a shape.
   virtual void attach(const Shape& shape);
   /// Called once with the scene's bounds before anything is sampled.
   virtual void set_scene_bounds(const Vec3& center, float radius);
@@ -55,7 +57,8 @@ class Emitter : public Object {
 
   virtual std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t part, Vec2 u,
                                                     const Wavelengths& wavelengths) const = 0;
-  /// Solid-angle density with which sample_direct of `point`'s part chooses it from `reference`; 0 for delta emitters.
+  /// Solid-angle density with which sample_direct of `point`'s part chooses it from `reference`; 0 for delta
+  /// emitters.
   virtual float pdf_direct(const Vec3& reference, const SurfacePoint& point) const;
   /// The same for a direction that left the scene.
   virtual float pdf_direct_escaped(const Vec3& reference, const Vec3& d) const;

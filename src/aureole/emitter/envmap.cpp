@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Environment map in latitude-longitude projection, importance-sampled. Geometry as Mitsuba's: local +y is up, u = 0 looks along
-// local -z and grows towards +x; texels are centred in azimuth, the first and last rows are the poles.
+// Environment map in latitude-longitude projection, importance-sampled. Geometry as Mitsuba's: local +y is
+// up, u = 0 looks along local -z and grows towards +x; texels are centred in azimuth, the first and last rows
+// are the poles.
 #include <cmath>
 
 #include "aureole/core/image.h"
@@ -15,7 +16,7 @@ namespace aureole {
 namespace {
 
 class EnvmapEmitter final : public Emitter {
- public:
+public:
   explicit EnvmapEmitter(const Properties& p) : Emitter(p) {
     const Transform to_world = p.get_transform("to_world");
     const auto axes = orthonormal(p, to_world);
@@ -32,9 +33,12 @@ class EnvmapEmitter final : public Emitter {
   void set_scene_bounds(const Vec3&, float radius) override { radius_ = radius; }
   bool is_infinite() const override { return true; }
 
-  Spectrum eval_escaped(const Vec3& d, const Wavelengths& w) const override { return eval_uv(to_uv(frame_.to_local(d)), w); }
+  Spectrum eval_escaped(const Vec3& d, const Wavelengths& w) const override {
+    return eval_uv(to_uv(frame_.to_local(d)), w);
+  }
 
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u, const Wavelengths& w) const override {
+  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
+                                            const Wavelengths& w) const override {
     float pdf;
     const Vec2 uv = distribution_.sample(u, &pdf);
     const float theta = uv.y * kPi, phi = uv.x * 2 * kPi, sine = std::sin(theta);
@@ -63,7 +67,7 @@ class EnvmapEmitter final : public Emitter {
   }
   EmissionBounds emission_bounds(std::size_t) const override { return {}; }
 
- private:
+private:
   struct Texel {
     SigmoidPolynomial polynomial;
     float scale;
@@ -71,7 +75,8 @@ class EnvmapEmitter final : public Emitter {
 
   /// The transform's axes; a scale would distort solid angles.
   static std::array<Vec3, 3> orthonormal(const Properties& p, const Transform& t) {
-    std::array<Vec3, 3> axes{normalize(t.vector({1, 0, 0})), normalize(t.vector({0, 1, 0})), normalize(t.vector({0, 0, 1}))};
+    std::array<Vec3, 3> axes{normalize(t.vector({1, 0, 0})), normalize(t.vector({0, 1, 0})),
+                             normalize(t.vector({0, 0, 1}))};
     for (int i = 0; i < 3; ++i)
       if (std::abs(dot(axes[size_t(i)], axes[size_t((i + 1) % 3)])) > 1e-3f)
         throw p.error("to_world", "an environment map may be rotated and mirrored, not sheared");
@@ -80,7 +85,8 @@ class EnvmapEmitter final : public Emitter {
 
   void load(const Properties& p) {
     const Image image = read_image(p.get_file("filename"));
-    if (image.width < 2 || image.height < 3) throw p.error("filename", "an environment map needs at least 2 x 3 pixels");
+    if (image.width < 2 || image.height < 3)
+      throw p.error("filename", "an environment map needs at least 2 x 3 pixels");
     width_ = image.width, height_ = image.height;
     int rgb[3] = {image.channel("R"), image.channel("G"), image.channel("B")};
     if (rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0) {
@@ -100,7 +106,8 @@ class EnvmapEmitter final : public Emitter {
           c[k] = image.at(x, y, size_t(rgb[k]));
           if (image.srgb_encoded) c[k] = srgb_decode(c[k]);
           if (!std::isfinite(c[k]))
-            throw p.error("filename", "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is not finite");
+            throw p.error("filename",
+                          "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is not finite");
           // Resampled photographs often have slightly negative pixels beside bright ones.
           if (c[k] < 0) c[k] = 0, negative = true;
           sums[k] += c[k] * sine;
@@ -117,8 +124,9 @@ class EnvmapEmitter final : public Emitter {
     build_distribution(luminance);
   }
 
-  /// One cell per bilinear patch between texel centres would sit across the seam; cells of the image size are used instead, each
-  /// weighted by the mean over its four corners and its centre, so that it is never zero where the interpolant is positive.
+  /// One cell per bilinear patch between texel centres would sit across the seam; cells of the image size are
+  /// used instead, each weighted by the mean over its four corners and its centre, so that it is never zero
+  /// where the interpolant is positive.
   void build_distribution(const std::vector<float>& luminance) {
     const auto lum = [&](float u, float v) {
       const float x = u * float(width_) - 0.5f, y = v * float(height_ - 1);
@@ -127,7 +135,8 @@ class EnvmapEmitter final : public Emitter {
       const auto at = [&](int i, int j) {
         return luminance[size_t(j) * size_t(width_) + size_t((i + width_) % width_)];
       };
-      return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) + fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
+      return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) +
+             fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
     };
     std::vector<float> weights(luminance.size());
     double mean = 0, area = 0;
@@ -170,7 +179,8 @@ class EnvmapEmitter final : public Emitter {
     };
     const Texel *a = &at(x0, y0), *b = &at(x0 + 1, y0), *c = &at(x0, y0 + 1), *d = &at(x0 + 1, y0 + 1);
     const float wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wd = fx * fy;
-    // Shapes and scales are interpolated apart, as Mitsuba does: products would darken steep edges less, but pictures would differ.
+    // Shapes and scales are interpolated apart, as Mitsuba does: products would darken steep edges less, but
+    // pictures would differ.
     const Spectrum shape = eval(a->polynomial, w.nm) * wa + eval(b->polynomial, w.nm) * wb +
                            eval(c->polynomial, w.nm) * wc + eval(d->polynomial, w.nm) * wd;
     const float scale = a->scale * wa + b->scale * wb + c->scale * wc + d->scale * wd;
@@ -192,14 +202,16 @@ class EnvmapEmitter final : public Emitter {
 
 AUREOLE_PLUGIN(
     EnvmapEmitter, "emitter", "envmap",
-    PluginDoc{"Environment map in latitude-longitude projection. Colours are upsampled to spectra and multiplied by D65.",
-              "",
-              {{"filename", "file", "", "required", "EXR, HDR or any other image"},
-               {"scale", "float", "", "1", "factor of the radiance"},
-               {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
-               {"mis_compensation", "boolean", "", "false",
-                "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}},
-              {R"(<emitter type="envmap"><string name="filename" value="sky.exr"/><float name="scale" value="2"/>
+    PluginDoc{
+        "Environment map in latitude-longitude projection. Colours are upsampled to spectra and multiplied "
+        "by D65.",
+        "",
+        {{"filename", "file", "", "required", "EXR, HDR or any other image"},
+         {"scale", "float", "", "1", "factor of the radiance"},
+         {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
+         {"mis_compensation", "boolean", "", "false",
+          "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}},
+        {R"(<emitter type="envmap"><string name="filename" value="sky.exr"/><float name="scale" value="2"/>
     <boolean name="mis_compensation" value="true"/><transform name="to_world"><rotate y="1" angle="90"/></transform></emitter>)"}});
 
 }  // namespace

@@ -8,17 +8,19 @@ namespace aureole {
 namespace {
 
 class PointEmitter final : public Emitter {
- public:
+public:
   explicit PointEmitter(const Properties& p)
       : Emitter(p), intensity_(get_texture(p, "intensity", 1, SpectrumRole::emission)) {
     if (!intensity_->is_constant()) throw p.error("intensity", "expected a spectrum, not a texture");
     const Transform to_world = p.get_transform("to_world");
     if (p.has("position") && p.has("to_world"))
       throw p.error("position", "give either \"position\" or \"to_world\"");
-    position_ = p.has("position") ? p.get_vec3("position", {}) : (p.find("position"), to_world.point({0, 0, 0}));
+    position_ =
+        p.has("position") ? p.get_vec3("position", {}) : (p.find("position"), to_world.point({0, 0, 0}));
   }
 
-  std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t, Vec2, const Wavelengths& w) const override {
+  std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t, Vec2,
+                                            const Wavelengths& w) const override {
     const Vec3 to = position_ - reference;
     const float d2 = length_squared(to);
     if (!(d2 > 0)) return {};
@@ -36,21 +38,25 @@ class PointEmitter final : public Emitter {
     s.scale(4 * kPi);
     return s;
   }
-  EmissionBounds emission_bounds(std::size_t) const override { return {{position_, position_}, {0, 0, 1}, -1, 0, 1}; }
+  EmissionBounds emission_bounds(std::size_t) const override {
+    return {{position_, position_}, {0, 0, 1}, -1, 0, 1};
+  }
 
- private:
+private:
   TexturePtr intensity_;
   Vec3 position_;
 };
 
-AUREOLE_PLUGIN(PointEmitter, "emitter", "point",
-               PluginDoc{"Isotropic point light.",
-                         "",
-                         {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
-                          {"position", "vector", "scene units", "0, 0, 0", "where it is"},
-                          {"to_world", "transform", "", "identity", "instead of position: where it puts the origin"}},
-                         {R"(<emitter type="point"><point name="position" value="0, 5, 0"/><rgb name="intensity" value="10"/></emitter>)",
-                          R"(<emitter type="point"><transform name="to_world"><translate y="5"/></transform></emitter>)"}});
+AUREOLE_PLUGIN(
+    PointEmitter, "emitter", "point",
+    PluginDoc{
+        "Isotropic point light.",
+        "",
+        {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
+         {"position", "vector", "scene units", "0, 0, 0", "where it is"},
+         {"to_world", "transform", "", "identity", "instead of position: where it puts the origin"}},
+        {R"(<emitter type="point"><point name="position" value="0, 5, 0"/><rgb name="intensity" value="10"/></emitter>)",
+         R"(<emitter type="point"><transform name="to_world"><translate y="5"/></transform></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -14,11 +14,11 @@
 namespace aureole {
 
 class Film : public Object {
- public:
+public:
   static constexpr const char* kFamily = "a film";
   using Object::Object;
 
-  int width() const { return width_; }    ///< of the whole film, pixels
+  int width() const { return width_; }  ///< of the whole film, pixels
   int height() const { return height_; }
   int crop_x() const { return crop_x_; }  ///< the part that is rendered
   int crop_y() const { return crop_y_; }
@@ -37,16 +37,17 @@ class Film : public Object {
 
   /// Names of the channels of the developed picture, alpha last where asked for.
   virtual std::vector<std::string> channel_names() const = 0;
-  /// One pixel of the picture from mean measured values and alpha. Linear, so that variances of replicates make sense.
+  /// One pixel of the picture from mean measured values and alpha. Linear, so that variances of replicates
+  /// make sense.
   virtual void develop(const double* measured, double alpha, float* out) const = 0;
   /// Linear sRGB for a preview.
   virtual void develop_rgb(const double* measured, float rgb[3]) const = 0;
   virtual ExrPixel pixel_type() const = 0;
 
- protected:
+protected:
   void read_common(const Properties& properties);
 
- private:
+private:
   int width_ = 768, height_ = 576;
   int crop_x_ = 0, crop_y_ = 0, crop_width_ = 768, crop_height_ = 576;
   bool sample_border_ = false;

@@ -9,16 +9,17 @@ namespace aureole {
 namespace {
 
 class BoxFilter final : public Filter {
- public:
+public:
   explicit BoxFilter(const Properties& p) : Filter(p) {}
   float radius() const override { return 0.5f; }
-  float eval(float x) const override {
-    return std::abs(x) <= 0.5f ? 1.f : 0.f;
-  }
+  float eval(float x) const override { return std::abs(x) <= 0.5f ? 1.f : 0.f; }
 };
 
 AUREOLE_PLUGIN(BoxFilter, "rfilter", "box",
-               PluginDoc{"Box over one pixel: every sample counts for its own pixel only.", "", {}, {R"(<rfilter type="box"/>)"}});
+               PluginDoc{"Box over one pixel: every sample counts for its own pixel only.",
+                         "",
+                         {},
+                         {R"(<rfilter type="box"/>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -9,7 +9,7 @@ namespace aureole {
 namespace {
 
 class CatmullRomFilter final : public Filter {
- public:
+public:
   explicit CatmullRomFilter(const Properties& p) : Filter(p) {}
   float radius() const override { return 2; }
   float eval(float x) const override {
@@ -21,7 +21,11 @@ class CatmullRomFilter final : public Filter {
 };
 
 AUREOLE_PLUGIN(CatmullRomFilter, "rfilter", "catmullrom",
-               PluginDoc{"Catmull-Rom cubic filter: sharp, with negative lobes.", "Catmull & Rom 1974; the cubic family of Mitchell & Netravali 1988 with B = 0, C = 1/2.", {}, {R"(<rfilter type="catmullrom"/>)"}});
+               PluginDoc{
+                   "Catmull-Rom cubic filter: sharp, with negative lobes.",
+                   "Catmull & Rom 1974; the cubic family of Mitchell & Netravali 1988 with B = 0, C = 1/2.",
+                   {},
+                   {R"(<rfilter type="catmullrom"/>)"}});
 
 }  // namespace
 }  // namespace aureole

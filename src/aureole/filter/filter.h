@@ -10,16 +10,17 @@
 namespace aureole {
 
 class Filter : public Object {
- public:
+public:
   static constexpr const char* kFamily = "a reconstruction filter";
   using Object::Object;
   virtual float radius() const = 0;       ///< support is [-radius, radius], in pixels
   virtual float eval(float x) const = 0;  ///< not normalised; the film divides by the sum of weights
 };
 
-/// A filter tabulated finely over [0, radius], linearly interpolated (error below 1e-5 of the peak; a box is exact).
+/// A filter tabulated finely over [0, radius], linearly interpolated (error below 1e-5 of the peak; a box is
+/// exact).
 class FilterTable {
- public:
+public:
   explicit FilterTable(const Filter& filter);
   float radius() const { return radius_; }
   /// Pixels beyond a sample's own that its support reaches, on each side.
@@ -32,7 +33,7 @@ class FilterTable {
     return values_[size_t(i)] + (values_[size_t(i) + 1] - values_[size_t(i)]) * (t - float(i));
   }
 
- private:
+private:
   static constexpr int kCells = 2048;
   float radius_, scale_;
   int border_;

@@ -9,20 +9,25 @@ namespace aureole {
 namespace {
 
 class GaussianFilter final : public Filter {
- public:
-  explicit GaussianFilter(const Properties& p) : Filter(p), stddev_(float(p.get_float("stddev", 0.5, {0.05, 8}))) {}
+public:
+  explicit GaussianFilter(const Properties& p)
+      : Filter(p), stddev_(float(p.get_float("stddev", 0.5, {0.05, 8}))) {}
   float radius() const override { return 4 * stddev_; }
   float eval(float x) const override {
     const float t = x / stddev_;
     return std::max(0.f, std::exp(-0.5f * t * t) - std::exp(-8.f));
   }
 
- private:
+private:
   float stddev_;
 };
 
 AUREOLE_PLUGIN(GaussianFilter, "rfilter", "gaussian",
-               PluginDoc{"Gaussian cut off after 4 standard deviations, shifted to reach zero there. The default.", "", {{"stddev", "float", "pixels", "0.5", "standard deviation"}}, {R"(<rfilter type="gaussian"><float name="stddev" value="0.5"/></rfilter>)"}});
+               PluginDoc{
+                   "Gaussian cut off after 4 standard deviations, shifted to reach zero there. The default.",
+                   "",
+                   {{"stddev", "float", "pixels", "0.5", "standard deviation"}},
+                   {R"(<rfilter type="gaussian"><float name="stddev" value="0.5"/></rfilter>)"}});
 
 }  // namespace
 }  // namespace aureole

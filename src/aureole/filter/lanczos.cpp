@@ -9,7 +9,7 @@ namespace aureole {
 namespace {
 
 class LanczosFilter final : public Filter {
- public:
+public:
   explicit LanczosFilter(const Properties& p) : Filter(p), lobes_(float(p.get_int("lobes", 3, {1, 16}))) {}
   float radius() const override { return lobes_; }
   float eval(float x) const override {
@@ -20,12 +20,15 @@ class LanczosFilter final : public Filter {
     return std::sin(pi * x) * std::sin(pi * x / lobes_) * lobes_ / (pi * pi * x * x);
   }
 
- private:
+private:
   float lobes_;
 };
 
 AUREOLE_PLUGIN(LanczosFilter, "rfilter", "lanczos",
-               PluginDoc{"Windowed sinc filter: sharp, with negative lobes.", "Lanczos window (Duchon 1979, \"Lanczos filtering in one and two dimensions\").", {{"lobes", "integer", "", "3", "number of lobes, and half width in pixels"}}, {R"(<rfilter type="lanczos"><integer name="lobes" value="3"/></rfilter>)"}});
+               PluginDoc{"Windowed sinc filter: sharp, with negative lobes.",
+                         "Lanczos window (Duchon 1979, \"Lanczos filtering in one and two dimensions\").",
+                         {{"lobes", "integer", "", "3", "number of lobes, and half width in pixels"}},
+                         {R"(<rfilter type="lanczos"><integer name="lobes" value="3"/></rfilter>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -8,19 +8,20 @@ namespace aureole {
 namespace {
 
 class DirectIntegrator final : public Integrator {
- public:
+public:
   explicit DirectIntegrator(const Properties& p) : Integrator(p) {
     const auto shading = p.get_int("shading_samples", 1, {0, 65536});
     if (p.has("shading_samples") && (p.has("emitter_samples") || p.has("bsdf_samples")))
-      throw p.error("shading_samples", "give either \"shading_samples\" or \"emitter_samples\" and \"bsdf_samples\"");
+      throw p.error("shading_samples",
+                    "give either \"shading_samples\" or \"emitter_samples\" and \"bsdf_samples\"");
     light_samples_ = int(p.get_int("emitter_samples", shading, {0, 65536}));
     bsdf_samples_ = int(p.get_int("bsdf_samples", shading, {0, 65536}));
     if (light_samples_ + bsdf_samples_ == 0) throw p.error("bsdf_samples", "at least one sample is needed");
     hide_emitters_ = p.get_bool("hide_emitters", false);
   }
 
-  RadianceEstimate radiance(const Scene& scene, const Ray& camera_ray, const Wavelengths& w, SampleStream& samples,
-                            const PathLog&) const override {
+  RadianceEstimate radiance(const Scene& scene, const Ray& camera_ray, const Wavelengths& w,
+                            SampleStream& samples, const PathLog&) const override {
     RadianceEstimate result;
     const PathDensity density;
     Ray ray = camera_ray;
@@ -40,7 +41,8 @@ class DirectIntegrator final : public Integrator {
       const auto c = sample_light(scene, vertex, samples.get1(dimension), samples.get2(dimension + 1), w);
       if (!c) continue;
       const Spectrum other = c->direct.delta ? Spectrum(0.f) : c->scattering.pdf * float(bsdf_samples_);
-      result.estimate += density.contribution(c->scattering.value * c->direct.radiance, c->density * float(light_samples_), other, w) *
+      result.estimate += density.contribution(c->scattering.value * c->direct.radiance,
+                                              c->density * float(light_samples_), other, w) *
                          scene.connect(*hit, c->direct);
     }
     for (int i = 0; i < bsdf_samples_; ++i, dimension += 3) {
@@ -52,11 +54,13 @@ class DirectIntegrator final : public Integrator {
         if (is_black(radiance)) return;
         const float light = b->is_delta() || !smooth
                                 ? 0.f
-                                : float(light_samples_) * light_density(scene, hit->p, vertex.light_normal(), e, point, next.d);
+                                : float(light_samples_) *
+                                      light_density(scene, hit->p, vertex.light_normal(), e, point, next.d);
         result.estimate += density.contribution(b->value * radiance, b->pdf * float(bsdf_samples_), light, w);
       };
       if (light_hit) {
-        if (const Emitter* e = light_hit->shape->emitter()) add(*e, &*light_hit, e->eval(*light_hit, -next.d, w));
+        if (const Emitter* e = light_hit->shape->emitter())
+          add(*e, &*light_hit, e->eval(*light_hit, -next.d, w));
       } else {
         for (const Emitter* e : scene.infinite_emitters()) add(*e, nullptr, e->eval_escaped(next.d, w));
       }
@@ -64,8 +68,9 @@ class DirectIntegrator final : public Integrator {
     return result;
   }
 
- private:
-  static Spectrum emission(const Scene& scene, const std::optional<SurfacePoint>& hit, const Vec3& d, const Wavelengths& w) {
+private:
+  static Spectrum emission(const Scene& scene, const std::optional<SurfacePoint>& hit, const Vec3& d,
+                           const Wavelengths& w) {
     if (hit) return hit->shape->emitter() ? hit->shape->emitter()->eval(*hit, -d, w) : Spectrum(0.f);
     Spectrum sum = 0.f;
     for (const Emitter* e : scene.infinite_emitters()) sum += e->eval_escaped(d, w);
@@ -76,17 +81,20 @@ class DirectIntegrator final : public Integrator {
   bool hide_emitters_;
 };
 
-AUREOLE_PLUGIN(DirectIntegrator, "integrator", "direct",
-               PluginDoc{"Direct illumination: light that scatters once, by any number of light and BSDF samples combined by spectral "
-                         "multiple importance sampling.",
-                         "Veach 1997, chapter 9",
-                         {{"shading_samples", "integer", "", "1", "number of each of the two kinds of samples"},
-                          {"emitter_samples", "integer", "", "shading_samples", "samples of lights"},
-                          {"bsdf_samples", "integer", "", "shading_samples", "samples of the BSDF"},
-                          {"hide_emitters", "boolean", "", "false", "camera rays pass through emitters"}},
-                         {R"(<integrator type="direct"><integer name="emitter_samples" value="2"/><integer name="bsdf_samples" value="1"/>
+AUREOLE_PLUGIN(
+    DirectIntegrator, "integrator", "direct",
+    PluginDoc{
+        "Direct illumination: light that scatters once, by any number of light and BSDF samples combined by "
+        "spectral "
+        "multiple importance sampling.",
+        "Veach 1997, chapter 9",
+        {{"shading_samples", "integer", "", "1", "number of each of the two kinds of samples"},
+         {"emitter_samples", "integer", "", "shading_samples", "samples of lights"},
+         {"bsdf_samples", "integer", "", "shading_samples", "samples of the BSDF"},
+         {"hide_emitters", "boolean", "", "false", "camera rays pass through emitters"}},
+        {R"(<integrator type="direct"><integer name="emitter_samples" value="2"/><integer name="bsdf_samples" value="1"/>
     <boolean name="hide_emitters" value="true"/></integrator>)",
-                          R"(<integrator type="direct"><integer name="shading_samples" value="4"/></integrator>)"}});
+         R"(<integrator type="direct"><integer name="shading_samples" value="4"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

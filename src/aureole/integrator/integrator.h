@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The integrator family: an estimate of the radiance along a camera ray. An integrator owns no scene state and no threads.
+// The integrator family: an estimate of the radiance along a camera ray. An integrator owns no scene state
+// and no threads.
 #pragma once
 
 #include <functional>
@@ -22,14 +23,15 @@ struct RadianceEstimate {
 };
 
 class Integrator : public Object {
- public:
+public:
   static constexpr const char* kFamily = "an integrator";
-  /// Dimensions of the sample stream that the camera uses before the integrator's: film position and wavelength.
+  /// Dimensions of the sample stream that the camera uses before the integrator's: film position and
+  /// wavelength.
   static constexpr int kCameraDimensions = 3;
   using Object::Object;
 
-  virtual RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& wavelengths, SampleStream& samples,
-                                    const PathLog& log) const = 0;
+  virtual RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& wavelengths,
+                                    SampleStream& samples, const PathLog& log) const = 0;
 };
 
 }  // namespace aureole

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unidirectional spectral path tracer. The body is one scalar step, (path, hit) -> (next ray, connection), so that another driver may send
-// the rays of many paths together.
+// Unidirectional spectral path tracer. The body is one scalar step, (path, hit) -> (next ray, connection), so
+// that another driver may send the rays of many paths together.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -21,7 +21,8 @@ struct PathState {
   int depth = 0;        ///< surfaces met so far
   RadianceEstimate result;
 
-  // How `ray` was found, for MIS with light sampling: the density before its direction was sampled, and that sample.
+  // How `ray` was found, for MIS with light sampling: the density before its direction was sampled, and that
+  // sample.
   bool found_by_density = false;  ///< false for camera rays and delta lobes, which light sampling cannot find
   PathDensity before;
   Weight value;
@@ -29,7 +30,8 @@ struct PathState {
   Vec3 from, light_normal;
 };
 
-/// What one step asks of the driver: whether to go on along state.ray, and a connection to be tested for visibility.
+/// What one step asks of the driver: whether to go on along state.ray, and a connection to be tested for
+/// visibility.
 struct Step {
   bool alive = false;
   bool connects = false;
@@ -38,7 +40,7 @@ struct Step {
 };
 
 class PathIntegrator final : public Integrator {
- public:
+public:
   explicit PathIntegrator(const Properties& p) : Integrator(p) {
     max_depth_ = int(p.get_int("max_depth", -1, {-1, 1e9}));
     roulette_depth_ = int(p.get_int("rr_depth", 5, {1, 1e9}));
@@ -59,14 +61,14 @@ class PathIntegrator final : public Integrator {
         state.result.estimate += step.contribution * visible;
         if (log)
           log(fmt::format("  light along ({:.6g}, {:.6g}, {:.6g}): {} mean {:.6g}", step.connection.wo.x,
-                          step.connection.wo.y, step.connection.wo.z, is_black(visible) ? "hidden" : "visible",
-                          mean(step.contribution)));
+                          step.connection.wo.y, step.connection.wo.z,
+                          is_black(visible) ? "hidden" : "visible", mean(step.contribution)));
       }
       if (!step.alive) return state.result;
     }
   }
 
- private:
+private:
   Step advance(const Scene& scene, PathState& s, const std::optional<SurfacePoint>& hit, const Wavelengths& w,
                SampleStream& samples) const {
     Step step;
@@ -96,7 +98,8 @@ class PathIntegrator final : public Integrator {
     const int dimension = kCameraDimensions + kPerVertex * s.depth;
     const SurfaceVertex vertex(*hit, to_previous, w, samples.key(dimension));
     if (vertex.bsdf().is_smooth() && !scene.lights().empty()) {
-      const auto c = sample_light(scene, vertex, samples.get1(dimension + kLight), samples.get2(dimension + kLightU), w);
+      const auto c =
+          sample_light(scene, vertex, samples.get1(dimension + kLight), samples.get2(dimension + kLightU), w);
       if (c) {
         const Spectrum other = c->direct.delta ? Spectrum(0.f) : c->scattering.pdf;
         step.connects = true;
@@ -126,8 +129,8 @@ class PathIntegrator final : public Integrator {
     return step;
   }
 
-  void add_emission(const Scene& scene, PathState& s, const Emitter& emitter, const SurfacePoint* hit, const Spectrum& radiance,
-                    const Wavelengths& w) const {
+  void add_emission(const Scene& scene, PathState& s, const Emitter& emitter, const SurfacePoint* hit,
+                    const Spectrum& radiance, const Wavelengths& w) const {
     if (is_black(radiance)) return;
     if (!s.found_by_density) {
       s.result.estimate += s.density.contribution(radiance, w);
@@ -139,7 +142,8 @@ class PathIntegrator final : public Integrator {
 
   static void log_hit(const PathLog& log, const PathState& s, const std::optional<SurfacePoint>& hit) {
     if (!hit) {
-      log(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", s.depth, s.ray.d.x, s.ray.d.y, s.ray.d.z));
+      log(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", s.depth, s.ray.d.x, s.ray.d.y,
+                      s.ray.d.z));
       return;
     }
     log(fmt::format("  depth {}: {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), bsdf {}, throughput {:.6g}", s.depth,
@@ -151,14 +155,18 @@ class PathIntegrator final : public Integrator {
   bool hide_emitters_;
 };
 
-AUREOLE_PLUGIN(PathIntegrator, "integrator", "path",
-               PluginDoc{"Path tracer: next-event estimation and BSDF sampling combined by spectral multiple importance sampling.",
-                         "Kajiya 1986; Veach 1997, chapters 9 and 10; Wilkie et al. 2014, Eq. 8",
-                         {{"max_depth", "integer", "", "-1",
-                           "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
-                          {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces"},
-                          {"hide_emitters", "boolean", "", "false", "camera rays pass through area emitters and see no environment"}},
-                         {R"(<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
+AUREOLE_PLUGIN(
+    PathIntegrator, "integrator", "path",
+    PluginDoc{
+        "Path tracer: next-event estimation and BSDF sampling combined by spectral multiple importance "
+        "sampling.",
+        "Kajiya 1986; Veach 1997, chapters 9 and 10; Wilkie et al. 2014, Eq. 8",
+        {{"max_depth", "integer", "", "-1",
+          "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
+         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces"},
+         {"hide_emitters", "boolean", "", "false",
+          "camera rays pass through area emitters and see no environment"}},
+        {R"(<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
     <boolean name="hide_emitters" value="false"/></integrator>)"}});
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every integrator does at a surface: scatter and connect to lights in world space, with the checks that keep light from leaking through a
-// shading normal's wrong side. Integrators are built from these functions; none names a concrete plug-in.
+// What every integrator does at a surface: scatter and connect to lights in world space, with the checks that
+// keep light from leaking through a shading normal's wrong side. Integrators are built from these functions;
+// none names a concrete plug-in.
 #pragma once
 
 #include <optional>
@@ -13,8 +14,9 @@ namespace aureole {
 
 /// A surface point as a path sees it: the point, its BSDF and the direction towards the previous vertex.
 class SurfaceVertex {
- public:
-  SurfaceVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, std::uint32_t key = 0)
+public:
+  SurfaceVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w,
+                std::uint32_t key = 0)
       : point_(&point),
         bsdf_(point.shape->bsdf().get()),
         context_{w, point, TransportMode::radiance, key},
@@ -26,7 +28,8 @@ class SurfaceVertex {
   /// Normal for light selection; zero where light may arrive from both sides.
   Vec3 light_normal() const { return has(bsdf_->lobes(), Lobe::transmit) ? Vec3{} : point_->shading.n; }
 
-  /// Value and density for a world direction; zero where shading and geometric normal disagree about its side.
+  /// Value and density for a world direction; zero where shading and geometric normal disagree about its
+  /// side.
   BsdfEval eval_pdf(const Vec3& world_wo) const {
     const Vec3 wo = point_->shading.to_local(world_wo);
     if (!consistent(wo, world_wo)) return {};
@@ -42,8 +45,9 @@ class SurfaceVertex {
     return s;
   }
 
- private:
-  /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change it.
+private:
+  /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change
+  /// it.
   bool consistent(const Vec3& wo, const Vec3& world_wo) const {
     return (wi_.z * wo.z > 0) == (wi_side_ * dot(point_->ng, world_wo) > 0);
   }
@@ -63,8 +67,8 @@ struct LightConnection {
 };
 
 /// Chooses a light and a direction towards it for the vertex; nothing where it could carry no light.
-inline std::optional<LightConnection> sample_light(const Scene& scene, const SurfaceVertex& vertex, float u1, Vec2 u2,
-                                                   const Wavelengths& w) {
+inline std::optional<LightConnection> sample_light(const Scene& scene, const SurfaceVertex& vertex, float u1,
+                                                   Vec2 u2, const Wavelengths& w) {
   const auto choice = scene.lights().choose(vertex.point().p, vertex.light_normal(), u1);
   if (!choice || !(choice->probability > 0)) return {};
   const auto direct = choice->emitter->sample_direct(vertex.point().p, choice->part, u2, w);
@@ -74,12 +78,14 @@ inline std::optional<LightConnection> sample_light(const Scene& scene, const Sur
   return LightConnection{*direct, scattering, choice->probability * direct->pdf};
 }
 
-/// Density with which `sample_light` at `from` would have chosen the emitting surface point (or, `hit` null, the escaping
-/// direction `d` of an infinite emitter).
-inline float light_density(const Scene& scene, const Vec3& from, const Vec3& light_normal, const Emitter& emitter,
-                           const SurfacePoint* hit, const Vec3& d) {
-  if (!hit) return scene.lights().probability(from, light_normal, &emitter, 0) * emitter.pdf_direct_escaped(from, d);
-  return scene.lights().probability(from, light_normal, &emitter, emitter.part_of(*hit)) * emitter.pdf_direct(from, *hit);
+/// Density with which `sample_light` at `from` would have chosen the emitting surface point (or, `hit` null,
+/// the escaping direction `d` of an infinite emitter).
+inline float light_density(const Scene& scene, const Vec3& from, const Vec3& light_normal,
+                           const Emitter& emitter, const SurfacePoint* hit, const Vec3& d) {
+  if (!hit)
+    return scene.lights().probability(from, light_normal, &emitter, 0) * emitter.pdf_direct_escaped(from, d);
+  return scene.lights().probability(from, light_normal, &emitter, emitter.part_of(*hit)) *
+         emitter.pdf_direct(from, *hit);
 }
 
 }  // namespace aureole

@@ -13,7 +13,7 @@ namespace aureole {
 
 /// Piecewise-constant density over n equal cells of [0, 1).
 class Piecewise1D {
- public:
+public:
   Piecewise1D() = default;
   /// Weights >= 0. All zero: uniform.
   explicit Piecewise1D(std::span<const float> weights);
@@ -24,21 +24,22 @@ class Piecewise1D {
   double total() const { return total_; }  ///< sum of the weights
   std::size_t size() const { return cdf_.size() - 1; }
 
- private:
+private:
   double total_ = 0;
   std::vector<float> cdf_;            ///< n + 1, from 0 to 1
   std::vector<std::uint32_t> guide_;  ///< first cell to look at for floor(u n)
 };
 
-/// Piecewise-constant density over a grid of cells of [0, 1)^2: a marginal over rows and a conditional in each row.
+/// Piecewise-constant density over a grid of cells of [0, 1)^2: a marginal over rows and a conditional in
+/// each row.
 class Piecewise2D {
- public:
+public:
   Piecewise2D() = default;
   Piecewise2D(std::span<const float> weights, int width, int height);  ///< weights row by row
   Vec2 sample(Vec2 u, float* pdf) const;
   float pdf(Vec2 p) const;
 
- private:
+private:
   std::vector<Piecewise1D> rows_;
   Piecewise1D marginal_;
 };

@@ -104,7 +104,8 @@ Vec3 Transform::vector(const Vec3& v) const {
 }
 
 Vec3 Transform::normal(const Vec3& n) const {
-  // Rows of the cofactor matrix are det * (M^-1)^T; the sign of det keeps normals on their side of mirrored meshes.
+  // Rows of the cofactor matrix are det * (M^-1)^T; the sign of det keeps normals on their side of mirrored
+  // meshes.
   const auto& m = m_;
   const double sign = determinant3() < 0 ? -1 : 1;
   Vec3 r;
@@ -121,7 +122,8 @@ Vec3 Transform::normal(const Vec3& n) const {
 }
 
 Vec2 Transform::point2(const Vec2& p) const {
-  return {float(m_[0][0] * p.x + m_[0][1] * p.y + m_[0][3]), float(m_[1][0] * p.x + m_[1][1] * p.y + m_[1][3])};
+  return {float(m_[0][0] * p.x + m_[0][1] * p.y + m_[0][3]),
+          float(m_[1][0] * p.x + m_[1][1] * p.y + m_[1][3])};
 }
 
 }  // namespace aureole

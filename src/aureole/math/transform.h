@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Affine (and for cameras projective) 4x4 transforms in double precision: scene files accumulate many of them and
-// geometry is transformed once, at load.
+// Affine (and for cameras projective) 4x4 transforms in double precision: scene files accumulate many of them
+// and geometry is transformed once, at load.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 namespace aureole {
 
 class Transform {
- public:
+public:
   using Matrix = std::array<std::array<double, 4>, 4>;  ///< row-major, column vectors
 
   Transform();  ///< identity
@@ -20,8 +20,9 @@ class Transform {
   static Transform scale(double x, double y, double z);
   /// Rotation by `degrees` about an axis of any length but zero.
   static Transform rotate(double x, double y, double z, double degrees);
-  /// Camera-to-world with +z looking at `target`, as Mitsuba: x = up x direction (left-handed in the image plane).
-  /// The result is singular (see `is_singular`) where up and direction are parallel or target = origin.
+  /// Camera-to-world with +z looking at `target`, as Mitsuba: x = up x direction (left-handed in the image
+  /// plane). The result is singular (see `is_singular`) where up and direction are parallel or target =
+  /// origin.
   static Transform look_at(const std::array<double, 3>& origin, const std::array<double, 3>& target,
                            const std::array<double, 3>& up);
 
@@ -38,7 +39,7 @@ class Transform {
 
   bool operator==(const Transform& b) const { return m_ == b.m_; }
 
- private:
+private:
   Matrix m_;
 };
 

@@ -10,7 +10,7 @@ namespace aureole {
 class Properties;
 
 class Object {
- public:
+public:
   explicit Object(const Properties& properties);
   virtual ~Object();
   Object(const Object&) = delete;
@@ -21,7 +21,7 @@ class Object {
   /// The id in the scene file, or an empty string.
   const std::string& id() const;
 
- private:
+private:
   std::shared_ptr<const Properties> properties_;
 };
 

@@ -22,14 +22,22 @@ std::string number_text(double v) {
 
 std::string describe(const Properties::Value& v) {
   switch (v.index()) {
-    case 0: return "a boolean";
-    case 1: return "an integer";
-    case 2: return "a float";
-    case 3: return "a string";
-    case 4: return "a vector";
-    case 5: return "a transform";
-    case 6: return "a spectrum";
-    default: return "an object";
+    case 0:
+      return "a boolean";
+    case 1:
+      return "an integer";
+    case 2:
+      return "a float";
+    case 3:
+      return "a string";
+    case 4:
+      return "a vector";
+    case 5:
+      return "a transform";
+    case 6:
+      return "a spectrum";
+    default:
+      return "an object";
   }
 }
 
@@ -58,7 +66,8 @@ bool Properties::has(std::string_view name) const {
 
 void Properties::require_documented(std::string_view name) const {
   if (plugin_ && !plugin_->documents(name))
-    throw std::logic_error("plug-in \"" + plugin_->name + "\" reads the undocumented parameter \"" + std::string(name) + "\"");
+    throw std::logic_error("plug-in \"" + plugin_->name + "\" reads the undocumented parameter \"" +
+                           std::string(name) + "\"");
   if (std::find(queried_.begin(), queried_.end(), name) == queried_.end()) queried_.emplace_back(name);
 }
 
@@ -71,7 +80,8 @@ const Properties::Entry* Properties::find(std::string_view name) const {
 
 Error Properties::error(std::string_view name, const std::string& message) const {
   for (const Entry& e : entries_)
-    if (e.name == name) return Error(e.where, "parameter \"" + std::string(name) + "\" of \"" + type_ + "\": " + message);
+    if (e.name == name)
+      return Error(e.where, "parameter \"" + std::string(name) + "\" of \"" + type_ + "\": " + message);
   return Error(where_, "\"" + type_ + "\": " + message);
 }
 
@@ -83,8 +93,8 @@ double Properties::checked(const Entry& e, double v, Range r) const {
   const bool low = r.open_min ? !(v > r.min) : !(v >= r.min);
   if (!std::isfinite(v)) throw error(e.name, "must be a finite number");
   if (low || v > r.max) {
-    std::string bound = std::isfinite(r.max) ? "in " + std::string(r.open_min ? "(" : "[") + number_text(r.min) + ", " +
-                                                   number_text(r.max) + "]"
+    std::string bound = std::isfinite(r.max) ? "in " + std::string(r.open_min ? "(" : "[") +
+                                                   number_text(r.min) + ", " + number_text(r.max) + "]"
                                              : (r.open_min ? "> " : ">= ") + number_text(r.min);
     if (!std::isfinite(r.min)) bound = "<= " + number_text(r.max);
     throw error(e.name, "must be " + bound + ", got " + number_text(v));
@@ -166,7 +176,8 @@ double Properties::get_length_m(std::string_view name, double fallback_m, Range 
   const Entry* e = find(name);
   if (!e) return fallback_m;
   if (std::holds_alternative<double>(e->value) || std::holds_alternative<std::int64_t>(e->value))
-    throw error(name, "a physical length needs a unit: write <string name=\"" + std::string(name) + "\" value=\"5um\"/>");
+    throw error(name, "a physical length needs a unit: write <string name=\"" + std::string(name) +
+                          "\" value=\"5um\"/>");
   const auto* s = std::get_if<std::string>(&e->value);
   if (!s) throw wrong_type(*e, "a length such as \"5um\"");
   double v = 0;
@@ -205,7 +216,8 @@ void Properties::report_unused(Diagnostics& diagnostics) const {
     std::vector<std::string> names = plugin_ ? plugin_->parameter_names() : queried_;
     std::string suggestion = did_you_mean(e.name, names);
     if (plugin_ && plugin_->documents(e.name)) {
-      diagnostics.error(e.where, "parameter \"" + e.name + "\" has no effect here with the other parameters of \"" + type_ + "\"");
+      diagnostics.error(e.where, "parameter \"" + e.name +
+                                     "\" has no effect here with the other parameters of \"" + type_ + "\"");
       continue;
     }
     diagnostics.error(e.where, "unknown parameter \"" + e.name + "\" of \"" + type_ + "\"" + suggestion);

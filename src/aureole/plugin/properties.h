@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Properties`: the named, typed and located parameters that a plug-in is made from. Reading a parameter checks its type and
-// range, marks it as used, and throws an `Error` that names the place in the scene file.
+// `Properties`: the named, typed and located parameters that a plug-in is made from. Reading a parameter
+// checks its type and range, marks it as used, and throws an `Error` that names the place in the scene file.
 #pragma once
 
 #include <cstdint>
@@ -24,12 +24,13 @@ struct PluginInfo;
 
 /// What a scene fixes before its objects are built.
 struct BuildContext {
-  SpectralGrid grid;           ///< wavelengths of the sensor
-  double length_unit_m = 1.0;  ///< metres per scene unit
+  SpectralGrid grid;                   ///< wavelengths of the sensor
+  double length_unit_m = 1.0;          ///< metres per scene unit
   Diagnostics* diagnostics = nullptr;  ///< receives notes; may be null
 };
 
-/// A spectrum as written in a scene file; what it means (reflectance, emission) is decided by the parameter it is for.
+/// A spectrum as written in a scene file; what it means (reflectance, emission) is decided by the parameter
+/// it is for.
 struct SpectrumLiteral {
   enum class Kind { value, rgb, points } kind = Kind::value;
   double value = 0;                ///< Kind::value
@@ -49,8 +50,9 @@ struct Range {
 };
 
 class Properties {
- public:
-  using Value = std::variant<bool, std::int64_t, double, std::string, Vec3, Transform, SpectrumLiteral, ObjectPtr>;
+public:
+  using Value =
+      std::variant<bool, std::int64_t, double, std::string, Vec3, Transform, SpectrumLiteral, ObjectPtr>;
   struct Entry {
     std::string name;  ///< empty for unnamed child objects
     Value value;
@@ -58,8 +60,8 @@ class Properties {
     mutable bool used = false;
   };
 
-  Properties(std::string type, std::string id, SourceLocation where, std::shared_ptr<const BuildContext> context,
-             const PluginInfo* plugin = nullptr);
+  Properties(std::string type, std::string id, SourceLocation where,
+             std::shared_ptr<const BuildContext> context, const PluginInfo* plugin = nullptr);
 
   const std::string& type() const { return type_; }
   const std::string& id() const { return id_; }
@@ -90,7 +92,8 @@ class Properties {
   Vec3 get_vec3(std::string_view name, const Vec3& fallback) const;
   /// Identity where absent; a singular transform is an error.
   Transform get_transform(std::string_view name) const;
-  /// A physical length in metres. In the file a string with a unit ("5um") is required; a plain number is an error that says so.
+  /// A physical length in metres. In the file a string with a unit ("5um") is required; a plain number is an
+  /// error that says so.
   double get_length_m(std::string_view name, double fallback_m, Range range = Range::positive()) const;
   /// An existing, readable file, absolute (the scene reader has made it so).
   std::filesystem::path get_file(std::string_view name) const;
@@ -109,7 +112,8 @@ class Properties {
     std::vector<std::shared_ptr<T>> found;
     for (const Entry& e : entries_)
       if (!e.used && std::holds_alternative<ObjectPtr>(e.value))
-        if (auto p = std::dynamic_pointer_cast<T>(std::get<ObjectPtr>(e.value))) e.used = true, found.push_back(p);
+        if (auto p = std::dynamic_pointer_cast<T>(std::get<ObjectPtr>(e.value)))
+          e.used = true, found.push_back(p);
     return found;
   }
 
@@ -123,7 +127,7 @@ class Properties {
   /// Names of documented parameters asked for so far, present or not (for the documentation test).
   const std::vector<std::string>& queried() const { return queried_; }
 
- private:
+private:
   template <class T>
   std::shared_ptr<T> cast(const Entry& e) const {
     if (const auto* object = std::get_if<ObjectPtr>(&e.value))

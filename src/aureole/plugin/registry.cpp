@@ -24,7 +24,8 @@ Registry& Registry::instance() {
 }
 
 void Registry::add(PluginInfo info) {
-  if (find(info.family, info.name)) throw std::logic_error("plug-in registered twice: " + info.family + " " + info.name);
+  if (find(info.family, info.name))
+    throw std::logic_error("plug-in registered twice: " + info.family + " " + info.name);
   plugins_.push_back(std::move(info));
 }
 

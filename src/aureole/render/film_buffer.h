@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film's memory: sums in 128-bit fixed point, whose addition is exact and needs no order, so that a picture is the same bit for bit
-// whoever adds its parts in whatever order.
+// The film's memory: sums in 128-bit fixed point, whose addition is exact and needs no order, so that a
+// picture is the same bit for bit whoever adds its parts in whatever order.
 #pragma once
 
 #include <cmath>
@@ -11,17 +11,21 @@ namespace aureole {
 
 using Fixed = __int128;  ///< units of 2^-64
 
-/// Largest magnitude that `to_fixed` takes; 2^62 leaves room for 2^1 ... additions never come near it in practice.
+/// Largest magnitude that `to_fixed` takes; 2^62 leaves room for 2^1 ... additions never come near it in
+/// practice.
 inline constexpr float kFixedLimit = 0x1p60f;
 inline Fixed to_fixed(float x) { return Fixed(double(x) * 0x1p64); }
 inline double from_fixed(Fixed x) { return double(x) * 0x1p-64; }
 
 /// Per pixel: the film's measured channels, then alpha, then the sum of filter weights.
 class FilmBuffer {
- public:
+public:
   FilmBuffer() = default;
   FilmBuffer(int width, int height, int measured_channels)
-      : width_(width), height_(height), channels_(measured_channels), data_(std::size_t(width) * height * (measured_channels + 2)) {}
+      : width_(width),
+        height_(height),
+        channels_(measured_channels),
+        data_(std::size_t(width) * height * (measured_channels + 2)) {}
 
   int width() const { return width_; }
   int height() const { return height_; }
@@ -59,7 +63,7 @@ class FilmBuffer {
     *alpha = from_fixed(p[channels_]) * inverse;
   }
 
- private:
+private:
   int width_ = 0, height_ = 0, channels_ = 0;
   std::vector<Fixed> data_;
 };

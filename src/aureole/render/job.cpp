@@ -60,7 +60,10 @@ Development development_of(const Film& film) {
 }
 
 RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& options)
-    : scene_(std::move(scene)), options_(options), filter_(scene_->film().filter()), lock_(std::make_shared<Lock>()) {
+    : scene_(std::move(scene)),
+      options_(options),
+      filter_(scene_->film().filter()),
+      lock_(std::make_shared<Lock>()) {
   integrator_ = dynamic_cast<const Integrator*>(scene_->integrator_object().get());
   if (!integrator_) throw Error("the scene has no integrator");
   const Film& film = scene_->film();
@@ -69,20 +72,25 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   if (end <= options_.begin || options_.begin < 0)
     throw Error(fmt::format("nothing to render: samples {}:{}", options_.begin, end));
   if (options_.begin % kSampleBlock != 0)
-    throw Error(fmt::format("samples {}:{}: the first must be a multiple of {} (try {}), so that parts rendered apart make the same picture",
-                            options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
+    throw Error(
+        fmt::format("samples {}:{}: the first must be a multiple of {} (try {}), so that parts rendered "
+                    "apart make the same picture",
+                    options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
   if (options_.replicates < 1) throw Error("there must be at least one replicate");
   if (film.measured_channels() > kMaxChannels) throw Error("this film measures too many channels");
   seed_ = options_.seed.value_or(sampler.seed());
 
-  const double needed = 2 * state_bytes(film.crop_width(), film.crop_height(), film.measured_channels(), options_.replicates);
+  const double needed =
+      2 * state_bytes(film.crop_width(), film.crop_height(), film.measured_channels(), options_.replicates);
   const double available = available_memory_bytes();
   if (needed > 0.8 * available)
-    throw Error(fmt::format("a picture of {} x {} pixels{} needs about {:.1f} GiB of memory, and {:.1f} GiB are available: render it in "
-                            "parts with crop_offset_x, crop_width, ...",
-                            film.crop_width(), film.crop_height(),
-                            options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
-                            needed / (1 << 30), available / (1 << 30)));
+    throw Error(
+        fmt::format("a picture of {} x {} pixels{} needs about {:.1f} GiB of memory, and {:.1f} GiB are "
+                    "available: render it in "
+                    "parts with crop_offset_x, crop_width, ...",
+                    film.crop_width(), film.crop_height(),
+                    options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
+                    needed / (1 << 30), available / (1 << 30)));
   PictureIdentity id;
   id.scene = scene_->loaded().file.filename().string();
   id.version = kVersion;
@@ -105,9 +113,11 @@ void RenderJob::resume(RenderState state) {
   state_ = std::move(state);
 }
 
-RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int replicate, const PathLog& log) const {
+RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int replicate,
+                                           const PathLog& log) const {
   const Film& film = scene_->film();
-  const std::uint64_t pixel = std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
+  const std::uint64_t pixel =
+      std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
   const std::uint64_t key = combine_bits(combine_bits(seed_, std::uint64_t(replicate)), pixel);
   SampleStream stream(scene_->sensor().sampler(), key, std::uint32_t(index));
   const Vec2 u = stream.get2(0);
@@ -133,10 +143,12 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   const int replicate = int(unit / tiles % state_.identity.replicates);
   const std::int64_t block = unit / state_.units_per_block();
   const int outside = state_.identity.border;
-  const int x0 = int(tile % state_.tiles_x()) * kTileSize - outside, y0 = int(tile / state_.tiles_x()) * kTileSize - outside;
+  const int x0 = int(tile % state_.tiles_x()) * kTileSize - outside,
+            y0 = int(tile / state_.tiles_x()) * kTileSize - outside;
   const int x1 = std::min(x0 + kTileSize, state_.identity.width + outside);
   const int y1 = std::min(y0 + kTileSize, state_.identity.height + outside);
-  const std::int64_t first = state_.begin + block * kSampleBlock, last = std::min(first + kSampleBlock, state_.end);
+  const std::int64_t first = state_.begin + block * kSampleBlock,
+                     last = std::min(first + kSampleBlock, state_.end);
 
   const int border = filter_.border(), channels = state_.identity.measured_channels, stride = channels + 2;
   const int width = x1 - x0 + 2 * border, height = y1 - y0 + 2 * border;
@@ -187,21 +199,26 @@ RenderState RenderJob::snapshot() const {
   return state_;
 }
 
-RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop, const std::function<void(const Progress&)>& report) {
+RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
+                                  const std::function<void(const Progress&)>& report) {
   const double start = now_s(), spent_before = state_.seconds;
   double last_checkpoint = start;
   std::int64_t done_at_start = 0;
   std::vector<std::int64_t> missing;
   for (std::int64_t u = 0; u < state_.units(); ++u)
-    if (!state_.done[size_t(u)]) missing.push_back(u);
-    else ++done_at_start;
-  const double samples_per_unit = double(state_.identity.width) * state_.identity.height * kSampleBlock / double(state_.tiles());
+    if (!state_.done[size_t(u)])
+      missing.push_back(u);
+    else
+      ++done_at_start;
+  const double samples_per_unit =
+      double(state_.identity.width) * state_.identity.height * kSampleBlock / double(state_.tiles());
   const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
 
   std::atomic<size_t> next{0};
   std::atomic<std::int64_t> finished{0};
   std::atomic<bool> out_of_time{false};
-  // With a time limit all threads meet after each block, so that the picture ends on whole blocks that every pixel has.
+  // With a time limit all threads meet after each block, so that the picture ends on whole blocks that every
+  // pixel has.
   const std::int64_t per_block = state_.units_per_block();
   size_t limit = missing.size();
   const auto work = [&](int thread) {
@@ -217,7 +234,8 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop, const std::func
       const double t = now_s();
       if (report && t - last_report > 0.2) {
         last_report = t;
-        report({done_at_start + finished, state_.units(), t - start, double(finished) * samples_per_unit / (t - start)});
+        report({done_at_start + finished, state_.units(), t - start,
+                double(finished) * samples_per_unit / (t - start)});
       }
       if (!options_.state_file.empty() && t - last_checkpoint > options_.checkpoint_interval_s) {
         {
@@ -250,17 +268,21 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop, const std::func
   state_.seconds = spent_before + seconds;
   const bool complete = state_.units_done() == state_.units();
   if (report)
-    report({done_at_start + finished, state_.units(), seconds, double(finished) * samples_per_unit / std::max(1e-9, seconds)});
+    report({done_at_start + finished, state_.units(), seconds,
+            double(finished) * samples_per_unit / std::max(1e-9, seconds)});
   if (!options_.state_file.empty()) {
-    if (complete && !options_.keep_state) std::filesystem::remove(options_.state_file);
-    else save();
+    if (complete && !options_.keep_state)
+      std::filesystem::remove(options_.state_file);
+    else
+      save();
   }
   return complete ? Outcome::finished : out_of_time ? Outcome::time_limit : Outcome::interrupted;
 }
 
 void RenderJob::save() const { state_.save(options_.state_file); }
 
-std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const {
+std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
+                                     const PathLog& log) const {
   const Film& film = scene_->film();
   const Sample s = render_sample(x - film.crop_x(), y - film.crop_y(), sample, replicate, log);
   if (!s.valid) return {};

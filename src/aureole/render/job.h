@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rendering job: work units of tile x sample block over threads, with progress, checkpoints, interruption and resumption.
+// A rendering job: work units of tile x sample block over threads, with progress, checkpoints, interruption
+// and resumption.
 #pragma once
 
 #include <atomic>
@@ -21,12 +22,12 @@ struct RenderOptions {
   std::int64_t begin = 0;
   std::optional<std::int64_t> end;  ///< samples per pixel; default: the scene's sample_count
   std::optional<std::uint64_t> seed;
-  int threads = 0;                  ///< 0: all cores
-  int replicates = 1;               ///< independently scrambled renders, for variances
-  double time_limit_s = 0;          ///< 0: none; else ends after the first whole block that every pixel has
+  int threads = 0;          ///< 0: all cores
+  int replicates = 1;       ///< independently scrambled renders, for variances
+  double time_limit_s = 0;  ///< 0: none; else ends after the first whole block that every pixel has
   double checkpoint_interval_s = 30;
-  std::filesystem::path state_file; ///< empty: no checkpoints
-  bool keep_state = false;          ///< keep the state file of a finished job
+  std::filesystem::path state_file;  ///< empty: no checkpoints
+  bool keep_state = false;           ///< keep the state file of a finished job
 };
 
 /// Invalid radiance estimate of one sample, for --pixel to replay.
@@ -41,7 +42,7 @@ struct Progress {
 };
 
 class RenderJob {
- public:
+public:
   /// Throws Error: a sample range that cuts blocks, a film too large for memory, wrong integrator.
   RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& options);
 
@@ -49,7 +50,8 @@ class RenderJob {
   void resume(RenderState state);
 
   enum class Outcome { finished, interrupted, time_limit };
-  /// Renders what is missing. `stop` may be set by a signal handler. `report` is called from one thread, a few times a second.
+  /// Renders what is missing. `stop` may be set by a signal handler. `report` is called from one thread, a
+  /// few times a second.
   Outcome run(const std::atomic<bool>& stop, const std::function<void(const Progress&)>& report = {});
 
   const RenderState& state() const { return state_; }
@@ -58,12 +60,13 @@ class RenderJob {
   /// The first few invalid samples met.
   const std::vector<InvalidSample>& invalid_samples() const { return invalid_; }
 
-  /// Replays one sample of a pixel, logging its vertices; returns its measured channels. Pixel coordinates are the film's.
+  /// Replays one sample of a pixel, logging its vertices; returns its measured channels. Pixel coordinates
+  /// are the film's.
   std::vector<float> replay(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const;
 
- private:
+private:
   struct Sample {
-    Vec2 position;     ///< relative to the crop's corner
+    Vec2 position;  ///< relative to the crop's corner
     float alpha;
     float measured[8];
     bool valid;

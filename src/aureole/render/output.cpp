@@ -31,18 +31,24 @@ void write_pictures(const RenderState& s, const std::filesystem::path& file) {
   write_preview(s, file);
 }
 
-void write_preview(const RenderState& s, const std::filesystem::path& file) { write_png(png_of(file), s.display_picture()); }
+void write_preview(const RenderState& s, const std::filesystem::path& file) {
+  write_png(png_of(file), s.display_picture());
+}
 
 void require_writable(const std::filesystem::path& file) {
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
+  const std::filesystem::path folder =
+      file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored))
     throw Error("cannot write " + file.string() + ": there is no folder " + folder.string());
-  if (std::filesystem::is_directory(file, ignored)) throw Error("cannot write " + file.string() + ": it is a folder");
-  // Files are replaced by renaming, so the folder must be writable; access() says yes to root on read-only media, so try.
+  if (std::filesystem::is_directory(file, ignored))
+    throw Error("cannot write " + file.string() + ": it is a folder");
+  // Files are replaced by renaming, so the folder must be writable; access() says yes to root on read-only
+  // media, so try.
   const std::filesystem::path probe = folder / fmt::format(".aureole-write-test-{}", getpid());
   std::FILE* f = std::fopen(probe.c_str(), "wb");
-  if (!f) throw Error("cannot write " + file.string() + ": the folder " + folder.string() + " is not writable");
+  if (!f)
+    throw Error("cannot write " + file.string() + ": the folder " + folder.string() + " is not writable");
   std::fclose(f);
   std::filesystem::remove(probe, ignored);
 }

@@ -8,7 +8,8 @@
 
 namespace aureole {
 
-/// Writes `file` (EXR: scene, hash, seed, samples, version, wall time in the header) and a tone-mapped PNG of the same name beside it.
+/// Writes `file` (EXR: scene, hash, seed, samples, version, wall time in the header) and a tone-mapped PNG of
+/// the same name beside it.
 void write_pictures(const RenderState& state, const std::filesystem::path& file);
 
 /// Only the PNG.

@@ -57,7 +57,8 @@ nlohmann::json header_of(const RenderState& s) {
 std::string PictureIdentity::difference(const PictureIdentity& o) const {
   if (version != o.version) return "program version (" + version + " and " + o.version + ")";
   if (scene_hash != o.scene_hash) return "scene";
-  if (width != o.width || height != o.height || border != o.border || measured_channels != o.measured_channels)
+  if (width != o.width || height != o.height || border != o.border ||
+      measured_channels != o.measured_channels)
     return "film";
   if (seed != o.seed) return "seed (" + std::to_string(seed) + " and " + std::to_string(o.seed) + ")";
   if (sampler != o.sampler) return "sampler (" + sampler + " and " + o.sampler + ")";
@@ -97,11 +98,13 @@ void RenderState::set_range(std::int64_t new_begin, std::int64_t new_end) {
     const auto first = done.begin() + b * per_block;
     if (std::find(first, first + per_block, std::uint8_t(1)) == first + per_block) continue;
     const std::int64_t sample = begin + b * kSampleBlock;
-    const std::int64_t old_stop = std::min(sample + kSampleBlock, end), new_stop = std::min(sample + kSampleBlock, new_end);
+    const std::int64_t old_stop = std::min(sample + kSampleBlock, end),
+                       new_stop = std::min(sample + kSampleBlock, new_end);
     if (sample < new_begin || sample >= new_end || old_stop != new_stop)
       throw Error("samples " + std::to_string(sample) + ":" + std::to_string(old_stop) +
                   " are done already and do not fit into the samples " + std::to_string(new_begin) + ":" +
-                  std::to_string(new_end) + " asked for (use multiples of " + std::to_string(kSampleBlock) + ")");
+                  std::to_string(new_end) + " asked for (use multiples of " + std::to_string(kSampleBlock) +
+                  ")");
     std::copy(first, first + per_block, flags.begin() + (sample - new_begin) / kSampleBlock * per_block);
   }
   begin = new_begin, end = new_end;
@@ -159,13 +162,15 @@ RenderState RenderState::load(const std::filesystem::path& file) {
   std::uint64_t header_size, sum;
   std::memcpy(&header_size, bytes.data() + kMagicSize, 8);
   std::memcpy(&sum, bytes.data() + bytes.size() - 8, 8);
-  if (sum != checksum(bytes.data(), bytes.size() - 8) || header_size > bytes.size() - kMagicSize - 16) throw broken;
+  if (sum != checksum(bytes.data(), bytes.size() - 8) || header_size > bytes.size() - kMagicSize - 16)
+    throw broken;
   try {
     const char* p = bytes.data() + kMagicSize + 8;
     const auto j = nlohmann::json::parse(p, p + header_size);
     RenderState s;
     PictureIdentity id;
-    id.scene = j.at("scene"), id.version = j.at("version"), id.sampler = j.at("sampler"), id.integrator = j.at("integrator");
+    id.scene = j.at("scene"), id.version = j.at("version"), id.sampler = j.at("sampler"),
+    id.integrator = j.at("integrator");
     id.scene_hash = j.at("scene_hash"), id.seed = j.at("seed"), id.wavelengths = j.at("wavelengths");
     id.width = j.at("width"), id.height = j.at("height"), id.border = j.at("border");
     id.measured_channels = j.at("measured_channels"), id.replicates = j.at("replicates");
@@ -212,7 +217,8 @@ Image RenderState::picture() const {
         for (std::size_t c = 0; c < n; ++c) {
           double v = 0;
           if (c < development.rows.size())
-            for (std::size_t k = 0; k < measured.size(); ++k) v += double(development.rows[c][k]) * measured[k];
+            for (std::size_t k = 0; k < measured.size(); ++k)
+              v += double(development.rows[c][k]) * measured[k];
           else
             v = alpha;
           values[r][c] = v;
@@ -225,7 +231,8 @@ Image RenderState::picture() const {
         image.at(x, y, c) = float(mean);
         if (!variances) continue;
         double squares = 0;
-        for (std::size_t r = 0; r < films.size(); ++r) squares += (values[r][c] - mean) * (values[r][c] - mean);
+        for (std::size_t r = 0; r < films.size(); ++r)
+          squares += (values[r][c] - mean) * (values[r][c] - mean);
         image.at(x, y, n + c) = float(squares / (replicates - 1) / replicates);
       }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a job has done so far: fixed-point films and the units they hold. Checkpoints, parts of a picture rendered apart and merges are all
-// this, in memory or in a file.
+// What a job has done so far: fixed-point films and the units they hold. Checkpoints, parts of a picture
+// rendered apart and merges are all this, in memory or in a file.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace aureole {
 
-inline constexpr int kTileSize = 16;       ///< pixels
-inline constexpr int kSampleBlock = 16;    ///< samples of a work unit, aligned
+inline constexpr int kTileSize = 16;     ///< pixels
+inline constexpr int kSampleBlock = 16;  ///< samples of a work unit, aligned
 
 /// Which picture a state belongs to. Two states can be merged or resumed only where all of this agrees.
 struct PictureIdentity {
@@ -29,14 +29,14 @@ struct PictureIdentity {
 
 /// How measured values become the channels of a picture: linear, so that it fits in a state file.
 struct Development {
-  std::vector<std::string> names;   ///< channels, "A" last where alpha is stored
-  std::vector<std::vector<float>> rows;  ///< per channel: factors of the measured channels
+  std::vector<std::string> names;            ///< channels, "A" last where alpha is stored
+  std::vector<std::vector<float>> rows;      ///< per channel: factors of the measured channels
   std::vector<std::vector<float>> rgb_rows;  ///< linear sRGB for previews
   bool half = true;
 };
 
 class RenderState {
- public:
+public:
   RenderState() = default;
   RenderState(PictureIdentity identity, Development development, std::int64_t begin, std::int64_t end);
 
@@ -46,7 +46,7 @@ class RenderState {
   std::vector<FilmBuffer> films;    ///< one per replicate
   std::vector<std::uint8_t> done;   ///< per unit
   std::uint64_t invalid_samples = 0;
-  double seconds = 0;               ///< wall time spent
+  double seconds = 0;  ///< wall time spent
 
   int tiles_x() const { return (identity.width + 2 * identity.border + kTileSize - 1) / kTileSize; }
   int tiles_y() const { return (identity.height + 2 * identity.border + kTileSize - 1) / kTileSize; }
@@ -58,16 +58,19 @@ class RenderState {
   /// Samples that every pixel has; partly done blocks do not count.
   std::int64_t samples_everywhere() const;
 
-  /// Changes the samples asked for, keeping the units done. Throws Error where a block done was cut short at the old end.
+  /// Changes the samples asked for, keeping the units done. Throws Error where a block done was cut short at
+  /// the old end.
   void set_range(std::int64_t new_begin, std::int64_t new_end);
 
-  /// Adds the units of another state. Throws Error for another picture, overlapping units, or a gap-making cut block.
+  /// Adds the units of another state. Throws Error for another picture, overlapping units, or a gap-making
+  /// cut block.
   void merge(const RenderState& other);
 
-  void save(const std::filesystem::path& file) const;                  ///< atomic
-  static RenderState load(const std::filesystem::path& file);          ///< throws Error: missing, truncated, corrupt
+  void save(const std::filesystem::path& file) const;          ///< atomic
+  static RenderState load(const std::filesystem::path& file);  ///< throws Error: missing, truncated, corrupt
 
-  /// The mean over replicates and, with two replicates or more, the variance of that mean ("variance.R", ...).
+  /// The mean over replicates and, with two replicates or more, the variance of that mean ("variance.R",
+  /// ...).
   Image picture() const;
   /// Tone-mapped and encoded for display: highlights above 0.8 are compressed, nothing else is changed.
   Image display_picture() const;

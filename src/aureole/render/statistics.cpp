@@ -11,8 +11,8 @@ namespace aureole {
 
 Comparison compare_images(const Image& a, const Image& b, double rounding) {
   if (a.width != b.width || a.height != b.height)
-    throw Error("the pictures differ in size: " + std::to_string(a.width) + " x " + std::to_string(a.height) + " and " +
-                std::to_string(b.width) + " x " + std::to_string(b.height));
+    throw Error("the pictures differ in size: " + std::to_string(a.width) + " x " + std::to_string(a.height) +
+                " and " + std::to_string(b.width) + " x " + std::to_string(b.height));
   Comparison c;
   for (const auto& name : a.channels)
     if (name != "A" && !name.starts_with("variance.") && b.channel(name) >= 0) c.channels.push_back(name);
@@ -44,7 +44,8 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
         c.relative_mse += d * d / (reference * reference + 1e-2 * c.mean_b * c.mean_b) / n;
         if (std::abs(d) > c.max) c.max = std::abs(d), c.max_x = x, c.max_y = y;
         if (!variances) continue;
-        const double variance = (va >= 0 ? a.at(x, y, size_t(va)) : 0.0) + (vb >= 0 ? b.at(x, y, size_t(vb)) : 0.0);
+        const double variance =
+            (va >= 0 ? a.at(x, y, size_t(va)) : 0.0) + (vb >= 0 ? b.at(x, y, size_t(vb)) : 0.0);
         variance_of_mean += variance / (n * n);
         const double floor = rounding * std::max(std::abs(reference), 0.01 * std::abs(c.mean_b));
         const double value = d / std::sqrt(variance + floor * floor);
@@ -63,8 +64,9 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
   for (double v : zs) z.outside += (std::abs(v) > bound) / double(zs.size());
   z.mean_relative = c.mean_b != 0 ? c.mean_a / c.mean_b - 1 : 0;
   z.mean_difference = variance_of_mean > 0 ? (c.mean_a - c.mean_b) / std::sqrt(variance_of_mean) : 0;
-  z.passes = z.mean_square >= kZMeanSquareMin && z.mean_square <= kZMeanSquareMax && z.outside <= kZOutsideMax &&
-             (std::abs(z.mean_difference) <= kZMeanStandardErrors || std::abs(z.mean_relative) <= kZMeanRelative);
+  z.passes =
+      z.mean_square >= kZMeanSquareMin && z.mean_square <= kZMeanSquareMax && z.outside <= kZOutsideMax &&
+      (std::abs(z.mean_difference) <= kZMeanStandardErrors || std::abs(z.mean_relative) <= kZMeanRelative);
   c.z = z;
   return c;
 }

@@ -8,7 +8,7 @@ namespace aureole {
 namespace {
 
 class IndependentSampler final : public Sampler {
- public:
+public:
   explicit IndependentSampler(const Properties& p) : Sampler(p) { read_common(p); }
 
   void block(std::uint64_t pixel_key, std::uint32_t sample, int block, float out[kBlock]) const override {
@@ -21,12 +21,14 @@ class IndependentSampler final : public Sampler {
   }
 };
 
-AUREOLE_PLUGIN(IndependentSampler, "sampler", "independent",
-               PluginDoc{"Independent uniform random numbers. `sobol` converges faster on almost every scene.",
-                         "",
-                         {{"sample_count", "integer", "", "4", "samples per pixel"},
-                          {"seed", "integer", "", "0", "chooses another independent set of samples"}},
-                         {R"(<sampler type="independent"><integer name="sample_count" value="64"/><integer name="seed" value="1"/></sampler>)"}});
+AUREOLE_PLUGIN(
+    IndependentSampler, "sampler", "independent",
+    PluginDoc{
+        "Independent uniform random numbers. `sobol` converges faster on almost every scene.",
+        "",
+        {{"sample_count", "integer", "", "4", "samples per pixel"},
+         {"seed", "integer", "", "0", "chooses another independent set of samples"}},
+        {R"(<sampler type="independent"><integer name="sample_count" value="64"/><integer name="seed" value="1"/></sampler>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sampler family: points in [0, 1)^d, indexed by pixel, sample and dimension, independent of the total number of samples.
+// The sampler family: points in [0, 1)^d, indexed by pixel, sample and dimension, independent of the total
+// number of samples.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +12,7 @@
 namespace aureole {
 
 class Sampler : public Object {
- public:
+public:
   static constexpr const char* kFamily = "a sampler";
   static constexpr int kBlock = 8;  ///< dimensions computed together
   using Object::Object;
@@ -22,17 +23,17 @@ class Sampler : public Object {
   std::int64_t sample_count() const { return sample_count_; }
   std::uint64_t seed() const { return seed_; }
 
- protected:
+protected:
   void read_common(const Properties& properties);
 
- private:
+private:
   std::int64_t sample_count_ = 4;
   std::uint64_t seed_ = 0;
 };
 
 /// The coordinates of one sample of one pixel, by dimension. Holds the block of dimensions used last.
 class SampleStream {
- public:
+public:
   SampleStream(const Sampler& sampler, std::uint64_t pixel_key, std::uint32_t sample)
       : sampler_(&sampler), pixel_key_(pixel_key), sample_(sample) {}
 
@@ -48,7 +49,7 @@ class SampleStream {
   /// A key for stochastic models, a function of (pixel, sample, dimension).
   std::uint32_t key(int dimension) const;
 
- private:
+private:
   const Sampler* sampler_;
   std::uint64_t pixel_key_;
   std::uint32_t sample_;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sobol points with one true dimension per decision, Owen-scrambled by hash per pixel and dimension. May change: the number of
-// dimensions, the scrambling hash.
+// Sobol points with one true dimension per decision, Owen-scrambled by hash per pixel and dimension. May
+// change: the number of dimensions, the scrambling hash.
 #include <array>
 #include <initializer_list>
 
@@ -29,7 +29,8 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-/// Generator matrices, for 8 dimensions at a time, bit-reversed because the scrambling works on reversed bits.
+/// Generator matrices, for 8 dimensions at a time, bit-reversed because the scrambling works on reversed
+/// bits.
 struct Matrices {
   alignas(32) std::uint32_t column[kDimensions / 8][32][8];
 
@@ -60,8 +61,9 @@ const Matrices& matrices() {
   return m;
 }
 
-/// A hash whose every output bit depends only on input bits at or below it: on reversed bits, a nested uniform (Owen) scramble
-/// (Laine & Karras 2011, "Stratified sampling for stochastic transparency"; constants of N. Vegdahl, 2021).
+/// A hash whose every output bit depends only on input bits at or below it: on reversed bits, a nested
+/// uniform (Owen) scramble (Laine & Karras 2011, "Stratified sampling for stochastic transparency"; constants
+/// of N. Vegdahl, 2021).
 constexpr std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
   x ^= x * 0x3d20adeau;
   x += seed;
@@ -72,18 +74,19 @@ constexpr std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
 }
 
 class SobolSampler final : public Sampler {
- public:
+public:
   explicit SobolSampler(const Properties& p) : Sampler(p), table_(&matrices()) { read_common(p); }
 
   void block(std::uint64_t pixel_key, std::uint32_t sample, int block, float out[kBlock]) const override {
     constexpr int kBlocks = kDimensions / kBlock;
-    // Beyond the table its dimensions are used again, with the sample index shuffled per repetition (Burley 2020, "Practical
-    // hash-based Owen scrambling"): without the shuffle the repeated dimensions would be correlated with the first ones and
-    // the error would stop falling.
+    // Beyond the table its dimensions are used again, with the sample index shuffled per repetition (Burley
+    // 2020, "Practical hash-based Owen scrambling"): without the shuffle the repeated dimensions would be
+    // correlated with the first ones and the error would stop falling.
     const int repetition = block / kBlocks;
     std::uint32_t index = sample;
     if (repetition > 0)
-      index = reverse_bits(owen_hash(reverse_bits(sample), std::uint32_t(combine_bits(pixel_key, ~std::uint64_t(repetition)))));
+      index = reverse_bits(owen_hash(reverse_bits(sample),
+                                     std::uint32_t(combine_bits(pixel_key, ~std::uint64_t(repetition)))));
     const auto& columns = table_->column[block % kBlocks];
     alignas(32) std::uint32_t x[kBlock] = {};
     for (; index; index &= index - 1) {
@@ -103,17 +106,21 @@ class SobolSampler final : public Sampler {
     }
   }
 
- private:
+private:
   const Matrices* table_;
 };
 
-AUREOLE_PLUGIN(SobolSampler, "sampler", "sobol",
-               PluginDoc{"Sobol points, Owen-scrambled per pixel and dimension: the default. Any number of samples works; powers of two "
-                         "have the lowest error.",
-                         "Directions: Joe & Kuo 2008. Scrambling: Owen 1995, by hash as in Laine & Karras 2011 and Burley 2020.",
-                         {{"sample_count", "integer", "", "4", "samples per pixel"},
-                          {"seed", "integer", "", "0", "chooses another independent scrambling"}},
-                         {R"(<sampler type="sobol"><integer name="sample_count" value="64"/><integer name="seed" value="1"/></sampler>)"}});
+AUREOLE_PLUGIN(
+    SobolSampler, "sampler", "sobol",
+    PluginDoc{
+        "Sobol points, Owen-scrambled per pixel and dimension: the default. Any number of samples works; "
+        "powers of two "
+        "have the lowest error.",
+        "Directions: Joe & Kuo 2008. Scrambling: Owen 1995, by hash as in Laine & Karras 2011 and Burley "
+        "2020.",
+        {{"sample_count", "integer", "", "4", "samples per pixel"},
+         {"seed", "integer", "", "0", "chooses another independent scrambling"}},
+        {R"(<sampler type="sobol"><integer name="sample_count" value="64"/><integer name="seed" value="1"/></sampler>)"}});
 
 }  // namespace
 }  // namespace aureole

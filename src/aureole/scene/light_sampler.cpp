@@ -60,8 +60,9 @@ float cost_measure(const EmissionBounds& b) {
   const float theta_e = std::acos(std::clamp(b.cos_emission, -1.f, 1.f));
   const float theta_w = std::min(theta_o + theta_e, kPi);
   const float sin_o = sine_of(b.cos_normals);
-  const float solid = 2 * kPi * (1 - b.cos_normals) +
-                      kPi / 2 * (2 * theta_w * sin_o - std::cos(theta_o - 2 * theta_w) - 2 * theta_o * sin_o + b.cos_normals);
+  const float solid =
+      2 * kPi * (1 - b.cos_normals) +
+      kPi / 2 * (2 * theta_w * sin_o - std::cos(theta_o - 2 * theta_w) - 2 * theta_o * sin_o + b.cos_normals);
   const Vec3 d = b.box.diagonal();
   // A small length keeps clusters without area apart as well.
   const float l = length(d) * 0.1f;
@@ -92,7 +93,8 @@ LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const st
   build(order, 0, order.size(), -1);
 }
 
-std::int32_t LightSampler::build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end, std::int32_t parent) {
+std::int32_t LightSampler::build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
+                                 std::int32_t parent) {
   const std::int32_t index = std::int32_t(nodes_.size());
   nodes_.emplace_back();
   EmissionBounds bounds;
@@ -135,7 +137,8 @@ std::int32_t LightSampler::build(std::vector<std::uint32_t>& order, std::size_t 
     for (int split = 1; split < kBuckets; ++split) {
       EmissionBounds below, above;
       below.power = above.power = 0;
-      for (int k = 0; k < kBuckets; ++k) (k < split ? below : above) = merged(k < split ? below : above, buckets[size_t(k)]);
+      for (int k = 0; k < kBuckets; ++k)
+        (k < split ? below : above) = merged(k < split ? below : above, buckets[size_t(k)]);
       if (below.power == 0 || above.power == 0) continue;
       const float cost = cost_measure(below) + cost_measure(above);
       if (cost < best_cost) best_cost = cost, best_axis = axis, best_bucket = split;
@@ -143,8 +146,9 @@ std::int32_t LightSampler::build(std::vector<std::uint32_t>& order, std::size_t 
   }
   size_t middle = (begin + end) / 2;
   if (best_axis >= 0) {
-    const auto it = std::stable_partition(order.begin() + std::ptrdiff_t(begin), order.begin() + std::ptrdiff_t(end),
-                                          [&](std::uint32_t leaf) { return bucket_of(leaf, best_axis) < best_bucket; });
+    const auto it =
+        std::stable_partition(order.begin() + std::ptrdiff_t(begin), order.begin() + std::ptrdiff_t(end),
+                              [&](std::uint32_t leaf) { return bucket_of(leaf, best_axis) < best_bucket; });
     const size_t split = size_t(it - order.begin());
     if (split > begin && split < end) middle = split;
   }
@@ -211,7 +215,8 @@ std::optional<LightChoice> LightSampler::choose(const Vec3& p, const Vec3& n, fl
   return LightChoice{leaf.emitter, leaf.part, probability};
 }
 
-float LightSampler::probability(const Vec3& p, const Vec3& n, const Emitter* emitter, std::size_t part) const {
+float LightSampler::probability(const Vec3& p, const Vec3& n, const Emitter* emitter,
+                                std::size_t part) const {
   if (emitter->is_infinite()) return infinite_.empty() ? 0 : infinite_probability() / float(infinite_.size());
   const auto first = first_leaf_.find(emitter);
   if (first == first_leaf_.end()) return 0;

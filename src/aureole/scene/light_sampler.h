@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which light to connect to: a bounding-volume tree over all parts of all emitters, descended at random by an estimate of what each
-// side sends to the point (Conty Estevez & Kulla 2018, "Importance sampling of many lights with adaptive tree splitting";
-// importance as in Pharr, Jakob & Humphreys 2023, section 12.6.3).
+// Which light to connect to: a bounding-volume tree over all parts of all emitters, descended at random by an
+// estimate of what each side sends to the point (Conty Estevez & Kulla 2018, "Importance sampling of many
+// lights with adaptive tree splitting"; importance as in Pharr, Jakob & Humphreys 2023, section 12.6.3).
 #pragma once
 
 #include <optional>
@@ -19,13 +19,13 @@ struct LightChoice {
 };
 
 class LightSampler {
- public:
+public:
   LightSampler() = default;
   /// `powers`: one positive or zero number per emitter, its power as the film sees it.
   LightSampler(const std::vector<const Emitter*>& emitters, const std::vector<double>& powers);
 
-  /// A part of an emitter for the point p with normal n (zero for a point that light may reach from both sides). Nothing where
-  /// no light can reach p.
+  /// A part of an emitter for the point p with normal n (zero for a point that light may reach from both
+  /// sides). Nothing where no light can reach p.
   std::optional<LightChoice> choose(const Vec3& p, const Vec3& n, float u) const;
   /// The probability of that choice.
   float probability(const Vec3& p, const Vec3& n, const Emitter* emitter, std::size_t part) const;
@@ -33,13 +33,13 @@ class LightSampler {
   bool empty() const { return infinite_.empty() && nodes_.empty(); }
   std::size_t leaf_count() const { return leaves_.size(); }
 
- private:
+private:
   struct Node {
     EmissionBounds bounds;
     float sin_normals = 0, sin_emission = 1;
     Vec3 center;
     float radius_squared = 0;
-    std::int32_t right = -1;   ///< index of the second child (the first follows); -1 in a leaf
+    std::int32_t right = -1;  ///< index of the second child (the first follows); -1 in a leaf
     std::int32_t parent = -1;
     std::uint32_t leaf = 0;
   };
@@ -49,7 +49,8 @@ class LightSampler {
     EmissionBounds bounds;
   };
 
-  std::int32_t build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end, std::int32_t parent);
+  std::int32_t build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
+                     std::int32_t parent);
   static float importance(const Node& node, const Vec3& p, const Vec3& n);
   float infinite_probability() const {
     return nodes_.empty() ? 1.f : float(infinite_.size()) / float(infinite_.size() + 1);

@@ -12,7 +12,8 @@ namespace {
 void load(const Ray& ray, RTCRay& r) {
   r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z;
   r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z;
-  // Not zero: a point on a plane through zero has no rounding error and so no offset, and its distance to the plane is exactly 0.
+  // Not zero: a point on a plane through zero has no rounding error and so no offset, and its distance to the
+  // plane is exactly 0.
   r.tnear = std::numeric_limits<float>::min(), r.tfar = ray.t_max, r.time = 0;
   r.mask = ~0u, r.id = 0, r.flags = 0;
 }

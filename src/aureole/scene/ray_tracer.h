@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray casting: the one place that calls Embree (what differs between Embree 3 and 4 is behind this file; shapes only make geometries).
+// Ray casting: the one place that calls Embree (what differs between Embree 3 and 4 is behind this file;
+// shapes only make geometries).
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -12,7 +13,7 @@
 namespace aureole {
 
 class RayTracer {
- public:
+public:
   /// Builds the acceleration structure; throws Error where memory runs out.
   explicit RayTracer(std::span<const ShapePtr> shapes);
   ~RayTracer();
@@ -29,7 +30,7 @@ class RayTracer {
   bool occluded(const Ray& ray) const;
   Bounds3 bounds() const { return bounds_; }
 
- private:
+private:
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   Bounds3 bounds_;

@@ -42,7 +42,8 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
     if (emitter->is_infinite()) infinite_.push_back(emitter.get());
   }
 
-  // p_lambda mixes the film's response with response x emitted power, so that a line that carries the light is found.
+  // p_lambda mixes the film's response with response x emitted power, so that a line that carries the light
+  // is found.
   const SpectralGrid& grid = loaded_.context->grid;
   const SampledSpectrum response = film().response();
   std::vector<double> powers;
@@ -61,8 +62,9 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
 Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to) const {
   const Vec3 o = offset_origin(from, to.wo);
   if (to.infinite) return tracer_->occluded({o, to.wo, kInfinity}) ? 0.f : 1.f;
-  // Both ends lie off their surfaces, so that the segment needs no shortening by a constant. At the far end the rounding of the ray's own
-  // arithmetic counts too: direction, distance and differences of the length of the segment (gamma(10) of each).
+  // Both ends lie off their surfaces, so that the segment needs no shortening by a constant. At the far end
+  // the rounding of the ray's own arithmetic counts too: direction, distance and differences of the length of
+  // the segment (gamma(10) of each).
   constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
   const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * kGamma10;
   const Vec3 target = offset_origin(to.p, p_error, to.ng, -to.wo);

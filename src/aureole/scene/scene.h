@@ -15,7 +15,7 @@
 namespace aureole {
 
 class Scene {
- public:
+public:
   /// Attaches emitters to their shapes, builds the ray tracer, the light tree and the density of wavelengths.
   explicit Scene(LoadedScene loaded);
 
@@ -28,7 +28,8 @@ class Scene {
     point.primitive = hit.primitive;
     return point;
   }
-  /// The fraction of light that passes, per wavelength, from a surface point to the other end of a connection: the only visibility call.
+  /// The fraction of light that passes, per wavelength, from a surface point to the other end of a
+  /// connection: the only visibility call.
   Spectrum connect(const SurfacePoint& from, const DirectSample& to) const;
 
   const Sensor& sensor() const { return *sensor_; }
@@ -43,7 +44,7 @@ class Scene {
   Bounds3 bounds() const { return tracer_->bounds(); }
   std::uint64_t hash() const { return loaded_.hash; }
 
- private:
+private:
   LoadedScene loaded_;
   std::vector<ShapePtr> shapes_;
   std::vector<const Emitter*> emitters_, infinite_;

@@ -9,7 +9,7 @@ namespace aureole {
 namespace {
 
 class PerspectiveSensor final : public Sensor {
- public:
+public:
   explicit PerspectiveSensor(const Properties& p) : Sensor(p) {
     read_common(p);
     to_world_ = p.get_transform("to_world");
@@ -21,10 +21,10 @@ class PerspectiveSensor final : public Sensor {
     near_clip_ = float(p.get_float("near_clip", 1e-2, Range::positive()));
     far_clip_ = float(p.get_float("far_clip", 1e4, Range::positive()));
     if (far_clip_ <= near_clip_) throw p.error("far_clip", "must be larger than near_clip");
-    if (p.find("focus_distance")) p.note("focus_distance", "a pinhole has no focus: \"focus_distance\" has no effect");
+    if (p.find("focus_distance"))
+      p.note("focus_distance", "a pinhole has no focus: \"focus_distance\" has no effect");
     const bool opens = p.find("shutter_open"), closes = p.find("shutter_close");
-    if (opens || closes)
-      p.note("shutter_open", "nothing moves: the shutter times have no effect");
+    if (opens || closes) p.note("shutter_open", "nothing moves: the shutter times have no effect");
 
     const double width = film().width(), height = film().height(), aspect = width / height;
     const double tangent_x = tangent_of_half_width(p, aspect);
@@ -42,8 +42,9 @@ class PerspectiveSensor final : public Sensor {
     return {origin_ + w * to_near, normalize(w), to_far - to_near};
   }
 
- private:
-  /// tan(half the horizontal field of view), from `fov` about `fov_axis` or from `focal_length` on 35 mm film.
+private:
+  /// tan(half the horizontal field of view), from `fov` about `fov_axis` or from `focal_length` on 35 mm
+  /// film.
   static double tangent_of_half_width(const Properties& p, double aspect) {
     const std::string axis = p.get_choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"});
     double fov = p.get_float("fov", -1, {1e-4, 179.9999});
@@ -61,7 +62,8 @@ class PerspectiveSensor final : public Sensor {
     }
     if (fov < 0) return std::sqrt(36.0 * 36 + 24 * 24) / (2 * 50) / std::sqrt(1 + 1 / (aspect * aspect));
     const double t = std::tan(0.5 * fov * M_PI / 180);
-    if (axis == "y" || (axis == "smaller" && aspect > 1) || (axis == "larger" && aspect < 1)) return t * aspect;
+    if (axis == "y" || (axis == "smaller" && aspect > 1) || (axis == "larger" && aspect < 1))
+      return t * aspect;
     if (axis == "diagonal") return t / std::sqrt(1 + 1 / (aspect * aspect));
     return t;
   }
@@ -78,7 +80,8 @@ AUREOLE_PLUGIN(
               {{"to_world", "transform", "", "identity", "camera to world; must not scale"},
                {"fov", "float", "degrees", "from focal_length", "field of view along fov_axis"},
                {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
-               {"focal_length", "string", "mm", "50mm", "instead of fov: of a 35 mm camera with the same diagonal angle"},
+               {"focal_length", "string", "mm", "50mm",
+                "instead of fov: of a 35 mm camera with the same diagonal angle"},
                {"near_clip", "float", "scene units", "0.01", "nothing nearer is seen"},
                {"far_clip", "float", "scene units", "10000", "nothing farther is seen"},
                {"principal_point_offset_x", "float", "film widths", "0", "shifts the centre of projection"},

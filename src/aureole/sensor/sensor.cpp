@@ -14,7 +14,8 @@ std::shared_ptr<T> child_or(const Properties& p, const char* family, const char*
   if (found.size() > 1) throw Error(p.where(), std::string("a sensor has one ") + family);
   if (!found.empty()) return found.front();
   const PluginInfo* info = Registry::instance().find(family, fallback);
-  return std::dynamic_pointer_cast<T>(info->create(Properties(fallback, "", p.where(), p.shared_context(), info)));
+  return std::dynamic_pointer_cast<T>(
+      info->create(Properties(fallback, "", p.where(), p.shared_context(), info)));
 }
 
 }  // namespace

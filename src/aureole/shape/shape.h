@@ -24,7 +24,7 @@ struct ShapeSample {
 };
 
 class Shape : public Object {
- public:
+public:
   static constexpr const char* kFamily = "a shape";
   /// Reads the children every shape may have: bsdf (default: diffuse .5, black on emitters) and emitter.
   explicit Shape(const Properties& properties);
@@ -34,35 +34,39 @@ class Shape : public Object {
   const Emitter* emitter() const { return emitter_.get(); }
   const std::shared_ptr<Emitter>& shared_emitter() const { return emitter_; }
 
-  /// An Embree geometry for this shape, committed, owned by the caller. Buffers are shared with the shape, which outlives it.
+  /// An Embree geometry for this shape, committed, owned by the caller. Buffers are shared with the shape,
+  /// which outlives it.
   virtual RTCGeometry make_geometry(RTCDevice device) const = 0;
   /// The surface point of an Embree hit: primitive id and barycentrics (u, v), met by `ray` at distance `t`.
-  virtual SurfacePoint surface_point(std::uint32_t primitive, float u, float v, const Ray& ray, float t) const = 0;
+  virtual SurfacePoint surface_point(std::uint32_t primitive, float u, float v, const Ray& ray,
+                                     float t) const = 0;
 
   virtual Bounds3 bounds() const = 0;
   virtual std::size_t primitive_count() const = 0;  ///< triangles, or 1
   virtual std::size_t memory_bytes() const { return 0; }
 
-  // What an area emitter needs. A shape is divided into patches that are sampled one by one: a triangle, a parallelogram of two
-  // triangles, a sphere.
+  // What an area emitter needs. A shape is divided into patches that are sampled one by one: a triangle, a
+  // parallelogram of two triangles, a sphere.
   virtual std::size_t patch_count() const = 0;
   virtual std::size_t patch_of_primitive(std::uint32_t primitive) const = 0;
   virtual float patch_area(std::size_t patch) const = 0;
   virtual Bounds3 patch_bounds(std::size_t patch) const = 0;
   /// Mean normal and the cosine of the half-angle of the cone that holds all normals of the patch.
   virtual std::pair<Vec3, float> patch_normals(std::size_t patch) const = 0;
-  /// A point of the patch as seen from `reference`, by solid angle where that pays; nothing where the patch can't be seen or has no area.
-  virtual std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t patch, Vec2 u) const = 0;
+  /// A point of the patch as seen from `reference`, by solid angle where that pays; nothing where the patch
+  /// can't be seen or has no area.
+  virtual std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t patch,
+                                                   Vec2 u) const = 0;
   /// Solid-angle density with which sample_direct chooses the point `point` of the patch from `reference`.
   virtual float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const = 0;
 
   /// What the reader dropped or repaired ("3 degenerate triangles dropped"), for `aureole info` and a note.
   const std::vector<std::string>& remarks() const { return remarks_; }
 
- protected:
+protected:
   std::vector<std::string> remarks_;
 
- private:
+private:
   BsdfPtr bsdf_;
   std::shared_ptr<Emitter> emitter_;
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Conventions as Mitsuba 3's: normals outside; `flip_normals` and a mirroring `to_world` each turn
-// them around (a negative radius, which Mitsuba takes for the same, is an error). u runs with the azimuth about the sphere's own z axis, v from its north pole.
+// them around (a negative radius, which Mitsuba takes for the same, is an error). u runs with the azimuth
+// about the sphere's own z axis, v from its north pole.
 #include <algorithm>
 #include <utility>
 

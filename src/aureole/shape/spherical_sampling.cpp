@@ -10,8 +10,11 @@ namespace aureole {
 namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
-/// Below this solid angle [sr] uniform area and uniform solid angle differ little, and area sampling is
-/// cheaper.
+/// Where the patch's longest edge squared is below this share of the squared distance to its centroid,
+/// uniform area and uniform solid angle differ little (mostly by less than a third between its corners), and
+/// area sampling costs a sixth (docs/decisions.md).
+constexpr float kFar = 0.5f;
+/// Below this solid angle [sr] (an edge-on patch) the spherical constructions lose their digits.
 constexpr double kSmall = 3e-4;
 /// A reference point this close [sr] to seeing a full hemisphere lies on the patch, to within rounding.
 constexpr double kHemisphere = 2 * kPiD - 1e-6;
@@ -117,6 +120,13 @@ float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, do
 
 PatchView PatchView::of(const Vec3& reference, const TriangleCorners& first, const TriangleCorners* second) {
   PatchView view;
+  const Vec3 e1 = first[1] - first[0], e2 = first[2] - first[0], e3 = first[2] - first[1];
+  const Vec3 to_center = (first[0] + first[1] + first[2]) * (1.f / 3) - reference;
+  if (max_component({length_squared(e1), length_squared(e2), length_squared(e3)}) <
+      kFar * length_squared(to_center)) {
+    view.technique = Technique::area;
+    return view;
+  }
   view.solid_angle[0] = triangle_solid_angle(reference, first);
   if (second) view.solid_angle[1] = triangle_solid_angle(reference, *second);
   const double total = view.total();

@@ -12,27 +12,32 @@ class Shape;
 
 struct SurfacePoint {
   Vec3 p;
-  Vec3 p_error;  ///< bound of the rounding error of p, per coordinate
-  Vec3 ng;       ///< geometric normal, unit length; an area emitter shines on its side
-  Frame shading; ///< shading normal in n, s along dp/du
+  Vec3 p_error;   ///< bound of the rounding error of p, per coordinate
+  Vec3 ng;        ///< geometric normal, unit length; an area emitter shines on its side
+  Frame shading;  ///< shading normal in n, s along dp/du
   Vec2 uv;
   const Shape* shape = nullptr;
   std::uint32_t primitive = 0;
 };
 
-/// Origin for a ray leaving `point` along `d`: moved along the geometric normal just beyond the error bound, so that the ray
-/// cannot meet the surface it starts from (Pharr, Jakob & Humphreys 2023, "Physically Based Rendering", section 6.8.6).
+/// Origin for a ray leaving `point` along `d`: moved along the geometric normal just beyond the error bound,
+/// so that the ray cannot meet the surface it starts from (Pharr, Jakob & Humphreys 2023, "Physically Based
+/// Rendering", section 6.8.6).
 inline Vec3 offset_origin(const Vec3& p, const Vec3& p_error, const Vec3& ng, const Vec3& d) {
   const float distance = dot(abs(ng), p_error);
   const Vec3 offset = dot(d, ng) < 0 ? ng * -distance : ng * distance;
   Vec3 o = p + offset;
   for (int i = 0; i < 3; ++i) {
     // The sum is rounded to nearest: step once more, away from the surface.
-    if (offset[i] > 0) o[i] = std::nextafter(o[i], kInfinity);
-    else if (offset[i] < 0) o[i] = std::nextafter(o[i], -kInfinity);
+    if (offset[i] > 0)
+      o[i] = std::nextafter(o[i], kInfinity);
+    else if (offset[i] < 0)
+      o[i] = std::nextafter(o[i], -kInfinity);
   }
   return o;
 }
-inline Vec3 offset_origin(const SurfacePoint& s, const Vec3& d) { return offset_origin(s.p, s.p_error, s.ng, d); }
+inline Vec3 offset_origin(const SurfacePoint& s, const Vec3& d) {
+  return offset_origin(s.p, s.p_error, s.ng, d);
+}
 
 }  // namespace aureole

@@ -8,8 +8,8 @@
 
 namespace aureole {
 
-/// xbar, ybar, zbar of the CIE 1931 2-degree observer on `grid`, divided by the integral of ybar [1/nm], so that a flat spectrum
-/// of radiance 1 has Y = 1.
+/// xbar, ybar, zbar of the CIE 1931 2-degree observer on `grid`, divided by the integral of ybar [1/nm], so
+/// that a flat spectrum of radiance 1 has Y = 1.
 std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid);
 
 /// XYZ to linear sRGB (IEC 61966-2-1, D65 white).

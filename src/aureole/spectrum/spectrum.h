@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Spectrum`: one float per wavelength of a path. kWavelengths is a compile-time constant chosen by measurement
-// (docs/decisions.md); 8 floats are one AVX2 register.
+// `Spectrum`: one float per wavelength of a path. kWavelengths is a compile-time constant chosen by
+// measurement (docs/decisions.md); 8 floats are one AVX2 register.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,8 @@ static_assert(kWavelengths == 4 || kWavelengths == 8, "a path carries 4 or 8 wav
 using SpectrumVector = float __attribute__((vector_size(sizeof(float) * kWavelengths)));
 using SpectrumMask = int __attribute__((vector_size(sizeof(int) * kWavelengths)));
 
-/// Values at the N wavelengths of a path; index 0 is the hero, the wavelength that directions are sampled from.
+/// Values at the N wavelengths of a path; index 0 is the hero, the wavelength that directions are sampled
+/// from.
 struct Spectrum {
   SpectrumVector v;
 

@@ -46,7 +46,8 @@ SampledSpectrum SampledSpectrum::from_points(const SpectralGrid& grid, std::span
   std::vector<double> moments(grid.cells + 1, 0.0);  // integral(s hat_i), in units of a cell
   const double h = grid.step();
   for (size_t k = 0; k + 1 < nm.size(); ++k) {
-    // Clip the piece to the grid, then integrate it cell by cell: s and hat are linear there, so Simpson is exact.
+    // Clip the piece to the grid, then integrate it cell by cell: s and hat are linear there, so Simpson is
+    // exact.
     const double a = std::max(nm[k], grid.min_nm), b = std::min(nm[k + 1], grid.max_nm);
     if (!(b > a)) continue;
     const double slope = (values[k + 1] - values[k]) / (nm[k + 1] - nm[k]);
@@ -70,7 +71,8 @@ SampledSpectrum SampledSpectrum::from_points(const SpectralGrid& grid, std::span
   return {grid, std::move(nodes)};
 }
 
-SampledSpectrum SampledSpectrum::from_function(const SpectralGrid& grid, const std::function<double(double)>& f) {
+SampledSpectrum SampledSpectrum::from_function(const SpectralGrid& grid,
+                                               const std::function<double(double)>& f) {
   std::vector<float> nodes(grid.cells + 1);
   for (int i = 0; i <= grid.cells; ++i) nodes[i] = float(f(grid.node(i)));
   return {grid, std::move(nodes)};
@@ -127,8 +129,9 @@ WavelengthDistribution::WavelengthDistribution(const SpectralGrid& grid,
   for (int k = 1; k <= kPieces; ++k) {
     const double target = total * k / kPieces;
     while (c < grid.cells - 1 && below + cell[c] < target) below += cell[c++];
-    const double nm =
-        k == kPieces ? grid.max_nm : grid.node(c) + grid.step() * std::clamp((target - below) / cell[c], 0.0, 1.0);
+    const double nm = k == kPieces
+                          ? grid.max_nm
+                          : grid.node(c) + grid.step() * std::clamp((target - below) / cell[c], 0.0, 1.0);
     inverse_cdf_[k] = float(nm);
     density_[k - 1] = float(1 / (kPieces * (nm - previous)));
     previous = nm;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wavelengths of a path, the grid on which every spectrum of a scene is tabulated, and the density from which
-// wavelengths are drawn.
+// The wavelengths of a path, the grid on which every spectrum of a scene is tabulated, and the density from
+// which wavelengths are drawn.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@
 
 namespace aureole {
 
-/// Equidistant nodes over the range a sensor sees, in nm. Every tabulated spectrum of a scene has one value per node, so a
-/// look-up is an index that a path computes once (`Wavelengths::cell`), not a search.
+/// Equidistant nodes over the range a sensor sees, in nm. Every tabulated spectrum of a scene has one value
+/// per node, so a look-up is an index that a path computes once (`Wavelengths::cell`), not a search.
 struct SpectralGrid {
   double min_nm = 360, max_nm = 830;
   int cells = 470;  ///< nodes - 1
@@ -38,16 +38,16 @@ struct Wavelengths {
 
 /// A spectrum tabulated on a grid's nodes, piecewise linear between them.
 class SampledSpectrum {
- public:
+public:
   SampledSpectrum() = default;
   SampledSpectrum(const SpectralGrid& grid, std::vector<float> node_values);
 
   static SampledSpectrum constant(const SpectralGrid& grid, float value);
 
-  /// Tabulates the piecewise-linear function through (nm, value), zero outside [nm.front(), nm.back()], so that its
-  /// integral over the grid's range is kept: a line narrower than a cell keeps its power. Node values are hat-weighted means,
-  /// integral(s hat_i) / integral(hat_i), which also leaves linear pieces unchanged (at the two ends, whose hats are
-  /// halves, a slope counts a third of a cell inside).
+  /// Tabulates the piecewise-linear function through (nm, value), zero outside [nm.front(), nm.back()], so
+  /// that its integral over the grid's range is kept: a line narrower than a cell keeps its power. Node
+  /// values are hat-weighted means, integral(s hat_i) / integral(hat_i), which also leaves linear pieces
+  /// unchanged (at the two ends, whose hats are halves, a slope counts a third of a cell inside).
   static SampledSpectrum from_points(const SpectralGrid& grid, std::span<const double> nm,
                                      std::span<const double> values);
 
@@ -72,32 +72,34 @@ class SampledSpectrum {
   const SpectralGrid& grid() const { return grid_; }
   void scale(float s);
 
- private:
+private:
   Spectrum eval_gather(const Wavelengths& w) const;
 
   SpectralGrid grid_;
   std::vector<float> table_;
 };
 
-/// p_lambda: a piecewise-constant density over the grid's range, given by a table of its inverse CDF, which is piecewise
-/// linear in u. It is positive over the whole range.
+/// p_lambda: a piecewise-constant density over the grid's range, given by a table of its inverse CDF, which
+/// is piecewise linear in u. It is positive over the whole range.
 class WavelengthDistribution {
- public:
-  /// Density proportional to the mixture of `densities` (node values on the grid, each normalised to unit integral
-  /// first; all-zero ones are left out), with a uniform part of 2 % so that no wavelength is missed.
+public:
+  /// Density proportional to the mixture of `densities` (node values on the grid, each normalised to unit
+  /// integral first; all-zero ones are left out), with a uniform part of 2 % so that no wavelength is missed.
   WavelengthDistribution(const SpectralGrid& grid, std::span<const SampledSpectrum> densities,
                          std::span<const float> weights);
 
-  /// N wavelengths lambda_j = CDF^-1(frac(u + j/N)) (Wilkie et al. 2014, "Hero wavelength spectral sampling").
+  /// N wavelengths lambda_j = CDF^-1(frac(u + j/N)) (Wilkie et al. 2014, "Hero wavelength spectral
+  /// sampling").
   Wavelengths sample(float u) const;
   float pdf(float nm) const;
   const SpectralGrid& grid() const { return grid_; }
 
- private:
+private:
   static constexpr int kPieces = 2048;
   SpectralGrid grid_;
   std::vector<float> inverse_cdf_;  ///< kPieces + 1 wavelengths
-  std::vector<float> density_;      ///< of the kPieces; not from the wavelengths, whose rounding may make a narrow piece empty
+  std::vector<float>
+      density_;  ///< of the kPieces; not from the wavelengths, whose rounding may make a narrow piece empty
 };
 
 }  // namespace aureole

@@ -28,8 +28,8 @@ private:
 };
 
 /// The spectrum of a linear sRGB colour, not multiplied by an illuminant. A colour in [0, 1] is the
-/// reflectance of that colour; a brighter one, and any `emission`, is scaled to a largest component of 1/2 for the upsampling,
-/// and its spectrum up again, as Mitsuba does.
+/// reflectance of that colour; a brighter one, and any `emission`, is scaled to a largest component of 1/2
+/// for the upsampling, and its spectrum up again, as Mitsuba does.
 SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], bool emission);
 
 /// D65 with luminance `scale`, that is `scale` times what a flat spectrum of one has.

@@ -92,8 +92,9 @@ SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], b
   const double largest = std::max({rgb[0], rgb[1], rgb[2]});
   if (largest <= 0) return SampledSpectrum::constant(grid, 0);
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return SampledSpectrum::constant(grid, float(largest));
-  // Scaled so that the largest component is 1/2: there the spectra of the upsampling are smooth. A reflectance must stay as it is: another
-  // spectrum of the same colour (a metamer) would look different under coloured light.
+  // Scaled so that the largest component is 1/2: there the spectra of the upsampling are smooth. A
+  // reflectance must stay as it is: another spectrum of the same colour (a metamer) would look different
+  // under coloured light.
   const double scale = !emission && largest <= 1 ? 1 : 2 * largest;
   const SigmoidPolynomial p = fit_srgb({rgb[0] / scale, rgb[1] / scale, rgb[2] / scale});
   return SampledSpectrum::from_function(grid, [&](double nm) { return scale * p.at(float(nm)); });

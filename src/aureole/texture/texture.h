@@ -9,7 +9,7 @@
 namespace aureole {
 
 class Texture : public Object {
- public:
+public:
   static constexpr const char* kFamily = "a texture or spectrum";
   using Object::Object;
 
@@ -26,13 +26,15 @@ class Texture : public Object {
 };
 using TexturePtr = std::shared_ptr<const Texture>;
 
-/// What a spectrum given as rgb or as a number stands for, as in Mitsuba's spectral mode: a reflectance in [0, 1], an unbounded
-/// quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has luminance 1).
+/// What a spectrum given as rgb or as a number stands for, as in Mitsuba's spectral mode: a reflectance in
+/// [0, 1], an unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has
+/// luminance 1).
 enum class SpectrumRole { reflectance, unbounded, emission };
 
-/// The texture, spectrum or number given under `name`; `fallback` where absent. A reflectance outside [0, 1] and any negative value
-/// are errors located at the parameter.
-TexturePtr get_texture(const Properties& properties, std::string_view name, double fallback, SpectrumRole role);
+/// The texture, spectrum or number given under `name`; `fallback` where absent. A reflectance outside [0, 1]
+/// and any negative value are errors located at the parameter.
+TexturePtr get_texture(const Properties& properties, std::string_view name, double fallback,
+                       SpectrumRole role);
 
 /// The texture given under `name`, or null where absent.
 TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role);
