@@ -7,7 +7,7 @@ DEMO_OUT ?= out/condensation
 DEMO_ARGS ?=
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build demo test test-asan test-tsan bench docs docs-check format format-check includes lint install references clean
+.PHONY: deps build demo test test-asan test-tsan bench docs format format-check includes lint install clean
 
 deps:
 	@tools/install_deps.sh
@@ -20,8 +20,8 @@ build: deps
 demo: build
 	@mkdir -p $(dir $(DEMO_OUT))
 	$(BIN) render scenes/condensation/condensation.xml -o $(DEMO_OUT).exr $(DEMO_ARGS)
-	@$(BIN) rings $(DEMO_OUT).exr
 	@echo "The picture is $(abspath $(DEMO_OUT).png)"
+	@$(BIN) rings $(DEMO_OUT).exr
 
 test: build
 	ctest --preset $(PRESET) -j $(JOBS) $(CTEST_ARGS)
@@ -33,8 +33,10 @@ test-tsan:
 	$(MAKE) build PRESET=tsan
 	ctest --preset tsan -j $(JOBS) -R 'Determinism|Job' $(CTEST_ARGS)
 
-bench: build
-	@bench/run.sh build/release/bin
+bench: deps
+	@cmake -S . -B build/bench -G Ninja -DCMAKE_BUILD_TYPE=Release -DAUREOLE_BENCH=ON -DBUILD_TESTING=OFF > /dev/null
+	cmake --build build/bench -j $(JOBS)
+	@bench/run.sh build/bench/bin
 
 docs: build
 	$(BIN) docs > docs/plugins.md
@@ -49,6 +51,7 @@ includes:
 	@tools/check_includes.py .
 
 lint: build
+	@command -v clang-tidy > /dev/null || { echo "lint needs clang-tidy: apt-get install clang-tidy"; exit 1; }
 	@git ls-files 'src/*.cpp' 'apps/*.cpp' | xargs -P $(JOBS) -n 4 clang-tidy -p build/$(PRESET) --quiet
 
 install: build

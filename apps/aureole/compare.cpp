@@ -19,6 +19,10 @@ int compare(const std::string& a_file, const std::string& b_file, const std::str
   fmt::print("RMSE       {:.6g}\n", c.rmse);
   fmt::print("relMSE     {:.6g}\n", c.relative_mse);
   fmt::print("max        {:.6g} at ({}, {})\n", c.max, c.max_x, c.max_y);
+  if (c.max == 0) {
+    fmt::print("verdict    identical\n");
+    return 0;
+  }
   if (!c.z) {
     fmt::print(
         "z-test     needs variances: render both with --replicates 16 or more (or one, against a reference "

@@ -177,6 +177,10 @@ int render(const Arguments& a) {
   const auto scene = std::make_shared<const Scene>(load_scene(a.scene, load));
   if (!a.quiet)
     for (const auto& note : scene->loaded().notes) fmt::print(stderr, "note: {}\n", note);
+  if (!a.quiet)
+    for (const auto& shape : scene->shapes())
+      for (const auto& remark : shape->remarks())
+        fmt::print(stderr, "note: {}: {}\n", shape->properties().where().str(), remark);
   RenderJob job(scene, options);
   if (!a.pixel.empty()) return replay_pixel(job, *scene, a, options);
 

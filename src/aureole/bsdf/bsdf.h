@@ -44,6 +44,7 @@ struct BsdfSample {
       value;  ///< f |cos theta_o|; for a delta lobe the factor of the delta (its mass-weighted reflectance)
   Spectrum pdf;  ///< per wavelength: a density [1/sr], or where `lobe` is delta a probability (mass)
   Lobe lobe = Lobe::none;
+  float eta = 1;  ///< index of the medium that wo leads into over that of wi's; for roulette
 
   bool is_delta() const { return has(lobe, Lobe::delta); }
 };

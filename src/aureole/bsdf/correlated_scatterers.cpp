@@ -243,7 +243,7 @@ private:
     t = select(etas.v == Spectrum(eta).v, t, 0.f);
     if (!(t[0] > 0) || !(cos_t > 0)) return {};
     const Vec3 wo{-wi.x / eta, -wi.y / eta, wi.z > 0 ? -cos_t : cos_t};
-    BsdfSample s{wo, t * delta_weight_, t * delta_probability_, Lobe::delta | Lobe::transmit};
+    BsdfSample s{wo, t * delta_weight_, t * delta_probability_, Lobe::delta | Lobe::transmit, eta};
     if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
     return s;
   }
@@ -277,7 +277,8 @@ private:
     const Vec3 wo{float(x / n_o), float(y / n_o), (wi.z > 0) == reflected ? z : -z};
     const BsdfEval e = eval_pdf(wi, wo, ctx);
     if (!(e.pdf[0] > 0)) return {};
-    return BsdfSample{wo, e.value, e.pdf, Lobe::glossy | (reflected ? Lobe::reflect : Lobe::transmit)};
+    return BsdfSample{wo, e.value, e.pdf, Lobe::glossy | (reflected ? Lobe::reflect : Lobe::transmit),
+                      float(n_o / n_i)};
   }
 
   static constexpr float kSmallestCosine = 1e-5f;

@@ -45,7 +45,7 @@ public:
     // Another index sends its wavelength elsewhere: it has no part in this direction.
     Spectrum t(1 - hero.reflectance);
     if (dispersive_) t = select(etas.v == Spectrum(eta).v, t, 0.f);
-    BsdfSample s{refract(wi, hero.cos_t, eta), t, t, Lobe::delta | Lobe::transmit};
+    BsdfSample s{refract(wi, hero.cos_t, eta), t, t, Lobe::delta | Lobe::transmit, eta};
     // Radiance is compressed into a smaller solid angle in the denser medium: L/n^2 is what refraction keeps.
     if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
     if (transmittance_) s.value *= transmittance_->eval(ctx.point, ctx.wavelengths);

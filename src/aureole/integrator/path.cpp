@@ -19,6 +19,8 @@ struct PathState {
   Ray ray;
   PathDensity density;  ///< up to and including the direction of `ray`
   int depth = 0;        ///< surfaces met so far
+  float eta2 =
+      1;  ///< squared index of the present medium over the camera's: undoes the n^2 of radiance for roulette
   RadianceEstimate result;
 
   // How `ray` was found, for MIS with light sampling: the density before its direction was sampled, and that
@@ -118,9 +120,10 @@ private:
     s.density.extend(b->value, b->pdf);
     s.ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
     ++s.depth;
+    s.eta2 *= b->eta * b->eta;
 
     if (s.depth >= roulette_depth_) {
-      const float survival = std::min(0.95f, s.density.hero_symmetric_throughput());
+      const float survival = std::min(0.95f, s.density.hero_symmetric_throughput() * s.eta2);
       if (!(samples.get1(dimension + kRoulette) < survival)) return step;
       s.density.survive(survival);
       s.before.survive(survival);

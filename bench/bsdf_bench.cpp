@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// Nanoseconds per call of the parts that a path is made of: BSDFs, samplers, spectra, single rays.
+#include <benchmark/benchmark.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/core/random.h"
+#include "aureole/math/warp.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/sampler/sampler.h"
+#include "aureole/scene/ray_tracer.h"
+#include "tests/harness/properties_builder.h"
+
+namespace aureole {
+namespace {
+
+using testing::build;
+using testing::make_context;
+
+constexpr int kInputs = 1024;  // pre-drawn and reused: they stay in the first caches
+
+/// Reproducible numbers in [0, 1).
+class Random {
+public:
+  float next() {
+    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
+    return float(state_ >> 40) * 0x1p-24f;
+  }
+  Vec2 next2() {
+    const float x = next();
+    return {x, next()};
+  }
+
+private:
+  std::uint64_t state_ = 12345;
+};
+
+Wavelengths draw_wavelengths(const SpectralGrid& grid, float u) {
+  return Wavelengths::at(grid, make_spectrum([&](int i) {
+                           const float f = u + float(i) / kWavelengths;
+                           return float(grid.min_nm) + (f - std::floor(f)) * float(grid.max_nm - grid.min_nm);
+                         }));
+}
+
+/// What a path hands to a BSDF, for both sides of the surface.
+struct BsdfInputs {
+  explicit BsdfInputs(const SpectralGrid& grid) {
+    Random random;
+    for (int i = 0; i < kInputs; ++i) {
+      wi.push_back(square_to_cosine_hemisphere(random.next2()));
+      wo.push_back(square_to_cosine_hemisphere(random.next2()));
+      if (i % 2) wo.back().z = -wo.back().z;
+      u1.push_back(random.next());
+      u2.push_back(random.next2());
+      wavelengths.push_back(draw_wavelengths(grid, random.next()));
+    }
+  }
+  std::vector<Vec3> wi, wo;
+  std::vector<float> u1;
+  std::vector<Vec2> u2;
+  std::vector<Wavelengths> wavelengths;
+};
+
+void bench_eval_pdf(benchmark::State& state, const std::string& xml) {
+  const auto context = make_context();
+  const auto bsdf = build<Bsdf>(xml, context);
+  const BsdfInputs in(context->grid);
+  const SurfacePoint point;
+  unsigned i = 0;
+  for (auto _ : state) {
+    const BsdfContext ctx{in.wavelengths[i], point, TransportMode::radiance, i};
+    benchmark::DoNotOptimize(bsdf->eval_pdf(in.wi[i], in.wo[i], ctx));
+    i = (i + 1) % kInputs;
+  }
+}
+
+void bench_sample(benchmark::State& state, const std::string& xml) {
+  const auto context = make_context();
+  const auto bsdf = build<Bsdf>(xml, context);
+  const BsdfInputs in(context->grid);
+  const SurfacePoint point;
+  unsigned i = 0;
+  for (auto _ : state) {
+    const BsdfContext ctx{in.wavelengths[i], point, TransportMode::radiance, i};
+    benchmark::DoNotOptimize(bsdf->sample(in.wi[i], in.u1[i], in.u2[i], ctx));
+    i = (i + 1) % kInputs;
+  }
+}
+
+// The instances; BSDFs without one here are measured by the examples of their documentation.
+const std::vector<std::pair<std::string, std::string>> kBsdfs = {
+    {"diffuse", R"(<bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.25, 0.7"/></bsdf>)"},
+    {"dielectric, 1.5", R"(<bsdf type="dielectric"><float name="int_ior" value="1.5"/></bsdf>)"},
+    {"dielectric, bk7", R"(<bsdf type="dielectric"><string name="int_ior" value="bk7"/></bsdf>)"},
+    {"thindielectric, bk7", R"(<bsdf type="thindielectric"><string name="int_ior" value="bk7"/></bsdf>)"},
+    {"conductor, Au", R"(<bsdf type="conductor"><string name="material" value="Au"/></bsdf>)"},
+    {"plastic", R"(<bsdf type="plastic"><rgb name="diffuse_reflectance" value="0.2, 0.25, 0.7"/></bsdf>)"},
+    {"twosided, diffuse", R"(<bsdf type="twosided"><bsdf type="diffuse"/></bsdf>)"},
+    {"correlated_scatterers, sheet", R"(<bsdf type="correlated_scatterers"><string name="radius" value="5um"/>
+      <float name="area_fraction" value="0.5"/></bsdf>)"},
+    {"correlated_scatterers, pane", R"(<bsdf type="correlated_scatterers"><string name="radius" value="5um"/>
+      <float name="area_fraction" value="0.5"/><string name="substrate" value="thindielectric"/>
+      <string name="int_ior" value="bk7"/></bsdf>)"},
+    {"correlated_scatterers, glass", R"(<bsdf type="correlated_scatterers"><string name="radius" value="5um"/>
+      <float name="area_fraction" value="0.5"/><string name="substrate" value="dielectric"/>
+      <string name="int_ior" value="bk7"/></bsdf>)"},
+};
+
+void bench_sampler(benchmark::State& state, const std::string& type) {
+  const auto sampler = build<Sampler>("<sampler type=\"" + type +
+                                      "\"><integer name=\"sample_count\" value=\"1024\"/></sampler>");
+  std::uint32_t i = 0;
+  alignas(32) float out[Sampler::kBlock];
+  for (auto _ : state) {
+    sampler->block(0x9e3779b97f4a7c15u, i & 1023, int(i & 7), out);
+    benchmark::DoNotOptimize(out);
+    ++i;
+  }
+}
+
+void bench_spectrum_eval(benchmark::State& state) {
+  const auto context = make_context();
+  const auto spectrum = SampledSpectrum::from_function(
+      context->grid, [](double nm) { return 0.5 + 0.4 * std::sin(nm * 0.02); });
+  const BsdfInputs in(context->grid);
+  unsigned i = 0;
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(spectrum.eval(in.wavelengths[i]));
+    i = (i + 1) % kInputs;
+  }
+}
+
+void bench_wavelengths(benchmark::State& state) {
+  const auto context = make_context();
+  const SampledSpectrum flat = SampledSpectrum::constant(context->grid, 1);
+  const float weight = 1;
+  const WavelengthDistribution distribution(context->grid, {&flat, 1}, {&weight, 1});
+  Random random;
+  for (auto _ : state) benchmark::DoNotOptimize(distribution.sample(random.next()));
+}
+
+/// A room with 27 spheres or cubes: rays start inside it and meet something.
+std::vector<ShapePtr> room_of(const std::string& type) {
+  std::vector<ShapePtr> shapes;
+  shapes.push_back(build<Shape>(
+      R"(<shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale value="4"/></transform></shape>)"));
+  for (int i = 0; i < 27; ++i)
+    shapes.push_back(build<Shape>(
+        "<shape type=\"" + type + "\"><transform name=\"to_world\"><scale value=\"0.5\"/><translate x=\"" +
+        std::to_string(2 * (i % 3) - 2) + "\" y=\"" + std::to_string(2 * (i / 3 % 3) - 2) + "\" z=\"" +
+        std::to_string(2 * (i / 9) - 2) + "\"/></transform></shape>"));
+  return shapes;
+}
+
+void bench_rays(benchmark::State& state, const std::string& type, bool occlusion) {
+  const std::vector<ShapePtr> shapes = room_of(type);
+  const RayTracer tracer(shapes);
+  Random random;
+  std::vector<Ray> rays;
+  for (int i = 0; i < kInputs; ++i) {
+    const Vec3 d = square_to_uniform_sphere(random.next2());
+    rays.push_back(
+        {{7.8f * random.next() - 3.9f, 7.8f * random.next() - 3.9f, 3.95f}, d, occlusion ? 2.f : kInfinity});
+  }
+  unsigned i = 0;
+  for (auto _ : state) {
+    if (occlusion)
+      benchmark::DoNotOptimize(tracer.occluded(rays[i]));
+    else
+      benchmark::DoNotOptimize(tracer.intersect(rays[i]));
+    i = (i + 1) % kInputs;
+  }
+}
+
+void register_all() {
+  const auto add = [](const std::string& name, auto&& function) {
+    benchmark::RegisterBenchmark(name.c_str(), function);
+  };
+  std::vector<std::pair<std::string, std::string>> bsdfs = kBsdfs;
+  for (const std::string& name : Registry::instance().names("bsdf")) {
+    bool listed = false;
+    for (const auto& b : kBsdfs) listed |= b.first.substr(0, b.first.find(',')) == name;
+    const auto& examples = Registry::instance().find("bsdf", name)->doc.examples;
+    if (!listed)
+      for (std::size_t i = 0; i < examples.size(); ++i)
+        bsdfs.emplace_back(name + ", example " + std::to_string(i + 1), examples[i]);
+  }
+  for (const auto& [name, xml] : bsdfs) {
+    add(name + "/eval_pdf", [xml = xml](benchmark::State& s) { bench_eval_pdf(s, xml); });
+    add(name + "/sample", [xml = xml](benchmark::State& s) { bench_sample(s, xml); });
+  }
+  for (const std::string type : {"sobol", "independent"})
+    add("sampler " + type + "/8 dimensions", [type](benchmark::State& s) { bench_sampler(s, type); });
+  add("SampledSpectrum/eval", bench_spectrum_eval);
+  add("WavelengthDistribution/sample", bench_wavelengths);
+  for (const std::string type : {"cube", "sphere"}) {
+    add("rays, room of " + type + "s/nearest", [type](benchmark::State& s) { bench_rays(s, type, false); });
+    add("rays, room of " + type + "s/occluded", [type](benchmark::State& s) { bench_rays(s, type, true); });
+  }
+}
+
+}  // namespace
+}  // namespace aureole
+
+int main(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  aureole::register_all();
+  benchmark::RunSpecifiedBenchmarks();
+}
