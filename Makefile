@@ -19,7 +19,7 @@ build: deps
 
 demo: build
 	@mkdir -p $(dir $(DEMO_OUT))
-	$(BIN) render scenes/condensation/condensation.xml -o $(DEMO_OUT).exr $(DEMO_ARGS)
+	$(BIN) render scenes/condensation/condensation.xml -o $(DEMO_OUT).exr --restart $(DEMO_ARGS)
 	@echo "The picture is $(abspath $(DEMO_OUT).png)"
 	@$(BIN) rings $(DEMO_OUT).exr
 

@@ -19,6 +19,10 @@ int compare(const std::string& a_file, const std::string& b_file, const std::str
   fmt::print("RMSE       {:.6g}\n", c.rmse);
   fmt::print("relMSE     {:.6g}\n", c.relative_mse);
   fmt::print("max        {:.6g} at ({}, {})\n", c.max, c.max_x, c.max_y);
+  if (c.not_finite > 0) {
+    fmt::print("verdict    DIFFERENT: {} values are NaN or infinite\n", c.not_finite);
+    return 1;
+  }
   if (c.max == 0) {
     fmt::print("verdict    identical\n");
     return 0;

@@ -13,6 +13,11 @@ namespace {
 int merge(const std::vector<std::string>& files, const std::filesystem::path& output) {
   if (output.extension() != ".exr") throw Error("-o " + output.string() + ": the output is an .exr file");
   require_writable(output);
+  const auto state_file = std::filesystem::path(output).replace_extension(".state");
+  std::error_code ignored;
+  for (const auto& f : files)
+    if (std::filesystem::equivalent(f, state_file, ignored))
+      throw Error("-o " + output.string() + ": its state file would replace the part " + f);
   RenderState sum;
   for (size_t i = 0; i < files.size(); ++i) {
     const RenderState part = RenderState::load(files[i]);
@@ -26,7 +31,7 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
     }
   }
   write_pictures(sum, output);
-  sum.save(std::filesystem::path(output).replace_extension(".state"));
+  sum.save(state_file);
   if (sum.units_done() < sum.units())
     fmt::print(stderr, "note: samples {}:{} are not complete: {:.1f} % are there\n", sum.begin, sum.end,
                100.0 * double(sum.units_done()) / double(sum.units()));

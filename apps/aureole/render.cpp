@@ -31,7 +31,7 @@ struct Arguments {
   std::int64_t spp = -1, seed = -1;
   int threads = 0, replicates = 1;
   double time_s = 0, checkpoint_s = 30;
-  bool resume = false, preview = false, quiet = false;
+  bool resume = false, restart = false, preview = false, quiet = false;
 };
 
 std::vector<std::pair<std::string, std::string>> split_defines(const std::vector<std::string>& list) {
@@ -101,7 +101,12 @@ private:
   void loop() {
     for (int tick = 1; !done_; ++tick) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
-      if (tick % 20 == 0) write_preview(job_.snapshot(), output_);
+      try {
+        if (tick % 20 == 0) write_preview(job_.snapshot(), output_);
+      } catch (const std::exception& e) {
+        fmt::print(stderr, "\nnote: no more previews: {}\n", e.what());
+        return;
+      }
     }
   }
   const RenderJob& job_;
@@ -158,10 +163,16 @@ int render(const Arguments& a) {
   if (output.empty()) output = std::filesystem::path(a.scene).replace_extension(".exr");
   if (output.extension() != ".exr")
     throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
-  if (a.pixel.empty()) require_writable(output);
+  if (a.pixel.empty()) {
+    require_writable(output);
+    require_writable(std::filesystem::path(output).replace_extension(".png"));
+    require_writable(std::filesystem::path(output).replace_extension(".state"));
+  }
 
   RenderOptions options;
   if (a.spp > 0) options.end = a.spp;
+  if (!a.samples.empty() && a.spp > 0) throw Error("give either --spp or --samples");
+  if (a.resume && a.restart) throw Error("give either --resume or --restart");
   if (!a.samples.empty()) {
     const auto [first, last] = parse_pair(a.samples, ':', "--samples");
     options.begin = first, options.end = last;
@@ -184,6 +195,9 @@ int render(const Arguments& a) {
   RenderJob job(scene, options);
   if (!a.pixel.empty()) return replay_pixel(job, *scene, a, options);
 
+  if (!a.resume && !a.restart && std::filesystem::exists(options.state_file))
+    throw Error({options.state_file.string(), 0, 0},
+                "holds the samples of an earlier job: --resume continues it, --restart discards it");
   if (a.resume) {
     if (std::filesystem::exists(options.state_file)) {
       job.resume(RenderState::load(options.state_file));
@@ -198,6 +212,7 @@ int render(const Arguments& a) {
 
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
+  std::signal(SIGHUP, request_stop);
   RenderJob::Outcome outcome;
   {
     ProgressLine line(a.quiet);
@@ -206,11 +221,15 @@ int render(const Arguments& a) {
     outcome = job.run(stop_requested, [&](const Progress& p) { line.show(p); });
   }
   write_pictures(job.state(), output);
+  job.remove_state();
+  if (!job.checkpoint_problem().empty())
+    fmt::print(stderr, "note: no checkpoint: {}\n", job.checkpoint_problem());
 
   const RenderState& state = job.state();
   if (state.invalid_samples > 0) {
     fmt::print(stderr,
-               "note: {} samples were invalid (NaN, infinite or negative) and left out; the first ones:\n",
+               "note: {} samples were invalid (NaN, infinite, negative or beyond 2^60) and left out; the "
+               "first ones:\n",
                state.invalid_samples);
     for (const auto& s : job.invalid_samples())
       fmt::print(stderr, "  --pixel {},{} --samples {}:{}{}\n", s.x, s.y,
@@ -223,6 +242,12 @@ int render(const Arguments& a) {
     fmt::print(stderr, "{} samples per pixel in {:.2f} s ({:.2f} Msamples/s)\n", state.samples_everywhere(),
                state.seconds, rate / std::max(1e-9, state.seconds) * 1e-6);
     fmt::print("{}\n{}\n", output.string(), std::filesystem::path(output).replace_extension(".png").string());
+  }
+  if (state.invalid_samples > 0 && state.invalid_samples >= std::uint64_t(state.samples_everywhere()) *
+                                                                std::uint64_t(state.identity.width) *
+                                                                std::uint64_t(state.identity.height)) {
+    fmt::print(stderr, "error: no sample was valid\n");
+    return 1;
   }
   if (outcome == RenderJob::Outcome::interrupted) {
     fmt::print(stderr,
@@ -255,6 +280,7 @@ void add_render_command(CLI::App& app, CommandResult& result) {
   c->add_option("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");
   c->add_option("--pixel", a->pixel, "replay one pixel, x,y, and print what happens");
   c->add_flag("--resume", a->resume, "continue from the checkpoint of the same command");
+  c->add_flag("--restart", a->restart, "begin anew where a checkpoint of an earlier job is in the way");
   c->add_flag("--preview", a->preview, "refresh the PNG while rendering");
   c->add_flag("-q,--quiet", a->quiet, "print errors only");
   c->callback([a, &result] { result.exit_code = render(*a); });

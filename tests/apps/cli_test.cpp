@@ -133,7 +133,7 @@ TEST_F(Cli, CompareTellsSameFromDifferent) {
 TEST_F(Cli, ResumesToTheSameBitsAfterKill) {
   const std::string s = scene(small_scene_text(160, 120));
   const std::string whole = (folder.path / "whole.exr").string();
-  ASSERT_EQ(run({"render", s, "-o", whole, "--spp", "160", "--samples", "0:160"}).exit_code, 0);
+  ASSERT_EQ(run({"render", s, "-o", whole, "--samples", "0:160"}).exit_code, 0);
   const auto state = folder.path / "out.state";
   // Kill it for good shortly after its first checkpoint appears.
   const pid_t pid =
@@ -151,6 +151,30 @@ TEST_F(Cli, ResumesToTheSameBitsAfterKill) {
   EXPECT_EQ(resumed.exit_code, 0) << resumed.output;
   EXPECT_NE(resumed.output.find("resuming"), std::string::npos);
   EXPECT_EQ(read_image(out()).pixels, read_image(whole).pixels);
+}
+
+TEST_F(Cli, AnEarlierJobsSamplesAreNotLost) {
+  const std::string s = scene(small_scene_text());
+  folder.write("out.state", "precious");
+  const Outcome refused = run({"render", s, "-o", out(), "--spp", "4"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.output.find("--resume"), std::string::npos) << refused.output;
+  EXPECT_EQ(content(folder.path / "out.state"), "precious");
+  EXPECT_FALSE(std::filesystem::exists(out()));
+  EXPECT_EQ(run({"render", s, "-o", out(), "--spp", "4", "--restart"}).exit_code, 0);
+}
+
+TEST_F(Cli, NanIsNeverIdentical) {
+  Image image{2, 2, {"R", "G", "B"}, std::vector<float>(12, 0.5f), false};
+  write_exr(folder.path / "a.exr", image, ExrPixel::float32, {});
+  image.pixels[4] = std::numeric_limits<float>::quiet_NaN();
+  write_exr(folder.path / "b.exr", image, ExrPixel::float32, {});
+  EXPECT_EQ(run({"compare", (folder.path / "a.exr").string(), (folder.path / "b.exr").string()}).exit_code,
+            1);
+  EXPECT_EQ(run({"compare", (folder.path / "b.exr").string(), (folder.path / "b.exr").string()}).exit_code,
+            1);
+  EXPECT_EQ(run({"compare", (folder.path / "a.exr").string(), (folder.path / "a.exr").string()}).exit_code,
+            0);
 }
 
 TEST_F(Cli, CtrlCWritesWhatIsDoneAndSaysHowToResume) {

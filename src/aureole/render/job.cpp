@@ -22,6 +22,7 @@ struct RenderJob::Lock {
 namespace {
 
 constexpr int kMaxChannels = 8;
+constexpr int kMaxReach = 65;  // pixels of the widest filter, radius 32
 
 double available_memory_bytes() {
   std::ifstream in("/proc/meminfo");
@@ -78,19 +79,26 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
                     options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
   if (options_.replicates < 1) throw Error("there must be at least one replicate");
   if (film.measured_channels() > kMaxChannels) throw Error("this film measures too many channels");
+  if (2 * filter_.border() + 1 > kMaxReach) throw Error("the reconstruction filter is wider than 65 pixels");
+  // The samplers' index has 32 bits.
+  if (end > std::int64_t(1) << 32)
+    throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options_.begin, end));
   seed_ = options_.seed.value_or(sampler.seed());
 
-  const double needed =
-      2 * state_bytes(film.crop_width(), film.crop_height(), film.measured_channels(), options_.replicates);
+  // A copy is needed to save or show it; a byte per work unit keeps account.
+  const double units = double(film.crop_width() / kTileSize + 2) * (film.crop_height() / kTileSize + 2) *
+                       options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
+  const double needed = 2 * (units + state_bytes(film.crop_width(), film.crop_height(),
+                                                 film.measured_channels(), options_.replicates));
   const double available = available_memory_bytes();
   if (needed > 0.8 * available)
-    throw Error(
-        fmt::format("a picture of {} x {} pixels{} needs about {:.1f} GiB of memory, and {:.1f} GiB are "
-                    "available: render it in "
-                    "parts with crop_offset_x, crop_width, ...",
-                    film.crop_width(), film.crop_height(),
-                    options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
-                    needed / (1 << 30), available / (1 << 30)));
+    throw Error(fmt::format(
+        "a picture of {} x {} pixels and {} samples{} needs about {:.1f} GiB of memory, and {:.1f} GiB are "
+        "available: render it in "
+        "parts with crop_offset_x, crop_width, ... or --samples",
+        film.crop_width(), film.crop_height(), end - options_.begin,
+        options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
+        needed / (1 << 30), available / (1 << 30)));
   PictureIdentity id;
   id.scene = scene_->loaded().file.filename().string();
   id.version = kVersion;
@@ -111,6 +119,7 @@ void RenderJob::resume(RenderState state) {
     throw Error("the saved state belongs to another picture: they differ in their " + d);
   state.set_range(state_.begin, state_.end);
   state_ = std::move(state);
+  wrote_state_ = true;
 }
 
 RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int replicate,
@@ -155,7 +164,7 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   sums.assign(size_t(width) * size_t(height) * size_t(stride), 0.f);
   std::vector<InvalidSample> invalid;
   static const PathLog no_log;
-  float wx[64], wy[64];
+  float wx[kMaxReach], wy[kMaxReach];
   const int reach = 2 * border + 1;
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x)
@@ -203,83 +212,88 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
                                   const std::function<void(const Progress&)>& report) {
   const double start = now_s(), spent_before = state_.seconds;
   double last_checkpoint = start;
-  std::int64_t done_at_start = 0;
-  std::vector<std::int64_t> missing;
-  for (std::int64_t u = 0; u < state_.units(); ++u)
-    if (!state_.done[size_t(u)])
-      missing.push_back(u);
-    else
-      ++done_at_start;
+  const std::int64_t units = state_.units(), done_at_start = state_.units_done();
   const double samples_per_unit =
       double(state_.identity.width) * state_.identity.height * kSampleBlock / double(state_.tiles());
   const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
 
-  std::atomic<size_t> next{0};
-  std::atomic<std::int64_t> finished{0};
-  std::atomic<bool> out_of_time{false};
-  // With a time limit all threads meet after each block, so that the picture ends on whole blocks that every
-  // pixel has.
-  const std::int64_t per_block = state_.units_per_block();
-  size_t limit = missing.size();
+  std::atomic<std::int64_t> next{0}, finished{0};
+  std::atomic<bool> failed{false};
+  std::int64_t limit = units;
   const auto work = [&](int thread) {
     std::vector<float> sums;
     double last_report = now_s();
-    for (;;) {
-      if (stop.load(std::memory_order_relaxed)) return;
-      const size_t i = next.fetch_add(1);
-      if (i >= limit) return;
-      render_unit(missing[i], sums);
-      ++finished;
-      if (thread != 0) continue;
-      const double t = now_s();
-      if (report && t - last_report > 0.2) {
-        last_report = t;
-        report({done_at_start + finished, state_.units(), t - start,
-                double(finished) * samples_per_unit / (t - start)});
-      }
-      if (!options_.state_file.empty() && t - last_checkpoint > options_.checkpoint_interval_s) {
-        {
-          const std::lock_guard guard(lock_->mutex);
-          state_.seconds = spent_before + t - start;
-          save();
+    try {
+      while (!stop.load(std::memory_order_relaxed) && !failed.load(std::memory_order_relaxed)) {
+        const std::int64_t unit = next.fetch_add(1);
+        if (unit >= limit) return;
+        if (state_.done[size_t(unit)]) continue;
+        render_unit(unit, sums);
+        ++finished;
+        if (thread != 0) continue;
+        const double t = now_s();
+        if (report && t - last_report > 0.2) {
+          last_report = t;
+          report({done_at_start + finished, units, t - start,
+                  double(finished) * samples_per_unit / (t - start)});
         }
-        last_checkpoint = now_s();
+        if (!options_.state_file.empty() && t - last_checkpoint > options_.checkpoint_interval_s) {
+          checkpoint(spent_before + t - start);
+          last_checkpoint = now_s();
+        }
       }
+    } catch (...) {
+      failed = true;
+      throw;
     }
   };
+  bool out_of_time = false;
   if (options_.time_limit_s <= 0) {
     run_workers(threads, work);
   } else {
-    size_t begin = 0;
-    while (begin < missing.size() && !stop) {
-      const std::int64_t block = missing[begin] / per_block;
-      limit = begin;
-      while (limit < missing.size() && missing[limit] / per_block == block) ++limit;
+    // With a time limit all threads meet after each block, so that the picture ends on whole blocks that
+    // every pixel has.
+    const std::int64_t per_block = state_.units_per_block();
+    for (std::int64_t begin = 0; begin < units && !stop && !out_of_time; begin += per_block) {
+      const std::int64_t finished_before = finished;
       next = begin;
+      limit = begin + per_block;
       run_workers(threads, work);
-      begin = limit;
-      if (now_s() - start >= options_.time_limit_s && begin < missing.size()) {
-        out_of_time = true;
-        break;
-      }
+      out_of_time = finished > finished_before && now_s() - start >= options_.time_limit_s && limit < units;
     }
   }
   const double seconds = now_s() - start;
-  state_.seconds = spent_before + seconds;
-  const bool complete = state_.units_done() == state_.units();
+  const bool complete = state_.units_done() == units;
   if (report)
-    report({done_at_start + finished, state_.units(), seconds,
+    report({done_at_start + finished, units, seconds,
             double(finished) * samples_per_unit / std::max(1e-9, seconds)});
-  if (!options_.state_file.empty()) {
-    if (complete && !options_.keep_state)
-      std::filesystem::remove(options_.state_file);
-    else
-      save();
+  if (!options_.state_file.empty() && (!complete || options_.keep_state)) {
+    checkpoint(spent_before + seconds);
+  } else {
+    const std::lock_guard guard(lock_->mutex);
+    state_.seconds = spent_before + seconds;
   }
   return complete ? Outcome::finished : out_of_time ? Outcome::time_limit : Outcome::interrupted;
 }
 
-void RenderJob::save() const { state_.save(options_.state_file); }
+void RenderJob::checkpoint(double seconds) {
+  const std::lock_guard guard(lock_->mutex);
+  state_.seconds = seconds;
+  try {
+    state_.save(options_.state_file);
+    wrote_state_ = true;
+    checkpoint_problem_.clear();
+  } catch (const std::exception& e) {
+    // A full disc must not cost the picture: it is kept in memory, and the next checkpoint tries again.
+    checkpoint_problem_ = e.what();
+  }
+}
+
+void RenderJob::remove_state() const {
+  std::error_code ignored;
+  if (wrote_state_ && !options_.keep_state && state_.units_done() == state_.units())
+    std::filesystem::remove(options_.state_file, ignored);
+}
 
 std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
                                      const PathLog& log) const {

@@ -50,6 +50,12 @@ public:
   void resume(RenderState state);
 
   enum class Outcome { finished, interrupted, time_limit };
+  /// Removes the state file of a finished job, if this job or the one it continues wrote it and it is not to
+  /// be kept: called after the pictures are safe.
+  void remove_state() const;
+  /// What went wrong with the last checkpoint, or an empty string.
+  const std::string& checkpoint_problem() const { return checkpoint_problem_; }
+
   /// Renders what is missing. `stop` may be set by a signal handler. `report` is called from one thread, a
   /// few times a second.
   Outcome run(const std::atomic<bool>& stop, const std::function<void(const Progress&)>& report = {});
@@ -73,7 +79,7 @@ private:
   };
   Sample render_sample(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const;
   void render_unit(std::int64_t unit, std::vector<float>& sums);
-  void save() const;
+  void checkpoint(double seconds);
 
   std::shared_ptr<const Scene> scene_;
   const Integrator* integrator_;
@@ -81,6 +87,8 @@ private:
   FilterTable filter_;
   RenderState state_;
   std::uint64_t seed_;
+  bool wrote_state_ = false;
+  std::string checkpoint_problem_;
   std::vector<InvalidSample> invalid_;
   struct Lock;
   std::shared_ptr<Lock> lock_;  ///< guards state_ and invalid_ while units are added

@@ -130,7 +130,8 @@ void RenderState::merge(const RenderState& other) {
 }
 
 void RenderState::save(const std::filesystem::path& file) const {
-  const std::string header = header_of(*this).dump() + "\n";
+  const std::string header =
+      header_of(*this).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   std::vector<char> bytes;
   std::size_t size = kMagicSize + 8 + header.size() + done.size() + 8;
   for (const auto& f : films) size += f.data().size() * sizeof(Fixed);
@@ -151,8 +152,9 @@ void RenderState::save(const std::filesystem::path& file) const {
 
 RenderState RenderState::load(const std::filesystem::path& file) {
   const SourceLocation where{file.string(), 0, 0};
+  std::error_code ignored;
   std::ifstream in(file, std::ios::binary | std::ios::ate);
-  if (!in) throw Error(where, "cannot be read");
+  if (!in || !std::filesystem::is_regular_file(file, ignored)) throw Error(where, "cannot be read");
   const std::streamoff size = in.tellg();
   std::vector<char> bytes(size > 0 ? std::size_t(size) : 0);
   in.seekg(0);

@@ -25,8 +25,13 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
   for (const auto& name : c.channels)
     for (int y = 0; y < a.height; ++y)
       for (int x = 0; x < a.width; ++x) {
-        c.mean_a += a.at(x, y, size_t(a.channel(name))) / n;
-        c.mean_b += b.at(x, y, size_t(b.channel(name))) / n;
+        const float va = a.at(x, y, size_t(a.channel(name))), vb = b.at(x, y, size_t(b.channel(name)));
+        if (!std::isfinite(va) || !std::isfinite(vb)) {
+          ++c.not_finite;
+          continue;
+        }
+        c.mean_a += va / n;
+        c.mean_b += vb / n;
       }
   ZTest z;
   double variance_of_mean = 0;
@@ -40,6 +45,7 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
     for (int y = 0; y < a.height; ++y)
       for (int x = 0; x < a.width; ++x) {
         const double d = double(a.at(x, y, ca)) - b.at(x, y, cb), reference = b.at(x, y, cb);
+        if (!std::isfinite(d)) continue;
         c.rmse += d * d / n;
         c.relative_mse += d * d / (reference * reference + 1e-2 * c.mean_b * c.mean_b) / n;
         if (std::abs(d) > c.max) c.max = std::abs(d), c.max_x = x, c.max_y = y;
@@ -50,7 +56,7 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
         const double floor = rounding * std::max(std::abs(reference), 0.01 * std::abs(c.mean_b));
         const double value = d / std::sqrt(variance + floor * floor);
         zs.push_back(value);
-        if (variance > floor * floor) z.mean_square += value * value, ++noisy;
+        if (variance > 10 * floor * floor) z.mean_square += value * value, ++noisy;
         float& map = c.z_map.at(x, y, 0);
         if (std::abs(value) > std::abs(map)) map = float(value);
       }
@@ -65,7 +71,8 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
   z.mean_relative = c.mean_b != 0 ? c.mean_a / c.mean_b - 1 : 0;
   z.mean_difference = variance_of_mean > 0 ? (c.mean_a - c.mean_b) / std::sqrt(variance_of_mean) : 0;
   z.passes =
-      z.mean_square >= kZMeanSquareMin && z.mean_square <= kZMeanSquareMax && z.outside <= kZOutsideMax &&
+      c.not_finite == 0 && z.mean_square >= kZMeanSquareMin && z.mean_square <= kZMeanSquareMax &&
+      z.outside <= kZOutsideMax &&
       (std::abs(z.mean_difference) <= kZMeanStandardErrors || std::abs(z.mean_relative) <= kZMeanRelative);
   c.z = z;
   return c;

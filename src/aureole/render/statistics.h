@@ -33,8 +33,9 @@ struct Comparison {
   double relative_mse = 0;  ///< mean of (a - b)^2 / (b^2 + 1e-2 mean(b)^2)
   double max = 0;
   int max_x = 0, max_y = 0;
-  std::optional<ZTest> z;  ///< where at least one picture has variances ("variance.R")
-  Image z_map;             ///< one channel, the z of largest magnitude per pixel
+  std::size_t not_finite = 0;  ///< values that are NaN or infinite in either picture; left out of all else
+  std::optional<ZTest> z;      ///< where at least one picture has variances ("variance.R")
+  Image z_map;                 ///< one channel, the z of largest magnitude per pixel
 };
 
 /// Compares the colour channels that both pictures have. Throws Error where sizes differ or nothing is

@@ -51,10 +51,16 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   for (const Emitter* e : emitters_) {
     const SampledSpectrum power = e->power_spectrum();
     powers.push_back(overlap(power, response));
+    if (!std::isfinite(powers.back()))
+      throw Error(
+          e->properties().where(),
+          "the emitter's power is too large to be computed with; scale the scene or the emission down");
     for (size_t i = 0; i < emitted.size(); ++i) emitted[i] += power.nodes()[i];
   }
   const SampledSpectrum densities[2] = {response, product(response, SampledSpectrum(grid, emitted))};
   const float weights[2] = {0.5f, 0.5f};
+  if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
+    loaded_.notes.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(grid, densities, weights);
   lights_ = LightSampler(emitters_, powers);
 }

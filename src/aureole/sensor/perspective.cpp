@@ -2,6 +2,7 @@
 // Pinhole camera. Looks along local +z; local +x points left and +y up in the picture, as in Mitsuba.
 #include <cmath>
 
+#include "aureole/core/units.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/sensor.h"
 
@@ -54,8 +55,8 @@ private:
       std::string text = p.get_string("focal_length");
       if (text.ends_with("mm")) text.resize(text.size() - 2);
       try {
-        mm = std::stod(text);
-      } catch (const std::exception&) {
+        mm = parse_number(text);
+      } catch (const Error&) {
       }
       if (!(mm > 0)) throw p.error("focal_length", "expected a length such as \"50mm\"");
       return std::sqrt(36.0 * 36 + 24 * 24) / (2 * mm) / std::sqrt(1 + 1 / (aspect * aspect));

@@ -67,6 +67,7 @@ Sphere::Sphere(const Properties& properties) : Shape(properties) {
     const double c = m[i][0] * center.x + m[i][1] * center.y + m[i][2] * center.z + m[i][3];
     (i == 0 ? ball_.center.x : i == 1 ? ball_.center.y : ball_.center.z) = c;
   }
+  ball_.inward = inward_;
   ball_.radius = radius * (scale[0] + scale[1] + scale[2]) / 3;
 }
 
@@ -75,10 +76,13 @@ SurfacePoint Sphere::point_in_direction(const Double3& out) const {
   const Double3 n = l > 0 ? out * (1 / l) : axis_[2];
   SurfacePoint s;
   s.p = (ball_.center + n * ball_.radius).to_float();
-  // The point is computed in double: all the error is that of the result's rounding; gamma(5) |p| is the
-  // bound that Pharr, Jakob & Humphreys 2023, section 6.8.5, give for a point projected in float.
-  s.p_error = abs(s.p) * (5 * 5.9604645e-8f);
+  // The point is computed in double: nearly all the error is that of the result's rounding; gamma(5) |p| is
+  // the bound that Pharr, Jakob & Humphreys 2023, section 6.8.5, give for a point projected in float.
   s.ng = (inward_ ? -n : n).to_float();
+  // A large ball that touches a small scene: there the double arithmetic itself, here and in a later ray's
+  // intersection, errs by more.
+  const double in_double = 16 * 0x1p-53 * (ball_.radius + length(ball_.center));
+  s.p_error = abs(s.p) * (5 * 5.9604645e-8f) + abs(s.ng) * float(in_double);
 
   const double x = dot(n, axis_[0]), y = dot(n, axis_[1]), z = dot(n, axis_[2]);
   double phi = std::atan2(y, x);
@@ -96,8 +100,10 @@ std::optional<ShapeSample> Sphere::sample_direct(const Vec3& reference, std::siz
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, ball_.visible_pdf(Double3(reference))};
 }
 
-float Sphere::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const {
-  return ball_.visible_pdf(Double3(reference));
+float Sphere::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const {
+  const Double3 from(reference);
+  if (!ball_.sees_from_outside(from) && ball_.is_self(from, length(point.p - reference))) return 0;
+  return ball_.visible_pdf(from);
 }
 
 AUREOLE_PLUGIN(Sphere, "shape", "sphere",
@@ -110,8 +116,7 @@ AUREOLE_PLUGIN(Sphere, "shape", "sphere",
                                    "ray/sphere intersection\".",
                          .parameters = shape_parameters(
                              {{"center", "vector", "scene units", "0, 0, 0", "Centre, before to_world."},
-                              {"radius", "float", "scene units", "1",
-                               "Radius, before to_world; a negative one turns the normals inside."}}),
+                              {"radius", "float", "scene units", "1", "Radius, before to_world."}}),
                          .examples = {R"(<shape type="sphere">
   <point name="center" x="1" y="0" z="0"/>
   <float name="radius" value="2"/>

@@ -88,7 +88,12 @@ std::optional<double> Ball::intersect(const Double3& o, const Double3& d, double
 
 bool Ball::sees_from_outside(const Double3& reference) const {
   const Double3 w = center - reference;
-  return dot(w, w) > radius * radius * (1 + 1e-5);
+  return dot(w, w) > radius * radius * (inward ? 1 + 1e-5 : 1.0);
+}
+
+bool Ball::is_self(const Double3& reference, double distance) const {
+  const Double3 w = center - reference;
+  return distance < 1e-5 * radius && dot(w, w) > radius * radius * (1 - 1e-5);
 }
 
 float Ball::visible_pdf(const Double3& reference) const {
@@ -105,9 +110,16 @@ std::optional<Double3> Ball::sample_visible(const Double3& reference, Vec2 u) co
   if (!sees_from_outside(reference)) {
     const double z = 1 - 2 * double(u.x), r = std::sqrt(std::max(0.0, 1 - z * z));
     const Double3 d(r * cos_phi, r * sin_phi, z);
-    const auto t = intersect(reference, d, 1e-5 * radius, HUGE_VAL);
-    if (!t) return std::nullopt;
-    return normalize(reference + d * *t - center);
+    // The far root of the quadratic: for a point on the surface the near one is the point itself, and so is
+    // the far one for a direction that leads out.
+    const Double3 f = reference - center;
+    const double b = -dot(f, d);
+    const Double3 across = f + d * b;
+    const double discriminant = radius * radius - dot(across, across);
+    if (!(discriminant >= 0)) return std::nullopt;
+    const double t = b + std::sqrt(discriminant);
+    if (!(t > 0) || is_self(reference, t)) return std::nullopt;
+    return normalize(f + d * t);
   }
   const double distance_squared = dot(w, w), sin2_max = radius * radius / distance_squared;
   const double one_minus_cos = u.x * sin2_max / (1 + std::sqrt(1 - sin2_max));
