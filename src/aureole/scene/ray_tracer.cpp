@@ -20,7 +20,12 @@ void load(const Ray& ray, RTCRay& r) {
 }  // namespace
 
 RayTracer::RayTracer(std::span<const ShapePtr> shapes) {
+#ifdef AUREOLE_STD_THREADS
+  // ThreadSanitizer cannot see how Embree's own threads, which build in TBB, wait for one another.
+  device_ = rtcNewDevice("threads=1");
+#else
   device_ = rtcNewDevice(nullptr);
+#endif
   if (!device_) throw Error("Embree cannot be started");
   scene_ = rtcNewScene(device_);
   rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
