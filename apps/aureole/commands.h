@@ -11,6 +11,9 @@ struct CommandResult {
   int exit_code = 0;
 };
 
+/// Splits -D name=value options; throws Error for anything else.
+std::vector<std::pair<std::string, std::string>> split_defines(const std::vector<std::string>& list);
+
 void add_render_command(CLI::App& app, CommandResult& result);
 void add_info_command(CLI::App& app, CommandResult& result);
 void add_compare_command(CLI::App& app, CommandResult& result);

@@ -13,11 +13,7 @@ namespace {
 
 int info(const std::string& file, const std::vector<std::string>& defines) {
   LoadOptions load;
-  for (const auto& d : defines) {
-    const size_t equals = d.find('=');
-    if (equals == std::string::npos) throw Error("-D " + d + ": write -D name=value");
-    load.defines.emplace_back(d.substr(0, equals), d.substr(equals + 1));
-  }
+  load.defines = split_defines(defines);
   const Scene scene(load_scene(file, load));
   for (const auto& note : scene.loaded().notes) fmt::print(stderr, "note: {}\n", note);
   const Film& film = scene.film();

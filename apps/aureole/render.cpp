@@ -34,16 +34,6 @@ struct Arguments {
   bool resume = false, restart = false, preview = false, quiet = false;
 };
 
-std::vector<std::pair<std::string, std::string>> split_defines(const std::vector<std::string>& list) {
-  std::vector<std::pair<std::string, std::string>> defines;
-  for (const auto& d : list) {
-    const size_t equals = d.find('=');
-    if (equals == std::string::npos || equals == 0) throw Error("-D " + d + ": write -D name=value");
-    defines.emplace_back(d.substr(0, equals), d.substr(equals + 1));
-  }
-  return defines;
-}
-
 /// "A:B" as two integers.
 std::pair<std::int64_t, std::int64_t> parse_pair(const std::string& text, char separator,
                                                  const char* option) {

@@ -9,7 +9,7 @@
 #include "aureole/math/piecewise.h"
 #include "aureole/math/transform.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/spectrum/tables.h"
+#include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/upsampling.h"
 
 namespace aureole {
@@ -25,9 +25,7 @@ public:
     mis_compensation_ = p.get_bool("mis_compensation", false);
     load(p);
 
-    const auto d65 = find_illuminant("D65");
-    d65_ = SampledSpectrum::from_points(p.context().grid, d65->wavelengths_nm, d65->values);
-    d65_.scale(float(d65_whitepoint_normalization()));
+    d65_ = d65_spectrum(p.context().grid, 1);
   }
 
   void set_scene_bounds(const Vec3&, float radius) override { radius_ = radius; }

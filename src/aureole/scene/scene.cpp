@@ -15,12 +15,6 @@ double overlap(const SampledSpectrum& a, const SampledSpectrum& b) {
   return s * a.grid().step();
 }
 
-SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b) {
-  std::vector<float> nodes(a.nodes().size());
-  for (size_t i = 0; i < nodes.size(); ++i) nodes[i] = a.nodes()[i] * b.nodes()[i];
-  return {a.grid(), std::move(nodes)};
-}
-
 }  // namespace
 
 Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.shapes) {

@@ -18,6 +18,13 @@ std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid) {
   return xyz;
 }
 
+SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale) {
+  const TabulatedSpectrum d65 = *find_illuminant("D65");
+  SampledSpectrum s = SampledSpectrum::from_points(grid, d65.wavelengths_nm, d65.values);
+  s.scale(float(scale * d65_whitepoint_normalization()));
+  return s;
+}
+
 void xyz_to_srgb(const double* v, float rgb[3]) {
   rgb[0] = float(3.2404542 * v[0] - 1.5371385 * v[1] - 0.4985314 * v[2]);
   rgb[1] = float(-0.9692660 * v[0] + 1.8760108 * v[1] + 0.0415560 * v[2]);

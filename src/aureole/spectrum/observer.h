@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CIE 1931 observer on a scene's grid, and XYZ to linear sRGB.
+// The CIE 1931 observer and illuminant D65 on a scene's grid, and XYZ to linear sRGB.
 #pragma once
 
 #include <array>
@@ -11,6 +11,9 @@ namespace aureole {
 /// xbar, ybar, zbar of the CIE 1931 2-degree observer on `grid`, divided by the integral of ybar [1/nm], so
 /// that a flat spectrum of radiance 1 has Y = 1.
 std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid);
+
+/// D65 with luminance `scale`, that is `scale` times what a flat spectrum of one has.
+SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale);
 
 /// XYZ to linear sRGB (IEC 61966-2-1, D65 white).
 void xyz_to_srgb(const double* xyz, float rgb[3]);

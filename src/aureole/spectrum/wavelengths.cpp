@@ -105,6 +105,12 @@ void SampledSpectrum::scale(float s) {
   for (float& x : table_) x *= s;
 }
 
+SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b) {
+  std::vector<float> nodes(a.nodes().begin(), a.nodes().end());
+  for (size_t i = 0; i < nodes.size(); ++i) nodes[i] *= b.nodes()[i];
+  return {a.grid(), std::move(nodes)};
+}
+
 WavelengthDistribution::WavelengthDistribution(const SpectralGrid& grid,
                                                std::span<const SampledSpectrum> densities,
                                                std::span<const float> weights)

@@ -79,6 +79,9 @@ private:
   std::vector<float> table_;
 };
 
+/// Node by node; both on one grid.
+SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b);
+
 /// p_lambda: a piecewise-constant density over the grid's range, given by a table of its inverse CDF, which
 /// is piecewise linear in u. It is positive over the whole range.
 class WavelengthDistribution {

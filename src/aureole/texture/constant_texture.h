@@ -32,9 +32,6 @@ private:
 /// for the upsampling, and its spectrum up again, as Mitsuba does.
 SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], bool emission);
 
-/// D65 with luminance `scale`, that is `scale` times what a flat spectrum of one has.
-SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale);
-
 /// The colour given as `<rgb>` under `name`; without `unbounded`, components over one are errors.
 SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, bool unbounded);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // CIE illuminant D65, alone or times a colour or another texture.
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/observer.h"
 #include "aureole/texture/constant_texture.h"
 
 namespace aureole {
@@ -35,11 +36,6 @@ public:
   float minimum() const override { return d65_.minimum() * (nested_ ? nested_->minimum() : 1); }
 
 private:
-  static SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b) {
-    std::vector<float> nodes(a.nodes().begin(), a.nodes().end());
-    for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] *= b.nodes()[i];
-    return {a.grid(), std::move(nodes)};
-  }
   void multiply(const SampledSpectrum& s) { d65_ = product(d65_, s); }
 
   SampledSpectrum d65_;

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "aureole/core/units.h"
-#include "aureole/spectrum/tables.h"
+#include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/upsampling_fit.h"
 #include "aureole/texture/constant_texture.h"
 
@@ -40,12 +40,6 @@ TexturePtr make_constant(const Properties& owner, std::string_view name, Sampled
 
 SampledSpectrum tabulate_number(const SpectralGrid& grid, double v, SpectrumRole role) {
   return role == SpectrumRole::emission ? d65_spectrum(grid, v) : SampledSpectrum::constant(grid, float(v));
-}
-
-SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b) {
-  std::vector<float> nodes(a.nodes().begin(), a.nodes().end());
-  for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] *= b.nodes()[i];
-  return {a.grid(), std::move(nodes)};
 }
 
 SampledSpectrum tabulate(const Properties& properties, std::string_view name, const SpectrumLiteral& literal,
@@ -98,13 +92,6 @@ SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], b
   const double scale = !emission && largest <= 1 ? 1 : 2 * largest;
   const SigmoidPolynomial p = fit_srgb({rgb[0] / scale, rgb[1] / scale, rgb[2] / scale});
   return SampledSpectrum::from_function(grid, [&](double nm) { return scale * p.at(float(nm)); });
-}
-
-SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale) {
-  const TabulatedSpectrum d65 = *find_illuminant("D65");
-  SampledSpectrum s = SampledSpectrum::from_points(grid, d65.wavelengths_nm, d65.values);
-  s.scale(float(scale * d65_whitepoint_normalization()));
-  return s;
 }
 
 SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, bool unbounded) {
