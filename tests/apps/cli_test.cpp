@@ -14,6 +14,7 @@
 #include "aureole/core/image.h"
 #include "render/small_scene.h"
 #include "scene/load_text.h"
+#include "harness/paths.h"
 
 namespace aureole::test {
 namespace {
@@ -27,10 +28,10 @@ pid_t start(const std::vector<std::string>& arguments, const std::filesystem::pa
   const pid_t pid = fork();
   if (pid == 0) {
     if (!freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
-    std::vector<char*> argv{const_cast<char*>(AUREOLE_BINARY)};
+    std::vector<char*> argv{const_cast<char*>(aureole_binary().c_str())};
     for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
     argv.push_back(nullptr);
-    execv(AUREOLE_BINARY, argv.data());
+    execv(aureole_binary().c_str(), argv.data());
     _exit(98);
   }
   return pid;
@@ -249,7 +250,7 @@ TEST_F(Cli, BadScenes) {
 }
 
 TEST_F(Cli, TruncatedFilesAreLocatedErrors) {
-  const std::filesystem::path assets = std::filesystem::path(AUREOLE_SOURCE_DIR) / "tests/references/scenes";
+  const std::filesystem::path assets = source_dir() / "tests/references/scenes";
   for (const auto& [type, file] :
        {std::pair{"ply", "meshes/hill_little.ply"}, {"serialized", "meshes/pair.serialized"}}) {
     const std::string bytes = content(assets / file);

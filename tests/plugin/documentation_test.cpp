@@ -10,6 +10,7 @@
 
 #include "aureole/plugin/registry.h"
 #include "harness/properties_builder.h"
+#include "harness/paths.h"
 
 namespace aureole::test {
 namespace {
@@ -35,7 +36,7 @@ TEST(Documentation, EveryPluginSaysWhatItIs) {
 
 /// Some real file of the kind an example names.
 std::filesystem::path any_file(const std::string& name) {
-  const std::filesystem::path scenes = std::filesystem::path(AUREOLE_SOURCE_DIR) / "tests/references/scenes";
+  const std::filesystem::path scenes = source_dir() / "tests/references/scenes";
   const std::string extension = std::filesystem::path(name).extension();
   for (const auto& e : std::filesystem::recursive_directory_iterator(scenes))
     if (e.path().extension() == extension) return e.path();
@@ -72,14 +73,14 @@ TEST(Documentation, EveryParameterIsReadByAnExample) {
 }
 
 TEST(Documentation, PluginReferenceIsUpToDate) {
-  const std::string command = std::string(AUREOLE_BINARY) + " docs";
+  const std::string command = aureole_binary().string() + " docs";
   std::FILE* pipe = popen(command.c_str(), "r");
   ASSERT_TRUE(pipe);
   std::string printed;
   char buffer[4096];
   for (size_t n; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) printed.append(buffer, n);
   ASSERT_EQ(pclose(pipe), 0);
-  std::ifstream in(std::string(AUREOLE_SOURCE_DIR) + "/docs/plugins.md");
+  std::ifstream in(source_dir() / "docs/plugins.md");
   std::stringstream stored;
   stored << in.rdbuf();
   EXPECT_EQ(printed, stored.str()) << "run `make docs`";

@@ -10,6 +10,7 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"
+#include "harness/paths.h"
 
 namespace aureole::test {
 namespace {
@@ -22,7 +23,7 @@ constexpr bool kSanitized = true;
 constexpr bool kSanitized = false;
 #endif
 
-const std::filesystem::path kReferences = std::filesystem::path(AUREOLE_SOURCE_DIR) / "tests/references";
+const std::filesystem::path kReferences = source_dir() / "tests/references";
 
 struct Reference {
   std::string name, scene;
@@ -65,11 +66,11 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   if (GetParam().scene.starts_with("shared:")) {
     const char* shared = std::getenv("AUREOLE_SHARED");
     const std::filesystem::path folder =
-        shared ? shared : std::filesystem::path(AUREOLE_SOURCE_DIR) / ".." / "shared";
+        shared ? shared : source_dir() / ".." / "shared";
     scene = folder / GetParam().scene.substr(7);
     if (!std::filesystem::exists(scene)) GTEST_SKIP() << "the scene " << scene << " is not here";
   } else {
-    scene = std::filesystem::path(AUREOLE_SOURCE_DIR) / scene;
+    scene = source_dir() / scene;
   }
   LoadOptions load;
   load.defines = GetParam().defines;
@@ -108,7 +109,7 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
                            << 100 * c.z->mean_relative << " %";
   if (!c.z->passes) {
     const auto folder =
-        std::filesystem::path(AUREOLE_BINARY).parent_path().parent_path() / "failed-references";
+        aureole_binary().parent_path().parent_path() / "failed-references";
     std::filesystem::create_directories(folder);
     write_pictures(state, folder / (GetParam().name + ".exr"));
     write_z_map(c, folder / (GetParam().name + "-z.png"));

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "aureole/scene/build.h"
+#include "harness/paths.h"
 
 namespace aureole {
 namespace {
@@ -17,7 +18,7 @@ protected:
   void SetUp() override {
     const char* given = std::getenv("AUREOLE_SHARED");
     folder_ =
-        given ? std::filesystem::path(given) : std::filesystem::path(AUREOLE_SOURCE_DIR) / ".." / "shared";
+        given ? std::filesystem::path(given) : test::source_dir() / ".." / "shared";
     if (!std::filesystem::is_directory(folder_ / "data"))
       GTEST_SKIP() << "no folder " << (folder_ / "data")
                    << ": set AUREOLE_SHARED to where the example scenes are";
