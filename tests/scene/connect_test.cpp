@@ -67,7 +67,7 @@ Found connect_all(const Scene& scene, TestRandom& random, std::size_t receiver, 
         ++found.connections;
         found.grazing +=
             std::abs(dot(s->wo, point->ng)) < 1e-3f || (!s->infinite && std::abs(dot(s->wo, s->ng)) < 1e-3f);
-        const bool blocked = is_black(scene.connect(*point, *s));
+        const bool blocked = is_black(scene.connect(*point, *s, w));
         // An end that lies nearer to the other's plane than the coordinates' rounding allows to know may be
         // on its other side: at 1e4 that is at angles of a thousandth.
         const Vec3 magnitude = abs(point->p);
@@ -143,7 +143,7 @@ TEST(Connect, GrazingLights) {
       const auto s = scene->emitters()[0]->sample_direct(point->p, 0, random.next2(), w);
       if (!s || dot(s->wo, point->ng) <= 0) continue;
       ++connections, ++grazing;
-      blocked += is_black(scene->connect(*point, *s));
+      blocked += is_black(scene->connect(*point, *s, w));
     }
     EXPECT_EQ(blocked, 0) << "far floor at " << offset;
   }
@@ -238,7 +238,7 @@ TEST(Connect, OccludersAreFound) {
           if (distance > 0.6f - 0.01f) continue;
         }
         ++tests;
-        ASSERT_TRUE(is_black(scene->connect(*point, *s))) << occluder << " at " << offset;
+        ASSERT_TRUE(is_black(scene->connect(*point, *s, w))) << occluder << " at " << offset;
       }
     }
   EXPECT_GT(tests, 20000);
@@ -259,7 +259,7 @@ TEST(Connect, ThinGapsAreSeenThroughAndThinOccludersAreNot) {
     for (int k = 0; k < 2000; ++k) {
       const auto s = scene->emitters()[0]->sample_direct(start->p, 0, random.next2(), w);
       ASSERT_TRUE(s);
-      ASSERT_EQ(is_black(scene->connect(*start, *s)), z > 0 && z < 2) << z;
+      ASSERT_EQ(is_black(scene->connect(*start, *s, w)), z > 0 && z < 2) << z;
     }
   }
 }

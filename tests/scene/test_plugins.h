@@ -59,6 +59,9 @@ struct TestEmitter : Emitter {
                                             const Wavelengths&) const override {
     return {};
   }
+  std::optional<EmittedRay> sample_ray(std::size_t, Vec2, Vec2, const Wavelengths&) const override {
+    return {};
+  }
   SampledSpectrum power_spectrum() const override { return {}; }
   EmissionBounds emission_bounds(std::size_t) const override { return {}; }
 };

@@ -24,6 +24,9 @@ public:
                                             const Wavelengths&) const override {
     return std::nullopt;
   }
+  std::optional<EmittedRay> sample_ray(std::size_t, Vec2, Vec2, const Wavelengths&) const override {
+    return std::nullopt;
+  }
   SampledSpectrum power_spectrum() const override { return {}; }
   EmissionBounds emission_bounds(std::size_t) const override { return {}; }
 };
@@ -80,7 +83,7 @@ public:
     rtcIntersect1(scene_, &context, &r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
     return Hit{r.ray.tfar, r.hit.u, r.hit.v, r.hit.primID,
-               shape_.surface_point(r.hit.primID, r.hit.u, r.hit.v, ray, r.ray.tfar)};
+               shape_.surface_point({0, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar}, ray)};
   }
   bool occluded(const Ray& ray) const {
     RTCRayHit r = query(ray);

@@ -26,6 +26,7 @@ enum class Lobe : unsigned {
   reflect = 8,
   transmit = 16,
   through = 32,  ///< leaves the direction unchanged
+  null = 64,     ///< as if nothing were there: connections pass, and it is no vertex of a path
 };
 constexpr Lobe operator|(Lobe a, Lobe b) { return Lobe(unsigned(a) | unsigned(b)); }
 constexpr Lobe operator&(Lobe a, Lobe b) { return Lobe(unsigned(a) & unsigned(b)); }
@@ -76,9 +77,14 @@ public:
   virtual std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2,
                                            const BsdfContext& ctx) const = 0;
 
+  /// What passes straight through as if nothing were there: value of the `null` lobe for light that arrives
+  /// from wi. `sample` draws that lobe (wo = -wi) with a mass that is the same for all wavelengths.
+  virtual Spectrum null_transmittance(const Vec3& /*wi*/, const BsdfContext& /*ctx*/) const { return 0.f; }
+
   virtual Lobe lobes() const = 0;
   /// Diffuse and glossy lobes exist: next-event estimation is worth its ray.
   bool is_smooth() const { return has(lobes(), Lobe::diffuse | Lobe::glossy); }
+  bool is_passable() const { return has(lobes(), Lobe::null); }
 };
 using BsdfPtr = std::shared_ptr<const Bsdf>;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A shape that shines from its front, the side of its geometric normal.
 #include "aureole/emitter/emitter.h"
+#include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/shape.h"
 #include "aureole/texture/texture.h"
@@ -40,6 +41,22 @@ public:
     point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
     return DirectSample{wo,     s->p,  s->p_error, s->ng, radiance_->eval(point, wavelengths),
                         s->pdf, false, false};
+  }
+
+  std::optional<EmittedRay> sample_ray(std::size_t part, Vec2 position, Vec2 direction,
+                                       const Wavelengths& wavelengths) const override {
+    const auto s = shape_->sample_area(part, position);
+    if (!s) return {};
+    const Vec3 local = square_to_cosine_hemisphere(direction);
+    SurfacePoint point;
+    point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
+    return EmittedRay{s->p,
+                      s->p_error,
+                      s->ng,
+                      normalize(Frame::from_normal(s->ng).to_world(local)),
+                      radiance_->eval(point, wavelengths) * local.z,
+                      s->pdf,
+                      cosine_hemisphere_pdf(local.z)};
   }
 
   float pdf_direct(const Vec3& reference, const SurfacePoint& point) const override {

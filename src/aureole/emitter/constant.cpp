@@ -16,7 +16,7 @@ public:
       throw p.error("radiance", "a constant emitter takes a spectrum, not a texture; use envmap");
   }
 
-  void set_scene_bounds(const Vec3&, float radius) override { radius_ = radius; }
+  void set_scene_bounds(const Vec3& center, float radius) override { center_ = center, radius_ = radius; }
   bool is_infinite() const override { return true; }
 
   Spectrum eval_escaped(const Vec3&, const Wavelengths& w) const override { return radiance_->eval({}, w); }
@@ -32,6 +32,14 @@ public:
   }
   float pdf_direct_escaped(const Vec3&, const Vec3&) const override { return 0.25f * kInvPi; }
 
+  std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2 direction,
+                                       const Wavelengths& w) const override {
+    EmittedRay r = ray_from_infinity(center_, radius_, square_to_uniform_sphere(direction), position);
+    r.value = radiance_->eval({}, w);
+    r.pdf_direction = uniform_sphere_pdf();
+    return r;
+  }
+
   SampledSpectrum power_spectrum() const override {
     SampledSpectrum s = radiance_->average();
     s.scale(4 * kPi * kPi * radius_ * radius_);
@@ -41,6 +49,7 @@ public:
 
 private:
   TexturePtr radiance_;
+  Vec3 center_;
   float radius_ = 1;
 };
 

@@ -2,6 +2,7 @@
 // Defaults of the emitter interface: an emitter that is not on a shape and not at infinity.
 #include "aureole/emitter/emitter.h"
 
+#include "aureole/math/warp.h"
 #include "aureole/plugin/properties.h"
 
 namespace aureole {
@@ -16,5 +17,14 @@ Spectrum Emitter::eval(const SurfacePoint&, const Vec3&, const Wavelengths&) con
 Spectrum Emitter::eval_escaped(const Vec3&, const Wavelengths&) const { return 0.f; }
 float Emitter::pdf_direct(const Vec3&, const SurfacePoint&) const { return 0; }
 float Emitter::pdf_direct_escaped(const Vec3&, const Vec3&) const { return 0; }
+
+EmittedRay ray_from_infinity(const Vec3& scene_center, float scene_radius, const Vec3& d, Vec2 position) {
+  const Vec2 disc = square_to_disc_concentric(position).p;
+  EmittedRay r;
+  r.p = scene_center + Frame::from_normal(d).to_world({disc.x, disc.y, -1}) * scene_radius;
+  r.d = d;
+  r.pdf_position = square_to_disc_pdf() / (scene_radius * scene_radius);
+  return r;
+}
 
 }  // namespace aureole

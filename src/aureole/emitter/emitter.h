@@ -25,6 +25,20 @@ struct DirectSample {
   bool infinite = false;
 };
 
+/// A ray of light that leaves an emitter, from `Emitter::sample_ray`.
+struct EmittedRay {
+  Vec3 p;        ///< where it starts; for an emitter at infinity a point outside the scene
+  Vec3 p_error;  ///< zero for points that lie on no surface
+  Vec3 ng;       ///< zero for points that lie on no surface
+  Vec3 d;        ///< unit direction of travel
+  /// Radiance times |cos| at a surface; of a point the intensity; of a beam from infinity the radiance, or,
+  /// where the direction is a delta, the irradiance on a plane across it.
+  Spectrum value;
+  float pdf_position = 0;   ///< density [1/m^2], or a mass where `delta_position`
+  float pdf_direction = 0;  ///< density [1/sr], or a mass where `delta_direction`
+  bool delta_position = false, delta_direction = false;
+};
+
 /// How much light a part may send somewhere, for light selection (Conty Estevez & Kulla 2018, "Importance
 /// sampling of many lights with adaptive tree splitting").
 struct EmissionBounds {
@@ -63,10 +77,19 @@ public:
   /// The same for a direction that left the scene.
   virtual float pdf_direct_escaped(const Vec3& reference, const Vec3& d) const;
 
+  /// A ray of light that leaves the part, for light tracing; `position` and `direction` are two points of [0,
+  /// 1)^2.
+  virtual std::optional<EmittedRay> sample_ray(std::size_t part, Vec2 position, Vec2 direction,
+                                               const Wavelengths& wavelengths) const = 0;
+
   /// Power of a part per wavelength on the scene's grid (arbitrary but common scale for all emitters: W/nm).
   virtual SampledSpectrum power_spectrum() const = 0;
   virtual EmissionBounds emission_bounds(std::size_t part) const = 0;
 };
+/// The beam that enters a scene from infinity along `d`: starts on a disc across it, before the scene's
+/// bounding sphere. `position` chooses the point of the disc.
+EmittedRay ray_from_infinity(const Vec3& scene_center, float scene_radius, const Vec3& d, Vec2 position);
+
 using EmitterPtr = std::shared_ptr<Emitter>;
 
 }  // namespace aureole

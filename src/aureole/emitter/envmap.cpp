@@ -28,7 +28,7 @@ public:
     d65_ = d65_spectrum(p.context().grid, 1);
   }
 
-  void set_scene_bounds(const Vec3&, float radius) override { radius_ = radius; }
+  void set_scene_bounds(const Vec3& center, float radius) override { center_ = center, radius_ = radius; }
   bool is_infinite() const override { return true; }
 
   Spectrum eval_escaped(const Vec3& d, const Wavelengths& w) const override {
@@ -47,6 +47,16 @@ public:
     s.pdf = pdf / (2 * kPi * kPi * sine);
     s.infinite = true;
     return s;
+  }
+
+  std::optional<EmittedRay> sample_ray(std::size_t part, Vec2 position, Vec2 direction,
+                                       const Wavelengths& w) const override {
+    const auto s = sample_direct({}, part, direction, w);
+    if (!s) return {};
+    EmittedRay r = ray_from_infinity(center_, radius_, -s->wo, position);
+    r.value = s->radiance;
+    r.pdf_direction = s->pdf;
+    return r;
   }
 
   float pdf_direct_escaped(const Vec3&, const Vec3& d) const override {
@@ -190,6 +200,7 @@ private:
   }
 
   Frame frame_;
+  Vec3 center_;
   float scale_ = 1, radius_ = 1, mean_[3];
   bool mis_compensation_;
   int width_ = 0, height_ = 0;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A point that shines with the same intensity into all directions.
 #include "aureole/emitter/emitter.h"
+#include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -31,6 +32,17 @@ public:
     s.pdf = 1;
     s.delta = true;
     return s;
+  }
+
+  std::optional<EmittedRay> sample_ray(std::size_t, Vec2, Vec2 direction,
+                                       const Wavelengths& w) const override {
+    EmittedRay r;
+    r.p = position_;
+    r.d = square_to_uniform_sphere(direction);
+    r.value = intensity_->eval({}, w);
+    r.pdf_position = 1, r.delta_position = true;
+    r.pdf_direction = uniform_sphere_pdf();
+    return r;
   }
 
   SampledSpectrum power_spectrum() const override {

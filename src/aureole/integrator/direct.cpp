@@ -7,9 +7,9 @@
 namespace aureole {
 namespace {
 
-class DirectIntegrator final : public Integrator {
+class DirectIntegrator final : public RadianceIntegrator {
 public:
-  explicit DirectIntegrator(const Properties& p) : Integrator(p) {
+  explicit DirectIntegrator(const Properties& p) : RadianceIntegrator(p) {
     const auto shading = p.get_int("shading_samples", 1, {0, 65536});
     if (p.has("shading_samples") && (p.has("emitter_samples") || p.has("bsdf_samples")))
       throw p.error("shading_samples",
@@ -21,21 +21,41 @@ public:
   }
 
   RadianceEstimate radiance(const Scene& scene, const Ray& camera_ray, const Wavelengths& w,
-                            SampleStream& samples, const PathLog&) const override {
+                            SampleStream& samples, const PathLog&, float*) const override {
     RadianceEstimate result;
-    const PathDensity density;
     Ray ray = camera_ray;
-    auto hit = scene.intersect(ray);
-    while (hide_emitters_ && hit && hit->shape->emitter()) {
-      ray = {offset_origin(*hit, ray.d), ray.d, kInfinity};
-      hit = scene.intersect(ray);
-    }
-    if (!hide_emitters_) result.estimate = density.contribution(emission(scene, hit, ray.d, w), w);
-    result.alpha = hit || (!hide_emitters_ && !scene.infinite_emitters().empty()) ? 1.f : 0.f;
-    if (!hit) return result;
+    Weight passed = 1.f;
+    for (int dimension = 0;;) {
+      const auto hit = scene.intersect(ray);
+      if (hide_emitters_ && hit && hit->shape->emitter()) {
+        ray = {offset_origin(*hit, ray.d), ray.d, kInfinity};
+        continue;
+      }
+      const PathDensity density{passed};
+      if (!hide_emitters_) result.estimate += density.contribution(emission(scene, hit, ray.d, w), w);
+      if (!hit) {
+        if (!hide_emitters_ && !scene.infinite_emitters().empty()) result.alpha = 1;
+        return result;
+      }
+      add_reflected(scene, *hit, ray.d, density, w, samples, dimension, result);
 
-    int dimension = kCameraDimensions;
-    const SurfaceVertex vertex(*hit, -ray.d, w, samples.key(dimension));
+      // A surface that lets some light pass: go on behind it with the probability of that.
+      const Weight through = Scene::null_transmittance(*hit, ray.d, w);
+      const float probability = std::min(1.f, mean(through));
+      if (!(probability > 0) || !(samples.get1(dimension++) < probability)) break;
+      passed *= through * (1 / probability);
+      ray = {offset_origin(*hit, ray.d), ray.d, kInfinity};
+    }
+    result.alpha = 1;
+    return result;
+  }
+
+private:
+  /// Light that arrives at `hit` and scatters once.
+  void add_reflected(const Scene& scene, const SurfacePoint& hit, const Vec3& d, const PathDensity& density,
+                     const Wavelengths& w, SampleStream& samples, int& dimension,
+                     RadianceEstimate& result) const {
+    const SurfaceVertex vertex(hit, -d, w, samples.key(dimension));
     const bool smooth = vertex.bsdf().is_smooth() && !scene.lights().empty();
     for (int i = 0; smooth && i < light_samples_; ++i, dimension += 3) {
       const auto c = sample_light(scene, vertex, samples.get1(dimension), samples.get2(dimension + 1), w);
@@ -43,32 +63,33 @@ public:
       const Spectrum other = c->direct.delta ? Spectrum(0.f) : c->scattering.pdf * float(bsdf_samples_);
       result.estimate += density.contribution(c->scattering.value * c->direct.radiance,
                                               c->density * float(light_samples_), other, w) *
-                         scene.connect(*hit, c->direct);
+                         scene.connect(hit, c->direct, w);
     }
     for (int i = 0; i < bsdf_samples_; ++i, dimension += 3) {
       const auto b = vertex.sample(samples.get1(dimension), samples.get2(dimension + 1));
-      if (!b || is_black(b->value)) continue;
-      const Ray next{offset_origin(*hit, b->wo), b->wo, kInfinity};
-      const auto light_hit = scene.intersect(next);
+      if (!b || is_black(b->value) || has(b->lobe, Lobe::null)) continue;
+      Ray next{offset_origin(hit, b->wo), b->wo, kInfinity};
+      Weight value = b->value;
       const auto add = [&](const Emitter& e, const SurfacePoint* point, const Spectrum& radiance) {
         if (is_black(radiance)) return;
         const float light = b->is_delta() || !smooth
                                 ? 0.f
                                 : float(light_samples_) *
-                                      light_density(scene, hit->p, vertex.light_normal(), e, point, next.d);
-        result.estimate += density.contribution(b->value * radiance, b->pdf * float(bsdf_samples_), light, w);
+                                      light_density(scene, hit.p, vertex.light_normal(), e, point, next.d);
+        result.estimate += density.contribution(value * radiance, b->pdf * float(bsdf_samples_), light, w);
       };
-      if (light_hit) {
+      while (const auto light_hit = scene.intersect(next)) {
         if (const Emitter* e = light_hit->shape->emitter())
           add(*e, &*light_hit, e->eval(*light_hit, -next.d, w));
-      } else {
-        for (const Emitter* e : scene.infinite_emitters()) add(*e, nullptr, e->eval_escaped(next.d, w));
+        value *= Scene::null_transmittance(*light_hit, next.d, w);
+        if (is_black(value)) break;
+        next.o = offset_origin(*light_hit, next.d);
       }
+      if (!is_black(value))
+        for (const Emitter* e : scene.infinite_emitters()) add(*e, nullptr, e->eval_escaped(next.d, w));
     }
-    return result;
   }
 
-private:
   static Spectrum emission(const Scene& scene, const std::optional<SurfacePoint>& hit, const Vec3& d,
                            const Wavelengths& w) {
     if (hit) return hit->shape->emitter() ? hit->shape->emitter()->eval(*hit, -d, w) : Spectrum(0.f);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The integrator family: an estimate of the radiance along a camera ray. An integrator owns no scene state
-// and no threads.
+// The integrator family: the radiance along a camera ray, or the light that paths from the emitters leave on
+// the film. An integrator owns no scene state and no threads.
 #pragma once
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
@@ -25,13 +26,37 @@ struct RadianceEstimate {
 class Integrator : public Object {
 public:
   static constexpr const char* kFamily = "an integrator";
-  /// Dimensions of the sample stream that the camera uses before the integrator's: film position and
-  /// wavelength.
-  static constexpr int kCameraDimensions = 3;
   using Object::Object;
+};
 
+/// Follows paths from the sensor.
+class RadianceIntegrator : public Integrator {
+public:
+  using Integrator::Integrator;
+
+  /// An estimate of the radiance along `ray`. The stream's dimensions count from 0. `aovs` receives one
+  /// number per name of `aov_names`.
   virtual RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& wavelengths,
-                                    SampleStream& samples, const PathLog& log) const = 0;
+                                    SampleStream& samples, const PathLog& log, float* aovs) const = 0;
+  /// Further numbers measured beside the film's ("albedo.R", "depth"): names of their channels.
+  virtual std::vector<std::string> aov_names() const { return {}; }
+};
+
+/// What a light path leaves on the film.
+struct Splat {
+  Vec2 film;  ///< pixels from the film's top left corner
+  Spectrum estimate;
+};
+
+/// Follows paths from the emitters.
+class SplatIntegrator : public Integrator {
+public:
+  using Integrator::Integrator;
+
+  /// Appends what one light path leaves on the film: `estimate` is spectral power per film area [pixels^2]
+  /// over the density of the path, as Film::measure takes it.
+  virtual void trace(const Scene& scene, const Wavelengths& wavelengths, SampleStream& samples,
+                     std::vector<Splat>& splats, const PathLog& log) const = 0;
 };
 
 }  // namespace aureole

@@ -18,7 +18,8 @@ enum Dimension { kLight, kLightU, kLightV, kBsdfU, kBsdfV, kLobe, kRoulette, kPe
 struct PathState {
   Ray ray;
   PathDensity density;  ///< up to and including the direction of `ray`
-  int depth = 0;        ///< surfaces met so far
+  int depth = 0;        ///< scattering events so far
+  int vertex = 0;       ///< surfaces met so far, those that were passed without scattering among them
   float eta2 =
       1;  ///< squared index of the present medium over the camera's: undoes the n^2 of radiance for roulette
   RadianceEstimate result;
@@ -41,16 +42,16 @@ struct Step {
   Spectrum contribution;  ///< of the connection, if nothing is in the way
 };
 
-class PathIntegrator final : public Integrator {
+class PathIntegrator final : public RadianceIntegrator {
 public:
-  explicit PathIntegrator(const Properties& p) : Integrator(p) {
+  explicit PathIntegrator(const Properties& p) : RadianceIntegrator(p) {
     max_depth_ = int(p.get_int("max_depth", -1, {-1, 1e9}));
     roulette_depth_ = int(p.get_int("rr_depth", 5, {1, 1e9}));
     hide_emitters_ = p.get_bool("hide_emitters", false);
   }
 
   RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream& samples,
-                            const PathLog& log) const override {
+                            const PathLog& log, float*) const override {
     PathState state;
     state.ray = ray;
     if (max_depth_ == 0) return state.result;
@@ -59,7 +60,7 @@ public:
       if (log) log_hit(log, state, hit);
       const Step step = advance(scene, state, hit, w, samples);
       if (step.connects) {
-        const Spectrum visible = scene.connect(*hit, step.connection);
+        const Spectrum visible = scene.connect(*hit, step.connection, w);
         state.result.estimate += step.contribution * visible;
         if (log)
           log(fmt::format("  light along ({:.6g}, {:.6g}, {:.6g}): {} mean {:.6g}", step.connection.wo.x,
@@ -94,12 +95,15 @@ private:
       }
       add_emission(scene, s, *e, &*hit, e->eval(*hit, to_previous, w), w);
     }
-    if (s.depth == 0) s.result.alpha = 1;
-    if (max_depth_ >= 0 && s.depth + 1 >= max_depth_) return step;
+    const bool last = max_depth_ >= 0 && s.depth + 1 >= max_depth_;
+    if (last && !hit->shape->bsdf()->is_passable()) {
+      if (s.depth == 0) s.result.alpha = 1;
+      return step;
+    }
 
-    const int dimension = kCameraDimensions + kPerVertex * s.depth;
+    const int dimension = kPerVertex * s.vertex++;
     const SurfaceVertex vertex(*hit, to_previous, w, samples.key(dimension));
-    if (vertex.bsdf().is_smooth() && !scene.lights().empty()) {
+    if (!last && vertex.bsdf().is_smooth() && !scene.lights().empty()) {
       const auto c =
           sample_light(scene, vertex, samples.get1(dimension + kLight), samples.get2(dimension + kLightU), w);
       if (c) {
@@ -112,7 +116,19 @@ private:
     }
 
     const auto b = vertex.sample(samples.get1(dimension + kLobe), samples.get2(dimension + kBsdfU));
-    if (!b || is_black(b->value)) return step;
+    if (b && has(b->lobe, Lobe::null)) {
+      // No vertex: what was sampled before and light sampling, whose connections pass too, find the same
+      // emitters beyond, so that the weights between them do not hold the mass of passing.
+      const Weight passed = b->value * (1 / b->pdf[0]);
+      if (is_black(passed)) return step;
+      s.density.beta *= passed;
+      s.value *= passed;
+      s.ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
+      step.alive = true;
+      return step;
+    }
+    if (s.depth == 0) s.result.alpha = 1;
+    if (last || !b || is_black(b->value)) return step;
     s.before = s.density;
     s.value = b->value, s.pdf = b->pdf;
     s.found_by_density = !b->is_delta();

@@ -21,7 +21,6 @@ struct RenderJob::Lock {
 
 namespace {
 
-constexpr int kMaxChannels = 8;
 constexpr int kMaxReach = 65;  // pixels of the widest filter, radius 32
 
 double available_memory_bytes() {
@@ -39,24 +38,27 @@ double now_s() {
 
 }  // namespace
 
-Development development_of(const Film& film) {
+Development development_of(const Film& film, const std::vector<std::string>& aovs) {
   Development d;
   d.names = film.channel_names();
   d.half = film.pixel_type() == ExrPixel::half;
   const size_t channels = size_t(film.measured_channels());
   const bool alpha = d.names.back() == "A";
-  d.rows.assign(d.names.size() - (alpha ? 1 : 0), std::vector<float>(channels));
-  d.rgb_rows.assign(3, std::vector<float>(channels));
+  const size_t own_rows = d.names.size() - (alpha ? 1 : 0);
+  d.rows.assign(own_rows + aovs.size(), std::vector<float>(channels + aovs.size()));
+  d.rgb_rows.assign(3, std::vector<float>(channels + aovs.size()));
   std::vector<float> out(d.names.size());
   for (size_t k = 0; k < channels; ++k) {
     std::vector<double> unit(channels, 0.0);
     unit[k] = 1;
     film.develop(unit.data(), 0, out.data());
-    for (size_t c = 0; c < d.rows.size(); ++c) d.rows[c][k] = out[c];
+    for (size_t c = 0; c < own_rows; ++c) d.rows[c][k] = out[c];
     float rgb[3];
     film.develop_rgb(unit.data(), rgb);
     for (size_t c = 0; c < 3; ++c) d.rgb_rows[c][k] = rgb[c];
   }
+  d.names.insert(d.names.begin() + std::ptrdiff_t(own_rows), aovs.begin(), aovs.end());
+  for (size_t k = 0; k < aovs.size(); ++k) d.rows[own_rows + k][channels + k] = 1;
   return d;
 }
 
@@ -65,7 +67,7 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
       options_(options),
       filter_(scene_->film().filter()),
       lock_(std::make_shared<Lock>()) {
-  integrator_ = dynamic_cast<const Integrator*>(scene_->integrator_object().get());
+  integrator_ = dynamic_cast<const RadianceIntegrator*>(scene_->integrator_object().get());
   if (!integrator_) throw Error("the scene has no integrator");
   const Film& film = scene_->film();
   const Sampler& sampler = scene_->sensor().sampler();
@@ -78,7 +80,6 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
                     "apart make the same picture",
                     options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
   if (options_.replicates < 1) throw Error("there must be at least one replicate");
-  if (film.measured_channels() > kMaxChannels) throw Error("this film measures too many channels");
   if (2 * filter_.border() + 1 > kMaxReach) throw Error("the reconstruction filter is wider than 65 pixels");
   // The samplers' index has 32 bits.
   if (end > std::int64_t(1) << 32)
@@ -88,8 +89,10 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   // A copy is needed to save or show it; a byte per work unit keeps account.
   const double units = double(film.crop_width() / kTileSize + 2) * (film.crop_height() / kTileSize + 2) *
                        options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
-  const double needed = 2 * (units + state_bytes(film.crop_width(), film.crop_height(),
-                                                 film.measured_channels(), options_.replicates));
+  const std::vector<std::string> aovs = integrator_->aov_names();
+  const int channels = film.measured_channels() + int(aovs.size());
+  const double needed =
+      2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates));
   const double available = available_memory_bytes();
   if (needed > 0.8 * available)
     throw Error(fmt::format(
@@ -109,9 +112,9 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   id.wavelengths = kWavelengths;
   id.width = film.crop_width(), id.height = film.crop_height();
   id.border = film.sample_border() ? filter_.border() : 0;
-  id.measured_channels = film.measured_channels();
+  id.measured_channels = channels;
   id.replicates = options_.replicates;
-  state_ = RenderState(std::move(id), development_of(film), options_.begin, end);
+  state_ = RenderState(std::move(id), development_of(film, aovs), options_.begin, end);
 }
 
 void RenderJob::resume(RenderState state) {
@@ -123,24 +126,29 @@ void RenderJob::resume(RenderState state) {
 }
 
 RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int replicate,
-                                           const PathLog& log) const {
+                                           const PathLog& log, float* measured) const {
   const Film& film = scene_->film();
+  const Sensor& sensor = scene_->sensor();
   const std::uint64_t pixel =
       std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
   const std::uint64_t key = combine_bits(combine_bits(seed_, std::uint64_t(replicate)), pixel);
-  SampleStream stream(scene_->sensor().sampler(), key, std::uint32_t(index));
+  SampleStream stream(sensor.sampler(), key, std::uint32_t(index));
   const Vec2 u = stream.get2(0);
   const Wavelengths w = scene_->wavelengths().sample(stream.get1(2));
   Sample s;
   s.position = {float(x) + u.x, float(y) + u.y};
   const Vec2 on_film{s.position.x + float(film.crop_x()), s.position.y + float(film.crop_y())};
-  const Ray ray = scene_->sensor().sample_ray(on_film, {});
-  const RadianceEstimate r = integrator_->radiance(*scene_, ray, w, stream, log);
+  const bool lens = sensor.uses_lens();
+  const SensorRay camera = sensor.sample_ray(on_film, lens ? stream.get2(3) : Vec2{});
+  stream.set_first(lens ? 5 : 3);
+  const RadianceEstimate r =
+      integrator_->radiance(*scene_, camera.ray, w, stream, log, measured + film.measured_channels());
   s.alpha = r.alpha;
   s.valid = is_valid_radiance(r.estimate);
   if (s.valid) {
-    film.measure(r.estimate, w, s.measured);
-    for (int c = 0; c < film.measured_channels(); ++c) s.valid &= std::abs(s.measured[c]) < kFixedLimit;
+    film.measure(r.estimate * camera.weight, w, measured);
+    for (int c = 0; c < state_.identity.measured_channels; ++c)
+      s.valid &= std::abs(measured[c]) < kFixedLimit;
   }
   return s;
 }
@@ -163,20 +171,21 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   const int width = x1 - x0 + 2 * border, height = y1 - y0 + 2 * border;
   sums.assign(size_t(width) * size_t(height) * size_t(stride), 0.f);
   std::vector<InvalidSample> invalid;
+  std::vector<float> measured(size_t(channels), 0.f);
   static const PathLog no_log;
   float wx[kMaxReach], wy[kMaxReach];
   const int reach = 2 * border + 1;
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x)
       for (std::int64_t i = first; i < last; ++i) {
-        const Sample s = render_sample(x, y, i, replicate, no_log);
+        const Sample s = render_sample(x, y, i, replicate, no_log, measured.data());
         if (!s.valid) {
           invalid.push_back({x + scene_->film().crop_x(), y + scene_->film().crop_y(), replicate, i});
           continue;
         }
         if (border == 0) {
           float* p = &sums[(size_t(y - y0) * size_t(width) + size_t(x - x0)) * size_t(stride)];
-          for (int c = 0; c < channels; ++c) p[c] += s.measured[c];
+          for (int c = 0; c < channels; ++c) p[c] += measured[size_t(c)];
           p[channels] += s.alpha;
           p[channels + 1] += 1;
           continue;
@@ -189,7 +198,7 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
           float* p = &sums[(size_t(y - y0 + j) * size_t(width) + size_t(x - x0)) * size_t(stride)];
           for (int k = 0; k < reach; ++k, p += stride) {
             const float weight = wx[k] * wy[j];
-            for (int c = 0; c < channels; ++c) p[c] += weight * s.measured[c];
+            for (int c = 0; c < channels; ++c) p[c] += weight * measured[size_t(c)];
             p[channels] += weight * s.alpha;
             p[channels + 1] += weight;
           }
@@ -298,9 +307,11 @@ void RenderJob::remove_state() const {
 std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
                                      const PathLog& log) const {
   const Film& film = scene_->film();
-  const Sample s = render_sample(x - film.crop_x(), y - film.crop_y(), sample, replicate, log);
-  if (!s.valid) return {};
-  return {s.measured, s.measured + film.measured_channels()};
+  std::vector<float> measured(size_t(state_.identity.measured_channels));
+  const Sample s =
+      render_sample(x - film.crop_x(), y - film.crop_y(), sample, replicate, log, measured.data());
+  if (!s.valid) measured.clear();
+  return measured;
 }
 
 }  // namespace aureole

@@ -74,15 +74,16 @@ private:
   struct Sample {
     Vec2 position;  ///< relative to the crop's corner
     float alpha;
-    float measured[8];
     bool valid;
   };
-  Sample render_sample(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const;
+  /// `measured` receives the numbers of the film, then those of the integrator.
+  Sample render_sample(int x, int y, std::int64_t sample, int replicate, const PathLog& log,
+                       float* measured) const;
   void render_unit(std::int64_t unit, std::vector<float>& sums);
   void checkpoint(double seconds);
 
   std::shared_ptr<const Scene> scene_;
-  const Integrator* integrator_;
+  const RadianceIntegrator* integrator_;
   RenderOptions options_;
   FilterTable filter_;
   RenderState state_;
@@ -94,7 +95,7 @@ private:
   std::shared_ptr<Lock> lock_;  ///< guards state_ and invalid_ while units are added
 };
 
-/// What a film does to measured values, as matrices.
-Development development_of(const Film& film);
+/// What a film does to measured values, as matrices; `aovs` are stored as they are.
+Development development_of(const Film& film, const std::vector<std::string>& aovs = {});
 
 }  // namespace aureole

@@ -37,7 +37,11 @@ public:
   SampleStream(const Sampler& sampler, std::uint64_t pixel_key, std::uint32_t sample)
       : sampler_(&sampler), pixel_key_(pixel_key), sample_(sample) {}
 
+  /// Dimensions are counted from here on: those before are the camera's.
+  void set_first(int dimension) { first_ = dimension; }
+
   float get1(int dimension) {
+    dimension += first_;
     const int wanted = dimension / Sampler::kBlock;
     if (wanted != block_) sampler_->block(pixel_key_, sample_, block_ = wanted, values_);
     return values_[dimension % Sampler::kBlock];
@@ -53,7 +57,7 @@ private:
   const Sampler* sampler_;
   std::uint64_t pixel_key_;
   std::uint32_t sample_;
-  int block_ = -1;
+  int block_ = -1, first_ = 0;
   alignas(32) float values_[Sampler::kBlock];
 };
 

@@ -59,7 +59,9 @@ RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene_, &context, &r);
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  return {r.hit.geomID, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar};
+  const bool instanced = r.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
+  return {{instanced ? r.hit.geomID : 0, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar},
+          instanced ? r.hit.instID[0] : r.hit.geomID};
 }
 
 bool RayTracer::occluded(const Ray& ray) const {

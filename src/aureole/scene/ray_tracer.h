@@ -20,10 +20,8 @@ public:
   RayTracer(const RayTracer&) = delete;
   RayTracer& operator=(const RayTracer&) = delete;
 
-  struct Hit {
+  struct Hit : ShapeHit {
     std::uint32_t shape = ~0u;  ///< index into the shapes; ~0 where nothing was met
-    std::uint32_t primitive = 0;
-    float u = 0, v = 0, t = 0;
     explicit operator bool() const { return shape != ~0u; }
   };
   Hit intersect(const Ray& ray) const;

@@ -25,11 +25,13 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
       shape->shared_emitter()->attach(*shape);
       emitters_.push_back(shape->emitter());
     }
+  for (const auto& shape : shapes_) any_passable_ |= shape->is_passable();
   tracer_ = std::make_unique<RayTracer>(shapes_);
 
   const Bounds3 box = tracer_->bounds();
   const Vec3 center = box.empty() ? Vec3{} : box.center();
   const float radius = box.empty() ? 1.f : std::max(1e-6f, 0.5f * length(box.diagonal()));
+  sensor_->set_scene_bounds(center, radius);
   for (const auto& emitter : loaded_.emitters) {
     emitter->set_scene_bounds(center, radius);
     emitters_.push_back(emitter.get());
@@ -59,16 +61,33 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   lights_ = LightSampler(emitters_, powers);
 }
 
-Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to) const {
-  const Vec3 o = offset_origin(from, to.wo);
-  if (to.infinite) return tracer_->occluded({o, to.wo, kInfinity}) ? 0.f : 1.f;
-  // Both ends lie off their surfaces, so that the segment needs no shortening by a constant. At the far end
-  // the rounding of the ray's own arithmetic counts too: direction, distance and differences of the length of
-  // the segment (gamma(10) of each).
-  constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
-  const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * kGamma10;
-  const Vec3 target = offset_origin(to.p, p_error, to.ng, -to.wo);
-  return tracer_->occluded({o, target - o, 1.f}) ? 0.f : 1.f;
+Spectrum Scene::null_transmittance(const SurfacePoint& point, const Vec3& d, const Wavelengths& w) {
+  const Bsdf& bsdf = *point.shape->bsdf();
+  if (!bsdf.is_passable()) return 0.f;
+  return bsdf.null_transmittance(point.shading.to_local(-d), BsdfContext{w, point});
+}
+
+Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) const {
+  Ray ray{offset_origin(from, to.wo), to.wo, kInfinity};
+  Vec3 target;
+  if (!to.infinite) {
+    // Both ends lie off their surfaces, so that the segment needs no shortening by a constant. At the far end
+    // the rounding of the ray's own arithmetic counts too: direction, distance and differences of the length
+    // of the segment (gamma(10) of each).
+    constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
+    const Vec3 p_error = to.p_error + (abs(ray.o) + abs(to.p) + abs(to.p - ray.o)) * kGamma10;
+    target = offset_origin(to.p, p_error, to.ng, -to.wo);
+    ray.d = target - ray.o, ray.t_max = 1;
+  }
+  if (!any_passable_) return tracer_->occluded(ray) ? 0.f : 1.f;
+  Spectrum passed = 1.f;
+  while (const auto hit = intersect(ray)) {
+    passed *= null_transmittance(*hit, to.wo, w);
+    if (is_black(passed)) return 0.f;
+    ray.o = offset_origin(*hit, to.wo);
+    if (!to.infinite) ray.d = target - ray.o;
+  }
+  return passed;
 }
 
 }  // namespace aureole

@@ -23,14 +23,11 @@ public:
   std::optional<SurfacePoint> intersect(const Ray& ray) const {
     const RayTracer::Hit hit = tracer_->intersect(ray);
     if (!hit) return {};
-    SurfacePoint point = shapes_[hit.shape]->surface_point(hit.primitive, hit.u, hit.v, ray, hit.t);
-    point.shape = shapes_[hit.shape].get();
-    point.primitive = hit.primitive;
-    return point;
+    return shapes_[hit.shape]->surface_point(hit, ray);
   }
   /// The fraction of light that passes, per wavelength, from a surface point to the other end of a
   /// connection: the only visibility call.
-  Spectrum connect(const SurfacePoint& from, const DirectSample& to) const;
+  Spectrum connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) const;
 
   const Sensor& sensor() const { return *sensor_; }
   const Film& film() const { return sensor_->film(); }
@@ -41,6 +38,8 @@ public:
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   const ObjectPtr& integrator_object() const { return loaded_.integrator; }
   const LoadedScene& loaded() const { return loaded_; }
+  /// What passes straight through the surface for light along `d` (either way).
+  static Spectrum null_transmittance(const SurfacePoint& point, const Vec3& d, const Wavelengths& w);
   Bounds3 bounds() const { return tracer_->bounds(); }
   std::uint64_t hash() const { return loaded_.hash; }
 
@@ -52,6 +51,7 @@ private:
   std::unique_ptr<RayTracer> tracer_;
   LightSampler lights_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
+  bool any_passable_ = false;  ///< connections may have to pass surfaces
 };
 
 }  // namespace aureole

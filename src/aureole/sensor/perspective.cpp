@@ -36,11 +36,11 @@ public:
     origin_ = to_world_.point({0, 0, 0});
   }
 
-  Ray sample_ray(Vec2 film, Vec2) const override {
+  SensorRay sample_ray(Vec2 film, Vec2) const override {
     const Vec3 d = normalize(Vec3{(center_x_ - film.x) * scale_x_, (center_y_ - film.y) * scale_y_, 1});
     const float to_near = near_clip_ / d.z, to_far = far_clip_ / d.z;
     const Vec3 w = to_world_.vector(d);
-    return {origin_ + w * to_near, normalize(w), to_far - to_near};
+    return {{origin_ + w * to_near, normalize(w), to_far - to_near}};
   }
 
 private:

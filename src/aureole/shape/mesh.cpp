@@ -201,12 +201,14 @@ MeshPoint Mesh::point_at(std::uint32_t triangle, float b1, float b2) const {
   return r;
 }
 
-SurfacePoint Mesh::surface_point(std::uint32_t primitive, float u, float v, const Ray&, float) const {
+SurfacePoint Mesh::surface_point(const ShapeHit& hit, const Ray&) const {
+  const auto [geometry, primitive, u, v, t] = hit;
   const MeshPoint at = point_at(primitive, u, v);
   SurfacePoint s;
   s.p = at.p, s.p_error = at.p_error, s.ng = at.ng, s.uv = at.uv;
   s.shape = this;
   s.primitive = primitive;
+  s.barycentric = {u, v};
 
   Vec3 normal = s.ng;
   if (!data_.normals.empty()) {
@@ -217,6 +219,17 @@ SurfacePoint Mesh::surface_point(std::uint32_t primitive, float u, float v, cons
   }
   s.shading = Frame::from_normal_tangent(normal, tangent(primitive));
   return s;
+}
+
+SurfaceDerivatives Mesh::derivatives(const SurfacePoint& point) const {
+  const TriangleCorners c = corners(point.primitive);
+  const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0];
+  if (data_.uvs.empty()) return {e1, e2};
+  const TriangleIndices& t = uv_triangle(point.primitive);
+  const Vec2 d1 = data_.uvs[t[1]] - data_.uvs[t[0]], d2 = data_.uvs[t[2]] - data_.uvs[t[0]];
+  const float determinant = d1.x * d2.y - d1.y * d2.x;
+  if (determinant == 0) return {};
+  return {(e1 * d2.y - e2 * d1.y) / determinant, (e2 * d1.x - e1 * d2.x) / determinant};
 }
 
 Vec3 Mesh::tangent(std::uint32_t primitive) const {

@@ -46,8 +46,8 @@ struct MeshPoint {
 class Mesh : public Shape {
 public:
   RTCGeometry make_geometry(RTCDevice device) const override;
-  SurfacePoint surface_point(std::uint32_t primitive, float u, float v, const Ray& ray,
-                             float t) const override;
+  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override;
+  SurfaceDerivatives derivatives(const SurfacePoint& point) const override;
   Bounds3 bounds() const override { return bounds_; }
   std::size_t primitive_count() const override { return data_.triangles.size(); }
   std::size_t memory_bytes() const override;
@@ -58,6 +58,7 @@ public:
   Bounds3 patch_bounds(std::size_t patch) const override;
   std::pair<Vec3, float> patch_normals(std::size_t patch) const override;
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t patch, Vec2 u) const override;
+  std::optional<ShapeSample> sample_area(std::size_t patch, Vec2 u) const override;
   float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const override;
 
   /// The geometry as it is rendered; edges and neighbours are found from the position indices.

@@ -111,6 +111,21 @@ std::optional<ShapeSample> Mesh::sample_direct(const Vec3& reference, std::size_
   return ShapeSample{at.p, at.p_error, at.ng, at.uv, pdf};
 }
 
+std::optional<ShapeSample> Mesh::sample_area(std::size_t index, Vec2 u) const {
+  const MeshPatch p = patch(index);
+  TriangleSample chosen{p.triangle[0], 0, 0};
+  if (p.is_pair()) {
+    chosen = parallelogram_point(p, u);
+  } else {
+    const Vec2 b = sample_triangle_area(u);
+    chosen.b1 = b.x, chosen.b2 = b.y;
+  }
+  const double a = area(p);
+  if (!(a > 0)) return std::nullopt;
+  const MeshPoint at = point_at(chosen.triangle, chosen.b1, chosen.b2);
+  return ShapeSample{at.p, at.p_error, at.ng, at.uv, float(1 / a)};
+}
+
 float Mesh::pdf_direct(const Vec3& reference, std::size_t index, const SurfacePoint& point) const {
   const MeshPatch p = patch(index);
   const PatchView seen = view(reference, p);

@@ -16,11 +16,11 @@ namespace aureole {
 
 class Emitter;
 
-/// A point of a shape chosen by `sample_direct`.
+/// A point of a shape chosen by `sample_direct` or `sample_area`.
 struct ShapeSample {
   Vec3 p, p_error, ng;
   Vec2 uv;
-  float pdf;  ///< solid-angle density seen from the reference point [1/sr]
+  float pdf;  ///< of sample_direct: solid-angle density seen from the reference point [1/sr]
 };
 
 class Shape : public Object {
@@ -31,15 +31,19 @@ public:
   ~Shape() override;
 
   const BsdfPtr& bsdf() const { return bsdf_; }
+  /// Some light may pass straight through it.
+  virtual bool is_passable() const { return bsdf_->is_passable(); }
   const Emitter* emitter() const { return emitter_.get(); }
   const std::shared_ptr<Emitter>& shared_emitter() const { return emitter_; }
 
   /// An Embree geometry for this shape, committed, owned by the caller. Buffers are shared with the shape,
   /// which outlives it.
   virtual RTCGeometry make_geometry(RTCDevice device) const = 0;
-  /// The surface point of an Embree hit: primitive id and barycentrics (u, v), met by `ray` at distance `t`.
-  virtual SurfacePoint surface_point(std::uint32_t primitive, float u, float v, const Ray& ray,
-                                     float t) const = 0;
+  /// The surface point of an Embree hit by `ray`. Fills everything; `shape` is the shape that was met (one of
+  /// the group's for an instance).
+  virtual SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const = 0;
+  /// Derivatives of the position at one of its surface points, for bump and normal maps.
+  virtual SurfaceDerivatives derivatives(const SurfacePoint& point) const = 0;
 
   virtual Bounds3 bounds() const = 0;
   virtual std::size_t primitive_count() const = 0;  ///< triangles, or 1
@@ -57,6 +61,8 @@ public:
   /// can't be seen or has no area.
   virtual std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t patch,
                                                    Vec2 u) const = 0;
+  /// A point uniform over the patch; `pdf` is per area [1/m^2]. Nothing where the patch has no area.
+  virtual std::optional<ShapeSample> sample_area(std::size_t patch, Vec2 u) const = 0;
   /// Solid-angle density with which sample_direct chooses the point `point` of the patch from `reference`.
   virtual float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const = 0;
 

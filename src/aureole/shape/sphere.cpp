@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "aureole/math/warp.h"
 #include "aureole/shape/double3.h"
 #include "aureole/shape/shape.h"
 #include "aureole/shape/shape_docs.h"
@@ -18,9 +19,10 @@ public:
   explicit Sphere(const Properties& properties);
 
   RTCGeometry make_geometry(RTCDevice device) const override { return make_sphere_geometry(device, ball_); }
-  SurfacePoint surface_point(std::uint32_t, float, float, const Ray& ray, float t) const override {
-    return point_in_direction(Double3(ray.o) + Double3(ray.d) * double(t) - ball_.center);
+  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override {
+    return point_in_direction(Double3(ray.o) + Double3(ray.d) * double(hit.t) - ball_.center);
   }
+  SurfaceDerivatives derivatives(const SurfacePoint& point) const override;
   Bounds3 bounds() const override { return ball_.bounds(); }
   std::size_t primitive_count() const override { return 1; }
 
@@ -30,6 +32,7 @@ public:
   Bounds3 patch_bounds(std::size_t) const override { return bounds(); }
   std::pair<Vec3, float> patch_normals(std::size_t) const override { return {{0, 0, 1}, -1.f}; }
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
+  std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override;
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const override;
 
 private:
@@ -93,11 +96,25 @@ SurfacePoint Sphere::point_in_direction(const Double3& out) const {
   return s;
 }
 
+SurfaceDerivatives Sphere::derivatives(const SurfacePoint& point) const {
+  const Double3 out = Double3(point.p) - ball_.center;
+  const double x = dot(out, axis_[0]), y = dot(out, axis_[1]), z = dot(out, axis_[2]), r = std::hypot(x, y);
+  // u = phi / 2 pi about the third axis, v = theta / pi from it.
+  const Double3 by_phi = axis_[1] * x - axis_[0] * y;
+  const Double3 by_theta = r > 0 ? (axis_[0] * x + axis_[1] * y) * (z / r) - axis_[2] * r : axis_[0] * z;
+  return {(by_phi * (2 * kPiD)).to_float(), (by_theta * kPiD).to_float()};
+}
+
 std::optional<ShapeSample> Sphere::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
   const auto out = ball_.sample_visible(Double3(reference), u);
   if (!out) return std::nullopt;
   const SurfacePoint s = point_in_direction(*out);
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, ball_.visible_pdf(Double3(reference))};
+}
+
+std::optional<ShapeSample> Sphere::sample_area(std::size_t, Vec2 u) const {
+  const SurfacePoint s = point_in_direction(Double3(square_to_uniform_sphere(u)));
+  return ShapeSample{s.p, s.p_error, s.ng, s.uv, 1 / patch_area(0)};
 }
 
 float Sphere::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const {

@@ -18,6 +18,19 @@ struct SurfacePoint {
   Vec2 uv;
   const Shape* shape = nullptr;
   std::uint32_t primitive = 0;
+  Vec2 barycentric;  ///< Embree's (u, v) of the hit: weights of vertices 1 and 2 of a triangle
+};
+
+/// What the ray caster says of a hit.
+struct ShapeHit {
+  std::uint32_t geometry = 0;  ///< within a group of shapes that is instanced; else 0
+  std::uint32_t primitive = 0;
+  float u = 0, v = 0, t = 0;
+};
+
+/// Derivatives of the position by the texture coordinates, in the world; zero where uv do not vary.
+struct SurfaceDerivatives {
+  Vec3 dp_du, dp_dv;
 };
 
 /// Origin for a ray leaving `point` along `d`: moved along the geometric normal just beyond the error bound,
