@@ -72,10 +72,12 @@ def enter_environment():
     if not fits(python):
         print(f"making a Python environment with Mitsuba {MITSUBA} in {venv}", file=sys.stderr)
         packages = [f"mitsuba=={MITSUBA}", "numpy", "OpenEXR"]
-        for command in ([sys.executable, "-m", "venv", str(venv)], [python, "-m", "pip", "install", "-q", *packages]):
+        for command in ([sys.executable, "-m", "venv", str(venv)],
+                        [python, "-m", "pip", "install", "-q", *packages]):
             if subprocess.run(command).returncode != 0:
-                sys.exit(f"failed: {' '.join(command)}\n(Debian's package for the first step is python3-venv; the second "
-                         f"needs the network. Or run bench/peers.py with a Python that has {', '.join(packages)}.)")
+                sys.exit(f"failed: {' '.join(command)}\n(Debian's package for the first step is python3-venv; the "
+                         f"second needs the network. Or run bench/peers.py with a Python that has "
+                         f"{', '.join(packages)}.)")
         if not fits(python):
             sys.exit(f"{python} cannot import mitsuba {MITSUBA}, numpy and OpenEXR; remove {venv} to try again")
     os.execv(python, [python, __file__, *sys.argv[1:]])
@@ -103,7 +105,8 @@ def find_llvm():
         problem += f"\n{path}: {(r.stderr.strip().splitlines() or ['crashed'])[-1]}"
     sys.exit("Mitsuba's LLVM variants need the shared library of LLVM, and " +
              (f"none works:{problem}" if problem else "there is none") +
-             "\nInstall it (Debian: apt-get install libllvm19, or another version) or set DRJIT_LIBLLVM_PATH to the file.")
+             "\nInstall it (Debian: apt-get install libllvm19, or another version) or set DRJIT_LIBLLVM_PATH to the "
+             "file.")
 
 
 def choose_processors(threads):
@@ -189,8 +192,9 @@ def measure(a):
     if load > 0.3:
         print(f"note: the machine is not quiet (load average {load:.2f})", file=sys.stderr)
     version = subprocess.run([a.aureole, "--version"], capture_output=True, text=True).stdout.split()
-    conditions = (f"{a.threads} thread{'s' * (a.threads > 1)}, {processor()}; aureole {version[-1] if version else '?'}, "
-                  f"Mitsuba {MITSUBA} with LLVM {llvm}.")
+    threads = f"{a.threads} thread{'s' * (a.threads > 1)}"
+    conditions = (f"{threads}, {processor()}; aureole {version[-1] if version else '?'}, Mitsuba {MITSUBA} with "
+                  f"LLVM {llvm}.")
     scenes = [s for s in peers_efficiency.find_scenes(a) if s.name in a.only]
     with tempfile.TemporaryDirectory(prefix="aureole-peers-") as folder:
         folder = Path(folder)

@@ -14,6 +14,8 @@ import OpenEXR
 ROOT = Path(__file__).resolve().parents[1]
 MITSUBA_SAMPLERS = ("independent", "stratified", "multijitter", "orthogonal", "ldsampler")
 AUREOLE_SAMPLERS = ("sobol", "independent")
+COLUMNS = ("program", "sampler", "spp", "seconds", "Msamples/s", "mean", "variance", "relRMSE", "efficiency",
+           "by pixel")
 
 
 @dataclass(frozen=True)
@@ -83,8 +85,8 @@ class Mitsuba:
         self.process.wait()
 
     def render(self, scene, sampler, spp, seed, output):
-        request = {"file": str(scene.file), "defines": dict(scene.defines), "sampler": sampler, "spp": spp, "seed": seed,
-                   "output": str(output)}
+        request = {"file": str(scene.file), "defines": dict(scene.defines), "sampler": sampler, "spp": spp,
+                   "seed": seed, "output": str(output)}
         try:
             self.process.stdin.write(json.dumps(request) + "\n")
             self.process.stdin.flush()
@@ -186,8 +188,7 @@ def run(a, scene, folder, progress, conditions):
     title = "cbox-spectral" if scene.name == "cbox" else scene.name
     return "\n".join([f"### {title}, {scene.width}x{scene.height}", "",
                       f"{a.replicates} seeds; {conditions}", "",
-                      "| program | sampler | spp | seconds | Msamples/s | mean | variance | relRMSE | efficiency | by pixel |",
-                      "|---|---|---|---|---|---|---|---|---|---|", *rows, "", *summary])
+                      f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|", *rows, "", *summary]).rstrip()
 
 
 def compare(scene, asked, group):
@@ -201,17 +202,19 @@ def compare(scene, asked, group):
         seconds, mean = min(r.seconds), x.mean()
         v, v_error = variance(x)
         relative, relative_error = variance(x, weight)
-        noise[r.contender] = v / len(x)
-        score[r.contender] = [(mean**2 / (v * seconds), v_error / v), (1 / (relative * seconds), relative_error / relative)]
+        noise[r.contender] = relative / len(x)
+        score[r.contender] = [(mean**2 / (v * seconds), v_error / v),
+                              (1 / (relative * seconds), relative_error / relative)]
         rate = scene.width * scene.height * r.spp / seconds * 1e-6
-        rows.append(f"| {r.contender.label} | {r.contender.sampler} | {r.spp} | {seconds:.3f} | {rate:.2f} | {mean:.5g} | "
-                    f"{v:.3g} | {relative**0.5:.4f} | " + " | ".join(with_error(*s) for s in score[r.contender]) + " |")
+        cells = [r.contender.label, r.contender.sampler, r.spp, f"{seconds:.3f}", f"{rate:.2f}", f"{mean:.5g}",
+                 f"{v:.3g}", f"{relative**0.5:.4f}", *(with_error(*s) for s in score[r.contender])]
+        rows.append(f"| {' | '.join(map(str, cells))} |")
         # Other work on the machine, or a clock that changes: the least of the times may still be too long.
         if np.median(r.seconds) > 1.1 * seconds:
-            print(f"\nnote: times of {r.contender.label} {r.contender.sampler}, {asked} spp, differ: least {seconds:.3f} s, "
-                  f"median {np.median(r.seconds):.3f} s", file=sys.stderr)
+            print(f"note: times of {r.contender.label} {r.contender.sampler}, {asked} spp, differ: least "
+                  f"{seconds:.3f} s, median {np.median(r.seconds):.3f} s", file=sys.stderr)
     return rows, [ratios(asked, score, 0, "efficiency"), ratios(asked, score, 1, "by pixel"),
-                  same_picture(scene, asked, means, noise), ""]
+                  same_picture(scene, asked, means, noise, weight), ""]
 
 
 def with_error(value, relative_error):
@@ -225,21 +228,22 @@ def ratios(asked, score, which, name):
         if c.program == "aureole":
             (mine, my_error), (other, other_error) = score[c][which], score[best][which]
             text.append(f"{c.sampler} {with_error(mine / other, float(np.hypot(my_error, other_error)))}")
-    return f"- {asked} spp, {name}: aureole / best of Mitsuba ({best.label.replace('Mitsuba', best.sampler)}): **{', '.join(text)}**"
+    other = best.label.replace("Mitsuba", best.sampler)
+    return f"- {asked} spp, {name}: aureole / best of Mitsuba ({other}): **{', '.join(text)}**"
 
 
-def same_picture(scene, asked, means, noise):
-    """The programs' mean pictures must agree: the RMS difference beyond that of the noise, as part of the mean."""
+def same_picture(scene, asked, means, noise, weight):
+    """The programs' mean pictures must agree: the RMS difference beyond that of the noise, relative as in relRMSE."""
     pooled, square = [], 0.0
     for mine in (True, False):
         own = [c for c in means if (c.program == "aureole") == mine]
         pooled.append(np.mean([means[c] for c in own], axis=0))
         square += sum(noise[c] for c in own) / len(own) ** 2
-    average = np.mean(pooled)
-    beyond = np.sqrt(max(0.0, ((pooled[0] - pooled[1]) ** 2).mean() - square)) / average
-    difference = (pooled[0].mean() - pooled[1].mean()) / average
-    noise_rms = np.sqrt(square) / average
+    beyond = np.sqrt(max(0.0, (weight * (pooled[0] - pooled[1]) ** 2).mean() - square))
+    difference = (pooled[0].mean() - pooled[1].mean()) / np.mean(pooled)
+    noise_rms = np.sqrt(square)
     if beyond > 0.05 + 0.5 * noise_rms or abs(difference) > 0.02 + 0.5 * noise_rms:
-        print(f"\nWARNING: {scene.name}: the programs' pictures differ, so their noise cannot be compared", file=sys.stderr)
+        print(f"WARNING: {scene.name}: the programs' pictures differ, so their noise cannot be compared",
+              file=sys.stderr)
     return (f"- {asked} spp, agreement: the means of the pictures differ by {100 * difference:+.2f} %, the pixels by "
             f"{100 * beyond:.2f} % (RMS beyond the noise of {100 * noise_rms:.2f} %)")

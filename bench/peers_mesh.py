@@ -130,7 +130,8 @@ def measure(a, program, stage, stem, folder):
     """Seconds and peak in MiB of one stage."""
     scene = f"{stem}-pixel.xml" if stage == "pixel" else f"{stem}-read-{program}.xml"
     if program == "aureole":
-        render = ["render", scene, "-o", folder / "pixel.exr", "--spp", "1", "--threads", str(a.threads), "--restart", "-q"]
+        render = ["render", scene, "-o", folder / "pixel.exr", "--spp", "1", "--threads", str(a.threads), "-q",
+                  "--restart"]
         command = [a.aureole, *(render if stage == "pixel" else ["info", scene])]
     else:
         command = [sys.executable, MITSUBA, "load", str(a.threads), scene, *(["render"] if stage == "pixel" else [])]
@@ -169,14 +170,15 @@ def run(a, folder, progress, conditions):
                         least[key] = min(old[0], seconds), min(old[1], peak)
                         size = a.triangles if name == "large" else max(1, a.triangles // 10)
                         progress.step(("mesh", program, stage), size, time.perf_counter() - begin,
-                                      f"mesh, {describe(form, attributes)}, {name}, {program}, {stage}, run {repeat + 1}")
+                                      f"{name} mesh, {describe(form, attributes)}, {program}, {stage}, "
+                                      f"run {repeat + 1}")
 
     rows = []
     for form, attributes in cases():
         row = [describe(form, attributes), f"{megabytes[form, attributes]:.1f}"]
         for stage, index, digits in (("read", 0, 3), ("pixel", 0, 3), ("pixel", 1, 0)):
-            mine, other = (least[form, attributes, "large", stage, p][index] - least[form, attributes, "small", stage, p][index]
-                           for p in PROGRAMS)
+            mine, other = (least[form, attributes, "large", stage, p][index]
+                           - least[form, attributes, "small", stage, p][index] for p in PROGRAMS)
             ratio = f"**{other / mine:.2f}**" if mine > 0 and other > 0 else "-"
             row += [f"{mine:.{digits}f}", f"{other:.{digits}f}", ratio]
         rows.append(f"| {' | '.join(row)} |")

@@ -55,7 +55,8 @@ class Server:
                 raise RuntimeError(f"{file}: {len(samplers)} samplers, expected one")
             samplers[0].props.set_plugin_name(sampler)
             mi.parser.transform_all(config, state)
-            self.dr.set_thread_count(max(2, self.threads))  # with one, Mitsuba 3.9.1 waits for ever when it reads an EXR
+            # With one thread Mitsuba 3.9.1 waits for ever when it reads an EXR.
+            self.dr.set_thread_count(max(2, self.threads))
             made = mi.parser.instantiate(config, state)
             self.dr.set_thread_count(self.threads)
             self.scenes[key] = made[0] if isinstance(made, (list, tuple)) else made
