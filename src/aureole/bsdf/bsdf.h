@@ -82,6 +82,10 @@ public:
   virtual Spectrum null_transmittance(const Vec3& /*wi*/, const BsdfContext& /*ctx*/) const { return 0.f; }
 
   virtual Lobe lobes() const = 0;
+  /// `sample` looks at u1.
+  virtual bool needs_choice() const { return true; }
+  /// Values change when the frame turns about the normal: x must lie along dp/du. False saves the tangent.
+  virtual bool needs_tangent() const { return true; }
   /// Diffuse and glossy lobes exist: next-event estimation is worth its ray.
   bool is_smooth() const { return has(lobes(), Lobe::diffuse | Lobe::glossy); }
   bool is_passable() const { return has(lobes(), Lobe::null); }

@@ -85,6 +85,8 @@ public:
     return s;
   }
 
+  bool needs_tangent() const override { return false; }
+  bool needs_choice() const override { return false; }
   Lobe lobes() const override { return Lobe::delta | Lobe::reflect; }
 
 private:

@@ -35,6 +35,8 @@ public:
     return s;
   }
 
+  bool needs_choice() const override { return front_->needs_choice() || back_->needs_choice(); }
+  bool needs_tangent() const override { return front_->needs_tangent() || back_->needs_tangent(); }
   Lobe lobes() const override { return front_->lobes() | back_->lobes(); }
 
 private:

@@ -33,6 +33,9 @@ Shape::Shape(const Properties& properties) : Object(properties) {
   emitter_ = only_child<Emitter>(properties, "emitter");
   bsdf_ = only_child<Bsdf>(properties, "bsdf");
   if (!bsdf_) bsdf_ = default_bsdf(properties, emitter_ != nullptr);
+  lobes_ = bsdf_->lobes();
+  needs_tangent_ = bsdf_->needs_tangent();
+  needs_choice_ = bsdf_->needs_choice();
 }
 
 Shape::~Shape() = default;

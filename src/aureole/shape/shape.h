@@ -31,6 +31,11 @@ public:
   ~Shape() override;
 
   const BsdfPtr& bsdf() const { return bsdf_; }
+  /// The shading frame's s must lie along dp/du; else any frame around the normal does.
+  bool needs_tangent() const { return needs_tangent_; }
+  // Answers of the BSDF that every vertex asks for.
+  Lobe lobes() const { return lobes_; }
+  bool needs_choice() const { return needs_choice_; }
   /// Some light may pass straight through it.
   virtual bool is_passable() const { return bsdf_->is_passable(); }
   const Emitter* emitter() const { return emitter_.get(); }
@@ -75,6 +80,8 @@ protected:
 private:
   BsdfPtr bsdf_;
   std::shared_ptr<Emitter> emitter_;
+  Lobe lobes_ = Lobe::none;
+  bool needs_tangent_ = true, needs_choice_ = true;
 };
 using ShapePtr = std::shared_ptr<Shape>;
 
