@@ -13,11 +13,13 @@
 namespace aureole::testing {
 namespace {
 
-BsdfCase make_case(const char* name, const std::string& parameters) {
+BsdfCase make_case(const char* name, const std::string& parameters, double energy = 1) {
   BsdfCase c;
   c.name = std::string("oren_nayar_") + name;
   c.xml = "<bsdf type=\"oren_nayar\">" + parameters + "</bsdf>";
   c.black_below = true;
+  if (energy > 1) c.gains_energy = "the fitted functions give a white surface some light at grazing";
+  c.largest_energy = energy;
   return c;
 }
 const std::string kFast = R"(<boolean name="use_fast_approx" value="true"/>)";
@@ -25,6 +27,7 @@ const BsdfCases kCases("oren_nayar", [](BsdfCase& c) { c.black_below = true; },
                        {make_case("default", ""),
                         make_case("white", number("reflectance", 1) + number("alpha", 0.7)),
                         make_case("white_fast", number("reflectance", 1) + number("alpha", 0.7) + kFast),
+                        make_case("white_grazing", number("reflectance", 1) + number("sigma", 17), 1.04),
                         make_case("very_rough", number("reflectance", 1) + number("sigma", 80)),
                         make_case("smooth", number("alpha", 0)),
                         make_case("textured", R"(<rgb name="reflectance" value="0.8, 0.3, 0.1"/>

@@ -85,6 +85,14 @@ TEST(Phong, BrightColoursAreScaledWithANote) {
   ASSERT_EQ(diagnostics.notes().size(), 1u);
   EXPECT_NE(diagnostics.notes()[0].find("add up to 1.6"), std::string::npos) << diagnostics.notes()[0];
   EXPECT_NEAR(albedo(*bsdf, {0, 0, 1}), 1, 1e-3);
+  // Only where they do: this blue has a reflectance of one at the red end, but not in between.
+  const std::string blue = R"(<rgb name="diffuse_reflectance" value="0.2, 0.1, 0.6"/>)";
+  const auto with = bsdf_of("phong", blue + number("specular_reflectance", 0.3) + number("exponent", 0));
+  const auto without = bsdf_of("phong", blue + number("specular_reflectance", 0));
+  const Setting s;
+  const Vec3 n{0, 0, 1};
+  const Spectrum added = with->eval(n, n, s.context()) - without->eval(n, n, s.context());
+  for (int j = 0; j < kWavelengths; ++j) EXPECT_NEAR(added[j] * kPi, 0.3, 1e-5) << j;
 }
 
 TEST(Phong, ErrorsNameThePlace) {

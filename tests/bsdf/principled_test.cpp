@@ -78,6 +78,13 @@ const BsdfCases kPrincipled(
                R"(<rgb name="base_color" value="0.6, 0.3, 0.1"/><float name="spec_tint" value="1"/>
                <float name="sheen" value="0.3"/><float name="sheen_tint" value="1"/>)",
                gaining(kAdded, 1.1)),
+     make_case(
+         "principled", "infrared",
+         R"(<spectrum name="base_color" value="900:0.2, 1700:0.6"/><float name="spec_tint" value="0.5"/>)",
+         [](BsdfCase& c) {
+           opaque(c);
+           c.min_nm = 900, c.max_nm = 1700;
+         }),
      make_case("principled", "textured", R"(
                <texture type="checkerboard" name="base_color">
                  <rgb name="color0" value="0.7, 0.2, 0.2"/><rgb name="color1" value="0.2, 0.5, 0.7"/></texture>
@@ -234,9 +241,9 @@ Spectrum sheen_color(const Bsdf& with, const Bsdf& without, const Setting& s) {
   return with.eval(wi, wo, s.context()) - without.eval(wi, wo, s.context());
 }
 
-/// Mitsuba's spectral mode takes the mean of y-bar times color at the wavelengths of the sample for the
-/// luminance: a random number, for white .3 to .6 instead of 1. Its rgb mode takes that of the colour, as we
-/// do.
+/// Mitsuba's spectral mode takes for the luminance the mean of y-bar times colour at the wavelengths of a
+/// sample and does not divide by their density: for a grey it is 2.5 to 2.8 times too small, and the tint so
+/// much too bright. Its rgb mode takes that of the colour, as we do.
 TEST(Principled, TintIsColourOverItsLuminance) {
   const Setting s;
   const std::string sheen = parameters("roughness=0.3 sheen=1");
@@ -261,6 +268,39 @@ TEST(Principled, TintIsColourOverItsLuminance) {
   const Spectrum texture = tint_of(R"(<texture type="checkerboard" name="base_color">
       <rgb name="color0" value="0.6, 0.3, 0.1"/><rgb name="color1" value="0.1, 0.1, 0.1"/></texture>)");
   for (int j = 0; j < kWavelengths; ++j) EXPECT_NEAR(texture[j] / tint[j], 1, 2e-3) << j;
+}
+
+TEST(Principled, TintNeedsNoVisibleLight) {
+  const auto context = make_context(1000, 1600);
+  const auto bsdf =
+      build<Bsdf>(R"(<bsdf type="principled"><spectrum name="base_color" value="1000:0.2, 1600:0.8"/>
+      <float name="spec_tint" value="1"/><float name="metallic" value="0"/></bsdf>)",
+                  context);
+  Setting s;
+  s.wavelengths = Wavelengths::at(SpectralGrid::over(1000, 1600),
+                                  make_spectrum([](int i) { return 1000 + 80 * float(i); }));
+  const Vec3 n{0, 0, 1};
+  // The specular part is the difference to the diffuse one, which is the colour over pi at normal incidence.
+  const Spectrum f = bsdf->eval(n, n, s.context());
+  for (int j = 0; j < kWavelengths; ++j) {
+    const double color = 0.2 + 0.6 * (80.0 * j) / 600, d = 1 / (kPiDouble * std::pow(0.5, 4));
+    EXPECT_NEAR(f[j], color / kPiDouble + color / 0.5 * 0.04 * d / 4, 2e-3 * f[j]);
+  }
+}
+
+/// A texture for a number means at each point what the number there would; Mitsuba 3.9.1 exchanges the
+/// colours of a checkerboard where it is asked for numbers.
+TEST(Principled, TexturesOfNumbers) {
+  const auto textured = bsdf_of("principled", R"(<texture type="checkerboard" name="metallic">
+      <float name="color0" value="0"/><float name="color1" value="0.8"/></texture>)");
+  const auto first = bsdf_of("principled", parameters("metallic=0"));
+  const auto second = bsdf_of("principled", parameters("metallic=0.8"));
+  Setting s;
+  const Vec3 wi = direction(0.5, 0), wo = direction(0.7, 3);
+  s.point.uv = {0.1f, 0.1f};
+  EXPECT_EQ(textured->eval(wi, wo, s.context())[0], first->eval(wi, wo, s.context())[0]);
+  s.point.uv = {0.1f, 0.6f};
+  EXPECT_EQ(textured->eval(wi, wo, s.context())[0], second->eval(wi, wo, s.context())[0]);
 }
 
 TEST(Ggx, IsNormalised) {

@@ -28,15 +28,21 @@ public:
         largest = std::max(largest, d.nodes()[i] + s.nodes()[i]);
     }
     if (!(largest > 1 + 1e-4f)) return;
-    scale_ = 1 / largest;
-    properties.note(properties.has("specular_reflectance") ? "specular_reflectance" : "diffuse_reflectance",
-                    "diffuse and specular reflectance add up to " + std::to_string(largest) +
-                        ": both are divided by that, so that no energy is gained");
+    exceeds_ = true;
+    properties.note(
+        properties.has("specular_reflectance") ? "specular_reflectance" : "diffuse_reflectance",
+        "diffuse and specular reflectance add up to " + std::to_string(largest) +
+            " at some wavelength: there both are divided by their sum, so that no energy is gained");
   }
 
   Colors at(const BsdfContext& ctx) const {
-    Colors c{diffuse_->eval(ctx.point, ctx.wavelengths) * scale_,
-             specular_->eval(ctx.point, ctx.wavelengths) * scale_, 0};
+    Colors c{diffuse_->eval(ctx.point, ctx.wavelengths), specular_->eval(ctx.point, ctx.wavelengths), 0};
+    if (exceeds_) {
+      // Wavelength by wavelength: spectra of saturated colours come close to one outside the visible range,
+      // which must not darken the colour.
+      const Spectrum sum = max(c.diffuse + c.specular, 1.f);
+      c.diffuse = c.diffuse / sum, c.specular = c.specular / sum;
+    }
     const float d = mean(c.diffuse), s = mean(c.specular);
     c.specular_probability = s + d > 0 ? s / (s + d) : 0;
     return c;
@@ -44,7 +50,7 @@ public:
 
 private:
   TexturePtr diffuse_, specular_;
-  float scale_ = 1;
+  bool exceeds_ = false;
 };
 
 }  // namespace aureole
