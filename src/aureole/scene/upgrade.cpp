@@ -185,7 +185,7 @@ void upgrade_node(Node& node, Diagnostics& diagnostics) {
   const std::string type = node.get("type");
   if (node.tag == "bsdf") {
     for (Node& child : node.children) {
-      if (type == "diffuse") rename(child, "diffuse_reflectance", "reflectance");
+      if (type == "diffuse" || type == "roughdiffuse") rename(child, "diffuse_reflectance", "reflectance");
       rename(child, "ext_eta", "ext_ior");
     }
     if (type.ends_with("conductor")) drop_vacuum_around_conductor(node, diagnostics);
