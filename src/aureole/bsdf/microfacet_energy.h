@@ -17,9 +17,9 @@ struct ScatteredEnergy {
 
 /// For an interface; eta is the index beyond over the index on the side of wi (wi.z > 0). By
 /// quadrature over `points` visible normals.
-ScatteredEnergy scattered_energy(const Microfacets& d, const Vec3& wi, float eta, int points = 987);
+ScatteredEnergy scattered_energy(const Microfacets& d, const Vec3& wi, float eta, int points);
 /// For facets that reflect all light.
-double mirrored_energy(const Microfacets& d, const Vec3& wi, int points = 987);
+double mirrored_energy(const Microfacets& d, const Vec3& wi, int points);
 /// Reflected fraction of diffuse light, the mean of `scattered_energy` weighted with the cosine.
 double diffuse_scattered_reflectance(const Microfacets& d, float eta);
 
@@ -27,7 +27,8 @@ double diffuse_scattered_reflectance(const Microfacets& d, float eta);
 /// over indices of refraction.
 class LossTable {
 public:
-  using Energy = std::function<double(const Microfacets&, const Vec3& wi, float eta)>;
+  /// E(wi) by quadrature with so many points.
+  using Energy = std::function<double(const Microfacets&, const Vec3& wi, float eta, int points)>;
 
   LossTable() = default;
   /// `etas`: equidistant nodes, one where the index does not depend on the wavelength.
@@ -62,12 +63,18 @@ public:
   /// The mean of the loss over the hemisphere, weighted with the cosine.
   template <class T>
   T average(const Place& place, const T& eta) const {
-    return over_indices(eta, [&](int e) {
-      float sum = 0;
-      for (int k = 0; k < place.count; ++k)
-        sum += average_[std::size_t(e * rows_ + place.row[k])] * place.weight[k];
-      return sum;
-    });
+    return over_indices(eta, [&](int e) { return mass_below(place, e, kCosines - 1); });
+  }
+  /// A direction with z > 0 whose density is loss(w) w.z/(pi average), but for steps of the table's cells.
+  Vec3 sample(const Place& place, float eta, Vec2 u) const;
+  /// That density over the one of `square_to_cosine_hemisphere`.
+  template <class T>
+  T density_over_cosine(const Place& place, float cos_theta, const T& eta) const {
+    const int c = cell(std::sqrt(std::min(cos_theta, 1.f)) * (kCosines - 1), kCosines).index;
+    const T all = average(place, eta), part = over_indices(eta, [&](int e) {
+                                         return mass_below(place, e, c + 1) - mass_below(place, e, c);
+                                       });
+    return part / (all + 1e-12f) * (1 / (squared_cosine(c + 1) - squared_cosine(c)));
   }
   /// Interpolates f(node) over the nodes of the index.
   template <class T, class F>
@@ -84,7 +91,7 @@ public:
   }
 
 private:
-  static constexpr int kCosines = 32;  ///< nodes in sqrt(cos theta): close together near grazing
+  static constexpr int kCosines = 64;  ///< nodes in sqrt(cos theta): close together near grazing
 
   struct Cell {
     int index = 0;
@@ -113,20 +120,35 @@ private:
     }
   };
 
-  /// The loss at an azimuth depends mostly on the roughness along it, which is the table's coordinate.
+  /// The loss at an azimuth depends mostly on the roughness along it, which is the table's coordinate; nodes
+  /// as for a roughness.
   Cell azimuth_cell(const Place& p, const Vec3& w) const {
     const float x2 = w.x * w.x, y2 = w.y * w.y, r2 = x2 + y2;
     const float alpha = r2 > 0 ? std::sqrt((p.u2 * x2 + p.v2 * y2) / r2) : p.smaller;
-    return cell(std::clamp((alpha - p.smaller) * p.inverse_span, 0.f, 1.f) * float(azimuths_ - 1), azimuths_);
+    const float t = std::sqrt(std::clamp((alpha - p.smaller) * p.inverse_span, 0.f, 1.f));
+    return cell(t * float(azimuths_ - 1), azimuths_);
   }
-  void tabulate_averages(const std::vector<Microfacets>& rows);
+  Vec2 azimuth_of_node(const Microfacets& d, int node) const;
+  static float squared_cosine(int node) {
+    const float t = float(node) / (kCosines - 1);
+    return t * t * t * t;
+  }
+  /// The part of the average below a node of the cosine.
+  float mass_below(const Place& place, int e, int node) const {
+    float sum = 0;
+    for (int k = 0; k < place.count; ++k)
+      sum += mass_below_[std::size_t((e * rows_ + place.row[k]) * kCosines + node)] * place.weight[k];
+    return sum;
+  }
+  void tabulate_masses(const std::vector<Microfacets>& rows);
 
   Axis u_, v_;
   bool isotropic_ = true;
   int rows_ = 0, azimuths_ = 1;
   std::vector<float> etas_;
   float inverse_step_ = 0;
-  std::vector<float> loss_, average_;  // [eta][alpha_u][alpha_v][azimuth][cosine], [eta][alpha_u][alpha_v]
+  std::vector<float> loss_,
+      mass_below_;  // [eta][alpha_u][alpha_v][azimuth][cosine], [eta][alpha_u][alpha_v][cosine]
 };
 
 }  // namespace aureole

@@ -27,7 +27,9 @@ public:
         roughness_(properties, true) {
     if (properties.get_bool("energy_preserving", false))
       loss_.emplace(roughness_, std::vector<float>{1},
-                    [](const Microfacets& d, const Vec3& wi, float) { return mirrored_energy(d, wi); });
+                    [](const Microfacets& d, const Vec3& wi, float, int points) {
+                      return mirrored_energy(d, wi, points);
+                    });
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -41,7 +43,7 @@ public:
     const State state(*this, wi, ctx);
     Vec3 wo;
     if (u1 < state.loss) {
-      wo = square_to_cosine_hemisphere(u2);
+      wo = loss_->sample(state.place, 1, u2);
     } else {
       const Vec3 m = roughness_.visible() ? state.facets.sample_visible(wi, u2) : state.facets.sample_all(u2);
       wo = normalize(2 * dot(wi, m) * m - wi);
@@ -86,7 +88,7 @@ private:
       const Spectrum f_ms = f * f * (1 - s.average_loss) / (Spectrum(1.f) - f * s.average_loss);
       const float cosine = cosine_hemisphere_pdf(wo.z);
       e.value += f_ms * (s.loss * loss_->loss(s.place, wo, 1.f) / s.average_loss * cosine);
-      e.pdf = e.pdf * (1 - s.loss) + s.loss * cosine;
+      e.pdf = e.pdf * (1 - s.loss) + s.loss * loss_->density_over_cosine(s.place, wo.z, 1.f) * cosine;
     }
     return e;
   }

@@ -24,6 +24,13 @@ SpectrumMask positive(const Spectrum& x) { return x.v > Spectrum(0.f).v; }
 float select(bool m, float a, float b) { return m ? a : b; }
 float reflectance(float cos_i, float eta) { return fresnel_dielectric(cos_i, eta).reflectance; }
 Spectrum reflectance(const Spectrum& cos_i, const Spectrum& eta) { return fresnel_dielectric(cos_i, eta); }
+/// 1 - F from both cosines of a refracted ray, Fresnel's t_s and t_p (Born & Wolf 1999, 1.5.2 equation 20):
+/// alike from both sides, and exact near the critical angle.
+template <class T>
+T transmittance(const T& cos_i, const T& cos_t, const T& eta) {
+  const T s = cos_i + eta * cos_t, p = eta * cos_i + cos_t;
+  return eta * cos_i * cos_t * 2.f * (T(1.f) / (s * s) + T(1.f) / (p * p));
+}
 float density(const Microfacets& d, float x, float y, float z) { return d.density(Vec3{x, y, z}); }
 Spectrum density(const Microfacets& d, const Spectrum& x, const Spectrum& y, const Spectrum& z) {
   return d.density(x, y, z);
@@ -76,14 +83,16 @@ private:
   struct Multiple {
     LossTable above, below;
     std::vector<float> entering;  ///< 1 - F from above, for the nodes of the index
+    const LossTable& side(bool is_below) const { return is_below ? below : above; }
 
     Multiple(const Roughness& roughness, const std::vector<float>& etas) {
       const auto kept = [](const ScatteredEnergy& e) { return e.reflected + e.transmitted; };
-      above = LossTable(roughness, etas, [&](const Microfacets& d, const Vec3& wi, float eta) {
-        return kept(scattered_energy(d, wi, eta));
+      above = LossTable(roughness, etas, [&](const Microfacets& d, const Vec3& wi, float eta, int points) {
+        return kept(scattered_energy(d, wi, eta, points));
       });
-      below = LossTable(roughness, etas, [&](const Microfacets& d, const Vec3& wi, float eta) {
-        return kept(scattered_energy(d, wi, 1 / eta));
+      below = LossTable(roughness, etas, [&](const Microfacets& d, const Vec3& wi, float eta, int points) {
+        // The critical angle needs more points.
+        return kept(scattered_energy(d, wi, 1 / eta, 3 * points));
       });
       for (const float eta : etas) entering.push_back(float(1 - optics::fresnel_diffuse_reflectance(eta)));
     }
@@ -113,7 +122,7 @@ private:
       if (!b.roughness_.visible()) sampler = facets.scaled(1.2f - 0.2f * std::sqrt(wi.z));
       if (!b.multiple_) return;
       const Multiple& m = *b.multiple_;
-      const LossTable &here = below ? m.below : m.above, &beyond = below ? m.above : m.below;
+      const LossTable &here = m.side(below), &beyond = m.side(!below);
       place = here.locate(facets);
       // The floor makes what single precision cannot tell from nothing vanish.
       average = larger(here.average(place, eta_above), T(1e-6f));
@@ -130,8 +139,9 @@ private:
     const float eta = first(s.eta), loss = first(s.loss);
     Vec3 wo;
     if (u1 < loss) {
-      wo = square_to_cosine_hemisphere(u2);
-      if (u1 < loss * first(s.crossing)) wo.z = -wo.z;
+      const bool crosses = u1 < loss * first(s.crossing);
+      wo = multiple_->side(s.below != crosses).sample(s.place, first(s.eta_above), u2);
+      if (crosses) wo.z = -wo.z;
     } else {
       const Vec3 m = roughness_.visible() ? s.sampler.sample_visible(s.wi, u2) : s.sampler.sample_all(u2);
       const float cos_im = dot(s.wi, m);
@@ -159,11 +169,10 @@ private:
     else
       reflected(s, wo, value, pdf);
     if (multiple_) {
-      const LossTable& side = s.below == through ? multiple_->above : multiple_->below;
-      const float cosine = cosine_hemisphere_pdf(std::abs(wo.z));
-      const T part = s.loss * (through ? s.crossing : T(1.f) - s.crossing) * cosine;
-      pdf = pdf * (T(1.f) - s.loss) + part;
+      const LossTable& side = multiple_->side(s.below != through);
       const Vec3 up{wo.x, wo.y, std::abs(wo.z)};
+      const T part = s.loss * (through ? s.crossing : T(1.f) - s.crossing) * cosine_hemisphere_pdf(up.z);
+      pdf = pdf * (T(1.f) - s.loss) + part * side.density_over_cosine(s.place, up.z, s.eta_above);
       value = value + part * side.loss(s.place, up, s.eta_above) / (through ? s.average_beyond : s.average);
     }
     // Radiance is compressed into a smaller solid angle in the denser medium: L/n^2 is what refraction keeps.
@@ -198,9 +207,10 @@ private:
     const T cos_im = mx * s.wi.x + my * s.wi.y + mz * s.wi.z, cos_om = mx * wo.x + my * wo.y + mz * wo.z;
     // A facet seen from its front by wi and from its back by wo; its Jacobian dm/dwo (equation 17).
     const auto exists = positive(larger(cos_im, T(0.f)) * larger(cos_om * -1.f, T(0.f)));
-    const T jacobian = s.eta * s.eta * cos_om * -1.f / larger(size2, T(1e-30f));
-    const T transmitted = (T(1.f) - reflectance(select(exists, cos_im, T(1.f)), s.eta)) * jacobian;
-    const T seen = transmitted * density(s.facets, mx, my, mz) * cos_im * s.masking_over_cos;
+    const T cos_i = select(exists, cos_im, T(1.f)), cos_t = select(exists, cos_om * -1.f, T(1.f));
+    const T jacobian = s.eta * s.eta * cos_t / larger(size2, T(1e-30f));
+    const T transmitted = transmittance(cos_i, cos_t, s.eta) * jacobian;
+    const T seen = transmitted * density(s.facets, mx, my, mz) * cos_i * s.masking_over_cos;
     const Vec3 down{wo.x, wo.y, -wo.z};
     value = select(exists, seen * s.facets.masking(down), T(0.f));
     pdf = roughness_.visible() ? seen : transmitted * density(s.sampler, mx, my, mz) * mz;

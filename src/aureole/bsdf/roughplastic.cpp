@@ -28,7 +28,7 @@ struct Coating {
   Coating(const Microfacets& d, double eta, bool energy_preserving) {
     for (int i = 0; i <= kCells; ++i) {
       const float mu = std::max(float(i) / kCells, 1e-5f);
-      const ScatteredEnergy e = scattered_energy(d, {std::sqrt((1 - mu) * (1 + mu)), 0, mu}, float(eta));
+      const ScatteredEnergy e = scattered_energy(d, {std::sqrt((1 - mu) * (1 + mu)), 0, mu}, float(eta), 987);
       transmittance[i] = float(energy_preserving ? 1 - e.reflected : e.transmitted);
     }
     // The integral of 2 T mu of straight pieces.
