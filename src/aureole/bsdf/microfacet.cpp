@@ -44,25 +44,36 @@ float inverse_erf(float x) {
 /// A slope with the density of those that a direction of angle theta sees along its azimuth on a Beckmann
 /// surface of alpha = 1: proportional to (1 - x tan theta) exp(-x^2) below cot theta. Its distribution
 /// function in b = erf(x) is, but for a factor, 1 + b + tan theta exp(-x^2)/sqrt(pi) (Heitz & d'Eon 2014,
-/// "Importance sampling microfacet-based BSDFs using the distribution of visible normals"). It is inverted by
-/// Newton's method in b from the solution at grazing, where it is least straight (Jakob 2014, "An improved
-/// visible normal sampling routine for the Beckmann distribution"); the bracket keeps the method safe.
+/// "Importance sampling microfacet-based BSDFs using the distribution of visible normals"). It is inverted in
+/// b (Jakob 2014, "An improved visible normal sampling routine for the Beckmann distribution"), by Halley's
+/// method from between the solutions at normal and at grazing incidence; a bracket keeps the method safe.
 float sample_visible_beckmann_slope(float cos_theta, float sin_theta, float u) {
   constexpr float kEnd = 1 - 1e-7f;
   u = std::clamp(u, 1e-7f, kEnd);
   if (!(sin_theta > 1e-5f * cos_theta)) return inverse_erf(2 * u - 1);
-  const float tangent = sin_theta / std::max(cos_theta, 1e-9f), cot = 1 / tangent,
-              weight = kInvRootPi * tangent;
-  const float end = std::min(std::erf(cot), kEnd);
-  const float total = 1 + end + weight * std::exp(-cot * cot), target = u * total;
-  float low = -1, high = end, b = end - (1 + end) * std::erf(std::sqrt(-std::log(u))), x = 0;
+  const float cot = cos_theta / sin_theta, tangent = sin_theta / std::max(cos_theta, 1e-9f);
+  const float weight = kInvRootPi * tangent, end_exp = std::exp(-cot * cot);
+  const float end = std::min(1 - erfc_over_exp(cot) * end_exp, kEnd);
+  const float total = 1 + end + weight * end_exp, target = u * total;
+  float low = -1, high = end;
+  // erf(sqrt(-log u)) needs no exponential: it would be u.
+  const float normal = -1 + (1 + end) * u;
+  const float grazing = end - (1 + end) * (1 - erfc_over_exp(std::sqrt(-std::log(u))) * u);
+  float b = normal + (grazing - normal) * tangent / (tangent + 0.3f);
+  float x = inverse_erf(std::clamp(b, -kEnd, kEnd));
   for (int i = 0; i < 12; ++i) {
-    if (!(b > low && b < high)) b = 0.5f * (low + high);
-    x = inverse_erf(b);
-    const float error = 1 + b + weight * std::exp(-x * x) - target;
-    if (std::abs(error) < 1e-6f * total) break;
+    const float e = std::exp(-x * x);
+    b = std::copysign(1 - erfc_over_exp(std::abs(x)) * e, x);
+    const float error = 1 + b + weight * e - target;
     (error > 0 ? high : low) = b;
-    b -= error / (1 - x * tangent);
+    const float slope = 1 - x * tangent, dx_db = 0.5f / (kInvRootPi * e);
+    float next = b - error * slope / (slope * slope + 0.5f * error * tangent * dx_db);
+    if (!(next >= low && next <= high)) next = 0.5f * (low + high);
+    // The inverse of erf by its series about x where the step is short.
+    const float step = (next - b) * dx_db;
+    x = std::abs(step) < 0.1f ? x + step * (1 + x * step) : inverse_erf(std::clamp(next, -kEnd, kEnd));
+    // What is left is of third order.
+    if (std::abs(error) < 1e-3f * total) break;
   }
   return x;
 }

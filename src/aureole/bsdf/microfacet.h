@@ -32,6 +32,14 @@ inline Spectrum exp_of_negative(const Spectrum& x) {
   return select(x.v > Spectrum(-87.f).v, p * std::bit_cast<SpectrumVector>(power), 0.f);
 }
 
+/// (1 - erf(x)) exp(x^2) for x >= 0; times exp(-x^2) the error is below 1.5e-7 (Abramowitz & Stegun
+/// 1964, 7.1.26).
+inline float erfc_over_exp(float x) {
+  const float t = 1 / (1 + 0.3275911f * x);
+  return t *
+         (0.254829592f + t * (-0.284496736f + t * (1.421413741f + t * (-1.453152027f + t * 1.061405429f))));
+}
+
 /// The microfacets at a point. Directions and normals are local; normals have z > 0. Roughnesses lie in
 /// [kMinAlpha, kMaxAlpha]; alpha_u is along local x.
 class Microfacets {
@@ -79,13 +87,8 @@ public:
     const float r = std::sqrt(r2);
     if (v.z > 3.5f * r) return 1 / v.z;  // masks less than 2e-8
     const float a = v.z / r, e = std::exp(-a * a);
-    // 1 - erf(a) = (...) e, Abramowitz & Stegun 1964, 7.1.26, error 1.5e-7.
-    const float t = 1 / (1 + 0.3275911f * a);
-    const float tail =
-        t *
-        (0.254829592f + t * (-0.284496736f + t * (1.421413741f + t * (-1.453152027f + t * 1.061405429f))));
     constexpr float kRootPi = 1.77245385f;
-    return 2 * kRootPi / (kRootPi * v.z * (2 - tail * e) + r * e);
+    return 2 * kRootPi / (kRootPi * v.z * (2 - erfc_over_exp(a) * e) + r * e);
   }
   float masking(const Vec3& v) const { return std::min(v.z * masking_over_cos(v), 1.f); }
 
