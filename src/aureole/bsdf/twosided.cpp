@@ -35,6 +35,12 @@ public:
     return s;
   }
 
+  Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
+    if (wi.z > 0) return front_->is_passable() ? front_->null_transmittance(wi, ctx) : 0.f;
+    if (wi.z < 0) return back_->is_passable() ? back_->null_transmittance(flip(wi), ctx) : 0.f;
+    return 0.f;
+  }
+
   Lobe lobes() const override { return front_->lobes() | back_->lobes(); }
 
 private:

@@ -123,7 +123,7 @@ private:
       if (is_black(passed)) return step;
       s.density.beta *= passed;
       s.value *= passed;
-      s.ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
+      s.ray = {offset_origin(*hit, s.ray.d), s.ray.d, kInfinity};
       step.alive = true;
       return step;
     }
