@@ -134,7 +134,8 @@ std::vector<BsdfCase> turned_cases(const std::string& type) {
     add("two_sides", "", twosided(bsdf("plastic")));
     add("mirror", "", kMirror);
     add("mask", "", mask(0.6, twosided(kColoured)));
-    add("dispersive", "", kFlint);
+    // In radiance mode refracted light gains n^2.
+    if (mode == TransportMode::importance) add("dispersive", "", kFlint);
     add("twice", "", turned("normalmap", "", kColoured));
   }
   return cases;

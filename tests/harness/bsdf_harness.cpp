@@ -330,7 +330,9 @@ private:
       return fail("the modes have different delta lobes for wi = ", str(wi));
     for (std::size_t k = 0; k < importance.size(); ++k) {
       const float nm = rotated_[0].nm[0];
-      const double ratio = index(wi, nm) / index(importance[k].wo, nm);
+      // What passes as if nothing were there does not enter another medium.
+      const bool null = has(importance[k].lobe, Lobe::null);
+      const double ratio = null ? 1 : index(wi, nm) / index(importance[k].wo, nm);
       if (!close(radiance[k].value[0], importance[k].value[0] * ratio * ratio, 1e-3, 1e-6))
         return fail("a delta lobe carries ", radiance[k].value[0], " in radiance mode and ",
                     importance[k].value[0], " in importance mode, for wi = ", str(wi));
