@@ -58,7 +58,8 @@ AUREOLE_PLUGIN(
         "",
         {{"bsdf", "bsdf", "", "required", "one or two nested BSDFs"},
          {"allow_transmission", "boolean", "", "false",
-          "accept nested BSDFs that transmit light; light then meets their upper side from both directions"}},
+          "accept nested BSDFs that transmit light; light then meets their upper side from both directions. "
+          "The holes of a `mask` need no such permission"}},
         {R"(<bsdf type="twosided">
     <bsdf type="diffuse"/>
 </bsdf>)",

@@ -317,8 +317,8 @@ AUREOLE_PLUGIN(Bitmap, "texture", "bitmap",
                     {"wrap_mode", "string", "", "repeat",
                      "outside uv in [0, 1]: repeat, mirror, or clamp to the edge"},
                     {"raw", "boolean", "", "false",
-                     "take the numbers as they are: no decoding, and colours stand for their luminance at "
-                     "every wavelength"},
+                     "take the numbers as they are, for heights, opacities and normals: no decoding, and "
+                     "colours stand for their luminance at every wavelength"},
                     {"to_uv", "transform", "", "identity", "applied to uv first"},
                     {"format", "string", "", "auto",
                      "accepted for Mitsuba's sake (auto, variant, float16, uint8), has no effect"},
