@@ -9,14 +9,14 @@ namespace aureole {
 
 /// Directions below the horizon of either frame are black. With `flip_invalid_normals` a normal that would
 /// be seen from behind is mirrored at the shading normal (Schuessler, Heitz, Hanika & Dachsbacher 2017,
-/// "Microfacet-based normal mapping for robust Monte Carlo path tracing", section 3.1), which makes the frame
+/// "Microfacet-based normal mapping for robust Monte Carlo path tracing"), which makes the frame
 /// depend on the viewer. With `use_shadowing_function` light at grazing directions fades (Estevez, Lecocq &
 /// Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem", Ray Tracing
-/// Gems, Eq. 3 and 4).
+/// Gems, chapter 12).
 ///
 /// None of this is reciprocal. In importance mode the viewer is on the side of `wo`, and the value is that of
 /// radiance mode with the directions exchanged, so that light and camera paths find the same picture (Veach
-/// 1997, section 5.3.2).
+/// 1997, section 5.3).
 class PerturbedFrame : public Bsdf {
 public:
   explicit PerturbedFrame(const Properties& properties);
