@@ -176,7 +176,7 @@ private:
       if (is_black(passed)) return;
       s.density.beta *= passed;
       s.value *= passed;
-      s.ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
+      s.ray = {offset_origin(*hit, s.ray.d), s.ray.d, kInfinity};
       step.alive = true;
       return;
     }
