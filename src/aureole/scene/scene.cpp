@@ -25,6 +25,8 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
       shape->shared_emitter()->attach(*shape);
       emitters_.push_back(shape->emitter());
     }
+  for (const auto& shape : shapes_)
+    if (shape->sensor()) shape->sensor()->attach(*shape);
   for (const auto& shape : shapes_) any_passable_ |= shape->is_passable();
   tracer_ = std::make_unique<RayTracer>(shapes_);
 
