@@ -74,6 +74,10 @@ void Sensor::attach(const Shape&) {
 void Sensor::share_film(const std::shared_ptr<Film>& film, int index, int count) {
   if (properties().has("srf"))
     throw properties().error("srf", "all sensors of a batch have one response: give \"srf\" to the batch");
+  for (const Properties::Entry& e : properties().entries())
+    if (const auto* object = std::get_if<ObjectPtr>(&e.value); object && !is_meter())
+      if (const auto own = std::dynamic_pointer_cast<Film>(*object))
+        own->properties().note("", "all sensors of a batch are on its film: this one has no effect");
   film_ = film;
   part_ = FilmPart::of(*film, index, count);
   if (is_meter() && (part_.width != 1 || part_.height != 1))
