@@ -219,6 +219,15 @@ TEST(SpecFilm, Errors) {
   }
 }
 
+TEST(SpecFilm, OtherErrorsDoNotMakeItsNamesUnknown) {
+  const auto errors = test::errors_of_file(
+      "<scene version='3.0.0'>\n<sensor type='perspective'><film type='specfilm'>\n<spectrum name='a' "
+      "value='700:1, 400:2'/><float name='b' value='1'/></film></sensor></scene>");
+  ASSERT_EQ(errors.size(), 2u) << ::testing::PrintToString(errors);
+  EXPECT_NE(errors[0].find("must increase"), std::string::npos) << errors[0];
+  EXPECT_NE(errors[1].find("unknown parameter \"b\""), std::string::npos) << errors[1];
+}
+
 TEST(SpecFilm, SetsTheRangeOfTheScene) {
   const TemporaryFolder folder;
   folder.write("band.spd", "# nm value\n1200 0\n1300 1\n1400 0\n");

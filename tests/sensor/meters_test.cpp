@@ -129,6 +129,7 @@ TEST(RadianceMeter, FollowsOneRay) {
                   "name='direction' x='0' y='0' z='0'/></sensor>")
                 .find("zero"),
             std::string::npos);
+  for (const char* z : {"-1e-40", "-1e-25", "-3e25"}) EXPECT_NEAR(seen(from("0", z)), 5, 0.01) << z;
   EXPECT_NE(error("<sensor type='radiancemeter'><film type='hdrfilm'/></sensor>").find("768 x 576"),
             std::string::npos);
 }

@@ -110,7 +110,7 @@ public:
         const int bin = bins_.find(float(grid.node(int(i))));
         nodes[i] = bin < 0 ? 0.f : per_width_[size_t(bin)];
       }
-      for (const Band& b : bands_) nodes[i] += b.response.nodes()[i] / float(b.response.integral());
+      for (const Band& b : bands_) nodes[i] += b.response.nodes()[i] / b.integral;
     }
     return {grid, nodes};
   }
@@ -150,6 +150,7 @@ private:
   struct Band {
     std::string name;
     SampledSpectrum response;
+    float integral;
   };
 
   static void check_range(const Properties& p, std::string_view name, double first, double last) {
@@ -176,8 +177,9 @@ private:
         throw p.error(e.name, "a response is one spectrum, not a picture");
       if (literal && literal->kind == SpectrumLiteral::Kind::points && !literal->nm.empty())
         check_range(p, e.name, literal->nm.front(), literal->nm.back());
-      bands_.push_back({e.name, tabulate(p, e, texture.get())});
-      if (!(bands_.back().response.integral() > 0))
+      bands_.push_back({e.name, tabulate(p, e, texture.get()), 0});
+      bands_.back().integral = float(bands_.back().response.integral());
+      if (!(bands_.back().integral > 0))
         throw p.error(e.name, "the response is zero over the whole range of the film");
     }
   }
@@ -207,7 +209,7 @@ private:
     is_visible_ = *std::max_element(xyz_[1].begin(), xyz_[1].end()) > 0;
     if (is_visible_) return solve(std::move(gram), n, xyz_);
     for (auto& row : xyz_)
-      for (size_t i = 0; i < n; ++i) row[i] = 1 / (bands_[i].response.integral() * double(n));
+      for (size_t i = 0; i < n; ++i) row[i] = 1 / (double(bands_[i].integral) * double(n));
   }
 
   /// The colour of the radiance that is constant in every bin; the mean where nothing is visible.

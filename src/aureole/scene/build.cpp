@@ -82,7 +82,7 @@ private:
     if (family.empty() && !is_unsupported_object(*node)) {
       diagnostics_.error(unknown_element(*node));
     } else if (family == "sensor" && sensor_) {
-      if (node != sensor_)
+      if (node != sensor_ && !references_.nested.contains(node))
         diagnostics_.note(node->where, "only the first sensor is used; this one is ignored");
     } else if (family == "integrator" && integrator_) {
       if (node != integrator_)

@@ -17,8 +17,7 @@ public:
     direction_ = p.get_vec3("direction", to_world.vector({0, 0, 1}));
     if (p.has("direction") && p.has("to_world"))
       throw p.error("direction", "give either \"direction\" or \"to_world\"");
-    if (!(length(direction_) > 0)) throw p.error("direction", "must not be zero");
-    direction_ = normalize(direction_);
+    direction_ = unit_direction(p, "direction", direction_);
     if (p.get_bool("flip_directions", false)) direction_ = -direction_;
     offset_ = float(p.get_float("ray_offset", -1, Range::positive()));
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/sensor/projection.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "aureole/core/units.h"
@@ -44,8 +45,9 @@ double tangent_of_half_width(const Properties& p, double aspect) {
 }  // namespace
 
 ClipPlanes::ClipPlanes(const Properties& p) {
-  near = float(p.get_float("near_clip", 1e-2, Range::positive()));
-  far = float(p.get_float("far_clip", 1e4, Range::positive()));
+  // Their squares stay within the range of float.
+  near = float(std::clamp(p.get_float("near_clip", 1e-2, Range::positive()), 1e-12, 1e12));
+  far = float(std::clamp(p.get_float("far_clip", 1e4, Range::positive()), 1e-12, 1e18));
   if (far <= near) throw p.error("far_clip", "must be larger than near_clip");
 }
 
@@ -68,7 +70,7 @@ LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p) {
 
 void LensCamera::set_lens(double aperture_radius, double focus_distance) {
   aperture_radius_ = float(aperture_radius);
-  inverse_focus_ = float(1 / focus_distance);
+  inverse_focus_ = float(1 / std::max(focus_distance, 1e-9));
 }
 
 void LensCamera::fit() {

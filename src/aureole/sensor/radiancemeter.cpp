@@ -15,11 +15,10 @@ public:
     const Vec3 origin = p.get_vec3("origin", {}), direction = p.get_vec3("direction", {0, 0, 1});
     if (p.has("origin") != p.has("direction"))
       throw p.error(p.has("origin") ? "origin" : "direction", "give both \"origin\" and \"direction\"");
-    if (!(length(direction) > 0)) throw p.error("direction", "must not be zero");
-    ray_ = {origin, normalize(direction), kInfinity};
+    ray_ = {origin, unit_direction(p, "direction", direction), kInfinity};
     if (!p.has("to_world")) return;
     if (p.has("origin")) p.note("origin", "\"to_world\" is given, too, and is used instead");
-    ray_ = {to_world.point({0, 0, 0}), normalize(to_world.vector({0, 0, 1})), kInfinity};
+    ray_ = {to_world.point({0, 0, 0}), unit_direction(p, "to_world", to_world.vector({0, 0, 1})), kInfinity};
   }
 
   SensorRay sample_ray(Vec2, Vec2) const override { return {ray_}; }

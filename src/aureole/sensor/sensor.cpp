@@ -66,6 +66,12 @@ void Sensor::read_common(const Properties& p, Measures measures) {
   part_ = FilmPart::of(*film_, 0, 1);
 }
 
+Vec3 Sensor::unit_direction(const Properties& p, std::string_view name, const Vec3& v) {
+  const float largest = max_component(abs(v));
+  if (!(largest > 0)) throw p.error(name, "must not be zero");
+  return normalize(v * (1 / std::max(largest, 1e-37f)));  // the squares of large and small ones leave float
+}
+
 void Sensor::attach(const Shape&) {
   throw Error(properties().where(), "a sensor of type \"" + properties().type() +
                                         "\" cannot sit on a shape; \"irradiancemeter\" can");

@@ -76,6 +76,9 @@ protected:
   /// place.
   void read_common(const Properties& properties, Measures measures = Measures::picture);
 
+  /// The unit vector along v, the value of a parameter. Throws Error for zero.
+  static Vec3 unit_direction(const Properties& properties, std::string_view name, const Vec3& v);
+
   const FilmPart& part() const { return part_; }
   const std::shared_ptr<Film>& shared_film() const { return film_; }
 

@@ -10,7 +10,7 @@ namespace {
 class ThinLensSensor final : public LensCamera {
 public:
   explicit ThinLensSensor(const Properties& p) : LensCamera(p) {
-    const double radius = p.get_float("aperture_radius", Range::non_negative());
+    const double radius = p.get_float("aperture_radius", {0, 1e9});
     set_lens(radius, p.get_float("focus_distance", clip().far, Range::positive()));
   }
 };
