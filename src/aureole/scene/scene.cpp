@@ -37,6 +37,8 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
         b.lower = b.lower - margin, b.upper = b.upper + margin;
         emitter_bounds_.push_back(b);
       }
+  for (const auto& shape : shapes_)
+    if (shape->sensor()) shape->sensor()->attach(*shape);
   for (const auto& shape : shapes_) any_passable_ |= shape->is_passable();
   tracer_ = std::make_unique<RayTracer>(shapes_);
 

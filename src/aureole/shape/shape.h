@@ -15,6 +15,7 @@
 namespace aureole {
 
 class Emitter;
+class Sensor;
 
 /// A point of a shape chosen by `sample_direct` or `sample_area`.
 struct ShapeSample {
@@ -26,7 +27,8 @@ struct ShapeSample {
 class Shape : public Object {
 public:
   static constexpr const char* kFamily = "a shape";
-  /// Reads the children every shape may have: bsdf (default: diffuse .5, black on emitters) and emitter.
+  /// Reads the children every shape may have: bsdf (default: diffuse .5, black on emitters), emitter and
+  /// sensor.
   explicit Shape(const Properties& properties);
   ~Shape() override;
 
@@ -40,6 +42,8 @@ public:
   virtual bool is_passable() const { return bsdf_->is_passable(); }
   const Emitter* emitter() const { return emitter_.get(); }
   const std::shared_ptr<Emitter>& shared_emitter() const { return emitter_; }
+  /// The sensor that sits on it, or null.
+  const std::shared_ptr<Sensor>& sensor() const { return sensor_; }
 
   /// An Embree geometry for this shape, committed, owned by the caller. Buffers are shared with the shape,
   /// which outlives it.
@@ -82,6 +86,7 @@ private:
   std::shared_ptr<Emitter> emitter_;
   Lobe lobes_ = Lobe::none;
   bool needs_tangent_ = true, needs_choice_ = true;
+  std::shared_ptr<Sensor> sensor_;
 };
 using ShapePtr = std::shared_ptr<Shape>;
 
