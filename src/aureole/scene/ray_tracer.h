@@ -28,7 +28,7 @@ public:
   bool occluded(const Ray& ray) const;
 
   /// Up to 16 rays at once. The answers are the same as one by one, bit for bit
-  /// (tests/scene/packet_test.cpp).
+  /// (tests/integrator/packet_test.cpp).
   static constexpr int kPacket = 16;
   enum class Rays { coherent, incoherent };
   void intersect(const Ray* rays, int n, Rays kind, Hit* hits) const;
