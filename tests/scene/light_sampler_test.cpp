@@ -77,7 +77,7 @@ TEST(LightSampler, ProbabilitiesAddUp) {
         // What `choose` leaves open is where it chooses nothing: a branch whose both sides cannot reach the
         // point.
         int nothing = 0;
-        constexpr int n_choices = 400;
+        constexpr int n_choices = 2000;
         for (int i = 0; i < n_choices; ++i)
           nothing += !scene->lights().choose(p, n, (float(i) + 0.5f) / n_choices);
         EXPECT_NEAR(total + double(nothing) / n_choices, 1, 0.006) << lights;
