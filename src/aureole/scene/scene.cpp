@@ -49,7 +49,7 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   for (const auto& emitter : loaded_.emitters) {
     emitter->set_scene_bounds(center, radius);
     emitters_.push_back(emitter.get());
-    if (emitter->is_infinite()) infinite_.push_back(emitter.get());
+    if (emitter->is_infinite() && !emitter->is_delta()) infinite_.push_back(emitter.get());
   }
 
   // p_lambda mixes the film's response with response x emitted power, so that a line that carries the light
@@ -72,6 +72,7 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
     loaded_.notes.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(grid, densities, weights);
+  for (size_t e = 0; e < emitters_.size(); ++e) powers[e] *= emitters_[e]->sampling_weight();
   lights_ = LightSampler(emitters_, powers);
 }
 
