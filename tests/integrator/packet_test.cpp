@@ -17,7 +17,7 @@ std::shared_ptr<const Scene> mixed_scene(const std::string& integrator) {
   return std::make_shared<const Scene>(load_scene_from_string(
       R"(<scene version="3.0.0">)" + integrator +
           R"(<sensor type="perspective"><sampler type="sobol"/>
-            <transform name="to_world"><lookat origin="0, 1, 6" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
+            <transform name="to_world"><lookat origin="0, 1, 3.6" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
           <shape type="cube"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/>
             <bsdf type="diffuse"><rgb name="reflectance" value=".7, .5, .3"/></bsdf></shape>
           <shape type="sphere"><point name="center" value="-1, 0, 0"/><bsdf type="dielectric"><string name="int_ior" value="bk7"/></bsdf></shape>

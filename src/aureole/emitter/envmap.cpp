@@ -35,7 +35,7 @@ public:
     return eval_uv(to_uv(frame_.to_local(d)), w);
   }
 
-  std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t part, Vec2 u,
+  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
                                             const Wavelengths& w) const override {
     return sample(distribution_, {}, u, w);
   }

@@ -33,7 +33,9 @@ public:
   float probability(const Vec3& p, const Vec3& n, const Emitter* emitter, std::size_t part) const;
 
   /// There is nothing to choose: `choose` does not look at u.
-  bool is_single() const { return infinite_.size() + leaves_.size() == 1; }
+  bool is_single() const {
+    return tree_probability_ > 0 ? infinite_.empty() && leaves_.size() == 1 : infinite_.size() == 1;
+  }
   bool empty() const { return infinite_.empty() && nodes_.empty(); }
   std::size_t leaf_count() const { return leaves_.size(); }
 
