@@ -35,7 +35,10 @@ public:
     return s;
   }
 
-  Lobe lobes() const override { return front_->lobes() | back_->lobes(); }
+  Lobe lobes() const override {
+    // Asking one BSDF twice would double with every level of nesting.
+    return front_ == back_ ? front_->lobes() : front_->lobes() | back_->lobes();
+  }
 
 private:
   static Vec3 flip(const Vec3& w) { return {w.x, w.y, -w.z}; }

@@ -52,6 +52,7 @@ RayTracer::~RayTracer() {
 }
 
 RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
+  if (!is_traceable(ray)) return {};
   RTCRayHit r;
   load(ray, r.ray);
   r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -65,6 +66,7 @@ RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
 }
 
 bool RayTracer::occluded(const Ray& ray) const {
+  if (!is_traceable(ray)) return true;
   RTCRay r;
   load(ray, r);
   RTCIntersectContext context;
