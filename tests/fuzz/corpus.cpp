@@ -75,7 +75,8 @@ bool is_image_name(const std::string& name) {
 }
 
 Corpus::Corpus(const fs::path& source) {
-  for (const auto& [name, bytes] : seed_files()) data_.emplace_back(name, std::make_shared<std::string>(bytes));
+  for (const auto& [name, bytes] : seed_files())
+    data_.emplace_back(name, std::make_shared<std::string>(bytes));
   const fs::path folders[] = {source / "tests/references/scenes", source / "scenes"};
   for (const fs::path& folder : folders) add_data_files(folder);
 
@@ -122,8 +123,7 @@ std::string Corpus::prepare(const std::string& text, const fs::path& folder, Fil
       files[name] = nullptr;  // includes may be mutual
       Bytes content;
       if (file.extension() == ".xml")
-        content = std::make_shared<std::string>(
-            corpus.prepare(read_whole(file), file.parent_path(), files));
+        content = std::make_shared<std::string>(corpus.prepare(read_whole(file), file.parent_path(), files));
       else if (fs::file_size(file) <= kLargestFile)
         content = std::make_shared<std::string>(read_whole(file));
       else

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the fuzzer starts from: every scene of the repository, every example in the documentation of a registered
-// plug-in wrapped into a scene, and every file found beside the scenes. New ones are found by themselves.
+// What the fuzzer starts from: every scene of the repository, every example in the documentation of a
+// registered plug-in wrapped into a scene, and every file found beside the scenes. New ones are found by
+// themselves.
 #pragma once
 
 #include <filesystem>

@@ -37,7 +37,8 @@ void log_crashes() {
   struct sigaction action {};
   action.sa_handler = print_stack;
   action.sa_flags = int(SA_ONSTACK | SA_RESETHAND);
-  for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTRAP}) sigaction(number, &action, nullptr);
+  for (const int number : {SIGSEGV, SIGBUS, SIGILL, SIGFPE, SIGABRT, SIGTRAP})
+    sigaction(number, &action, nullptr);
 #endif
 }
 

@@ -62,11 +62,12 @@ void SceneEdit::insert(pugi::xml_node parent, const std::string& xml) const {
 namespace {
 
 const SceneMutation& choose(const std::vector<SceneMutation>& list, Random& random) {
+  const auto weight = [&](const SceneMutation& m) { return m.gentle || !random.is_gentle() ? m.weight : 0; };
   int total = 0;
-  for (const SceneMutation& m : list) total += m.weight;
+  for (const SceneMutation& m : list) total += weight(m);
   int at = int(random.below(std::size_t(total)));
   for (const SceneMutation& m : list)
-    if ((at -= m.weight) < 0) return m;
+    if ((at -= weight(m)) < 0) return m;
   return list.back();
 }
 
@@ -119,7 +120,7 @@ Case make_case(const Corpus& corpus, std::uint64_t seed, std::uint64_t index) {
   const bool edits = !damages || random.chance(0.3);
   if (edits) mutate_tree(corpus, random, c);
   if (damages) mutate_file(random, c);
-  if (random.chance(0.08)) {
+  if (!random.is_gentle() && random.chance(0.15)) {
     c.files[kMainFile] = std::make_shared<std::string>(mutate_text(*c.files[kMainFile], random));
     c.mutations.push_back(std::string(kMainFile) + ": changed as text");
   }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One case: a scene of the corpus with some mutations. The same seed, number and repository give the same case.
+// One case: a scene of the corpus with some mutations. The same seed, number and repository give the same
+// case.
 #pragma once
 
 #include <filesystem>

@@ -81,12 +81,12 @@ int fuzz(const Corpus& corpus, const Arguments& a) {
     const Case c = make_case(corpus, a.seed, f.index);
     write_case(c, kept);
     std::ofstream(kept / "report.txt") << f.what << "\n" << description(c) << f.log;
-    fmt::print("case {}: {}\n  aureole_fuzz --seed {} --case {}    files: {}\n", f.index, f.what, a.seed, f.index,
-               kept.string());
+    fmt::print("case {}: {}\n  aureole_fuzz --seed {} --case {}    files: {}\n", f.index, f.what, a.seed,
+               f.index, kept.string());
     std::fflush(stdout);
   };
-  fmt::print("seed {}, cases {} to {}, from {} scenes and {} data files\n", a.seed, a.first, a.first + a.cases - 1,
-             corpus.scenes().size(), corpus.data_files().size());
+  fmt::print("seed {}, cases {} to {}, from {} scenes and {} data files\n", a.seed, a.first,
+             a.first + a.cases - 1, corpus.scenes().size(), corpus.data_files().size());
   std::fflush(stdout);
   const auto start = std::chrono::steady_clock::now();
   Supervisor supervisor(run, Limits{}, a.jobs, folder);
@@ -97,7 +97,8 @@ int fuzz(const Corpus& corpus, const Arguments& a) {
   fmt::print("{:.1f} s; the slowest case is {} ({:.2f} s)\n", seconds, s.slowest, s.slowest_seconds);
   std::map<std::string, std::vector<std::uint64_t>> by_kind;
   for (const Failure& f : s.failures) by_kind[f.what].push_back(f.index);
-  for (const auto& [what, cases] : by_kind) fmt::print("{} x {} (case {})\n", cases.size(), what, cases.front());
+  for (const auto& [what, cases] : by_kind)
+    fmt::print("{} x {} (case {})\n", cases.size(), what, cases.front());
   return !s.failures.empty();
 }
 

@@ -25,11 +25,34 @@ void overwrite(std::string& s, std::size_t at, std::uint64_t value, std::size_t 
 }
 
 void mutate_bytes(std::string& s, Random& random) {
-  static constexpr std::uint64_t kNumbers[] = {
-      0,          1,          2,          3,          0x7f,       0x80,       0xff,       0x100,
-      0x7fff,     0x8000,     0xffff,     0x10000,    0x7fffffff, 0x80000000, 0xffffffff, 0x100000000,
-      0x7f800000, 0xff800000, 0x7fc00000, 0x7f7fffff, 0x00000001, 0xfffffffe, 0x7fffffffffffffff,
-      0x8000000000000000, 0xffffffffffffffff, 0x7ff0000000000000, 0x3fffffff, 0x40000000};
+  static constexpr std::uint64_t kNumbers[] = {0,
+                                               1,
+                                               2,
+                                               3,
+                                               0x7f,
+                                               0x80,
+                                               0xff,
+                                               0x100,
+                                               0x7fff,
+                                               0x8000,
+                                               0xffff,
+                                               0x10000,
+                                               0x7fffffff,
+                                               0x80000000,
+                                               0xffffffff,
+                                               0x100000000,
+                                               0x7f800000,
+                                               0xff800000,
+                                               0x7fc00000,
+                                               0x7f7fffff,
+                                               0x00000001,
+                                               0xfffffffe,
+                                               0x7fffffffffffffff,
+                                               0x8000000000000000,
+                                               0xffffffffffffffff,
+                                               0x7ff0000000000000,
+                                               0x3fffffff,
+                                               0x40000000};
   if (s.empty()) s = "\n";
   const std::size_t at = std::min(place(s, random), s.size() - 1);
   const std::size_t length = std::min(random.few(12) * random.few(12), s.size() - at);
@@ -63,7 +86,9 @@ void mutate_bytes(std::string& s, Random& random) {
 /// Begin and end of the words of a text; a word is a number, a name or a single other character.
 std::vector<std::pair<std::size_t, std::size_t>> words_of(const std::string& s, std::size_t end) {
   std::vector<std::pair<std::size_t, std::size_t>> words;
-  const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_.+-", c); };
+  const auto is_word = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || std::strchr("_.+-", c);
+  };
   for (std::size_t i = 0; i < end;) {
     const std::size_t begin = i;
     while (i < end && s[i] != 0 && is_word(s[i])) ++i;
@@ -129,7 +154,8 @@ std::string widened(const std::string& s, std::size_t bytes, bool big_endian) {
 }
 
 bool is_text(const std::string& s) {
-  return std::all_of(s.begin(), s.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t' || c >= ' '; });
+  return std::all_of(s.begin(), s.end(),
+                     [](char c) { return c == '\n' || c == '\r' || c == '\t' || c >= ' '; });
 }
 
 /// Chunks of a PNG get the checksums of their content.

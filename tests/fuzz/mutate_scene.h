@@ -27,11 +27,13 @@ struct SceneEdit {
   void insert(pugi::xml_node parent, const std::string& xml) const;
 };
 
-/// A kind of change: its name for reports, how often it is chosen, and the change; false where it does not apply.
+/// A kind of change: its name for reports, how often it is chosen, and the change; false where it does not
+/// apply.
 struct SceneMutation {
   const char* name;
   int weight;
   bool (*apply)(SceneEdit&);
+  bool gentle = false;  ///< often leaves the scene a valid one
 };
 
 const std::vector<SceneMutation>& value_mutations();      ///< numbers, text, names, types, parameters

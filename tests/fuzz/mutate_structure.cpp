@@ -21,7 +21,7 @@ bool remove_element(SceneEdit& e) {
 bool duplicate_element(SceneEdit& e) {
   pugi::xml_node node = e.any_element();
   if (!node) return false;
-  const std::size_t times = e.random.chance(0.05) ? 1000 : 1;
+  const std::size_t times = e.random.chance(0.05) ? 100 : 1;
   for (std::size_t i = 0; i < times; ++i) node.parent().insert_copy_after(node, node);
   return true;
 }
@@ -62,8 +62,9 @@ bool splice(SceneEdit& e) {
   pugi::xml_document document;
   if (!document.load_string(other.files.at(kMainFile)->c_str())) return false;
   SceneEdit source{e.corpus, e.random, document, e.files};
-  const pugi::xml_node node = source.any_element();
-  pugi::xml_node parent = e.random.chance(0.6) ? e.document.document_element() : e.any_element();
+  const pugi::xml_node node = e.random.is_gentle() ? source.any_object() : source.any_element();
+  pugi::xml_node parent =
+      e.random.is_gentle() || e.random.chance(0.6) ? e.document.document_element() : e.any_element();
   if (!node || !parent) return false;
   for (const auto& [name, bytes] : other.files)
     if (name != kMainFile) e.files.emplace(name, bytes);
@@ -71,7 +72,8 @@ bool splice(SceneEdit& e) {
 }
 
 bool insert_example(SceneEdit& e) {
-  pugi::xml_node parent = e.random.chance(0.4) ? e.document.document_element() : e.any_element();
+  pugi::xml_node parent =
+      e.random.is_gentle() || e.random.chance(0.4) ? e.document.document_element() : e.any_element();
   if (!parent) return false;
   e.insert(parent, e.corpus.any_example(e.random));
   return true;
@@ -123,7 +125,8 @@ bool reference_tree(SceneEdit& e) {
         "name=\"color1\"/></texture><bsdf type=\"{2}\" id=\"b{0}\"><ref id=\"b{1}\"/><ref id=\"b{1}\"/>"
         "<float name=\"weight\" value=\"0.5\"/></bsdf>",
         i, i + 1, any_plugin("bsdf", e.random).name);
-  xml += fmt::format("<texture type=\"checkerboard\" id=\"t{0}\"/><bsdf type=\"diffuse\" id=\"b{0}\"/>", levels);
+  xml +=
+      fmt::format("<texture type=\"checkerboard\" id=\"t{0}\"/><bsdf type=\"diffuse\" id=\"b{0}\"/>", levels);
   xml += R"(<shape type="sphere"><bsdf type="diffuse"><ref id="t0" name="reflectance"/></bsdf></shape>)";
   e.insert(e.document.document_element(), xml);
   return true;
@@ -212,16 +215,16 @@ bool text_between(SceneEdit& e) {
 }  // namespace
 
 const std::vector<SceneMutation>& structure_mutations() {
-  static const std::vector<SceneMutation> all = {{"remove an element", 6, remove_element},
-                                                 {"duplicate an element", 4, duplicate_element},
+  static const std::vector<SceneMutation> all = {{"remove an element", 6, remove_element, true},
+                                                 {"duplicate an element", 4, duplicate_element, true},
                                                  {"move an element", 4, move_element},
                                                  {"swap elements", 2, swap_elements},
                                                  {"wrap an element", 1, wrap_element},
                                                  {"unwrap an element", 1, unwrap_element},
-                                                 {"element of another scene", 8, splice},
-                                                 {"insert an example", 8, insert_example},
+                                                 {"element of another scene", 8, splice, true},
+                                                 {"insert an example", 8, insert_example, true},
                                                  {"cyclic reference", 2, cyclic_reference},
-                                                 {"reference", 3, reference},
+                                                 {"reference", 3, reference, true},
                                                  {"chain of references", 1, reference_chain},
                                                  {"tree of references", 1, reference_tree},
                                                  {"nest deeply", 1, nest_deeply},

@@ -2,6 +2,7 @@
 // Changes to attributes and parameters.
 #include <algorithm>
 #include <cctype>
+#include <cstring>
 
 #include "aureole/plugin/registry.h"
 #include "aureole/scene/node.h"
@@ -22,7 +23,12 @@ bool change_value(SceneEdit& e) {
     pugi::xml_attribute a = e.any_attribute();
     const std::string_view name = a.name();
     if (!a || name == "name" || name == "type" || name == "id" || name == "filename") continue;
-    return a.set_value(changed_value(a.value(), e.random).c_str());
+    const bool is_integer = std::all_of(a.value(), a.value() + std::strlen(a.value()),
+                                        [](unsigned char c) { return std::isdigit(c) || c == '-'; });
+    return a.set_value((is_integer && (e.random.is_gentle() || e.random.chance(0.7))
+                            ? any_integer(e.random)
+                            : changed_value(a.value(), e.random))
+                           .c_str());
   }
   return false;
 }
@@ -30,8 +36,9 @@ bool change_value(SceneEdit& e) {
 bool odd_value(SceneEdit& e) { return e.any_attribute().set_value(odd_text(e.random).c_str()); }
 
 bool rename_attribute(SceneEdit& e) {
-  static const char* const kNames[] = {"name", "value", "id",   "type",   "filename", "x",       "y",    "z",
-                                       "up",   "angle", "as",   "origin", "target",   "version", "unit", "nonsense"};
+  static const char* const kNames[] = {"name",   "value",   "id",   "type",    "filename", "x",
+                                       "y",      "z",       "up",   "angle",   "as",       "origin",
+                                       "target", "version", "unit", "nonsense"};
   return e.any_attribute().set_name(e.random.pick(kNames));
 }
 
@@ -40,7 +47,8 @@ bool remove_attribute(SceneEdit& e) {
   const auto attributes = node.attributes();
   const auto count = std::distance(attributes.begin(), attributes.end());
   if (count == 0) return false;
-  return node.remove_attribute(*std::next(attributes.begin(), std::ptrdiff_t(e.random.below(std::size_t(count)))));
+  return node.remove_attribute(
+      *std::next(attributes.begin(), std::ptrdiff_t(e.random.below(std::size_t(count)))));
 }
 
 bool duplicate_attribute(SceneEdit& e) {
@@ -52,13 +60,14 @@ bool duplicate_attribute(SceneEdit& e) {
 bool other_type(SceneEdit& e) {
   pugi::xml_node node = e.any_object();
   if (!node) return false;
-  static const char* const kElsewhere[] = {"volpath",   "ldsampler", "merge",   "ies",   "heightfield",
-                                           "sunsky",    "hair",      "twoside", "",      "Diffuse",
+  static const char* const kElsewhere[] = {"volpath",   "ldsampler", "merge",   "ies", "heightfield",
+                                           "sunsky",    "hair",      "twoside", "",    "Diffuse",
                                            "microfacet"};
-  const std::string family = e.random.chance(0.8) ? family_of(node) : "";
+  const std::string family = e.random.is_gentle() || e.random.chance(0.8) ? family_of(node) : "";
   const PluginInfo& plugin = any_plugin(family, e.random);
-  node.attribute("type") = e.random.chance(0.1) ? e.random.pick(kElsewhere) : plugin.name.c_str();
-  if (e.random.chance(0.3)) return true;
+  node.attribute("type") =
+      !e.random.is_gentle() && e.random.chance(0.1) ? e.random.pick(kElsewhere) : plugin.name.c_str();
+  if (!e.random.is_gentle() && e.random.chance(0.3)) return true;
   // Most parameters of the old one would be errors.
   for (pugi::xml_node child = node.first_child(); child;) {
     const pugi::xml_node next = child.next_sibling();
@@ -100,7 +109,8 @@ bool rename_parameter(SceneEdit& e) {
   if (!plugin || e.random.chance(0.2)) plugin = &any_plugin("", e.random);
   const ParameterDoc* p = any_parameter(*plugin, e.random);
   pugi::xml_node child = object.first_child();
-  for (std::size_t skip = e.random.below(6); skip > 0 && child.next_sibling(); --skip) child = child.next_sibling();
+  for (std::size_t skip = e.random.below(6); skip > 0 && child.next_sibling(); --skip)
+    child = child.next_sibling();
   if (!p || !child) return false;
   child.remove_attribute("name");
   child.append_attribute("name") = p->name.c_str();
@@ -114,7 +124,8 @@ bool set_parameter(SceneEdit& e) {
   if (!plugin) return false;
   const ParameterDoc* p = any_parameter(*plugin, e.random);
   if (!p) return false;
-  if (e.random.chance(0.9)) object.remove_child(object.find_child_by_attribute("name", p->name.c_str()));
+  if (e.random.is_gentle() || e.random.chance(0.9))
+    object.remove_child(object.find_child_by_attribute("name", p->name.c_str()));
   e.insert(object, parameter_xml(*p, e.corpus, e.random));
   return true;
 }
@@ -134,8 +145,9 @@ bool other_file(SceneEdit& e) {
       if (e.files.contains(a.value())) names.push_back(a);
   if (names.empty()) return false;
   pugi::xml_attribute name = e.random.pick(names);
-  const auto& [file, bytes] = e.random.chance(0.7) ? e.corpus.data_file_like(name.value(), e.random)
-                                                   : e.random.pick(e.corpus.data_files());
+  const auto& [file, bytes] = e.random.is_gentle() || e.random.chance(0.7)
+                                  ? e.corpus.data_file_like(name.value(), e.random)
+                                  : e.random.pick(e.corpus.data_files());
   e.files[file] = bytes;
   return name.set_value(file.c_str());
 }
@@ -173,8 +185,9 @@ bool wavelength_range(SceneEdit& e) {
 }
 
 bool other_version(SceneEdit& e) {
-  static const char* const kVersions[] = {"0.4.0", "0.6.0", "2.0.0", "2.2.1", "3.0.0", "3.9.9",
-                                          "0.0.0", "99.0.0", "-1.0.0", "3", "3.0", "3.0.0.0", "99999999999.0.0", ""};
+  static const char* const kVersions[] = {"0.4.0", "0.6.0",   "2.0.0",           "2.2.1",  "3.0.0",
+                                          "3.9.9", "0.0.0",   "99.0.0",          "-1.0.0", "3",
+                                          "3.0",   "3.0.0.0", "99999999999.0.0", ""};
   pugi::xml_node root = e.document.document_element();
   root.remove_attribute("version");
   if (e.random.chance(0.95)) root.append_attribute("version") = e.random.pick(kVersions);
@@ -196,12 +209,15 @@ bool old_scene(SceneEdit& e) {
     if (std::string_view(node.name()) == "lookat" && e.random.chance(0.7)) node.set_name("lookAt");
     if (std::string_view(node.name()) == "rgb" && e.random.chance(0.3)) node.set_name("srgb");
   }
-  static const char* const kOld[] = {
-      "<blackbody name=\"radiance\" temperature=\"5000K\" scale=\"2\"/>", "<float name=\"uscale\" value=\"3\"/>",
-      "<float name=\"voffset\" value=\"x\"/>", "<boolean name=\"strictNormals\" value=\"true\"/>",
-      "<string name=\"filterType\" value=\"ewa\"/>", "<string name=\"label[10, 10]\" value=\"$\"/>",
-      "<float name=\"gamma\" value=\"1\"/>", "<srgb name=\"reflectance\" value=\"#808080\"/>",
-      "<string name=\"extEta\" value=\"air\"/>"};
+  static const char* const kOld[] = {"<blackbody name=\"radiance\" temperature=\"5000K\" scale=\"2\"/>",
+                                     "<float name=\"uscale\" value=\"3\"/>",
+                                     "<float name=\"voffset\" value=\"x\"/>",
+                                     "<boolean name=\"strictNormals\" value=\"true\"/>",
+                                     "<string name=\"filterType\" value=\"ewa\"/>",
+                                     "<string name=\"label[10, 10]\" value=\"$\"/>",
+                                     "<float name=\"gamma\" value=\"1\"/>",
+                                     "<srgb name=\"reflectance\" value=\"#808080\"/>",
+                                     "<string name=\"extEta\" value=\"air\"/>"};
   for (std::size_t i = e.random.few(4); i > 0; --i)
     if (pugi::xml_node object = e.any_object()) e.insert(object, e.random.pick(kOld));
   return true;
@@ -210,20 +226,20 @@ bool old_scene(SceneEdit& e) {
 }  // namespace
 
 const std::vector<SceneMutation>& value_mutations() {
-  static const std::vector<SceneMutation> all = {{"change a value", 30, change_value},
+  static const std::vector<SceneMutation> all = {{"change a value", 30, change_value, true},
                                                  {"odd value", 4, odd_value},
                                                  {"rename an attribute", 1, rename_attribute},
                                                  {"remove an attribute", 1, remove_attribute},
                                                  {"duplicate an attribute", 1, duplicate_attribute},
-                                                 {"other type", 6, other_type},
+                                                 {"other type", 6, other_type, true},
                                                  {"other tag", 1, other_tag},
                                                  {"other tag of a parameter", 2, other_property_tag},
                                                  {"rename a parameter", 2, rename_parameter},
-                                                 {"set a parameter", 20, set_parameter},
+                                                 {"set a parameter", 20, set_parameter, true},
                                                  {"foreign parameter", 2, foreign_parameter},
-                                                 {"other file", 5, other_file},
-                                                 {"transform", 8, random_transform},
-                                                 {"wavelength range", 3, wavelength_range},
+                                                 {"other file", 5, other_file, true},
+                                                 {"transform", 8, random_transform, true},
+                                                 {"wavelength range", 3, wavelength_range, true},
                                                  {"version", 1, other_version},
                                                  {"scene of version 0.6", 1, old_scene}};
   return all;

@@ -11,7 +11,7 @@ namespace aureole::fuzz {
 
 class Random {
 public:
-  Random(std::uint64_t seed, std::uint64_t index) : key_(combine_bits(seed, index)) {}
+  Random(std::uint64_t seed, std::uint64_t index) : key_(combine_bits(seed, index)) { gentle_ = chance(0.5); }
 
   std::uint64_t bits() { return combine_bits(key_, counter_++); }
   /// In [0, n); n > 0.
@@ -24,6 +24,10 @@ public:
     while (n < most && chance(0.5)) ++n;
     return n;
   }
+  /// In half of the cases values and changes are chosen that scenes might have: most of these render, where
+  /// most of the others end at the first error.
+  bool is_gentle() const { return gentle_; }
+
   template <class Container>
   auto& pick(Container& list) {
     return list[below(std::size(list))];
@@ -31,6 +35,7 @@ public:
 
 private:
   std::uint64_t key_, counter_ = 0;
+  bool gentle_ = false;
 };
 
 }  // namespace aureole::fuzz

@@ -18,7 +18,7 @@ struct Verdict {
     failed,     ///< what must not happen; `message` says what
     kinds
   } kind = failed;
-  std::string message;              ///< the errors, or what failed
+  std::string message;  ///< the errors, or what failed
   std::uint64_t invalid_samples = 0;
 };
 

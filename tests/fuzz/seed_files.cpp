@@ -47,8 +47,9 @@ std::string png(int color_type, int bits, bool interlaced) {
         static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(from), n);
       },
       [](png_structp) {});
-  png_set_IHDR(png, info, kWidth, kHeight, bits, color_type, interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, kWidth, kHeight, bits, color_type,
+               interlaced ? PNG_INTERLACE_ADAM7 : PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
   png_color palette[4] = {{0, 0, 0}, {255, 0, 0}, {0, 200, 0}, {90, 90, 255}};
   png_byte transparency[2] = {0, 128};
   if (color_type == PNG_COLOR_TYPE_PALETTE) {
@@ -82,7 +83,8 @@ std::string jpeg(int components, bool progressive) {
   jpeg_start_compress(&jpeg, TRUE);
   std::string data = pixels(components);
   while (jpeg.next_scanline < jpeg.image_height) {
-    JSAMPROW row = reinterpret_cast<JSAMPROW>(data.data()) + jpeg.next_scanline * unsigned(kWidth * components);
+    JSAMPROW row =
+        reinterpret_cast<JSAMPROW>(data.data()) + jpeg.next_scanline * unsigned(kWidth * components);
     jpeg_write_scanlines(&jpeg, &row, 1);
   }
   jpeg_finish_compress(&jpeg);
@@ -130,7 +132,8 @@ std::string tiff(const TiffKind& k) {
       if (k.tiled)
         TIFFWriteTile(t, data.data(), 0, 0, 0, std::uint16_t(plane));
       else
-        for (int y = 0; y < kHeight; ++y) TIFFWriteScanline(t, data.data() + 32 * y, std::uint32_t(y), std::uint16_t(plane));
+        for (int y = 0; y < kHeight; ++y)
+          TIFFWriteScanline(t, data.data() + 32 * y, std::uint32_t(y), std::uint16_t(plane));
     TIFFClose(t);
   });
 }
@@ -167,8 +170,8 @@ std::string little(unsigned v, int bytes) {
 }
 
 std::string tga(bool packed) {
-  std::string s = little(0, 2) + char(packed ? 10 : 2) + little(0, 9) + little(kWidth, 2) + little(kHeight, 2) +
-                  char(24) + char(0x20);
+  std::string s = little(0, 2) + char(packed ? 10 : 2) + little(0, 9) + little(kWidth, 2) +
+                  little(kHeight, 2) + char(24) + char(0x20);
   if (!packed) return s + pixels(3);
   for (int y = 0; y < kHeight; ++y) s += char(0x80 | (kWidth - 1)) + std::string("abc");
   return s;
@@ -177,7 +180,8 @@ std::string tga(bool packed) {
 std::string bmp() {
   const std::string row_padding(3, 0);
   std::string data;
-  for (int y = 0; y < kHeight; ++y) data += pixels(3).substr(std::size_t(y) * kWidth * 3, kWidth * 3) + row_padding;
+  for (int y = 0; y < kHeight; ++y)
+    data += pixels(3).substr(std::size_t(y) * kWidth * 3, kWidth * 3) + row_padding;
   return "BM" + little(54 + unsigned(data.size()), 4) + little(0, 4) + little(54, 4) + little(40, 4) +
          little(kWidth, 4) + little(kHeight, 4) + little(1, 2) + little(24, 2) + little(0, 24) + data;
 }
@@ -230,7 +234,8 @@ std::vector<std::pair<std::string, std::string>> seed_files() {
       {"flat.hdr", hdr(false)},
       {"packed.hdr", hdr(true)},
       {"warm.spd", "# nm, value\n400 0.2\n500 0.4\n600, 0.6\n700 0.9\n"},
-      {"curve.txt", "0 0 0 0.1\n1 0 1 0.2\n2 1 1 0.1\n3 1 2 0.1\n\n0 1 0 0.1\n0 2 0 0.1\n0 3 1 0.1\n0 4 1 0.1\n"},
+      {"curve.txt",
+       "0 0 0 0.1\n1 0 1 0.2\n2 1 1 0.1\n3 1 2 0.1\n\n0 1 0 0.1\n0 2 0 0.1\n0 3 1 0.1\n0 4 1 0.1\n"},
   };
 }
 

@@ -57,7 +57,10 @@ int self_test(const std::filesystem::path& folder) {
       {49, hang},
       {50, take_memory},
       {77, []() -> Verdict { std::_Exit(3); }},
-      {99, [] { return Verdict{Verdict::failed, "said so", 0}; }},
+      {99,
+       [] {
+         return Verdict{Verdict::failed, "said so", 0};
+       }},
       {101, []() -> Verdict { throw std::runtime_error("escapes"); }},
   };
   std::vector<std::uint64_t> expected;

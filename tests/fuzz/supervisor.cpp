@@ -59,7 +59,8 @@ double cpu_seconds_of(pid_t pid) {
   const std::size_t at = text.rfind(')');
   unsigned long user = 0, system = 0;
   if (at == std::string::npos ||
-      std::sscanf(text.c_str() + at, ") %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lu %lu", &user, &system) != 2)
+      std::sscanf(text.c_str() + at, ") %*c %*d %*d %*d %*d %*d %*u %*u %*u %*u %*u %lu %lu", &user,
+                  &system) != 2)
     return 0;
   return double(user + system) / double(sysconf(_SC_CLK_TCK));
 }
@@ -121,12 +122,17 @@ class Pool {
 public:
   Pool(const Supervisor::Run& run, const Limits& limits, int jobs, const fs::path& folder,
        std::size_t most_failures, const std::function<void(const Failure&)>& report)
-      : run_(run), limits_(limits), most_failures_(most_failures), report_(report), children_(std::size_t(jobs)) {
+      : run_(run),
+        limits_(limits),
+        most_failures_(most_failures),
+        report_(report),
+        children_(std::size_t(jobs)) {
     for (std::size_t k = 0; k < children_.size(); ++k) {
       Child& c = children_[k];
       c.folder = folder / fmt::format("child{}", k);
       c.log = folder / fmt::format("child{}.log", k);
-      void* shared = mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+      void* shared =
+          mmap(nullptr, sizeof(Progress), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
       if (shared == MAP_FAILED) throw std::runtime_error("no shared memory");
       c.progress = new (shared) Progress{};
     }
@@ -182,7 +188,8 @@ private:
       return;
     }
     const auto now = std::chrono::steady_clock::now();
-    if (const std::uint64_t index = c.progress->index; index != c.case_seen) c.case_seen = index, c.case_since = now;
+    if (const std::uint64_t index = c.progress->index; index != c.case_seen)
+      c.case_seen = index, c.case_since = now;
     const double wall = std::chrono::duration<double>(now - c.case_since).count();
     if (!c.killed_for.empty()) {
       if (wall > 20) kill(c.pid, SIGKILL);  // it was asked to end, for its stack; that did not work

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs ranges of cases in child processes, several at a time, and finds the case that crashed, hung, leaked or took
-// too much memory. Portable to what has fork and /proc.
+// Runs ranges of cases in child processes, several at a time, and finds the case that crashed, hung, leaked
+// or took too much memory. Portable to what has fork and /proc.
 #pragma once
 
 #include <array>

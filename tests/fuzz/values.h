@@ -10,11 +10,12 @@
 
 namespace aureole::fuzz {
 
-/// 0, -0, -1, 1e-30, 1e308, nan, 2^31, ...
+/// 0, -0, -1, 1e-30, 1e308, 2^31, sometimes nan and other text that is no number.
 std::string extreme_number(Random& random);
 /// A number as scenes have them.
 std::string plausible_number(Random& random);
 std::string any_number(Random& random);
+std::string any_integer(Random& random);
 
 /// Empty, very long, not ASCII, control characters, references to parameters, names of odd files.
 std::string odd_text(Random& random);

@@ -13,7 +13,8 @@ namespace {
 
 constexpr const char* kFilm = R"(<film type="hdrfilm"><integer name="width" value="6"/>
 <integer name="height" value="5"/><rfilter type="box"/></film>)";
-constexpr const char* kSampler = R"(<sampler type="sobol"><integer name="sample_count" value="2"/></sampler>)";
+constexpr const char* kSampler =
+    R"(<sampler type="sobol"><integer name="sample_count" value="2"/></sampler>)";
 constexpr const char* kView =
     R"(<transform name="to_world"><lookat origin="0, -5, 2" target="0, 0, 0.5" up="0, 0, 1"/></transform>)";
 constexpr const char* kIntegrator =
@@ -23,10 +24,12 @@ constexpr const char* kFloor =
     R"(<shape type="rectangle"><transform name="to_world"><scale value="4"/></transform></shape>)";
 
 std::string sensor(const std::string& film = kFilm, const std::string& sampler = kSampler) {
-  return std::string(R"(<sensor type="perspective"><float name="fov" value="40"/>)") + kView + film + sampler +
-         "</sensor>\n";
+  return std::string(R"(<sensor type="perspective"><float name="fov" value="40"/>)") + kView + film +
+         sampler + "</sensor>\n";
 }
-std::string scene(const std::string& content) { return "<scene version=\"3.0.0\">\n" + content + "\n</scene>\n"; }
+std::string scene(const std::string& content) {
+  return "<scene version=\"3.0.0\">\n" + content + "\n</scene>\n";
+}
 std::string usual(const std::string& content) { return scene(kIntegrator + sensor() + kFloor + content); }
 std::string ball(const std::string& children) {
   return R"(<shape type="sphere"><point name="center" x="0" y="0" z="1"/>)" + children + "</shape>\n";
@@ -49,8 +52,8 @@ std::string changed(const std::string& xml, const char* name, const std::string&
 
 }  // namespace
 
-std::string with_data_files(const std::string& example, const std::vector<std::pair<std::string, Bytes>>& data,
-                            Files& used) {
+std::string with_data_files(const std::string& example,
+                            const std::vector<std::pair<std::string, Bytes>>& data, Files& used) {
   pugi::xml_document document;
   if (!document.load_string(example.c_str())) return example;
   for (const pugi::xpath_node found :
@@ -80,13 +83,15 @@ std::vector<std::string> wrap_example(const std::string& family, const std::stri
   if (family == "film") return {scene(kIntegrator + sensor(example) + kFloor + kLight)};
   if (family == "sampler") return {scene(kIntegrator + sensor(kFilm, example) + kFloor + kLight)};
   if (family == "rfilter")
-    return {scene(kIntegrator +
-                  sensor(R"(<film type="hdrfilm"><integer name="width" value="6"/><integer name="height" value="5"/>)" +
-                         example + "</film>") +
-                  kFloor + kLight)};
+    return {scene(
+        kIntegrator +
+        sensor(R"(<film type="hdrfilm"><integer name="width" value="6"/><integer name="height" value="5"/>)" +
+               example + "</film>") +
+        kFloor + kLight)};
   if (family == "sensor") {
     const bool has_film = example.find("<film") != std::string::npos;
-    return {scene(kIntegrator + changed(example, nullptr, has_film ? "" : kFilm) + kFloor + ball("") + kLight)};
+    return {
+        scene(kIntegrator + changed(example, nullptr, has_film ? "" : kFilm) + kFloor + ball("") + kLight)};
   }
   if (family == "medium")
     return {usual(kLight + ball("<bsdf type=\"dielectric\"/>" + changed(example, "interior")))};

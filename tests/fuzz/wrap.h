@@ -10,8 +10,8 @@
 namespace aureole::fuzz {
 
 /// The example with every file name replaced by one of `data` with the same ending, which goes to `used`.
-std::string with_data_files(const std::string& example, const std::vector<std::pair<std::string, Bytes>>& data,
-                            Files& used);
+std::string with_data_files(const std::string& example,
+                            const std::vector<std::pair<std::string, Bytes>>& data, Files& used);
 
 /// Complete scenes that use the example: two for a texture, which may be a reflectance or an emission.
 std::vector<std::string> wrap_example(const std::string& family, const std::string& name,

@@ -21,7 +21,8 @@ void append(std::string& out, std::uint32_t c) {
   } else if (c < 0x10000) {
     out += {char(0xe0 | c >> 12), char(0x80 | (c >> 6 & 63)), char(0x80 | (c & 63))};
   } else {
-    out += {char(0xf0 | c >> 18), char(0x80 | (c >> 12 & 63)), char(0x80 | (c >> 6 & 63)), char(0x80 | (c & 63))};
+    out += {char(0xf0 | c >> 18), char(0x80 | (c >> 12 & 63)), char(0x80 | (c >> 6 & 63)),
+            char(0x80 | (c & 63))};
   }
 }
 
@@ -55,7 +56,8 @@ bool declares_latin1(std::string_view text) {
                  [](unsigned char c) { return char(std::tolower(c)); });
   const std::size_t at = declaration.find("encoding");
   if (at == std::string::npos) return false;
-  return declaration.find("iso-8859-1", at) != std::string::npos || declaration.find("latin1", at) != std::string::npos;
+  return declaration.find("iso-8859-1", at) != std::string::npos ||
+         declaration.find("latin1", at) != std::string::npos;
 }
 
 }  // namespace

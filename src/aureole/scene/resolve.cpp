@@ -9,8 +9,8 @@ namespace {
 
 /// Nested elements and references in one path from the scene down: building them is recursive.
 constexpr std::size_t kDeepest = 512;
-/// References that are met when all those below an object are followed. A texture or BSDF that uses another one twice,
-/// which uses another one twice, ... would take forever to evaluate. Shapes may hold many.
+/// References that are met when all those below an object are followed. A texture or BSDF that uses another
+/// one twice, which uses another one twice, ... would take forever to evaluate. Shapes may hold many.
 constexpr std::uint64_t kMostReferences = 10000;
 
 class Resolver {
@@ -122,7 +122,11 @@ private:
       const auto start = std::find(path.begin(), path.end(), &next);
       if (start != path.end()) {
         report_cycle(child, next, {start, path.end()});
-        references_.targets.erase(reference);
+        // A cycle may close by nesting, too, where a reference led to the inside of an object.
+        if (refers)
+          references_.targets.erase(reference);
+        else
+          cut_all_ = true;
         continue;
       }
       if (path.size() >= kDeepest) {
@@ -137,9 +141,10 @@ private:
     path.pop_back();
     const std::string family = object_family(node);
     if (extent.references > kMostReferences && !family.empty() && family != "shape") {
-      diagnostics_.error(node.where, "the references below this " + family + " lead to more than " +
-                                         std::to_string(kMostReferences) + " objects");
-      extent.references = 0;  // what uses it need not say so again
+      // What uses it has too many, too, and need not say so again.
+      if (!cut_all_)
+        diagnostics_.error(node.where, "the references below this " + family + " lead to more than " +
+                                           std::to_string(kMostReferences) + " objects");
       cut_all_ = true;
     }
     extents_[&node] = extent;
