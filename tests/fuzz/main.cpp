@@ -93,7 +93,10 @@ int fuzz(const Corpus& corpus, const Arguments& a) {
   const Summary s = supervisor.run(a.first, a.first + a.cases, a.most_failures, report);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   for (std::size_t k = 0; k < Verdict::kinds; ++k) fmt::print("{:8} {}\n", s.count[k], kVerdicts[k]);
-  fmt::print("{:8} of the pictures with invalid samples, which are left out\n", s.with_invalid_samples);
+  fmt::print("{:8} of the pictures with invalid samples, which are left out", s.with_invalid_samples);
+  for (std::size_t k = 0; k < std::min<std::size_t>(s.invalid.size(), 20); ++k)
+    fmt::print("{}{}", k ? ", " : " (cases ", s.invalid[k]);
+  fmt::print("{}\n", s.invalid.empty() ? "" : ")");
   fmt::print("{:.1f} s; the slowest case is {} ({:.2f} s)\n", seconds, s.slowest, s.slowest_seconds);
   std::map<std::string, std::vector<std::uint64_t>> by_kind;
   for (const Failure& f : s.failures) by_kind[f.what].push_back(f.index);

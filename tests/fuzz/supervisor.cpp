@@ -35,7 +35,7 @@ struct Range {
 
 /// What a child tells its parent, in shared memory: it survives the child.
 struct Progress {
-  std::atomic<std::uint64_t> index, invalid_samples, slowest;
+  std::atomic<std::uint64_t> index, invalid_samples, first_invalid, slowest;
   std::atomic<double> cpu_at_start, slowest_seconds;
   std::atomic<bool> finished;  ///< all cases done; what comes now is the search for leaks
   std::atomic<std::uint64_t> count[Verdict::kinds];
@@ -98,7 +98,7 @@ double own_cpu_seconds() {
       _exit(kFailedExit);
     }
     ++p.count[v.kind];
-    if (v.invalid_samples > 0) ++p.invalid_samples;
+    if (v.invalid_samples > 0 && p.invalid_samples++ == 0) p.first_invalid = i;
     if (const double seconds = own_cpu_seconds() - start; seconds > p.slowest_seconds)
       p.slowest_seconds = seconds, p.slowest = i;
   }
@@ -170,7 +170,7 @@ private:
     c.case_seen = c.range.begin;
     Progress& p = *c.progress;
     p.index = c.range.begin;
-    p.invalid_samples = p.slowest = 0;
+    p.invalid_samples = p.first_invalid = p.slowest = 0;
     p.cpu_at_start = p.slowest_seconds = 0;
     p.finished = false;
     for (auto& n : p.count) n = 0;
@@ -250,6 +250,7 @@ private:
   void count(const Progress& p) {
     for (std::size_t k = 0; k < Verdict::kinds; ++k) summary.count[k] += p.count[k];
     summary.with_invalid_samples += p.invalid_samples;
+    if (p.invalid_samples > 0) summary.invalid.push_back(p.first_invalid);
     if (p.slowest_seconds > summary.slowest_seconds)
       summary.slowest_seconds = p.slowest_seconds, summary.slowest = p.slowest;
   }
