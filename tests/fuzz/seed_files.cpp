@@ -165,7 +165,7 @@ std::string exr(Imf::PixelType type, Imf::Compression compression, bool tiled, c
 
 std::string little(unsigned v, int bytes) {
   std::string s;
-  for (int i = 0; i < bytes; ++i) s += char(v >> 8 * i);
+  for (int i = 0; i < bytes; ++i) s += char(i < 4 ? v >> 8 * i : 0);
   return s;
 }
 
