@@ -2,6 +2,7 @@
 # The commands of the project; each does all the set-up it needs. JOBS limits parallel compilation.
 JOBS ?= $(shell nproc)
 PRESET ?= release
+PYTHON ?= python3
 BIN = build/$(PRESET)/bin/aureole
 DEMO_OUT ?= out/condensation
 DEMO_ARGS ?=
@@ -9,7 +10,7 @@ N ?= 10000
 SEED ?= 1
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build demo test test-asan test-tsan fuzz bench docs format format-check includes lint install clean
+.PHONY: deps build demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes lint install clean
 
 deps:
 	@tools/install_deps.sh
@@ -46,6 +47,9 @@ bench: deps
 	@cmake -S . -B build/bench -G Ninja -DCMAKE_BUILD_TYPE=Release -DAUREOLE_BENCH=ON -DBUILD_TESTING=OFF > /dev/null
 	cmake --build build/bench -j $(JOBS)
 	@bench/run.sh build/bench/bin
+
+bench-peers: build
+	@$(PYTHON) bench/peers.py --aureole $(BIN) $(PEERS_ARGS)
 
 docs: build
 	$(BIN) docs > docs/plugins.md

@@ -45,6 +45,7 @@ public:
     return BsdfSample{wo, e.value, e.pdf, Lobe::diffuse | Lobe::reflect};
   }
 
+  bool needs_tangent() const override { return false; }
   Lobe lobes() const override { return Lobe::diffuse | Lobe::delta | Lobe::reflect; }
 
 private:
