@@ -15,6 +15,16 @@ double overlap(const SampledSpectrum& a, const SampledSpectrum& b) {
   return s * a.grid().step();
 }
 
+/// Rays go no farther than kFarthest; sums and squares of coordinates stay finite, too.
+void require_near(const Object& object, const Bounds3& box) {
+  for (const Vec3& corner : {box.lower, box.upper})
+    for (int i = 0; i < 3; ++i)
+      if (!(std::abs(corner[i]) <= kFarthest) && !box.empty())
+        throw Error(
+            object.properties().where(),
+            "\"" + object.properties().type() + "\" reaches beyond the coordinate 1.8e18, where rays end");
+}
+
 }  // namespace
 
 Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.shapes) {
@@ -25,6 +35,9 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
       shape->shared_emitter()->attach(*shape);
       emitters_.push_back(shape->emitter());
     }
+  for (const auto& shape : shapes_) require_near(*shape, shape->bounds());
+  for (const auto& emitter : loaded_.emitters)
+    if (!emitter->is_infinite()) require_near(*emitter, emitter->emission_bounds(0).box);
   constexpr std::size_t kFewEmitters = 8;
   if (std::none_of(loaded_.emitters.begin(), loaded_.emitters.end(),
                    [](const auto& e) { return e->is_infinite(); }) &&
