@@ -938,6 +938,7 @@ TEST_P(EmitterHarness, RaysAndConnectionsLightAReceiverAlike) {
           if (!r) continue;
           const float slope = dot(r->d, n), t = dot(o - r->p, n) / slope;
           if (!(t > 0) || !std::isfinite(t)) continue;
+          if (connects() && slope > 0) continue;  // from behind
           const Vec3 q = frame.to_local(r->p + r->d * t - o);
           if (std::abs(q.x) > side / 2 || std::abs(q.y) > side / 2) continue;
           for (int j = 0; j < 2; ++j) {
@@ -962,8 +963,8 @@ TEST_P(EmitterHarness, RaysAndConnectionsLightAReceiverAlike) {
         for (std::size_t part = 0; connects() && part < emitter_->part_count(); ++part)
           if (const auto s = emitter_->sample_direct(q, part, random.next2(), w_))
             for (int j = 0; j < 2; ++j)
-              x[j] +=
-                  double(s->radiance[7 * j * kWavelengths / 8]) * std::abs(dot(s->wo, n)) / double(s->pdf);
+              x[j] += double(s->radiance[7 * j * kWavelengths / 8]) * std::max(0.f, dot(s->wo, n)) /
+                      double(s->pdf);
         for (int j = 0; !connects() && j < 2; ++j)
           x[j] = case_.irradiance(q, n) * spectrum(7 * j * kWavelengths / 8);
         for (int j = 0; j < 2; ++j) by_connections[j] += x[j] / connections, squares[j] += x[j] * x[j];
@@ -978,7 +979,7 @@ TEST_P(EmitterHarness, RaysAndConnectionsLightAReceiverAlike) {
         if (by_connections[j] > 0) sharpest = std::min(sharpest, slack / by_connections[j]);
       }
     }
-  EXPECT_LT(sharpest, 0.15) << "too few rays to see an error";
+  EXPECT_LT(sharpest, 0.2) << "too few rays to see an error";
 }
 
 TEST_P(EmitterHarness, BacksAreDark) {
