@@ -35,6 +35,10 @@ public:
     return s;
   }
 
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
+    return wi.z > 0 ? front_->diffuse_reflectance(wi, ctx) : back_->diffuse_reflectance(flip(wi), ctx);
+  }
+
   Lobe lobes() const override { return front_->lobes() | back_->lobes(); }
 
 private:

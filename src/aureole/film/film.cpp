@@ -23,6 +23,9 @@ void Film::read_common(const Properties& p) {
     filter_ = std::dynamic_pointer_cast<Filter>(
         gaussian->create(Properties("gaussian", "", p.where(), p.shared_context(), gaussian)));
   }
+  const int outside = sample_border_ ? FilterTable(*filter_).border() : 0;
+  sample_area_ = {{float(crop_x_ - outside), float(crop_y_ - outside)},
+                  {float(crop_x_ + crop_width_ + outside), float(crop_y_ + crop_height_ + outside)}};
 }
 
 }  // namespace aureole

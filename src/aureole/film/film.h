@@ -13,6 +13,12 @@
 
 namespace aureole {
 
+/// A rectangle of the film in pixels from its top left corner.
+struct FilmArea {
+  Vec2 lower, upper;
+  bool contains(Vec2 p) const { return p.x >= lower.x && p.x < upper.x && p.y >= lower.y && p.y < upper.y; }
+};
+
 class Film : public Object {
 public:
   static constexpr const char* kFamily = "a film";
@@ -26,6 +32,8 @@ public:
   int crop_height() const { return crop_height_; }
   bool sample_border() const { return sample_border_; }
   const Filter& filter() const { return *filter_; }
+  /// Where light counts: the crop, and with `sample_border` as far beyond as the filter reaches.
+  const FilmArea& sample_area() const { return sample_area_; }
 
   /// Numbers a sample is turned into; alpha is kept beside them.
   virtual int measured_channels() const = 0;
@@ -51,6 +59,7 @@ private:
   int width_ = 768, height_ = 576;
   int crop_x_ = 0, crop_y_ = 0, crop_width_ = 768, crop_height_ = 576;
   bool sample_border_ = false;
+  FilmArea sample_area_;
   std::shared_ptr<Filter> filter_;
 };
 

@@ -12,6 +12,7 @@
 #include "aureole/core/parallel.h"
 #include "aureole/core/random.h"
 #include "aureole/core/version.h"
+#include "aureole/render/splat_unit.h"
 
 namespace aureole {
 
@@ -67,8 +68,10 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
       options_(options),
       filter_(scene_->film().filter()),
       lock_(std::make_shared<Lock>()) {
-  integrator_ = dynamic_cast<const RadianceIntegrator*>(scene_->integrator_object().get());
-  if (!integrator_) throw Error("the scene has no integrator");
+  const Object* integrator = scene_->integrator_object().get();
+  integrator_ = dynamic_cast<const RadianceIntegrator*>(integrator);
+  const auto* light_tracer = dynamic_cast<const SplatIntegrator*>(integrator);
+  if (!integrator_ && !light_tracer) throw Error("the scene has no integrator");
   const Film& film = scene_->film();
   const Sampler& sampler = scene_->sensor().sampler();
   const std::int64_t end = options_.end.value_or(sampler.sample_count());
@@ -85,11 +88,13 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   if (end > std::int64_t(1) << 32)
     throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options_.begin, end));
   seed_ = options_.seed.value_or(sampler.seed());
+  if (light_tracer) splats_ = std::make_shared<SplatRenderer>(*scene_, *light_tracer, filter_, seed_);
 
   // A copy is needed to save or show it; a byte per work unit keeps account.
   const double units = double(film.crop_width() / kTileSize + 2) * (film.crop_height() / kTileSize + 2) *
                        options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
-  const std::vector<std::string> aovs = integrator_->aov_names();
+  const std::vector<std::string> aovs =
+      integrator_ ? integrator_->aov_names() : std::vector<std::string>();
   const int channels = film.measured_channels() + int(aovs.size());
   const double needed =
       2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates));
@@ -106,7 +111,7 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   id.scene = scene_->loaded().file.filename().string();
   id.version = kVersion;
   id.sampler = sampler.properties().type();
-  id.integrator = integrator_->properties().type();
+  id.integrator = integrator->properties().type();
   id.scene_hash = scene_->hash();
   id.seed = seed_;
   id.wavelengths = kWavelengths;
@@ -153,7 +158,21 @@ RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int
   return s;
 }
 
+void RenderJob::render_light_unit(std::int64_t unit) {
+  SplatUnit result;
+  splats_->trace(state_, unit, result);
+  const std::lock_guard guard(lock_->mutex);
+  splats_->add(result, state_.films);
+  state_.done[size_t(unit)] = 1;
+  state_.invalid_samples += result.invalid.size();
+  for (const auto& s : result.invalid)
+    if (invalid_.size() < 16)
+      invalid_.push_back(
+          {s.x + scene_->film().crop_x(), s.y + scene_->film().crop_y(), result.replicate, s.sample});
+}
+
 void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
+  if (splats_) return render_light_unit(unit);
   // Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
   const std::int64_t tiles = state_.tiles();
   const std::int64_t tile = unit % tiles;
@@ -214,7 +233,9 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
 
 RenderState RenderJob::snapshot() const {
   const std::lock_guard guard(lock_->mutex);
-  return state_;
+  RenderState copy = state_;
+  if (splats_) splats_->set_weights(copy);
+  return copy;
 }
 
 RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
@@ -281,6 +302,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
   } else {
     const std::lock_guard guard(lock_->mutex);
     state_.seconds = spent_before + seconds;
+    if (splats_) splats_->set_weights(state_);
   }
   return complete ? Outcome::finished : out_of_time ? Outcome::time_limit : Outcome::interrupted;
 }
@@ -288,6 +310,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
 void RenderJob::checkpoint(double seconds) {
   const std::lock_guard guard(lock_->mutex);
   state_.seconds = seconds;
+  if (splats_) splats_->set_weights(state_);
   try {
     state_.save(options_.state_file);
     wrote_state_ = true;
@@ -307,6 +330,11 @@ void RenderJob::remove_state() const {
 std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
                                      const PathLog& log) const {
   const Film& film = scene_->film();
+  if (splats_) {
+    SplatUnit path;
+    splats_->trace_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, path, log);
+    return path.measured;
+  }
   std::vector<float> measured(size_t(state_.identity.measured_channels));
   const Sample s =
       render_sample(x - film.crop_x(), y - film.crop_y(), sample, replicate, log, measured.data());

@@ -67,7 +67,8 @@ Spectrum Scene::null_transmittance(const SurfacePoint& point, const Vec3& d, con
   return bsdf.null_transmittance(point.shading.to_local(-d), BsdfContext{w, point});
 }
 
-Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) const {
+Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
+                        bool through_emitters) const {
   Ray ray{offset_origin(from, to.wo), to.wo, kInfinity};
   Vec3 target;
   if (!to.infinite) {
@@ -79,10 +80,10 @@ Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const 
     target = offset_origin(to.p, p_error, to.ng, -to.wo);
     ray.d = target - ray.o, ray.t_max = 1;
   }
-  if (!any_passable_) return tracer_->occluded(ray) ? 0.f : 1.f;
+  if (!any_passable_ && !through_emitters) return tracer_->occluded(ray) ? 0.f : 1.f;
   Spectrum passed = 1.f;
   while (const auto hit = intersect(ray)) {
-    passed *= null_transmittance(*hit, to.wo, w);
+    if (!(through_emitters && hit->shape->emitter())) passed *= null_transmittance(*hit, to.wo, w);
     if (is_black(passed)) return 0.f;
     ray.o = offset_origin(*hit, to.wo);
     if (!to.infinite) ray.d = target - ray.o;

@@ -26,8 +26,15 @@ public:
     return shapes_[hit.shape]->surface_point(hit, ray);
   }
   /// The fraction of light that passes, per wavelength, from a surface point to the other end of a
-  /// connection: the only visibility call.
-  Spectrum connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) const;
+  /// connection: the only visibility call. Emitters' surfaces may be left out (`hide_emitters`).
+  Spectrum connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
+                   bool through_emitters = false) const;
+  /// The place in `shapes()` of what `intersect` meets; an instance is one shape.
+  std::optional<std::size_t> shape_index(const Ray& ray) const {
+    const RayTracer::Hit hit = tracer_->intersect(ray);
+    if (!hit) return {};
+    return hit.shape;
+  }
 
   const Sensor& sensor() const { return *sensor_; }
   const Film& film() const { return sensor_->film(); }

@@ -34,6 +34,7 @@ public:
     center_x_ = float(width * (0.5 - p.get_float("principal_point_offset_x", 0, {-10, 10})));
     center_y_ = float(height * (0.5 - p.get_float("principal_point_offset_y", 0, {-10, 10})));
     origin_ = to_world_.point({0, 0, 0});
+    to_local_ = to_world_.inverse();
   }
 
   SensorRay sample_ray(Vec2 film, Vec2) const override {
@@ -41,6 +42,21 @@ public:
     const float to_near = near_clip_ / d.z, to_far = far_clip_ / d.z;
     const Vec3 w = to_world_.vector(d);
     return {{origin_ + w * to_near, normalize(w), to_far - to_near}};
+  }
+
+  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2) const override {
+    const Vec3 to = reference - origin_, local = to_local_.vector(to);
+    if (!(local.z > near_clip_ && local.z < far_clip_)) return {};
+    const float distance = length(to);
+    SensorConnection c;
+    c.wo = to * (-1 / distance);
+    // A ray of the camera starts at the near plane, so that what is nearer hides nothing.
+    c.p = origin_ + to * (near_clip_ / local.z);
+    c.film = {center_x_ - local.x / (local.z * scale_x_), center_y_ - local.y / (local.z * scale_y_)};
+    // The solid angle of an area across wo is 1/distance^2 of it, and the plane at z = 1 has cos^-3 area per
+    // solid angle.
+    c.importance = distance / (scale_x_ * scale_y_ * local.z * local.z * local.z);
+    return c;
   }
 
 private:
@@ -69,7 +85,7 @@ private:
     return t;
   }
 
-  Transform to_world_;
+  Transform to_world_, to_local_;
   Vec3 origin_;
   float near_clip_, far_clip_, scale_x_, scale_y_, center_x_, center_y_;
 };

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Second moments of the samples of other integrators, for the variance of a sample: m2 - mean^2.
+#include <algorithm>
+
+#include "aureole/integrator/channels.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+namespace {
+
+class MomentIntegrator final : public RadianceIntegrator {
+public:
+  explicit MomentIntegrator(const Properties& p)
+      : RadianceIntegrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
+    if (nested_.empty()) throw p.error("integrator", "needs a nested integrator");
+    for (const NestedIntegrator& n : nested_) {
+      for (const std::string& name : n.channels) names_.push_back(n.name + "." + name);
+      for (const char* c : {".X", ".Y", ".Z"}) names_.push_back(n.name + c);
+    }
+    first_moments_ = names_.size();
+    for (size_t i = 0; i < first_moments_; ++i) names_.push_back("m2_" + names_[i]);
+    require_distinct(p, "integrator", names_);
+  }
+
+  std::vector<std::string> aov_names() const override { return names_; }
+
+  RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream& samples,
+                            const PathLog& log, float* aovs) const override {
+    RadianceEstimate result;
+    float* out = aovs;
+    for (const NestedIntegrator& n : nested_) {
+      const RadianceEstimate r = n.integrator->radiance(scene, ray, w, samples, log, out);
+      if (&n == &nested_.front()) result = r;
+      out += n.channels.size();
+      double xyz[3];
+      meter_.xyz(r.estimate, w, xyz);
+      out = std::copy(xyz, xyz + 3, out);
+    }
+    for (size_t i = 0; i < first_moments_; ++i) aovs[first_moments_ + i] = aovs[i] * aovs[i];
+    return result;
+  }
+
+private:
+  std::vector<NestedIntegrator> nested_;
+  ColourMeter meter_;
+  std::vector<std::string> names_;
+  size_t first_moments_;
+};
+
+AUREOLE_PLUGIN(
+    MomentIntegrator, "integrator", "moment",
+    PluginDoc{
+        "The picture of the first nested integrator, and for each of them, of name N, the channels N.X, N.Y, "
+        "N.Z (CIE XYZ of its samples; the mean over the range for sensors outside the visible) with its own "
+        "further channels, and m2_N.X, ..., the means of their squares. With a box filter and the sampler "
+        "`independent`, m2 - mean^2 over the number of samples is the variance of a pixel; mean and square "
+        "are "
+        "filtered alike. Without a name N is _arg_0, _arg_1, ... Use `component_format` float32: a "
+        "difference "
+        "of half floats is rounding.",
+        "",
+        {{"integrator", "integrator", "", "required", "one or more nested integrators"}},
+        {R"(<integrator type="moment"><integrator type="path" name="img"/></integrator>)"}});
+
+}  // namespace
+}  // namespace aureole
