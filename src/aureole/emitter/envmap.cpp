@@ -37,21 +37,13 @@ public:
 
   std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
                                             const Wavelengths& w) const override {
-    float pdf;
-    const Vec2 uv = distribution_.sample(u, &pdf);
-    const float theta = uv.y * kPi, phi = uv.x * 2 * kPi, sine = std::sin(theta);
-    if (!(pdf > 0) || !(sine > 0)) return {};
-    DirectSample s;
-    s.wo = frame_.to_world({std::sin(phi) * sine, std::cos(theta), -std::cos(phi) * sine});
-    s.radiance = eval_uv(uv, w);
-    s.pdf = pdf / (2 * kPi * kPi * sine);
-    s.infinite = true;
-    return s;
+    return sample(distribution_, u, w);
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t part, Vec2 position, Vec2 direction,
+  std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2 direction,
                                        const Wavelengths& w) const override {
-    const auto s = sample_direct({}, part, direction, w);
+    // No other technique finds what compensation leaves out here.
+    const auto s = sample(mis_compensation_ ? full_distribution_ : distribution_, direction, w);
     if (!s) return {};
     EmittedRay r = ray_from_infinity(center_, radius_, -s->wo, position);
     r.value = s->radiance;
@@ -80,6 +72,19 @@ private:
     SigmoidPolynomial polynomial;
     float scale;
   };
+
+  std::optional<DirectSample> sample(const Piecewise2D& distribution, Vec2 u, const Wavelengths& w) const {
+    float pdf;
+    const Vec2 uv = distribution.sample(u, &pdf);
+    const float theta = uv.y * kPi, phi = uv.x * 2 * kPi, sine = std::sin(theta);
+    if (!(pdf > 0) || !(sine > 0)) return {};
+    DirectSample s;
+    s.wo = frame_.to_world({std::sin(phi) * sine, std::cos(theta), -std::cos(phi) * sine});
+    s.radiance = eval_uv(uv, w);
+    s.pdf = pdf / (2 * kPi * kPi * sine);
+    s.infinite = true;
+    return s;
+  }
 
   /// The transform's axes; a scale would distort solid angles.
   static std::array<Vec3, 3> orthonormal(const Properties& p, const Transform& t) {
@@ -163,12 +168,16 @@ private:
     // MIS compensation (Karlik et al. 2019): leave what BSDF sampling finds anyway.
     const float offset = mis_compensation_ ? float(mean / area) : 0.f;
     bool any = false;
+    std::vector<float> full(weights.size());
     for (float w : weights) any |= w > offset * 1.01f;
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
         float& w = weights[size_t(y) * size_t(width_) + size_t(x)];
-        w = (any ? std::max(0.f, w - offset) : w) * std::sin(kPi * (float(y) + 0.5f) / float(height_));
+        const float sine = std::sin(kPi * (float(y) + 0.5f) / float(height_));
+        full[size_t(y) * size_t(width_) + size_t(x)] = w * sine;
+        w = (any ? std::max(0.f, w - offset) : w) * sine;
       }
+    if (mis_compensation_) full_distribution_ = Piecewise2D(full, width_, height_);
     distribution_ = Piecewise2D(weights, width_, height_);
   }
 
@@ -205,7 +214,7 @@ private:
   bool mis_compensation_;
   int width_ = 0, height_ = 0;
   std::vector<Texel> texels_;
-  Piecewise2D distribution_;
+  Piecewise2D distribution_, full_distribution_;
   SampledSpectrum d65_;
 };
 

@@ -105,7 +105,10 @@ private:
     switch (kind) {
       case Kind::albedo: {
         const Vec3 wi = hit.shading.to_local(-ray.d);
-        meter_.reflectance_rgb(hit.shape->bsdf()->diffuse_reflectance(wi, BsdfContext{w, hit}), w, out);
+        const Bsdf& bsdf = *hit.shape->bsdf();
+        meter_.reflectance_rgb(bsdf.diffuse_reflectance(wi, BsdfContext{w, hit}), w,
+                               bsdf.diffuse_reflectance(wi, BsdfContext{meter_.fixed_wavelengths(), hit}),
+                               out);
         return out + 3;
       }
       case Kind::depth:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/integrator/channels.h"
 
+#include <algorithm>
 #include <set>
 
 namespace aureole {
@@ -38,6 +39,10 @@ ColourMeter::ColourMeter(const SpectralGrid& grid)
       observer_(observer_xyz(grid)),
       d65_(d65_spectrum(grid, 1)) {
   visible_ = observer_[1].integral() > 1e-3;
+  const double first = visible_ ? std::max(grid.min_nm, 420.0) : grid.min_nm;
+  const double last = visible_ ? std::min(grid.max_nm, 680.0) : grid.max_nm;
+  fixed_ = Wavelengths::at(
+      grid, make_spectrum([&](int i) { return float(first + (last - first) * (i + 0.5) / kWavelengths); }));
 }
 
 void ColourMeter::xyz(const Spectrum& estimate, const Wavelengths& w, double out[3]) const {
@@ -54,8 +59,12 @@ void ColourMeter::rgb(const Spectrum& estimate, const Wavelengths& w, float out[
     for (int c = 0; c < 3; ++c) out[c] = float(v[c]);
 }
 
-void ColourMeter::reflectance_rgb(const Spectrum& reflectance, const Wavelengths& w, float out[3]) const {
-  rgb(PathDensity{}.contribution(visible_ ? reflectance * d65_.eval(w) : reflectance, w), w, out);
+void ColourMeter::reflectance_rgb(const Spectrum& reflectance, const Wavelengths& w,
+                                  const Spectrum& somewhere, float out[3]) const {
+  const float control = mean(somewhere);
+  const Spectrum rest = reflectance - control;
+  rgb(PathDensity{}.contribution(visible_ ? rest * d65_.eval(w) : rest, w), w, out);
+  for (int c = 0; c < 3; ++c) out[c] += control;
 }
 
 }  // namespace aureole

@@ -38,13 +38,18 @@ public:
   /// Linear sRGB; not for reflectances, whose colour is that under D65.
   void rgb(const Spectrum& estimate, const Wavelengths& w, float out[3]) const;
   /// Linear sRGB of a surface under D65, of its reflectance: an <rgb> of the scene as it was written.
-  void reflectance_rgb(const Spectrum& reflectance, const Wavelengths& w, float out[3]) const;
+  /// `somewhere` is the reflectance at `fixed_wavelengths`, whose mean needs no estimate: a grey surface has
+  /// no noise.
+  void reflectance_rgb(const Spectrum& reflectance, const Wavelengths& w, const Spectrum& somewhere,
+                       float out[3]) const;
+  const Wavelengths& fixed_wavelengths() const { return fixed_; }
 
 private:
   float range_nm_;
   bool visible_;
   std::array<SampledSpectrum, 3> observer_;
   SampledSpectrum d65_;
+  Wavelengths fixed_;
 };
 
 }  // namespace aureole

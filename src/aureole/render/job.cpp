@@ -93,8 +93,7 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   // A copy is needed to save or show it; a byte per work unit keeps account.
   const double units = double(film.crop_width() / kTileSize + 2) * (film.crop_height() / kTileSize + 2) *
                        options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
-  const std::vector<std::string> aovs =
-      integrator_ ? integrator_->aov_names() : std::vector<std::string>();
+  const std::vector<std::string> aovs = integrator_ ? integrator_->aov_names() : std::vector<std::string>();
   const int channels = film.measured_channels() + int(aovs.size());
   const double needed =
       2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates));
@@ -327,18 +326,18 @@ void RenderJob::remove_state() const {
     std::filesystem::remove(options_.state_file, ignored);
 }
 
-std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
-                                     const PathLog& log) const {
+std::optional<std::vector<float>> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
+                                                    const PathLog& log) const {
   const Film& film = scene_->film();
   if (splats_) {
     SplatUnit path;
-    splats_->trace_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, path, log);
+    if (!splats_->trace_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, path, log)) return {};
     return path.measured;
   }
   std::vector<float> measured(size_t(state_.identity.measured_channels));
   const Sample s =
       render_sample(x - film.crop_x(), y - film.crop_y(), sample, replicate, log, measured.data());
-  if (!s.valid) measured.clear();
+  if (!s.valid) return {};
   return measured;
 }
 

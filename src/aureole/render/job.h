@@ -71,10 +71,11 @@ public:
 
   /// Whether paths start at emitters, so that those of a pixel's samples belong to no pixel.
   bool traces_light() const { return splats_ != nullptr; }
-  /// Replays one sample of a pixel, logging its vertices; returns its measured channels, nothing where a
-  /// number was invalid. Pixel coordinates are the film's. Of a light path the channels of all splats follow
-  /// one another.
-  std::vector<float> replay(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const;
+  /// Replays one sample of a pixel, logging its vertices; returns its measured channels, nothing where one
+  /// was invalid. Pixel coordinates are the film's. Of a light path the channels of all splats follow one
+  /// another.
+  std::optional<std::vector<float>> replay(int x, int y, std::int64_t sample, int replicate,
+                                           const PathLog& log) const;
 
 private:
   struct Sample {
@@ -90,7 +91,7 @@ private:
   void checkpoint(double seconds);
 
   std::shared_ptr<const Scene> scene_;
-  const RadianceIntegrator* integrator_;          ///< or
+  const RadianceIntegrator* integrator_;         ///< or
   std::shared_ptr<const SplatRenderer> splats_;  ///< for paths from the emitters
   RenderOptions options_;
   FilterTable filter_;
