@@ -5,6 +5,7 @@
 // merged.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <thread>
 
@@ -72,6 +73,22 @@ std::shared_ptr<const Scene> small_light_scene(const std::string& extra_film = "
   load.integrator = "ptracer";
   return std::make_shared<const Scene>(
       load_scene_from_string(small_scene_text(40, 28, extra_film), "small.xml", load));
+}
+
+TEST(FilmBuffer, FixedPointIsExactAndTruncates) {
+  const auto expect_same = [](float x) {
+    EXPECT_TRUE(to_fixed(x) == Fixed(double(x) * 0x1p64)) << x;
+    EXPECT_TRUE(to_fixed(-x) == Fixed(double(-x) * 0x1p64)) << -x;
+  };
+  for (const float x :
+       {0.f, 1.f, 0x1p-64f, 0x1.8p-64f, 0x1.fffffep-65f, 0x1.8p-60f, 0x1p-126f, 1e-42f, 0x1.fffffep59f})
+    expect_same(x);
+  std::uint32_t bits = 12345;
+  for (int i = 0; i < 100000; ++i) {
+    bits = bits * 1664525u + 1013904223u;
+    const float x = std::bit_cast<float>(bits & 0x7fffffffu);
+    if (x < kFixedLimit) expect_same(x);
+  }
 }
 
 TEST(LightTracingJob, ThreadsDoNotChangeABit) {

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <fstream>
 #include <mutex>
+#include <shared_mutex>
 
 #include "aureole/core/parallel.h"
 #include "aureole/core/random.h"
@@ -18,6 +19,7 @@ namespace aureole {
 
 struct RenderJob::Lock {
   std::mutex mutex;
+  std::shared_mutex splats;  ///< locked after `mutex`; shared by threads that add splats
 };
 
 namespace {
@@ -160,14 +162,20 @@ RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int
 void RenderJob::render_light_unit(std::int64_t unit) {
   SplatUnit result;
   splats_->trace(state_, unit, result);
-  const std::lock_guard guard(lock_->mutex);
+  std::shared_lock adding(lock_->splats, std::defer_lock);
+  {
+    // Counted as done before it is added, and not looked at before it is: who looks holds both locks, and
+    // while he waits for the second nobody begins to add.
+    const std::lock_guard guard(lock_->mutex);
+    state_.done[size_t(unit)] = 1;
+    state_.invalid_samples += result.invalid.size();
+    for (const auto& s : result.invalid)
+      if (invalid_.size() < 16)
+        invalid_.push_back(
+            {s.x + scene_->film().crop_x(), s.y + scene_->film().crop_y(), result.replicate, s.sample});
+    adding.lock();
+  }
   splats_->add(result, state_.films);
-  state_.done[size_t(unit)] = 1;
-  state_.invalid_samples += result.invalid.size();
-  for (const auto& s : result.invalid)
-    if (invalid_.size() < 16)
-      invalid_.push_back(
-          {s.x + scene_->film().crop_x(), s.y + scene_->film().crop_y(), result.replicate, s.sample});
 }
 
 void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
@@ -232,6 +240,7 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
 
 RenderState RenderJob::snapshot() const {
   const std::lock_guard guard(lock_->mutex);
+  const std::lock_guard alone(lock_->splats);
   RenderState copy = state_;
   if (splats_) splats_->set_weights(copy);
   return copy;
@@ -300,6 +309,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
     checkpoint(spent_before + seconds);
   } else {
     const std::lock_guard guard(lock_->mutex);
+    const std::lock_guard alone(lock_->splats);
     state_.seconds = spent_before + seconds;
     if (splats_) splats_->set_weights(state_);
   }
@@ -308,6 +318,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
 
 void RenderJob::checkpoint(double seconds) {
   const std::lock_guard guard(lock_->mutex);
+  const std::lock_guard alone(lock_->splats);
   state_.seconds = seconds;
   if (splats_) splats_->set_weights(state_);
   try {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "aureole/core/random.h"
 
@@ -41,6 +42,9 @@ SplatRenderer::SplatRenderer(const Scene& scene, const SplatIntegrator& integrat
     : scene_(&scene), integrator_(&integrator), filter_(filter), seed_(seed) {
   const Film& film = scene.film();
   const int outside = film.sample_border() ? filter.border() : 0;
+  // A splat reaches two bands at most.
+  band_height_ = std::max(16, 2 * filter.border() + 1);
+  band_locks_ = std::make_unique<std::mutex[]>(size_t(film.crop_height() / band_height_ + 1));
   sample_area_ = float(film.crop_width() + 2 * outside) * float(film.crop_height() + 2 * outside);
   weights_x_ = filter_integrals(filter, film.crop_width(), outside);
   weights_y_ = filter_integrals(filter, film.crop_height(), outside);
@@ -97,27 +101,75 @@ void SplatRenderer::trace(const RenderState& layout, std::int64_t index, SplatUn
     for (int x = u.x0; x < u.x1; ++x)
       for (std::int64_t i = u.first; i < u.last; ++i)
         if (!trace_path(x, y, i, u.replicate, result, no_log)) result.invalid.push_back({x, y, i});
+  sort_into_bands(result);
+}
+
+void SplatRenderer::sort_into_bands(SplatUnit& unit) const {
+  const int height = scene_->film().crop_height(), border = filter_.border();
+  const auto bands_of = [&](size_t i) {
+    const int y = int(std::floor(unit.positions[i].y));
+    return std::pair(std::clamp(y - border, 0, height - 1) / band_height_,
+                     std::clamp(y + border, 0, height - 1) / band_height_);
+  };
+  const size_t count = size_t((height - 1) / band_height_ + 1), splats = unit.positions.size();
+  // Counting sort: the counts become ends, and filling from the back makes them beginnings.
+  unit.band_begin.assign(count + 1, 0);
+  for (size_t i = 0; i < splats; ++i) {
+    const auto [first, last] = bands_of(i);
+    for (int b = first; b <= last; ++b) ++unit.band_begin[size_t(b)];
+  }
+  std::partial_sum(unit.band_begin.begin(), unit.band_begin.end(), unit.band_begin.begin());
+  unit.in_band.resize(unit.band_begin.back());
+  for (size_t i = 0; i < splats; ++i) {
+    const auto [first, last] = bands_of(i);
+    for (int b = first; b <= last; ++b) unit.in_band[--unit.band_begin[size_t(b)]] = std::uint32_t(i);
+  }
 }
 
 void SplatRenderer::add(const SplatUnit& unit, std::vector<FilmBuffer>& films) const {
   FilmBuffer& film = films[size_t(unit.replicate)];
   const int channels = film.measured_channels(), border = filter_.border();
-  float wx[kMaxReach], wy[kMaxReach];
-  for (size_t i = 0; i < unit.positions.size(); ++i) {
-    const Vec2 s = unit.positions[i];
-    const float* measured = &unit.measured[i * size_t(channels)];
-    const int x0 = int(std::floor(s.x)) - border, y0 = int(std::floor(s.y)) - border;
-    const int x1 = std::min(x0 + 2 * border + 1, film.width()),
-              y1 = std::min(y0 + 2 * border + 1, film.height());
-    const int first_x = std::max(x0, 0), first_y = std::max(y0, 0);
-    for (int x = first_x; x < x1; ++x) wx[x - x0] = border == 0 ? 1 : filter_.eval(float(x) + 0.5f - s.x);
-    for (int y = first_y; y < y1; ++y) wy[y - y0] = border == 0 ? 1 : filter_.eval(float(y) + 0.5f - s.y);
-    for (int y = first_y; y < y1; ++y)
-      for (int x = first_x; x < x1; ++x) {
-        Fixed* p = film.pixel(x, y);
-        const float weight = wx[x - x0] * wy[y - y0];
-        for (int c = 0; c < channels; ++c) p[c] += to_fixed(weight * measured[c]);
+  const size_t bands = unit.band_begin.size() - 1;
+  for (size_t k = 0; k < bands; ++k) {
+    // Units begin with different bands, so that threads do not queue.
+    const size_t band = (k + unit.in_band.size()) % bands;
+    if (unit.band_begin[band] == unit.band_begin[band + 1]) continue;
+    const int band_y0 = int(band) * band_height_, band_y1 = std::min(band_y0 + band_height_, film.height());
+    struct Reach {
+      int x0, x1, y0, y1;
+    };
+    const auto reach = [&](Vec2 s) {
+      const int x = int(std::floor(s.x)), y = int(std::floor(s.y));
+      return Reach{std::max(x - border, 0), std::min(x + border + 1, film.width()),
+                   std::max(y - border, band_y0), std::min(y + border + 1, band_y1)};
+    };
+    const auto prefetch = [&](const Reach& r) {
+      for (int y = r.y0; y < r.y1; ++y)
+        for (const char *
+                 p = reinterpret_cast<const char*>(film.pixel(r.x0, y)),
+                *end = p + std::ptrdiff_t(r.x1 - r.x0) * film.stride() * std::ptrdiff_t(sizeof(Fixed));
+             p < end; p += 64)
+          __builtin_prefetch(p, 1);
+    };
+    const std::lock_guard guard(band_locks_[band]);
+    for (size_t i = unit.band_begin[band], end = unit.band_begin[band + 1]; i < end; ++i) {
+      // Splats fall anywhere on a film that no cache holds.
+      if (i + 2 < end) prefetch(reach(unit.positions[unit.in_band[i + 2]]));
+      const size_t splat = unit.in_band[i];
+      const Vec2 s = unit.positions[splat];
+      const float* measured = &unit.measured[splat * size_t(channels)];
+      const Reach r = reach(s);
+      float wx[kMaxReach];
+      for (int x = r.x0; x < r.x1; ++x) wx[x - r.x0] = border == 0 ? 1 : filter_.eval(float(x) + 0.5f - s.x);
+      for (int y = r.y0; y < r.y1; ++y) {
+        const float wy = border == 0 ? 1 : filter_.eval(float(y) + 0.5f - s.y);
+        Fixed* p = film.pixel(r.x0, y);
+        for (int x = r.x0; x < r.x1; ++x, p += film.stride()) {
+          const float weight = wx[x - r.x0] * wy;
+          for (int c = 0; c < channels; ++c) p[c] += to_fixed(weight * measured[c]);
+        }
       }
+    }
   }
 }
 

@@ -8,6 +8,8 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "aureole/integrator/integrator.h"
@@ -26,6 +28,7 @@ struct SplatUnit {
   std::vector<float> measured;  ///< the film's channels of each
   std::vector<Invalid> invalid;
   std::vector<Splat> path;
+  std::vector<std::uint32_t> band_begin, in_band;  ///< splats that reach each band of rows
 };
 
 class SplatRenderer {
@@ -39,12 +42,14 @@ public:
   /// then nothing of it counts. Pixel coordinates are relative to the crop's corner.
   bool trace_path(int x, int y, std::int64_t sample, int replicate, SplatUnit& result,
                   const PathLog& log) const;
-  /// Adds a unit to its film, each number as fixed point: order does not matter.
+  /// Adds a unit to its film, each number as fixed point: order does not matter. May be called from several
+  /// threads at once, but not while others read the films.
   void add(const SplatUnit& unit, std::vector<FilmBuffer>& films) const;
   /// Sets the weights, and alpha 1, of the films to those of the units done.
   void set_weights(RenderState& state) const;
 
 private:
+  void sort_into_bands(SplatUnit& unit) const;
   void append(Vec2 position, const Spectrum& estimate, const Wavelengths& w, SplatUnit& unit,
               bool& valid) const;
 
@@ -52,7 +57,9 @@ private:
   const SplatIntegrator* integrator_;
   FilterTable filter_;
   std::uint64_t seed_;
-  float sample_area_;                         ///< pixels^2: paths for each sample number
+  float sample_area_;  ///< pixels^2: paths for each sample number
+  int band_height_;
+  std::unique_ptr<std::mutex[]> band_locks_;  ///< one per band of rows, so that threads add side by side
   std::vector<float> weights_x_, weights_y_;  ///< integrals of the filter of each column and row
 };
 
