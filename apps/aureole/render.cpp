@@ -150,7 +150,9 @@ int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, c
   }
   for (double& s : sum) s /= double(std::max<std::int64_t>(1, valid));
   fmt::print("pixel ({}, {}): mean of {} samples {:.7g}{}\n", x, y, valid, fmt::join(sum, ", "),
-             film.measured_channels() == 3 ? " (X, Y, Z)" : "");
+             film.measured_channels() != 3 ? ""
+             : sum.size() > 3              ? " (X, Y, Z, then the integrator's channels)"
+                                           : " (X, Y, Z)");
   return 0;
 }
 

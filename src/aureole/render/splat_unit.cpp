@@ -53,6 +53,7 @@ SplatRenderer::SplatRenderer(const Scene& scene, const SplatIntegrator& integrat
 void SplatRenderer::append(Vec2 position, const Spectrum& estimate, const Wavelengths& w, SplatUnit& unit,
                            bool& valid) const {
   const Film& film = scene_->film();
+  if (!film.sample_area().contains(position)) return;
   const size_t channels = size_t(film.measured_channels()), at = unit.measured.size();
   unit.measured.resize(at + channels);
   unit.positions.push_back(position - Vec2{float(film.crop_x()), float(film.crop_y())});
