@@ -2,12 +2,13 @@
 # The commands of the project; each does all the set-up it needs. JOBS limits parallel compilation.
 JOBS ?= $(shell nproc)
 PRESET ?= release
+PYTHON ?= python3
 BIN = build/$(PRESET)/bin/aureole
 DEMO_OUT ?= out/condensation
 DEMO_ARGS ?=
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build demo test test-asan test-tsan bench docs format format-check includes lint install clean
+.PHONY: deps build demo test test-asan test-tsan bench bench-peers docs format format-check includes lint install clean
 
 deps:
 	@tools/install_deps.sh
@@ -37,6 +38,9 @@ bench: deps
 	@cmake -S . -B build/bench -G Ninja -DCMAKE_BUILD_TYPE=Release -DAUREOLE_BENCH=ON -DBUILD_TESTING=OFF > /dev/null
 	cmake --build build/bench -j $(JOBS)
 	@bench/run.sh build/bench/bin
+
+bench-peers: build
+	@$(PYTHON) bench/peers.py --aureole $(BIN) $(PEERS_ARGS)
 
 docs: build
 	$(BIN) docs > docs/plugins.md

@@ -150,9 +150,9 @@ int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, c
   }
   for (double& s : sum) s /= double(std::max<std::int64_t>(1, valid));
   fmt::print("pixel ({}, {}): mean of {} samples {:.7g}{}\n", x, y, valid, fmt::join(sum, ", "),
-             film.measured_channels() != 3 ? ""
-             : sum.size() > 3              ? " (X, Y, Z, then the integrator's channels)"
-                                           : " (X, Y, Z)");
+             film.properties().type() != "hdrfilm" || film.measured_channels() != 3 ? ""
+             : sum.size() > 3 ? " (X, Y, Z, then the integrator's channels)"
+                              : " (X, Y, Z)");
   return 0;
 }
 
@@ -170,15 +170,21 @@ int render(const Arguments& a) {
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
 
+  // What stands in the way of the files is said before a large scene is read, where they have names.
+  const auto require_files = [&](const std::filesystem::path& output) {
+    for (const char* extension : {".exr", ".hdr", ".rgbe", ".pfm"})
+      if (output.extension() == extension) {
+        if (!a.pixel.empty()) return;
+        require_writable(output);
+        require_writable(std::filesystem::path(output).replace_extension(".png"));
+        require_writable(std::filesystem::path(output).replace_extension(".state"));
+        return;
+      }
+    throw Error("-o " + output.string() +
+                ": the output is an .exr, .hdr or .pfm file (a .png is written beside it)");
+  };
   std::filesystem::path output = a.output;
-  if (output.empty()) output = std::filesystem::path(a.scene).replace_extension(".exr");
-  if (output.extension() != ".exr")
-    throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
-  if (a.pixel.empty()) {
-    require_writable(output);
-    require_writable(std::filesystem::path(output).replace_extension(".png"));
-    require_writable(std::filesystem::path(output).replace_extension(".state"));
-  }
+  if (!output.empty()) require_files(output);
 
   RenderOptions options;
   if (a.spp > 0) options.end = a.spp;
@@ -194,9 +200,13 @@ int render(const Arguments& a) {
   options.replicates = a.replicates;
   options.time_limit_s = a.time_s;
   options.checkpoint_interval_s = a.checkpoint_s;
-  options.state_file = std::filesystem::path(output).replace_extension(".state");
 
   const auto scene = std::make_shared<const Scene>(load_scene(a.scene, load));
+  if (output.empty()) {
+    output = std::filesystem::path(a.scene).replace_extension(scene->film().file_extension());
+    require_files(output);
+  }
+  options.state_file = std::filesystem::path(output).replace_extension(".state");
   if (!a.quiet)
     for (const auto& note : scene->loaded().notes) fmt::print(stderr, "note: {}\n", note);
   if (!a.quiet)
@@ -204,6 +214,7 @@ int render(const Arguments& a) {
       for (const auto& remark : shape->remarks())
         fmt::print(stderr, "note: {}: {}\n", shape->properties().where().str(), remark);
   RenderJob job(scene, options);
+  require_format(job.state().development, a.replicates, output);
   if (!a.pixel.empty()) return replay_pixel(job, *scene, a, options);
 
   if (!a.resume && !a.restart && std::filesystem::exists(options.state_file))
@@ -275,7 +286,7 @@ void add_render_command(CLI::App& app, CommandResult& result) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand("render", "Render a scene file to an EXR and a PNG");
   c->add_option("scene", a->scene, "scene file (Mitsuba XML)")->required();
-  c->add_option("-o,--output", a->output, "output .exr (default: beside the scene)");
+  c->add_option("-o,--output", a->output, "output .exr, .hdr or .pfm (default: beside the scene)");
   c->add_option("-D,--define", a->defines, "set a $name of the scene: -D name=value")
       ->allow_extra_args(false);
   c->add_option("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");

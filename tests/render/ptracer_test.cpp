@@ -65,7 +65,7 @@ TEST_P(LightTracing, AgreesWithPathTracing) {
 
 INSTANTIATE_TEST_SUITE_P(All, LightTracing,
                          ::testing::Values("area", "border", "depth", "point", "constant", "envmap", "hide",
-                                           "smooth", "glass", "inside"),
+                                           "smooth", "glass", "inside", "rough", "mask"),
                          [](const auto& info) { return std::string(info.param); });
 
 std::shared_ptr<const Scene> small_light_scene(const std::string& extra_film = "") {

@@ -71,6 +71,13 @@ public:
 
   virtual std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t part, Vec2 u,
                                                     const Wavelengths& wavelengths) const = 0;
+  /// The same for a surface that scatters only light from the side of `facing` (zero: from all): may return
+  /// nothing, and save the rest of the work, where wo is on the other side.
+  virtual std::optional<DirectSample> sample_direct_facing(const Vec3& reference, const Vec3& /*facing*/,
+                                                           std::size_t part, Vec2 u,
+                                                           const Wavelengths& wavelengths) const {
+    return sample_direct(reference, part, u, wavelengths);
+  }
   /// Solid-angle density with which sample_direct of `point`'s part chooses it from `reference`; 0 for delta
   /// emitters.
   virtual float pdf_direct(const Vec3& reference, const SurfacePoint& point) const;

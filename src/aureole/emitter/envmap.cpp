@@ -8,6 +8,7 @@
 #include "aureole/emitter/emitter.h"
 #include "aureole/math/piecewise.h"
 #include "aureole/math/transform.h"
+#include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/upsampling.h"
@@ -37,13 +38,17 @@ public:
 
   std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
                                             const Wavelengths& w) const override {
-    return sample(distribution_, u, w);
+    return sample(distribution_, {}, u, w);
+  }
+  std::optional<DirectSample> sample_direct_facing(const Vec3&, const Vec3& facing, std::size_t, Vec2 u,
+                                                   const Wavelengths& w) const override {
+    return sample(distribution_, facing, u, w);
   }
 
   std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2 direction,
                                        const Wavelengths& w) const override {
     // No other technique finds what compensation leaves out here.
-    const auto s = sample(mis_compensation_ ? full_distribution_ : distribution_, direction, w);
+    const auto s = sample(mis_compensation_ ? full_distribution_ : distribution_, {}, direction, w);
     if (!s) return {};
     EmittedRay r = ray_from_infinity(center_, radius_, -s->wo, position);
     r.value = s->radiance;
@@ -73,13 +78,18 @@ private:
     float scale;
   };
 
-  std::optional<DirectSample> sample(const Piecewise2D& distribution, Vec2 u, const Wavelengths& w) const {
+  std::optional<DirectSample> sample(const Piecewise2D& distribution, const Vec3& facing, Vec2 u,
+                                     const Wavelengths& w) const {
     float pdf;
     const Vec2 uv = distribution.sample(u, &pdf);
-    const float theta = uv.y * kPi, phi = uv.x * 2 * kPi, sine = std::sin(theta);
+    const Vec2 phi = cos_sin_2pi(uv.x), theta = cos_sin_2pi(0.5f * uv.y);
+    const float sine = theta.y;
     if (!(pdf > 0) || !(sine > 0)) return {};
+    const Vec3 wo = frame_.to_world({phi.y * sine, theta.x, -phi.x * sine});
+    // Half of the directions: radiance is what costs.
+    if (dot(wo, facing) < 0) return {};
     DirectSample s;
-    s.wo = frame_.to_world({std::sin(phi) * sine, std::cos(theta), -std::cos(phi) * sine});
+    s.wo = wo;
     s.radiance = eval_uv(uv, w);
     s.pdf = pdf / (2 * kPi * kPi * sine);
     s.infinite = true;

@@ -47,26 +47,35 @@ public:
 
   RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream& samples,
                             const PathLog& log, float* aovs) const override {
-    // First the colours of all nested integrators, then the channels of their own, as Mitsuba has them.
     RadianceEstimate result;
-    float *colour = aovs, *out = aovs + 4 * nested_.size();
-    for (const NestedIntegrator& n : nested_) {
-      const RadianceEstimate r = n.integrator->radiance(scene, ray, w, samples, log, out);
-      if (&n == &nested_.front()) result = r;
-      meter_.rgb(r.estimate, w, colour);
-      colour[3] = r.alpha;
-      colour += 4;
-      out += n.channels.size();
+    float* own = aovs + 4 * nested_.size();
+    for (size_t k = 0; k < nested_.size(); ++k) {
+      const RadianceEstimate r = nested_[k].integrator->radiance(scene, ray, w, samples, log, own);
+      if (k == 0) result = r;
+      write_colour(r, w, aovs + 4 * k);
+      own += nested_[k].channels.size();
     }
-    const auto hit = scene.intersect(ray);
-    if (!hit) {
-      std::fill(out, aovs + names_.size(), 0.f);
-      return result;
-    }
-    SurfaceDerivatives derivatives;
-    if (needs_derivatives_) derivatives = hit->shape->derivatives(*hit);
-    for (const Kind kind : kinds_) out = write(kind, scene, ray, *hit, derivatives, w, out);
+    write_surface(scene, ray, w, own, aovs + names_.size());
     return result;
+  }
+
+  void radiance_of(const Scene& scene, std::span<CameraPath> paths) const override {
+    RadianceEstimate results[kTogether];
+    float* aovs[kTogether];
+    for (size_t i = 0; i < paths.size(); ++i) aovs[i] = paths[i].aovs, paths[i].aovs += 4 * nested_.size();
+    for (size_t k = 0; k < nested_.size(); ++k) {
+      nested_[k].integrator->radiance_of(scene, paths);
+      for (size_t i = 0; i < paths.size(); ++i) {
+        if (k == 0) results[i] = paths[i].result;
+        write_colour(paths[i].result, paths[i].wavelengths, aovs[i] + 4 * k);
+        paths[i].aovs += nested_[k].channels.size();
+      }
+    }
+    for (size_t i = 0; i < paths.size(); ++i) {
+      write_surface(scene, paths[i].ray, paths[i].wavelengths, paths[i].aovs, aovs[i] + names_.size());
+      paths[i].result = results[i];
+      paths[i].aovs = aovs[i];
+    }
   }
 
 private:
@@ -96,7 +105,26 @@ private:
     for (const char c : found->channels) names_.push_back(name + "." + c);
   }
 
-  float* write(Kind kind, const Scene& scene, const Ray& ray, const SurfacePoint& hit,
+  // Order of the channels, as Mitsuba's: the colours of all nested integrators, their own further channels,
+  // the surface.
+  void write_colour(const RadianceEstimate& r, const Wavelengths& w, float out[4]) const {
+    meter_.rgb(r.estimate, w, out);
+    out[3] = r.alpha;
+  }
+
+  void write_surface(const Scene& scene, const Ray& ray, const Wavelengths& w, float* out, float* end) const {
+    const RayTracer::Hit hit = scene.tracer().intersect(ray);
+    if (!hit) {
+      std::fill(out, end, 0.f);
+      return;
+    }
+    const SurfacePoint point = scene.surface_point(hit, ray);
+    SurfaceDerivatives derivatives;
+    if (needs_derivatives_) derivatives = point.shape->derivatives(point);
+    for (const Kind kind : kinds_) out = write(kind, hit.shape, ray, point, derivatives, w, out);
+  }
+
+  float* write(Kind kind, std::uint32_t shape_index, const Ray& ray, const SurfacePoint& hit,
                const SurfaceDerivatives& derivatives, const Wavelengths& w, float* out) const {
     const auto vector = [&](const Vec3& v) {
       for (int i = 0; i < 3; ++i) *out++ = v[i];
@@ -122,7 +150,7 @@ private:
       case Kind::geo_normal:
         return vector(hit.ng);
       case Kind::sh_normal:
-        return vector(hit.shading.n);
+        return vector(hit.shading.to_world(hit.shape->bsdf()->shading_normal(hit)));
       case Kind::dp_du:
         return vector(derivatives.dp_du);
       case Kind::dp_dv:
@@ -131,7 +159,7 @@ private:
         *out++ = float(hit.primitive);
         return out;
       case Kind::shape_index:
-        *out++ = float(scene.shape_index(ray).value_or(0) + 1);
+        *out++ = float(shape_index + 1);
         return out;
     }
     return out;

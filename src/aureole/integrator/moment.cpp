@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Second moments of the samples of other integrators, for the variance of a sample: m2 - mean^2.
 #include <algorithm>
+#include <span>
 
 #include "aureole/integrator/channels.h"
 #include "aureole/plugin/registry.h"
@@ -28,19 +29,42 @@ public:
                             const PathLog& log, float* aovs) const override {
     RadianceEstimate result;
     float* out = aovs;
-    for (const NestedIntegrator& n : nested_) {
-      const RadianceEstimate r = n.integrator->radiance(scene, ray, w, samples, log, out);
-      if (&n == &nested_.front()) result = r;
-      out += n.channels.size();
-      double xyz[3];
-      meter_.xyz(r.estimate, w, xyz);
-      out = std::copy(xyz, xyz + 3, out);
+    for (size_t k = 0; k < nested_.size(); ++k) {
+      const RadianceEstimate r = nested_[k].integrator->radiance(scene, ray, w, samples, log, out);
+      if (k == 0) result = r;
+      out = write_colour(r, w, out + nested_[k].channels.size());
     }
-    for (size_t i = 0; i < first_moments_; ++i) aovs[first_moments_ + i] = aovs[i] * aovs[i];
+    write_squares(aovs);
     return result;
   }
 
+  void radiance_of(const Scene& scene, std::span<CameraPath> paths) const override {
+    RadianceEstimate results[kTogether];
+    for (size_t k = 0; k < nested_.size(); ++k) {
+      nested_[k].integrator->radiance_of(scene, paths);
+      for (size_t i = 0; i < paths.size(); ++i) {
+        CameraPath& p = paths[i];
+        if (k == 0) results[i] = p.result;
+        p.aovs = write_colour(p.result, p.wavelengths, p.aovs + nested_[k].channels.size());
+      }
+    }
+    for (size_t i = 0; i < paths.size(); ++i) {
+      paths[i].result = results[i];
+      paths[i].aovs -= first_moments_;
+      write_squares(paths[i].aovs);
+    }
+  }
+
 private:
+  float* write_colour(const RadianceEstimate& r, const Wavelengths& w, float* out) const {
+    double xyz[3];
+    meter_.xyz(r.estimate, w, xyz);
+    return std::copy(xyz, xyz + 3, out);
+  }
+  void write_squares(float* aovs) const {
+    for (size_t i = 0; i < first_moments_; ++i) aovs[first_moments_ + i] = aovs[i] * aovs[i];
+  }
+
   std::vector<NestedIntegrator> nested_;
   ColourMeter meter_;
   std::vector<std::string> names_;

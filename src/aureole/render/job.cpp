@@ -131,32 +131,34 @@ void RenderJob::resume(RenderState state) {
   wrote_state_ = true;
 }
 
-RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int replicate,
-                                           const PathLog& log, float* measured) const {
+CameraPath RenderJob::camera_path(int x, int y, std::int64_t index, int replicate, Sample* sample) const {
   const Film& film = scene_->film();
   const Sensor& sensor = scene_->sensor();
   const std::uint64_t pixel =
       std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
   const std::uint64_t key = combine_bits(combine_bits(seed_, std::uint64_t(replicate)), pixel);
-  SampleStream stream(sensor.sampler(), key, std::uint32_t(index));
-  const Vec2 u = stream.get2(0);
-  const Wavelengths w = scene_->wavelengths().sample(stream.get1(2));
-  Sample s;
-  s.position = {float(x) + u.x, float(y) + u.y};
-  const Vec2 on_film{s.position.x + float(film.crop_x()), s.position.y + float(film.crop_y())};
+  CameraPath path;
+  path.samples = SampleStream(sensor.sampler(), key, std::uint32_t(index));
+  const Vec2 u = path.samples.get2(SampleStream::kFilm);
+  path.wavelengths = scene_->wavelengths().sample(path.samples.get1(SampleStream::kWavelengthSet),
+                                                  path.samples.get1(SampleStream::kHero));
+  sample->position = {float(x) + u.x, float(y) + u.y};
+  const Vec2 on_film{sample->position.x + float(film.crop_x()), sample->position.y + float(film.crop_y())};
   const bool lens = sensor.uses_lens();
-  const SensorRay camera = sensor.sample_ray(on_film, lens ? stream.get2(3) : Vec2{});
-  stream.set_first(lens ? 5 : 3);
-  const RadianceEstimate r =
-      integrator_->radiance(*scene_, camera.ray, w, stream, log, measured + film.measured_channels());
-  s.alpha = r.alpha;
-  s.valid = is_valid_radiance(r.estimate);
-  if (s.valid) {
-    film.measure(r.estimate * camera.weight, w, measured);
-    for (int c = 0; c < state_.identity.measured_channels; ++c)
-      s.valid &= std::abs(measured[c]) < kFixedLimit;
-  }
-  return s;
+  const SensorRay camera = sensor.sample_ray(on_film, lens ? path.samples.get2(SampleStream::kLens) : Vec2{});
+  path.samples.set_first(SampleStream::camera_dimensions(lens));
+  path.ray = camera.ray;
+  sample->weight = camera.weight;
+  return path;
+}
+
+void RenderJob::measure(const CameraPath& path, Sample& sample, float* measured) const {
+  sample.alpha = path.result.alpha;
+  sample.valid = is_valid_radiance(path.result.estimate);
+  if (!sample.valid) return;
+  scene_->film().measure(path.result.estimate * sample.weight, path.wavelengths, measured);
+  for (int c = 0; c < state_.identity.measured_channels; ++c)
+    sample.valid &= std::abs(measured[c]) < kFixedLimit;
 }
 
 void RenderJob::render_light_unit(std::int64_t unit) {
@@ -197,21 +199,32 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   const int width = x1 - x0 + 2 * border, height = y1 - y0 + 2 * border;
   sums.assign(size_t(width) * size_t(height) * size_t(stride), 0.f);
   std::vector<InvalidSample> invalid;
-  std::vector<float> measured(size_t(channels), 0.f);
-  static const PathLog no_log;
+  std::vector<float> measured(size_t(channels * kSampleBlock), 0.f);
   float wx[kMaxReach], wy[kMaxReach];
   const int reach = 2 * border + 1;
+  const int aovs = int(integrator_->aov_names().size()), film_channels = channels - aovs;
+  CameraPath paths[kSampleBlock];
+  Sample samples[kSampleBlock];
+  static_assert(kSampleBlock <= RadianceIntegrator::kTogether);
+  const int count = int(last - first);
   for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x)
-      for (std::int64_t i = first; i < last; ++i) {
-        const Sample s = render_sample(x, y, i, replicate, no_log, measured.data());
+    for (int x = x0; x < x1; ++x) {
+      for (int i = 0; i < count; ++i) {
+        paths[i] = camera_path(x, y, first + i, replicate, &samples[i]);
+        paths[i].aovs = &measured[size_t(i * channels + film_channels)];
+      }
+      integrator_->radiance_of(*scene_, std::span(paths, size_t(count)));
+      for (int i = 0; i < count; ++i) {
+        Sample& s = samples[i];
+        const float* values = &measured[size_t(i * channels)];
+        measure(paths[i], s, &measured[size_t(i * channels)]);
         if (!s.valid) {
-          invalid.push_back({x + scene_->film().crop_x(), y + scene_->film().crop_y(), replicate, i});
+          invalid.push_back({x + scene_->film().crop_x(), y + scene_->film().crop_y(), replicate, first + i});
           continue;
         }
         if (border == 0) {
           float* p = &sums[(size_t(y - y0) * size_t(width) + size_t(x - x0)) * size_t(stride)];
-          for (int c = 0; c < channels; ++c) p[c] += measured[size_t(c)];
+          for (int c = 0; c < channels; ++c) p[c] += values[c];
           p[channels] += s.alpha;
           p[channels + 1] += 1;
           continue;
@@ -224,12 +237,13 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
           float* p = &sums[(size_t(y - y0 + j) * size_t(width) + size_t(x - x0)) * size_t(stride)];
           for (int k = 0; k < reach; ++k, p += stride) {
             const float weight = wx[k] * wy[j];
-            for (int c = 0; c < channels; ++c) p[c] += weight * measured[size_t(c)];
+            for (int c = 0; c < channels; ++c) p[c] += weight * values[c];
             p[channels] += weight * s.alpha;
             p[channels + 1] += weight;
           }
         }
       }
+    }
   const std::lock_guard guard(lock_->mutex);
   state_.films[size_t(replicate)].add(x0 - border, y0 - border, width, height, sums.data());
   state_.done[size_t(unit)] = 1;
@@ -346,8 +360,11 @@ std::optional<std::vector<float>> RenderJob::replay(int x, int y, std::int64_t s
     return path.measured;
   }
   std::vector<float> measured(size_t(state_.identity.measured_channels));
-  const Sample s =
-      render_sample(x - film.crop_x(), y - film.crop_y(), sample, replicate, log, measured.data());
+  Sample s;
+  CameraPath path = camera_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, &s);
+  path.result = integrator_->radiance(*scene_, path.ray, path.wavelengths, path.samples, log,
+                                      measured.data() + film.measured_channels());
+  measure(path, s, measured.data());
   if (!s.valid) return {};
   return measured;
 }

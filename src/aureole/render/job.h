@@ -80,12 +80,15 @@ public:
 private:
   struct Sample {
     Vec2 position;  ///< relative to the crop's corner
+    float weight;   ///< of the sensor
     float alpha;
     bool valid;
   };
-  /// `measured` receives the numbers of the film, then those of the integrator.
-  Sample render_sample(int x, int y, std::int64_t sample, int replicate, const PathLog& log,
-                       float* measured) const;
+  /// A sample's ray, wavelengths and random numbers; fills position and weight.
+  CameraPath camera_path(int x, int y, std::int64_t index, int replicate, Sample* sample) const;
+  /// `measured` receives the numbers of the film; those of the integrator are there already. Fills the rest
+  /// of sample.
+  void measure(const CameraPath& path, Sample& sample, float* measured) const;
   void render_unit(std::int64_t unit, std::vector<float>& sums);
   void render_light_unit(std::int64_t unit);
   void checkpoint(double seconds);

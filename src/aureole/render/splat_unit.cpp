@@ -42,10 +42,11 @@ SplatRenderer::SplatRenderer(const Scene& scene, const SplatIntegrator& integrat
     : scene_(&scene), integrator_(&integrator), filter_(filter), seed_(seed) {
   const Film& film = scene.film();
   const int outside = film.sample_border() ? filter.border() : 0;
+  area_ = FilmPart::of(film, 0, 1);
   // A splat reaches two bands at most.
   band_height_ = std::max(16, 2 * filter.border() + 1);
   band_locks_ = std::make_unique<std::mutex[]>(size_t(film.crop_height() / band_height_ + 1));
-  sample_area_ = float(film.crop_width() + 2 * outside) * float(film.crop_height() + 2 * outside);
+  sample_area_ = (area_.upper.x - area_.lower.x) * (area_.upper.y - area_.lower.y);
   weights_x_ = filter_integrals(filter, film.crop_width(), outside);
   weights_y_ = filter_integrals(filter, film.crop_height(), outside);
 }
@@ -53,7 +54,7 @@ SplatRenderer::SplatRenderer(const Scene& scene, const SplatIntegrator& integrat
 void SplatRenderer::append(Vec2 position, const Spectrum& estimate, const Wavelengths& w, SplatUnit& unit,
                            bool& valid) const {
   const Film& film = scene_->film();
-  if (!film.sample_area().contains(position)) return;
+  if (!area_.samples(position)) return;
   const size_t channels = size_t(film.measured_channels()), at = unit.measured.size();
   unit.measured.resize(at + channels);
   unit.positions.push_back(position - Vec2{float(film.crop_x()), float(film.crop_y())});
@@ -65,18 +66,20 @@ void SplatRenderer::append(Vec2 position, const Spectrum& estimate, const Wavele
 
 bool SplatRenderer::trace_path(int x, int y, std::int64_t index, int replicate, SplatUnit& unit,
                                const PathLog& log) const {
-  // As a sample of the camera has them: place on the film, wavelengths, lens.
+  // Place on the film, wavelengths and lens are those of the job's samples of the camera.
   const Film& film = scene_->film();
   const Sensor& sensor = scene_->sensor();
   const std::uint64_t pixel =
       std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
   const std::uint64_t key = combine_bits(combine_bits(seed_, std::uint64_t(replicate)), pixel);
   SampleStream stream(sensor.sampler(), key, std::uint32_t(index));
-  const Vec2 position = stream.get2(0) + Vec2{float(x + film.crop_x()), float(y + film.crop_y())};
-  const Wavelengths w = scene_->wavelengths().sample(stream.get1(2));
+  const Vec2 position =
+      stream.get2(SampleStream::kFilm) + Vec2{float(x + film.crop_x()), float(y + film.crop_y())};
+  const Wavelengths w = scene_->wavelengths().sample(stream.get1(SampleStream::kWavelengthSet),
+                                                     stream.get1(SampleStream::kHero));
   const bool lens = sensor.uses_lens();
-  const SensorRay camera = sensor.sample_ray(position, lens ? stream.get2(3) : Vec2{});
-  stream.set_first(lens ? 5 : 3);
+  const SensorRay camera = sensor.sample_ray(position, lens ? stream.get2(SampleStream::kLens) : Vec2{});
+  stream.set_first(SampleStream::camera_dimensions(lens));
 
   const size_t splats_before = unit.positions.size(), numbers_before = unit.measured.size();
   bool valid = true;

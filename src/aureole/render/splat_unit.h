@@ -57,6 +57,7 @@ private:
   const SplatIntegrator* integrator_;
   FilterTable filter_;
   std::uint64_t seed_;
+  FilmPart area_;      ///< where light counts
   float sample_area_;  ///< pixels^2: paths for each sample number
   int band_height_;
   std::unique_ptr<std::mutex[]> band_locks_;  ///< one per band of rows, so that threads add side by side

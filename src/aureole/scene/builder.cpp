@@ -143,6 +143,7 @@ void Builder::report_unknown_parameters(const Node& node, const PluginInfo& plug
   for (const Node& child : node.children) {
     const std::string name = child.get("name");
     if (!is_property(child) || name.empty() || plugin.documents(name) || unknown.has(name)) continue;
+    if (child.tag == "spectrum" && plugin.documents("(any name)")) continue;
     unknown.add(name, false, child.where);
   }
   unknown.report_unused(diagnostics_);

@@ -189,6 +189,10 @@ float LightSampler::importance(const Node& node, const Vec3& p, const Vec3& n) {
 }
 
 std::optional<LightChoice> LightSampler::choose(const Vec3& p, const Vec3& n, float u) const {
+  if (is_single()) {
+    if (!infinite_.empty()) return LightChoice{infinite_[0], 0, 1};
+    return LightChoice{leaves_[0].emitter, leaves_[0].part, 1};
+  }
   if (empty()) return {};
   const float p_infinite = infinite_probability();
   if (u < p_infinite) {
@@ -234,6 +238,7 @@ std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
 
 float LightSampler::probability(const Vec3& p, const Vec3& n, const Emitter* emitter,
                                 std::size_t part) const {
+  if (is_single()) return 1;
   if (emitter->is_infinite()) return infinite_.empty() ? 0 : infinite_probability() / float(infinite_.size());
   const auto first = first_leaf_.find(emitter);
   if (first == first_leaf_.end()) return 0;

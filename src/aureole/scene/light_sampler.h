@@ -34,6 +34,8 @@ public:
   /// since a float cannot tell the parts of a large mesh apart.
   std::optional<LightChoice> choose_by_power(Vec2 u) const;
 
+  /// There is nothing to choose: `choose` does not look at u.
+  bool is_single() const { return infinite_.size() + leaves_.size() == 1; }
   bool empty() const { return infinite_.empty() && nodes_.empty(); }
   std::size_t leaf_count() const { return leaves_.size(); }
 

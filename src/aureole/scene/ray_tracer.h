@@ -26,6 +26,13 @@ public:
   };
   Hit intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
+
+  /// Up to 16 rays at once. The answers are the same as one by one, bit for bit
+  /// (tests/scene/packet_test.cpp).
+  static constexpr int kPacket = 16;
+  enum class Rays { coherent, incoherent };
+  void intersect(const Ray* rays, int n, Rays kind, Hit* hits) const;
+  void occluded(const Ray* rays, int n, Rays kind, bool* blocked) const;
   Bounds3 bounds() const { return bounds_; }
 
 private:

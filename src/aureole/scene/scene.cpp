@@ -25,6 +25,20 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
       shape->shared_emitter()->attach(*shape);
       emitters_.push_back(shape->emitter());
     }
+  constexpr std::size_t kFewEmitters = 8;
+  if (std::none_of(loaded_.emitters.begin(), loaded_.emitters.end(),
+                   [](const auto& e) { return e->is_infinite(); }) &&
+      emitters_.size() <= kFewEmitters)
+    for (const auto& shape : shapes_)
+      if (shape->emitter()) {
+        Bounds3 b = shape->bounds();
+        // As far as a hit may lie outside by rounding.
+        const Vec3 margin = (abs(b.lower) + abs(b.upper)) * 1e-5f;
+        b.lower = b.lower - margin, b.upper = b.upper + margin;
+        emitter_bounds_.push_back(b);
+      }
+  for (const auto& shape : shapes_)
+    if (shape->sensor()) shape->sensor()->attach(*shape);
   for (const auto& shape : shapes_) any_passable_ |= shape->is_passable();
   tracer_ = std::make_unique<RayTracer>(shapes_);
 
@@ -67,20 +81,44 @@ Spectrum Scene::null_transmittance(const SurfacePoint& point, const Vec3& d, con
   return bsdf.null_transmittance(point.shading.to_local(-d), BsdfContext{w, point});
 }
 
+bool Scene::may_meet_emitter(const Ray& ray) const {
+  if (emitter_bounds_.empty()) return true;
+  const Vec3 inverse{1 / ray.d.x, 1 / ray.d.y, 1 / ray.d.z};
+  for (const Bounds3& b : emitter_bounds_) {
+    float near = 0, far = ray.t_max;
+    for (int k = 0; k < 3; ++k) {
+      const float t0 = (b.lower[k] - ray.o[k]) * inverse[k], t1 = (b.upper[k] - ray.o[k]) * inverse[k];
+      // NaN, of a ray within a face, leaves the interval as it is.
+      near = std::max(near, std::min(t0, t1)), far = std::min(far, std::max(t0, t1));
+    }
+    // Rounding of the distances, relative to themselves.
+    if (near <= far * 1.0001f) return true;
+  }
+  return false;
+}
+
+namespace {
+/// The far end of a connection from `o`, off its surface, so that the segment needs no shortening by a
+/// constant. The rounding of the ray's own arithmetic counts too: direction, distance and differences of the
+/// length of the segment (gamma(10) of each).
+Vec3 connection_target(const Vec3& o, const DirectSample& to) {
+  constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
+  const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * kGamma10;
+  return offset_origin(to.p, p_error, to.ng, -to.wo);
+}
+}  // namespace
+
+Ray Scene::connection_ray(const SurfacePoint& from, const DirectSample& to) {
+  const Vec3 o = offset_origin(from, to.wo);
+  if (to.infinite) return {o, to.wo, kInfinity};
+  return {o, connection_target(o, to) - o, 1};
+}
+
 Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
                         bool through_emitters) const {
-  Ray ray{offset_origin(from, to.wo), to.wo, kInfinity};
-  Vec3 target;
-  if (!to.infinite) {
-    // Both ends lie off their surfaces, so that the segment needs no shortening by a constant. At the far end
-    // the rounding of the ray's own arithmetic counts too: direction, distance and differences of the length
-    // of the segment (gamma(10) of each).
-    constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
-    const Vec3 p_error = to.p_error + (abs(ray.o) + abs(to.p) + abs(to.p - ray.o)) * kGamma10;
-    target = offset_origin(to.p, p_error, to.ng, -to.wo);
-    ray.d = target - ray.o, ray.t_max = 1;
-  }
-  if (!any_passable_ && !through_emitters) return tracer_->occluded(ray) ? 0.f : 1.f;
+  Ray ray = connection_ray(from, to);
+  if (has_binary_visibility() && !through_emitters) return tracer_->occluded(ray) ? 0.f : 1.f;
+  const Vec3 target = to.infinite ? Vec3{} : connection_target(ray.o, to);
   Spectrum passed = 1.f;
   while (const auto hit = intersect(ray)) {
     if (!(through_emitters && hit->shape->emitter())) passed *= null_transmittance(*hit, to.wo, w);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "aureole/scene/upgrade_adapters.h"
 #include "aureole/scene/values.h"
 
 namespace aureole {
@@ -185,10 +186,11 @@ void upgrade_node(Node& node, Diagnostics& diagnostics) {
   const std::string type = node.get("type");
   if (node.tag == "bsdf") {
     for (Node& child : node.children) {
-      if (type == "diffuse") rename(child, "diffuse_reflectance", "reflectance");
+      if (type == "diffuse" || type == "roughdiffuse") rename(child, "diffuse_reflectance", "reflectance");
       rename(child, "ext_eta", "ext_ior");
     }
     if (type.ends_with("conductor")) drop_vacuum_around_conductor(node, diagnostics);
+    upgrade_adapter(node, diagnostics);
   }
   if (node.tag == "texture" && type == "bitmap") upgrade_bitmap(node, diagnostics);
   if (node.tag == "film" && type == "ldrfilm") upgrade_ldrfilm(node, diagnostics);

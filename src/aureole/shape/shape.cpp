@@ -3,6 +3,7 @@
 
 #include "aureole/emitter/emitter.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/sensor/sensor.h"
 #include "aureole/shape/shape_docs.h"
 
 namespace aureole {
@@ -31,8 +32,12 @@ std::shared_ptr<T> only_child(const Properties& properties, const char* name) {
 
 Shape::Shape(const Properties& properties) : Object(properties) {
   emitter_ = only_child<Emitter>(properties, "emitter");
+  sensor_ = only_child<Sensor>(properties, "sensor");
   bsdf_ = only_child<Bsdf>(properties, "bsdf");
   if (!bsdf_) bsdf_ = default_bsdf(properties, emitter_ != nullptr);
+  lobes_ = bsdf_->lobes();
+  needs_tangent_ = bsdf_->needs_tangent();
+  needs_choice_ = bsdf_->needs_choice();
 }
 
 Shape::~Shape() = default;
@@ -41,6 +46,7 @@ std::vector<ParameterDoc> shape_parameters(std::vector<ParameterDoc> own) {
   own.push_back(
       {"bsdf", "bsdf", "", "diffuse of reflectance 0.5, or 0 on an emitter", "What the surface is made of."});
   own.push_back({"emitter", "emitter", "", "none", "Makes the surface shine; usually an area emitter."});
+  own.push_back({"sensor", "sensor", "", "none", "Measures on the surface: an irradiancemeter."});
   own.push_back(
       {"to_world", "transform", "", "identity", "From the shape's own coordinates to those of the scene."});
   own.push_back(

@@ -15,6 +15,7 @@
 namespace aureole {
 
 class Emitter;
+class Sensor;
 
 /// A point of a shape chosen by `sample_direct` or `sample_area`.
 struct ShapeSample {
@@ -26,15 +27,23 @@ struct ShapeSample {
 class Shape : public Object {
 public:
   static constexpr const char* kFamily = "a shape";
-  /// Reads the children every shape may have: bsdf (default: diffuse .5, black on emitters) and emitter.
+  /// Reads the children every shape may have: bsdf (default: diffuse .5, black on emitters), emitter and
+  /// sensor.
   explicit Shape(const Properties& properties);
   ~Shape() override;
 
   const BsdfPtr& bsdf() const { return bsdf_; }
+  /// The shading frame's s must lie along dp/du; else any frame around the normal does.
+  bool needs_tangent() const { return needs_tangent_; }
+  // Answers of the BSDF that every vertex asks for.
+  Lobe lobes() const { return lobes_; }
+  bool needs_choice() const { return needs_choice_; }
   /// Some light may pass straight through it.
   virtual bool is_passable() const { return bsdf_->is_passable(); }
   const Emitter* emitter() const { return emitter_.get(); }
   const std::shared_ptr<Emitter>& shared_emitter() const { return emitter_; }
+  /// The sensor that sits on it, or null.
+  const std::shared_ptr<Sensor>& sensor() const { return sensor_; }
 
   /// An Embree geometry for this shape, committed, owned by the caller. Buffers are shared with the shape,
   /// which outlives it.
@@ -75,6 +84,9 @@ protected:
 private:
   BsdfPtr bsdf_;
   std::shared_ptr<Emitter> emitter_;
+  Lobe lobes_ = Lobe::none;
+  bool needs_tangent_ = true, needs_choice_ = true;
+  std::shared_ptr<Sensor> sensor_;
 };
 using ShapePtr = std::shared_ptr<Shape>;
 
