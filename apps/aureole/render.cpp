@@ -105,6 +105,24 @@ private:
   std::thread thread_;
 };
 
+int replay_light_paths(const RenderJob& job, const Scene& scene, int x, int y, std::int64_t begin,
+                       std::int64_t end, const PathLog& log) {
+  fmt::print(
+      "paths of \"{}\" start at emitters and belong to no pixel: these are the paths that are counted as "
+      "samples of pixel ({}, {}), wherever they go\n",
+      scene.integrator_object()->properties().type(), x, y);
+  const size_t channels = size_t(scene.film().measured_channels());
+  for (std::int64_t i = begin; i < end; ++i) {
+    if (log) fmt::print("path {}\n", i);
+    const auto measured = job.replay(x, y, i, 0, log);
+    if (!measured)
+      fmt::print("path {}: INVALID (NaN, infinite or negative radiance)\n", i);
+    else if (log)
+      fmt::print("  {} splats on the film\n", measured->size() / channels);
+  }
+  return 0;
+}
+
 int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, const RenderOptions& options) {
   const auto [x, y] = parse_pair(a.pixel, ',', "--pixel");
   const Film& film = scene.film();
@@ -113,25 +131,28 @@ int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, c
     throw Error(fmt::format("--pixel {}: outside the film ({} x {})", a.pixel, film.width(), film.height()));
   const std::int64_t end = options.end.value_or(scene.sensor().sampler().sample_count());
   const bool verbose = end - options.begin <= 16;
+  const PathLog log =
+      verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog();
+  if (job.traces_light()) return replay_light_paths(job, scene, int(x), int(y), options.begin, end, log);
   std::vector<double> sum;
   std::int64_t valid = 0;
   for (std::int64_t i = options.begin; i < end; ++i) {
     if (verbose) fmt::print("sample {}\n", i);
-    const auto measured =
-        job.replay(int(x), int(y), i, 0,
-                   verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog());
-    if (measured.empty()) {
+    const auto measured = job.replay(int(x), int(y), i, 0, log);
+    if (!measured) {
       fmt::print("sample {}: INVALID (NaN, infinite or negative radiance)\n", i);
       continue;
     }
-    sum.resize(measured.size());
-    for (size_t c = 0; c < measured.size(); ++c) sum[c] += measured[c];
+    sum.resize(measured->size());
+    for (size_t c = 0; c < measured->size(); ++c) sum[c] += (*measured)[c];
     ++valid;
-    if (verbose) fmt::print("  measured {:.7g}\n", fmt::join(measured, ", "));
+    if (verbose) fmt::print("  measured {:.7g}\n", fmt::join(*measured, ", "));
   }
   for (double& s : sum) s /= double(std::max<std::int64_t>(1, valid));
   fmt::print("pixel ({}, {}): mean of {} samples {:.7g}{}\n", x, y, valid, fmt::join(sum, ", "),
-             film.properties().type() == "hdrfilm" && film.measured_channels() == 3 ? " (X, Y, Z)" : "");
+             film.properties().type() != "hdrfilm" || film.measured_channels() != 3 ? ""
+             : sum.size() > 3 ? " (X, Y, Z, then the integrator's channels)"
+                              : " (X, Y, Z)");
   return 0;
 }
 
@@ -277,7 +298,8 @@ void add_render_command(CLI::App& app, CommandResult& result) {
   c->add_option("--replicates", a->replicates,
                 "render R independently scrambled pictures; store their mean and its variance");
   c->add_option("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
-  c->add_option("--integrator", a->integrator, "replace the scene's integrator: path, direct");
+  c->add_option("--integrator", a->integrator,
+                "replace the scene's integrator: path, direct, ptracer, depth, ...");
   c->add_option("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");
   c->add_option("--pixel", a->pixel, "replay one pixel, x,y, and print what happens");
   c->add_flag("--resume", a->resume, "continue from the checkpoint of the same command");

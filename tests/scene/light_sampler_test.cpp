@@ -169,6 +169,33 @@ TEST(LightSampler, ManyLightsAreCheapAndFollowTheLight) {
   EXPECT_GT(sum, 0);
 }
 
+TEST(LightSampler, ChoiceByPowerHasItsProbability) {
+  TestRandom random(6);
+  const auto scene =
+      scene_with(random_lights(random, 12, 2) +
+                 "<emitter type=\"constant\"><float name=\"radiance\" value=\"0.01\"/></emitter>"
+                 "<emitter type=\"point\"><float name=\"intensity\" value=\"0\"/></emitter>");
+  std::map<std::pair<const Emitter*, std::size_t>, std::pair<int, float>> found;
+  constexpr int samples = 100000;
+  for (int i = 0; i < samples; ++i) {
+    const auto c = scene->lights().choose_by_power({(float(i) + 0.5f) / samples, 0.5f});
+    ASSERT_TRUE(c);
+    auto& [count, probability] = found[{c->emitter, c->part}];
+    ++count, probability = c->probability;
+  }
+  double total = 0;
+  for (const auto& [part, f] : found) {
+    EXPECT_NEAR(double(f.first) / samples, f.second, 2.0 / samples);
+    total += f.second;
+  }
+  EXPECT_NEAR(total, 1, 1e-5);
+  std::size_t parts = 0;
+  for (const Emitter* e : scene->emitters()) parts += e->part_count();
+  EXPECT_EQ(found.size(), parts - 1) << "all but the one without power";
+  EXPECT_TRUE(scene->lights().choose_by_power({0x1.fffffep-1f, 0x1.fffffep-1f}));
+  EXPECT_FALSE(scene_with("")->lights().choose_by_power({0.5f, 0.5f}));
+}
+
 TEST(LightSampler, OneLightIsCertain) {
   const auto scene =
       scene_with("<emitter type=\"point\"><point name=\"position\" x=\"1\" y=\"2\" z=\"3\"/></emitter>");

@@ -49,6 +49,11 @@ public:
     return sum;
   }
 
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
+    return lerp(nested_[0]->diffuse_reflectance(wi, ctx), nested_[1]->diffuse_reflectance(wi, ctx),
+                weight_at(ctx.point));
+  }
+
   Lobe lobes() const override { return lobes_; }
 
 private:

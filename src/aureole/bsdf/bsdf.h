@@ -5,6 +5,7 @@
 // wavelength.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -81,6 +82,15 @@ public:
   /// What passes straight through as if nothing were there: value of the `null` lobe for light that arrives
   /// from wi. `sample` draws that lobe (wo = -wi) with a mass that is the same for all wavelengths.
   virtual Spectrum null_transmittance(const Vec3& /*wi*/, const BsdfContext& /*ctx*/) const { return 0.f; }
+
+  /// The diffuse reflectance, roughly, as denoisers want it beside a picture: pi f along the normal on the
+  /// side of wi, at most 1. Without delta lobes; glossy ones count as far as they reflect there.
+  virtual Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const {
+    return min(eval(wi, {0, 0, std::copysign(1.f, wi.z)}, ctx) * kPi, 1.f);
+  }
+
+  /// The shading normal in local coordinates, where the BSDF turns it.
+  virtual Vec3 shading_normal(const SurfacePoint& /*point*/) const { return {0, 0, 1}; }
 
   virtual Lobe lobes() const = 0;
   /// `sample` looks at u1.

@@ -41,6 +41,12 @@ public:
     return nested_->is_passable() ? open + nested_->null_transmittance(wi, ctx) * opacity : open;
   }
 
+  // Of what is there: how much of it there is, alpha tells.
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
+    return nested_->diffuse_reflectance(wi, ctx);
+  }
+  Vec3 shading_normal(const SurfacePoint& point) const override { return nested_->shading_normal(point); }
+
   Lobe lobes() const override { return lobes_; }
 
 private:

@@ -25,6 +25,10 @@ public:
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const final;
   Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const final;
   Lobe lobes() const final { return nested_->lobes(); }
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const final {
+    return nested_->diffuse_reflectance(wi, ctx);
+  }
+  Vec3 shading_normal(const SurfacePoint& point) const final { return unit_normal(point); }
 
 protected:
   /// The turned normal in local coordinates, of any length but zero, finite.

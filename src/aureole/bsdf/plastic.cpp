@@ -46,6 +46,10 @@ public:
   }
 
   bool needs_tangent() const override { return false; }
+  Spectrum diffuse_reflectance(const Vec3&, const BsdfContext& ctx) const override {
+    return diffuse_->eval(ctx.point, ctx.wavelengths);
+  }
+
   Lobe lobes() const override { return Lobe::diffuse | Lobe::delta | Lobe::reflect; }
 
 private:

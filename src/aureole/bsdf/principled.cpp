@@ -109,6 +109,10 @@ public:
     return BsdfSample{wo, e.value, e.pdf, lobe, through ? s.eta : 1};
   }
 
+  Spectrum diffuse_reflectance(const Vec3&, const BsdfContext& ctx) const override {
+    return base_color_.eval(ctx);
+  }
+
   Lobe lobes() const override {
     const Lobe reflected = Lobe::diffuse | Lobe::glossy | Lobe::reflect;
     return transmits_ ? reflected | Lobe::transmit : reflected;

@@ -73,6 +73,10 @@ public:
     return BsdfSample{wo, e.value, e.pdf, lobe};
   }
 
+  Spectrum diffuse_reflectance(const Vec3&, const BsdfContext& ctx) const override {
+    return base_color_.eval(ctx);
+  }
+
   Lobe lobes() const override {
     Lobe all = Lobe::diffuse | Lobe::reflect;
     if (spec_trans_.maximum() > 0) all = all | Lobe::glossy | Lobe::transmit;

@@ -91,6 +91,10 @@ public:
     return BsdfSample{wo, e.value, e.pdf, Lobe::reflect | (specular ? Lobe::glossy : Lobe::diffuse)};
   }
 
+  Spectrum diffuse_reflectance(const Vec3&, const BsdfContext& ctx) const override {
+    return diffuse_->eval(ctx.point, ctx.wavelengths);
+  }
+
   Lobe lobes() const override { return Lobe::diffuse | Lobe::glossy | Lobe::reflect; }
 
 private:

@@ -35,6 +35,12 @@ public:
     return s;
   }
 
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
+    return wi.z > 0 ? front_->diffuse_reflectance(wi, ctx) : back_->diffuse_reflectance(flip(wi), ctx);
+  }
+
+  Vec3 shading_normal(const SurfacePoint& point) const override { return front_->shading_normal(point); }
+
   bool needs_choice() const override { return front_->needs_choice() || (differ() && back_->needs_choice()); }
   bool needs_tangent() const override {
     return front_->needs_tangent() || (differ() && back_->needs_tangent());

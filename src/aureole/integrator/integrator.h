@@ -75,6 +75,11 @@ public:
   /// over the density of the path, as Film::measure takes it.
   virtual void trace(const Scene& scene, const Wavelengths& wavelengths, SampleStream& samples,
                      std::vector<Splat>& splats, const PathLog& log) const = 0;
+  /// The rest of the radiance along a ray of the sensor: what light paths do not bring to the film, such as
+  /// the background. As RadianceIntegrator::radiance estimates it.
+  virtual Spectrum seen_directly(const Scene&, const Ray&, const Wavelengths&, const PathLog&) const {
+    return 0.f;
+  }
 };
 
 }  // namespace aureole

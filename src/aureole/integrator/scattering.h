@@ -16,11 +16,11 @@ namespace aureole {
 class SurfaceVertex {
 public:
   SurfaceVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w,
-                std::uint32_t key = 0)
+                std::uint32_t key = 0, TransportMode mode = TransportMode::radiance)
       : point_(&point),
         bsdf_(point.shape->bsdf().get()),
         lobes_(point.shape->lobes()),
-        context_{w, point, TransportMode::radiance, key},
+        context_{w, point, mode, key},
         wi_(point.shading.to_local(to_previous)),
         wi_side_(dot(point.ng, to_previous)) {}
 
@@ -50,6 +50,15 @@ public:
     if (!consistent(s->wo, world)) return {};
     s->wo = normalize(world);
     return s;
+  }
+
+  /// What a light path (importance mode) multiplies a value by, so that it finds what a path from the sensor
+  /// finds where the shading normal differs from the geometric one (Veach 1997, section 5.3.2): the value
+  /// holds the cosine with the shading normal of the direction that light leaves to, and belongs with that of
+  /// the direction it comes from, while light leaves and arrives by the geometric normal.
+  float adjoint_correction(const Vec3& world_wo) const {
+    const float below = std::abs(wi_side_ * dot(point_->shading.n, world_wo));
+    return below > 0 ? std::abs(wi_.z * dot(point_->ng, world_wo)) / below : 0.f;
   }
 
 private:

@@ -8,15 +8,18 @@
 #include <chrono>
 #include <fstream>
 #include <mutex>
+#include <shared_mutex>
 
 #include "aureole/core/parallel.h"
 #include "aureole/core/random.h"
 #include "aureole/core/version.h"
+#include "aureole/render/splat_unit.h"
 
 namespace aureole {
 
 struct RenderJob::Lock {
   std::mutex mutex;
+  std::shared_mutex splats;  ///< locked after `mutex`; shared by threads that add splats
 };
 
 namespace {
@@ -67,8 +70,10 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
       options_(options),
       filter_(scene_->film().filter()),
       lock_(std::make_shared<Lock>()) {
-  integrator_ = dynamic_cast<const RadianceIntegrator*>(scene_->integrator_object().get());
-  if (!integrator_) throw Error("the scene has no integrator");
+  const Object* integrator = scene_->integrator_object().get();
+  integrator_ = dynamic_cast<const RadianceIntegrator*>(integrator);
+  const auto* light_tracer = dynamic_cast<const SplatIntegrator*>(integrator);
+  if (!integrator_ && !light_tracer) throw Error("the scene has no integrator");
   const Film& film = scene_->film();
   const Sampler& sampler = scene_->sensor().sampler();
   const std::int64_t end = options_.end.value_or(sampler.sample_count());
@@ -86,11 +91,12 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   if (end > std::int64_t(1) << 32)
     throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options_.begin, end));
   seed_ = options_.seed.value_or(sampler.seed());
+  if (light_tracer) splats_ = std::make_shared<SplatRenderer>(*scene_, *light_tracer, filter_, seed_);
 
   // A copy is needed to save or show it; a byte per work unit keeps account.
   const double units = double(film.crop_width() / kTileSize + 2) * (film.crop_height() / kTileSize + 2) *
                        options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
-  const std::vector<std::string> aovs = integrator_->aov_names();
+  const std::vector<std::string> aovs = integrator_ ? integrator_->aov_names() : std::vector<std::string>();
   const int channels = film.measured_channels() + int(aovs.size());
   const double needed =
       2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates));
@@ -109,7 +115,7 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   id.scene = scene_->loaded().file.filename().string();
   id.version = kVersion;
   id.sampler = sampler.properties().type();
-  id.integrator = integrator_->properties().type();
+  id.integrator = integrator->properties().type();
   id.scene_hash = scene_->hash();
   id.seed = seed_;
   id.wavelengths = kWavelengths;
@@ -158,7 +164,27 @@ void RenderJob::measure(const CameraPath& path, Sample& sample, float* measured)
     sample.valid &= std::abs(measured[c]) < kFixedLimit;
 }
 
+void RenderJob::render_light_unit(std::int64_t unit) {
+  SplatUnit result;
+  splats_->trace(state_, unit, result);
+  std::shared_lock adding(lock_->splats, std::defer_lock);
+  {
+    // Counted as done before it is added, and not looked at before it is: who looks holds both locks, and
+    // while he waits for the second nobody begins to add.
+    const std::lock_guard guard(lock_->mutex);
+    state_.done[size_t(unit)] = 1;
+    state_.invalid_samples += result.invalid.size();
+    for (const auto& s : result.invalid)
+      if (invalid_.size() < 16)
+        invalid_.push_back(
+            {s.x + scene_->film().crop_x(), s.y + scene_->film().crop_y(), result.replicate, s.sample});
+    adding.lock();
+  }
+  splats_->add(result, state_.films);
+}
+
 void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
+  if (splats_) return render_light_unit(unit);
   // Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
   const std::int64_t tiles = state_.tiles();
   const std::int64_t tile = unit % tiles;
@@ -231,7 +257,10 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
 
 RenderState RenderJob::snapshot() const {
   const std::lock_guard guard(lock_->mutex);
-  return state_;
+  const std::lock_guard alone(lock_->splats);
+  RenderState copy = state_;
+  if (splats_) splats_->set_weights(copy);
+  return copy;
 }
 
 RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
@@ -297,14 +326,18 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
     checkpoint(spent_before + seconds);
   } else {
     const std::lock_guard guard(lock_->mutex);
+    const std::lock_guard alone(lock_->splats);
     state_.seconds = spent_before + seconds;
+    if (splats_) splats_->set_weights(state_);
   }
   return complete ? Outcome::finished : out_of_time ? Outcome::time_limit : Outcome::interrupted;
 }
 
 void RenderJob::checkpoint(double seconds) {
   const std::lock_guard guard(lock_->mutex);
+  const std::lock_guard alone(lock_->splats);
   state_.seconds = seconds;
+  if (splats_) splats_->set_weights(state_);
   try {
     state_.save(options_.state_file);
     wrote_state_ = true;
@@ -321,16 +354,21 @@ void RenderJob::remove_state() const {
     std::filesystem::remove(options_.state_file, ignored);
 }
 
-std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
-                                     const PathLog& log) const {
+std::optional<std::vector<float>> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
+                                                    const PathLog& log) const {
   const Film& film = scene_->film();
+  if (splats_) {
+    SplatUnit path;
+    if (!splats_->trace_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, path, log)) return {};
+    return path.measured;
+  }
   std::vector<float> measured(size_t(state_.identity.measured_channels));
   Sample s;
   CameraPath path = camera_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, &s);
   path.result = integrator_->radiance(*scene_, path.ray, path.wavelengths, path.samples, log,
                                       measured.data() + film.measured_channels());
   measure(path, s, measured.data());
-  if (!s.valid) measured.clear();
+  if (!s.valid) return {};
   return measured;
 }
 

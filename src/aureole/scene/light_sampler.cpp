@@ -77,6 +77,7 @@ LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const st
     if (!(powers[e] > 0)) continue;
     if (emitters[e]->is_infinite()) {
       infinite_.push_back(emitters[e]);
+      power_sums_.push_back((power_sums_.empty() ? 0 : power_sums_.back()) + powers[e]);
       continue;
     }
     first_leaf_[emitters[e]] = leaves_.size();
@@ -86,6 +87,8 @@ LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const st
       leaves_.push_back({emitters[e], part, b});
     }
   }
+  for (const Leaf& leaf : leaves_)
+    power_sums_.push_back((power_sums_.empty() ? 0 : power_sums_.back()) + double(leaf.bounds.power));
   if (!leaves_.empty()) {
     node_of_leaf_.assign(leaves_.size(), -1);
     std::vector<std::uint32_t> order(leaves_.size());
@@ -227,6 +230,20 @@ std::optional<LightChoice> LightSampler::choose(const Vec3& p, const Vec3& n, fl
     }
   }
   const Leaf& leaf = leaves_[nodes_[size_t(index)].leaf];
+  return LightChoice{leaf.emitter, leaf.part, probability};
+}
+
+std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
+  if (empty() || !(power_sums_.back() > 0)) return {};
+  const double total = power_sums_.back();
+  const double at = std::min(double(u.x) + double(u.y) * 0x1p-24, 1 - 0x1p-53) * total;
+  // The first sum beyond `at`: parts without power are never chosen.
+  const size_t i =
+      std::min(size_t(std::upper_bound(power_sums_.begin(), power_sums_.end(), at) - power_sums_.begin()),
+               power_sums_.size() - 1);
+  const float probability = float((power_sums_[i] - (i > 0 ? power_sums_[i - 1] : 0)) / total);
+  if (i < infinite_.size()) return LightChoice{infinite_[i], 0, probability};
+  const Leaf& leaf = leaves_[i - infinite_.size()];
   return LightChoice{leaf.emitter, leaf.part, probability};
 }
 

@@ -32,6 +32,10 @@ public:
   /// The probability of that choice.
   float probability(const Vec3& p, const Vec3& n, const Emitter* emitter, std::size_t part) const;
 
+  /// A part by its share of the power alone, for paths that start at lights; `u` is one number in two parts,
+  /// since a float cannot tell the parts of a large mesh apart.
+  std::optional<LightChoice> choose_by_power(Vec2 u) const;
+
   /// There is nothing to choose: `choose` does not look at u.
   bool is_single() const {
     return tree_probability_ > 0 ? infinite_.empty() && leaves_.size() == 1 : infinite_.size() == 1;
@@ -66,6 +70,7 @@ private:
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_leaf_;
   std::unordered_map<const Emitter*, std::size_t> first_leaf_;
+  std::vector<double> power_sums_;  ///< of the infinite emitters, then of the leaves, up to and including each
 };
 
 }  // namespace aureole

@@ -128,13 +128,14 @@ Ray Scene::connection_ray(const SurfacePoint& from, const DirectSample& to) {
   return {o, connection_target(o, to) - o, 1};
 }
 
-Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) const {
+Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
+                        bool through_emitters) const {
   Ray ray = connection_ray(from, to);
-  if (has_binary_visibility()) return tracer_->occluded(ray) ? 0.f : 1.f;
+  if (has_binary_visibility() && !through_emitters) return tracer_->occluded(ray) ? 0.f : 1.f;
   const Vec3 target = to.infinite ? Vec3{} : connection_target(ray.o, to);
   Spectrum passed = 1.f;
   while (const auto hit = intersect(ray)) {
-    passed *= null_transmittance(*hit, to.wo, w);
+    if (!(through_emitters && hit->shape->emitter())) passed *= null_transmittance(*hit, to.wo, w);
     if (is_black(passed)) return 0.f;
     ray.o = offset_origin(*hit, to.wo);
     if (!to.infinite) ray.d = target - ray.o;

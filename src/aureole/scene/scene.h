@@ -31,8 +31,9 @@ public:
   }
   const RayTracer& tracer() const { return *tracer_; }
   /// The fraction of light that passes, per wavelength, from a surface point to the other end of a
-  /// connection: the only visibility call.
-  Spectrum connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) const;
+  /// connection: the only visibility call. Emitters' surfaces may be left out (`hide_emitters`).
+  Spectrum connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
+                   bool through_emitters = false) const;
   /// The segment that `connect` tests.
   static Ray connection_ray(const SurfacePoint& from, const DirectSample& to);
   /// False where a ray can meet no emitter: one that needs no tracing if nothing else counts.
