@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <unordered_set>
 
 #include "aureole/core/units.h"
 #include "aureole/emitter/emitter.h"
@@ -127,12 +128,19 @@ private:
     if (family == "sensor") sensor_ = &node, scene_.sensor = object;
     if (family == "integrator") integrator_ = &node, scene_.integrator = object;
     if (!object) return;
-    if (family == "shape") append(scene_.shapes, object);
+    if (family == "shape") append_shape(object);
     if (family != "emitter" || references_.nested.contains(&node)) return;
     if (is_surface_emitter(node.get("type")))
       diagnostics_.note(node.where, "no shape uses this emitter: it has no effect");
     else
       append(scene_.emitters, object);
+  }
+
+  /// The shape, or what stands for it in the scene.
+  void append_shape(const ObjectPtr& object) {
+    const auto* shape = dynamic_cast<const Shape*>(object.get());
+    if (!shape || !shape->parts()) return append(scene_.shapes, object);
+    for (const auto& part : *shape->parts()) append(scene_.shapes, part);
   }
 
   template <class T>
@@ -141,7 +149,7 @@ private:
     if (!typed)
       throw std::logic_error("the plug-in \"" + object->properties().type() +
                              "\" is registered in a wrong family");
-    if (std::find(list.begin(), list.end(), typed) == list.end()) list.push_back(std::move(typed));
+    if (appended_.insert(object.get()).second) list.push_back(std::move(typed));
   }
 
   LoadedScene& scene_;
@@ -149,6 +157,7 @@ private:
   const References& references_;
   Diagnostics& diagnostics_;
   const Node *sensor_ = nullptr, *integrator_ = nullptr;
+  std::unordered_set<const Object*> appended_;
 };
 
 LoadedScene load(const std::filesystem::path& file, const std::optional<std::string>& text,

@@ -221,7 +221,7 @@ SurfacePoint Mesh::surface_point(const ShapeHit& hit, const Ray&) const {
   return s;
 }
 
-SurfaceDerivatives Mesh::derivatives(const SurfacePoint& point) const {
+SurfaceDerivatives Mesh::own_derivatives(const SurfacePoint& point) const {
   const TriangleCorners c = corners(point.primitive);
   const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0];
   if (data_.uvs.empty()) return {e1, e2};

@@ -47,7 +47,6 @@ class Mesh : public Shape {
 public:
   RTCGeometry make_geometry(RTCDevice device) const override;
   SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override;
-  SurfaceDerivatives derivatives(const SurfacePoint& point) const override;
   Bounds3 bounds() const override { return bounds_; }
   std::size_t primitive_count() const override { return data_.triangles.size(); }
   std::size_t memory_bytes() const override;
@@ -79,6 +78,7 @@ protected:
   void build(MeshData data, std::string_view source);
 
 private:
+  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
   std::size_t drop_degenerate();
   void reverse(std::size_t triangle);
   void orient_by_vertex_normals();

@@ -33,9 +33,16 @@ Shape::Shape(const Properties& properties) : Object(properties) {
   emitter_ = only_child<Emitter>(properties, "emitter");
   bsdf_ = only_child<Bsdf>(properties, "bsdf");
   if (!bsdf_) bsdf_ = default_bsdf(properties, emitter_ != nullptr);
+  properties.get_float("silhouette_sampling_weight", 1);
+  if (properties.has("silhouette_sampling_weight"))
+    properties.note("silhouette_sampling_weight", "has no effect: there is no differentiable rendering");
 }
 
+Shape::Shape(const Properties& properties, BsdfPtr bsdf) : Object(properties), bsdf_(std::move(bsdf)) {}
+
 Shape::~Shape() = default;
+
+Spectrum Shape::attribute(const Texture&, const SurfacePoint&, const Wavelengths&) const { return 0.f; }
 
 std::vector<ParameterDoc> shape_parameters(std::vector<ParameterDoc> own) {
   own.push_back(
@@ -45,6 +52,8 @@ std::vector<ParameterDoc> shape_parameters(std::vector<ParameterDoc> own) {
       {"to_world", "transform", "", "identity", "From the shape's own coordinates to those of the scene."});
   own.push_back(
       {"flip_normals", "boolean", "", "false", "Turns the normals, and with them the shining side, around."});
+  own.push_back(
+      {"silhouette_sampling_weight", "float", "", "1", "Accepted for Mitsuba's sake, has no effect."});
   return own;
 }
 
