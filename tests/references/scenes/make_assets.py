@@ -178,6 +178,16 @@ def write_ply():
     (MESHES / "hill_big.ply").write_bytes(data)
 
 
+# ---------------------------------------------------------------- curves
+
+def write_curves():
+    """A spiral of growing radius, a straight tube and a thin arc that ends in a point."""
+    spiral = [(1.6 * math.cos(t), 1.6 * math.sin(t), 0.12 * t, 0.08 + 0.025 * t) for t in 0.9 * np.arange(9)]
+    tube = [(-0.6 + 0.5 * i, -0.3, 0.2 + 0.2 * i, 0.3 - 0.05 * i) for i in range(4)]
+    arc = [(-2 + 0.6 * i, 0.8 - 0.3 * i, 0.3 + 0.25 * i * (5 - i), 0.15 if i < 4 else 0) for i in range(6)]
+    (MESHES / "curves.txt").write_text("\n".join("".join(numbers(p) + "\n" for p in c) for c in (spiral, tube, arc)))
+
+
 # ---------------------------------------------------------------- serialized (version 4)
 
 def write_serialized():
@@ -249,5 +259,6 @@ if __name__ == "__main__":
     write_house()
     write_panel()
     write_ply()
+    write_curves()
     write_serialized()
     write_images()
