@@ -34,14 +34,16 @@ struct SplinePoint {
 
 class BSplineCurve final : public Curves {
 public:
-  explicit BSplineCurve(const Properties& properties)
-      : Curves(properties, 4, RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE) {}
+  explicit BSplineCurve(const Properties& properties) : Curves(properties, 4) {}
 
-  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override {
-    const ControlPoint* control = segment(hit.primitive);
-    const Double3 met = Double3(ray.o) + Double3(ray.d) * double(hit.t);
+  RTCGeometry make_geometry(RTCDevice device) const override;
+  /// Embree's hit at distance t is one from outside.
+  bool is_outside_hit(std::uint32_t primitive, float u, const Double3& o, const Double3& d, double t) const;
+
+private:
+  CurvePoint locate(std::uint32_t primitive, const Double3& met, double v) const override {
+    const ControlPoint* control = segment(primitive);
     // Embree solves to a tolerance: two steps of Newton's method to where the point lies in the plane across.
-    double v = hit.u;
     for (int i = 0; i < 2; ++i) {
       const SplinePoint at(control, v);
       const double slope = dot(met - at.c, at.ddc) - dot(at.dc, at.dc);
@@ -49,28 +51,15 @@ public:
     }
     const SplinePoint at(control, v);
     const Double3 tangent = at.tangent();
-    const CurveFrame frame(tangent);
     Double3 out = met - at.c;
     out = out - tangent * dot(out, tangent);
     const double l = length(out);
-    out = l > 0 ? out * (1 / l) : frame.radius;
+    out = l > 0 ? out * (1 / l) : CurveFrame(tangent).radius;
     // The discs across a bent curve lie at angles: normal to the surface that they sweep.
     const Double3 n = out * (dot(at.dc, at.dc) - at.r * dot(out, at.ddc)) - at.dc * at.dr;
     const double n_length = length(n);
-
-    SurfacePoint s;
-    s.p = (at.c + out * at.r).to_float();
-    s.p_error = point_error(hit.primitive, s.p);
-    s.ng = (n_length > 0 ? n * (1 / n_length) : out).to_float();
-    s.uv = {frame.u_of(out), along_all(hit.primitive, v)};
-    s.shading = Frame::from_normal_tangent(s.ng, cross(tangent, out).to_float());
-    s.shape = this;
-    s.primitive = hit.primitive;
-    s.barycentric = {float(v), 0};
-    return s;
+    return {v, at.c, tangent, out, at.r, n_length > 0 ? n * (1 / n_length) : out};
   }
-
-private:
   /// p = c + r e, e = radius cos 2 pi u + rotation sin 2 pi u; the frame turns with v, too.
   SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override {
     const SplinePoint at(segment(point.primitive), point.barycentric.x);
@@ -91,6 +80,47 @@ private:
             ((at.dc + e * at.dr + de * at.r) * double(primitive_count())).to_float()};
   }
 };
+
+void reject_inside(const RTCFilterFunctionNArguments* args) {
+  const auto& curves = *static_cast<const BSplineCurve*>(args->geometryUserPtr);
+  RTCRayN* r = args->ray;
+  const unsigned n = args->N;
+  for (unsigned i = 0; i < n; ++i) {
+    if (args->valid[i] != -1) continue;
+    const Double3 o(RTCRayN_org_x(r, n, i), RTCRayN_org_y(r, n, i), RTCRayN_org_z(r, n, i));
+    const Double3 d(RTCRayN_dir_x(r, n, i), RTCRayN_dir_y(r, n, i), RTCRayN_dir_z(r, n, i));
+    if (!curves.is_outside_hit(RTCHitN_primID(args->hit, n, i), RTCHitN_u(args->hit, n, i), o, d,
+                               RTCRayN_tfar(r, n, i)))
+      args->valid[i] = 0;
+  }
+}
+
+RTCGeometry BSplineCurve::make_geometry(RTCDevice device) const {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_ROUND_BSPLINE_CURVE);
+  static_assert(sizeof(ControlPoint) == 16);
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, points().data(), 0,
+                             sizeof(ControlPoint), points().size());
+  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, segments().data(), 0,
+                             sizeof(std::uint32_t), segments().size());
+  rtcSetGeometryUserData(g, const_cast<BSplineCurve*>(this));
+  rtcSetGeometryIntersectFilterFunction(g, reject_inside);
+  rtcSetGeometryOccludedFilterFunction(g, reject_inside);
+  rtcCommitGeometry(g);
+  return g;
+}
+
+bool BSplineCurve::is_outside_hit(std::uint32_t primitive, float u, const Double3& o, const Double3& d,
+                                  double t) const {
+  // The inside is not seen (as in Mitsuba 3): a ray that starts within, or enters at an open end, passes.
+  // Embree solves to a tolerance: near grazing it sees rays that leave the surface meet it again.
+  const CurvePoint at = locate(primitive, o + d * t, u);
+  if (dot(at.normal, d) > 0) return false;
+  // Nor does a ray that starts just inside meet the surface behind it.
+  if (t * length(d) > at.radius) return true;
+  const CurvePoint start = locate(primitive, o, u);
+  const Double3 from_axis = o - start.center;
+  return length(from_axis - start.tangent * dot(from_axis, start.tangent)) >= start.radius;
+}
 
 AUREOLE_PLUGIN(
     BSplineCurve, "shape", "bsplinecurve",

@@ -13,22 +13,10 @@ namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
 
-/// The inside of a curve is not seen (as Mitsuba 3): a ray that starts within, or enters at an open end,
-/// passes.
-void reject_inside(const RTCFilterFunctionNArguments* args) {
-  for (unsigned i = 0; i < args->N; ++i) {
-    if (args->valid[i] != -1) continue;
-    const float facing = RTCHitN_Ng_x(args->hit, args->N, i) * RTCRayN_dir_x(args->ray, args->N, i) +
-                         RTCHitN_Ng_y(args->hit, args->N, i) * RTCRayN_dir_y(args->ray, args->N, i) +
-                         RTCHitN_Ng_z(args->hit, args->N, i) * RTCRayN_dir_z(args->ray, args->N, i);
-    if (facing > 0) args->valid[i] = 0;
-  }
-}
-
 }  // namespace
 
-Curves::Curves(const Properties& properties, std::uint32_t points_per_segment, RTCGeometryType type)
-    : UnsampledShape(properties), points_per_segment_(points_per_segment), type_(type) {
+Curves::Curves(const Properties& properties, std::uint32_t points_per_segment)
+    : UnsampledShape(properties), points_per_segment_(points_per_segment) {
   if (emitter())
     throw Error(emitter()->properties().where(), "a curve cannot be an emitter; use a cylinder or a mesh");
   read(properties);
@@ -74,32 +62,24 @@ void Curves::read(const Properties& properties) {
   points_.shrink_to_fit(), first_.shrink_to_fit();
 }
 
-RTCGeometry Curves::make_geometry(RTCDevice device) const {
-  RTCGeometry g = rtcNewGeometry(device, type_);
-  static_assert(sizeof(ControlPoint) == 16);
-  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT4, points_.data(), 0,
-                             sizeof(ControlPoint), points_.size());
-  rtcSetSharedGeometryBuffer(g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT, first_.data(), 0,
-                             sizeof(std::uint32_t), first_.size());
-  rtcSetGeometryIntersectFilterFunction(g, reject_inside);
-  rtcSetGeometryOccludedFilterFunction(g, reject_inside);
-  rtcCommitGeometry(g);
-  return g;
-}
-
 std::size_t Curves::memory_bytes() const {
   return points_.capacity() * sizeof(ControlPoint) + first_.capacity() * sizeof(std::uint32_t);
 }
 
-Vec3 Curves::point_error(std::uint32_t primitive, const Vec3& p) const {
-  const ControlPoint* c = segment(primitive);
-  Bounds3 box;
-  float radius = 0;
-  for (std::uint32_t i = 0; i < points_per_segment_; ++i)
-    box.extend(c[i].p), radius = std::max(radius, c[i].radius);
-  const float size = max_component(box.diagonal()) + radius;
-  const float e = 0x1p-24f * (8 * max_component(abs(p)) + 64 * size);
-  return {e, e, e};
+SurfacePoint Curves::surface_point(const ShapeHit& hit, const Ray& ray) const {
+  const Double3 met = Double3(ray.o) + Double3(ray.d) * double(hit.t);
+  const CurvePoint at = locate(hit.primitive, met, hit.u);
+  SurfacePoint s;
+  s.p = (at.center + at.out * at.radius).to_float();
+  // Computed in double, rounded once; is_outside_hit finds the side from that.
+  s.p_error = abs(s.p) * (4 * 0x1p-24f) + abs(at.normal.to_float()) * float(at.radius * 1e-6);
+  s.ng = at.normal.to_float();
+  s.uv = {CurveFrame(at.tangent).u_of(at.out), float((double(hit.primitive) + at.v) / double(first_.size()))};
+  s.shading = Frame::from_normal_tangent(s.ng, cross(at.tangent, at.out).to_float());
+  s.shape = this;
+  s.primitive = hit.primitive;
+  s.barycentric = {float(at.v), 0};
+  return s;
 }
 
 CurveFrame::CurveFrame(const Double3& tangent) {
