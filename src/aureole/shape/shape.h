@@ -14,6 +14,7 @@
 
 namespace aureole {
 
+class AttributeTexture;
 class Emitter;
 class Texture;
 
@@ -29,8 +30,10 @@ struct ShapeSample {
 class Shape : public Object {
 public:
   static constexpr const char* kFamily = "a shape";
+  /// Whether a shape has attributes for textures to show.
+  enum class Attributes { none, some };
   /// Reads the children every shape may have: bsdf (default: diffuse .5, black on emitters) and emitter.
-  explicit Shape(const Properties& properties);
+  explicit Shape(const Properties& properties, Attributes attributes = Attributes::none);
   ~Shape() override;
 
   /// Null where the shape only stands for others.
@@ -84,8 +87,11 @@ public:
 protected:
   /// A shape of the given BSDF, null where it stands for others, that reads no children.
   Shape(const Properties& properties, BsdfPtr bsdf);
-  /// The BSDF, in place of the child or the default.
+  /// No child gave a BSDF; another one may take the default's place.
+  bool has_default_bsdf() const { return has_default_bsdf_; }
   void set_bsdf(BsdfPtr bsdf) { bsdf_ = std::move(bsdf); }
+  /// The textures below the object that show attributes.
+  static std::vector<const AttributeTexture*> attribute_textures(const Properties& properties);
 
   /// `derivatives` in the coordinates of the shape's group, which `p` and the normals of a point that was met
   /// through an instance are not in: only uv, primitive and barycentric may be used.
@@ -97,6 +103,7 @@ protected:
 private:
   BsdfPtr bsdf_;
   std::shared_ptr<Emitter> emitter_;
+  bool has_default_bsdf_ = false;
 };
 using ShapePtr = std::shared_ptr<Shape>;
 
