@@ -176,14 +176,17 @@ LoadedScene load(const std::filesystem::path& file, const std::optional<std::str
     apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
   owned->context.length_unit_m = length_unit(parsed.root, diagnostics);
   owned->context.grid = sensor_grid(parsed.root, diagnostics);
-  const References references = resolve(parsed, diagnostics);
+  References references = resolve(parsed, diagnostics);
 
   LoadedScene scene;
   scene.context = std::shared_ptr<const BuildContext>(owned, &owned->context);
   scene.file = parsed.files.front()->path;
   Builder builder(references, scene.context, diagnostics);
+  owned->context.scene = &builder;
   SceneAssembly(scene, builder, references, diagnostics).run(parsed.root, parsed.complete);
+  owned->context.scene = nullptr;
   stop_at_errors();
+  references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
   scene.hash = content_hash(parsed.root, references);
   scene.notes = in_file_order(diagnostics.notes(), parsed.files);
   return scene;

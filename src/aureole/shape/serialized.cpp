@@ -167,7 +167,10 @@ MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool 
   if (flags & kHasColors) {
     d.attribute_names = {"vertex_color"};
     const bool wanted = wants_attribute("vertex_color");
-    if (wanted) d.attributes.emplace_back("vertex_color", true), d.attributes[0].reserve(vertices);
+    if (wanted)
+      d.attributes.emplace_back("vertex_color", true), d.attributes[0].reserve(vertices);
+    else
+      remarks_.push_back("vertex colours ignored");
     read_tuples(in, in_double, vertices, 3, [&](const double* v) {
       if (!wanted) return;
       if (!(v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && std::isfinite(v[0] + v[1] + v[2])))
