@@ -10,11 +10,10 @@ namespace aureole {
 namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
-/// As for triangles (spherical_sampling.cpp): where the squared diameter is below this share of the squared
-/// distance, uniform area is as good.
-constexpr double kFar = 0.5;
+/// Where the squared diameter is below this share of the squared distance, uniform area is nearly as good.
+constexpr double kFar = 0.1;
 /// Below this solid angle [sr], and nearer to the plane than this many radii, the cone loses its digits.
-constexpr double kSmall = 3e-4, kInPlane = 1e-6;
+constexpr double kSmall = 1e-6, kInPlane = 1e-6;
 
 }  // namespace
 

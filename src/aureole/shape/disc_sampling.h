@@ -10,8 +10,7 @@ namespace aureole {
 /// axis and half-angles have a closed form (Guillén et al. 2017, "Area-preserving parameterizations for
 /// spherical ellipses", section 3). The azimuth about that axis is drawn as if the ellipse, projected equally
 /// in area (Lambert), were plane; the polar angle uniformly in solid angle up to the rim. The density is
-/// constant for circular cones, and varies by a few per cent to a factor of two for others; no direction
-/// misses the disc.
+/// constant for circular cones and varies by less than a third for others; no direction misses the disc.
 class DiscView {
 public:
   enum class Technique { none, area, solid_angle };

@@ -262,11 +262,12 @@ void Obj::apply_materials(const MeshFile& file, const ObjReader& reader) {
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
     const std::string& name = reader.materials()[i];
-    if (i > 0)
+    if (i > 0) {
       if (BsdfPtr found = find_bsdf(name, library))
         bsdfs[i] = std::move(found);
       else
         unknown += (unknown.empty() ? "\"" : ", \"") + name + "\"";
+    }
     different.insert(bsdfs[i]);
   }
   if (!unknown.empty())
