@@ -77,7 +77,9 @@ TEST(Instance, IsTheShapePlacedAtLoad) {
         EXPECT_EQ(bool(hb), b.occluded(ray));
         if (!ha || !hb || std::abs(ha.t - hb.t) > 1e-3f) continue;
         const SurfacePoint pa = placed[0]->surface_point(ha, ray), pb = instanced[0]->surface_point(hb, ray);
-        if (std::abs(dot(pa.ng, ray.d)) < 0.02f) continue;
+        const Vec2 b = pa.barycentric;
+        const bool at_edge = std::min({b.x, b.y, 1 - b.x - b.y}) < 0.01f;  // either triangle may be met
+        if (at_edge || std::abs(dot(pa.ng, ray.d)) < 0.02f) continue;
         ++hits;
         EXPECT_LT(length(pa.p - pb.p), 2e-4f);
         EXPECT_GT(dot(pa.ng, pb.ng), 0.9999f);
@@ -93,7 +95,7 @@ TEST(Instance, IsTheShapePlacedAtLoad) {
         EXPECT_LT(length(da.dp_du - db.dp_du), 1e-3f * length(da.dp_du));
         EXPECT_LT(length(da.dp_dv - db.dp_dv), 1e-3f * length(da.dp_dv));
       }
-      EXPECT_GT(hits, 700);
+      EXPECT_GT(hits, 500);
       EXPECT_LE(differ, 3);  // at the border
     }
 }

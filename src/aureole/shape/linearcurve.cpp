@@ -36,7 +36,7 @@ struct ConeSegment {
   }
   /// The point lies inside by more than rounding.
   bool holds(const Double3& p) const {
-    const double v = place(p), r = radius(v) * (1 - 1e-6);
+    const double v = place(p), r = radius(v) * (1 - 1e-9);
     const Double3 w = p - center(v);
     return dot(w, w) < r * r;
   }
