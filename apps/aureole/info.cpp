@@ -35,12 +35,18 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
   std::size_t primitives = 0;
   for (const auto& s : scene.shapes()) primitives += s->primitive_count();
   fmt::print("shapes       {} with {} primitives\n", scene.shapes().size(), primitives);
+  std::size_t instances = 0;
   for (const auto& s : scene.shapes()) {
+    if (!s->bsdf()) {
+      ++instances;
+      continue;
+    }
     fmt::print("  {:<12} {:<24} {:>9} primitives  bsdf {}{}\n", s->properties().type(),
                s->id().empty() ? "-" : s->id(), s->primitive_count(), s->bsdf()->properties().type(),
                s->emitter() ? "  emits" : "");
     for (const auto& r : s->remarks()) fmt::print("    {}\n", r);
   }
+  if (instances) fmt::print("  {} instances of groups\n", instances);
   std::map<std::string, int> emitters;
   for (const auto* e : scene.emitters()) ++emitters[e->properties().type()];
   fmt::print("emitters     {}\n", scene.emitters().size());

@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "aureole/core/image.h"
+#include "harness/paths.h"
 #include "render/small_scene.h"
 #include "scene/load_text.h"
-#include "harness/paths.h"
 
 namespace aureole::test {
 namespace {

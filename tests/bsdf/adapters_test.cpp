@@ -453,7 +453,7 @@ TEST(BumpMap, ConstantHeightsAndSurfacesWithoutCoordinatesAreFlat) {
     using Shape::Shape;
     RTCGeometry make_geometry(RTCDevice) const override { return nullptr; }
     SurfacePoint surface_point(const ShapeHit&, const Ray&) const override { return {}; }
-    SurfaceDerivatives derivatives(const SurfacePoint&) const override { return {}; }
+    SurfaceDerivatives own_derivatives(const SurfacePoint&) const override { return {}; }
     Bounds3 bounds() const override { return {}; }
     std::size_t primitive_count() const override { return 1; }
     std::size_t patch_count() const override { return 1; }

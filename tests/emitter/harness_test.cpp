@@ -149,6 +149,39 @@ std::optional<Hit> hit_ball(const Vec3& o, const Vec3& d, bool inside) {
 const std::string kSphere =
     R"(<shape type="sphere"><float name="radius" value="0.75"/><point name="center" x="0.5" y="0.25" z="2.5"/>)";
 
+std::optional<Hit> hit_disc(const Vec3& o, const Vec3& d) {
+  // radius 0.9, turned by 180 degrees about x, at z = 2: normal -z, so that the azimuth runs the other way.
+  if (!(d.z > 0)) return {};
+  const double t = (2 - double(o.z)) / d.z, x = (o.x + t * d.x) / 0.9, y = -(o.y + t * d.y) / 0.9;
+  const double r = std::sqrt(x * x + y * y), v = std::atan2(y, x) / (2 * M_PI);
+  if (t <= 0 || r > 1) return {};
+  return Hit{t, {0, 0, -1}, {float(r), float(v < 0 ? v + 1 : v)}};
+}
+const std::string kDisc = R"(<shape type="disk"><transform name="to_world"><scale value="0.9"/>
+  <rotate x="1" angle="180"/><translate z="2"/></transform>)";
+
+/// The cylinder of radius 0.4 from (0.2, -1, 2) to (0.2, 1.5, 2).
+std::optional<Hit> hit_tube(const Vec3& o, const Vec3& d, bool inside) {
+  const double ox = o.x - 0.2, oz = o.z - 2.0, a = d.x * d.x + d.z * d.z, b = ox * d.x + oz * d.z,
+               q = b * b - a * (ox * ox + oz * oz - 0.16);
+  if (q < 0 || a == 0) return {};
+  // Of the two points the first that is on the tube, which may be seen from behind.
+  for (const double t : {(-b - std::sqrt(q)) / a, (-b + std::sqrt(q)) / a}) {
+    const double y = o.y + t * d.y;
+    if (t <= 0 || y < -1 || y > 1.5) continue;
+    Vec3 n{float((ox + t * d.x) / 0.4), 0, float((oz + t * d.z) / 0.4)};
+    if (inside) n = -n;
+    if (n.x * d.x + n.z * d.z > 0) return {};
+    return Hit{t, n, {0, float((y + 1) / 2.5)}};
+  }
+  return {};
+}
+const std::string kTube = R"(<shape type="cylinder"><point name="p0" x="0.2" y="-1" z="2"/>
+  <point name="p1" x="0.2" y="1.5" z="2"/><float name="radius" value="0.4"/>)";
+const std::string kStriped =
+    R"(<emitter type="area"><texture name="radiance" type="checkerboard"><rgb name="color0" value="1, 1, 1"/>
+  <rgb name="color1" value="0.2, 0.4, 0.1"/><transform name="to_uv"><scale x="0" y="2"/></transform></texture></emitter>)";
+
 /// A tetrahedron without its base, so that parts are triangles that face many ways.
 const Vec3 kCorners[4] = {{-0.6f, -0.5f, 1.5f}, {0.8f, -0.4f, 1.7f}, {0.1f, 0.9f, 1.6f}, {0.2f, 0.1f, 2.6f}};
 const int kFaces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
@@ -389,6 +422,33 @@ std::vector<Case> make_cases() {
               cosine_bins()};
   inside.references = {{0.5f, 0.25f, 2.5f}, {0.7f, 0.6f, 2.3f}, {0.5f, 0.25f, 2.9f}};
   all.push_back(inside);
+  const Bins on_disc = square_bins(M_PI * 0.81, [](const EmittedRay& r) {
+    EXPECT_EQ(r.p.z, 2);
+    const double x = r.p.x / 0.9, y = r.p.y / 0.9;
+    return Vec2{float(x * x + y * y), float(turn(x, y))};
+  });
+  all.push_back({"area_disk", kDisc + kRed + "</shape>", hit_disc, M_PI * 0.81, on_disc, cosine_bins()});
+  all.back().references.push_back({0.2f, 0.1f, 1.95f});
+  all.push_back(
+      {"area_disk_texture", kDisc + kTextured + "</shape>", hit_disc, M_PI * 0.81, on_disc, cosine_bins()});
+  const double tube_area = 2 * M_PI * 0.4 * 2.5;
+  const Bins on_tube = square_bins(tube_area, [](const EmittedRay& r) {
+    EXPECT_NEAR(std::hypot(r.p.x - 0.2, r.p.z - 2.0), 0.4, 1e-5);
+    return Vec2{(r.p.y + 1) / 2.5f, float(turn(r.p.x - 0.2f, r.p.z - 2))};
+  });
+  const auto outside_tube = [](auto& o, auto& d) { return hit_tube(o, d, false); };
+  all.push_back(
+      {"area_cylinder", kTube + kRed + "</shape>", outside_tube, tube_area, on_tube, cosine_bins()});
+  all.push_back({"area_cylinder_texture", kTube + kStriped + "</shape>", outside_tube, tube_area, on_tube,
+                 cosine_bins()});
+  Case tube{"area_cylinder_inside",
+            kTube + R"(<boolean name="flip_normals" value="true"/>)" + kRed + "</shape>",
+            [](auto& o, auto& d) { return hit_tube(o, d, true); },
+            tube_area,
+            on_tube,
+            cosine_bins()};
+  tube.references = {{0.2f, 0, 2}, {0.5f, 1.2f, 2.1f}, {0.1f, -0.9f, 1.8f}};
+  all.push_back(tube);
   const auto mesh = [](const std::string& name, const std::string& file,
                        const std::vector<Triangle>& triangles, const std::string& emitter) {
     return Case{

@@ -36,7 +36,7 @@ struct Summary {
   std::array<std::uint64_t, Verdict::kinds> count{};
   std::uint64_t with_invalid_samples = 0;
   std::vector<std::uint64_t> invalid;  ///< some of those cases
-  double slowest_seconds = 0;  ///< processor time
+  double slowest_seconds = 0;          ///< processor time
   std::uint64_t slowest = 0;
   std::vector<Failure> failures;
 };

@@ -14,9 +14,9 @@ namespace {
 
 /// Triangles, spheres, glass, a mask of half opacity and two lamps.
 std::shared_ptr<const Scene> mixed_scene(const std::string& integrator) {
-  return std::make_shared<const Scene>(load_scene_from_string(
-      R"(<scene version="3.0.0">)" + integrator +
-          R"(<sensor type="perspective"><sampler type="sobol"/>
+  return std::make_shared<const Scene>(
+      load_scene_from_string(R"(<scene version="3.0.0">)" + integrator +
+                                 R"(<sensor type="perspective"><sampler type="sobol"/>
             <transform name="to_world"><lookat origin="0, 1, 3.6" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
           <shape type="cube"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/>
             <bsdf type="diffuse"><rgb name="reflectance" value=".7, .5, .3"/></bsdf></shape>
@@ -26,7 +26,7 @@ std::shared_ptr<const Scene> mixed_scene(const std::string& integrator) {
             <bsdf type="mask"><float name="opacity" value=".5"/><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></bsdf></shape>
           <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="90"/><translate y="3.5"/></transform><emitter type="area"/></shape>
           <emitter type="point"><point name="position" value="2, 2, 2"/></emitter></scene>)",
-      "packets.xml"));
+                             "packets.xml"));
 }
 
 bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -57,7 +57,8 @@ TEST(Packets, RayTracerAnswersAsOneByOne) {
         ++met;
         ASSERT_EQ(one.shape, hits[i].shape);
         ASSERT_EQ(one.primitive, hits[i].primitive);
-        ASSERT_TRUE(same_bits(one.t, hits[i].t) && same_bits(one.u, hits[i].u) && same_bits(one.v, hits[i].v));
+        ASSERT_TRUE(same_bits(one.t, hits[i].t) && same_bits(one.u, hits[i].u) &&
+                    same_bits(one.v, hits[i].v));
       }
     }
   }
@@ -79,9 +80,10 @@ TEST_P(LockStep, PathsAsOneByOne) {
       CameraPath& p = paths[i];
       p.samples = SampleStream(sampler, pixel * 0x9e3779b97f4a7c15u, std::uint32_t(i));
       p.wavelengths = scene->wavelengths().sample(p.samples.get1(2));
-      p.ray = scene->sensor()
-                  .sample_ray({768.f * float(pixel) / 400 + 40 * p.samples.get1(0), 576 * p.samples.get1(1)}, {})
-                  .ray;
+      p.ray =
+          scene->sensor()
+              .sample_ray({768.f * float(pixel) / 400 + 40 * p.samples.get1(0), 576 * p.samples.get1(1)}, {})
+              .ray;
       p.samples.set_first(SampleStream::camera_dimensions(false));
     }
     std::vector<CameraPath> copies = paths;

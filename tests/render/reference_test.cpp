@@ -65,8 +65,7 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   std::filesystem::path scene = GetParam().scene;
   if (GetParam().scene.starts_with("shared:")) {
     const char* shared = std::getenv("AUREOLE_SHARED");
-    const std::filesystem::path folder =
-        shared ? shared : source_dir() / ".." / "shared";
+    const std::filesystem::path folder = shared ? shared : source_dir() / ".." / "shared";
     scene = folder / GetParam().scene.substr(7);
     if (!std::filesystem::exists(scene)) GTEST_SKIP() << "the scene " << scene << " is not here";
   } else {
@@ -99,8 +98,8 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
     job.run(go);
     state = job.state();
     if (kSanitized) break;
-    // A picture of few samples may have little noise and yet rare bright ones: what does not agree gets more, which
-    // makes a real difference clearer.
+    // A picture of few samples may have little noise and yet rare bright ones: what does not agree gets more,
+    // which makes a real difference clearer.
     if (relative_noise(state.picture()) < noise_limit &&
         compare_images(state.picture(), reference, kMitsubaTables).z->passes)
       break;
@@ -117,8 +116,7 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
                            << " %, image mean " << c.z->mean_difference << " standard errors, "
                            << 100 * c.z->mean_relative << " %";
   if (!c.z->passes) {
-    const auto folder =
-        aureole_binary().parent_path().parent_path() / "failed-references";
+    const auto folder = aureole_binary().parent_path().parent_path() / "failed-references";
     std::filesystem::create_directories(folder);
     write_pictures(state, folder / (GetParam().name + ".exr"));
     write_z_map(c, folder / (GetParam().name + "-z.png"));

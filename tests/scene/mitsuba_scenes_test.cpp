@@ -17,8 +17,7 @@ class MitsubaScenes : public ::testing::Test {
 protected:
   void SetUp() override {
     const char* given = std::getenv("AUREOLE_SHARED");
-    folder_ =
-        given ? std::filesystem::path(given) : test::source_dir() / ".." / "shared";
+    folder_ = given ? std::filesystem::path(given) : test::source_dir() / ".." / "shared";
     if (!std::filesystem::is_directory(folder_ / "data"))
       GTEST_SKIP() << "no folder " << (folder_ / "data")
                    << ": set AUREOLE_SHARED to where the example scenes are";

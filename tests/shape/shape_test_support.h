@@ -82,8 +82,9 @@ public:
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene_, &context, &r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+    const unsigned geometry = r.hit.instID[0] == RTC_INVALID_GEOMETRY_ID ? 0 : r.hit.geomID;
     return Hit{r.ray.tfar, r.hit.u, r.hit.v, r.hit.primID,
-               shape_.surface_point({0, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar}, ray)};
+               shape_.surface_point({geometry, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar}, ray)};
   }
   bool occluded(const Ray& ray) const {
     RTCRayHit r = query(ray);

@@ -40,6 +40,7 @@ public:
     if (!(dot(s->ng, wo) < 0) || !(s->pdf > 0)) return {};
     SurfacePoint point;
     point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
+    point.primitive = s->primitive, point.barycentric = s->barycentric;
     return DirectSample{wo,     s->p,  s->p_error, s->ng, radiance_->eval(point, wavelengths),
                         s->pdf, false, false};
   }
@@ -51,6 +52,7 @@ public:
     const Vec3 local = square_to_cosine_hemisphere(direction);
     SurfacePoint point;
     point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
+    point.primitive = s->primitive, point.barycentric = s->barycentric;
     return EmittedRay{s->p,
                       s->p_error,
                       s->ng,

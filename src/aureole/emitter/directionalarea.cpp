@@ -43,6 +43,7 @@ public:
     if (!s) return {};
     SurfacePoint point;
     point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
+    point.primitive = s->primitive, point.barycentric = s->barycentric;
     EmittedRay r;
     r.p = s->p, r.p_error = s->p_error, r.ng = r.d = s->ng;
     r.value = radiance_->eval(point, wavelengths);

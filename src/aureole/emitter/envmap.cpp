@@ -186,7 +186,8 @@ private:
 
   Spectrum eval_uv(Vec2 uv, const Wavelengths& w) const {
     // NaN is 0 here.
-    const float x = (uv.x > 0 ? uv.x : 0) * float(width_) - 0.5f, y = (uv.y > 0 ? uv.y : 0) * float(height_ - 1);
+    const float x = (uv.x > 0 ? uv.x : 0) * float(width_) - 0.5f,
+                y = (uv.y > 0 ? uv.y : 0) * float(height_ - 1);
     const int x0 = int(std::floor(x)), y0 = std::clamp(int(y), 0, height_ - 2);
     const float fx = x - float(x0), fy = std::clamp(y - float(y0), 0.f, 1.f);
     const auto at = [&](int i, int j) -> const Texel& {

@@ -22,11 +22,22 @@ namespace aureole {
 
 struct PluginInfo;
 
+/// What an object may ask of its scene while it is built, beyond its own parameters.
+class SceneLookup {
+public:
+  virtual ~SceneLookup() = default;
+  /// The object of a family ("bsdf") with that id, built if need be; null where there is none.
+  virtual ObjectPtr find(std::string_view family, const std::string& id) = 0;
+  /// A file that no parameter names: its content belongs to the scene's.
+  virtual void add_file(const std::filesystem::path& file) = 0;
+};
+
 /// What a scene fixes before its objects are built.
 struct BuildContext {
   SpectralGrid grid;                   ///< wavelengths of the sensor
   double length_unit_m = 1.0;          ///< metres per scene unit
   Diagnostics* diagnostics = nullptr;  ///< receives notes; may be null
+  SceneLookup* scene = nullptr;        ///< null outside of a scene, and once it is built
 };
 
 /// A spectrum as written in a scene file; what it means (reflectance, emission) is decided by the parameter

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <unordered_set>
 
 #include "aureole/core/units.h"
 #include "aureole/emitter/emitter.h"
@@ -101,7 +102,7 @@ private:
       return;
     }
     if (family == "shape") {
-      append(scene_.shapes, object);
+      append_shape(object);
       take_sensor(node, dynamic_cast<const Shape&>(*object));
     }
     if (family != "emitter" || references_.nested.contains(&node)) return;
@@ -121,13 +122,20 @@ private:
                         "only the first sensor is used; this one is ignored");
   }
 
+  /// The shape, or what stands for it in the scene.
+  void append_shape(const ObjectPtr& object) {
+    const auto* shape = dynamic_cast<const Shape*>(object.get());
+    if (!shape || !shape->parts()) return append(scene_.shapes, object);
+    for (const auto& part : *shape->parts()) append(scene_.shapes, part);
+  }
+
   template <class T>
   void append(std::vector<std::shared_ptr<T>>& list, const ObjectPtr& object) {
     auto typed = std::dynamic_pointer_cast<T>(object);
     if (!typed)
       throw std::logic_error("the plug-in \"" + object->properties().type() +
                              "\" is registered in a wrong family");
-    if (std::find(list.begin(), list.end(), typed) == list.end()) list.push_back(std::move(typed));
+    if (appended_.insert(object.get()).second) list.push_back(std::move(typed));
   }
 
   LoadedScene& scene_;
@@ -136,6 +144,7 @@ private:
   Diagnostics& diagnostics_;
   const Node *sensor_ = nullptr, *integrator_ = nullptr;
   bool shape_failed_ = false;
+  std::unordered_set<const Object*> appended_;
 };
 
 LoadedScene load(const std::filesystem::path& file, const std::optional<std::string>& text,
@@ -153,15 +162,18 @@ LoadedScene load(const std::filesystem::path& file, const std::optional<std::str
   if (parsed.complete)
     apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
   owned->context.length_unit_m = length_unit(parsed.root, diagnostics);
-  const References references = resolve(parsed, diagnostics);
+  References references = resolve(parsed, diagnostics);
   owned->context.grid = sensor_grid(parsed.root, references, diagnostics);
 
   LoadedScene scene;
   scene.context = std::shared_ptr<const BuildContext>(owned, &owned->context);
   scene.file = parsed.files.front()->path;
   Builder builder(references, scene.context, diagnostics);
+  owned->context.scene = &builder;
   SceneAssembly(scene, builder, references, diagnostics).run(parsed.root, parsed.complete);
+  owned->context.scene = nullptr;
   stop_at_errors();
+  references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
   scene.hash = content_hash(parsed.root, references);
   scene.notes = in_file_order(diagnostics.notes(), parsed.files);
   return scene;

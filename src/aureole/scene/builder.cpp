@@ -52,6 +52,12 @@ ObjectPtr Builder::object(const Node& node) {
   return built;
 }
 
+ObjectPtr Builder::find(std::string_view family, const std::string& id) {
+  const auto found = references_.ids.find(id);
+  return found != references_.ids.end() && object_family(*found->second) == family ? object(*found->second)
+                                                                                   : nullptr;
+}
+
 const PluginInfo* Builder::plugin_of(const Node& node, const PluginAlias** alias) {
   const Registry& registry = Registry::instance();
   const std::string family = object_family(node);

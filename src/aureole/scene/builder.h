@@ -14,7 +14,7 @@ namespace aureole {
 
 struct PluginAlias;
 
-class Builder {
+class Builder : public SceneLookup {
 public:
   Builder(const References& references, std::shared_ptr<const BuildContext> context, Diagnostics& diagnostics)
       : references_(references), context_(std::move(context)), diagnostics_(diagnostics) {}
@@ -22,6 +22,10 @@ public:
   /// The object of an element or of a <ref> to it. Null where it could not be built; the reasons have been
   /// reported, and only once for all references to it.
   ObjectPtr object(const Node& node);
+
+  ObjectPtr find(std::string_view family, const std::string& id) override;
+  void add_file(const std::filesystem::path& file) override { files_.push_back(file); }
+  const std::vector<std::filesystem::path>& files() const { return files_; }
 
   /// The element itself, or what a <ref> points to, or null.
   const Node* target(const Node& node) const;
@@ -38,6 +42,7 @@ private:
   std::shared_ptr<const BuildContext> context_;
   Diagnostics& diagnostics_;
   std::unordered_map<const Node*, ObjectPtr> built_;  ///< null for failed ones
+  std::vector<std::filesystem::path> files_;
 };
 
 /// `unknown element <bdsf>; did you mean "bsdf"?`

@@ -70,7 +70,8 @@ private:
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_leaf_;
   std::unordered_map<const Emitter*, std::size_t> first_leaf_;
-  std::vector<double> power_sums_;  ///< of the infinite emitters, then of the leaves, up to and including each
+  std::vector<double>
+      power_sums_;  ///< of the infinite emitters, then of the leaves, up to and including each
 };
 
 }  // namespace aureole

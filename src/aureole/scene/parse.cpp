@@ -16,8 +16,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Elements inside elements, and files included by files: loading is recursive. The number of included files, which
-/// may double with every level. Far beyond what anybody writes, and far from the end of the stack or of memory.
+/// Elements inside elements, and files included by files: loading is recursive. The number of included files,
+/// which may double with every level. Far beyond what anybody writes, and far from the end of the stack or of
+/// memory.
 constexpr int kDeepestElement = 256, kDeepestInclude = 32, kMostIncludes = 1000;
 
 /// Turns places in the text that pugixml parses into lines and columns. pugixml works in place, so that its
@@ -82,8 +83,8 @@ public:
     LocatedText text(to_utf8(std::move(content)), file->shown);
     scene.files.push_back(file);
     pugi::xml_document document;
-    const auto result = document.load_buffer_inplace(text.buffer.data(), text.buffer.size(), pugi::parse_default,
-                                                       pugi::encoding_utf8);
+    const auto result = document.load_buffer_inplace(text.buffer.data(), text.buffer.size(),
+                                                     pugi::parse_default, pugi::encoding_utf8);
     if (!result) {
       std::string what = result.description();
       diagnostics_.error(text.at(std::size_t(result.offset)), "not valid XML: " + what);
@@ -185,9 +186,9 @@ private:
     }
     if (depth > kDeepestInclude || scene.files.size() > kMostIncludes) {
       if (scene.complete)
-        diagnostics_.error(name->where,
-                           "more than " + std::to_string(kMostIncludes) + " files are included, or more than " +
-                               std::to_string(kDeepestInclude) + " by one another");
+        diagnostics_.error(name->where, "more than " + std::to_string(kMostIncludes) +
+                                            " files are included, or more than " +
+                                            std::to_string(kDeepestInclude) + " by one another");
       scene.complete = false;
       return;
     }

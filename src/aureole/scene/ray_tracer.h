@@ -13,8 +13,8 @@
 
 namespace aureole {
 
-/// Embree takes coordinates up to this magnitude; an invalid ray makes builds of it that check their input, as
-/// Debian's does, end the program.
+/// Embree takes coordinates up to this magnitude; an invalid ray makes builds of it that check their input,
+/// as Debian's does, end the program.
 inline constexpr float kFarthest = 1.8e18f;
 
 /// False for a ray with NaN in it or beyond that range, which meets nothing.

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cctype>
 
-#include "aureole/scene/upgrade_adapters.h"
 #include "aureole/core/units.h"
+#include "aureole/scene/upgrade_adapters.h"
 #include "aureole/scene/values.h"
 
 namespace aureole {

@@ -99,7 +99,7 @@ std::string count_text(std::size_t n, const char* what) {
 }  // namespace
 
 Mesh::Mesh(const Properties& properties)
-    : Shape(properties), to_world_(properties.get_transform("to_world")) {
+    : Shape(properties, Attributes::some), to_world_(properties.get_transform("to_world")) {
   identity_ = to_world_ == Transform();
   flip_normals_ = properties.get_bool("flip_normals", false);
   reverse_winding_ = (to_world_.determinant3() < 0) != flip_normals_;
@@ -133,8 +133,8 @@ void Mesh::build(MeshData data, std::string_view source) {
     orient_by_vertex_normals();
   else if (!face_normals_)
     compute_vertex_normals();
-  for (const TriangleIndices& t : data_.triangles)
-    for (const std::uint32_t v : t) bounds_.extend(data_.positions[v]);
+  bind_attributes(source);
+  find_bounds();
   if (data_.triangles.empty()) {
     remarks_.push_back("the mesh has no triangles");
     if (emitter())
@@ -173,6 +173,9 @@ std::size_t Mesh::drop_degenerate() {
       d.triangles[kept] = d.triangles[i];
       if (!d.normal_triangles.empty()) d.normal_triangles[kept] = d.normal_triangles[i];
       if (!d.uv_triangles.empty()) d.uv_triangles[kept] = d.uv_triangles[i];
+      if (!d.materials.empty()) d.materials[kept] = d.materials[i];
+      for (MeshAttribute& a : d.attributes)
+        if (a.of_faces()) a.move(i, kept);
     }
     ++kept;
   }
@@ -180,7 +183,15 @@ std::size_t Mesh::drop_degenerate() {
   d.triangles.resize(kept);
   if (!d.normal_triangles.empty()) d.normal_triangles.resize(kept);
   if (!d.uv_triangles.empty()) d.uv_triangles.resize(kept);
+  if (!d.materials.empty()) d.materials.resize(kept);
+  for (MeshAttribute& a : d.attributes)
+    if (a.of_faces()) a.cut(kept);
   return dropped;
+}
+
+void Mesh::find_bounds() {
+  for (const TriangleIndices& t : data_.triangles)
+    for (const std::uint32_t v : t) bounds_.extend(data_.positions[v]);
 }
 
 void Mesh::reverse(std::size_t i) {
@@ -285,7 +296,7 @@ SurfacePoint Mesh::surface_point(const ShapeHit& hit, const Ray&) const {
   return s;
 }
 
-SurfaceDerivatives Mesh::derivatives(const SurfacePoint& point) const {
+SurfaceDerivatives Mesh::own_derivatives(const SurfacePoint& point) const {
   const TriangleCorners c = corners(point.primitive);
   const Vec3 e1 = c[1] - c[0], e2 = c[2] - c[0];
   if (data_.uvs.empty()) return {e1, e2};
@@ -309,9 +320,11 @@ Vec3 Mesh::tangent(std::uint32_t primitive) const {
 
 std::size_t Mesh::memory_bytes() const {
   const auto bytes = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  std::size_t attributes = 0;
+  for (const MeshAttribute& a : data_.attributes) attributes += a.memory_bytes();
   return bytes(data_.positions) + bytes(data_.normals) + bytes(data_.uvs) + bytes(data_.triangles) +
          bytes(data_.normal_triangles) + bytes(data_.uv_triangles) + bytes(planes_) +
-         bytes(patches_.patches) + bytes(patches_.of_triangle);
+         bytes(patches_.patches) + bytes(patches_.of_triangle) + attributes;
 }
 
 }  // namespace aureole

@@ -20,6 +20,7 @@
 #include <array>
 #include <cstdint>
 
+#include "aureole/shape/mesh_attribute.h"
 #include "aureole/shape/mesh_patches.h"
 #include "aureole/shape/shape.h"
 
@@ -33,6 +34,9 @@ struct MeshData {
   std::vector<Vec3> normals;  ///< empty: none in the file
   std::vector<Vec2> uvs;      ///< empty: none in the file
   std::vector<TriangleIndices> triangles, normal_triangles, uv_triangles;
+  std::vector<MeshAttribute> attributes;     ///< those that textures show
+  std::vector<std::string> attribute_names;  ///< all in the file, for messages
+  std::vector<std::uint32_t> materials;      ///< of each triangle; empty: one for all
 };
 
 struct PatchView;
@@ -57,10 +61,10 @@ class Mesh : public Shape {
 public:
   RTCGeometry make_geometry(RTCDevice device) const override;
   SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override;
-  SurfaceDerivatives derivatives(const SurfacePoint& point) const override;
   Bounds3 bounds() const override { return bounds_; }
   std::size_t primitive_count() const override { return data_.triangles.size(); }
   std::size_t memory_bytes() const override;
+  Spectrum attribute(const Texture& texture, const SurfacePoint& point, const Wavelengths& w) const override;
 
   std::size_t patch_count() const override;
   std::size_t patch_of_primitive(std::uint32_t primitive) const override;
@@ -78,6 +82,16 @@ protected:
   /// Reads to_world, flip_normals and face_normals.
   explicit Mesh(const Properties& properties);
 
+  /// A part of another mesh: reads no parameters.
+  Mesh(const Properties& properties, BsdfPtr bsdf) : Shape(properties, std::move(bsdf)) {}
+  /// Takes over data that was built before.
+  void adopt(MeshData data);
+  /// Gives the data up.
+  MeshData release();
+
+  /// A texture shows this attribute; others need not be kept.
+  bool wants_attribute(std::string_view name) const;
+
   /// A position of the file in the world: computed in double, rounded once.
   Vec3 place_point(double x, double y, double z) const;
   /// A normal of the file in the world, of unit length, or zero where it has no direction.
@@ -89,7 +103,10 @@ protected:
   void build(MeshData data, std::string_view source);
 
 private:
+  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
   std::size_t drop_degenerate();
+  void bind_attributes(std::string_view source);
+  void find_bounds();
   void reverse(std::size_t triangle);
   void orient_by_vertex_normals();
   void compute_vertex_normals();
@@ -114,6 +131,7 @@ private:
   std::vector<TrianglePlane> planes_;
   Bounds3 bounds_;
   MeshPatches patches_;  ///< empty without an emitter: then every triangle is a patch
+  std::vector<std::pair<const Texture*, std::size_t>> shown_;  ///< textures and the attributes they show
 };
 
 }  // namespace aureole

@@ -7,8 +7,8 @@
 
 namespace aureole {
 
-MeshFile::MeshFile(const Properties& properties)
-    : properties_(properties), path_(properties.get_file("filename")) {
+MeshFile::MeshFile(const Properties& properties, std::filesystem::path path)
+    : properties_(properties), path_(std::move(path)) {
   struct Closer {
     void operator()(std::FILE* f) const { std::fclose(f); }
   };

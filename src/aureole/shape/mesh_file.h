@@ -16,7 +16,11 @@ namespace aureole {
 class MeshFile {
 public:
   /// Reads the whole file; throws Error located at `filename`.
-  explicit MeshFile(const Properties& properties);
+  explicit MeshFile(const Properties& properties) : MeshFile(properties, properties.get_file("filename")) {}
+  /// The same for a file that this one refers to.
+  MeshFile(const Properties& properties, std::filesystem::path path);
+
+  const std::filesystem::path& path() const { return path_; }
 
   const char* begin() const { return bytes_.get(); }
   char* begin() { return bytes_.get(); }

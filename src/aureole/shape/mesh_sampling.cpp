@@ -104,7 +104,7 @@ std::optional<ShapeSample> Mesh::sample_direct(const Vec3& reference, std::size_
   const MeshPoint at = point_at(chosen.triangle, chosen.b1, chosen.b2);
   const float pdf = by_area ? area_sampling_pdf(reference, at.p, at.ng, p.area) : float(1 / seen.total());
   if (!(pdf > 0) || !std::isfinite(pdf)) return std::nullopt;
-  return ShapeSample{at.p, at.p_error, at.ng, at.uv, pdf};
+  return ShapeSample{at.p, at.p_error, at.ng, at.uv, pdf, chosen.triangle, {chosen.b1, chosen.b2}};
 }
 
 std::optional<ShapeSample> Mesh::sample_area(std::size_t index, Vec2 u) const {
@@ -118,7 +118,7 @@ std::optional<ShapeSample> Mesh::sample_area(std::size_t index, Vec2 u) const {
   }
   if (!(p.area > 0)) return std::nullopt;
   const MeshPoint at = point_at(chosen.triangle, chosen.b1, chosen.b2);
-  return ShapeSample{at.p, at.p_error, at.ng, at.uv, 1 / p.area};
+  return ShapeSample{at.p, at.p_error, at.ng, at.uv, 1 / p.area, chosen.triangle, {chosen.b1, chosen.b2}};
 }
 
 float Mesh::pdf_direct(const Vec3& reference, std::size_t index, const SurfacePoint& point) const {

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstring>
+#include <map>
 #include <set>
 
 #include "aureole/shape/mesh.h"
 #include "aureole/shape/mesh_file.h"
+#include "aureole/shape/mesh_parts.h"
+#include "aureole/shape/mtl.h"
 #include "aureole/shape/shape_docs.h"
 
 namespace aureole {
@@ -19,6 +22,9 @@ public:
   MeshData read(const PlacePoint& place_point, const PlaceNormal& place_normal);
 
   std::vector<std::string> remarks() const;
+  /// Names of the materials that MeshData::materials counts; the first has none.
+  const std::vector<std::string>& materials() const { return materials_; }
+  const std::vector<std::string>& libraries() const { return libraries_; }
 
 private:
   struct Corner {
@@ -39,7 +45,10 @@ private:
   std::vector<Corner> polygon_;
   bool any_vt_ = false, any_vn_ = false, missing_vt_ = false, missing_vn_ = false;
   std::size_t small_faces_ = 0;
-  std::set<std::string, std::less<>> materials_, ignored_;
+  std::vector<std::string> materials_{""}, libraries_;
+  std::map<std::string, std::uint32_t, std::less<>> material_index_;
+  std::uint32_t material_ = 0;  ///< of the faces to come
+  std::set<std::string, std::less<>> ignored_;
 };
 
 /// The end of the statement at `at`; a backslash before the end of a line continues it, and becomes a blank.
@@ -108,16 +117,23 @@ void ObjReader::face(Scanner& s) {
     d_.triangles.push_back({a.v, b.v, c.v});
     d_.uv_triangles.push_back({a.vt, b.vt, c.vt});
     d_.normal_triangles.push_back({a.vn, b.vn, c.vn});
+    if (materials_.size() > 1) d_.materials.push_back(material_);
   }
 }
 
 void ObjReader::other(std::string_view keyword, Scanner& s, const char* line) {
   if (keyword == "usemtl") {
-    materials_.emplace(s.word());
+    const auto [found, is_new] = material_index_.try_emplace(std::string(s.word()), materials_.size());
+    if (is_new) materials_.push_back(found->first);
+    material_ = found->second;
+    d_.materials.resize(d_.triangles.size(), 0);  // faces before the first statement
     return;
   }
-  static const std::set<std::string, std::less<>> kKnown = {"g",      "o",      "s",         "mtllib",
-                                                            "maplib", "usemap", "shadow_obj"};
+  if (keyword == "mtllib") {
+    for (std::string_view name = s.word(); !name.empty(); name = s.word()) libraries_.emplace_back(name);
+    return;
+  }
+  static const std::set<std::string, std::less<>> kKnown = {"g", "o", "s", "maplib", "usemap", "shadow_obj"};
   if (kKnown.contains(keyword)) return;
   const bool text = std::all_of(keyword.begin(), keyword.end(), [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -178,9 +194,6 @@ void ObjReader::finish() {
 
 std::vector<std::string> ObjReader::remarks() const {
   std::vector<std::string> r;
-  if (materials_.size() > 1)
-    r.push_back(std::to_string(materials_.size()) +
-                " materials in the file; the whole mesh gets the shape's bsdf");
   if (small_faces_) r.push_back(std::to_string(small_faces_) + " faces of fewer than three vertices dropped");
   for (const auto& keyword : ignored_) r.push_back("statements \"" + keyword + "\" ignored");
   return r;
@@ -194,18 +207,91 @@ public:
     MeshData data = reader.read([this](double x, double y, double z) { return place_point(x, y, z); },
                                 [this](double x, double y, double z) { return place_normal(x, y, z); });
     for (std::string& remark : reader.remarks()) remarks_.push_back(std::move(remark));
+    // A BSDF in the scene is for the whole file (as in Mitsuba), and so is an emitter.
+    const bool as_one = !has_default_bsdf() || emitter();
+    if (as_one) data.materials = {};
     build(std::move(data), "filename");
+    if (!as_one && reader.materials().size() > 1) apply_materials(file, reader);
   }
+
+  const std::vector<ShapePtr>* parts() const override { return parts_.empty() ? nullptr : &parts_; }
+
+private:
+  void apply_materials(const MeshFile& file, const ObjReader& reader);
+  BsdfPtr find_bsdf(const std::string& material, const std::map<std::string, MtlMaterial>& library) const;
+
+  std::vector<ShapePtr> parts_;  ///< where the file has several materials
 };
+
+/// The materials of all libraries that can be read.
+std::map<std::string, MtlMaterial> read_libraries(const Properties& properties, const MeshFile& file,
+                                                  const std::vector<std::string>& names) {
+  std::map<std::string, MtlMaterial> all;
+  for (const std::string& name : names) {
+    const std::filesystem::path path = file.path().parent_path() / name;
+    try {
+      all.merge(read_mtl(MeshFile(properties, path)));
+      if (properties.context().scene) properties.context().scene->add_file(path);
+    } catch (const Error& problem) {
+      properties.note("filename", problem.message());
+    }
+  }
+  return all;
+}
+
+BsdfPtr Obj::find_bsdf(const std::string& material, const std::map<std::string, MtlMaterial>& library) const {
+  if (SceneLookup* scene = properties().context().scene)
+    if (const auto found = std::dynamic_pointer_cast<const Bsdf>(scene->find("bsdf", material))) {
+      if (!attribute_textures(found->properties()).empty())
+        throw properties().error(
+            "filename", "the BSDF \"" + material + "\" shows an attribute of the mesh; an OBJ file has none");
+      return found;
+    }
+  const auto found = library.find(material);
+  return found == library.end() ? nullptr : bsdf_of_mtl(material, found->second, properties());
+}
+
+void Obj::apply_materials(const MeshFile& file, const ObjReader& reader) {
+  const std::map<std::string, MtlMaterial> library = read_libraries(properties(), file, reader.libraries());
+  MeshData d = release();
+  std::vector<bool> used(reader.materials().size(), false);
+  for (const std::uint32_t m : d.materials) used[m] = true;
+  std::vector<BsdfPtr> bsdfs(used.size(), bsdf());
+  std::set<BsdfPtr> different;
+  std::string unknown;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    const std::string& name = reader.materials()[i];
+    if (i > 0) {
+      if (BsdfPtr found = find_bsdf(name, library))
+        bsdfs[i] = std::move(found);
+      else
+        unknown += (unknown.empty() ? "\"" : ", \"") + name + "\"";
+    }
+    different.insert(bsdfs[i]);
+  }
+  if (!unknown.empty())
+    remarks_.push_back("no BSDF has the id of a material, nor does an .mtl file define it: " + unknown +
+                       "; the default is used");
+  if (different.size() > 1) {
+    parts_ = split_mesh(properties(), d, bsdfs, remarks_);
+    return;
+  }
+  if (!different.empty()) set_bsdf(*different.begin());
+  d.materials = {};
+  adopt(std::move(d));
+}
 
 AUREOLE_PLUGIN(
     Obj, "shape", "obj",
     PluginDoc{
-        .summary =
-            "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (fanned) and negative indices. "
-            "Groups "
-            "and materials are ignored: the whole file is one mesh. Without vn, normals are computed from "
-            "positions, weighted by angle.",
+        .summary = "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (fanned) and negative "
+                   "indices. Groups "
+                   "are ignored. A nested bsdf is for the whole mesh; without one (and without an emitter) "
+                   "each material of "
+                   "the file is the BSDF of the scene that has its name as id, or is made from the .mtl "
+                   "file: Kd, map_Kd, "
+                   "Ks, Ns, d, map_d. Without vn, normals are computed from positions, weighted by angle.",
         .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
         .parameters = mesh_parameters({{"filename", "file", "", "required", "The OBJ file."},
                                        {"flip_tex_coords", "boolean", "", "true",

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <functional>
 #include <limits>
 #include <set>
 
 #include "aureole/shape/mesh.h"
 #include "aureole/shape/mesh_file.h"
+#include "aureole/shape/ply_attributes.h"
 #include "aureole/shape/ply_source.h"
 #include "aureole/shape/shape_docs.h"
 
@@ -19,8 +22,9 @@ using ply::Property;
 template <class Source>
 class PlyReader {
 public:
-  PlyReader(const MeshFile& file, const ply::Header& header, bool flip_v)
-      : file_(file), header_(header), source_(file, header.body), flip_v_(flip_v) {}
+  using Wants = std::function<bool(std::string_view)>;
+  PlyReader(const MeshFile& file, const ply::Header& header, bool flip_v, Wants wants)
+      : file_(file), header_(header), source_(file, header.body), flip_v_(flip_v), wants_(std::move(wants)) {}
 
   template <class PlacePoint, class PlaceNormal>
   MeshData read(const PlacePoint& place_point, const PlaceNormal& place_normal) {
@@ -105,8 +109,9 @@ private:
     if (!all({"x", "y", "z"}, 0)) throw file_.error("vertices need the properties x, y and z");
     const bool normals = all({"nx", "ny", "nz"}, 3);
     const bool uvs = all({"u", "v"}, 6) || all({"s", "t"}, 6) || all({"texture_u", "texture_v"}, 6);
+    ply::AttributeReader attributes(e, "vertex_", wants_, d_);
     for (std::size_t k = 0; k < slot.size(); ++k)
-      if (slot[k] == 8) ignored_.insert("vertex." + e.properties[k].name);
+      if (slot[k] == 8 && !attributes.keeps(k)) ignored_.insert("vertex." + e.properties[k].name);
 
     d_.positions.reserve(e.count + 1);
     if (normals) d_.normals.reserve(e.count);
@@ -114,8 +119,9 @@ private:
     double v[9] = {};
     for (std::size_t i = 0; i < e.count; ++i) {
       record(
-          e, [&](std::size_t k, double value) { v[slot[k]] = value; },
+          e, [&](std::size_t k, double value) { v[slot[k]] = value, attributes.set(k, value); },
           [](std::size_t, std::size_t, double) {});
+      if (!attributes.add()) throw wrong_attribute("vertex", i);
       d_.positions.push_back(place_point(v[0], v[1], v[2]));
       if (normals) d_.normals.push_back(place_normal(v[3], v[4], v[5]));
       if (uvs) d_.uvs.push_back({float(v[6]), float(flip_v_ ? 1 - v[7] : v[7])});
@@ -127,14 +133,15 @@ private:
     if (list < 0) list = e.find("vertex_index");
     if (list < 0 || !e.properties[std::size_t(list)].is_list)
       throw file_.error("faces need the list property vertex_indices or vertex_index");
-    for (const Property& p : e.properties)
-      if (&p != &e.properties[std::size_t(list)]) ignored_.insert("face." + p.name);
+    ply::AttributeReader attributes(e, "face_", wants_, d_);
+    for (std::size_t k = 0; k < e.properties.size(); ++k)
+      if (k != std::size_t(list) && !attributes.keeps(k)) ignored_.insert("face." + e.properties[k].name);
     d_.triangles.reserve(e.count);
     for (std::size_t i = 0; i < e.count; ++i) {
       std::uint32_t first = 0, previous = 0;
       std::size_t corners = 0;
       record(
-          e, [](std::size_t, double) {},
+          e, [&](std::size_t k, double value) { attributes.set(k, value); },
           [&](std::size_t k, std::size_t at, double value) {
             if (k != std::size_t(list)) return;
             if (!(value >= 0 && value < 4294967295.0))
@@ -146,13 +153,20 @@ private:
             corners = at + 1;
           });
       if (corners < 3) ++small_faces_;
+      for (std::size_t k = 2; k < corners; ++k)
+        if (!attributes.add()) throw wrong_attribute("face", i);
     }
+  }
+  Error wrong_attribute(const char* element, std::size_t i) const {
+    return file_.error(std::string(element) + " " + std::to_string(i) +
+                       " has an attribute that is not finite, or a negative colour");
   }
 
   const MeshFile& file_;
   const ply::Header& header_;
   Source source_;
   const bool flip_v_;
+  const Wants wants_;
   MeshData d_;
   std::size_t small_faces_ = 0;
   std::set<std::string> ignored_;
@@ -176,7 +190,8 @@ public:
 private:
   template <class Source>
   void load(const MeshFile& file, const ply::Header& header, bool flip_v) {
-    PlyReader<Source> reader(file, header, flip_v);
+    PlyReader<Source> reader(file, header, flip_v,
+                             [this](std::string_view name) { return wants_attribute(name); });
     MeshData data = reader.read([this](double x, double y, double z) { return place_point(x, y, z); },
                                 [this](double x, double y, double z) { return place_normal(x, y, z); });
     for (std::string& remark : reader.remarks()) remarks_.push_back(std::move(remark));
@@ -190,8 +205,15 @@ AUREOLE_PLUGIN(
         .summary =
             "A mesh from a PLY file, ASCII or binary of either byte order. Polygons are fanned; vertex "
             "normals (nx, ny, "
-            "nz) and texture coordinates (u, v or s, t or texture_u, texture_v) are read, everything else is "
-            "ignored. Without normals they are computed, weighted by angle.",
+            "nz) and texture coordinates (u, v or s, t or texture_u, texture_v) are read. Without normals "
+            "they are computed, weighted by angle. Other properties are attributes for "
+            "the texture `mesh_attribute`, kept if one shows them: r, g, b or red, green, blue are "
+            "vertex_color (face_color "
+            "on faces); NAME_x alone is the number vertex_NAME; NAME_x, NAME_y, NAME_z or NAME_0, NAME_1, "
+            "NAME_2 are the "
+            "colour vertex_NAME, and NAME_r, NAME_g, NAME_b vertex_NAME_color. Integers stand for 0 to 1, "
+            "encoded as in "
+            "sRGB pictures.",
         .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
         .parameters = mesh_parameters({{"filename", "file", "", "required", "The PLY file."},
                                        {"flip_tex_coords", "boolean", "", "false",

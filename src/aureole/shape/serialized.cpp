@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <zlib.h>
 
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -164,8 +165,18 @@ MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool 
     });
   }
   if (flags & kHasColors) {
-    read_tuples(in, in_double, vertices, 3, [](const double*) {});
-    remarks_.push_back("vertex colours ignored");
+    d.attribute_names = {"vertex_color"};
+    const bool wanted = wants_attribute("vertex_color");
+    if (wanted)
+      d.attributes.emplace_back("vertex_color", true), d.attributes[0].reserve(vertices);
+    else
+      remarks_.push_back("vertex colours ignored");
+    read_tuples(in, in_double, vertices, 3, [&](const double* v) {
+      if (!wanted) return;
+      if (!(v[0] >= 0 && v[1] >= 0 && v[2] >= 0 && std::isfinite(v[0] + v[1] + v[2])))
+        throw file.error("a vertex has a colour that is negative or not finite");
+      d.attributes[0].add(v);
+    });
   }
   d.triangles.resize(triangles);
   in.read(d.triangles.data(), triangles * sizeof(TriangleIndices));
@@ -180,7 +191,8 @@ MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool 
 AUREOLE_PLUGIN(Serialized, "shape", "serialized",
                PluginDoc{.summary = "A mesh from Mitsuba's compressed binary format, versions 3 and 4. "
                                     "Without normals in the file they are "
-                                    "computed, weighted by angle. Vertex colours are ignored.",
+                                    "computed, weighted by angle. Vertex colours are the attribute "
+                                    "vertex_color for the texture `mesh_attribute`.",
                          .source = "",
                          .parameters = mesh_parameters(
                              {{"filename", "file", "", "required", "The .serialized file."},

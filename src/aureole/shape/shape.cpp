@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/shape/shape.h"
 
+#include <unordered_set>
+
 #include "aureole/emitter/emitter.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/sensor.h"
 #include "aureole/shape/shape_docs.h"
+#include "aureole/texture/texture.h"
 
 namespace aureole {
 
@@ -28,19 +31,55 @@ std::shared_ptr<T> only_child(const Properties& properties, const char* name) {
   return children.empty() ? nullptr : children.front();
 }
 
+/// Adds the textures that show attributes from an object's parameters downwards.
+void collect(const Properties& properties, std::unordered_set<const Object*>& seen,
+             std::vector<const AttributeTexture*>& found) {
+  for (const Properties::Entry& e : properties.entries()) {
+    const auto* object = std::get_if<ObjectPtr>(&e.value);
+    if (!object || !seen.insert(object->get()).second) continue;
+    if (const auto* texture = dynamic_cast<const AttributeTexture*>(object->get())) found.push_back(texture);
+    collect((*object)->properties(), seen, found);
+  }
+}
+
 }  // namespace
 
-Shape::Shape(const Properties& properties) : Object(properties) {
+std::vector<const AttributeTexture*> Shape::attribute_textures(const Properties& properties) {
+  std::unordered_set<const Object*> seen;
+  std::vector<const AttributeTexture*> found;
+  collect(properties, seen, found);
+  return found;
+}
+
+Shape::Shape(const Properties& properties, Attributes attributes) : Object(properties) {
   emitter_ = only_child<Emitter>(properties, "emitter");
   sensor_ = only_child<Sensor>(properties, "sensor");
   bsdf_ = only_child<Bsdf>(properties, "bsdf");
+  has_default_bsdf_ = !bsdf_;
   if (!bsdf_) bsdf_ = default_bsdf(properties, emitter_ != nullptr);
+  ask_bsdf();
+  if (attributes == Attributes::none)
+    for (const AttributeTexture* t : attribute_textures(properties))
+      throw Error(t->properties().where(), "a \"" + properties.type() + "\" has no attribute \"" +
+                                               t->attribute_name() + "\"; only meshes have attributes");
+  properties.get_float("silhouette_sampling_weight", 1);
+  if (properties.has("silhouette_sampling_weight"))
+    properties.note("silhouette_sampling_weight", "has no effect: there is no differentiable rendering");
+}
+
+Shape::Shape(const Properties& properties, BsdfPtr bsdf) : Object(properties), bsdf_(std::move(bsdf)) {
+  if (bsdf_) ask_bsdf();
+}
+
+void Shape::ask_bsdf() {
   lobes_ = bsdf_->lobes();
   needs_tangent_ = bsdf_->needs_tangent();
   needs_choice_ = bsdf_->needs_choice();
 }
 
 Shape::~Shape() = default;
+
+Spectrum Shape::attribute(const Texture&, const SurfacePoint&, const Wavelengths&) const { return 0.f; }
 
 std::vector<ParameterDoc> shape_parameters(std::vector<ParameterDoc> own) {
   own.push_back(
@@ -51,6 +90,8 @@ std::vector<ParameterDoc> shape_parameters(std::vector<ParameterDoc> own) {
       {"to_world", "transform", "", "identity", "From the shape's own coordinates to those of the scene."});
   own.push_back(
       {"flip_normals", "boolean", "", "false", "Turns the normals, and with them the shining side, around."});
+  own.push_back(
+      {"silhouette_sampling_weight", "float", "", "1", "Accepted for Mitsuba's sake, has no effect."});
   return own;
 }
 

@@ -22,7 +22,6 @@ public:
   SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override {
     return point_in_direction(Double3(ray.o) + Double3(ray.d) * double(hit.t) - ball_.center);
   }
-  SurfaceDerivatives derivatives(const SurfacePoint& point) const override;
   Bounds3 bounds() const override { return ball_.bounds(); }
   std::size_t primitive_count() const override { return 1; }
 
@@ -36,6 +35,8 @@ public:
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const override;
 
 private:
+  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
+
   static constexpr double kPiD = 3.14159265358979323846;
   /// The surface point in the direction `out` of any length from the centre.
   SurfacePoint point_in_direction(const Double3& out) const;
@@ -96,13 +97,14 @@ SurfacePoint Sphere::point_in_direction(const Double3& out) const {
   return s;
 }
 
-SurfaceDerivatives Sphere::derivatives(const SurfacePoint& point) const {
-  const Double3 out = Double3(point.p) - ball_.center;
-  const double x = dot(out, axis_[0]), y = dot(out, axis_[1]), z = dot(out, axis_[2]), r = std::hypot(x, y);
+SurfaceDerivatives Sphere::own_derivatives(const SurfacePoint& point) const {
   // u = phi / 2 pi about the third axis, v = theta / pi from it.
-  const Double3 by_phi = axis_[1] * x - axis_[0] * y;
-  const Double3 by_theta = r > 0 ? (axis_[0] * x + axis_[1] * y) * (z / r) - axis_[2] * r : axis_[0] * z;
-  return {(by_phi * (2 * kPiD)).to_float(), (by_theta * kPiD).to_float()};
+  const double phi = 2 * kPiD * point.uv.x, theta = kPiD * point.uv.y;
+  const Double3 along = axis_[0] * std::cos(phi) + axis_[1] * std::sin(phi);
+  const Double3 across = axis_[1] * std::cos(phi) - axis_[0] * std::sin(phi);
+  const Double3 by_theta = along * std::cos(theta) - axis_[2] * std::sin(theta);
+  return {(across * (2 * kPiD * ball_.radius * std::sin(theta))).to_float(),
+          (by_theta * (kPiD * ball_.radius)).to_float()};
 }
 
 std::optional<ShapeSample> Sphere::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {

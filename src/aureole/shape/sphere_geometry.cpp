@@ -3,61 +3,13 @@
 
 #include <algorithm>
 
+#include "aureole/shape/user_geometry.h"
+
 namespace aureole {
 
 namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
-
-/// A right-handed pair of unit vectors across the unit vector n (Duff et al. 2017, "Building an orthonormal
-/// basis, revisited").
-void make_basis(const Double3& n, Double3& s, Double3& t) {
-  const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
-  s = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};
-  t = {b, sign + n.y * n.y * a, -n.y};
-}
-
-void ball_bounds(const RTCBoundsFunctionArguments* args) {
-  const Bounds3 b = static_cast<const Ball*>(args->geometryUserPtr)->bounds();
-  RTCBounds& r = *args->bounds_o;
-  r.lower_x = b.lower.x, r.lower_y = b.lower.y, r.lower_z = b.lower.z;
-  r.upper_x = b.upper.x, r.upper_y = b.upper.y, r.upper_z = b.upper.z;
-}
-
-/// The distance at which ray i of a packet of n meets the ball.
-std::optional<float> packet_hit(const Ball& ball, RTCRayN* rays, unsigned n, unsigned i) {
-  const Double3 o(RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i));
-  const Double3 d(RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i));
-  const float near = RTCRayN_tnear(rays, n, i), far = RTCRayN_tfar(rays, n, i);
-  const auto t = ball.intersect(o, d, near, far);
-  return t ? std::optional<float>(std::min(float(*t), far)) : std::nullopt;
-}
-
-void ball_intersect(const RTCIntersectFunctionNArguments* args) {
-  const Ball& ball = *static_cast<const Ball*>(args->geometryUserPtr);
-  const unsigned n = args->N;
-  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
-  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
-  for (unsigned i = 0; i < n; ++i) {
-    if (args->valid[i] != -1) continue;
-    const auto t = packet_hit(ball, rays, n, i);
-    if (!t) continue;
-    RTCRayN_tfar(rays, n, i) = *t;
-    // surface_point finds everything else from the distance.
-    RTCHitN_Ng_x(hits, n, i) = 0, RTCHitN_Ng_y(hits, n, i) = 0, RTCHitN_Ng_z(hits, n, i) = 1;
-    RTCHitN_u(hits, n, i) = 0, RTCHitN_v(hits, n, i) = 0;
-    RTCHitN_primID(hits, n, i) = args->primID;
-    RTCHitN_geomID(hits, n, i) = args->geomID;
-    RTCHitN_instID(hits, n, i, 0) = args->context->instID[0];
-  }
-}
-
-void ball_occluded(const RTCOccludedFunctionNArguments* args) {
-  const Ball& ball = *static_cast<const Ball*>(args->geometryUserPtr);
-  for (unsigned i = 0; i < args->N; ++i)
-    if (args->valid[i] == -1 && packet_hit(ball, args->ray, args->N, i))
-      RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
-}
 
 }  // namespace
 
@@ -136,15 +88,7 @@ std::optional<Double3> Ball::sample_visible(const Double3& reference, Vec2 u) co
 }
 
 RTCGeometry make_sphere_geometry(RTCDevice device, const Ball& ball) {
-  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(g, 1);
-  rtcSetGeometryUserData(g, const_cast<Ball*>(&ball));
-  rtcSetGeometryBoundsFunction(
-      g, [](const RTCBoundsFunctionArguments* args) { ball_bounds(args); }, nullptr);
-  rtcSetGeometryIntersectFunction(g, ball_intersect);
-  rtcSetGeometryOccludedFunction(g, ball_occluded);
-  rtcCommitGeometry(g);
-  return g;
+  return make_user_geometry(device, ball);
 }
 
 }  // namespace aureole

@@ -20,7 +20,8 @@ struct SurfacePoint {
   Vec2 uv;
   const Shape* shape = nullptr;
   std::uint32_t primitive = 0;
-  Vec2 barycentric;  ///< Embree's (u, v) of the hit: weights of vertices 1 and 2 of a triangle
+  Vec2 barycentric;                 ///< Embree's (u, v) of the hit: weights of vertices 1 and 2 of a triangle
+  const Shape* instance = nullptr;  ///< through which `shape` was met, if it belongs to a group
 };
 
 /// What the ray caster says of a hit.

@@ -26,7 +26,8 @@ Wavelengths Wavelengths::at(const SpectralGrid& grid, const Spectrum& nm, float 
   const Doubles none = from_first * 0, all = none + grid.cells, below_last = none + (grid.cells - 1);
   const Doubles low = from_first < none ? none : from_first, x = low > all ? all : low;
   w.cell = __builtin_convertvector(x > below_last ? below_last : x, SpectrumMask);
-  w.fraction = Spectrum(__builtin_convertvector(x - __builtin_convertvector(w.cell, Doubles), SpectrumVector));
+  w.fraction =
+      Spectrum(__builtin_convertvector(x - __builtin_convertvector(w.cell, Doubles), SpectrumVector));
   return w;
 }
 

@@ -153,6 +153,7 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
   else if (std::holds_alternative<ObjectPtr>(e->value)) {
     const auto texture = properties.get_object<Texture>(name);
     check_range(properties, name, *texture, role);
+    texture->used_as(role);
     return texture;
   } else
     throw properties.error(name, "expected a number, a spectrum or a texture");

@@ -11,6 +11,11 @@
 
 namespace aureole {
 
+/// What a spectrum given as rgb or as a number stands for, as in Mitsuba's spectral mode: a reflectance in
+/// [0, 1], an unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has
+/// luminance 1).
+enum class SpectrumRole { reflectance, unbounded, emission };
+
 class Texture : public Object {
 public:
   static constexpr const char* kFamily = "a texture or spectrum";
@@ -37,13 +42,19 @@ public:
   virtual float minimum() const = 0;
   /// Columns and rows of a picture, for those who project it.
   virtual std::pair<int, int> resolution() const { return {1, 1}; }
+  /// Told what it is used for, where range checks must wait until it has values.
+  virtual void used_as(SpectrumRole) const {}
 };
 using TexturePtr = std::shared_ptr<const Texture>;
 
-/// What a spectrum given as rgb or as a number stands for, as in Mitsuba's spectral mode: a reflectance in
-/// [0, 1], an unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has
-/// luminance 1).
-enum class SpectrumRole { reflectance, unbounded, emission };
+/// A texture that shows an attribute of the mesh it is on: `Shape::attribute` has the values.
+class AttributeTexture : public Texture {
+public:
+  using Texture::Texture;
+  virtual const std::string& attribute_name() const = 0;
+  /// Told by each mesh the range and the mean of the attribute; throws Error where it cannot be used.
+  virtual void attach(float minimum, float maximum, const SampledSpectrum& mean) const = 0;
+};
 
 /// The texture, spectrum or number given under `name`; `fallback` where absent. A reflectance outside [0, 1]
 /// and any negative value are errors located at the parameter.

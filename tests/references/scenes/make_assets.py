@@ -178,6 +178,32 @@ def write_ply():
     (MESHES / "hill_big.ply").write_bytes(data)
 
 
+def write_attributes():
+    """The hill with colours at vertices, a number at vertices, and colours on faces."""
+    v, n, uv, tris = hill(5)
+    x, y, z = v.T
+    rgb = np.stack([0.5 + 0.4 * x, 0.5 - 0.4 * y, 0.2 + 0.9 * z.clip(0)], -1).clip(0.02, 0.95)
+    paint = 0.1 + 0.8 * (np.arange(len(v)) % 3 == 0)
+    faces = np.array([[0.8, 0.2, 0.1], [0.1, 0.5, 0.7], [0.7, 0.7, 0.3]])[np.arange(len(tris)) % 3]
+    text = "ply\nformat ascii 1.0\ncomment aureole reference mesh\nelement vertex %d\n" % len(v)
+    text += "".join(f"property float {p}\n" for p in "x y z nx ny nz r g b paint_x".split())
+    text += "element face %d\nproperty list uchar int vertex_indices\n" % len(tris)
+    text += "".join(f"property float {p}\n" for p in "r g b".split()) + "end_header\n"
+    text += "".join(numbers(row) + "\n" for row in np.hstack([v, n, rgb, paint[:, None]]))
+    text += "".join("3 " + " ".join(map(str, t)) + " " + numbers(c) + "\n" for t, c in zip(tris, faces))
+    (MESHES / "hill_attributes.ply").write_text(text)
+
+
+# ---------------------------------------------------------------- curves
+
+def write_curves():
+    """A spiral of growing radius, a straight tube and a thin arc that ends in a point."""
+    spiral = [(1.6 * math.cos(t), 1.6 * math.sin(t), 0.12 * t, 0.08 + 0.025 * t) for t in 0.9 * np.arange(9)]
+    tube = [(-0.6 + 0.5 * i, -0.3, 0.2 + 0.2 * i, 0.3 - 0.05 * i) for i in range(4)]
+    arc = [(-2 + 0.6 * i, 0.8 - 0.3 * i, 0.3 + 0.25 * i * (5 - i), 0.15 if i < 4 else 0) for i in range(6)]
+    (MESHES / "curves.txt").write_text("\n".join("".join(numbers(p) + "\n" for p in c) for c in (spiral, tube, arc)))
+
+
 # ---------------------------------------------------------------- serialized (version 4)
 
 def write_serialized():
@@ -258,5 +284,7 @@ if __name__ == "__main__":
     write_house()
     write_panel()
     write_ply()
+    write_attributes()
+    write_curves()
     write_serialized()
     write_images()

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// An open cylinder. Conventions as Mitsuba 3's: u runs with the azimuth, v along the axis from p0 to p1;
+// normals outside, also under a mirroring to_world; `flip_normals` turns them. Any affine to_world is exact:
+// the surface may become an elliptic or an oblique cylinder.
+#include <algorithm>
+
+#include "aureole/shape/placement.h"
+#include "aureole/shape/shape.h"
+#include "aureole/shape/shape_docs.h"
+#include "aureole/shape/user_geometry.h"
+
+namespace aureole {
+namespace {
+
+constexpr double kPiD = 3.14159265358979323846;
+
+/// x^2 + y^2 = 1, z in [0, 1], of a placement.
+struct PlacedCylinder {
+  Placement place;
+
+  Bounds3 bounds() const {
+    const Double3 &u = place.axis(0), &v = place.axis(1), &w = place.axis(2);
+    const Double3 reach(std::hypot(u.x, v.x), std::hypot(u.y, v.y), std::hypot(u.z, v.z));
+    Bounds3 b = outward_bounds(place.origin() - reach, place.origin() + reach);
+    b.extend(outward_bounds(place.origin() + w - reach, place.origin() + w + reach));
+    return b;
+  }
+  std::optional<double> intersect(const Double3& o, const Double3& d, double t_min, double t_max) const {
+    const Double3 from = place.local_point(o), along = place.local_vector(d);
+    const double a = along.x * along.x + along.y * along.y, b = -(from.x * along.x + from.y * along.y);
+    if (!(a > 0)) return std::nullopt;  // parallel to the axis
+    // The discriminant from the distance between axis and line, without cancellation (Haines et al. 2019,
+    // "Precision improvements for ray/sphere intersection"); c by factors, exact near the surface.
+    const double r = std::sqrt(from.x * from.x + from.y * from.y), c = (r - 1) * (r + 1);
+    const double x = from.x + along.x * (b / a), y = from.y + along.y * (b / a);
+    const double discriminant = 1 - (x * x + y * y);
+    if (!(discriminant >= 0)) return std::nullopt;
+    const double q = b + std::copysign(std::sqrt(a * discriminant), b);
+    double t[2] = {q != 0 ? c / q : 0, q / a};
+    if (t[0] > t[1]) std::swap(t[0], t[1]);
+    for (const double at : t) {
+      const double z = from.z + along.z * at;
+      if (at > t_min && at < t_max && z >= 0 && z <= 1) return at;
+    }
+    return std::nullopt;
+  }
+};
+
+/// The part of the front that a point sees, and how points of it are drawn: uniform in azimuth, along the
+/// axis by the angle seen from the reference point (Kulla & Fajardo 2012, "Importance sampling techniques for
+/// path tracing in participating media", section 4.1).
+struct CylinderView {
+  double phi = 0, half_range = 0;  ///< azimuths from phi - half_range to phi + half_range
+  double z = 0;                    ///< of the reference point
+  double h = 1;                    ///< its distance in units of z
+  double angle = 0;                ///< that the whole length fills, seen from that distance
+
+  bool empty() const { return !(half_range > 0 && angle > 0); }
+  double sample_z(double u) const {
+    const double t = std::tan(u * angle), at = t * (z * z + h * h) / (h + z * t);
+    return std::clamp(at, 0.0, 1.0);
+  }
+  /// Density of azimuth and z.
+  double pdf(double at_z) const { return h / (2 * half_range * angle * (h * h + (at_z - z) * (at_z - z))); }
+};
+
+class Cylinder final : public Shape {
+public:
+  explicit Cylinder(const Properties& properties)
+      : Shape(properties), cylinder_{Placement(own_to_world(properties))} {
+    flipped_ = properties.get_bool("flip_normals", false);
+    // Exact after a few points for ellipses that are nearly circles: the integrand is smooth and periodic.
+    constexpr int kPoints = 256;
+    for (int i = 0; i < kPoints; ++i) {
+      const double phi = 2 * kPiD * i / kPoints;
+      area_ += area_element(std::cos(phi), std::sin(phi)) * (2 * kPiD / kPoints);
+    }
+    if (emitter() && !(area_ > 0 && std::isfinite(float(area_))))
+      throw properties.error("radius", "an emitter needs an area that is neither zero nor infinite");
+  }
+
+  RTCGeometry make_geometry(RTCDevice device) const override { return make_user_geometry(device, cylinder_); }
+  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override {
+    const Double3 at = cylinder_.place.local_point(Double3(ray.o) + Double3(ray.d) * double(hit.t));
+    return point_at(at.x, at.y, at.z);
+  }
+  Bounds3 bounds() const override { return cylinder_.bounds(); }
+  std::size_t primitive_count() const override { return 1; }
+
+  std::size_t patch_count() const override { return 1; }
+  std::size_t patch_of_primitive(std::uint32_t) const override { return 0; }
+  float patch_area(std::size_t) const override { return float(area_); }
+  Bounds3 patch_bounds(std::size_t) const override { return bounds(); }
+  std::pair<Vec3, float> patch_normals(std::size_t) const override { return {{0, 0, 1}, -1.f}; }
+  std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
+  std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override;
+  float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const override {
+    return pdf_direct(view(reference), reference, point.p, point.ng);
+  }
+
+private:
+  static Transform own_to_world(const Properties& properties);
+  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
+  SurfacePoint point_at(double x, double y, double z) const;
+  CylinderView view(const Vec3& reference) const;
+  float pdf_direct(const CylinderView& seen, const Vec3& reference, const Vec3& p, const Vec3& ng) const;
+  /// Area per azimuth and z at a point of the unit circle.
+  double area_element(double x, double y) const {
+    return length(cross(cylinder_.place.vector({-y, x, 0}), cylinder_.place.axis(2)));
+  }
+
+  PlacedCylinder cylinder_;
+  double area_ = 0;
+  bool flipped_ = false;
+};
+
+Transform Cylinder::own_to_world(const Properties& properties) {
+  const Vec3 p0 = properties.get_vec3("p0", {0, 0, 0}), p1 = properties.get_vec3("p1", {0, 0, 1});
+  const double radius = properties.get_float("radius", 1.0, Range::positive());
+  const Double3 along = Double3(p1) - Double3(p0);
+  const double l = length(along);
+  if (!(l > 0)) throw properties.error("p1", "p0 and p1 are the same point: the cylinder has no length");
+  Double3 s, t;
+  make_basis(along * (1 / l), s, t);
+  const Transform own(Transform::Matrix{{{s.x * radius, t.x * radius, along.x, p0.x},
+                                         {s.y * radius, t.y * radius, along.y, p0.y},
+                                         {s.z * radius, t.z * radius, along.z, p0.z},
+                                         {0, 0, 0, 1}}});
+  const Transform all = properties.get_transform("to_world") * own;
+  if (all.is_singular()) throw properties.error("to_world", "the cylinder is too thin or too short");
+  return all;
+}
+
+SurfacePoint Cylinder::point_at(double x, double y, double z) const {
+  const double r = std::hypot(x, y);
+  if (r > 0) x /= r, y /= r;
+  z = std::clamp(z, 0.0, 1.0);
+  const Placement& place = cylinder_.place;
+  SurfacePoint s;
+  s.p = place.point({x, y, z}).to_float();
+  s.p_error = place.rounding_error(s.p);
+  const Double3 n = normalize(place.normal({x, y, 0}));
+  s.ng = (flipped_ ? -n : n).to_float();
+  const double u = std::atan2(y, x) / (2 * kPiD);
+  s.uv = {float(u < 0 ? u + 1 : u), float(z)};
+  s.shading = Frame::from_normal_tangent(s.ng, place.vector({-y, x, 0}).to_float());
+  s.shape = this;
+  return s;
+}
+
+SurfaceDerivatives Cylinder::own_derivatives(const SurfacePoint& point) const {
+  const double phi = 2 * kPiD * point.uv.x;
+  const Double3 around = cylinder_.place.vector({-std::sin(phi), std::cos(phi), 0});
+  return {(around * (2 * kPiD)).to_float(), cylinder_.place.axis(2).to_float()};
+}
+
+CylinderView Cylinder::view(const Vec3& reference) const {
+  const Placement& place = cylinder_.place;
+  const Double3 o = place.local_point(Double3(reference));
+  const double r = std::hypot(o.x, o.y);
+  CylinderView seen;
+  // Which side of a tangent plane a point lies on does not change under affine maps: from outside the front
+  // is seen where cos(phi - phi0) > 1 / r.
+  const double facing = r > 1 ? std::acos(1 / r) : 0;
+  const double from_axis = std::atan2(o.y, o.x);
+  seen.phi = flipped_ ? from_axis + kPiD : from_axis;
+  seen.half_range = flipped_ ? kPiD - facing : facing;
+  // Some mean distance to that part; any is allowed.
+  const double nearest = flipped_ ? 1 : std::hypot(r - 1, facing / 2);
+  const double radius = std::sqrt(length(cross(place.axis(0), place.axis(1))));
+  seen.h = std::max(nearest, 1e-4) * radius / length(place.axis(2));
+  seen.z = o.z;
+  seen.angle = std::atan2(seen.h, seen.h * seen.h - o.z * (1 - o.z));
+  return seen;
+}
+
+float Cylinder::pdf_direct(const CylinderView& seen, const Vec3& reference, const Vec3& p,
+                           const Vec3& ng) const {
+  if (seen.empty()) return 0;
+  const Double3 at = cylinder_.place.local_point(Double3(p)), w = Double3(p) - Double3(reference);
+  const double distance2 = dot(w, w), projected = std::abs(dot(w, Double3(ng)));
+  const double r = std::sqrt(at.x * at.x + at.y * at.y);
+  const double per_area = seen.pdf(at.z) / area_element(at.x / r, at.y / r);
+  const double pdf = per_area * distance2 * std::sqrt(distance2) / projected;
+  // Nothing where the normal, rounded to float, is seen edge-on.
+  return projected > 1e-7 * std::sqrt(distance2) && std::isfinite(float(pdf)) ? float(pdf) : 0;
+}
+
+std::optional<ShapeSample> Cylinder::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
+  const CylinderView seen = view(reference);
+  if (seen.empty()) return std::nullopt;
+  const double phi = seen.phi + seen.half_range * (2 * double(u.x) - 1);
+  const SurfacePoint s = point_at(std::cos(phi), std::sin(phi), seen.sample_z(u.y));
+  const float pdf = pdf_direct(seen, reference, s.p, s.ng);
+  if (!(pdf > 0)) return std::nullopt;
+  return ShapeSample{s.p, s.p_error, s.ng, s.uv, pdf};
+}
+
+std::optional<ShapeSample> Cylinder::sample_area(std::size_t, Vec2 u) const {
+  // Under an ellipse azimuths are not uniform over the area: the density follows the point.
+  const double x = std::cos(2 * kPiD * u.x), y = std::sin(2 * kPiD * u.x);
+  const SurfacePoint s = point_at(x, y, u.y);
+  return ShapeSample{s.p, s.p_error, s.ng, s.uv, float(1 / (2 * kPiD * area_element(x, y)))};
+}
+
+AUREOLE_PLUGIN(
+    Cylinder, "shape", "cylinder",
+    PluginDoc{
+        .summary =
+            "An open cylinder (no end caps) around the line from p0 to p1. Its normals point outside, so "
+            "that most materials are black inside; `twosided` changes that. Texture coordinates: u is the "
+            "angle about the axis, v runs from p0 to p1. As an emitter the part that faces the point is "
+            "sampled.",
+        .source = "",
+        .parameters = shape_parameters(
+            {{"p0", "vector", "scene units", "0, 0, 0", "One end of the axis, before to_world."},
+             {"p1", "vector", "scene units", "0, 0, 1", "The other end, before to_world."},
+             {"radius", "float", "scene units", "1", "Radius, before to_world."}}),
+        .examples = {R"(<shape type="cylinder">
+  <point name="p0" x="0" y="0" z="-1"/>
+  <point name="p1" x="0" y="0" z="1"/>
+  <float name="radius" value="0.1"/>
+  <boolean name="flip_normals" value="false"/>
+  <transform name="to_world"><rotate x="1" angle="90"/></transform>
+  <bsdf type="diffuse"/>
+  <emitter type="area"><float name="radiance" value="1"/></emitter>
+</shape>)"}});
+
+}  // namespace
+}  // namespace aureole

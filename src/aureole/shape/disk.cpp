@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// A flat disc. Conventions as Mitsuba 3's: texture coordinates are polar, u = r and v = phi / 2 pi; any
+// affine to_world makes an ellipse of it.
+#include <algorithm>
+
+#include "aureole/math/warp.h"
+#include "aureole/shape/disc_sampling.h"
+#include "aureole/shape/placement.h"
+#include "aureole/shape/shape.h"
+#include "aureole/shape/shape_docs.h"
+#include "aureole/shape/spherical_sampling.h"
+#include "aureole/shape/user_geometry.h"
+
+namespace aureole {
+namespace {
+
+constexpr double kPiD = 3.14159265358979323846;
+
+/// The unit disc in the plane z = 0 of a placement.
+struct PlacedDisc {
+  Placement place;
+
+  Bounds3 bounds() const {
+    const Double3 &u = place.axis(0), &v = place.axis(1);
+    const Double3 reach(std::hypot(u.x, v.x), std::hypot(u.y, v.y), std::hypot(u.z, v.z));
+    return outward_bounds(place.origin() - reach, place.origin() + reach);
+  }
+  std::optional<double> intersect(const Double3& o, const Double3& d, double t_min, double t_max) const {
+    const Double3 from = place.local_point(o), along = place.local_vector(d);
+    const double t = -from.z / along.z;
+    if (!(t > t_min && t < t_max)) return std::nullopt;  // also where the ray is parallel
+    const double x = from.x + along.x * t, y = from.y + along.y * t;
+    return x * x + y * y <= 1 ? std::optional<double>(t) : std::nullopt;
+  }
+};
+
+class Disk final : public Shape {
+public:
+  explicit Disk(const Properties& properties)
+      : Shape(properties), disc_{Placement(properties.get_transform("to_world"))} {
+    const Double3 n = normalize(disc_.place.normal({0, 0, 1}));
+    normal_ = properties.get_bool("flip_normals", false) ? -n : n;
+    const Double3 &u = disc_.place.axis(0), &v = disc_.place.axis(1);
+    area_ = kPiD * length(cross(u, v));
+    const double a = length(u), b = length(v);
+    circular_ = std::abs(a - b) < 1e-5 * a && std::abs(dot(u, v)) < 1e-5 * a * b;
+    if (emitter() && !(area_ > 0 && std::isfinite(float(area_))))
+      throw properties.error("to_world", "an emitter needs an area that is neither zero nor infinite");
+  }
+
+  RTCGeometry make_geometry(RTCDevice device) const override { return make_user_geometry(device, disc_); }
+  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override {
+    const Double3 at = disc_.place.local_point(Double3(ray.o) + Double3(ray.d) * double(hit.t));
+    return point_at(at.x, at.y);
+  }
+  Bounds3 bounds() const override { return disc_.bounds(); }
+  std::size_t primitive_count() const override { return 1; }
+
+  std::size_t patch_count() const override { return 1; }
+  std::size_t patch_of_primitive(std::uint32_t) const override { return 0; }
+  float patch_area(std::size_t) const override { return float(area_); }
+  Bounds3 patch_bounds(std::size_t) const override { return bounds(); }
+  std::pair<Vec3, float> patch_normals(std::size_t) const override { return {normal_.to_float(), 1.f}; }
+  std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
+  std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override {
+    const Vec2 at = square_to_disc_concentric(u).p;
+    return sample_at(at.x, at.y, float(1 / area_));
+  }
+  float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const override {
+    return pdf_direct(view(reference), reference, point.p);
+  }
+
+private:
+  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override {
+    const double phi = 2 * kPiD * point.uv.y, c = std::cos(phi), s = std::sin(phi);
+    return {disc_.place.vector({c, s, 0}).to_float(),
+            (disc_.place.vector({-s, c, 0}) * (2 * kPiD * point.uv.x)).to_float()};
+  }
+  /// The point with these coordinates, which rounding may have moved just beyond the rim.
+  SurfacePoint point_at(double x, double y) const {
+    const double r = std::hypot(x, y);
+    if (r > 1) x /= r, y /= r;
+    SurfacePoint s;
+    s.p = disc_.place.point({x, y, 0}).to_float();
+    s.p_error = disc_.place.rounding_error(s.p);
+    s.ng = normal_.to_float();
+    const double v = std::atan2(y, x) / (2 * kPiD);
+    s.uv = {float(std::min(r, 1.0)), float(v < 0 ? v + 1 : v)};
+    s.shading = Frame::from_normal_tangent(s.ng, disc_.place.vector({x, y, 0}).to_float());
+    s.shape = this;
+    return s;
+  }
+  ShapeSample sample_at(double x, double y, float pdf) const {
+    const SurfacePoint s = point_at(x, y);
+    return {s.p, s.p_error, s.ng, s.uv, pdf};
+  }
+  DiscView view(const Vec3& reference) const {
+    if (!circular_) return DiscView::by_area(Double3(reference), disc_.place.origin(), normal_);
+    return DiscView::of(Double3(reference), disc_.place.origin(), normal_, length(disc_.place.axis(0)));
+  }
+  float pdf_direct(const DiscView& seen, const Vec3& reference, const Vec3& p) const {
+    switch (seen.technique()) {
+      case DiscView::Technique::none:
+        return 0;
+      case DiscView::Technique::area: {
+        const float pdf = area_sampling_pdf(reference, p, normal_.to_float(), area_);
+        return std::isfinite(pdf) ? pdf : 0;
+      }
+      case DiscView::Technique::solid_angle:
+        return float(seen.pdf(Double3(p) - Double3(reference)));
+    }
+    return 0;
+  }
+
+  PlacedDisc disc_;
+  Double3 normal_;
+  double area_ = 0;
+  bool circular_ = false;
+};
+
+std::optional<ShapeSample> Disk::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
+  const DiscView seen = view(reference);
+  if (seen.technique() == DiscView::Technique::none) return std::nullopt;
+  Double3 at;
+  if (seen.technique() == DiscView::Technique::area) {
+    const Vec2 on_disc = square_to_disc_concentric(u).p;
+    at = {on_disc.x, on_disc.y, 0};
+  } else {
+    at = disc_.place.local_point(seen.sample(u));
+  }
+  ShapeSample s = sample_at(at.x, at.y, 0);
+  s.pdf = pdf_direct(seen, reference, s.p);
+  return s.pdf > 0 ? std::optional<ShapeSample>(s) : std::nullopt;
+}
+
+AUREOLE_PLUGIN(
+    Disk, "shape", "disk",
+    PluginDoc{
+        .summary =
+            "The disc of radius 1 around the origin in the plane z = 0, normal +z. Texture coordinates are "
+            "polar: u is the radius, v the angle over 2 pi. Under a to_world that scales its axes apart it "
+            "is an ellipse. As an emitter a disc is sampled nearly uniformly in solid angle, an ellipse in "
+            "area.",
+        .source = "Cone of directions: Guillen, Urena, King, Fajardo, Georgiev, Lopez-Moreno & Jarabo 2017, "
+                  "\"Area-preserving parameterizations for spherical ellipses\", section 3.",
+        .parameters = shape_parameters({}),
+        .examples = {R"(<shape type="disk">
+  <transform name="to_world">
+    <scale value="0.5"/>
+    <translate z="2"/>
+  </transform>
+  <boolean name="flip_normals" value="true"/>
+  <bsdf type="diffuse"/>
+  <emitter type="area"><float name="radiance" value="1"/></emitter>
+</shape>)"}});
+
+}  // namespace
+}  // namespace aureole

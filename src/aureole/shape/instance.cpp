@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/double3.h"
+#include "aureole/shape/shape_group.h"
+
+namespace aureole {
+
+namespace {
+
+/// The bound n u / (1 - n u) on the relative error of n roundings (Pharr, Jakob & Humphreys 2023, eq. 6.16).
+constexpr float gamma_bound(int n) { return n * 0x1p-24f / (1 - n * 0x1p-24f); }
+
+double element(const Double3& v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
+
+template <class Rows>
+Vec3 linear(const Rows& m, const Vec3& v) {
+  return {m[0][0] * v.x + m[0][1] * v.y + m[0][2] * v.z, m[1][0] * v.x + m[1][1] * v.y + m[1][2] * v.z,
+          m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
+}
+
+/// By the transpose: of the inverse, for normals, which stay on their side under mirroring, too.
+template <class Rows>
+Vec3 transposed(const Rows& m, const Vec3& v) {
+  return {m[0][0] * v.x + m[1][0] * v.y + m[2][0] * v.z, m[0][1] * v.x + m[1][1] * v.y + m[2][1] * v.z,
+          m[0][2] * v.x + m[1][2] * v.y + m[2][2] * v.z};
+}
+
+}  // namespace
+
+Instance::Instance(const Properties& properties) : UnsampledShape(properties, nullptr) {
+  const auto groups = properties.get_children<ShapeGroup>("shapegroup");
+  if (groups.size() != 1)
+    throw Error(properties.where(), "an instance needs one shapegroup: write <ref id=\"...\"/> with its id");
+  group_ = groups.front();
+  const Transform to_world = properties.get_transform("to_world");
+  is_one_ = group_->nested().empty() && !group_->shapes().empty();
+  if (is_one_)
+    place(to_world);
+  else
+    take_apart(group_, to_world);
+}
+
+Instance::Instance(const Properties& properties, std::shared_ptr<const ShapeGroup> group,
+                   const Transform& to_world)
+    : UnsampledShape(properties, nullptr), group_(std::move(group)) {
+  place(to_world);
+}
+
+void Instance::take_apart(const std::shared_ptr<const ShapeGroup>& group, const Transform& to_world) {
+  if (!group->shapes().empty()) parts_.push_back(std::make_shared<Instance>(properties(), group, to_world));
+  for (const ShapeGroup::Nested& n : group->nested()) take_apart(n.group, to_world * n.to_group);
+}
+
+void Instance::place(const Transform& to_world) {
+  group_->add_instance();
+  Double3 column[3];
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 4; ++k) to_world_[i][k] = float(to_world.matrix()[i][k]);
+  for (int k = 0; k < 3; ++k) column[k] = {to_world_[0][k], to_world_[1][k], to_world_[2][k]};
+  const Double3 origin(to_world_[0][3], to_world_[1][3], to_world_[2][3]);
+
+  // The inverse by cofactors, which is how the ray caster computes it, in single precision: with the sums of
+  // the absolute values come bounds of its error.
+  const auto absolute_cross = [](const Double3& a, const Double3& b) {
+    return Double3{std::abs(a.y * b.z) + std::abs(a.z * b.y), std::abs(a.z * b.x) + std::abs(a.x * b.z),
+                   std::abs(a.x * b.y) + std::abs(a.y * b.x)};
+  };
+  const auto absolute = [](const Double3& a) { return Double3{std::abs(a.x), std::abs(a.y), std::abs(a.z)}; };
+  const double determinant = dot(column[0], cross(column[1], column[2]));
+  const double absolute_determinant = dot(absolute(column[0]), absolute_cross(column[1], column[2]));
+  const double in_determinant = gamma_bound(8) * absolute_determinant / std::abs(determinant);
+  double error[3][4];
+  for (int i = 0; i < 3; ++i) {
+    const Double3 &a = column[(i + 1) % 3], &b = column[(i + 2) % 3];
+    const Double3 row = cross(a, b) * (1 / determinant);
+    const Double3 in_row = absolute_cross(a, b) * (gamma_bound(4) / std::abs(determinant)) +
+                           absolute(row) * (in_determinant + gamma_bound(4));
+    const double offset = -dot(row, origin);
+    const double in_offset =
+        dot(in_row, absolute(origin)) + gamma_bound(4) * dot(absolute(row), absolute(origin));
+    for (int k = 0; k < 3; ++k) {
+      to_group_[i][k] = float(element(row, k));
+      // The origin of a ray is transformed with these, and rounded.
+      error[i][k] = element(in_row, k) + gamma_bound(4) * std::abs(element(row, k));
+    }
+    to_group_[i][3] = float(offset);
+    error[i][3] = in_offset + gamma_bound(4) * std::abs(offset);
+  }
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 4; ++k) {
+      double sum = 0;
+      for (int j = 0; j < 3; ++j) sum += std::abs(to_world_[i][j]) * error[j][k];
+      error_[i][k] = float(sum);
+      const float size = std::abs(to_group_[i][k]);
+      if (!std::isfinite(to_world_[i][k]) || !(size < 1e18f) || !std::isfinite(error_[i][k]))
+        throw properties().error("to_world", "leaves the range of single precision");
+    }
+}
+
+RTCGeometry Instance::make_geometry(RTCDevice device) const {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(g, group_->embree_scene(device));
+  rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, to_world_.data());
+  rtcCommitGeometry(g);
+  return g;
+}
+
+SurfacePoint Instance::surface_point(const ShapeHit& hit, const Ray& ray) const {
+  const Vec3 offset{to_group_[0][3], to_group_[1][3], to_group_[2][3]};
+  SurfacePoint s = group_->surface_point(hit, {linear(to_group_, ray.o) + offset, linear(to_group_, ray.d)});
+  const Vec3 in_group = s.p, group_error = s.p_error;
+  for (int i = 0; i < 3; ++i) {
+    const auto& m = to_world_[i];
+    s.p[i] = float(double(m[0]) * in_group.x + double(m[1]) * in_group.y + double(m[2]) * in_group.z + m[3]);
+  }
+  const Vec3 size = abs(s.p);
+  for (int i = 0; i < 3; ++i) {
+    const auto &m = to_world_[i], &e = error_[i];
+    s.p_error[i] = std::abs(m[0]) * group_error.x + std::abs(m[1]) * group_error.y +
+                   std::abs(m[2]) * group_error.z + gamma_bound(2) * size[i] +
+                   (e[0] * size.x + e[1] * size.y + e[2] * size.z + e[3]);
+  }
+  s.ng = normalize(transposed(to_group_, s.ng));
+  // The frame's own tangent was made perpendicular to the normal, which the map does not keep.
+  const Vec3 tangent = linear(to_world_, s.shape->derivatives(s).dp_du);
+  s.shading = Frame::from_normal_tangent(normalize(transposed(to_group_, s.shading.n)), tangent);
+  s.instance = this;
+  return s;
+}
+
+SurfaceDerivatives Instance::instance_to_world(const SurfaceDerivatives& d) const {
+  return {linear(to_world_, d.dp_du), linear(to_world_, d.dp_dv)};
+}
+
+Bounds3 Instance::bounds() const {
+  const Bounds3 b = group_->bounds();
+  Bounds3 all;
+  for (int corner = 0; corner < 8 && !b.empty(); ++corner) {
+    Vec3 p;
+    for (int i = 0; i < 3; ++i) {
+      const auto& m = to_world_[i];
+      p[i] = float(double(m[0]) * (corner & 1 ? b.upper : b.lower).x +
+                   double(m[1]) * (corner & 2 ? b.upper : b.lower).y +
+                   double(m[2]) * (corner & 4 ? b.upper : b.lower).z + m[3]);
+    }
+    all.extend(p);
+  }
+  return all;
+}
+
+std::size_t Instance::memory_bytes() const {
+  return sizeof(*this) + group_->memory_bytes() / group_->instances();
+}
+
+AUREOLE_PLUGIN(
+    Instance, "shape", "instance",
+    PluginDoc{
+        .summary =
+            "One appearance of a `shapegroup` in the scene. Its shapes have the BSDFs that they have in "
+            "the group. Any affine to_world is allowed, mirroring included.",
+        .source = "",
+        .parameters = {{"shapegroup", "shape", "", "required", "The group, usually by <ref id=\"...\"/>."},
+                       {"to_world", "transform", "", "identity",
+                        "From the group's coordinates to those of the scene."}},
+        .examples = {R"(<shape type="instance">
+  <shape type="shapegroup">
+    <shape type="sphere"/>
+  </shape>
+  <transform name="to_world">
+    <scale x="2" y="1" z="0.5"/>
+    <translate x="3"/>
+  </transform>
+</shape>)"}});
+
+}  // namespace aureole
