@@ -6,8 +6,9 @@
 
 #include "aureole/core/image.h"
 #include "aureole/emitter/emitter.h"
+#include "aureole/emitter/emitter_docs.h"
+#include "aureole/emitter/placement.h"
 #include "aureole/math/piecewise.h"
-#include "aureole/math/transform.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
@@ -19,9 +20,7 @@ namespace {
 class EnvmapEmitter final : public Emitter {
 public:
   explicit EnvmapEmitter(const Properties& p) : Emitter(p) {
-    const Transform to_world = p.get_transform("to_world");
-    const auto axes = orthonormal(p, to_world);
-    frame_ = {axes[0], axes[1], axes[2]};
+    frame_ = get_placement(p).axes;
     scale_ = float(p.get_float("scale", 1, Range::non_negative()));
     mis_compensation_ = p.get_bool("mis_compensation", false);
     load(p);
@@ -47,8 +46,7 @@ public:
 
   std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2 direction,
                                        const Wavelengths& w) const override {
-    // No other technique finds what compensation leaves out here.
-    const auto s = sample(mis_compensation_ ? full_distribution_ : distribution_, {}, direction, w);
+    const auto s = sample(mis_compensation_ ? everything_ : distribution_, {}, direction, w);
     if (!s) return {};
     EmittedRay r = ray_from_infinity(center_, radius_, -s->wo, position);
     r.value = s->radiance;
@@ -94,16 +92,6 @@ private:
     s.pdf = pdf / (2 * kPi * kPi * sine);
     s.infinite = true;
     return s;
-  }
-
-  /// The transform's axes; a scale would distort solid angles.
-  static std::array<Vec3, 3> orthonormal(const Properties& p, const Transform& t) {
-    std::array<Vec3, 3> axes{normalize(t.vector({1, 0, 0})), normalize(t.vector({0, 1, 0})),
-                             normalize(t.vector({0, 0, 1}))};
-    for (int i = 0; i < 3; ++i)
-      if (std::abs(dot(axes[size_t(i)], axes[size_t((i + 1) % 3)])) > 1e-3f)
-        throw p.error("to_world", "an environment map may be rotated and mirrored, not sheared");
-    return axes;
   }
 
   void load(const Properties& p) {
@@ -161,7 +149,7 @@ private:
       return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) +
              fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
     };
-    std::vector<float> weights(luminance.size());
+    std::vector<float> weights(luminance.size()), compensated(luminance.size());
     double mean = 0, area = 0;
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
@@ -175,20 +163,20 @@ private:
         weights[size_t(y) * size_t(width_) + size_t(x)] = sum;
         mean += double(sum) * sine, area += sine;
       }
-    // MIS compensation (Karlik et al. 2019): leave what BSDF sampling finds anyway.
-    const float offset = mis_compensation_ ? float(mean / area) : 0.f;
+    // MIS compensation (Karlik et al. 2019): leave what BSDF sampling finds anyway. Rays of light, which
+    // nothing else finds, start everywhere.
+    const float offset = float(mean / area);
     bool any = false;
-    std::vector<float> full(weights.size());
     for (float w : weights) any |= w > offset * 1.01f;
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
-        float& w = weights[size_t(y) * size_t(width_) + size_t(x)];
+        const size_t i = size_t(y) * size_t(width_) + size_t(x);
         const float sine = std::sin(kPi * (float(y) + 0.5f) / float(height_));
-        full[size_t(y) * size_t(width_) + size_t(x)] = w * sine;
-        w = (any ? std::max(0.f, w - offset) : w) * sine;
+        compensated[i] = (any ? std::max(0.f, weights[i] - offset) : weights[i]) * sine;
+        weights[i] *= sine;
       }
-    if (mis_compensation_) full_distribution_ = Piecewise2D(full, width_, height_);
-    distribution_ = Piecewise2D(weights, width_, height_);
+    distribution_ = Piecewise2D(mis_compensation_ ? compensated : weights, width_, height_);
+    if (mis_compensation_) everything_ = Piecewise2D(weights, width_, height_);
   }
 
   static Vec2 to_uv(const Vec3& v) {
@@ -197,7 +185,8 @@ private:
   }
 
   Spectrum eval_uv(Vec2 uv, const Wavelengths& w) const {
-    const float x = uv.x * float(width_) - 0.5f, y = uv.y * float(height_ - 1);
+    // NaN is 0 here.
+    const float x = (uv.x > 0 ? uv.x : 0) * float(width_) - 0.5f, y = (uv.y > 0 ? uv.y : 0) * float(height_ - 1);
     const int x0 = int(std::floor(x)), y0 = std::clamp(int(y), 0, height_ - 2);
     const float fx = x - float(x0), fy = std::clamp(y - float(y0), 0.f, 1.f);
     const auto at = [&](int i, int j) -> const Texel& {
@@ -224,7 +213,7 @@ private:
   bool mis_compensation_;
   int width_ = 0, height_ = 0;
   std::vector<Texel> texels_;
-  Piecewise2D distribution_, full_distribution_;
+  Piecewise2D distribution_, everything_;  ///< the second only where the first is compensated
   SampledSpectrum d65_;
 };
 
@@ -234,11 +223,12 @@ AUREOLE_PLUGIN(
         "Environment map in latitude-longitude projection. Colours are upsampled to spectra and multiplied "
         "by D65.",
         "",
-        {{"filename", "file", "", "required", "EXR, HDR or any other image"},
-         {"scale", "float", "", "1", "factor of the radiance"},
-         {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
-         {"mis_compensation", "boolean", "", "false",
-          "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}},
+        emitter_parameters(
+            {{"filename", "file", "", "required", "EXR, HDR or any other image"},
+             {"scale", "float", "", "1", "factor of the radiance"},
+             {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
+             {"mis_compensation", "boolean", "", "false",
+              "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}}),
         {R"(<emitter type="envmap"><string name="filename" value="sky.exr"/><float name="scale" value="2"/>
     <boolean name="mis_compensation" value="true"/><transform name="to_world"><rotate y="1" angle="90"/></transform></emitter>)"}});
 

@@ -48,7 +48,7 @@ class PathIntegrator final : public RadianceIntegrator {
 public:
   explicit PathIntegrator(const Properties& p) : RadianceIntegrator(p) {
     max_depth_ = int(p.get_int("max_depth", -1, {-1, 1e9}));
-    roulette_depth_ = int(p.get_int("rr_depth", 5, {1, 1e9}));
+    roulette_depth_ = std::min(int(p.get_int("rr_depth", 5, {1, 1e9})), kLatestRoulette);
     hide_emitters_ = p.get_bool("hide_emitters", false);
   }
 
@@ -224,6 +224,9 @@ private:
                     hit->shape->bsdf()->properties().type(), s.density.hero_symmetric_throughput()));
   }
 
+  /// Inside a closed shape without losses no path would end without roulette.
+  static constexpr int kLatestRoulette = 1000;
+
   int max_depth_, roulette_depth_;
   bool hide_emitters_;
 };
@@ -236,7 +239,7 @@ AUREOLE_PLUGIN(
         "Kajiya 1986; Veach 1997, chapters 9 and 10; Wilkie et al. 2014, Eq. 8",
         {{"max_depth", "integer", "", "-1",
           "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
-         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces"},
+         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces, 1000 at most"},
          {"hide_emitters", "boolean", "", "false",
           "camera rays pass through area emitters and see no environment"}},
         {R"(<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>

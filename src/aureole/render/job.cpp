@@ -85,7 +85,8 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
                     "apart make the same picture",
                     options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
   if (options_.replicates < 1) throw Error("there must be at least one replicate");
-  if (2 * filter_.border() + 1 > kMaxReach) throw Error("the reconstruction filter is wider than 65 pixels");
+  if (2 * filter_.border() + 1 > kMaxReach)
+    throw Error(film.filter().properties().where(), "the reconstruction filter is wider than 65 pixels");
   // The samplers' index has 32 bits.
   if (end > std::int64_t(1) << 32)
     throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options_.begin, end));
@@ -101,13 +102,15 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
       2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates));
   const double available = available_memory_bytes();
   if (needed > 0.8 * available)
-    throw Error(fmt::format(
-        "a picture of {} x {} pixels and {} samples{} needs about {:.1f} GiB of memory, and {:.1f} GiB are "
-        "available: render it in "
-        "parts with crop_offset_x, crop_width, ... or --samples",
-        film.crop_width(), film.crop_height(), end - options_.begin,
-        options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
-        needed / (1 << 30), available / (1 << 30)));
+    throw Error(
+        film.properties().where(),
+        fmt::format("a picture of {} x {} pixels and {} samples{} needs about {:.1f} GiB of memory, and "
+                    "{:.1f} GiB are "
+                    "available: render it in "
+                    "parts with crop_offset_x, crop_width, ... or --samples",
+                    film.crop_width(), film.crop_height(), end - options_.begin,
+                    options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
+                    needed / (1 << 30), available / (1 << 30)));
   PictureIdentity id;
   id.scene = scene_->loaded().file.filename().string();
   id.version = kVersion;

@@ -29,13 +29,14 @@ RTCIntersectContext context_for(RayTracer::Rays kind) {
   return context;
 }
 
-/// Packets of 8 and of 16 lanes; `rays` has one or more and at most that many.
+/// Packets of 8 and of 16 lanes; `rays` has one or more and at most that many. Untraceable ones are not
+/// `valid`.
 template <class Packet>
 void load(const Ray* rays, int n, Packet& r, int* valid) {
   constexpr int kLanes = sizeof r.org_x / sizeof r.org_x[0];
   for (int i = 0; i < kLanes; ++i) {
     const Ray& ray = rays[i < n ? i : 0];
-    valid[i] = i < n ? -1 : 0;
+    valid[i] = i < n && is_traceable(ray) ? -1 : 0;
     r.org_x[i] = ray.o.x, r.org_y[i] = ray.o.y, r.org_z[i] = ray.o.z;
     r.dir_x[i] = ray.d.x, r.dir_y[i] = ray.d.y, r.dir_z[i] = ray.d.z;
     r.tnear[i] = kNearest, r.tfar[i] = ray.t_max, r.time[i] = 0;
@@ -65,7 +66,7 @@ void occluded_packet(const Ray* rays, int n, bool* blocked, Query&& query) {
   alignas(64) int valid[16];
   load(rays, n, p, valid);
   query(valid, p);
-  for (int i = 0; i < n; ++i) blocked[i] = p.tfar[i] < 0;
+  for (int i = 0; i < n; ++i) blocked[i] = p.tfar[i] < 0 || !valid[i];
 }
 }  // namespace
 
@@ -102,6 +103,7 @@ RayTracer::~RayTracer() {
 }
 
 RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
+  if (!is_traceable(ray)) return {};
   RTCRayHit r;
   load(ray, r.ray);
   r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
@@ -115,6 +117,7 @@ RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
 }
 
 bool RayTracer::occluded(const Ray& ray) const {
+  if (!is_traceable(ray)) return true;
   RTCRay r;
   load(ray, r);
   RTCIntersectContext context;

@@ -15,6 +15,16 @@ double overlap(const SampledSpectrum& a, const SampledSpectrum& b) {
   return s * a.grid().step();
 }
 
+/// Rays go no farther than kFarthest; sums and squares of coordinates stay finite, too.
+void require_near(const Object& object, const Bounds3& box) {
+  for (const Vec3& corner : {box.lower, box.upper})
+    for (int i = 0; i < 3; ++i)
+      if (!(std::abs(corner[i]) <= kFarthest) && !box.empty())
+        throw Error(
+            object.properties().where(),
+            "\"" + object.properties().type() + "\" reaches beyond the coordinate 1.8e18, where rays end");
+}
+
 }  // namespace
 
 Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.shapes) {
@@ -25,6 +35,9 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
       shape->shared_emitter()->attach(*shape);
       emitters_.push_back(shape->emitter());
     }
+  for (const auto& shape : shapes_) require_near(*shape, shape->bounds());
+  for (const auto& emitter : loaded_.emitters)
+    if (!emitter->is_infinite()) require_near(*emitter, emitter->emission_bounds(0).box);
   constexpr std::size_t kFewEmitters = 8;
   if (std::none_of(loaded_.emitters.begin(), loaded_.emitters.end(),
                    [](const auto& e) { return e->is_infinite(); }) &&
@@ -49,7 +62,7 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   for (const auto& emitter : loaded_.emitters) {
     emitter->set_scene_bounds(center, radius);
     emitters_.push_back(emitter.get());
-    if (emitter->is_infinite()) infinite_.push_back(emitter.get());
+    if (emitter->is_infinite() && !emitter->is_delta()) infinite_.push_back(emitter.get());
   }
 
   // p_lambda mixes the film's response with response x emitted power, so that a line that carries the light
@@ -72,6 +85,7 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
     loaded_.notes.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(grid, densities, weights);
+  for (size_t e = 0; e < emitters_.size(); ++e) powers[e] *= emitters_[e]->sampling_weight();
   lights_ = LightSampler(emitters_, powers);
 }
 

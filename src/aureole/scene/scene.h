@@ -45,6 +45,7 @@ public:
   const Film& film() const { return sensor_->film(); }
   const std::vector<ShapePtr>& shapes() const { return shapes_; }
   const std::vector<const Emitter*>& emitters() const { return emitters_; }
+  /// Those that rays which leave the scene may see.
   const std::vector<const Emitter*>& infinite_emitters() const { return infinite_; }
   const LightSampler& lights() const { return lights_; }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }

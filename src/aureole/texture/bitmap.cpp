@@ -150,6 +150,7 @@ public:
   }
   float maximum() const override { return maximum_; }
   float minimum() const override { return minimum_; }
+  std::pair<int, int> resolution() const override { return {width_, height_}; }
 
 private:
   static constexpr std::size_t kMeanTexels = std::size_t(1) << 18;

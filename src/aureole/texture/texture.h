@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "aureole/plugin/properties.h"
 #include "aureole/shape/surface_point.h"
@@ -34,6 +35,8 @@ public:
   virtual float maximum() const = 0;
   /// Smallest value over the surface and all wavelengths.
   virtual float minimum() const = 0;
+  /// Columns and rows of a picture, for those who project it.
+  virtual std::pair<int, int> resolution() const { return {1, 1}; }
 };
 using TexturePtr = std::shared_ptr<const Texture>;
 
