@@ -88,7 +88,7 @@ TEST_P(LightTracing, AgreesWithPathTracing) {
 
 INSTANTIATE_TEST_SUITE_P(All, LightTracing,
                          ::testing::Values("area", "border", "depth", "point", "constant", "envmap", "hide",
-                                           "smooth", "glass", "inside", "rough", "mask", "lenses"),
+                                           "smooth", "glass", "inside", "rough", "mask", "lenses", "beams"),
                          [](const auto& info) { return std::string(info.param); });
 
 // Sensors of one value, with the light that falls on a wall and the light that leaves the scene.
@@ -126,6 +126,26 @@ TEST(LightTracingMeters, AgreeWithPathTracing) {
     EXPECT_NEAR(mean[0], mean[1], 4.5 * error) << scene;
     EXPECT_LT(error, 3e-3 * mean[1]) << scene;
   }
+}
+
+// Light that no other integrator finds: a beam of irradiance 1 from a square straight down to the floor.
+TEST(LightTracingBeam, OfADirectionalAreaHasItsIrradiance) {
+  const auto scene = std::make_shared<const Scene>(load_scene_from_string(
+      R"(<scene version="3.0.0"><integrator type="ptracer"/>
+         <sensor type="perspective"><float name="fov" value="20"/>
+           <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
+           <sampler type="sobol"><integer name="sample_count" value="16384"/></sampler>
+           <film type="hdrfilm"><integer name="width" value="6"/><integer name="height" value="4"/>
+           <string name="pixel_format" value="luminance"/><rfilter type="box"/></film></sensor>
+         <shape type="rectangle"><transform name="to_world"><scale value="3"/></transform>
+           <bsdf type="diffuse"><spectrum name="reflectance" value="0.6"/></bsdf></shape>
+         <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="180"/><translate z="5"/></transform>
+           <emitter type="directionalarea"><spectrum name="radiance" value="1"/></emitter></shape></scene>)",
+      "beam.xml"));
+  const Image image = rendered(scene, {}).picture();
+  double mean = 0;
+  for (const float v : image.pixels) mean += v / double(image.pixels.size());
+  EXPECT_NEAR(mean, 0.6 / 3.14159265, 0.01 * 0.6 / 3.14159265);
 }
 
 std::shared_ptr<const Scene> small_light_scene(const std::string& extra_film = "") {
