@@ -72,12 +72,18 @@ float cost_measure(const EmissionBounds& b) {
 
 }  // namespace
 
-LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const std::vector<double>& powers) {
+LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const std::vector<double>& powers,
+                           const std::vector<double>& emitted) {
+  for (size_t e = 0; e < emitters.size(); ++e)
+    for (size_t part = 0; part < emitters[e]->part_count() && emitted[e] > 0; ++part) {
+      sources_.push_back({emitters[e], part});
+      power_sums_.push_back((power_sums_.empty() ? 0 : power_sums_.back()) +
+                            emitted[e] * double(emitters[e]->emission_bounds(part).power));
+    }
   for (size_t e = 0; e < emitters.size(); ++e) {
     if (!(powers[e] > 0)) continue;
     if (emitters[e]->is_infinite()) {
       infinite_.push_back(emitters[e]);
-      power_sums_.push_back((power_sums_.empty() ? 0 : power_sums_.back()) + powers[e]);
       continue;
     }
     first_leaf_[emitters[e]] = leaves_.size();
@@ -87,8 +93,6 @@ LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const st
       leaves_.push_back({emitters[e], part, b});
     }
   }
-  for (const Leaf& leaf : leaves_)
-    power_sums_.push_back((power_sums_.empty() ? 0 : power_sums_.back()) + double(leaf.bounds.power));
   if (!leaves_.empty()) {
     node_of_leaf_.assign(leaves_.size(), -1);
     std::vector<std::uint32_t> order(leaves_.size());
@@ -234,7 +238,7 @@ std::optional<LightChoice> LightSampler::choose(const Vec3& p, const Vec3& n, fl
 }
 
 std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
-  if (empty() || !(power_sums_.back() > 0)) return {};
+  if (power_sums_.empty() || !(power_sums_.back() > 0)) return {};
   const double total = power_sums_.back();
   const double at = std::min(double(u.x) + double(u.y) * 0x1p-24, 1 - 0x1p-53) * total;
   // The first sum beyond `at`: parts without power are never chosen.
@@ -242,9 +246,7 @@ std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
       std::min(size_t(std::upper_bound(power_sums_.begin(), power_sums_.end(), at) - power_sums_.begin()),
                power_sums_.size() - 1);
   const float probability = float((power_sums_[i] - (i > 0 ? power_sums_[i - 1] : 0)) / total);
-  if (i < infinite_.size()) return LightChoice{infinite_[i], 0, probability};
-  const Leaf& leaf = leaves_[i - infinite_.size()];
-  return LightChoice{leaf.emitter, leaf.part, probability};
+  return LightChoice{sources_[i].first, sources_[i].second, probability};
 }
 
 float LightSampler::probability(const Vec3& p, const Vec3& n, const Emitter* emitter,

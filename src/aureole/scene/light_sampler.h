@@ -24,7 +24,9 @@ public:
   LightSampler() = default;
   /// `powers`: one positive or zero number per emitter, its power as the film sees it times its sampling
   /// weight.
-  LightSampler(const std::vector<const Emitter*>& emitters, const std::vector<double>& powers);
+  /// `emitted`: the same for `choose_by_power`.
+  LightSampler(const std::vector<const Emitter*>& emitters, const std::vector<double>& powers,
+               const std::vector<double>& emitted);
 
   /// A part of an emitter for the point p with normal n (zero for a point that light may reach from both
   /// sides). Nothing where no light can reach p.
@@ -70,8 +72,8 @@ private:
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_leaf_;
   std::unordered_map<const Emitter*, std::size_t> first_leaf_;
-  std::vector<double>
-      power_sums_;  ///< of the infinite emitters, then of the leaves, up to and including each
+  std::vector<std::pair<const Emitter*, std::size_t>> sources_;  ///< all parts, for choose_by_power
+  std::vector<double> power_sums_;                               ///< up to and including each
 };
 
 }  // namespace aureole

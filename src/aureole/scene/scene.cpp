@@ -85,8 +85,15 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
     loaded_.notes.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(grid, densities, weights);
-  for (size_t e = 0; e < emitters_.size(); ++e) powers[e] *= emitters_[e]->sampling_weight();
-  lights_ = LightSampler(emitters_, powers);
+  // An emitter that is never chosen is met by chance, by paths from the sensor; paths from the emitters know
+  // no such chance.
+  std::vector<double> emitted_powers = powers;
+  for (size_t e = 0; e < emitters_.size(); ++e) {
+    const float weight = emitters_[e]->sampling_weight();
+    powers[e] *= weight;
+    if (weight > 0 || emitters_[e]->is_delta()) emitted_powers[e] *= weight;
+  }
+  lights_ = LightSampler(emitters_, powers, emitted_powers);
 }
 
 Spectrum Scene::null_transmittance(const SurfacePoint& point, const Vec3& d, const Wavelengths& w) {
