@@ -13,6 +13,8 @@ namespace {
 
 constexpr const char* kFilm = R"(<film type="hdrfilm"><integer name="width" value="6"/>
 <integer name="height" value="5"/><rfilter type="box"/></film>)";
+constexpr const char* kOnePixel = R"(<film type="hdrfilm"><integer name="width" value="1"/>
+<integer name="height" value="1"/><rfilter type="box"/></film>)";
 constexpr const char* kSampler =
     R"(<sampler type="sobol"><integer name="sample_count" value="2"/></sampler>)";
 constexpr const char* kView =
@@ -90,8 +92,12 @@ std::vector<std::string> wrap_example(const std::string& family, const std::stri
         kFloor + kLight)};
   if (family == "sensor") {
     const bool has_film = example.find("<film") != std::string::npos;
-    return {
-        scene(kIntegrator + changed(example, nullptr, has_film ? "" : kFilm) + kFloor + ball("") + kLight)};
+    const std::string objects = kFloor + ball("") + kLight;
+    if (name == "irradiancemeter") return {scene(kIntegrator + std::string(kFloor) + kLight + ball(example))};
+    std::vector<std::string> scenes = {
+        scene(kIntegrator + changed(example, nullptr, has_film ? "" : kFilm) + objects)};
+    if (!has_film) scenes.push_back(scene(kIntegrator + changed(example, nullptr, kOnePixel) + objects));
+    return scenes;
   }
   if (family == "medium")
     return {usual(kLight + ball("<bsdf type=\"dielectric\"/>" + changed(example, "interior")))};

@@ -63,5 +63,24 @@ TEST(FarAway, SensorsSeeNothing) {
   EXPECT_FALSE(scene.intersect(scene.sensor().sample_ray({1, 1}, {}).ray));
 }
 
+TEST(FarAway, ResponsesAndEmissionsThatOverflow) {
+  const auto scene = [](const std::string& srf, const std::string& radiance) {
+    return Scene(load_scene_from_string(
+        test::kHead + "<sensor type=\"perspective\"><spectrum name=\"srf\" value=\"400:0, 650:" + srf +
+            "\"/></sensor>\n<emitter type=\"constant\">" +
+            "<spectrum name=\"radiance\" value=\"400:0, 650:" + radiance + "\"/></emitter></scene>",
+        "test.xml"));
+  };
+  EXPECT_THROW(scene("3e38", "1"), Error);
+  const Scene bright = scene("1e12", "1e30");
+  for (const float u : {0.f, 0.3f, 0.9f}) {
+    const Wavelengths w = bright.wavelengths().sample(u);
+    for (int j = 0; j < kWavelengths; ++j) {
+      EXPECT_TRUE(w.nm[j] >= 360 && w.nm[j] <= 830) << w.nm[j];
+      EXPECT_TRUE(w.pdf[j] > 0 && std::isfinite(w.pdf[j])) << w.pdf[j];
+    }
+  }
+}
+
 }  // namespace
 }  // namespace aureole

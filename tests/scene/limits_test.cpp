@@ -123,6 +123,21 @@ TEST(Limits, LengthsAndWavelengthsAreFinite) {
             "test.xml:2:124: parameter \"wavelength_max\": \"1e308um\" is out of range");
 }
 
+TEST(Limits, WavelengthsThatSinglePrecisionHolds) {
+  const auto error = [](const std::string& min, const std::string& max) {
+    const auto errors = errors_of_file(
+        test::kHead +
+        "<integrator type=\"test_integrator\"/><sensor type=\"test_sensor\"><film type=\"test_film\">\n"
+        "<string name=\"wavelength_min\" value=\"" +
+        min + "\"/><string name=\"wavelength_max\" value=\"" + max + "\"/></film></sensor></scene>");
+    return errors.empty() ? "" : errors.front();
+  };
+  EXPECT_EQ(error("1nm", "1km"), "");
+  EXPECT_EQ(error("500", "3e38"),
+            "test.xml:3:1: wavelengths from 500 to 3e+38 nm: only 1e-06 to 1e+15 nm can be computed with");
+  EXPECT_NE(error("1e-300nm", "1"), "");
+}
+
 std::string encoded(const std::u32string& text, int bytes, bool big_endian, bool mark) {
   std::string out;
   for (const char32_t c : (mark ? U"\ufeff" : U"") + text) {

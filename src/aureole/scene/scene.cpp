@@ -69,6 +69,8 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   // is found.
   const SpectralGrid& grid = loaded_.context->grid;
   const SampledSpectrum response = film().response();
+  if (!(response.maximum() < 1e18f))
+    throw Error(sensor_->properties().where(), "the sensor's response is too large to be computed with");
   std::vector<double> powers;
   std::vector<float> emitted(size_t(grid.cells) + 1);
   for (const Emitter* e : emitters_) {
@@ -80,7 +82,10 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
           "the emitter's power is too large to be computed with; scale the scene or the emission down");
     for (size_t i = 0; i < emitted.size(); ++i) emitted[i] += power.nodes()[i];
   }
-  const SampledSpectrum densities[2] = {response, product(response, SampledSpectrum(grid, emitted))};
+  SampledSpectrum all_power(grid, std::move(emitted));
+  // Only its shape counts; the product with the response must not leave the range of float.
+  if (all_power.maximum() > 1e18f) all_power.scale(1 / all_power.maximum());
+  const SampledSpectrum densities[2] = {response, product(response, all_power)};
   const float weights[2] = {0.5f, 0.5f};
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
     loaded_.notes.push_back("no emitter has power where the film sees: the picture will be black");

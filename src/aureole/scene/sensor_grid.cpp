@@ -17,6 +17,8 @@ struct WavelengthRange {
   void extend(double nm) { min_nm = std::min(min_nm, nm), max_nm = std::max(max_nm, nm); }
   void extend(const WavelengthRange& r) { extend(r.min_nm), extend(r.max_nm); }
 };
+/// From hard gamma rays to waves of 1000 km; single precision ends not far beyond.
+constexpr double kShortest = 1e-6, kLongest = 1e15;
 const WavelengthRange kVisible{SpectralGrid().min_nm, SpectralGrid().max_nm};
 
 std::string value_of(const Node& object, std::string_view name) {
@@ -84,12 +86,19 @@ SpectralGrid sensor_grid(Node& root, const References& references, Diagnostics& 
   const WavelengthRange fallback = spectral ? range_of_spectral_film(*film, references) : kVisible;
   const double min_nm = wavelength(film, "wavelength_min", fallback.min_nm, diagnostics);
   const double max_nm = wavelength(film, "wavelength_max", fallback.max_nm, diagnostics);
-  if (min_nm < max_nm) return SpectralGrid::over(min_nm, max_nm);
+  const bool computable = min_nm >= kShortest && max_nm <= kLongest;
+  if (computable && min_nm < max_nm) return SpectralGrid::over(min_nm, max_nm);
   Node* named = film->named_child("wavelength_min");
   if (!named) named = film->named_child("wavelength_max");
-  diagnostics.error(named->where, "wavelength_min (" + number_text(min_nm) +
-                                      " nm) must be less than wavelength_max (" + number_text(max_nm) +
-                                      " nm)");
+  if (!named) named = film;
+  if (!computable)
+    diagnostics.error(named->where, "wavelengths from " + number_text(min_nm) + " to " + number_text(max_nm) +
+                                        " nm: only " + number_text(kShortest) + " to " +
+                                        number_text(kLongest) + " nm can be computed with");
+  else
+    diagnostics.error(named->where, "wavelength_min (" + number_text(min_nm) +
+                                        " nm) must be less than wavelength_max (" + number_text(max_nm) +
+                                        " nm)");
   return {};
 }
 
