@@ -128,7 +128,7 @@ private:
     if (family == "sensor") sensor_ = &node, scene_.sensor = object;
     if (family == "integrator") integrator_ = &node, scene_.integrator = object;
     if (!object) return;
-    if (family == "shape") append_shape(object);
+    if (family == "shape") append_shape(node, object);
     if (family != "emitter" || references_.nested.contains(&node)) return;
     if (is_surface_emitter(node.get("type")))
       diagnostics_.note(node.where, "no shape uses this emitter: it has no effect");
@@ -137,9 +137,11 @@ private:
   }
 
   /// The shape, or what stands for it in the scene.
-  void append_shape(const ObjectPtr& object) {
+  void append_shape(const Node& node, const ObjectPtr& object) {
     const auto* shape = dynamic_cast<const Shape*>(object.get());
     if (!shape || !shape->parts()) return append(scene_.shapes, object);
+    if (shape->parts()->empty() && !references_.nested.contains(&node))
+      diagnostics_.note(node.where, "nothing of this " + node.get("type") + " is rendered: it has no effect");
     for (const auto& part : *shape->parts()) append(scene_.shapes, part);
   }
 
