@@ -172,15 +172,14 @@ std::optional<Hit> hit_tube(const Vec3& o, const Vec3& d, bool inside) {
     Vec3 n{float((ox + t * d.x) / 0.4), 0, float((oz + t * d.z) / 0.4)};
     if (inside) n = -n;
     if (n.x * d.x + n.z * d.z > 0) return {};
-    return Hit{t, n, {0, float((y + 1) / 2.5)}};
+    double u = std::atan2(-(oz + t * d.z), ox + t * d.x) / (2 * M_PI);
+    if (u < 0) u += 1;
+    return Hit{t, n, {float(u), float((y + 1) / 2.5)}};
   }
   return {};
 }
 const std::string kTube = R"(<shape type="cylinder"><point name="p0" x="0.2" y="-1" z="2"/>
   <point name="p1" x="0.2" y="1.5" z="2"/><float name="radius" value="0.4"/>)";
-const std::string kStriped =
-    R"(<emitter type="area"><texture name="radiance" type="checkerboard"><rgb name="color0" value="1, 1, 1"/>
-  <rgb name="color1" value="0.2, 0.4, 0.1"/><transform name="to_uv"><scale x="0" y="2"/></transform></texture></emitter>)";
 
 /// A tetrahedron without its base, so that parts are triangles that face many ways.
 const Vec3 kCorners[4] = {{-0.6f, -0.5f, 1.5f}, {0.8f, -0.4f, 1.7f}, {0.1f, 0.9f, 1.6f}, {0.2f, 0.1f, 2.6f}};
@@ -439,7 +438,7 @@ std::vector<Case> make_cases() {
   const auto outside_tube = [](auto& o, auto& d) { return hit_tube(o, d, false); };
   all.push_back(
       {"area_cylinder", kTube + kRed + "</shape>", outside_tube, tube_area, on_tube, cosine_bins()});
-  all.push_back({"area_cylinder_texture", kTube + kStriped + "</shape>", outside_tube, tube_area, on_tube,
+  all.push_back({"area_cylinder_texture", kTube + kTextured + "</shape>", outside_tube, tube_area, on_tube,
                  cosine_bins()});
   Case tube{"area_cylinder_inside",
             kTube + R"(<boolean name="flip_normals" value="true"/>)" + kRed + "</shape>",

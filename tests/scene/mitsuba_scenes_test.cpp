@@ -61,12 +61,9 @@ TEST_F(MitsubaScenes, AnOldSceneWithUnknownPluginsFailsWithAllItsProblemsAtOnce)
   } catch (const ErrorList& list) {
     errors = list.errors();
   }
-  const char* expected[] = {"box.xml:8:20: unknown integrator \"bdpt\"",
-                            "box.xml:20:39: undefined $spp",
-                            "box.xml:23:33: undefined $res",
-                            "box.xml:24:34: undefined $res",
-                            "box.xml:58:14: unknown bsdf \"freespacediffraction\"",
-                            "box.xml:128:15: unknown shape \"cylinder\""};
+  const char* expected[] = {"box.xml:8:20: unknown integrator \"bdpt\"", "box.xml:20:39: undefined $spp",
+                            "box.xml:23:33: undefined $res", "box.xml:24:34: undefined $res",
+                            "box.xml:58:14: unknown bsdf \"freespacediffraction\""};
   std::size_t next = 0;
   for (const char* text : expected) {
     const auto found = std::find_if(errors.begin() + std::ptrdiff_t(next), errors.end(),

@@ -266,11 +266,17 @@ TEST(InstanceScene, GroupsAreNotRendered) {
   };
   const std::string group =
       R"(<shape type="shapegroup" id="g"><shape type="sphere"><float name="radius" value="2"/></shape><shape type="cube"/></shape>)";
-  EXPECT_EQ(load(group).shapes.size(), 0u);
+  const LoadedScene unused = load(group);
+  EXPECT_EQ(unused.shapes.size(), 0u);
+  EXPECT_EQ(std::count_if(
+                unused.notes.begin(), unused.notes.end(),
+                [](const std::string& n) { return n.find("shapegroup is rendered") != std::string::npos; }),
+            1);
   const LoadedScene two =
       load(group + R"(<shape type="instance"><ref id="g"/></shape><shape type="instance"><ref id="g"/>
 <transform name="to_world"><translate x="5"/></transform></shape>)");
   EXPECT_EQ(two.shapes.size(), 2u);
+  for (const std::string& note : two.notes) EXPECT_EQ(note.find("rendered"), std::string::npos) << note;
   const Scene scene(two);
   const auto hit = scene.intersect({{5, 0, 9}, {0, 0, -1}});
   ASSERT_TRUE(hit);

@@ -102,7 +102,7 @@ private:
       return;
     }
     if (family == "shape") {
-      append_shape(object);
+      append_shape(node, object);
       take_sensor(node, dynamic_cast<const Shape&>(*object));
     }
     if (family != "emitter" || references_.nested.contains(&node)) return;
@@ -123,9 +123,11 @@ private:
   }
 
   /// The shape, or what stands for it in the scene.
-  void append_shape(const ObjectPtr& object) {
+  void append_shape(const Node& node, const ObjectPtr& object) {
     const auto* shape = dynamic_cast<const Shape*>(object.get());
     if (!shape || !shape->parts()) return append(scene_.shapes, object);
+    if (shape->parts()->empty() && !references_.nested.contains(&node))
+      diagnostics_.note(node.where, "nothing of this " + node.get("type") + " is rendered: it has no effect");
     for (const auto& part : *shape->parts()) append(scene_.shapes, part);
   }
 

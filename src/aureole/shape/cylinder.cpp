@@ -4,9 +4,11 @@
 // the surface may become an elliptic or an oblique cylinder.
 #include <algorithm>
 
+#include "aureole/shape/cylinder_sampling.h"
 #include "aureole/shape/placement.h"
 #include "aureole/shape/shape.h"
 #include "aureole/shape/shape_docs.h"
+#include "aureole/shape/spherical_sampling.h"
 #include "aureole/shape/user_geometry.h"
 
 namespace aureole {
@@ -46,29 +48,18 @@ struct PlacedCylinder {
   }
 };
 
-/// The part of the front that a point sees, and how points of it are drawn: uniform in azimuth, along the
-/// axis by the angle seen from the reference point (Kulla & Fajardo 2012, "Importance sampling techniques for
-/// path tracing in participating media", section 4.1).
-struct CylinderView {
-  double phi = 0, half_range = 0;  ///< azimuths from phi - half_range to phi + half_range
-  double z = 0;                    ///< of the reference point
-  double h = 1;                    ///< its distance in units of z
-  double angle = 0;                ///< that the whole length fills, seen from that distance
-
-  bool empty() const { return !(half_range > 0 && angle > 0); }
-  double sample_z(double u) const {
-    const double t = std::tan(u * angle), at = t * (z * z + h * h) / (h + z * t);
-    return std::clamp(at, 0.0, 1.0);
-  }
-  /// Density of azimuth and z.
-  double pdf(double at_z) const { return h / (2 * half_range * angle * (h * h + (at_z - z) * (at_z - z))); }
-};
-
 class Cylinder final : public Shape {
 public:
   explicit Cylinder(const Properties& properties)
       : Shape(properties), cylinder_{Placement(own_to_world(properties))} {
     flipped_ = properties.get_bool("flip_normals", false);
+    const Double3 &x = cylinder_.place.axis(0), &y = cylinder_.place.axis(1), &z = cylinder_.place.axis(2);
+    radius_ = length(x), length_ = length(z);
+    const auto across = [](const Double3& a, const Double3& b) {
+      return std::abs(dot(a, b)) < 1e-5 * length(a) * length(b);
+    };
+    is_round_ =
+        std::abs(length(y) - radius_) < 1e-5 * radius_ && across(x, y) && across(y, z) && across(z, x);
     // Exact after a few points for ellipses that are nearly circles: the integrand is smooth and periodic.
     constexpr int kPoints = 256;
     for (int i = 0; i < kPoints; ++i) {
@@ -95,15 +86,23 @@ public:
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
   std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override;
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const override {
-    return pdf_direct(view(reference), reference, point.p, point.ng);
+    return is_round_ ? float(round_view(reference).pdf(scaled(cylinder_.place.local_point(Double3(point.p)))))
+                     : pdf_by_area(affine_view(reference), reference, point.p, point.ng);
   }
 
 private:
   static Transform own_to_world(const Properties& properties);
   SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
   SurfacePoint point_at(double x, double y, double z) const;
-  CylinderView view(const Vec3& reference) const;
-  float pdf_direct(const CylinderView& seen, const Vec3& reference, const Vec3& p, const Vec3& ng) const;
+  /// Own coordinates in units of the scene, of a round cylinder.
+  Double3 scaled(const Double3& p) const { return {p.x * radius_, p.y * radius_, p.z * length_}; }
+  RoundView round_view(const Vec3& reference) const {
+    return {scaled(cylinder_.place.local_point(Double3(reference))), radius_, length_, flipped_};
+  }
+  AffineView affine_view(const Vec3& reference) const {
+    return {cylinder_.place.local_point(Double3(reference)), flipped_};
+  }
+  float pdf_by_area(const AffineView& seen, const Vec3& reference, const Vec3& p, const Vec3& ng) const;
   /// Area per azimuth and z at a point of the unit circle.
   double area_element(double x, double y) const {
     return length(cross(cylinder_.place.vector({-y, x, 0}), cylinder_.place.axis(2)));
@@ -111,6 +110,8 @@ private:
 
   PlacedCylinder cylinder_;
   double area_ = 0;
+  double radius_ = 0, length_ = 0;  ///< of a round cylinder
+  bool is_round_ = false;           ///< and not oblique
   bool flipped_ = false;
 };
 
@@ -154,44 +155,31 @@ SurfaceDerivatives Cylinder::own_derivatives(const SurfacePoint& point) const {
   return {(around * (2 * kPiD)).to_float(), cylinder_.place.axis(2).to_float()};
 }
 
-CylinderView Cylinder::view(const Vec3& reference) const {
-  const Placement& place = cylinder_.place;
-  const Double3 o = place.local_point(Double3(reference));
-  const double r = std::hypot(o.x, o.y);
-  CylinderView seen;
-  // Which side of a tangent plane a point lies on does not change under affine maps: from outside the front
-  // is seen where cos(phi - phi0) > 1 / r.
-  const double facing = r > 1 ? std::acos(1 / r) : 0;
-  const double from_axis = std::atan2(o.y, o.x);
-  seen.phi = flipped_ ? from_axis + kPiD : from_axis;
-  seen.half_range = flipped_ ? kPiD - facing : facing;
-  // Some mean distance to that part; any is allowed.
-  const double nearest = flipped_ ? 1 : std::hypot(r - 1, facing / 2);
-  const double radius = std::sqrt(length(cross(place.axis(0), place.axis(1))));
-  seen.h = std::max(nearest, 1e-4) * radius / length(place.axis(2));
-  seen.z = o.z;
-  seen.angle = std::atan2(seen.h, seen.h * seen.h - o.z * (1 - o.z));
-  return seen;
-}
-
-float Cylinder::pdf_direct(const CylinderView& seen, const Vec3& reference, const Vec3& p,
-                           const Vec3& ng) const {
+float Cylinder::pdf_by_area(const AffineView& seen, const Vec3& reference, const Vec3& p,
+                            const Vec3& ng) const {
   if (seen.empty()) return 0;
-  const Double3 at = cylinder_.place.local_point(Double3(p)), w = Double3(p) - Double3(reference);
-  const double distance2 = dot(w, w), projected = std::abs(dot(w, Double3(ng)));
+  const Double3 at = cylinder_.place.local_point(Double3(p));
   const double r = std::sqrt(at.x * at.x + at.y * at.y);
-  const double per_area = seen.pdf(at.z) / area_element(at.x / r, at.y / r);
-  const double pdf = per_area * distance2 * std::sqrt(distance2) / projected;
-  // Nothing where the normal, rounded to float, is seen edge-on.
-  return projected > 1e-7 * std::sqrt(distance2) && std::isfinite(float(pdf)) ? float(pdf) : 0;
+  const float pdf = area_sampling_pdf(reference, p, ng, area_element(at.x / r, at.y / r) / seen.pdf());
+  return std::isfinite(pdf) ? pdf : 0;
 }
 
 std::optional<ShapeSample> Cylinder::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
-  const CylinderView seen = view(reference);
-  if (seen.empty()) return std::nullopt;
-  const double phi = seen.phi + seen.half_range * (2 * double(u.x) - 1);
-  const SurfacePoint s = point_at(std::cos(phi), std::sin(phi), seen.sample_z(u.y));
-  const float pdf = pdf_direct(seen, reference, s.p, s.ng);
+  SurfacePoint s;
+  float pdf = 0;
+  if (is_round_) {
+    const RoundView seen = round_view(reference);
+    Double3 p;
+    if (seen.empty() || !seen.sample(u, p)) return std::nullopt;
+    s = point_at(p.x / radius_, p.y / radius_, p.z / length_);
+    pdf = float(seen.pdf(scaled(cylinder_.place.local_point(Double3(s.p)))));
+  } else {
+    const AffineView seen = affine_view(reference);
+    if (seen.empty()) return std::nullopt;
+    const Double3 p = seen.sample(u);
+    s = point_at(p.x, p.y, p.z);
+    pdf = pdf_by_area(seen, reference, s.p, s.ng);
+  }
   if (!(pdf > 0)) return std::nullopt;
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, pdf};
 }
@@ -203,20 +191,21 @@ std::optional<ShapeSample> Cylinder::sample_area(std::size_t, Vec2 u) const {
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, float(1 / (2 * kPiD * area_element(x, y)))};
 }
 
-AUREOLE_PLUGIN(
-    Cylinder, "shape", "cylinder",
-    PluginDoc{
-        .summary =
-            "An open cylinder (no end caps) around the line from p0 to p1. Its normals point outside, so "
-            "that most materials are black inside; `twosided` changes that. Texture coordinates: u is the "
-            "angle about the axis, v runs from p0 to p1. As an emitter the part that faces the point is "
-            "sampled.",
-        .source = "",
-        .parameters = shape_parameters(
-            {{"p0", "vector", "scene units", "0, 0, 0", "One end of the axis, before to_world."},
-             {"p1", "vector", "scene units", "0, 0, 1", "The other end, before to_world."},
-             {"radius", "float", "scene units", "1", "Radius, before to_world."}}),
-        .examples = {R"(<shape type="cylinder">
+AUREOLE_PLUGIN(Cylinder, "shape", "cylinder",
+               PluginDoc{
+                   .summary = "An open cylinder (no end caps) around the line from p0 to p1. Its normals "
+                              "point outside, so that most "
+                              "materials are black inside; `twosided` changes that. Texture coordinates: u "
+                              "is the angle about the "
+                              "axis, v runs from p0 to p1. Any affine to_world is exact. As an emitter a "
+                              "round one is sampled nearly "
+                              "uniformly in solid angle, others in area.",
+                   .source = "",
+                   .parameters = shape_parameters(
+                       {{"p0", "vector", "scene units", "0, 0, 0", "One end of the axis, before to_world."},
+                        {"p1", "vector", "scene units", "0, 0, 1", "The other end, before to_world."},
+                        {"radius", "float", "scene units", "1", "Radius, before to_world."}}),
+                   .examples = {R"(<shape type="cylinder">
   <point name="p0" x="0" y="0" z="-1"/>
   <point name="p1" x="0" y="0" z="1"/>
   <float name="radius" value="0.1"/>
