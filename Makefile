@@ -2,12 +2,15 @@
 # The commands of the project; each does all the set-up it needs. JOBS limits parallel compilation.
 JOBS ?= $(shell nproc)
 PRESET ?= release
+PYTHON ?= python3
 BIN = build/$(PRESET)/bin/aureole
 DEMO_OUT ?= out/condensation
 DEMO_ARGS ?=
+N ?= 10000
+SEED ?= 1
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build demo test test-asan test-tsan bench docs format format-check includes lint install clean
+.PHONY: deps build demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes lint install clean
 
 deps:
 	@tools/install_deps.sh
@@ -33,10 +36,20 @@ test-tsan:
 	$(MAKE) build PRESET=tsan
 	TSAN_OPTIONS=ignore_noninstrumented_modules=1 ctest --preset tsan -j $(JOBS) -R '^(Determinism|RenderState|FilmBuffer)' $(CTEST_ARGS)
 
+# make fuzz N=50000 SEED=3 PRESET=asan
+fuzz: deps
+	@cmake --preset $(PRESET) > build-configure.log 2>&1 || { cat build-configure.log; exit 1; }
+	@rm -f build-configure.log
+	cmake --build --preset $(PRESET) -j $(JOBS) --target aureole_fuzz
+	build/$(PRESET)/bin/aureole_fuzz --cases $(N) --seed $(SEED) --jobs $(JOBS) --folder build/$(PRESET)/fuzz
+
 bench: deps
 	@cmake -S . -B build/bench -G Ninja -DCMAKE_BUILD_TYPE=Release -DAUREOLE_BENCH=ON -DBUILD_TESTING=OFF > /dev/null
 	cmake --build build/bench -j $(JOBS)
 	@bench/run.sh build/bench/bin
+
+bench-peers: build
+	@$(PYTHON) bench/peers.py --aureole $(BIN) $(PEERS_ARGS)
 
 docs: build
 	$(BIN) docs > docs/plugins.md

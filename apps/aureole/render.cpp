@@ -105,6 +105,24 @@ private:
   std::thread thread_;
 };
 
+int replay_light_paths(const RenderJob& job, const Scene& scene, int x, int y, std::int64_t begin,
+                       std::int64_t end, const PathLog& log) {
+  fmt::print(
+      "paths of \"{}\" start at emitters and belong to no pixel: these are the paths that are counted as "
+      "samples of pixel ({}, {}), wherever they go\n",
+      scene.integrator_object()->properties().type(), x, y);
+  const size_t channels = size_t(scene.film().measured_channels());
+  for (std::int64_t i = begin; i < end; ++i) {
+    if (log) fmt::print("path {}\n", i);
+    const auto measured = job.replay(x, y, i, 0, log);
+    if (!measured)
+      fmt::print("path {}: INVALID (NaN, infinite or negative radiance)\n", i);
+    else if (log)
+      fmt::print("  {} splats on the film\n", measured->size() / channels);
+  }
+  return 0;
+}
+
 int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, const RenderOptions& options) {
   const auto [x, y] = parse_pair(a.pixel, ',', "--pixel");
   const Film& film = scene.film();
@@ -113,25 +131,28 @@ int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, c
     throw Error(fmt::format("--pixel {}: outside the film ({} x {})", a.pixel, film.width(), film.height()));
   const std::int64_t end = options.end.value_or(scene.sensor().sampler().sample_count());
   const bool verbose = end - options.begin <= 16;
+  const PathLog log =
+      verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog();
+  if (job.traces_light()) return replay_light_paths(job, scene, int(x), int(y), options.begin, end, log);
   std::vector<double> sum;
   std::int64_t valid = 0;
   for (std::int64_t i = options.begin; i < end; ++i) {
     if (verbose) fmt::print("sample {}\n", i);
-    const auto measured =
-        job.replay(int(x), int(y), i, 0,
-                   verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog());
-    if (measured.empty()) {
+    const auto measured = job.replay(int(x), int(y), i, 0, log);
+    if (!measured) {
       fmt::print("sample {}: INVALID (NaN, infinite or negative radiance)\n", i);
       continue;
     }
-    sum.resize(measured.size());
-    for (size_t c = 0; c < measured.size(); ++c) sum[c] += measured[c];
+    sum.resize(measured->size());
+    for (size_t c = 0; c < measured->size(); ++c) sum[c] += (*measured)[c];
     ++valid;
-    if (verbose) fmt::print("  measured {:.7g}\n", fmt::join(measured, ", "));
+    if (verbose) fmt::print("  measured {:.7g}\n", fmt::join(*measured, ", "));
   }
   for (double& s : sum) s /= double(std::max<std::int64_t>(1, valid));
   fmt::print("pixel ({}, {}): mean of {} samples {:.7g}{}\n", x, y, valid, fmt::join(sum, ", "),
-             film.measured_channels() == 3 ? " (X, Y, Z)" : "");
+             film.properties().type() != "hdrfilm" || film.measured_channels() != 3 ? ""
+             : sum.size() > 3 ? " (X, Y, Z, then the integrator's channels)"
+                              : " (X, Y, Z)");
   return 0;
 }
 
@@ -149,15 +170,21 @@ int render(const Arguments& a) {
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
 
+  // What stands in the way of the files is said before a large scene is read, where they have names.
+  const auto require_files = [&](const std::filesystem::path& output) {
+    for (const char* extension : {".exr", ".hdr", ".rgbe", ".pfm"})
+      if (output.extension() == extension) {
+        if (!a.pixel.empty()) return;
+        require_writable(output);
+        require_writable(std::filesystem::path(output).replace_extension(".png"));
+        require_writable(std::filesystem::path(output).replace_extension(".state"));
+        return;
+      }
+    throw Error("-o " + output.string() +
+                ": the output is an .exr, .hdr or .pfm file (a .png is written beside it)");
+  };
   std::filesystem::path output = a.output;
-  if (output.empty()) output = std::filesystem::path(a.scene).replace_extension(".exr");
-  if (output.extension() != ".exr")
-    throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
-  if (a.pixel.empty()) {
-    require_writable(output);
-    require_writable(std::filesystem::path(output).replace_extension(".png"));
-    require_writable(std::filesystem::path(output).replace_extension(".state"));
-  }
+  if (!output.empty()) require_files(output);
 
   RenderOptions options;
   if (a.spp > 0) options.end = a.spp;
@@ -173,9 +200,13 @@ int render(const Arguments& a) {
   options.replicates = a.replicates;
   options.time_limit_s = a.time_s;
   options.checkpoint_interval_s = a.checkpoint_s;
-  options.state_file = std::filesystem::path(output).replace_extension(".state");
 
   const auto scene = std::make_shared<const Scene>(load_scene(a.scene, load));
+  if (output.empty()) {
+    output = std::filesystem::path(a.scene).replace_extension(scene->film().file_extension());
+    require_files(output);
+  }
+  options.state_file = std::filesystem::path(output).replace_extension(".state");
   if (!a.quiet)
     for (const auto& note : scene->loaded().notes) fmt::print(stderr, "note: {}\n", note);
   if (!a.quiet)
@@ -183,6 +214,7 @@ int render(const Arguments& a) {
       for (const auto& remark : shape->remarks())
         fmt::print(stderr, "note: {}: {}\n", shape->properties().where().str(), remark);
   RenderJob job(scene, options);
+  require_format(job.state().development, a.replicates, output);
   if (!a.pixel.empty()) return replay_pixel(job, *scene, a, options);
 
   if (!a.resume && !a.restart && std::filesystem::exists(options.state_file))
@@ -254,7 +286,7 @@ void add_render_command(CLI::App& app, CommandResult& result) {
   auto a = std::make_shared<Arguments>();
   CLI::App* c = app.add_subcommand("render", "Render a scene file to an EXR and a PNG");
   c->add_option("scene", a->scene, "scene file (Mitsuba XML)")->required();
-  c->add_option("-o,--output", a->output, "output .exr (default: beside the scene)");
+  c->add_option("-o,--output", a->output, "output .exr, .hdr or .pfm (default: beside the scene)");
   c->add_option("-D,--define", a->defines, "set a $name of the scene: -D name=value")
       ->allow_extra_args(false);
   c->add_option("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
@@ -266,7 +298,8 @@ void add_render_command(CLI::App& app, CommandResult& result) {
   c->add_option("--replicates", a->replicates,
                 "render R independently scrambled pictures; store their mean and its variance");
   c->add_option("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
-  c->add_option("--integrator", a->integrator, "replace the scene's integrator: path, direct");
+  c->add_option("--integrator", a->integrator,
+                "replace the scene's integrator: path, direct, ptracer, depth, ...");
   c->add_option("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");
   c->add_option("--pixel", a->pixel, "replay one pixel, x,y, and print what happens");
   c->add_flag("--resume", a->resume, "continue from the checkpoint of the same command");

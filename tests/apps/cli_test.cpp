@@ -12,9 +12,9 @@
 #include <thread>
 
 #include "aureole/core/image.h"
+#include "harness/paths.h"
 #include "render/small_scene.h"
 #include "scene/load_text.h"
-#include "harness/paths.h"
 
 namespace aureole::test {
 namespace {
@@ -107,6 +107,10 @@ TEST_F(Cli, OtherCommands) {
   EXPECT_EQ(pixel.exit_code, 0);
   EXPECT_NE(pixel.output.find("depth 0"), std::string::npos) << pixel.output;
   EXPECT_EQ(run({"render", s, "--pixel", "200,14"}).exit_code, 2);
+  const Outcome path = run({"render", s, "--integrator", "ptracer", "--pixel", "20,14", "--samples", "0:2"});
+  EXPECT_EQ(path.exit_code, 0);
+  EXPECT_NE(path.output.find("belong to no pixel"), std::string::npos) << path.output;
+  EXPECT_NE(path.output.find("splats"), std::string::npos) << path.output;
 }
 
 TEST_F(Cli, CompareTellsSameFromDifferent) {

@@ -592,6 +592,8 @@ TEST(CorrelatedScatterers, WrongInputIsNamed) {
       radius + fraction + text("obliquity", "kirchhoff") + R"(<boolean name="renormalize" value="true"/>)",
       "renormalize");
   fails_with(radius + fraction + R"(<bsdf type="diffuse"/>)", "no use for");
+  for (const char* extreme : {"1e300um", "1km", "1e-8nm", "1e-300m"})
+    fails_with(text("radius", extreme) + fraction, "too small or too large for the wavelengths");
 }
 
 }  // namespace

@@ -120,7 +120,7 @@ TEST(HdrFilm, UniformResponseIsTheMean) {
   EXPECT_NEAR(measure(*film, [](double) { return 3.0; })[0], 3, 1e-4);
   EXPECT_NEAR(measure(*film, [](double nm) { return nm < 10000 ? 6.0 : 0.0; })[0], 2, 1e-2);
   EXPECT_EQ(film->channel_names(), std::vector<std::string>{"Y"});
-  EXPECT_NEAR(film->response().average(), 1, 1e-6);
+  EXPECT_NEAR(film->response().integral(), 1, 1e-6);
   const double m = 0.25;
   float out[2] = {}, rgb[3];
   film->develop(&m, 0.5, out);

@@ -24,6 +24,12 @@ struct BsdfCase {
   bool black_below = false;    ///< wi.z < 0 gives no sample and no value
   bool may_fail = false;       ///< `sample` may return nothing; the densities then integrate to less than one
   std::string not_reciprocal;  ///< the reason, where reciprocity is not to be tested
+  /// The reason, where a model reflects more light than it receives, and how much it may reflect then.
+  std::string gains_energy;
+  double largest_energy = 1;
+  /// In which mode samples and energies are tested; in the other one a BSDF that is not reciprocal may gain
+  /// energy.
+  TransportMode mode = TransportMode::importance;
   std::function<float(float nm)> n_above, n_below;  ///< indices on the two sides; 1 where not given
   /// Directions around which lobes are narrow, for a given wi, and how wide bins may be there [rad].
   std::function<std::vector<Vec3>(const Vec3& wi)> focus;

@@ -13,4 +13,15 @@ const std::filesystem::path& aureole_binary() {
   return path;
 }
 
+std::filesystem::path example_file(const std::string& name) {
+  const std::filesystem::path wanted = name;
+  std::filesystem::path found;
+  for (const auto& e :
+       std::filesystem::recursive_directory_iterator(source_dir() / "tests/references/scenes")) {
+    if (e.path().filename() == wanted.filename()) return e.path();
+    if (e.path().extension() == wanted.extension()) found = e.path();
+  }
+  return found.empty() ? wanted : found;
+}
+
 }  // namespace aureole::test

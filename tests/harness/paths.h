@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the tests find the repository and the program. The two paths are compiled into paths.cpp alone, so that a
-// compiler cache serves every checkout.
+// Where the tests find the repository and the program. The two paths are compiled into paths.cpp alone, so
+// that a compiler cache serves every checkout.
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 namespace aureole::test {
 
 const std::filesystem::path& source_dir();
 const std::filesystem::path& aureole_binary();
+
+/// What a file name in an example of the documentation stands for: the file of the reference scenes that is
+/// called so, or else any with the same extension.
+std::filesystem::path example_file(const std::string& name);
 
 }  // namespace aureole::test

@@ -269,5 +269,11 @@ TEST(PathIntegrator, DispersionIsUnbiasedAgainstNarrowBands) {
   RecordProperty("lit", lit);
 }
 
+TEST(PathIntegrator, EndsInAClosedRoomWithoutLossesOrRoulette) {
+  const std::string room = "<shape type=\"sphere\"><boolean name=\"flip_normals\" value=\"true\"/>";
+  const std::string view = sensor("origin=\"0.3, 0, 0\" target=\"1, 0, 0\" up=\"0, 0, 1\"", 40, 2, 4);
+  EXPECT_EQ(render(path(-1, 1000000000) + view + room + diffuse(1) + "</shape>").all, 0);
+}
+
 }  // namespace
 }  // namespace aureole::testing

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "aureole/plugin/registry.h"
-#include "harness/properties_builder.h"
 #include "harness/paths.h"
+#include "harness/properties_builder.h"
 
 namespace aureole::test {
 namespace {
@@ -34,15 +34,6 @@ TEST(Documentation, EveryPluginSaysWhatItIs) {
   EXPECT_GT(count, 30);
 }
 
-/// Some real file of the kind an example names.
-std::filesystem::path any_file(const std::string& name) {
-  const std::filesystem::path scenes = source_dir() / "tests/references/scenes";
-  const std::string extension = std::filesystem::path(name).extension();
-  for (const auto& e : std::filesystem::recursive_directory_iterator(scenes))
-    if (e.path().extension() == extension) return e.path();
-  return name;
-}
-
 TEST(Documentation, EveryParameterIsReadByAnExample) {
   for (const PluginInfo& p : Registry::instance().all()) {
     if (!is_real(p)) continue;
@@ -52,7 +43,7 @@ TEST(Documentation, EveryParameterIsReadByAnExample) {
       SCOPED_TRACE(p.family + " " + p.name + ": " + example);
       try {
         const auto context = testing::make_context(360, 830, &diagnostics);
-        const Properties written = testing::read_properties(example, context, any_file);
+        const Properties written = testing::read_properties(example, context, example_file);
         EXPECT_EQ(written.type(), p.name);
         Properties properties(p.name, "", {}, context, &p);
         for (const auto& e : written.entries()) properties.add(e.name, e.value, e.where);

@@ -6,7 +6,8 @@
     make_references.py [--only 'filter-*' ...]                          render again what the index lists
 
 Every scene is rendered R times with independent seeds. NAME.exr (float32, ZIP) holds R, G, B, the mean over the
-replicates, and variance.R, variance.G, variance.B, the variance of that mean (sample variance / R). The index
+replicates, and variance.R, variance.G, variance.B, the variance of that mean (sample variance / R); channels of an
+integrator with one nested in it (aov, moment) follow likewise. The index
 references.json lists name, scene, overrides, spp (of one replicate) and replicates. A scene outside the repository
 must lie under --shared; it is listed as shared:<path below it>.
 """
@@ -83,25 +84,28 @@ def jobs(a, index):
 
 
 def render(mi, path, overrides, spp, replicates, threads):
-    """Mean, variance of the mean, samples per pixel, largest studentised deviation per pixel."""
+    """Names of channels, mean, variance of the mean, samples per pixel, largest studentised deviation per pixel."""
     import drjit
     drjit.set_thread_count(max(2, threads))  # with one, Mitsuba 3.9.1 waits for ever when it reads an EXR
     # optimize=False: what the file says, without merging meshes (which fails where two differ in flip_normals).
     scene = mi.load_file(str(path), parallel=False, optimize=False, **dict(o.split("=", 1) for o in overrides))
     drjit.set_thread_count(threads)
     spp = spp or scene.sensors()[0].sampler().sample_count()
-    images = np.stack([np.array(mi.render(scene, spp=spp, seed=i), dtype=np.float64)[..., :3]
-                       for i in range(replicates)])
+    images = np.stack([np.array(mi.render(scene, spp=spp, seed=i), dtype=np.float64) for i in range(replicates)])
+    # After the picture come further channels, which aov_names() lists last.
+    further = images.shape[-1] - 3 if scene.integrator().aov_names() else 0
+    names = ["R", "G", "B"] + (scene.integrator().aov_names()[-further:] if further else [])
+    images = images[..., :len(names)]
     if not np.isfinite(images).all():
         sys.exit(f"{path}: not finite")
     mean, sigma = images.mean(0), images.std(0, ddof=1)
     outlier = np.abs(images - mean).max(0) / np.where(sigma > 0, sigma, np.inf)
-    return mean, sigma**2 / replicates, spp, outlier
+    return names, mean, sigma**2 / replicates, spp, outlier
 
 
-def write(path, mean, variance, header):
-    channels = {"RGB"[i]: mean[..., i] for i in range(3)}
-    channels |= {"variance." + "RGB"[i]: variance[..., i] for i in range(3)}
+def write(path, names, mean, variance, header):
+    channels = {n: mean[..., i] for i, n in enumerate(names)}
+    channels |= {"variance." + n: variance[..., i] for i, n in enumerate(names)}
     header = {k: str(v) for k, v in header.items()}
     header |= {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     temporary = path.with_suffix(".part.exr")
@@ -121,9 +125,9 @@ def main():
     index = {e["name"]: e for e in json.loads(index_file.read_text())} if index_file.exists() else {}
     for entry, path, spp in list(jobs(a, index)):
         wall, cpu = time.time(), time.process_time()
-        mean, variance, entry["spp"], outlier = render(mi, path, entry["overrides"], spp, entry["replicates"],
-                                                       a.threads)
-        write(a.out / (entry["name"] + ".exr"), mean, variance,
+        names, mean, variance, entry["spp"], outlier = render(mi, path, entry["overrides"], spp,
+                                                              entry["replicates"], a.threads)
+        write(a.out / (entry["name"] + ".exr"), names, mean, variance,
               {"scene": entry["scene"], "name": entry["name"], "mitsuba": mi.__version__, "variant": a.variant,
                "spp": entry["spp"], "replicates": entry["replicates"], "overrides": " ".join(entry["overrides"])})
         index[entry["name"]] = entry

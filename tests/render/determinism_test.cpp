@@ -147,7 +147,7 @@ TEST(Determinism, ReplayShowsWhatTheJobSaw) {
     double expected[3], alpha;
     job.state().films[0].mean(x, 14, expected, &alpha);
     EXPECT_GT(lines, 0);
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(measured[size_t(c)], expected[c], 1e-6 * (1 + expected[c]));
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR((*measured)[size_t(c)], expected[c], 1e-6 * (1 + expected[c]));
   }
 }
 

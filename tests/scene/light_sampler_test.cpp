@@ -77,7 +77,7 @@ TEST(LightSampler, ProbabilitiesAddUp) {
         // What `choose` leaves open is where it chooses nothing: a branch whose both sides cannot reach the
         // point.
         int nothing = 0;
-        constexpr int n_choices = 400;
+        constexpr int n_choices = 2000;
         for (int i = 0; i < n_choices; ++i)
           nothing += !scene->lights().choose(p, n, (float(i) + 0.5f) / n_choices);
         EXPECT_NEAR(total + double(nothing) / n_choices, 1, 0.006) << lights;
@@ -169,6 +169,33 @@ TEST(LightSampler, ManyLightsAreCheapAndFollowTheLight) {
   EXPECT_GT(sum, 0);
 }
 
+TEST(LightSampler, ChoiceByPowerHasItsProbability) {
+  TestRandom random(6);
+  const auto scene =
+      scene_with(random_lights(random, 12, 2) +
+                 "<emitter type=\"constant\"><float name=\"radiance\" value=\"0.01\"/></emitter>"
+                 "<emitter type=\"point\"><float name=\"intensity\" value=\"0\"/></emitter>");
+  std::map<std::pair<const Emitter*, std::size_t>, std::pair<int, float>> found;
+  constexpr int samples = 100000;
+  for (int i = 0; i < samples; ++i) {
+    const auto c = scene->lights().choose_by_power({(float(i) + 0.5f) / samples, 0.5f});
+    ASSERT_TRUE(c);
+    auto& [count, probability] = found[{c->emitter, c->part}];
+    ++count, probability = c->probability;
+  }
+  double total = 0;
+  for (const auto& [part, f] : found) {
+    EXPECT_NEAR(double(f.first) / samples, f.second, 2.0 / samples);
+    total += f.second;
+  }
+  EXPECT_NEAR(total, 1, 1e-5);
+  std::size_t parts = 0;
+  for (const Emitter* e : scene->emitters()) parts += e->part_count();
+  EXPECT_EQ(found.size(), parts - 1) << "all but the one without power";
+  EXPECT_TRUE(scene->lights().choose_by_power({0x1.fffffep-1f, 0x1.fffffep-1f}));
+  EXPECT_FALSE(scene_with("")->lights().choose_by_power({0.5f, 0.5f}));
+}
+
 TEST(LightSampler, OneLightIsCertain) {
   const auto scene =
       scene_with("<emitter type=\"point\"><point name=\"position\" x=\"1\" y=\"2\" z=\"3\"/></emitter>");
@@ -204,6 +231,119 @@ TEST(LightSampler, InfiniteLightsShareWithTheTree) {
   const auto only = scene_with("<emitter type=\"constant\"/>");
   EXPECT_EQ(only->lights().probability({}, {}, only->emitters()[0], 0), 1);
   EXPECT_EQ(only->lights().choose({}, {}, 0x1.fffffep-1f)->emitter, only->emitters()[0]);
+}
+
+std::string look(const Vec3& from, const Vec3& to) {
+  const auto list = [](const Vec3& v) {
+    return std::to_string(v.x) + ", " + std::to_string(v.y) + ", " + std::to_string(v.z);
+  };
+  return "<transform name=\"to_world\"><lookat origin=\"" + list(from) + "\" target=\"" + list(to) +
+         "\" up=\"0.1, 0.2, 1\"/></transform>";
+}
+
+TEST(LightSampler, SpotsAndProjectorsAreNeverLost) {
+  TestRandom random(5);
+  int contributions = 0, dark = 0;
+  for (int scenes = 0; scenes < 8; ++scenes) {
+    std::string text;
+    for (int k = 0; k < 5 + 6 * scenes; ++k) {
+      const Vec3 at = in_box(random, 2);
+      const std::string place = look(at, at + square_to_uniform_sphere(random.next2()));
+      const float angle = 179.5f * random.next() * (k % 3 ? 1.f : random.next() * random.next()) + 0.05f;
+      text += k % 2 ? "<emitter type=\"projector\">" + place + "<float name=\"fov\" value=\"" +
+                          std::to_string(angle) + "\"/></emitter>"
+                    : "<emitter type=\"spot\">" + place + "<float name=\"cutoff_angle\" value=\"" +
+                          std::to_string(angle) + "\"/><float name=\"beam_width\" value=\"" +
+                          std::to_string(angle * random.next()) + "\"/></emitter>";
+    }
+    const auto scene = scene_with(text);
+    const Wavelengths w = Wavelengths::at(scene->loaded().context->grid, 550.f);
+    for (const Emitter* e : scene->emitters())
+      for (int k = 0; k < 4000; ++k) {
+        // Half the points lie along rays that the light sends, also those of narrow cones.
+        Vec3 p = in_box(random, 2.5f);
+        if (k % 2) {
+          const Vec2 a = random.next2(), b = random.next2();
+          const auto r = e->sample_ray(0, a, b, w);
+          if (!r) continue;
+          p = r->p + r->d * (5 * random.next());
+        }
+        const auto s = e->sample_direct(p, 0, {}, w);
+        if (!s || is_black(s->radiance)) {
+          ++dark;
+          continue;
+        }
+        ++contributions;
+        const Vec3 n = square_to_uniform_sphere(random.next2());
+        ASSERT_GT(scene->lights().probability(p, {}, e, 0), 0);
+        if (std::abs(dot(n, s->wo)) > 1e-4f) {
+          ASSERT_GT(scene->lights().probability(p, n, e, 0), 0);
+        }
+      }
+  }
+  EXPECT_GT(contributions, 300000);
+  EXPECT_GT(dark, 100000);
+}
+
+TEST(LightSampler, ASpotCountsByItsIntensity) {
+  // A spot and a point of one intensity, as far away as each other: a narrow cone has little power, but a
+  // point inside it receives the same.
+  const auto scene = scene_with(
+      "<emitter type=\"point\"><point name=\"position\" x=\"-1\" y=\"0\" z=\"3\"/></emitter>"
+      "<emitter type=\"spot\">" +
+      look({1, 0, 3}, {0, 0, 0}) + "<float name=\"cutoff_angle\" value=\"5\"/></emitter>");
+  const Emitter *point = scene->emitters()[0], *spot = scene->emitters()[1];
+  const float a = scene->lights().probability({0, 0, 0}, {}, point, 0),
+              b = scene->lights().probability({0, 0, 0}, {}, spot, 0);
+  EXPECT_NEAR(a, 0.5f, 0.01f);
+  EXPECT_NEAR(b, 0.5f, 0.01f);
+  EXPECT_EQ(scene->lights().probability({0, 2, 0}, {}, point, 0), 1);
+  EXPECT_EQ(scene->lights().probability({0, 2, 0}, {}, spot, 0), 0);
+}
+
+TEST(LightSampler, SamplingWeights) {
+  const auto weighted = [](const std::string& type, const std::string& weight) {
+    return "<emitter type=\"" + type + "\"><float name=\"sampling_weight\" value=\"" + weight +
+           "\"/></emitter>";
+  };
+  const auto probability = [](const Scene& s, std::size_t e) {
+    return s.lights().probability({1, 2, 3}, {0, 0, 1}, s.emitters()[e], 0);
+  };
+  // Emitters at infinity, deltas among them, by their weights; all others together count as one more.
+  const auto scene = scene_with(weighted("directional", "3") + weighted("constant", "0.5") +
+                                weighted("directional", "0.5") + weighted("point", "1") +
+                                weighted("point", "3") + weighted("point", "0") + weighted("constant", "0"));
+  const float expected[] = {0.6f, 0.1f, 0.1f, 0.05f, 0.15f, 0, 0};
+  std::map<const Emitter*, int> count;
+  for (int i = 0; i < 10000; ++i) {
+    const auto c = scene->lights().choose({1, 2, 3}, {0, 0, 1}, (float(i) + 0.5f) / 10000);
+    ASSERT_TRUE(c);
+    ++count[c->emitter];
+    ASSERT_FLOAT_EQ(c->probability, scene->lights().probability({1, 2, 3}, {0, 0, 1}, c->emitter, 0));
+  }
+  for (std::size_t e = 0; e < 7; ++e) {
+    EXPECT_NEAR(probability(*scene, e), expected[e], 1e-6f) << e;
+    EXPECT_NEAR(count[scene->emitters()[e]], 10000 * expected[e], 2) << e;
+  }
+  // What escaping rays see does not depend on the weights, and beams from infinity are not seen.
+  EXPECT_EQ(scene->infinite_emitters().size(), 2u);
+
+  // Without others, those at infinity share everything.
+  const auto suns = scene_with(weighted("directional", "1") + weighted("directional", "3"));
+  EXPECT_FLOAT_EQ(probability(*suns, 0), 0.25f);
+  EXPECT_FLOAT_EQ(probability(*suns, 1), 0.75f);
+  EXPECT_EQ(suns->lights().choose({}, {}, 0x1.fffffep-1f)->emitter, suns->emitters()[1]);
+  // Light that nothing can be connected to takes no share either.
+  const auto beam = scene_with(weighted("constant", "1") +
+                               "<shape type=\"rectangle\"><emitter type=\"directionalarea\"/></shape>");
+  const Emitter* constant = beam->emitters()[1];
+  EXPECT_EQ(beam->lights().probability({1, 2, 3}, {}, constant, 0), 1);
+  for (const float u : {0.f, 0.5f, 0x1.fffffep-1f})
+    EXPECT_EQ(beam->lights().choose({1, 2, 3}, {}, u)->emitter, constant);
+  const auto nothing = scene_with("<shape type=\"rectangle\"><emitter type=\"directionalarea\"/></shape>");
+  EXPECT_FALSE(nothing->lights().choose({1, 2, 3}, {}, 0.5f));
+
+  EXPECT_THROW(scene_with(weighted("point", "-1")), Error);
 }
 
 }  // namespace

@@ -87,7 +87,7 @@ inline const PluginRegistration kTestPlugins[] = {
     PluginRegistration(test_plugin<TestBsdf>("bsdf", "test_bsdf",
                                              {"flag", "count", "amount", "text", "direction", "to_world",
                                               "thickness", "reflectance", "filename", "bsdf"})),
-    PluginRegistration(test_plugin<TestEmitter>("emitter", "test_emitter", {})),
+    PluginRegistration(test_plugin<TestEmitter>("emitter", "test_emitter", {"sampling_weight"})),
     PluginRegistration(test_plugin<TestObject>("integrator", "test_integrator", kObjectNames)),
     PluginRegistration(test_plugin<TestObject>("integrator", "test_integrator2", kObjectNames)),
     PluginRegistration(test_plugin<TestObject>("sensor", "test_sensor", kObjectNames)),

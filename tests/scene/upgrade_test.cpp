@@ -125,5 +125,59 @@ TEST(Upgrade, Bitmaps) {
   EXPECT_TRUE(other.node().children.empty());
 }
 
+std::string value_of(Upgraded& u, const char* name) {
+  Node* child = u.node().named_child(name);
+  return child ? child->get("value") : "none";
+}
+
+TEST(Upgrade, EmittersKeepTheirNamesInSnakeCase) {
+  Upgraded u(
+      "<emitter type='spot'><float name='cutoffAngle' value='30'/><float name='beamWidth' value='5'/>"
+      "<float name='samplingWeight' value='2'/></emitter>");
+  EXPECT_EQ(value_of(u, "cutoff_angle"), "30");
+  EXPECT_EQ(value_of(u, "beam_width"), "5");
+  EXPECT_EQ(value_of(u, "sampling_weight"), "2");
+  EXPECT_TRUE(u.notes().empty());
+}
+
+TEST(Upgrade, SkyAndSun) {
+  Upgraded sky(
+      "<emitter type='sky'><float name='scale' value='3'/><integer name='resolution' "
+      "value='512'/></emitter>");
+  EXPECT_EQ(sky.node().get("type"), "sunsky");
+  EXPECT_EQ(value_of(sky, "sky_scale"), "3");
+  EXPECT_EQ(value_of(sky, "sun_scale"), "0");
+  EXPECT_EQ(value_of(sky, "albedo"), "0.15");
+  EXPECT_EQ(value_of(sky, "scale"), "none");
+  EXPECT_EQ(value_of(sky, "resolution"), "none");
+  EXPECT_EQ(sky.notes().size(), 2u);
+
+  Upgraded sun(
+      "<emitter type='sun'><float name='sunRadiusScale' value='10'/><vector name='sunDirection' x='1' y='2' "
+      "z='3'/>"
+      "<rgb name='albedo' value='0.4'/></emitter>");
+  EXPECT_EQ(sun.node().get("type"), "sunsky");
+  EXPECT_NEAR(std::stod(value_of(sun, "sun_aperture")), 5.358, 1e-12);
+  EXPECT_EQ(value_of(sun, "sun_scale"), "1");
+  EXPECT_EQ(value_of(sun, "sky_scale"), "0");
+  EXPECT_EQ(value_of(sun, "albedo"), "0.4");
+  EXPECT_TRUE(sun.node().named_child("sun_direction"));
+
+  Upgraded both(
+      "<emitter type='sunsky'><float name='scale' value='4'/><float name='sunScale' value='2'/>"
+      "<transform name='toWorld'><rotate x='1' angle='90'/></transform></emitter>");
+  EXPECT_EQ(value_of(both, "sun_scale"), "2");
+  EXPECT_EQ(value_of(both, "sky_scale"), "4");
+  EXPECT_TRUE(both.notes().empty());
+  // Before the scene's own steps, y becomes up: the axes of the emitter here are south, west, up.
+  const Node& to_world = *both.node().named_child("to_world");
+  ASSERT_EQ(to_world.children.size(), 2u);
+  EXPECT_EQ(to_world.children[0].tag, "matrix");
+  EXPECT_EQ(to_world.children[1].tag, "rotate");
+
+  Upgraded today("<emitter type='sunsky'/>", "3.0.0");
+  EXPECT_TRUE(today.node().children.empty());
+}
+
 }  // namespace
 }  // namespace aureole

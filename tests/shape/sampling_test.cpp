@@ -238,6 +238,94 @@ TEST(DirectSampling, UniformInSolidAngle) {
   EXPECT_LT(chi2, 63 + 5 * std::sqrt(2 * 63.0));
 }
 
+/// Where in the shape's first patch a point lies: one of `kAreaBins` cells of equal area, with what the
+/// surface is like there.
+constexpr int kAreaBins = 64;
+struct AreaPoint {
+  int bin;
+  Double3 p, normal;
+  Vec2 uv;
+};
+AreaPoint locate(const Shape& shape, const Double3& p) {
+  const auto* mesh = dynamic_cast<const Mesh*>(&shape);
+  if (!mesh) {  // the unit sphere
+    const double turn = std::atan2(p.y, p.x) / (2 * kPiD) + (p.y < 0 ? 1 : 0),
+                 height = 0.5 + 0.5 * p.z / length(p);
+    return {std::min(7, int(turn * 8)) * 8 + std::min(7, int(height * 8)), normalize(p), normalize(p), {}};
+  }
+  // The triangle whose barycentrics are the least negative; 32 or 64 cells of each by halving it again and
+  // again.
+  AreaPoint best{};
+  double least = -1e9;
+  std::vector<std::uint32_t> triangles;
+  for (std::uint32_t i = 0; i < shape.primitive_count(); ++i)
+    if (shape.patch_of_primitive(i) == 0) triangles.push_back(i);
+  for (std::size_t k = 0; k < triangles.size(); ++k) {
+    const TriangleIndices& t = mesh->data().triangles[triangles[k]];
+    Double3 c[3];
+    for (int i = 0; i < 3; ++i) c[i] = Double3(mesh->data().positions[t[i]]);
+    const Double3 n = cross(c[1] - c[0], c[2] - c[0]);
+    const double b1 = dot(cross(p - c[0], c[2] - c[0]), n) / dot(n, n),
+                 b2 = dot(cross(c[1] - c[0], p - c[0]), n) / dot(n, n), b0 = 1 - b1 - b2;
+    if (std::min({b0, b1, b2}) <= least) continue;
+    least = std::min({b0, b1, b2});
+    const auto& uv = mesh->data().uvs;
+    const TriangleIndices& at =
+        mesh->data().uv_triangles.empty() ? t : mesh->data().uv_triangles[triangles[k]];
+    best.uv = uv.empty() ? Vec2{float(b1), float(b2)}
+                         : uv[at[0]] * float(b0) + uv[at[1]] * float(b1) + uv[at[2]] * float(b2);
+    best.p = c[0] * b0 + c[1] * b1 + c[2] * b2;
+    best.normal = normalize(n);
+    // Corners a, b, c become (a + b)/2, c, a or (a + b)/2, b, c: in barycentrics of the half, both exact.
+    double a = b0, b = b1, d = b2;
+    int bin = 0;
+    const int halvings = triangles.size() == 2 ? 5 : 6;
+    for (int h = 0; h < halvings; ++h) {
+      const bool first = a > b;
+      const double at_middle = 2 * std::min(a, b), at_corner = std::abs(a - b);
+      bin = 2 * bin + first;
+      a = d, b = at_corner, d = at_middle;
+    }
+    best.bin = bin + (halvings == 5 ? 32 * int(k) : 0);
+  }
+  return best;
+}
+
+TEST(AreaSampling, UniformOverThePatch) {
+  for (const Case& c : cases()) {
+    const ShapePtr shape = c.make();
+    Random random(17);
+    constexpr int kSamples = 200000;
+    std::vector<int> count(kAreaBins);
+    for (int i = 0; i < kSamples; ++i) {
+      const Vec2 ends[] = {
+          {0, 0}, {0, 0x1.fffffep-1f}, {0x1.fffffep-1f, 0}, {0x1.fffffep-1f, 0x1.fffffep-1f}};
+      const auto s = shape->sample_area(0, i < 4 ? ends[i] : random.square());
+      ASSERT_TRUE(s);
+      EXPECT_NEAR(s->pdf * shape->patch_area(0), 1, 1e-6);
+      const AreaPoint at = locate(*shape, Double3(s->p));
+      ++count[std::size_t(at.bin)];
+      // On the surface to within the stated error, and with the surface's normal and texture coordinates.
+      const Double3 off = Double3(s->p) - at.p;
+      ASSERT_LE(std::abs(dot(off, at.normal)), dot(Double3(abs(s->ng)), Double3(s->p_error)) + 1e-12)
+          << c.name;
+      ASSERT_LT(length(off), 1e-5) << c.name;
+      ASSERT_GT(dot(Double3(s->ng), at.normal), 0.99999) << c.name;
+      if (std::string(c.name) == "sphere") continue;
+      ASSERT_NEAR(s->uv.x, at.uv.x, 1e-5) << c.name;
+      ASSERT_NEAR(s->uv.y, at.uv.y, 1e-5) << c.name;
+    }
+    double chi2 = 0;
+    for (const int n : count) {
+      const double expected = double(kSamples) / kAreaBins;
+      chi2 += (n - expected) * (n - expected) / expected;
+    }
+    // One in a thousand and one for 63 degrees of freedom.
+    EXPECT_LT(chi2, 103.4) << c.name;
+    EXPECT_GT(chi2, 33.9) << c.name;
+  }
+}
+
 TEST(DirectSampling, NothingFromThePlane) {
   const auto shape = ShapeBuilder("rectangle").emitting().build();
   EXPECT_FALSE(shape->sample_direct({5, 0, 0}, 0, {0.5f, 0.5f}));

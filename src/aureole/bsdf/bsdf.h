@@ -5,6 +5,7 @@
 // wavelength.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 
@@ -73,7 +74,8 @@ public:
   /// A direction drawn for the hero wavelength; nothing where no direction exists. `pdf[0]` > 0. The value
   /// and the density are those of all non-delta lobes at wo where a non-delta lobe was drawn (as `eval_pdf`),
   /// and of the one delta direction otherwise. Where a delta direction depends on the wavelength, wavelengths
-  /// that go elsewhere have value 0 and mass 0.
+  /// that go elsewhere have value 0 and mass 0. Several delta lobes in one direction, as a blend of mirrors
+  /// has them, are drawn and reported each alone.
   virtual std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2,
                                            const BsdfContext& ctx) const = 0;
 
@@ -81,7 +83,20 @@ public:
   /// from wi. `sample` draws that lobe (wo = -wi) with a mass that is the same for all wavelengths.
   virtual Spectrum null_transmittance(const Vec3& /*wi*/, const BsdfContext& /*ctx*/) const { return 0.f; }
 
+  /// The diffuse reflectance, roughly, as denoisers want it beside a picture: pi f along the normal on the
+  /// side of wi, at most 1. Without delta lobes; glossy ones count as far as they reflect there.
+  virtual Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const {
+    return min(eval(wi, {0, 0, std::copysign(1.f, wi.z)}, ctx) * kPi, 1.f);
+  }
+
+  /// The shading normal in local coordinates, where the BSDF turns it.
+  virtual Vec3 shading_normal(const SurfacePoint& /*point*/) const { return {0, 0, 1}; }
+
   virtual Lobe lobes() const = 0;
+  /// `sample` looks at u1.
+  virtual bool needs_choice() const { return true; }
+  /// Values change when the frame turns about the normal: x must lie along dp/du. False saves the tangent.
+  virtual bool needs_tangent() const { return true; }
   /// Diffuse and glossy lobes exist: next-event estimation is worth its ray.
   bool is_smooth() const { return has(lobes(), Lobe::diffuse | Lobe::glossy); }
   bool is_passable() const { return has(lobes(), Lobe::null); }

@@ -73,6 +73,12 @@ public:
     blocked_probability_ = blocked_weight_ / all;
 
     phase_nm_ = 2 * M_PI * correlation * 1e9;
+    const SpectralGrid& range = p.context().grid;
+    if (!(phase_nm_ >= kLeastPhase * range.max_nm && phase_nm_ <= kMostPhase * range.min_nm))
+      throw p.error(
+          "radius",
+          "the circles are too small or too large for the wavelengths: 2 pi times their radius must be " +
+              std::string("between a millionth of a wavelength and 10^9 wavelengths"));
     table_ = std::make_shared<optics::RadialTable>(ratio, area_fraction);
     if (p.get_choice("sampling", "product", {"product", "factors"}) == "factors")
       factors_.emplace(ratio, area_fraction);
@@ -282,6 +288,7 @@ private:
   }
 
   static constexpr float kSmallestCosine = 1e-5f;
+  static constexpr double kLeastPhase = 1e-6, kMostPhase = 1e9;  // of k a, for single precision
 
   Substrate substrate_;
   Obliquity obliquity_;

@@ -52,6 +52,7 @@ public:
     return s;
   }
 
+  bool needs_tangent() const override { return false; }
   Lobe lobes() const override { return Lobe::delta | Lobe::reflect | Lobe::transmit; }
 
 private:

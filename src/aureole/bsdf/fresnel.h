@@ -28,12 +28,12 @@ inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
   return {std::min(0.5f * (r_s * r_s + r_p * r_p), 1.f), std::min(g / eta, 1.f)};
 }
 
-/// The reflectance alone for one eta per wavelength.
-inline Spectrum fresnel_dielectric(float cos_i, const Spectrum& eta) {
+/// The reflectance alone for one eta, and where a microfacet decides about it one cosine, per wavelength.
+inline Spectrum fresnel_dielectric(const Spectrum& cos_i, const Spectrum& eta) {
   const Spectrum g2 = (eta - 1.f) * (eta + 1.f) + cos_i * cos_i;
   const SpectrumMask refracts = g2.v > Spectrum(0.f).v;
   const Spectrum g = sqrt(select(refracts, g2, 1.f)), e = eta * eta * cos_i;
-  const Spectrum r_s = (Spectrum(cos_i) - g) / (Spectrum(cos_i) + g), r_p = (e - g) / (e + g);
+  const Spectrum r_s = (cos_i - g) / (cos_i + g), r_p = (e - g) / (e + g);
   return select(refracts, min(Spectrum(0.5f) * (r_s * r_s + r_p * r_p), 1.f), 1.f);
 }
 

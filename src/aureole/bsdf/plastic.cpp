@@ -45,6 +45,11 @@ public:
     return BsdfSample{wo, e.value, e.pdf, Lobe::diffuse | Lobe::reflect};
   }
 
+  bool needs_tangent() const override { return false; }
+  Spectrum diffuse_reflectance(const Vec3&, const BsdfContext& ctx) const override {
+    return diffuse_->eval(ctx.point, ctx.wavelengths);
+  }
+
   Lobe lobes() const override { return Lobe::diffuse | Lobe::delta | Lobe::reflect; }
 
 private:

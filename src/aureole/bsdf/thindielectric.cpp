@@ -45,6 +45,7 @@ public:
     return s;
   }
 
+  bool needs_tangent() const override { return false; }
   Lobe lobes() const override { return Lobe::delta | Lobe::reflect | Lobe::transmit | Lobe::through; }
 
 private:

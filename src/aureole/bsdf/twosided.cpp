@@ -35,9 +35,27 @@ public:
     return s;
   }
 
-  Lobe lobes() const override { return front_->lobes() | back_->lobes(); }
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
+    return wi.z > 0 ? front_->diffuse_reflectance(wi, ctx) : back_->diffuse_reflectance(flip(wi), ctx);
+  }
+
+  Vec3 shading_normal(const SurfacePoint& point) const override { return front_->shading_normal(point); }
+
+  bool needs_choice() const override { return front_->needs_choice() || (differ() && back_->needs_choice()); }
+  bool needs_tangent() const override {
+    return front_->needs_tangent() || (differ() && back_->needs_tangent());
+  }
+  Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
+    if (wi.z > 0) return front_->is_passable() ? front_->null_transmittance(wi, ctx) : 0.f;
+    if (wi.z < 0) return back_->is_passable() ? back_->null_transmittance(flip(wi), ctx) : 0.f;
+    return 0.f;
+  }
+
+  Lobe lobes() const override { return differ() ? front_->lobes() | back_->lobes() : front_->lobes(); }
 
 private:
+  /// Asking one BSDF twice would double the work with every level of nesting.
+  bool differ() const { return front_ != back_; }
   static Vec3 flip(const Vec3& w) { return {w.x, w.y, -w.z}; }
 
   BsdfPtr front_, back_;
@@ -52,7 +70,8 @@ AUREOLE_PLUGIN(
         "",
         {{"bsdf", "bsdf", "", "required", "one or two nested BSDFs"},
          {"allow_transmission", "boolean", "", "false",
-          "accept nested BSDFs that transmit light; light then meets their upper side from both directions"}},
+          "accept nested BSDFs that transmit light; light then meets their upper side from both directions. "
+          "The holes of a `mask` need no such permission"}},
         {R"(<bsdf type="twosided">
     <bsdf type="diffuse"/>
 </bsdf>)",

@@ -15,11 +15,6 @@ std::string SourceLocation::str() const {
 
 namespace {
 
-void add_once(std::vector<std::string>& list, const SourceLocation& where, const std::string& message) {
-  std::string text = where.file.empty() ? message : where.str() + ": " + message;
-  if (std::find(list.begin(), list.end(), text) == list.end()) list.push_back(std::move(text));
-}
-
 std::string joined(const std::vector<std::string>& lines) {
   std::string s;
   for (const auto& l : lines) s += (s.empty() ? "" : "\n") + l;
@@ -48,6 +43,12 @@ size_t edit_distance(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
+
+void Diagnostics::add_once(std::vector<std::string>& list, const SourceLocation& where,
+                           const std::string& message) {
+  std::string text = where.file.empty() ? message : where.str() + ": " + message;
+  if (known_.insert((&list == &errors_ ? "e" : "n") + text).second) list.push_back(std::move(text));
+}
 
 void Diagnostics::error(const SourceLocation& where, const std::string& m) { add_once(errors_, where, m); }
 void Diagnostics::note(const SourceLocation& where, const std::string& m) { add_once(notes_, where, m); }

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <unordered_set>
 #include <vector>
 
 namespace aureole {
@@ -52,7 +53,10 @@ public:
   void throw_if_errors() const;
 
 private:
+  void add_once(std::vector<std::string>& list, const SourceLocation& where, const std::string& message);
+
   std::vector<std::string> errors_, notes_;
+  std::unordered_set<std::string> known_;  ///< of both: a scene may have 100,000 problems
 };
 
 /// Several errors at once; `what()` joins them by newlines.

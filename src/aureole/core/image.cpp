@@ -53,7 +53,20 @@ Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) 
   if (starts_with(b, "\xff\xd8\xff"sv)) return codec::read_jpeg(b, max_pixels);
   for (const auto signature : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
     if (starts_with(b, signature)) return codec::read_tiff(b, max_pixels);
+  for (const auto signature : {"PF\n"sv, "Pf\n"sv, "PF\r"sv, "Pf\r"sv, "PF "sv, "Pf "sv})
+    if (starts_with(b, signature)) return codec::read_pfm(b, max_pixels);
   return codec::read_hdr_tga_bmp(b, max_pixels);
+}
+
+/// Writes what `encode` returns; its errors get the file's name.
+template <class Encode>
+void write_encoded(const std::filesystem::path& file, const Encode& encode) {
+  try {
+    write_file_atomically(file, encode());
+  } catch (const Error& e) {
+    if (!e.where().file.empty()) throw;
+    fail(file, e.message());
+  }
 }
 
 /// Writes all of `bytes`, through to the disc.
@@ -88,21 +101,19 @@ Image read_image(const std::filesystem::path& file, ExrAttributes* attributes, s
 
 void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel pixel,
                const ExrAttributes& attributes) {
-  try {
-    write_file_atomically(file, codec::encode_exr(image, pixel, attributes));
-  } catch (const Error& e) {
-    if (!e.where().file.empty()) throw;
-    fail(file, e.message());
-  }
+  write_encoded(file, [&] { return codec::encode_exr(image, pixel, attributes); });
 }
 
 void write_png(const std::filesystem::path& file, const Image& image) {
-  try {
-    write_file_atomically(file, codec::encode_png(image));
-  } catch (const Error& e) {
-    if (!e.where().file.empty()) throw;
-    fail(file, e.message());
-  }
+  write_encoded(file, [&] { return codec::encode_png(image); });
+}
+
+void write_hdr(const std::filesystem::path& file, const Image& image) {
+  write_encoded(file, [&] { return codec::encode_hdr(image); });
+}
+
+void write_pfm(const std::filesystem::path& file, const Image& image) {
+  write_encoded(file, [&] { return codec::encode_pfm(image); });
 }
 
 float srgb_encode(float linear) {

@@ -37,7 +37,7 @@ struct ExrAttributes {
   std::map<std::string, float> floats;
 };
 
-/// Reads EXR, PNG, JPEG, TIFF, HDR, TGA or BMP, by content. Throws Error that names the file and what is
+/// Reads EXR, PNG, JPEG, TIFF, PFM, HDR, TGA or BMP, by content. Throws Error that names the file and what is
 /// wrong (missing, truncated, unknown format, more than `max_pixels`).
 Image read_image(const std::filesystem::path& file, ExrAttributes* attributes = nullptr,
                  std::size_t max_pixels = std::size_t(1) << 30);
@@ -52,6 +52,13 @@ void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel p
 /// Writes an 8-bit PNG of one, three or four channels given as values already encoded for display in [0, 1].
 /// Atomic.
 void write_png(const std::filesystem::path& file, const Image& image);
+
+/// Writes R, G, B (or Y as grey) in Radiance's RGBE format: 8 bits with a common exponent, nothing negative.
+/// Atomic.
+void write_hdr(const std::filesystem::path& file, const Image& image);
+
+/// Writes R, G, B or Y as a portable float map. Atomic.
+void write_pfm(const std::filesystem::path& file, const Image& image);
 
 /// The sRGB transfer function and its inverse (IEC 61966-2-1).
 float srgb_encode(float linear);

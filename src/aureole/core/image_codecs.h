@@ -36,10 +36,14 @@ Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels);
 Image read_png(Bytes bytes, std::size_t max_pixels);
 Image read_jpeg(Bytes bytes, std::size_t max_pixels);
 Image read_tiff(Bytes bytes, std::size_t max_pixels);
+Image read_pfm(Bytes bytes, std::size_t max_pixels);
 /// HDR, TGA or BMP; TGA has no signature, so that anything unknown ends here.
 Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels);
 
 std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttributes& attributes);
 std::vector<char> encode_png(const Image& image);
+/// Take images of exactly R, G, B or Y.
+std::vector<char> encode_hdr(const Image& image);
+std::vector<char> encode_pfm(const Image& image);
 
 }  // namespace aureole::codec

@@ -104,7 +104,7 @@ Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels) {
     ~Guard() { blocks = nullptr; }
   } guard(held);
   constexpr const char* kUnknown =
-      "unknown or damaged image; EXR, PNG, JPEG, TIFF, HDR, TGA and BMP can be read";
+      "unknown or damaged image; EXR, PNG, JPEG, TIFF, PFM, HDR, TGA and BMP can be read";
   int width = 0, height = 0, channels = 0;
   Feed probe{bytes}, test{bytes}, feed{bytes};
   try {

@@ -39,6 +39,11 @@ std::pair<double, std::string_view> split(std::string_view text) {
   return {value, trimmed(digits.substr(size_t(end - digits.data())))};
 }
 
+double finite(double value, std::string_view text) {
+  if (!std::isfinite(value)) throw Error("\"" + std::string(trimmed(text)) + "\" is out of range");
+  return value;
+}
+
 }  // namespace
 
 double parse_number(std::string_view text) {
@@ -50,7 +55,7 @@ double parse_number(std::string_view text) {
 double parse_length_m(std::string_view text) {
   const auto [value, unit] = split(text);
   for (const Unit& u : kLengths)
-    if (u.name == unit) return value * u.factor;
+    if (u.name == unit) return finite(value * u.factor, text);
   const std::string shown = "\"" + std::string(trimmed(text)) + "\"";
   if (unit.empty()) throw Error(shown + " has no unit: write a length as \"5um\" (nm, um, mm, cm, m or km)");
   throw Error(shown + " has the unknown unit \"" + std::string(unit) + "\": use nm, um, mm, cm, m or km");
@@ -60,9 +65,9 @@ double parse_wavelength_nm(std::string_view text) {
   const auto [value, unit] = split(text);
   if (unit.empty()) return value;
   for (const Unit& u : kLengths)
-    if (u.name == unit) return value * u.factor * 1e9;
+    if (u.name == unit) return finite(value * u.factor * 1e9, text);
   for (const Unit& u : kFrequencies)
-    if (u.name == unit) return 299792458.0 / (value * u.factor) * 1e9;
+    if (u.name == unit) return finite(299792458.0 / (value * u.factor) * 1e9, text);
   throw Error("\"" + std::string(trimmed(text)) + "\" has the unknown unit \"" + std::string(unit) +
               "\": use nm, um, mm, cm, m, km, Hz, kHz, MHz, GHz or THz");
 }

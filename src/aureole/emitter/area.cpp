@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A shape that shines from its front, the side of its geometric normal.
 #include "aureole/emitter/emitter.h"
+#include "aureole/emitter/emitter_docs.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/shape.h"
@@ -89,8 +90,8 @@ AUREOLE_PLUGIN(
         "Makes the shape it is a child of shine with the same radiance into all directions of its front "
         "side.",
         "",
-        {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
-          "emitted spectral radiance; may be a texture"}},
+        emitter_parameters({{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
+                             "emitted spectral radiance; may be a texture"}}),
         {R"(<emitter type="area"><spectrum name="radiance" value="400:0, 500:8, 700:18"/></emitter>)"}});
 
 }  // namespace

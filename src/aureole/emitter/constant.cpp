@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The same radiance from every direction at infinity.
 #include "aureole/emitter/emitter.h"
+#include "aureole/emitter/emitter_docs.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -57,7 +58,8 @@ AUREOLE_PLUGIN(ConstantEmitter, "emitter", "constant",
                PluginDoc{
                    "Environment of constant radiance around the scene.",
                    "",
-                   {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1", "spectral radiance"}},
+                   emitter_parameters({{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
+                                        "spectral radiance"}}),
                    {R"(<emitter type="constant"><rgb name="radiance" value="0.5, 0.7, 1"/></emitter>)"}});
 
 }  // namespace

@@ -2,10 +2,14 @@
 // Defaults of the emitter interface: an emitter that is not on a shape and not at infinity.
 #include "aureole/emitter/emitter.h"
 
+#include "aureole/emitter/emitter_docs.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/properties.h"
 
 namespace aureole {
+
+Emitter::Emitter(const Properties& properties)
+    : Object(properties), sampling_weight_(float(properties.get_float("sampling_weight", 1, {0, 1e9}))) {}
 
 void Emitter::attach(const Shape&) {
   throw Error(properties().where(),
@@ -25,6 +29,14 @@ EmittedRay ray_from_infinity(const Vec3& scene_center, float scene_radius, const
   r.d = d;
   r.pdf_position = square_to_disc_pdf() / (scene_radius * scene_radius);
   return r;
+}
+
+std::vector<ParameterDoc> emitter_parameters(std::vector<ParameterDoc> own) {
+  own.push_back(
+      {"sampling_weight", "float", "", "1",
+       "factor of the probability with which light sampling chooses this emitter; 0: never, so that "
+       "it is only seen where rays meet it by chance"});
+  return own;
 }
 
 }  // namespace aureole

@@ -31,8 +31,9 @@ struct EmittedRay {
   Vec3 p_error;  ///< zero for points that lie on no surface
   Vec3 ng;       ///< zero for points that lie on no surface
   Vec3 d;        ///< unit direction of travel
-  /// Radiance times |cos| at a surface; of a point the intensity; of a beam from infinity the radiance, or,
-  /// where the direction is a delta, the irradiance on a plane across it.
+  /// Radiance times |cos| at a surface, or, where the direction is a delta, its exitance; of a point the
+  /// intensity; of a beam from infinity the radiance, or, where the direction is a delta, the irradiance on a
+  /// plane across it.
   Spectrum value;
   float pdf_position = 0;   ///< density [1/m^2], or a mass where `delta_position`
   float pdf_direction = 0;  ///< density [1/sr], or a mass where `delta_direction`
@@ -47,12 +48,19 @@ struct EmissionBounds {
   float cos_normals = -1;  ///< cosine of the half-angle of the cone of normals around axis
   float cos_emission = 0;  ///< cosine of the further angle into which it shines (0 for a surface)
   float power = 1;         ///< fraction of the emitter's power that this part sends
+  /// pi times the largest intensity over the power: 1 of a Lambertian surface, 1/4 of a point, 0 of what
+  /// `sample_direct` never finds.
+  float focus = 1;
 };
 
 class Emitter : public Object {
 public:
   static constexpr const char* kFamily = "an emitter";
-  using Object::Object;
+  /// Reads what every emitter has: sampling_weight.
+  explicit Emitter(const Properties& properties);
+
+  /// Factor of the probability with which light sampling chooses this emitter.
+  float sampling_weight() const { return sampling_weight_; }
 
   /// Called once when the emitter belongs to `shape`; others keep an error. Throws Error for an emitter that
   /// can't sit on a shape.
@@ -61,6 +69,8 @@ public:
   virtual void set_scene_bounds(const Vec3& center, float radius);
 
   virtual bool is_infinite() const { return false; }
+  /// Shines from one point or into one direction, so that no ray meets it by chance.
+  virtual bool is_delta() const { return false; }
   virtual std::size_t part_count() const { return 1; }
   virtual std::size_t part_of(const SurfacePoint& point) const;
 
@@ -71,6 +81,13 @@ public:
 
   virtual std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t part, Vec2 u,
                                                     const Wavelengths& wavelengths) const = 0;
+  /// The same for a surface that scatters only light from the side of `facing` (zero: from all): may return
+  /// nothing, and save the rest of the work, where wo is on the other side.
+  virtual std::optional<DirectSample> sample_direct_facing(const Vec3& reference, const Vec3& /*facing*/,
+                                                           std::size_t part, Vec2 u,
+                                                           const Wavelengths& wavelengths) const {
+    return sample_direct(reference, part, u, wavelengths);
+  }
   /// Solid-angle density with which sample_direct of `point`'s part chooses it from `reference`; 0 for delta
   /// emitters.
   virtual float pdf_direct(const Vec3& reference, const SurfacePoint& point) const;
@@ -85,7 +102,11 @@ public:
   /// Power of a part per wavelength on the scene's grid (arbitrary but common scale for all emitters: W/nm).
   virtual SampledSpectrum power_spectrum() const = 0;
   virtual EmissionBounds emission_bounds(std::size_t part) const = 0;
+
+private:
+  float sampling_weight_;
 };
+
 /// The beam that enters a scene from infinity along `d`: starts on a disc across it, before the scene's
 /// bounding sphere. `position` chooses the point of the disc.
 EmittedRay ray_from_infinity(const Vec3& scene_center, float scene_radius, const Vec3& d, Vec2 position);

@@ -6,8 +6,10 @@
 
 #include "aureole/core/image.h"
 #include "aureole/emitter/emitter.h"
+#include "aureole/emitter/emitter_docs.h"
+#include "aureole/emitter/placement.h"
 #include "aureole/math/piecewise.h"
-#include "aureole/math/transform.h"
+#include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/upsampling.h"
@@ -18,9 +20,7 @@ namespace {
 class EnvmapEmitter final : public Emitter {
 public:
   explicit EnvmapEmitter(const Properties& p) : Emitter(p) {
-    const Transform to_world = p.get_transform("to_world");
-    const auto axes = orthonormal(p, to_world);
-    frame_ = {axes[0], axes[1], axes[2]};
+    frame_ = get_placement(p).axes;
     scale_ = float(p.get_float("scale", 1, Range::non_negative()));
     mis_compensation_ = p.get_bool("mis_compensation", false);
     load(p);
@@ -37,21 +37,16 @@ public:
 
   std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
                                             const Wavelengths& w) const override {
-    float pdf;
-    const Vec2 uv = distribution_.sample(u, &pdf);
-    const float theta = uv.y * kPi, phi = uv.x * 2 * kPi, sine = std::sin(theta);
-    if (!(pdf > 0) || !(sine > 0)) return {};
-    DirectSample s;
-    s.wo = frame_.to_world({std::sin(phi) * sine, std::cos(theta), -std::cos(phi) * sine});
-    s.radiance = eval_uv(uv, w);
-    s.pdf = pdf / (2 * kPi * kPi * sine);
-    s.infinite = true;
-    return s;
+    return sample(distribution_, {}, u, w);
+  }
+  std::optional<DirectSample> sample_direct_facing(const Vec3&, const Vec3& facing, std::size_t, Vec2 u,
+                                                   const Wavelengths& w) const override {
+    return sample(distribution_, facing, u, w);
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t part, Vec2 position, Vec2 direction,
+  std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2 direction,
                                        const Wavelengths& w) const override {
-    const auto s = sample_direct({}, part, direction, w);
+    const auto s = sample(mis_compensation_ ? everything_ : distribution_, {}, direction, w);
     if (!s) return {};
     EmittedRay r = ray_from_infinity(center_, radius_, -s->wo, position);
     r.value = s->radiance;
@@ -81,14 +76,22 @@ private:
     float scale;
   };
 
-  /// The transform's axes; a scale would distort solid angles.
-  static std::array<Vec3, 3> orthonormal(const Properties& p, const Transform& t) {
-    std::array<Vec3, 3> axes{normalize(t.vector({1, 0, 0})), normalize(t.vector({0, 1, 0})),
-                             normalize(t.vector({0, 0, 1}))};
-    for (int i = 0; i < 3; ++i)
-      if (std::abs(dot(axes[size_t(i)], axes[size_t((i + 1) % 3)])) > 1e-3f)
-        throw p.error("to_world", "an environment map may be rotated and mirrored, not sheared");
-    return axes;
+  std::optional<DirectSample> sample(const Piecewise2D& distribution, const Vec3& facing, Vec2 u,
+                                     const Wavelengths& w) const {
+    float pdf;
+    const Vec2 uv = distribution.sample(u, &pdf);
+    const Vec2 phi = cos_sin_2pi(uv.x), theta = cos_sin_2pi(0.5f * uv.y);
+    const float sine = theta.y;
+    if (!(pdf > 0) || !(sine > 0)) return {};
+    const Vec3 wo = frame_.to_world({phi.y * sine, theta.x, -phi.x * sine});
+    // Half of the directions: radiance is what costs.
+    if (dot(wo, facing) < 0) return {};
+    DirectSample s;
+    s.wo = wo;
+    s.radiance = eval_uv(uv, w);
+    s.pdf = pdf / (2 * kPi * kPi * sine);
+    s.infinite = true;
+    return s;
   }
 
   void load(const Properties& p) {
@@ -146,7 +149,7 @@ private:
       return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) +
              fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
     };
-    std::vector<float> weights(luminance.size());
+    std::vector<float> weights(luminance.size()), compensated(luminance.size());
     double mean = 0, area = 0;
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
@@ -160,16 +163,20 @@ private:
         weights[size_t(y) * size_t(width_) + size_t(x)] = sum;
         mean += double(sum) * sine, area += sine;
       }
-    // MIS compensation (Karlik et al. 2019): leave what BSDF sampling finds anyway.
-    const float offset = mis_compensation_ ? float(mean / area) : 0.f;
+    // MIS compensation (Karlik et al. 2019): leave what BSDF sampling finds anyway. Rays of light, which
+    // nothing else finds, start everywhere.
+    const float offset = float(mean / area);
     bool any = false;
     for (float w : weights) any |= w > offset * 1.01f;
     for (int y = 0; y < height_; ++y)
       for (int x = 0; x < width_; ++x) {
-        float& w = weights[size_t(y) * size_t(width_) + size_t(x)];
-        w = (any ? std::max(0.f, w - offset) : w) * std::sin(kPi * (float(y) + 0.5f) / float(height_));
+        const size_t i = size_t(y) * size_t(width_) + size_t(x);
+        const float sine = std::sin(kPi * (float(y) + 0.5f) / float(height_));
+        compensated[i] = (any ? std::max(0.f, weights[i] - offset) : weights[i]) * sine;
+        weights[i] *= sine;
       }
-    distribution_ = Piecewise2D(weights, width_, height_);
+    distribution_ = Piecewise2D(mis_compensation_ ? compensated : weights, width_, height_);
+    if (mis_compensation_) everything_ = Piecewise2D(weights, width_, height_);
   }
 
   static Vec2 to_uv(const Vec3& v) {
@@ -178,7 +185,9 @@ private:
   }
 
   Spectrum eval_uv(Vec2 uv, const Wavelengths& w) const {
-    const float x = uv.x * float(width_) - 0.5f, y = uv.y * float(height_ - 1);
+    // NaN is 0 here.
+    const float x = (uv.x > 0 ? uv.x : 0) * float(width_) - 0.5f,
+                y = (uv.y > 0 ? uv.y : 0) * float(height_ - 1);
     const int x0 = int(std::floor(x)), y0 = std::clamp(int(y), 0, height_ - 2);
     const float fx = x - float(x0), fy = std::clamp(y - float(y0), 0.f, 1.f);
     const auto at = [&](int i, int j) -> const Texel& {
@@ -205,7 +214,7 @@ private:
   bool mis_compensation_;
   int width_ = 0, height_ = 0;
   std::vector<Texel> texels_;
-  Piecewise2D distribution_;
+  Piecewise2D distribution_, everything_;  ///< the second only where the first is compensated
   SampledSpectrum d65_;
 };
 
@@ -215,11 +224,12 @@ AUREOLE_PLUGIN(
         "Environment map in latitude-longitude projection. Colours are upsampled to spectra and multiplied "
         "by D65.",
         "",
-        {{"filename", "file", "", "required", "EXR, HDR or any other image"},
-         {"scale", "float", "", "1", "factor of the radiance"},
-         {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
-         {"mis_compensation", "boolean", "", "false",
-          "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}},
+        emitter_parameters(
+            {{"filename", "file", "", "required", "EXR, HDR or any other image"},
+             {"scale", "float", "", "1", "factor of the radiance"},
+             {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
+             {"mis_compensation", "boolean", "", "false",
+              "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}}),
         {R"(<emitter type="envmap"><string name="filename" value="sky.exr"/><float name="scale" value="2"/>
     <boolean name="mis_compensation" value="true"/><transform name="to_world"><rotate y="1" angle="90"/></transform></emitter>)"}});
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A point that shines with the same intensity into all directions.
 #include "aureole/emitter/emitter.h"
+#include "aureole/emitter/emitter_docs.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -19,6 +20,8 @@ public:
     position_ =
         p.has("position") ? p.get_vec3("position", {}) : (p.find("position"), to_world.point({0, 0, 0}));
   }
+
+  bool is_delta() const override { return true; }
 
   std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t, Vec2,
                                             const Wavelengths& w) const override {
@@ -51,7 +54,7 @@ public:
     return s;
   }
   EmissionBounds emission_bounds(std::size_t) const override {
-    return {{position_, position_}, {0, 0, 1}, -1, 0, 1};
+    return {{position_, position_}, {0, 0, 1}, -1, 0, 1, 0.25f};
   }
 
 private:
@@ -64,9 +67,10 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Isotropic point light.",
         "",
-        {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
-         {"position", "vector", "scene units", "0, 0, 0", "where it is"},
-         {"to_world", "transform", "", "identity", "instead of position: where it puts the origin"}},
+        emitter_parameters(
+            {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
+             {"position", "vector", "scene units", "0, 0, 0", "where it is"},
+             {"to_world", "transform", "", "identity", "instead of position: where it puts the origin"}}),
         {R"(<emitter type="point"><point name="position" value="0, 5, 0"/><rgb name="intensity" value="10"/></emitter>)",
          R"(<emitter type="point"><transform name="to_world"><translate y="5"/></transform></emitter>)"}});
 

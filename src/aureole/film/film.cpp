@@ -1,9 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/film/film.h"
 
-#include "aureole/plugin/registry.h"
+#include "aureole/film/film_docs.h"
 
 namespace aureole {
+
+namespace {
+
+std::shared_ptr<Filter> default_filter(const Properties& p, const char* name) {
+  const PluginInfo* info = Registry::instance().find("rfilter", name);
+  return std::dynamic_pointer_cast<Filter>(
+      info->create(Properties(name, "", p.where(), p.shared_context(), info)));
+}
+
+}  // namespace
 
 void Film::read_common(const Properties& p) {
   constexpr double kMaximumSize = 1 << 20;
@@ -14,15 +24,48 @@ void Film::read_common(const Properties& p) {
   crop_width_ = int(p.get_int("crop_width", width_ - crop_x_, {1, double(width_ - crop_x_)}));
   crop_height_ = int(p.get_int("crop_height", height_ - crop_y_, {1, double(height_ - crop_y_)}));
   sample_border_ = p.get_bool("sample_border", false);
+  if (p.find("compensate")) p.note("compensate", "sums are exact here: \"compensate\" has no effect");
+  p.find("banner");
+  // The scene reader has already turned these two into the grid.
+  p.find("wavelength_min");
+  p.find("wavelength_max");
   const auto filters = p.get_children<Filter>("rfilter");
   if (filters.size() > 1) throw Error(p.where(), "a film has one reconstruction filter");
-  if (!filters.empty()) {
-    filter_ = filters.front();
-  } else {
-    const PluginInfo* gaussian = Registry::instance().find("rfilter", "gaussian");
-    filter_ = std::dynamic_pointer_cast<Filter>(
-        gaussian->create(Properties("gaussian", "", p.where(), p.shared_context(), gaussian)));
-  }
+  filter_is_default_ = filters.empty();
+  filter_ = filters.empty() ? default_filter(p, "gaussian") : filters.front();
+}
+
+ExrPixel Film::read_component_format(const Properties& p) {
+  const std::string format = p.get_choice("component_format", "float16", {"float16", "float32", "uint32"});
+  if (format == "uint32")
+    p.note("component_format", "whole numbers would lose the picture: it is stored as float32");
+  return format == "float16" ? ExrPixel::half : ExrPixel::float32;
+}
+
+void Film::use_box_filter() {
+  if (filter_->radius() <= 0.5f) return;
+  if (!filter_is_default_)
+    filter_->properties().note(
+        "", "it would weight what a sensor of one value sees by the place in its pixel: a box is used");
+  filter_ = default_filter(properties(), "box");
+}
+
+std::vector<ParameterDoc> film_parameters(std::vector<ParameterDoc> own) {
+  std::vector<ParameterDoc> all = {
+      {"width", "integer", "pixels", "768", "width of the film"},
+      {"height", "integer", "pixels", "576", "height of the film"},
+      {"crop_offset_x", "integer", "pixels", "0", "left edge of the rendered part"},
+      {"crop_offset_y", "integer", "pixels", "0", "top edge of the rendered part"},
+      {"crop_width", "integer", "pixels", "what is right of crop_offset_x", "width of the rendered part"},
+      {"crop_height", "integer", "pixels", "what is below crop_offset_y", "height of the rendered part"},
+      {"sample_border", "boolean", "", "false",
+       "also sample beyond the border, as far as the filter reaches"},
+      {"rfilter", "rfilter", "", "gaussian", "reconstruction filter"},
+      {"component_format", "string", "", "float16", "float16 or float32; uint32 is stored as float32"},
+      {"compensate", "boolean", "", "false", "accepted without effect: sums are exact"},
+      {"banner", "boolean", "", "false", "accepted without effect"}};
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
 }
 
 }  // namespace aureole

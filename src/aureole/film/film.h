@@ -43,15 +43,26 @@ public:
   /// Linear sRGB for a preview.
   virtual void develop_rgb(const double* measured, float rgb[3]) const = 0;
   virtual ExrPixel pixel_type() const = 0;
+  /// The ending of the file where the user names none.
+  virtual std::string file_extension() const { return ".exr"; }
+
+  /// Multiplies the responses of all channels, for the srf of a sensor.
+  virtual void multiply_response(const SampledSpectrum& factor) = 0;
+  /// For a sensor of one pixel.
+  void use_box_filter();
 
 protected:
+  /// Reads size, crop, border, filter and `compensate`.
   void read_common(const Properties& properties);
+  /// Reads `component_format`.
+  static ExrPixel read_component_format(const Properties& properties);
 
 private:
   int width_ = 768, height_ = 576;
   int crop_x_ = 0, crop_y_ = 0, crop_width_ = 768, crop_height_ = 576;
   bool sample_border_ = false;
   std::shared_ptr<Filter> filter_;
+  bool filter_is_default_ = false;
 };
 
 }  // namespace aureole

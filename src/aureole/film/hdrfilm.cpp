@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// High-dynamic-range film: measures CIE XYZ (or the mean spectral radiance of another band) and stores
-// OpenEXR.
+// High-dynamic-range film: measures CIE XYZ (or the mean spectral radiance of another band).
 #include <cmath>
 
 #include "aureole/film/film.h"
+#include "aureole/film/film_docs.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 
@@ -14,46 +14,48 @@ class HdrFilm final : public Film {
 public:
   explicit HdrFilm(const Properties& p) : Film(p) {
     read_common(p);
-    const std::string format =
+    pixel_ = read_component_format(p);
+    std::string format =
         p.get_choice("pixel_format", "rgb", {"rgb", "rgba", "xyz", "xyza", "luminance", "luminance_alpha"});
+    const std::string file = p.get_choice("file_format", "openexr", {"openexr", "exr", "rgbe", "pfm"});
+    if (file == "rgbe" || file == "pfm") {
+      extension_ = file == "rgbe" ? ".hdr" : ".pfm";
+      if (format != "rgb" && !(file == "pfm" && format == "luminance")) {
+        p.note("pixel_format", "\"" + file + "\" files cannot hold \"" + format + "\": stored as \"rgb\"");
+        format = "rgb";
+      }
+    }
     alpha_ = format == "rgba" || format == "xyza" || format == "luminance_alpha";
     kind_ = format.starts_with("rgb") ? Kind::rgb : format.starts_with("xyz") ? Kind::xyz : Kind::luminance;
-    pixel_ = p.get_choice("component_format", "float16", {"float16", "float32"}) == "float16"
-                 ? ExrPixel::half
-                 : ExrPixel::float32;
-    p.get_choice("file_format", "openexr", {"openexr", "exr"});
-    // The scene reader has already turned these two into the grid.
-    p.find("wavelength_min");
-    p.find("wavelength_max");
+
     const SpectralGrid& grid = p.context().grid;
     uniform_ = p.get_choice("response", "cie1931", {"cie1931", "uniform"}) == "uniform";
-    if (!uniform_) {
-      observer_ = observer_xyz(grid);
-      if (observer_[1].integral() < 1e-3)
-        throw p.error("response",
-                      "the wavelength range lies outside the visible, where the CIE observer sees nothing; "
-                      "use response \"uniform\"");
-    }
-  }
-
-  int measured_channels() const override { return uniform_ ? 1 : 3; }
-
-  void measure(const Spectrum& estimate, const Wavelengths& w, float* out) const override {
     if (uniform_) {
-      const SpectralGrid& grid = properties().context().grid;
-      out[0] = sum(estimate) * float(1 / (grid.max_nm - grid.min_nm));
+      response_ = {SampledSpectrum::constant(grid, float(1 / (grid.max_nm - grid.min_nm)))};
       return;
     }
-    for (int c = 0; c < 3; ++c) out[c] = sum(estimate * observer_[size_t(c)].eval(w));
+    const auto observer = observer_xyz(grid);
+    response_.assign(observer.begin(), observer.end());
+    if (response_[1].integral() < 1e-3)
+      throw p.error("response",
+                    "the wavelength range lies outside the visible, where the CIE observer sees nothing; "
+                    "use response \"uniform\"");
+  }
+
+  int measured_channels() const override { return int(response_.size()); }
+
+  void measure(const Spectrum& estimate, const Wavelengths& w, float* out) const override {
+    for (const SampledSpectrum& r : response_) *out++ = sum(estimate * r.eval(w));
   }
 
   SampledSpectrum response() const override {
-    const SpectralGrid& grid = properties().context().grid;
-    if (uniform_) return SampledSpectrum::constant(grid, 1);
-    std::vector<float> nodes(size_t(grid.cells) + 1);
-    for (size_t i = 0; i < nodes.size(); ++i)
-      for (const auto& o : observer_) nodes[i] += o.nodes()[i];
-    return {grid, nodes};
+    std::vector<float> nodes(response_[0].nodes().size());
+    for (const auto& r : response_)
+      for (size_t i = 0; i < nodes.size(); ++i) nodes[i] += r.nodes()[i];
+    return {response_[0].grid(), nodes};
+  }
+  void multiply_response(const SampledSpectrum& factor) override {
+    for (auto& r : response_) r = product(r, factor);
   }
 
   std::vector<std::string> channel_names() const override {
@@ -91,39 +93,34 @@ public:
   }
 
   ExrPixel pixel_type() const override { return pixel_; }
+  std::string file_extension() const override { return extension_; }
 
 private:
   enum class Kind { rgb, xyz, luminance } kind_;
   bool alpha_ = false, uniform_ = false;
   ExrPixel pixel_;
-  std::array<SampledSpectrum, 3> observer_;
+  std::string extension_ = ".exr";
+  std::vector<SampledSpectrum> response_;  ///< of X, Y, Z, or of the band [1/nm]
 };
 
 AUREOLE_PLUGIN(
     HdrFilm, "film", "hdrfilm",
-    PluginDoc{"Film that measures the CIE 1931 tristimulus values of the spectral radiance, scaled so that a "
-              "flat spectrum of radiance 1 has luminance "
-              "Y = 1, and stores linear sRGB, XYZ or luminance in OpenEXR. With `response` \"uniform\" it "
-              "measures the mean of the "
-              "spectral radiance over its wavelength range, for work outside the visible.",
-              "CIE 15:2018, section 7",
-              {{"width", "integer", "pixels", "768", "width of the film"},
-               {"height", "integer", "pixels", "576", "height of the film"},
-               {"crop_offset_x", "integer", "pixels", "0", "left edge of the rendered part"},
-               {"crop_offset_y", "integer", "pixels", "0", "top edge of the rendered part"},
-               {"crop_width", "integer", "pixels", "width", "width of the rendered part"},
-               {"crop_height", "integer", "pixels", "height", "height of the rendered part"},
-               {"sample_border", "boolean", "", "false",
-                "also sample beyond the border, as far as the filter reaches"},
-               {"rfilter", "rfilter", "", "gaussian", "reconstruction filter"},
-               {"pixel_format", "string", "", "rgb", "rgb, rgba, xyz, xyza, luminance or luminance_alpha"},
-               {"component_format", "string", "", "float16", "float16 or float32"},
-               {"file_format", "string", "", "openexr", "openexr"},
-               {"wavelength_min", "wavelength", "nm", "360",
-                "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
-               {"wavelength_max", "wavelength", "nm", "830", "longest wavelength"},
-               {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (the band's mean)"}},
-              {R"(<film type="hdrfilm">
+    PluginDoc{
+        "Film that measures the CIE 1931 tristimulus values of the spectral radiance, scaled so that a "
+        "flat spectrum of radiance 1 has luminance "
+        "Y = 1, and stores linear sRGB, XYZ or luminance. With `response` \"uniform\" it measures the "
+        "mean of the spectral radiance over its wavelength range, for work outside the visible.",
+        "CIE 15:2018, section 7",
+        film_parameters(
+            {{"pixel_format", "string", "", "rgb", "rgb, rgba, xyz, xyza, luminance or luminance_alpha"},
+             {"file_format", "string", "", "openexr",
+              "openexr; rgbe (Radiance .hdr, rgb only); pfm (rgb or luminance). The name given by -o "
+              "decides where there is one"},
+             {"wavelength_min", "wavelength", "nm", "360",
+              "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
+             {"wavelength_max", "wavelength", "nm", "830", "longest wavelength"},
+             {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (the band's mean)"}}),
+        {R"(<film type="hdrfilm">
     <integer name="width" value="320"/> <integer name="height" value="240"/>
     <integer name="crop_offset_x" value="16"/> <integer name="crop_offset_y" value="16"/>
     <integer name="crop_width" value="64"/> <integer name="crop_height" value="64"/>

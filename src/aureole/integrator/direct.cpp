@@ -58,12 +58,14 @@ private:
     const SurfaceVertex vertex(hit, -d, w, samples.key(dimension));
     const bool smooth = vertex.bsdf().is_smooth() && !scene.lights().empty();
     for (int i = 0; smooth && i < light_samples_; ++i, dimension += 3) {
-      const auto c = sample_light(scene, vertex, samples.get1(dimension), samples.get2(dimension + 1), w);
-      if (!c) continue;
-      const Spectrum other = c->direct.delta ? Spectrum(0.f) : c->scattering.pdf * float(bsdf_samples_);
-      result.estimate += density.contribution(c->scattering.value * c->direct.radiance,
-                                              c->density * float(light_samples_), other, w) *
-                         scene.connect(hit, c->direct, w);
+      sample_light(scene, vertex, samples.get1(dimension), samples.get2(dimension + 1), w,
+                   [&](const LightConnection& c) {
+                     const Spectrum other =
+                         c.direct.delta ? Spectrum(0.f) : c.scattering.pdf * float(bsdf_samples_);
+                     result.estimate += density.contribution(c.scattering.value * c.direct.radiance,
+                                                             c.density * float(light_samples_), other, w) *
+                                        scene.connect(hit, c.direct, w);
+                   });
     }
     for (int i = 0; i < bsdf_samples_; ++i, dimension += 3) {
       const auto b = vertex.sample(samples.get1(dimension), samples.get2(dimension + 1));

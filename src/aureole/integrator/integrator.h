@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,10 +30,27 @@ public:
   using Object::Object;
 };
 
+/// One of several paths followed together.
+struct CameraPath {
+  Ray ray;
+  Wavelengths wavelengths;
+  SampleStream samples;
+  float* aovs = nullptr;
+  RadianceEstimate result;
+};
+
 /// Follows paths from the sensor.
 class RadianceIntegrator : public Integrator {
 public:
   using Integrator::Integrator;
+
+  /// Paths that `radiance_of` takes at once; usually samples of one pixel.
+  static constexpr int kTogether = RayTracer::kPacket;
+  /// The same as `radiance` of each path, bit for bit, where an integrator can do it faster together.
+  virtual void radiance_of(const Scene& scene, std::span<CameraPath> paths) const {
+    static const PathLog no_log;
+    for (CameraPath& p : paths) p.result = radiance(scene, p.ray, p.wavelengths, p.samples, no_log, p.aovs);
+  }
 
   /// An estimate of the radiance along `ray`. The stream's dimensions count from 0. `aovs` receives one
   /// number per name of `aov_names`.
@@ -57,6 +75,11 @@ public:
   /// over the density of the path, as Film::measure takes it.
   virtual void trace(const Scene& scene, const Wavelengths& wavelengths, SampleStream& samples,
                      std::vector<Splat>& splats, const PathLog& log) const = 0;
+  /// The rest of the radiance along a ray of the sensor: what light paths do not bring to the film, such as
+  /// the background. As RadianceIntegrator::radiance estimates it.
+  virtual Spectrum seen_directly(const Scene&, const Ray&, const Wavelengths&, const PathLog&) const {
+    return 0.f;
+  }
 };
 
 }  // namespace aureole

@@ -12,8 +12,9 @@
 namespace aureole {
 namespace {
 
-/// Sample dimensions of one vertex.
-enum Dimension { kLight, kLightU, kLightV, kBsdfU, kBsdfV, kLobe, kRoulette, kPerVertex };
+/// Sample dimensions of one vertex: pairs for directions, single numbers for choices.
+enum Pair { kBsdfDirection, kLightDirection };
+enum Choice { kLight, kLobe, kRoulette };
 
 struct PathState {
   Ray ray;
@@ -34,11 +35,12 @@ struct PathState {
 };
 
 /// What one step asks of the driver: whether to go on along state.ray, and a connection to be tested for
-/// visibility.
+/// visibility. Where visibility is not a matter of yes or no the step has found it, and the contribution
+/// holds it.
 struct Step {
   bool alive = false;
   bool connects = false;
-  DirectSample connection;
+  Ray connection;
   Spectrum contribution;  ///< of the connection, if nothing is in the way
 };
 
@@ -46,7 +48,7 @@ class PathIntegrator final : public RadianceIntegrator {
 public:
   explicit PathIntegrator(const Properties& p) : RadianceIntegrator(p) {
     max_depth_ = int(p.get_int("max_depth", -1, {-1, 1e9}));
-    roulette_depth_ = int(p.get_int("rr_depth", 5, {1, 1e9}));
+    roulette_depth_ = std::min(int(p.get_int("rr_depth", 5, {1, 1e9})), kLatestRoulette);
     hide_emitters_ = p.get_bool("hide_emitters", false);
   }
 
@@ -58,32 +60,79 @@ public:
     for (;;) {
       const std::optional<SurfacePoint> hit = scene.intersect(state.ray);
       if (log) log_hit(log, state, hit);
-      const Step step = advance(scene, state, hit, w, samples);
+      Step step;
+      advance(scene, state, hit ? &*hit : nullptr, w, samples, step);
       if (step.connects) {
-        const Spectrum visible = scene.connect(*hit, step.connection, w);
-        state.result.estimate += step.contribution * visible;
+        const bool visible = !scene.has_binary_visibility() || !scene.tracer().occluded(step.connection);
+        if (visible) state.result.estimate += step.contribution;
         if (log)
-          log(fmt::format("  light along ({:.6g}, {:.6g}, {:.6g}): {} mean {:.6g}", step.connection.wo.x,
-                          step.connection.wo.y, step.connection.wo.z,
-                          is_black(visible) ? "hidden" : "visible", mean(step.contribution)));
+          log(fmt::format("  light: {} mean {:.6g}", visible ? "visible" : "hidden",
+                          mean(step.contribution)));
       }
       if (!step.alive) return state.result;
     }
   }
 
+  /// Paths in lock-step: the rays of a bounce, and its connections, go to the ray tracer as packets.
+  void radiance_of(const Scene& scene, std::span<CameraPath> paths) const override {
+    if (max_depth_ == 0) {
+      for (CameraPath& p : paths) p.result = {};
+      return;
+    }
+    const RayTracer& tracer = scene.tracer();
+    PathState states[kTogether];
+    Ray rays[kTogether], shadow_rays[kTogether];
+    RayTracer::Hit hits[kTogether];
+    int lane[kTogether], shadow_lane[kTogether];  // the path that a ray belongs to
+    Spectrum contributions[kTogether];
+    bool blocked[kTogether];
+    int n = int(paths.size());
+    for (int i = 0; i < n; ++i) lane[i] = i, rays[i] = states[i].ray = paths[size_t(i)].ray;
+
+    for (auto kind = RayTracer::Rays::coherent; n > 0; kind = RayTracer::Rays::incoherent) {
+      tracer.intersect(rays, n, kind, hits);
+      int alive = 0, shadows = 0;
+      for (int i = 0; i < n; ++i) {
+        const int l = lane[i];
+        PathState& s = states[l];
+        CameraPath& path = paths[size_t(l)];
+        Step step;
+        if (hits[i]) {
+          const SurfacePoint point = scene.surface_point(hits[i], s.ray);
+          advance(scene, s, &point, path.wavelengths, path.samples, step);
+        } else {
+          advance(scene, s, nullptr, path.wavelengths, path.samples, step);
+        }
+        if (step.connects && scene.has_binary_visibility()) {
+          shadow_rays[shadows] = step.connection;
+          contributions[shadows] = step.contribution;
+          shadow_lane[shadows++] = l;
+        } else if (step.connects) {
+          s.result.estimate += step.contribution;
+        }
+        // `alive` is at most i: what is overwritten has been read.
+        if (step.alive) rays[alive] = s.ray, lane[alive++] = l;
+      }
+      tracer.occluded(shadow_rays, shadows, kind, blocked);
+      for (int i = 0; i < shadows; ++i)
+        if (!blocked[i]) states[shadow_lane[i]].result.estimate += contributions[i];
+      n = alive;
+    }
+    for (size_t i = 0; i < paths.size(); ++i) paths[i].result = states[i].result;
+  }
+
 private:
-  Step advance(const Scene& scene, PathState& s, const std::optional<SurfacePoint>& hit, const Wavelengths& w,
-               SampleStream& samples) const {
-    Step step;
+  void advance(const Scene& scene, PathState& s, const SurfacePoint* hit, const Wavelengths& w,
+               SampleStream& samples, Step& step) const {
     if (!hit) {
       // Vertex kind: escape.
       if (s.depth == 0) {
         s.result.alpha = hide_emitters_ || scene.infinite_emitters().empty() ? 0.f : 1.f;
-        if (hide_emitters_) return step;
+        if (hide_emitters_) return;
       }
       for (const Emitter* e : scene.infinite_emitters())
         add_emission(scene, s, *e, nullptr, e->eval_escaped(s.ray.d, w), w);
-      return step;
+      return;
     }
     // Vertex kind: surface.
     const Vec3 to_previous = -s.ray.d;
@@ -91,44 +140,48 @@ private:
       if (hide_emitters_ && s.depth == 0) {
         s.ray = {offset_origin(*hit, s.ray.d), s.ray.d, kInfinity};
         step.alive = true;
-        return step;
+        return;
       }
-      add_emission(scene, s, *e, &*hit, e->eval(*hit, to_previous, w), w);
+      add_emission(scene, s, *e, hit, e->eval(*hit, to_previous, w), w);
     }
     const bool last = max_depth_ >= 0 && s.depth + 1 >= max_depth_;
-    if (last && !hit->shape->bsdf()->is_passable()) {
+    if (last && !hit->shape->is_passable()) {
       if (s.depth == 0) s.result.alpha = 1;
-      return step;
+      return;
     }
 
-    const int dimension = kPerVertex * s.vertex++;
-    const SurfaceVertex vertex(*hit, to_previous, w, samples.key(dimension));
-    if (!last && vertex.bsdf().is_smooth() && !scene.lights().empty()) {
-      const auto c =
-          sample_light(scene, vertex, samples.get1(dimension + kLight), samples.get2(dimension + kLightU), w);
-      if (c) {
-        const Spectrum other = c->direct.delta ? Spectrum(0.f) : c->scattering.pdf;
-        step.connects = true;
-        step.connection = c->direct;
-        step.contribution =
-            s.density.contribution(c->scattering.value * c->direct.radiance, c->density, other, w);
-      }
+    const int v = s.vertex++;
+    const auto direction = [&](Pair pair) { return samples.get2(SampleStream::direction(v, pair)); };
+    const auto choice = [&](Choice k) { return samples.get1(SampleStream::choice(v, k)); };
+    const SurfaceVertex vertex(*hit, to_previous, w, samples.key(SampleStream::choice(v, 0)));
+    if (!last && vertex.is_smooth() && !scene.lights().empty()) {
+      sample_light(scene, vertex, scene.lights().is_single() ? 0.f : choice(kLight),
+                   direction(kLightDirection), w, [&](const LightConnection& c) {
+                     const Spectrum other = c.direct.delta ? Spectrum(0.f) : c.scattering.pdf;
+                     step.connects = true;
+                     step.contribution =
+                         s.density.contribution(c.scattering.value * c.direct.radiance, c.density, other, w);
+                     if (scene.has_binary_visibility())
+                       step.connection = Scene::connection_ray(*hit, c.direct);
+                     else
+                       step.contribution *= scene.connect(*hit, c.direct, w);
+                   });
     }
 
-    const auto b = vertex.sample(samples.get1(dimension + kLobe), samples.get2(dimension + kBsdfU));
+    const auto b = vertex.sample(hit->shape->needs_choice() ? choice(kLobe) : 0.f, direction(kBsdfDirection));
     if (b && has(b->lobe, Lobe::null)) {
       // No vertex: what was sampled before and light sampling, whose connections pass too, find the same
       // emitters beyond, so that the weights between them do not hold the mass of passing.
       const Weight passed = b->value * (1 / b->pdf[0]);
-      if (is_black(passed)) return step;
+      if (is_black(passed)) return;
       s.density.beta *= passed;
       s.value *= passed;
-      s.ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
+      s.ray = {offset_origin(*hit, s.ray.d), s.ray.d, kInfinity};
       step.alive = true;
-      return step;
+      return;
     }
     if (s.depth == 0) s.result.alpha = 1;
-    if (last || !b || is_black(b->value)) return step;
+    if (last || !b || is_black(b->value)) return;
     s.before = s.density;
     s.value = b->value, s.pdf = b->pdf;
     s.found_by_density = !b->is_delta();
@@ -140,12 +193,13 @@ private:
 
     if (s.depth >= roulette_depth_) {
       const float survival = std::min(0.95f, s.density.hero_symmetric_throughput() * s.eta2);
-      if (!(samples.get1(dimension + kRoulette) < survival)) return step;
+      if (!(choice(kRoulette) < survival)) return;
       s.density.survive(survival);
       s.before.survive(survival);
     }
-    step.alive = true;
-    return step;
+    // The last ray can only bring emission.
+    step.alive = max_depth_ < 0 || s.depth + 1 < max_depth_ || scene.may_meet_emitter(s.ray);
+    return;
   }
 
   void add_emission(const Scene& scene, PathState& s, const Emitter& emitter, const SurfacePoint* hit,
@@ -170,6 +224,9 @@ private:
                     hit->shape->bsdf()->properties().type(), s.density.hero_symmetric_throughput()));
   }
 
+  /// Inside a closed shape without losses no path would end without roulette.
+  static constexpr int kLatestRoulette = 1000;
+
   int max_depth_, roulette_depth_;
   bool hide_emitters_;
 };
@@ -182,7 +239,7 @@ AUREOLE_PLUGIN(
         "Kajiya 1986; Veach 1997, chapters 9 and 10; Wilkie et al. 2014, Eq. 8",
         {{"max_depth", "integer", "", "-1",
           "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
-         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces"},
+         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces, 1000 at most"},
          {"hide_emitters", "boolean", "", "false",
           "camera rays pass through area emitters and see no environment"}},
         {R"(<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>

@@ -16,17 +16,24 @@ namespace aureole {
 class SurfaceVertex {
 public:
   SurfaceVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w,
-                std::uint32_t key = 0)
+                std::uint32_t key = 0, TransportMode mode = TransportMode::radiance)
       : point_(&point),
         bsdf_(point.shape->bsdf().get()),
-        context_{w, point, TransportMode::radiance, key},
+        lobes_(point.shape->lobes()),
+        context_{w, point, mode, key},
         wi_(point.shading.to_local(to_previous)),
         wi_side_(dot(point.ng, to_previous)) {}
 
   const SurfacePoint& point() const { return *point_; }
   const Bsdf& bsdf() const { return *bsdf_; }
   /// Normal for light selection; zero where light may arrive from both sides.
-  Vec3 light_normal() const { return has(bsdf_->lobes(), Lobe::transmit) ? Vec3{} : point_->shading.n; }
+  Vec3 light_normal() const { return has(lobes_, Lobe::transmit) ? Vec3{} : point_->shading.n; }
+  /// The shading normal on the side that light may be scattered from; zero where that is both.
+  Vec3 facing_normal() const {
+    return has(lobes_, Lobe::transmit) ? Vec3{} : wi_.z < 0 ? -point_->shading.n : point_->shading.n;
+  }
+  /// Next-event estimation is worth its ray.
+  bool is_smooth() const { return has(lobes_, Lobe::diffuse | Lobe::glossy); }
 
   /// Value and density for a world direction; zero where shading and geometric normal disagree about its
   /// side.
@@ -45,6 +52,15 @@ public:
     return s;
   }
 
+  /// What a light path (importance mode) multiplies a value by, so that it finds what a path from the sensor
+  /// finds where the shading normal differs from the geometric one (Veach 1997, section 5.3.2): the value
+  /// holds the cosine with the shading normal of the direction that light leaves to, and belongs with that of
+  /// the direction it comes from, while light leaves and arrives by the geometric normal.
+  float adjoint_correction(const Vec3& world_wo) const {
+    const float below = std::abs(wi_side_ * dot(point_->shading.n, world_wo));
+    return below > 0 ? std::abs(wi_.z * dot(point_->ng, world_wo)) / below : 0.f;
+  }
+
 private:
   /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change
   /// it.
@@ -54,6 +70,7 @@ private:
 
   const SurfacePoint* point_;
   const Bsdf* bsdf_;
+  Lobe lobes_;
   BsdfContext context_;
   Vec3 wi_;
   float wi_side_;
@@ -61,21 +78,24 @@ private:
 
 /// A light chosen for a vertex, and the density with which its direction was chosen.
 struct LightConnection {
-  DirectSample direct;
-  BsdfEval scattering;  ///< of the vertex for that direction
-  float density;        ///< selection probability times density, or mass for a delta light
+  const DirectSample& direct;
+  const BsdfEval& scattering;  ///< of the vertex for that direction
+  float density;               ///< selection probability times density, or mass for a delta light
 };
 
-/// Chooses a light and a direction towards it for the vertex; nothing where it could carry no light.
-inline std::optional<LightConnection> sample_light(const Scene& scene, const SurfaceVertex& vertex, float u1,
-                                                   Vec2 u2, const Wavelengths& w) {
+/// Chooses a light and a direction towards it for the vertex and calls `use(LightConnection)`; does not where
+/// it could carry no light. (A call-back: the record is large, and every copy of it shows.)
+template <class Use>
+inline void sample_light(const Scene& scene, const SurfaceVertex& vertex, float u1, Vec2 u2,
+                         const Wavelengths& w, Use&& use) {
   const auto choice = scene.lights().choose(vertex.point().p, vertex.light_normal(), u1);
-  if (!choice || !(choice->probability > 0)) return {};
-  const auto direct = choice->emitter->sample_direct(vertex.point().p, choice->part, u2, w);
-  if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return {};
+  if (!choice || !(choice->probability > 0)) return;
+  const auto direct =
+      choice->emitter->sample_direct_facing(vertex.point().p, vertex.facing_normal(), choice->part, u2, w);
+  if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return;
   const BsdfEval scattering = vertex.eval_pdf(direct->wo);
-  if (is_black(scattering.value)) return {};
-  return LightConnection{*direct, scattering, choice->probability * direct->pdf};
+  if (is_black(scattering.value)) return;
+  use(LightConnection{*direct, scattering, choice->probability * direct->pdf});
 }
 
 /// Density with which `sample_light` at `from` would have chosen the emitting surface point (or, `hit` null,

@@ -40,8 +40,13 @@ public:
   float pdf(Vec2 p) const;
 
 private:
-  std::vector<Piecewise1D> rows_;
+  /// Of the cells of a row one in four has an entry: the tables of a large map compete for the caches.
+  static constexpr int kCellsPerGuide = 4;
+
   Piecewise1D marginal_;
+  int width_ = 0, height_ = 0, guides_ = 0;
+  std::vector<float> cdf_;            ///< width + 1 per row, from 0 to 1
+  std::vector<std::uint32_t> guide_;  ///< per row, for floor(u guides): the first cell to look at
 };
 
 }  // namespace aureole

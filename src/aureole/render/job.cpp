@@ -8,15 +8,18 @@
 #include <chrono>
 #include <fstream>
 #include <mutex>
+#include <shared_mutex>
 
 #include "aureole/core/parallel.h"
 #include "aureole/core/random.h"
 #include "aureole/core/version.h"
+#include "aureole/render/splat_unit.h"
 
 namespace aureole {
 
 struct RenderJob::Lock {
   std::mutex mutex;
+  std::shared_mutex splats;  ///< locked after `mutex`; shared by threads that add splats
 };
 
 namespace {
@@ -67,8 +70,10 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
       options_(options),
       filter_(scene_->film().filter()),
       lock_(std::make_shared<Lock>()) {
-  integrator_ = dynamic_cast<const RadianceIntegrator*>(scene_->integrator_object().get());
-  if (!integrator_) throw Error("the scene has no integrator");
+  const Object* integrator = scene_->integrator_object().get();
+  integrator_ = dynamic_cast<const RadianceIntegrator*>(integrator);
+  const auto* light_tracer = dynamic_cast<const SplatIntegrator*>(integrator);
+  if (!integrator_ && !light_tracer) throw Error("the scene has no integrator");
   const Film& film = scene_->film();
   const Sampler& sampler = scene_->sensor().sampler();
   const std::int64_t end = options_.end.value_or(sampler.sample_count());
@@ -80,33 +85,37 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
                     "apart make the same picture",
                     options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
   if (options_.replicates < 1) throw Error("there must be at least one replicate");
-  if (2 * filter_.border() + 1 > kMaxReach) throw Error("the reconstruction filter is wider than 65 pixels");
+  if (2 * filter_.border() + 1 > kMaxReach)
+    throw Error(film.filter().properties().where(), "the reconstruction filter is wider than 65 pixels");
   // The samplers' index has 32 bits.
   if (end > std::int64_t(1) << 32)
     throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options_.begin, end));
   seed_ = options_.seed.value_or(sampler.seed());
+  if (light_tracer) splats_ = std::make_shared<SplatRenderer>(*scene_, *light_tracer, filter_, seed_);
 
   // A copy is needed to save or show it; a byte per work unit keeps account.
   const double units = double(film.crop_width() / kTileSize + 2) * (film.crop_height() / kTileSize + 2) *
                        options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
-  const std::vector<std::string> aovs = integrator_->aov_names();
+  const std::vector<std::string> aovs = integrator_ ? integrator_->aov_names() : std::vector<std::string>();
   const int channels = film.measured_channels() + int(aovs.size());
   const double needed =
       2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates));
   const double available = available_memory_bytes();
   if (needed > 0.8 * available)
-    throw Error(fmt::format(
-        "a picture of {} x {} pixels and {} samples{} needs about {:.1f} GiB of memory, and {:.1f} GiB are "
-        "available: render it in "
-        "parts with crop_offset_x, crop_width, ... or --samples",
-        film.crop_width(), film.crop_height(), end - options_.begin,
-        options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
-        needed / (1 << 30), available / (1 << 30)));
+    throw Error(
+        film.properties().where(),
+        fmt::format("a picture of {} x {} pixels and {} samples{} needs about {:.1f} GiB of memory, and "
+                    "{:.1f} GiB are "
+                    "available: render it in "
+                    "parts with crop_offset_x, crop_width, ... or --samples",
+                    film.crop_width(), film.crop_height(), end - options_.begin,
+                    options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
+                    needed / (1 << 30), available / (1 << 30)));
   PictureIdentity id;
   id.scene = scene_->loaded().file.filename().string();
   id.version = kVersion;
   id.sampler = sampler.properties().type();
-  id.integrator = integrator_->properties().type();
+  id.integrator = integrator->properties().type();
   id.scene_hash = scene_->hash();
   id.seed = seed_;
   id.wavelengths = kWavelengths;
@@ -125,35 +134,57 @@ void RenderJob::resume(RenderState state) {
   wrote_state_ = true;
 }
 
-RenderJob::Sample RenderJob::render_sample(int x, int y, std::int64_t index, int replicate,
-                                           const PathLog& log, float* measured) const {
+CameraPath RenderJob::camera_path(int x, int y, std::int64_t index, int replicate, Sample* sample) const {
   const Film& film = scene_->film();
   const Sensor& sensor = scene_->sensor();
   const std::uint64_t pixel =
       std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
   const std::uint64_t key = combine_bits(combine_bits(seed_, std::uint64_t(replicate)), pixel);
-  SampleStream stream(sensor.sampler(), key, std::uint32_t(index));
-  const Vec2 u = stream.get2(0);
-  const Wavelengths w = scene_->wavelengths().sample(stream.get1(2));
-  Sample s;
-  s.position = {float(x) + u.x, float(y) + u.y};
-  const Vec2 on_film{s.position.x + float(film.crop_x()), s.position.y + float(film.crop_y())};
+  CameraPath path;
+  path.samples = SampleStream(sensor.sampler(), key, std::uint32_t(index));
+  const Vec2 u = path.samples.get2(SampleStream::kFilm);
+  path.wavelengths = scene_->wavelengths().sample(path.samples.get1(SampleStream::kWavelengthSet),
+                                                  path.samples.get1(SampleStream::kHero));
+  sample->position = {float(x) + u.x, float(y) + u.y};
+  const Vec2 on_film{sample->position.x + float(film.crop_x()), sample->position.y + float(film.crop_y())};
   const bool lens = sensor.uses_lens();
-  const SensorRay camera = sensor.sample_ray(on_film, lens ? stream.get2(3) : Vec2{});
-  stream.set_first(lens ? 5 : 3);
-  const RadianceEstimate r =
-      integrator_->radiance(*scene_, camera.ray, w, stream, log, measured + film.measured_channels());
-  s.alpha = r.alpha;
-  s.valid = is_valid_radiance(r.estimate);
-  if (s.valid) {
-    film.measure(r.estimate * camera.weight, w, measured);
-    for (int c = 0; c < state_.identity.measured_channels; ++c)
-      s.valid &= std::abs(measured[c]) < kFixedLimit;
+  const SensorRay camera = sensor.sample_ray(on_film, lens ? path.samples.get2(SampleStream::kLens) : Vec2{});
+  path.samples.set_first(SampleStream::camera_dimensions(lens));
+  path.ray = camera.ray;
+  sample->weight = camera.weight;
+  return path;
+}
+
+void RenderJob::measure(const CameraPath& path, Sample& sample, float* measured) const {
+  sample.alpha = path.result.alpha;
+  sample.valid = is_valid_radiance(path.result.estimate);
+  if (!sample.valid) return;
+  scene_->film().measure(path.result.estimate * sample.weight, path.wavelengths, measured);
+  for (int c = 0; c < state_.identity.measured_channels; ++c)
+    sample.valid &= std::abs(measured[c]) < kFixedLimit;
+}
+
+void RenderJob::render_light_unit(std::int64_t unit) {
+  SplatUnit result;
+  splats_->trace(state_, unit, result);
+  std::shared_lock adding(lock_->splats, std::defer_lock);
+  {
+    // Counted as done before it is added, and not looked at before it is: who looks holds both locks, and
+    // while he waits for the second nobody begins to add.
+    const std::lock_guard guard(lock_->mutex);
+    state_.done[size_t(unit)] = 1;
+    state_.invalid_samples += result.invalid.size();
+    for (const auto& s : result.invalid)
+      if (invalid_.size() < 16)
+        invalid_.push_back(
+            {s.x + scene_->film().crop_x(), s.y + scene_->film().crop_y(), result.replicate, s.sample});
+    adding.lock();
   }
-  return s;
+  splats_->add(result, state_.films);
 }
 
 void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
+  if (splats_) return render_light_unit(unit);
   // Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
   const std::int64_t tiles = state_.tiles();
   const std::int64_t tile = unit % tiles;
@@ -171,21 +202,32 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   const int width = x1 - x0 + 2 * border, height = y1 - y0 + 2 * border;
   sums.assign(size_t(width) * size_t(height) * size_t(stride), 0.f);
   std::vector<InvalidSample> invalid;
-  std::vector<float> measured(size_t(channels), 0.f);
-  static const PathLog no_log;
+  std::vector<float> measured(size_t(channels * kSampleBlock), 0.f);
   float wx[kMaxReach], wy[kMaxReach];
   const int reach = 2 * border + 1;
+  const int aovs = int(integrator_->aov_names().size()), film_channels = channels - aovs;
+  CameraPath paths[kSampleBlock];
+  Sample samples[kSampleBlock];
+  static_assert(kSampleBlock <= RadianceIntegrator::kTogether);
+  const int count = int(last - first);
   for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x)
-      for (std::int64_t i = first; i < last; ++i) {
-        const Sample s = render_sample(x, y, i, replicate, no_log, measured.data());
+    for (int x = x0; x < x1; ++x) {
+      for (int i = 0; i < count; ++i) {
+        paths[i] = camera_path(x, y, first + i, replicate, &samples[i]);
+        paths[i].aovs = &measured[size_t(i * channels + film_channels)];
+      }
+      integrator_->radiance_of(*scene_, std::span(paths, size_t(count)));
+      for (int i = 0; i < count; ++i) {
+        Sample& s = samples[i];
+        const float* values = &measured[size_t(i * channels)];
+        measure(paths[i], s, &measured[size_t(i * channels)]);
         if (!s.valid) {
-          invalid.push_back({x + scene_->film().crop_x(), y + scene_->film().crop_y(), replicate, i});
+          invalid.push_back({x + scene_->film().crop_x(), y + scene_->film().crop_y(), replicate, first + i});
           continue;
         }
         if (border == 0) {
           float* p = &sums[(size_t(y - y0) * size_t(width) + size_t(x - x0)) * size_t(stride)];
-          for (int c = 0; c < channels; ++c) p[c] += measured[size_t(c)];
+          for (int c = 0; c < channels; ++c) p[c] += values[c];
           p[channels] += s.alpha;
           p[channels + 1] += 1;
           continue;
@@ -198,12 +240,13 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
           float* p = &sums[(size_t(y - y0 + j) * size_t(width) + size_t(x - x0)) * size_t(stride)];
           for (int k = 0; k < reach; ++k, p += stride) {
             const float weight = wx[k] * wy[j];
-            for (int c = 0; c < channels; ++c) p[c] += weight * measured[size_t(c)];
+            for (int c = 0; c < channels; ++c) p[c] += weight * values[c];
             p[channels] += weight * s.alpha;
             p[channels + 1] += weight;
           }
         }
       }
+    }
   const std::lock_guard guard(lock_->mutex);
   state_.films[size_t(replicate)].add(x0 - border, y0 - border, width, height, sums.data());
   state_.done[size_t(unit)] = 1;
@@ -214,7 +257,10 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
 
 RenderState RenderJob::snapshot() const {
   const std::lock_guard guard(lock_->mutex);
-  return state_;
+  const std::lock_guard alone(lock_->splats);
+  RenderState copy = state_;
+  if (splats_) splats_->set_weights(copy);
+  return copy;
 }
 
 RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
@@ -280,14 +326,18 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
     checkpoint(spent_before + seconds);
   } else {
     const std::lock_guard guard(lock_->mutex);
+    const std::lock_guard alone(lock_->splats);
     state_.seconds = spent_before + seconds;
+    if (splats_) splats_->set_weights(state_);
   }
   return complete ? Outcome::finished : out_of_time ? Outcome::time_limit : Outcome::interrupted;
 }
 
 void RenderJob::checkpoint(double seconds) {
   const std::lock_guard guard(lock_->mutex);
+  const std::lock_guard alone(lock_->splats);
   state_.seconds = seconds;
+  if (splats_) splats_->set_weights(state_);
   try {
     state_.save(options_.state_file);
     wrote_state_ = true;
@@ -304,13 +354,21 @@ void RenderJob::remove_state() const {
     std::filesystem::remove(options_.state_file, ignored);
 }
 
-std::vector<float> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
-                                     const PathLog& log) const {
+std::optional<std::vector<float>> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
+                                                    const PathLog& log) const {
   const Film& film = scene_->film();
+  if (splats_) {
+    SplatUnit path;
+    if (!splats_->trace_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, path, log)) return {};
+    return path.measured;
+  }
   std::vector<float> measured(size_t(state_.identity.measured_channels));
-  const Sample s =
-      render_sample(x - film.crop_x(), y - film.crop_y(), sample, replicate, log, measured.data());
-  if (!s.valid) measured.clear();
+  Sample s;
+  CameraPath path = camera_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, &s);
+  path.result = integrator_->radiance(*scene_, path.ray, path.wavelengths, path.samples, log,
+                                      measured.data() + film.measured_channels());
+  measure(path, s, measured.data());
+  if (!s.valid) return {};
   return measured;
 }
 

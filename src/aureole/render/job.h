@@ -41,6 +41,9 @@ struct Progress {
   double seconds, samples_per_second;
 };
 
+struct SplatUnit;
+class SplatRenderer;
+
 class RenderJob {
 public:
   /// Throws Error: a sample range that cuts blocks, a film too large for memory, wrong integrator.
@@ -66,24 +69,33 @@ public:
   /// The first few invalid samples met.
   const std::vector<InvalidSample>& invalid_samples() const { return invalid_; }
 
-  /// Replays one sample of a pixel, logging its vertices; returns its measured channels. Pixel coordinates
-  /// are the film's.
-  std::vector<float> replay(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const;
+  /// Whether paths start at emitters, so that those of a pixel's samples belong to no pixel.
+  bool traces_light() const { return splats_ != nullptr; }
+  /// Replays one sample of a pixel, logging its vertices; returns its measured channels, nothing where one
+  /// was invalid. Pixel coordinates are the film's. Of a light path the channels of all splats follow one
+  /// another.
+  std::optional<std::vector<float>> replay(int x, int y, std::int64_t sample, int replicate,
+                                           const PathLog& log) const;
 
 private:
   struct Sample {
     Vec2 position;  ///< relative to the crop's corner
+    float weight;   ///< of the sensor
     float alpha;
     bool valid;
   };
-  /// `measured` receives the numbers of the film, then those of the integrator.
-  Sample render_sample(int x, int y, std::int64_t sample, int replicate, const PathLog& log,
-                       float* measured) const;
+  /// A sample's ray, wavelengths and random numbers; fills position and weight.
+  CameraPath camera_path(int x, int y, std::int64_t index, int replicate, Sample* sample) const;
+  /// `measured` receives the numbers of the film; those of the integrator are there already. Fills the rest
+  /// of sample.
+  void measure(const CameraPath& path, Sample& sample, float* measured) const;
   void render_unit(std::int64_t unit, std::vector<float>& sums);
+  void render_light_unit(std::int64_t unit);
   void checkpoint(double seconds);
 
   std::shared_ptr<const Scene> scene_;
-  const RadianceIntegrator* integrator_;
+  const RadianceIntegrator* integrator_;         ///< or
+  std::shared_ptr<const SplatRenderer> splats_;  ///< for paths from the emitters
   RenderOptions options_;
   FilterTable filter_;
   RenderState state_;

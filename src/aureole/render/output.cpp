@@ -4,13 +4,45 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include "aureole/core/error.h"
 
 namespace aureole {
 
 namespace {
 std::filesystem::path png_of(std::filesystem::path exr) { return exr.replace_extension(".png"); }
+
+bool has_channel(const std::vector<std::string>& names, const char* name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// R, G, B or Y alone.
+Image colors_of(const Image& picture) {
+  Image image{picture.width, picture.height, {"Y"}, {}, false};
+  if (has_channel(picture.channels, "R")) image.channels = {"R", "G", "B"};
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (const auto& name : image.channels)
+        image.pixels.push_back(picture.at(x, y, size_t(picture.channel(name))));
+  return image;
+}
+
 }  // namespace
+
+void require_format(const Development& development, int replicates, const std::filesystem::path& file) {
+  const std::string extension = file.extension();
+  if (extension == ".exr") return;
+  if (extension != ".hdr" && extension != ".rgbe" && extension != ".pfm")
+    throw Error("-o " + file.string() + ": the output is an .exr, .hdr or .pfm file");
+  if (replicates > 1) throw Error("-o " + file.string() + ": only an .exr file can hold variances");
+  const std::vector<std::string>& names = development.names;
+  const bool rgb = has_channel(names, "R") && has_channel(names, "G") && has_channel(names, "B");
+  const std::size_t colors = rgb ? 3 : 1, alpha = names.back() == "A";
+  if (!(rgb || has_channel(names, "Y")) || names.size() > colors + alpha)
+    throw Error("-o " + file.string() + ": only an .exr file can hold the channels of this picture (" +
+                fmt::format("{}", fmt::join(names, ", ")) + ")");
+}
 
 void write_pictures(const RenderState& s, const std::filesystem::path& file) {
   ExrAttributes a;
@@ -27,7 +59,19 @@ void write_pictures(const RenderState& s, const std::filesystem::path& file) {
   a.integers["aureole:invalid_samples"] = int(s.invalid_samples);
   a.floats["aureole:seconds"] = float(s.seconds);
   const bool single = s.development.half && s.identity.replicates == 1;
-  write_exr(file, s.picture(), single ? ExrPixel::half : ExrPixel::float32, a);
+  if (s.development.names.end() != std::find_if(s.development.names.begin(), s.development.names.end(),
+                                                [](const auto& name) { return name.starts_with("S0."); })) {
+    // What readers of the layout for spectral images ask for; it knows no unit per nm.
+    a.strings["spectralLayoutVersion"] = "1.0";
+    a.strings["emissiveUnits"] = "W.m^-2.sr^-1";
+  }
+  const std::string extension = file.extension();
+  if (extension == ".exr")
+    write_exr(file, s.picture(), single ? ExrPixel::half : ExrPixel::float32, a);
+  else if (extension == ".pfm")
+    write_pfm(file, colors_of(s.picture()));
+  else
+    write_hdr(file, colors_of(s.picture()));
   write_preview(s, file);
 }
 

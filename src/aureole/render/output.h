@@ -8,7 +8,12 @@
 
 namespace aureole {
 
-/// Writes `file` (EXR: scene, hash, seed, samples, version, wall time in the header) and a tone-mapped PNG of
+/// Throws Error where a file of this name cannot hold the picture: .exr holds everything, .hdr (or .rgbe) and
+/// .pfm hold R, G, B or Y.
+void require_format(const Development& development, int replicates, const std::filesystem::path& file);
+
+/// Writes `file` (EXR: scene, hash, seed, samples, version, wall time in the header; HDR or PFM
+/// by its ending) and a tone-mapped PNG of
 /// the same name beside it.
 void write_pictures(const RenderState& state, const std::filesystem::path& file);
 

@@ -77,6 +77,19 @@ RenderState::RenderState(PictureIdentity id, Development d, std::int64_t first, 
 
 std::int64_t RenderState::units_done() const { return std::count(done.begin(), done.end(), std::uint8_t(1)); }
 
+WorkUnit RenderState::unit(std::int64_t index) const {
+  const std::int64_t tile = index % tiles();
+  WorkUnit u;
+  u.replicate = int(index / tiles() % identity.replicates);
+  u.x0 = int(tile % tiles_x()) * kTileSize - identity.border;
+  u.y0 = int(tile / tiles_x()) * kTileSize - identity.border;
+  u.x1 = std::min(u.x0 + kTileSize, identity.width + identity.border);
+  u.y1 = std::min(u.y0 + kTileSize, identity.height + identity.border);
+  u.first = begin + index / units_per_block() * kSampleBlock;
+  u.last = std::min(u.first + kSampleBlock, end);
+  return u;
+}
+
 std::int64_t RenderState::samples_everywhere() const {
   std::int64_t samples = 0;
   for (std::int64_t b = 0; b < blocks(); ++b) {

@@ -35,6 +35,13 @@ struct Development {
   bool half = true;
 };
 
+/// A tile of pixels, relative to the crop's corner, times a block of samples.
+struct WorkUnit {
+  int replicate, x0, y0, x1, y1;
+  std::int64_t first, last;
+  std::int64_t samples() const { return std::int64_t(x1 - x0) * (y1 - y0) * (last - first); }
+};
+
 class RenderState {
 public:
   RenderState() = default;
@@ -55,6 +62,8 @@ public:
   std::int64_t units_per_block() const { return tiles() * identity.replicates; }
   std::int64_t units() const { return blocks() * units_per_block(); }
   std::int64_t units_done() const;
+  /// Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
+  WorkUnit unit(std::int64_t index) const;
   /// Samples that every pixel has; partly done blocks do not count.
   std::int64_t samples_everywhere() const;
 

@@ -34,6 +34,7 @@ private:
 /// The coordinates of one sample of one pixel, by dimension. Holds the block of dimensions used last.
 class SampleStream {
 public:
+  SampleStream() = default;
   SampleStream(const Sampler& sampler, std::uint64_t pixel_key, std::uint32_t sample)
       : sampler_(&sampler), pixel_key_(pixel_key), sample_(sample) {}
 
@@ -43,22 +44,51 @@ public:
   float get1(int dimension) {
     dimension += first_;
     const int wanted = dimension / Sampler::kBlock;
-    if (wanted != block_) sampler_->block(pixel_key_, sample_, block_ = wanted, values_);
-    return values_[dimension % Sampler::kBlock];
+    Slot& slot = slots_[dimension / kChoices & 1];
+    if (wanted != slot.block) sampler_->block(pixel_key_, sample_, slot.block = wanted, slot.values);
+    return slot.values[dimension % Sampler::kBlock];
   }
   Vec2 get2(int dimension) {
     const float x = get1(dimension);
     return {x, get1(dimension + 1)};
   }
+  // Which dimension is for what is measured, not taste (docs/performance.md): the first block of 8 has the
+  // place on the film, the set of wavelengths, the directions of the first vertex (or the lens), and last the
+  // hero.
+  static constexpr int kFilm = 0, kWavelengthSet = 2, kLens = 3, kHero = 7;
+  static constexpr int camera_dimensions(bool lens) { return lens ? 11 : 3; }
+
+  // What a vertex of a path needs: two pairs for directions, which a lower dimension serves better, and up to
+  // four single numbers for choices, many of which are never asked for. So they lie apart.
+  static constexpr int kChoices = 128;  ///< where choices begin; both repeat after twice as many
+  static constexpr int kVertices = 28;  ///< that fit
+  /// After the camera's dimensions; vertices from the second on begin a block or its half.
+  static constexpr int direction(int vertex, int pair) {
+    const int v = vertex % kVertices;
+    return vertex / kVertices * 2 * kChoices + 4 * v + (v > 0) + 2 * pair;
+  }
+  static constexpr int choice(int vertex, int k) {
+    return vertex / kVertices * 2 * kChoices + kChoices + 1 + vertex % kVertices * 4 + k;
+  }
   /// A key for stochastic models, a function of (pixel, sample, dimension).
-  std::uint32_t key(int dimension) const;
+  std::uint32_t key(int dimension) const {
+    std::uint32_t x =
+        std::uint32_t(pixel_key_) + 0x9e3779b9u * sample_ + 0x85ebca6bu * std::uint32_t(dimension);
+    x = (x ^ (x >> 16) ^ std::uint32_t(pixel_key_ >> 32)) * 0x21f0aaadu;
+    x = (x ^ (x >> 15)) * 0xd35a2d97u;
+    return x ^ (x >> 15);
+  }
 
 private:
-  const Sampler* sampler_;
-  std::uint64_t pixel_key_;
-  std::uint32_t sample_;
-  int block_ = -1, first_ = 0;
-  alignas(32) float values_[Sampler::kBlock];
+  const Sampler* sampler_ = nullptr;
+  std::uint64_t pixel_key_ = 0;
+  std::uint32_t sample_ = 0;
+  int first_ = 0;
+  struct Slot {
+    alignas(32) float values[Sampler::kBlock];
+    int block = -1;
+  };
+  Slot slots_[2];  ///< of directions and of choices
 };
 
 }  // namespace aureole

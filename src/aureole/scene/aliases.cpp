@@ -12,6 +12,7 @@ constexpr std::string_view kOneIntegrator =
 constexpr std::string_view kBetterSampler = "it is stratified in every dimension";
 
 const std::vector<PluginAlias> kAliases = {
+    {"bsdf", "roughdiffuse", "oren_nayar", "the name of that model", {}},
     {"integrator", "volpath", "path", kOneIntegrator, {}},
     {"integrator", "volpathmis", "path", kOneIntegrator, {"use_spectral_mis"}},
     {"sampler", "ldsampler", "sobol", kBetterSampler, {"dimension"}},

@@ -11,8 +11,9 @@
 #include "aureole/scene/builder.h"
 #include "aureole/scene/order.h"
 #include "aureole/scene/overrides.h"
+#include "aureole/scene/sensor_grid.h"
 #include "aureole/scene/upgrade.h"
-#include "aureole/scene/values.h"
+#include "aureole/sensor/sensor.h"
 #include "aureole/shape/shape.h"
 
 namespace aureole {
@@ -24,38 +25,6 @@ struct OwnedContext {
   BuildContext context;
   Diagnostics diagnostics;
 };
-
-/// The wavelength in nm that a film parameter gives; `fallback` where it is absent or can't be read, which is
-/// reported.
-double wavelength(Node* film, std::string_view name, double fallback, Diagnostics& diagnostics) {
-  Node* node = film ? film->named_child(name) : nullptr;
-  Attribute* value = node ? node->find("value") : nullptr;
-  if (!value || value->failed) return fallback;
-  try {
-    const double nm = parse_wavelength_nm(value->value);
-    if (!(nm > 0)) throw Error("must be positive, got \"" + value->value + "\"");
-    return nm;
-  } catch (const Error& e) {
-    diagnostics.error(value->where, "parameter \"" + std::string(name) + "\": " + e.message());
-    value->failed = true;
-    return fallback;
-  }
-}
-
-SpectralGrid sensor_grid(Node& root, Diagnostics& diagnostics) {
-  Node* sensor = first_of_family(root, "sensor");
-  Node* film = sensor ? child_of_family(root, *sensor, "film") : nullptr;
-  const SpectralGrid visible;
-  const double min_nm = wavelength(film, "wavelength_min", visible.min_nm, diagnostics);
-  const double max_nm = wavelength(film, "wavelength_max", visible.max_nm, diagnostics);
-  if (min_nm < max_nm) return SpectralGrid::over(min_nm, max_nm);
-  Node* named = film->named_child("wavelength_min");
-  if (!named) named = film->named_child("wavelength_max");
-  diagnostics.error(named->where, "wavelength_min (" + number_text(min_nm) +
-                                      " nm) must be less than wavelength_max (" + number_text(max_nm) +
-                                      " nm)");
-  return visible;
-}
 
 /// "mm" or "2.5mm" in metres.
 double parse_length_unit(const Node& node) {
@@ -95,7 +64,8 @@ public:
   void run(const Node& root, bool complete) {
     check_attributes(root, {}, {"version", "id", "name", "type"}, diagnostics_);
     for (const Node& child : root.children) add(child);
-    if (!sensor_ && complete) diagnostics_.error(root.where, "the scene has no <sensor>");
+    // A shape that could not be built may hold the sensor.
+    if (!sensor_ && complete && !shape_failed_) diagnostics_.error(root.where, "the scene has no <sensor>");
   }
 
 private:
@@ -113,7 +83,7 @@ private:
     if (family.empty() && !is_unsupported_object(*node)) {
       diagnostics_.error(unknown_element(*node));
     } else if (family == "sensor" && sensor_) {
-      if (node != sensor_)
+      if (node != sensor_ && !references_.nested.contains(node))
         diagnostics_.note(node->where, "only the first sensor is used; this one is ignored");
     } else if (family == "integrator" && integrator_) {
       if (node != integrator_)
@@ -127,13 +97,29 @@ private:
   void keep(const Node& node, const std::string& family, const ObjectPtr& object) {
     if (family == "sensor") sensor_ = &node, scene_.sensor = object;
     if (family == "integrator") integrator_ = &node, scene_.integrator = object;
-    if (!object) return;
-    if (family == "shape") append_shape(node, object);
+    if (!object) {
+      shape_failed_ |= family == "shape";
+      return;
+    }
+    if (family == "shape") {
+      append_shape(node, object);
+      take_sensor(node, dynamic_cast<const Shape&>(*object));
+    }
     if (family != "emitter" || references_.nested.contains(&node)) return;
     if (is_surface_emitter(node.get("type")))
       diagnostics_.note(node.where, "no shape uses this emitter: it has no effect");
     else
       append(scene_.emitters, object);
+  }
+
+  /// The sensor that sits on a shape is one of the scene's.
+  void take_sensor(const Node& node, const Shape& shape) {
+    if (!shape.sensor()) return;
+    if (!sensor_)
+      sensor_ = &node, scene_.sensor = shape.sensor();
+    else if (scene_.sensor != shape.sensor() && !references_.nested.contains(&node))
+      diagnostics_.note(shape.sensor()->properties().where(),
+                        "only the first sensor is used; this one is ignored");
   }
 
   /// The shape, or what stands for it in the scene.
@@ -159,6 +145,7 @@ private:
   const References& references_;
   Diagnostics& diagnostics_;
   const Node *sensor_ = nullptr, *integrator_ = nullptr;
+  bool shape_failed_ = false;
   std::unordered_set<const Object*> appended_;
 };
 
@@ -177,8 +164,8 @@ LoadedScene load(const std::filesystem::path& file, const std::optional<std::str
   if (parsed.complete)
     apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
   owned->context.length_unit_m = length_unit(parsed.root, diagnostics);
-  owned->context.grid = sensor_grid(parsed.root, diagnostics);
   References references = resolve(parsed, diagnostics);
+  owned->context.grid = sensor_grid(parsed.root, references, diagnostics);
 
   LoadedScene scene;
   scene.context = std::shared_ptr<const BuildContext>(owned, &owned->context);

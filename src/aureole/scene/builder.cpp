@@ -15,9 +15,11 @@ void report(const Node& node, const Error& e, Diagnostics& diagnostics) {
     for (const std::string& message : list->errors()) diagnostics.error(node.where, message);
     return;
   }
-  const std::string& file = e.where().file;
+  const SourceLocation& where = e.where();
   bool in_scene = false;
-  for (const SourceFile* f = node.file.get(); f; f = f->included_by.get()) in_scene |= f->shown == file;
+  // A place without a line is a whole file, which a parameter names: the scene itself, taken for an image.
+  for (const SourceFile* f = node.file.get(); f && where.line > 0; f = f->included_by.get())
+    in_scene |= f->shown == where.file;
   if (in_scene)
     diagnostics.error(e);
   else
@@ -149,6 +151,7 @@ void Builder::report_unknown_parameters(const Node& node, const PluginInfo& plug
   for (const Node& child : node.children) {
     const std::string name = child.get("name");
     if (!is_property(child) || name.empty() || plugin.documents(name) || unknown.has(name)) continue;
+    if (child.tag == "spectrum" && plugin.documents("(any name)")) continue;
     unknown.add(name, false, child.where);
   }
   unknown.report_unused(diagnostics_);

@@ -51,6 +51,7 @@ EmissionBounds merged(const EmissionBounds& a, const EmissionBounds& b) {
   merge_cones(r, b);
   r.cos_emission = std::min(a.cos_emission, b.cos_emission);
   r.power = a.power + b.power;
+  r.focus = (a.power * a.focus + b.power * b.focus) / r.power;
   return r;
 }
 
@@ -66,7 +67,7 @@ float cost_measure(const EmissionBounds& b) {
   const Vec3 d = b.box.diagonal();
   // A small length keeps clusters without area apart as well.
   const float l = length(d) * 0.1f;
-  return b.power * solid * ((d.x + l) * (d.y + l) + (d.y + l) * (d.z + l) + (d.z + l) * (d.x + l));
+  return b.power * b.focus * solid * ((d.x + l) * (d.y + l) + (d.y + l) * (d.z + l) + (d.z + l) * (d.x + l));
 }
 
 }  // namespace
@@ -76,6 +77,7 @@ LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const st
     if (!(powers[e] > 0)) continue;
     if (emitters[e]->is_infinite()) {
       infinite_.push_back(emitters[e]);
+      power_sums_.push_back((power_sums_.empty() ? 0 : power_sums_.back()) + powers[e]);
       continue;
     }
     first_leaf_[emitters[e]] = leaves_.size();
@@ -85,12 +87,22 @@ LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const st
       leaves_.push_back({emitters[e], part, b});
     }
   }
-  if (leaves_.empty()) return;
-  node_of_leaf_.assign(leaves_.size(), -1);
-  std::vector<std::uint32_t> order(leaves_.size());
-  std::iota(order.begin(), order.end(), 0u);
-  nodes_.reserve(2 * leaves_.size());
-  build(order, 0, order.size(), -1);
+  for (const Leaf& leaf : leaves_)
+    power_sums_.push_back((power_sums_.empty() ? 0 : power_sums_.back()) + double(leaf.bounds.power));
+  if (!leaves_.empty()) {
+    node_of_leaf_.assign(leaves_.size(), -1);
+    std::vector<std::uint32_t> order(leaves_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    nodes_.reserve(2 * leaves_.size());
+    build(order, 0, order.size(), -1);
+    // Nothing else can be found from a point: light tracing only.
+    tree_probability_ = nodes_[0].bounds.focus > 0 ? 1.f : 0.f;
+  }
+  // Each emitter at infinity counts as much as all others together.
+  double weights = tree_probability_;
+  for (const Emitter* e : infinite_) weights += e->sampling_weight();
+  for (const Emitter* e : infinite_) infinite_probability_.push_back(float(e->sampling_weight() / weights));
+  if (!infinite_.empty()) tree_probability_ = float(tree_probability_ / weights);
 }
 
 std::int32_t LightSampler::build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
@@ -159,7 +171,7 @@ std::int32_t LightSampler::build(std::vector<std::uint32_t>& order, std::size_t 
 }
 
 float LightSampler::importance(const Node& node, const Vec3& p, const Vec3& n) {
-  if (!(node.bounds.power > 0)) return 0;
+  if (!(node.bounds.power * node.bounds.focus > 0)) return 0;
   const Vec3 to_p = p - node.center;
   const float distance_squared = length_squared(to_p);
   // Inside or near the box the distance to its centre says nothing.
@@ -177,7 +189,7 @@ float LightSampler::importance(const Node& node, const Vec3& p, const Vec3& n) {
   const float sin_x = sin_difference(cos_w, sin_w, node.bounds.cos_normals, node.sin_normals);
   cos_x = cos_difference(cos_x, sin_x, cos_box, sin_box);
   if (cos_x <= node.bounds.cos_emission) return 0;
-  float result = node.bounds.power * cos_x / std::max(d2, 1e-30f);
+  float result = node.bounds.power * node.bounds.focus * cos_x / std::max(d2, 1e-30f);
   if (!(n == Vec3{})) {
     const float cos_i = std::abs(dot(w, n)), sin_i = sine_of(cos_i);
     result *= cos_difference(cos_i, sin_i, cos_box, sin_box);
@@ -186,14 +198,20 @@ float LightSampler::importance(const Node& node, const Vec3& p, const Vec3& n) {
 }
 
 std::optional<LightChoice> LightSampler::choose(const Vec3& p, const Vec3& n, float u) const {
-  if (empty()) return {};
-  const float p_infinite = infinite_probability();
-  if (u < p_infinite) {
-    const size_t i = std::min(size_t(u / p_infinite * float(infinite_.size())), infinite_.size() - 1);
-    return LightChoice{infinite_[i], 0, p_infinite / float(infinite_.size())};
+  if (is_single()) {
+    if (!infinite_.empty()) return LightChoice{infinite_[0], 0, 1};
+    return LightChoice{leaves_[0].emitter, leaves_[0].part, 1};
   }
-  float probability = 1 - p_infinite;
-  u = std::min((u - p_infinite) / probability, 0x1.fffffep-1f);
+  if (empty()) return {};
+  for (size_t i = 0; i < infinite_.size(); ++i) {
+    // Sums of probabilities are rounded: what is left goes to the last one.
+    const bool last = i + 1 == infinite_.size() && !(tree_probability_ > 0);
+    if (u < infinite_probability_[i] || last) return LightChoice{infinite_[i], 0, infinite_probability_[i]};
+    u -= infinite_probability_[i];
+  }
+  if (!(tree_probability_ > 0)) return {};
+  float probability = tree_probability_;
+  u = std::min(u / probability, 0x1.fffffep-1f);
   std::int32_t index = 0;
   if (nodes_[0].right < 0) return LightChoice{leaves_[0].emitter, leaves_[0].part, probability};
   while (nodes_[size_t(index)].right >= 0) {
@@ -215,12 +233,29 @@ std::optional<LightChoice> LightSampler::choose(const Vec3& p, const Vec3& n, fl
   return LightChoice{leaf.emitter, leaf.part, probability};
 }
 
+std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
+  if (empty() || !(power_sums_.back() > 0)) return {};
+  const double total = power_sums_.back();
+  const double at = std::min(double(u.x) + double(u.y) * 0x1p-24, 1 - 0x1p-53) * total;
+  // The first sum beyond `at`: parts without power are never chosen.
+  const size_t i =
+      std::min(size_t(std::upper_bound(power_sums_.begin(), power_sums_.end(), at) - power_sums_.begin()),
+               power_sums_.size() - 1);
+  const float probability = float((power_sums_[i] - (i > 0 ? power_sums_[i - 1] : 0)) / total);
+  if (i < infinite_.size()) return LightChoice{infinite_[i], 0, probability};
+  const Leaf& leaf = leaves_[i - infinite_.size()];
+  return LightChoice{leaf.emitter, leaf.part, probability};
+}
+
 float LightSampler::probability(const Vec3& p, const Vec3& n, const Emitter* emitter,
                                 std::size_t part) const {
-  if (emitter->is_infinite()) return infinite_.empty() ? 0 : infinite_probability() / float(infinite_.size());
+  if (emitter->is_infinite()) {
+    const auto found = std::find(infinite_.begin(), infinite_.end(), emitter);
+    return found == infinite_.end() ? 0 : infinite_probability_[size_t(found - infinite_.begin())];
+  }
   const auto first = first_leaf_.find(emitter);
   if (first == first_leaf_.end()) return 0;
-  float probability = 1 - (infinite_.empty() ? 0.f : infinite_probability());
+  float probability = tree_probability_;
   std::int32_t index = node_of_leaf_[first->second + part];
   while (nodes_[size_t(index)].parent >= 0) {
     const std::int32_t parent = nodes_[size_t(index)].parent;

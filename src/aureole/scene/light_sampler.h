@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which light to connect to: a bounding-volume tree over all parts of all emitters, descended at random by an
-// estimate of what each side sends to the point (Conty Estevez & Kulla 2018, "Importance sampling of many
+// Which light to connect to: one of the emitters at infinity, by their sampling weights, or one part of the
+// others, found in a bounding-volume tree over all parts that is descended at random by an estimate of what
+// each side sends to the point (Conty Estevez & Kulla 2018, "Importance sampling of many
 // lights with adaptive tree splitting"; importance as in Pharr, Jakob & Humphreys 2023, section 12.6.3).
 #pragma once
 
@@ -21,7 +22,8 @@ struct LightChoice {
 class LightSampler {
 public:
   LightSampler() = default;
-  /// `powers`: one positive or zero number per emitter, its power as the film sees it.
+  /// `powers`: one positive or zero number per emitter, its power as the film sees it times its sampling
+  /// weight.
   LightSampler(const std::vector<const Emitter*>& emitters, const std::vector<double>& powers);
 
   /// A part of an emitter for the point p with normal n (zero for a point that light may reach from both
@@ -30,6 +32,14 @@ public:
   /// The probability of that choice.
   float probability(const Vec3& p, const Vec3& n, const Emitter* emitter, std::size_t part) const;
 
+  /// A part by its share of the power alone, for paths that start at lights; `u` is one number in two parts,
+  /// since a float cannot tell the parts of a large mesh apart.
+  std::optional<LightChoice> choose_by_power(Vec2 u) const;
+
+  /// There is nothing to choose: `choose` does not look at u.
+  bool is_single() const {
+    return tree_probability_ > 0 ? infinite_.empty() && leaves_.size() == 1 : infinite_.size() == 1;
+  }
   bool empty() const { return infinite_.empty() && nodes_.empty(); }
   std::size_t leaf_count() const { return leaves_.size(); }
 
@@ -52,15 +62,16 @@ private:
   std::int32_t build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
                      std::int32_t parent);
   static float importance(const Node& node, const Vec3& p, const Vec3& n);
-  float infinite_probability() const {
-    return nodes_.empty() ? 1.f : float(infinite_.size()) / float(infinite_.size() + 1);
-  }
 
   std::vector<const Emitter*> infinite_;
+  std::vector<float> infinite_probability_;  ///< of each of them
+  float tree_probability_ = 0;
   std::vector<Leaf> leaves_;
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_leaf_;
   std::unordered_map<const Emitter*, std::size_t> first_leaf_;
+  std::vector<double>
+      power_sums_;  ///< of the infinite emitters, then of the leaves, up to and including each
 };
 
 }  // namespace aureole

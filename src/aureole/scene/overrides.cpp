@@ -5,6 +5,7 @@
 
 #include "aureole/plugin/registry.h"
 #include "aureole/scene/aliases.h"
+#include "aureole/scene/sensor_grid.h"
 
 namespace aureole {
 
@@ -70,15 +71,17 @@ void override_integrator(Node& integrator, const std::string& type, Diagnostics&
 
 }  // namespace
 
+Node* target_of(Node& root, Node& node) {
+  if (node.tag != "ref") return &node;
+  std::string id = node.get("id");
+  for (Node& alias : root.children)
+    if (alias.tag == "alias" && alias.get("as") == id) id = alias.get("id");
+  return find_id(root, id);
+}
+
 Node* child_of_family(Node& root, Node& parent, std::string_view family) {
-  for (Node& child : parent.children) {
-    if (object_family(child) == family) return &child;
-    if (child.tag != "ref") continue;
-    std::string id = child.get("id");
-    for (Node& alias : root.children)
-      if (alias.tag == "alias" && alias.get("as") == id) id = alias.get("id");
-    if (Node* target = find_id(root, id); target && object_family(*target) == family) return target;
-  }
+  for (Node& child : parent.children)
+    if (Node* target = target_of(root, child); target && object_family(*target) == family) return target;
   return nullptr;
 }
 
@@ -91,7 +94,7 @@ void apply_overrides(Node& root, const LoadOptions& options, Diagnostics& diagno
   if (!options.integrator.empty())
     override_integrator(*first_of_family(root, "integrator"), options.integrator, diagnostics);
 
-  Node* sensor = first_of_family(root, "sensor");
+  Node* sensor = first_sensor(root);
   if (!sensor) return;
   if ((!options.sampler.empty() || options.sample_count) && !child_of_family(root, *sensor, "sampler"))
     sensor->children.push_back(

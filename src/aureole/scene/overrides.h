@@ -10,6 +10,9 @@ namespace aureole {
 /// Applies `options` to the first sensor's sampler and to the integrator.
 void apply_overrides(Node& root, const LoadOptions& options, Diagnostics& diagnostics);
 
+/// The node itself, or what a <ref> refers to, or null.
+Node* target_of(Node& root, Node& node);
+
 /// The first top-level element of a family, following references, or null.
 Node* first_of_family(Node& root, std::string_view family);
 

@@ -8,6 +8,9 @@ namespace aureole {
 
 namespace {
 
+/// Characters that all values put in for names may have together: each step of $a$a doubles them.
+constexpr std::size_t kMostInserted = std::size_t(1) << 26;
+
 bool is_identifier(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
 }  // namespace
@@ -58,6 +61,10 @@ std::string Parameters::substitute(std::string_view text, const SourceLocation& 
     const std::string_view rest = text.substr(i + 1);
     if (Parameter* p = longest_match(rest)) {
       p->used = true;
+      inserted_ += p->value.size();
+      if (inserted_ > kMostInserted)
+        throw Error(where, "the values of $" + p->name + " and other parameters make the scene longer than " +
+                               std::to_string(kMostInserted >> 20) + " MiB");
       result += p->value;
       i += p->name.size();
       continue;

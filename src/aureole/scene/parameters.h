@@ -36,6 +36,7 @@ private:
   Parameter* longest_match(std::string_view text);
 
   std::vector<Parameter> parameters_;
+  std::size_t inserted_ = 0;  ///< characters of values so far
 };
 
 }  // namespace aureole

@@ -7,6 +7,7 @@
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "aureole/scene/encoding.h"
 #include "aureole/scene/parameters.h"
 
 namespace aureole {
@@ -14,6 +15,11 @@ namespace aureole {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Elements inside elements, and files included by files: loading is recursive. The number of included files,
+/// which may double with every level. Far beyond what anybody writes, and far from the end of the stack or of
+/// memory.
+constexpr int kDeepestElement = 256, kDeepestInclude = 32, kMostIncludes = 1000;
 
 /// Turns places in the text that pugixml parses into lines and columns. pugixml works in place, so that its
 /// names and values point into `buffer`, while `original` keeps the line ends that it overwrites.
@@ -34,7 +40,7 @@ public:
       if ((static_cast<unsigned char>(original_[i]) & 0xC0) != 0x80) ++where.column;  // UTF-8 characters
     return where;
   }
-  /// Unknown line where the encoding made pugixml copy the text.
+  /// Unknown line for what is not in the text: the empty value of an attribute, for one.
   SourceLocation at(const char* p, std::size_t back = 0) const {
     if (p < buffer.data() || p > buffer.data() + buffer.size()) return {file_, 0, 0};
     return at(std::size_t(p - buffer.data()) - back);
@@ -74,10 +80,11 @@ public:
 
   /// Parses one file; false if it is no XML document.
   bool parse(std::shared_ptr<SourceFile> file, std::string content, Node& root) {
-    LocatedText text(std::move(content), file->shown);
+    LocatedText text(to_utf8(std::move(content)), file->shown);
     scene.files.push_back(file);
     pugi::xml_document document;
-    const auto result = document.load_buffer_inplace(text.buffer.data(), text.buffer.size());
+    const auto result = document.load_buffer_inplace(text.buffer.data(), text.buffer.size(),
+                                                     pugi::parse_default, pugi::encoding_utf8);
     if (!result) {
       std::string what = result.description();
       diagnostics_.error(text.at(std::size_t(result.offset)), "not valid XML: " + what);
@@ -89,7 +96,7 @@ public:
     const bool included = file->included_by != nullptr;
     if (!included && root.tag != "scene")
       diagnostics_.error(root.where, "the root element must be <scene>, not <" + root.tag + ">");
-    add_children(element, text, file, root, true);
+    add_children(element, text, file, root, 1);
     return true;
   }
 
@@ -114,7 +121,12 @@ private:
   }
 
   void add_children(pugi::xml_node element, const LocatedText& text, const SourceFilePtr& file, Node& parent,
-                    bool at_root) {
+                    int depth) {
+    if (depth > kDeepestElement) {
+      diagnostics_.error(parent.where,
+                         "elements are nested more than " + std::to_string(kDeepestElement) + " deep");
+      return;
+    }
     for (const pugi::xml_node child : element.children()) {
       if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) {
         const SourceLocation where = text.at(child.value());
@@ -127,11 +139,11 @@ private:
         if (check_attributes(node, {"name", "value"}, {}, diagnostics_))
           parameters_.add_default(node.get("name"), node.get("value"));
       } else if (node.tag == "path") {
-        add_search_folder(node, at_root);
+        add_search_folder(node, depth == 1);
       } else if (node.tag == "include") {
         include(node, parent);
       } else {
-        add_children(child, text, file, node, false);
+        add_children(child, text, file, node, depth + 1);
         parent.children.push_back(std::move(node));
       }
     }
@@ -160,14 +172,24 @@ private:
     file->included_at = node.where;
     std::ifstream stream(file->path, std::ios::binary);
     std::error_code ignored;
-    if (file->path.empty() || !stream || fs::is_directory(file->path, ignored)) {
+    // A device or pipe may have no end.
+    if (file->path.empty() || !stream || !fs::is_regular_file(file->path, ignored)) {
       diagnostics_.error(name->where, "cannot read the included file \"" + name->value + "\"");
       scene.complete = false;
       return;
     }
-    for (const SourceFile* f = node.file.get(); f; f = f->included_by.get()) {
+    int depth = 1;
+    for (const SourceFile* f = node.file.get(); f; f = f->included_by.get(), ++depth) {
       if (!fs::equivalent(f->path, file->path, ignored)) continue;
       diagnostics_.error(name->where, "recursive include: \"" + name->value + "\" includes itself");
+      return;
+    }
+    if (depth > kDeepestInclude || scene.files.size() > kMostIncludes) {
+      if (scene.complete)
+        diagnostics_.error(name->where, "more than " + std::to_string(kMostIncludes) +
+                                            " files are included, or more than " +
+                                            std::to_string(kDeepestInclude) + " by one another");
+      scene.complete = false;
       return;
     }
     file->shown = shown_path(name->value, *file, *node.file);

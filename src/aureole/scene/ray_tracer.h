@@ -5,12 +5,24 @@
 
 #include <embree3/rtcore.h>
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 
 #include "aureole/shape/shape.h"
 
 namespace aureole {
+
+/// Embree takes coordinates up to this magnitude; an invalid ray makes builds of it that check their input,
+/// as Debian's does, end the program.
+inline constexpr float kFarthest = 1.8e18f;
+
+/// False for a ray with NaN in it or beyond that range, which meets nothing.
+inline bool is_traceable(const Ray& ray) {
+  bool good = !std::isnan(ray.t_max);
+  for (int i = 0; i < 3; ++i) good &= (std::abs(ray.o[i]) <= kFarthest) & (std::abs(ray.d[i]) <= kFarthest);
+  return good;
+}
 
 class RayTracer {
 public:
@@ -26,6 +38,13 @@ public:
   };
   Hit intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
+
+  /// Up to 16 rays at once. The answers are the same as one by one, bit for bit
+  /// (tests/integrator/packet_test.cpp).
+  static constexpr int kPacket = 16;
+  enum class Rays { coherent, incoherent };
+  void intersect(const Ray* rays, int n, Rays kind, Hit* hits) const;
+  void occluded(const Ray* rays, int n, Rays kind, bool* blocked) const;
   Bounds3 bounds() const { return bounds_; }
 
 private:

@@ -7,6 +7,12 @@ namespace aureole {
 
 namespace {
 
+/// Nested elements and references in one path from the scene down: building them is recursive.
+constexpr std::size_t kDeepest = 512;
+/// References that are met when all those below an object are followed. A texture or BSDF that uses another
+/// one twice, which uses another one twice, ... would take forever to evaluate. Shapes may hold many.
+constexpr std::uint64_t kMostReferences = 10000;
+
 class Resolver {
 public:
   Resolver(ParsedScene& scene, Diagnostics& diagnostics) : scene_(scene), diagnostics_(diagnostics) {}
@@ -18,6 +24,7 @@ public:
     link(scene_.root);
     std::vector<const Node*> path;
     find_cycles(scene_.root, path);
+    if (cut_all_) references_.targets.clear();  // so that nobody follows them
     return std::move(references_);
   }
 
@@ -97,33 +104,73 @@ private:
     }
   }
 
+  /// What hangs on a node once all references are followed.
+  struct Extent {
+    std::size_t height = 0;
+    std::uint64_t references = 0;
+  };
+
   /// Depth-first over objects and references; a reference back into the current path is cut.
-  void find_cycles(const Node& node, std::vector<const Node*>& path) {
-    if (done_.contains(&node)) return;
+  Extent find_cycles(const Node& node, std::vector<const Node*>& path) {
+    if (const auto known = extents_.find(&node); known != extents_.end()) return known->second;
     path.push_back(&node);
+    Extent extent;
     for (const Node& child : node.children) {
       const auto reference = references_.targets.find(&child);
-      const Node& next = reference == references_.targets.end() ? child : *reference->second;
+      const bool refers = reference != references_.targets.end();
+      const Node& next = refers ? *reference->second : child;
       const auto start = std::find(path.begin(), path.end(), &next);
-      if (start == path.end()) {
-        find_cycles(next, path);
+      if (start != path.end()) {
+        report_cycle(child, next, {start, path.end()});
+        // A cycle may close by nesting, too, where a reference led to the inside of an object.
+        if (refers)
+          references_.targets.erase(reference);
+        else
+          cut_all_ = true;
         continue;
       }
-      std::string chain;
-      for (auto p = start; p != path.end(); ++p)
-        if ((*p)->find("id")) chain += "\"" + (*p)->get("id") + "\" -> ";
-      diagnostics_.error(child.where, "circular reference: " + chain + "\"" + next.get("id") + "\"");
-      references_.targets.erase(reference);
+      if (path.size() >= kDeepest) {
+        too_deep(child);
+        continue;
+      }
+      const Extent below = find_cycles(next, path);
+      extent.height = std::max(extent.height, below.height + 1);
+      extent.references = std::min(extent.references + below.references + refers, 2 * kMostReferences);
+      if (path.size() + below.height > kDeepest) too_deep(child);
     }
     path.pop_back();
-    done_.insert(&node);
+    const std::string family = object_family(node);
+    if (extent.references > kMostReferences && !family.empty() && family != "shape") {
+      // What uses it has too many, too, and need not say so again.
+      if (!cut_all_)
+        diagnostics_.error(node.where, "the references below this " + family + " lead to more than " +
+                                           std::to_string(kMostReferences) + " objects");
+      cut_all_ = true;
+    }
+    extents_[&node] = extent;
+    return extent;
+  }
+
+  void report_cycle(const Node& child, const Node& next, const std::vector<const Node*>& path) {
+    std::string chain;
+    for (const Node* node : path)
+      if (node->find("id")) chain += "\"" + node->get("id") + "\" -> ";
+    diagnostics_.error(child.where, "circular reference: " + chain + "\"" + next.get("id") + "\"");
+  }
+
+  void too_deep(const Node& node) {
+    if (!cut_all_)
+      diagnostics_.error(node.where, "objects are nested more than " + std::to_string(kDeepest) +
+                                         " deep, references included");
+    cut_all_ = true;
   }
 
   ParsedScene& scene_;
   Diagnostics& diagnostics_;
   References references_;
   std::map<std::string, SourceLocation> places_;
-  std::unordered_set<const Node*> done_;
+  std::unordered_map<const Node*, Extent> extents_;
+  bool cut_all_ = false;
 };
 
 }  // namespace

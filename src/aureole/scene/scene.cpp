@@ -15,6 +15,16 @@ double overlap(const SampledSpectrum& a, const SampledSpectrum& b) {
   return s * a.grid().step();
 }
 
+/// Rays go no farther than kFarthest; sums and squares of coordinates stay finite, too.
+void require_near(const Object& object, const Bounds3& box) {
+  for (const Vec3& corner : {box.lower, box.upper})
+    for (int i = 0; i < 3; ++i)
+      if (!(std::abs(corner[i]) <= kFarthest) && !box.empty())
+        throw Error(
+            object.properties().where(),
+            "\"" + object.properties().type() + "\" reaches beyond the coordinate 1.8e18, where rays end");
+}
+
 }  // namespace
 
 Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.shapes) {
@@ -25,6 +35,23 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
       shape->shared_emitter()->attach(*shape);
       emitters_.push_back(shape->emitter());
     }
+  for (const auto& shape : shapes_) require_near(*shape, shape->bounds());
+  for (const auto& emitter : loaded_.emitters)
+    if (!emitter->is_infinite()) require_near(*emitter, emitter->emission_bounds(0).box);
+  constexpr std::size_t kFewEmitters = 8;
+  if (std::none_of(loaded_.emitters.begin(), loaded_.emitters.end(),
+                   [](const auto& e) { return e->is_infinite(); }) &&
+      emitters_.size() <= kFewEmitters)
+    for (const auto& shape : shapes_)
+      if (shape->emitter()) {
+        Bounds3 b = shape->bounds();
+        // As far as a hit may lie outside by rounding.
+        const Vec3 margin = (abs(b.lower) + abs(b.upper)) * 1e-5f;
+        b.lower = b.lower - margin, b.upper = b.upper + margin;
+        emitter_bounds_.push_back(b);
+      }
+  for (const auto& shape : shapes_)
+    if (shape->sensor()) shape->sensor()->attach(*shape);
   for (const auto& shape : shapes_) any_passable_ |= shape->is_passable();
   tracer_ = std::make_unique<RayTracer>(shapes_);
 
@@ -35,7 +62,7 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   for (const auto& emitter : loaded_.emitters) {
     emitter->set_scene_bounds(center, radius);
     emitters_.push_back(emitter.get());
-    if (emitter->is_infinite()) infinite_.push_back(emitter.get());
+    if (emitter->is_infinite() && !emitter->is_delta()) infinite_.push_back(emitter.get());
   }
 
   // p_lambda mixes the film's response with response x emitted power, so that a line that carries the light
@@ -58,6 +85,7 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
     loaded_.notes.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(grid, densities, weights);
+  for (size_t e = 0; e < emitters_.size(); ++e) powers[e] *= emitters_[e]->sampling_weight();
   lights_ = LightSampler(emitters_, powers);
 }
 
@@ -67,22 +95,47 @@ Spectrum Scene::null_transmittance(const SurfacePoint& point, const Vec3& d, con
   return bsdf.null_transmittance(point.shading.to_local(-d), BsdfContext{w, point});
 }
 
-Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) const {
-  Ray ray{offset_origin(from, to.wo), to.wo, kInfinity};
-  Vec3 target;
-  if (!to.infinite) {
-    // Both ends lie off their surfaces, so that the segment needs no shortening by a constant. At the far end
-    // the rounding of the ray's own arithmetic counts too: direction, distance and differences of the length
-    // of the segment (gamma(10) of each).
-    constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
-    const Vec3 p_error = to.p_error + (abs(ray.o) + abs(to.p) + abs(to.p - ray.o)) * kGamma10;
-    target = offset_origin(to.p, p_error, to.ng, -to.wo);
-    ray.d = target - ray.o, ray.t_max = 1;
+bool Scene::may_meet_emitter(const Ray& ray) const {
+  if (emitter_bounds_.empty()) return true;
+  const Vec3 inverse{1 / ray.d.x, 1 / ray.d.y, 1 / ray.d.z};
+  for (const Bounds3& b : emitter_bounds_) {
+    float near = 0, far = ray.t_max;
+    for (int k = 0; k < 3; ++k) {
+      const float t0 = (b.lower[k] - ray.o[k]) * inverse[k], t1 = (b.upper[k] - ray.o[k]) * inverse[k];
+      // NaN, of a ray within a face, leaves the interval as it is.
+      near = std::max(near, std::min(t0, t1)), far = std::min(far, std::max(t0, t1));
+    }
+    // Rounding of the distances, relative to themselves.
+    if (near <= far * 1.0001f) return true;
   }
-  if (!any_passable_) return tracer_->occluded(ray) ? 0.f : 1.f;
+  return false;
+}
+
+namespace {
+/// The far end of a connection from `o`, off its surface, so that the segment needs no shortening by a
+/// constant. The rounding of the ray's own arithmetic counts too: direction, distance and differences of the
+/// length of the segment (gamma(10) of each).
+Vec3 connection_target(const Vec3& o, const DirectSample& to) {
+  constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
+  const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * kGamma10;
+  return offset_origin(to.p, p_error, to.ng, -to.wo);
+}
+}  // namespace
+
+Ray Scene::connection_ray(const SurfacePoint& from, const DirectSample& to) {
+  const Vec3 o = offset_origin(from, to.wo);
+  if (to.infinite) return {o, to.wo, kInfinity};
+  return {o, connection_target(o, to) - o, 1};
+}
+
+Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
+                        bool through_emitters) const {
+  Ray ray = connection_ray(from, to);
+  if (has_binary_visibility() && !through_emitters) return tracer_->occluded(ray) ? 0.f : 1.f;
+  const Vec3 target = to.infinite ? Vec3{} : connection_target(ray.o, to);
   Spectrum passed = 1.f;
   while (const auto hit = intersect(ray)) {
-    passed *= null_transmittance(*hit, to.wo, w);
+    if (!(through_emitters && hit->shape->emitter())) passed *= null_transmittance(*hit, to.wo, w);
     if (is_black(passed)) return 0.f;
     ray.o = offset_origin(*hit, to.wo);
     if (!to.infinite) ray.d = target - ray.o;

@@ -23,16 +23,29 @@ public:
   std::optional<SurfacePoint> intersect(const Ray& ray) const {
     const RayTracer::Hit hit = tracer_->intersect(ray);
     if (!hit) return {};
+    return surface_point(hit, ray);
+  }
+  /// The point that the ray tracer met.
+  SurfacePoint surface_point(const RayTracer::Hit& hit, const Ray& ray) const {
     return shapes_[hit.shape]->surface_point(hit, ray);
   }
+  const RayTracer& tracer() const { return *tracer_; }
   /// The fraction of light that passes, per wavelength, from a surface point to the other end of a
-  /// connection: the only visibility call.
-  Spectrum connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) const;
+  /// connection: the only visibility call. Emitters' surfaces may be left out (`hide_emitters`).
+  Spectrum connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
+                   bool through_emitters = false) const;
+  /// The segment that `connect` tests.
+  static Ray connection_ray(const SurfacePoint& from, const DirectSample& to);
+  /// False where a ray can meet no emitter: one that needs no tracing if nothing else counts.
+  bool may_meet_emitter(const Ray& ray) const;
+  /// Every connection is open or blocked: whether its ray meets anything says all.
+  bool has_binary_visibility() const { return !any_passable_; }
 
   const Sensor& sensor() const { return *sensor_; }
   const Film& film() const { return sensor_->film(); }
   const std::vector<ShapePtr>& shapes() const { return shapes_; }
   const std::vector<const Emitter*>& emitters() const { return emitters_; }
+  /// Those that rays which leave the scene may see.
   const std::vector<const Emitter*>& infinite_emitters() const { return infinite_; }
   const LightSampler& lights() const { return lights_; }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
@@ -51,7 +64,8 @@ private:
   std::unique_ptr<RayTracer> tracer_;
   LightSampler lights_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
-  bool any_passable_ = false;  ///< connections may have to pass surfaces
+  std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
+  bool any_passable_ = false;            ///< connections may have to pass surfaces
 };
 
 }  // namespace aureole

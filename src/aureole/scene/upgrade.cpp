@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "aureole/core/units.h"
+#include "aureole/scene/upgrade_adapters.h"
 #include "aureole/scene/values.h"
 
 namespace aureole {
@@ -172,6 +174,57 @@ void drop_vacuum_around_conductor(Node& bsdf, Diagnostics& diagnostics) {
   });
 }
 
+Node property(const Node& owner, std::string_view tag, std::string name, std::string value) {
+  return {std::string(tag),
+          {{"name", std::move(name), owner.where, false}, {"value", std::move(value), owner.where, false}},
+          {},
+          owner.where,
+          owner.file};
+}
+
+/// The `sky`, `sun` and `sunsky` of 0.6: y is up, north is -z, and one `scale` serves for both.
+void upgrade_sky(Node& emitter, const std::string& type, Diagnostics& diagnostics) {
+  if (type != "sunsky") {
+    diagnostics.note(emitter.where, "emitter \"" + type + "\" is replaced by \"sunsky\" without its " +
+                                        (type == "sky" ? "sun" : "sky"));
+    emitter.set("type", "sunsky");
+  }
+  for (const char* name : {"resolution", "stretch", "extend"})
+    if (const Node* child = emitter.named_child(name)) {
+      note_dropped(*child, name, diagnostics);
+      std::erase_if(emitter.children, [&](const Node& c) { return c.get("name") == name; });
+    }
+  if (Node* radius = emitter.named_child("sun_radius_scale")) {
+    rename(*radius, "sun_radius_scale", "sun_aperture");
+    Attribute* value = radius->find("value");
+    try {
+      if (value && !value->failed) value->value = number_text(0.5358 * parse_number(value->value));
+    } catch (const Error&) {  // left for the reader of the parameter to report
+    }
+  }
+  std::string scale = "1";
+  std::erase_if(emitter.children, [&](const Node& child) {
+    if (child.get("name") != "scale" || !child.find("value")) return false;
+    scale = child.get("value");
+    return true;
+  });
+  const auto add_missing = [&](std::string_view tag, const char* name, const std::string& value) {
+    if (!emitter.named_child(name)) emitter.children.push_back(property(emitter, tag, name, value));
+  };
+  add_missing("float", "sun_scale", type == "sky" ? "0" : scale);
+  add_missing("float", "sky_scale", type == "sun" ? "0" : scale);
+  add_missing("float", "albedo", "0.15");
+  if (!emitter.named_child("to_world")) {
+    Node transform{"transform", {}, {}, emitter.where, emitter.file};
+    transform.set("name", "to_world");
+    emitter.children.push_back(std::move(transform));
+  }
+  Node& to_world = *emitter.named_child("to_world");
+  Node axes{"matrix", {}, {}, to_world.where, to_world.file};
+  axes.set("value", "0 -1 0 0  0 0 1 0  1 0 0 0  0 0 0 1");
+  to_world.children.insert(to_world.children.begin(), std::move(axes));
+}
+
 void upgrade_node(Node& node, Diagnostics& diagnostics) {
   if (node.tag == "lookAt") node.tag = "lookat";
   if (node.tag == "srgb") upgrade_srgb(node);
@@ -185,13 +238,16 @@ void upgrade_node(Node& node, Diagnostics& diagnostics) {
   const std::string type = node.get("type");
   if (node.tag == "bsdf") {
     for (Node& child : node.children) {
-      if (type == "diffuse") rename(child, "diffuse_reflectance", "reflectance");
+      if (type == "diffuse" || type == "roughdiffuse") rename(child, "diffuse_reflectance", "reflectance");
       rename(child, "ext_eta", "ext_ior");
     }
     if (type.ends_with("conductor")) drop_vacuum_around_conductor(node, diagnostics);
+    upgrade_adapter(node, diagnostics);
   }
   if (node.tag == "texture" && type == "bitmap") upgrade_bitmap(node, diagnostics);
   if (node.tag == "film" && type == "ldrfilm") upgrade_ldrfilm(node, diagnostics);
+  if (node.tag == "emitter" && (type == "sky" || type == "sun" || type == "sunsky"))
+    upgrade_sky(node, type, diagnostics);
   drop_parameters(node, diagnostics);
   upgrade_uv(node);
 }

@@ -2,27 +2,103 @@
 #include "aureole/sensor/sensor.h"
 
 #include "aureole/plugin/registry.h"
+#include "aureole/sensor/sensor_docs.h"
+#include "aureole/texture/texture.h"
 
 namespace aureole {
 
 namespace {
 
-/// The only child of family T, or a plug-in with its defaults.
-template <class T>
-std::shared_ptr<T> child_or(const Properties& p, const char* family, const char* fallback) {
+/// The only child of family T, or a plug-in with its defaults, which `prepare` may change.
+template <class T, class Prepare>
+std::shared_ptr<T> child_or(const Properties& p, const char* family, const char* fallback,
+                            const Prepare& prepare) {
   auto found = p.get_children<T>(family);
   if (found.size() > 1) throw Error(p.where(), std::string("a sensor has one ") + family);
   if (!found.empty()) return found.front();
   const PluginInfo* info = Registry::instance().find(family, fallback);
-  return std::dynamic_pointer_cast<T>(
-      info->create(Properties(fallback, "", p.where(), p.shared_context(), info)));
+  Properties defaults(fallback, "", p.where(), p.shared_context(), info);
+  prepare(defaults);
+  return std::dynamic_pointer_cast<T>(info->create(defaults));
+}
+
+std::string size_text(double width, double height) {
+  return std::to_string(int(width)) + " x " + std::to_string(int(height));
 }
 
 }  // namespace
 
-void Sensor::read_common(const Properties& p) {
-  film_ = child_or<Film>(p, "film", "hdrfilm");
-  sampler_ = child_or<Sampler>(p, "sampler", "sobol");
+FilmPart FilmPart::of(const Film& film, int index, int count) {
+  const float width = float(film.width() / count), left = width * float(index);
+  const float border = film.sample_border() ? float(FilterTable(film.filter()).border()) : 0.f;
+  FilmPart part{left, width, float(film.height()), {}, {}};
+  part.lower = {float(film.crop_x()) - border, float(film.crop_y()) - border};
+  part.upper = {float(film.crop_x() + film.crop_width()) + border,
+                float(film.crop_y() + film.crop_height()) + border};
+  if (index > 0) part.lower.x = std::max(part.lower.x, left);
+  if (index + 1 < count) part.upper.x = std::min(part.upper.x, left + width);
+  return part;
+}
+
+void Sensor::read_common(const Properties& p, Measures measures) {
+  measures_ = measures;
+  film_ = child_or<Film>(p, "film", "hdrfilm", [&](Properties& film) {
+    if (!is_meter()) return;
+    film.add("width", std::int64_t(1), p.where());
+    film.add("height", std::int64_t(1), p.where());
+  });
+  sampler_ = child_or<Sampler>(p, "sampler", "sobol", [](Properties&) {});
+  if (is_meter()) {
+    if (film_->width() != 1 || film_->height() != 1)
+      throw Error(p.where(), "a sensor of type \"" + p.type() +
+                                 "\" measures one value: its film has 1 x 1 pixels, not " +
+                                 size_text(film_->width(), film_->height()));
+    film_->use_box_filter();
+  }
+  if (const TexturePtr srf = get_optional_texture(p, "srf", SpectrumRole::unbounded)) {
+    if (!srf->is_constant()) throw p.error("srf", "a response is one spectrum, not a picture");
+    film_->multiply_response(srf->average());
+    if (!(film_->response().maximum() > 0))
+      throw p.error("srf", "the sensor sees nothing: this is zero wherever the film responds");
+  }
+  const bool opens = p.find("shutter_open"), closes = p.find("shutter_close");
+  if (opens || closes) p.note("shutter_open", "nothing moves: the shutter times have no effect");
+  part_ = FilmPart::of(*film_, 0, 1);
+}
+
+Vec3 Sensor::unit_direction(const Properties& p, std::string_view name, const Vec3& v) {
+  const float largest = max_component(abs(v));
+  if (!(largest > 0)) throw p.error(name, "must not be zero");
+  return normalize(v * (1 / std::max(largest, 1e-37f)));  // the squares of large and small ones leave float
+}
+
+void Sensor::attach(const Shape&) {
+  throw Error(properties().where(), "a sensor of type \"" + properties().type() +
+                                        "\" cannot sit on a shape; \"irradiancemeter\" can");
+}
+
+void Sensor::share_film(const std::shared_ptr<Film>& film, int index, int count) {
+  if (properties().has("srf"))
+    throw properties().error("srf", "all sensors of a batch have one response: give \"srf\" to the batch");
+  for (const Properties::Entry& e : properties().entries())
+    if (const auto* object = std::get_if<ObjectPtr>(&e.value); object && !is_meter())
+      if (const auto own = std::dynamic_pointer_cast<Film>(*object))
+        own->properties().note("", "all sensors of a batch are on its film: this one has no effect");
+  film_ = film;
+  part_ = FilmPart::of(*film, index, count);
+  if (is_meter() && (part_.width != 1 || part_.height != 1))
+    throw Error(properties().where(), "a sensor of type \"" + properties().type() +
+                                          "\" measures one value, but its part of the batch's film has " +
+                                          size_text(part_.width, part_.height) + " pixels");
+}
+
+std::vector<ParameterDoc> sensor_parameters(std::vector<ParameterDoc> own) {
+  own.push_back({"film", "film", "", "hdrfilm", "what is measured and stored"});
+  own.push_back({"sampler", "sampler", "", "sobol", "sample points"});
+  own.push_back({"srf", "spectrum", "", "1", "spectral response that multiplies the film's"});
+  own.push_back({"shutter_open", "float", "s", "0", "accepted without effect"});
+  own.push_back({"shutter_close", "float", "s", "0", "accepted without effect"});
+  return own;
 }
 
 }  // namespace aureole

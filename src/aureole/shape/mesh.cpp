@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/shape/mesh.h"
 
+#ifdef __FMA__
+#include <immintrin.h>
+#endif
+
 #include <cmath>
+#include <cstring>
 
 #include "aureole/shape/double3.h"
 
@@ -15,17 +20,64 @@ constexpr float gamma_bound(int n) {
   return n * kHalfUlp / (1 - n * kHalfUlp);
 }
 
-/// Bound of the distance from the plane at which the float ray caster may still see a hit at t > 0: it finds
-/// t from dot(p0 - o, n) / dot(d, n), whose numerator errs by some half ulps of |p0 - o|, and by as many of
-/// |p0 - o| |e| |e| / |n| from n itself, which counts for slender triangles. Without it a ray that leaves a
-/// point near the coordinate origin on a triangle with a far corner meets that triangle again.
-float ray_caster_error(const TriangleCorners& c, double doubled_area) {
+TrianglePlane exact_plane(const TriangleCorners& c) {
+  const Double3 n = cross(Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]));
+  const double doubled_area = length(n);
   const double a = length_squared(c[1] - c[0]), b = length_squared(c[2] - c[1]),
                d = length_squared(c[0] - c[2]);
   const double longest = std::max({a, b, d}), shortest = std::min({a, b, d});
   const double middle = a + b + d - longest - shortest;
-  return float(std::sqrt(longest) *
-               (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) / doubled_area));
+  return {(n * (1 / doubled_area)).to_float(),
+          float(std::sqrt(longest) *
+                (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) / doubled_area))};
+}
+
+/// Four floats; the fourth is whatever lies behind a Vec3 in memory.
+using Float4 = float __attribute__((vector_size(16)));
+using Int4 = int __attribute__((vector_size(16)));
+Float4 load(const Vec3& v) {
+  Float4 r;
+  std::memcpy(&r, &v, sizeof r);
+  return r;
+}
+Vec3 to_vec3(Float4 v) { return {v[0], v[1], v[2]}; }
+Float4 abs(Float4 v) { return (Float4)((Int4)v & 0x7fffffff); }
+float dot3(Float4 a, Float4 b) {
+  const Float4 p = a * b;
+  return p[0] + p[1] + p[2];
+}
+Float4 shuffle(Float4 v, Int4 order) { return __builtin_shuffle(v, order); }
+
+/// a x b, every component to within an ulp or two of its own (Kahan's difference of products by fused
+/// multiply-adds).
+Float4 accurate_cross(Float4 a, Float4 b) {
+  constexpr Int4 kYzx = {1, 2, 0, 3}, kZxy = {2, 0, 1, 3};
+  const Float4 p = shuffle(a, kYzx), q = shuffle(b, kZxy), r = shuffle(a, kZxy), s = shuffle(b, kYzx);
+#ifdef __FMA__
+  const __m128 product = _mm_mul_ps(r, s);
+  return _mm_add_ps(_mm_fmsub_ps(p, q, product), _mm_fnmadd_ps(r, s, product));
+#else
+  const auto widened = [](float x, float y, float z, float w) {
+    return float(double(x) * y - double(z) * w);
+  };
+  return Float4{widened(p[0], q[0], r[0], s[0]), widened(p[1], q[1], r[1], s[1]),
+                widened(p[2], q[2], r[2], s[2]), 0};
+#endif
+}
+
+/// The same in float, but for triangles so small or large that squares leave its range.
+TrianglePlane plane_of(Float4 c0, Float4 c1, Float4 c2) {
+  const Float4 e1 = c1 - c0, e2 = c2 - c0, e3 = c2 - c1;
+  const Float4 n = accurate_cross(e1, e2);
+  const float n2 = dot3(n, n), a = dot3(e1, e1), b = dot3(e2, e2), c = dot3(e3, e3);
+  const float longest = std::max({a, b, c}), shortest = std::min({a, b, c});
+  if (!(n2 > 1e-30f && longest < 1e12f)) return exact_plane({to_vec3(c0), to_vec3(c1), to_vec3(c2)});
+  const float middle = a + b + c - longest - shortest;
+  const float per_length = 1 / std::sqrt(n2), length = std::sqrt(longest);
+  // A thousandth more for the rounding of the bound itself.
+  const float error =
+      1.001f * length * (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) * per_length);
+  return {to_vec3(n * per_length), error};
 }
 
 /// acos to 2e-8 (Abramowitz & Stegun 1964, 4.4.46): the library's takes most of the time to load a mesh
@@ -89,8 +141,18 @@ void Mesh::build(MeshData data, std::string_view source) {
       throw properties().error(source, "an emitter needs at least one triangle of non-zero area");
   }
   if (emitter()) patches_ = MeshPatches::build(data_.positions, data_.triangles);
-  // Embree reads 16 bytes at every vertex: one more keeps the last read inside.
+  // Embree reads 16 bytes at every vertex, and so do we: one more keeps the last read inside.
   data_.positions.push_back({});
+  find_planes();
+}
+
+void Mesh::find_planes() {
+  planes_.resize(data_.triangles.size());
+  const auto corner = [&](std::uint32_t v) { return load(data_.positions[v]); };
+  for (std::size_t i = 0; i < planes_.size(); ++i) {
+    const TriangleIndices& t = data_.triangles[i];
+    planes_[i] = plane_of(corner(t[0]), corner(t[1]), corner(t[2]));
+  }
 }
 
 std::size_t Mesh::drop_degenerate() {
@@ -197,17 +259,18 @@ Vec2 Mesh::interpolate_uv(std::uint32_t triangle, float b0, float b1, float b2) 
 }
 
 MeshPoint Mesh::point_at(std::uint32_t triangle, float b1, float b2) const {
-  const TriangleCorners c = corners(triangle);
+  const TriangleIndices& t = data_.triangles[triangle];
+  const Float4 c0 = load(data_.positions[t[0]]), c1 = load(data_.positions[t[1]]),
+               c2 = load(data_.positions[t[2]]);
   const float b0 = 1 - b1 - b2;
+  const Float4 w0 = c0 * b0, w1 = c1 * b1, w2 = c2 * b2;
+  const TrianglePlane& plane = planes_[triangle];
   MeshPoint r;
-  r.p = c[0] * b0 + c[1] * b1 + c[2] * b2;
-  const Double3 n = cross(Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]));
-  const double doubled_area = length(n);
-  r.ng = (n * (1 / doubled_area)).to_float();
+  r.p = to_vec3(w0 + w1 + w2);
+  r.ng = plane.ng;
   // The interpolation's own rounding (Pharr, Jakob & Humphreys 2023, section 6.8.4) and, along the normal,
   // that of the ray caster.
-  r.p_error = (abs(c[0] * b0) + abs(c[1] * b1) + abs(c[2] * b2)) * gamma_bound(7) +
-              abs(r.ng) * ray_caster_error(c, doubled_area);
+  r.p_error = to_vec3((abs(w0) + abs(w1) + abs(w2)) * gamma_bound(7)) + abs(r.ng) * plane.caster_error;
   r.uv = interpolate_uv(triangle, b0, b1, b2);
   return r;
 }
@@ -223,12 +286,13 @@ SurfacePoint Mesh::surface_point(const ShapeHit& hit, const Ray&) const {
 
   Vec3 normal = s.ng;
   if (!data_.normals.empty()) {
-    const TriangleIndices& t = normal_triangle(primitive);
-    const Vec3 n = data_.normals[t[0]] * (1 - u - v) + data_.normals[t[1]] * u + data_.normals[t[2]] * v;
+    const TriangleIndices& i = normal_triangle(primitive);
+    const Vec3 n = data_.normals[i[0]] * (1 - u - v) + data_.normals[i[1]] * u + data_.normals[i[2]] * v;
     const float l2 = length_squared(n);
     if (l2 > 1e-12f && std::isfinite(l2)) normal = n * (1 / std::sqrt(l2));
   }
-  s.shading = Frame::from_normal_tangent(normal, tangent(primitive));
+  s.shading =
+      needs_tangent() ? Frame::from_normal_tangent(normal, tangent(primitive)) : Frame::from_normal(normal);
   return s;
 }
 
@@ -259,8 +323,8 @@ std::size_t Mesh::memory_bytes() const {
   std::size_t attributes = 0;
   for (const MeshAttribute& a : data_.attributes) attributes += a.memory_bytes();
   return bytes(data_.positions) + bytes(data_.normals) + bytes(data_.uvs) + bytes(data_.triangles) +
-         bytes(data_.normal_triangles) + bytes(data_.uv_triangles) + bytes(patches_.patches) +
-         bytes(patches_.of_triangle) + attributes;
+         bytes(data_.normal_triangles) + bytes(data_.uv_triangles) + bytes(planes_) +
+         bytes(patches_.patches) + bytes(patches_.of_triangle) + attributes;
 }
 
 }  // namespace aureole

@@ -41,6 +41,16 @@ struct MeshData {
 
 struct PatchView;
 
+/// What a triangle's corners say: the geometric normal, and a bound of the distance from the plane at which
+/// the float ray caster may still see a hit at t > 0. It finds t from dot(p0 - o, n) / dot(d, n), whose
+/// numerator errs by some half ulps of |p0 - o|, and by as many of |p0 - o| |e| |e| / |n| from n itself,
+/// which counts for slender triangles. Without it a ray that leaves a point near the coordinate origin on a
+/// triangle with a far corner meets that triangle again.
+struct TrianglePlane {
+  Vec3 ng;
+  float caster_error;
+};
+
 /// A point of a triangle without its shading frame.
 struct MeshPoint {
   Vec3 p, p_error, ng;
@@ -111,12 +121,14 @@ private:
   MeshPoint point_at(std::uint32_t triangle, float b1, float b2) const;
   Vec3 tangent(std::uint32_t primitive) const;  ///< along dp/du; zero where texture coordinates are constant
   MeshPatch patch(std::size_t index) const;
-  double area(const MeshPatch& patch) const;
   PatchView view(const Vec3& reference, const MeshPatch& patch) const;
 
   Transform to_world_;
   bool identity_ = true, reverse_winding_ = false, flip_normals_ = false, face_normals_ = false;
+  void find_planes();
+
   MeshData data_;
+  std::vector<TrianglePlane> planes_;
   Bounds3 bounds_;
   MeshPatches patches_;  ///< empty without an emitter: then every triangle is a patch
   std::vector<std::pair<const Texture*, std::size_t>> shown_;  ///< textures and the attributes they show

@@ -50,6 +50,20 @@ Figure figure(const Vec3& a, const Vec3& p, const Vec3& q, const Vec3& b) {
 
 }  // namespace
 
+void MeshPatch::measure(std::span<const Vec3> positions, std::span<const TriangleIndices> triangles) {
+  double sum = 0;
+  for (const std::uint32_t t : triangle) {
+    if (t == kNone) continue;
+    const Double3 a(positions[triangles[t][0]]), b(positions[triangles[t][1]]), c(positions[triangles[t][2]]);
+    sum += 0.5 * length(cross(b - a, c - a));
+  }
+  area = float(sum);
+  const TriangleIndices& t = triangles[triangle[0]];
+  const Vec3 &a = positions[t[0]], &b = positions[t[1]], &c = positions[t[2]];
+  longest_squared = max_component({length_squared(b - a), length_squared(c - a), length_squared(c - b)});
+  center = (a + b + c) * (1.f / 3);
+}
+
 MeshPatches MeshPatches::build(std::span<const Vec3> positions, std::span<const TriangleIndices> triangles) {
   const std::vector<std::uint32_t> first = first_at_position(positions);
   std::vector<HalfEdge> edges;
@@ -75,13 +89,15 @@ MeshPatches MeshPatches::build(std::span<const Vec3> positions, std::span<const 
       const bool in_order = e.triangle < f.triangle;
       const HalfEdge &lower = in_order ? e : f, &upper = in_order ? f : e;
       partner[lower.triangle] = {
-          {lower.triangle, upper.triangle}, {lower.apex, upper.apex}, wanted == Figure::rectangle};
+          {lower.triangle, upper.triangle}, {lower.apex, upper.apex}, wanted == Figure::rectangle, 0, 0, {}};
     }
 
   result.of_triangle.assign(triangles.size(), MeshPatch::kNone);
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     if (result.of_triangle[i] != MeshPatch::kNone) continue;
-    const MeshPatch patch = paired[i] ? partner[i] : MeshPatch{{i, MeshPatch::kNone}, {0, 0}, false};
+    MeshPatch patch = partner[i];
+    if (!paired[i]) patch.triangle[0] = i;
+    patch.measure(positions, triangles);
     for (const std::uint32_t t : patch.triangle)
       if (t != MeshPatch::kNone) result.of_triangle[t] = std::uint32_t(result.patches.size());
     result.patches.push_back(patch);

@@ -21,8 +21,14 @@ struct MeshPatch {
   std::uint32_t triangle[2] = {0, kNone};
   std::uint8_t apex[2] = {0, 0};
   bool is_rectangle = false;
+  // For a quick decision how to sample it:
+  float area = 0;
+  float longest_squared = 0;  ///< of the first triangle's edges
+  Vec3 center;                ///< of the first triangle
 
   bool is_pair() const { return triangle[1] != kNone; }
+  /// Fills the last three.
+  void measure(std::span<const Vec3> positions, std::span<const TriangleIndices> triangles);
 };
 
 struct MeshPatches {

@@ -8,10 +8,6 @@ namespace aureole {
 
 namespace {
 
-double triangle_area(const TriangleCorners& c) {
-  return 0.5 * length(cross(Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0])));
-}
-
 /// A point of a triangle by its barycentrics of vertices 1 and 2.
 struct TriangleSample {
   std::uint32_t triangle;
@@ -40,8 +36,11 @@ TriangleSample parallelogram_point(const MeshPatch& patch, Vec2 at) {
 }  // namespace
 
 MeshPatch Mesh::patch(std::size_t index) const {
-  return patches_.empty() ? MeshPatch{{std::uint32_t(index), MeshPatch::kNone}, {0, 0}, false}
-                          : patches_.patches[index];
+  if (!patches_.empty()) return patches_.patches[index];
+  MeshPatch p;
+  p.triangle[0] = std::uint32_t(index);
+  p.measure(data_.positions, data_.triangles);
+  return p;
 }
 
 std::size_t Mesh::patch_count() const {
@@ -52,11 +51,7 @@ std::size_t Mesh::patch_of_primitive(std::uint32_t primitive) const {
   return patches_.empty() ? primitive : patches_.of_triangle[primitive];
 }
 
-double Mesh::area(const MeshPatch& p) const {
-  return triangle_area(corners(p.triangle[0])) + (p.is_pair() ? triangle_area(corners(p.triangle[1])) : 0);
-}
-
-float Mesh::patch_area(std::size_t index) const { return float(area(patch(index))); }
+float Mesh::patch_area(std::size_t index) const { return patch(index).area; }
 
 Bounds3 Mesh::patch_bounds(std::size_t index) const {
   Bounds3 b;
@@ -72,6 +67,7 @@ std::pair<Vec3, float> Mesh::patch_normals(std::size_t index) const {
 }
 
 PatchView Mesh::view(const Vec3& reference, const MeshPatch& p) const {
+  if (PatchView::is_far(reference, p)) return {PatchView::Technique::area, {}};
   if (!p.is_pair()) return PatchView::of(reference, corners(p.triangle[0]), nullptr);
   const TriangleCorners second = corners(p.triangle[1]);
   return PatchView::of(reference, corners(p.triangle[0]), &second);
@@ -106,7 +102,7 @@ std::optional<ShapeSample> Mesh::sample_direct(const Vec3& reference, std::size_
     chosen = {p.triangle[which], b.x, b.y};
   }
   const MeshPoint at = point_at(chosen.triangle, chosen.b1, chosen.b2);
-  const float pdf = by_area ? area_sampling_pdf(reference, at.p, at.ng, area(p)) : float(1 / seen.total());
+  const float pdf = by_area ? area_sampling_pdf(reference, at.p, at.ng, p.area) : float(1 / seen.total());
   if (!(pdf > 0) || !std::isfinite(pdf)) return std::nullopt;
   return ShapeSample{at.p, at.p_error, at.ng, at.uv, pdf, chosen.triangle, {chosen.b1, chosen.b2}};
 }
@@ -120,10 +116,9 @@ std::optional<ShapeSample> Mesh::sample_area(std::size_t index, Vec2 u) const {
     const Vec2 b = sample_triangle_area(u);
     chosen.b1 = b.x, chosen.b2 = b.y;
   }
-  const double a = area(p);
-  if (!(a > 0)) return std::nullopt;
+  if (!(p.area > 0)) return std::nullopt;
   const MeshPoint at = point_at(chosen.triangle, chosen.b1, chosen.b2);
-  return ShapeSample{at.p, at.p_error, at.ng, at.uv, float(1 / a), chosen.triangle, {chosen.b1, chosen.b2}};
+  return ShapeSample{at.p, at.p_error, at.ng, at.uv, 1 / p.area, chosen.triangle, {chosen.b1, chosen.b2}};
 }
 
 float Mesh::pdf_direct(const Vec3& reference, std::size_t index, const SurfacePoint& point) const {
@@ -131,7 +126,7 @@ float Mesh::pdf_direct(const Vec3& reference, std::size_t index, const SurfacePo
   const PatchView seen = view(reference, p);
   if (seen.technique == PatchView::Technique::none) return 0;
   if (seen.technique == PatchView::Technique::solid_angle) return float(1 / seen.total());
-  const float pdf = area_sampling_pdf(reference, point.p, point.ng, area(p));
+  const float pdf = area_sampling_pdf(reference, point.p, point.ng, p.area);
   return std::isfinite(pdf) ? pdf : 0;
 }
 

@@ -5,6 +5,7 @@
 
 #include "aureole/emitter/emitter.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/sensor/sensor.h"
 #include "aureole/shape/shape_docs.h"
 #include "aureole/texture/texture.h"
 
@@ -52,9 +53,11 @@ std::vector<const AttributeTexture*> Shape::attribute_textures(const Properties&
 
 Shape::Shape(const Properties& properties, Attributes attributes) : Object(properties) {
   emitter_ = only_child<Emitter>(properties, "emitter");
+  sensor_ = only_child<Sensor>(properties, "sensor");
   bsdf_ = only_child<Bsdf>(properties, "bsdf");
   has_default_bsdf_ = !bsdf_;
   if (!bsdf_) bsdf_ = default_bsdf(properties, emitter_ != nullptr);
+  ask_bsdf();
   if (attributes == Attributes::none)
     for (const AttributeTexture* t : attribute_textures(properties))
       throw Error(t->properties().where(), "a \"" + properties.type() + "\" has no attribute \"" +
@@ -64,7 +67,15 @@ Shape::Shape(const Properties& properties, Attributes attributes) : Object(prope
     properties.note("silhouette_sampling_weight", "has no effect: there is no differentiable rendering");
 }
 
-Shape::Shape(const Properties& properties, BsdfPtr bsdf) : Object(properties), bsdf_(std::move(bsdf)) {}
+Shape::Shape(const Properties& properties, BsdfPtr bsdf) : Object(properties), bsdf_(std::move(bsdf)) {
+  if (bsdf_) ask_bsdf();
+}
+
+void Shape::ask_bsdf() {
+  lobes_ = bsdf_->lobes();
+  needs_tangent_ = bsdf_->needs_tangent();
+  needs_choice_ = bsdf_->needs_choice();
+}
 
 Shape::~Shape() = default;
 
@@ -74,6 +85,7 @@ std::vector<ParameterDoc> shape_parameters(std::vector<ParameterDoc> own) {
   own.push_back(
       {"bsdf", "bsdf", "", "diffuse of reflectance 0.5, or 0 on an emitter", "What the surface is made of."});
   own.push_back({"emitter", "emitter", "", "none", "Makes the surface shine; usually an area emitter."});
+  own.push_back({"sensor", "sensor", "", "none", "Measures on the surface: an irradiancemeter."});
   own.push_back(
       {"to_world", "transform", "", "identity", "From the shape's own coordinates to those of the scene."});
   own.push_back(

@@ -16,6 +16,7 @@ namespace aureole {
 
 class AttributeTexture;
 class Emitter;
+class Sensor;
 class Texture;
 
 /// A point of a shape chosen by `sample_direct` or `sample_area`.
@@ -32,16 +33,24 @@ public:
   static constexpr const char* kFamily = "a shape";
   /// Whether a shape has attributes for textures to show.
   enum class Attributes { none, some };
-  /// Reads the children every shape may have: bsdf (default: diffuse .5, black on emitters) and emitter.
+  /// Reads the children every shape may have: bsdf (default: diffuse .5, black on emitters) emitter and
+  /// sensor.
   explicit Shape(const Properties& properties, Attributes attributes = Attributes::none);
   ~Shape() override;
 
   /// Null where the shape only stands for others.
   const BsdfPtr& bsdf() const { return bsdf_; }
+  /// The shading frame's s must lie along dp/du; else any frame around the normal does.
+  bool needs_tangent() const { return needs_tangent_; }
+  // Answers of the BSDF that every vertex asks for.
+  Lobe lobes() const { return lobes_; }
+  bool needs_choice() const { return needs_choice_; }
   /// Some light may pass straight through it.
   virtual bool is_passable() const { return bsdf_->is_passable(); }
   const Emitter* emitter() const { return emitter_.get(); }
   const std::shared_ptr<Emitter>& shared_emitter() const { return emitter_; }
+  /// The sensor that sits on it, or null.
+  const std::shared_ptr<Sensor>& sensor() const { return sensor_; }
 
   /// An Embree geometry for this shape, committed, owned by the caller. Buffers are shared with the shape,
   /// which outlives it.
@@ -89,7 +98,10 @@ protected:
   Shape(const Properties& properties, BsdfPtr bsdf);
   /// No child gave a BSDF; another one may take the default's place.
   bool has_default_bsdf() const { return has_default_bsdf_; }
-  void set_bsdf(BsdfPtr bsdf) { bsdf_ = std::move(bsdf); }
+  void set_bsdf(BsdfPtr bsdf) {
+    bsdf_ = std::move(bsdf);
+    ask_bsdf();
+  }
   /// The textures below the object that show attributes.
   static std::vector<const AttributeTexture*> attribute_textures(const Properties& properties);
 
@@ -101,8 +113,13 @@ protected:
   std::vector<std::string> remarks_;
 
 private:
+  void ask_bsdf();
+
   BsdfPtr bsdf_;
   std::shared_ptr<Emitter> emitter_;
+  Lobe lobes_ = Lobe::none;
+  bool needs_tangent_ = true, needs_choice_ = true;
+  std::shared_ptr<Sensor> sensor_;
   bool has_default_bsdf_ = false;
 };
 using ShapePtr = std::shared_ptr<Shape>;

@@ -8,7 +8,7 @@
 
 namespace aureole {
 
-/// `own` followed by the rows common to all shapes: bsdf, emitter, to_world, flip_normals.
+/// `own` followed by the rows common to all shapes: bsdf, emitter, sensor, to_world, flip_normals.
 std::vector<ParameterDoc> shape_parameters(std::vector<ParameterDoc> own);
 
 /// The same for meshes: face_normals before them.

@@ -10,10 +10,6 @@ namespace aureole {
 namespace {
 
 constexpr double kPiD = 3.14159265358979323846;
-/// Where the patch's longest edge squared is below this share of the squared distance to its centroid,
-/// uniform area and uniform solid angle differ little (mostly by less than a third between its corners), and
-/// area sampling costs a sixth (docs/decisions.md).
-constexpr float kFar = 0.5f;
 /// Below this solid angle [sr] (an edge-on patch) the spherical constructions lose their digits.
 constexpr double kSmall = 3e-4;
 /// A reference point this close [sr] to seeing a full hemisphere lies on the patch, to within rounding.
@@ -110,23 +106,17 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
   return {float(std::clamp((xu - x0) / width, 0.0, 1.0)), float(std::clamp((yv - y0) / height, 0.0, 1.0))};
 }
 
-float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, double area) {
-  const Double3 w = Double3(p) - Double3(reference);
-  const double distance_squared = dot(w, w), projected = std::abs(dot(w, Double3(ng)));
+float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, float area) {
+  const Vec3 w = p - reference;
+  const float distance_squared = dot(w, w), distance = std::sqrt(distance_squared),
+              projected = std::abs(dot(w, ng));
   // The normal is rounded to float: anything below is edge-on.
-  if (!(projected > 1e-7 * std::sqrt(distance_squared)) || !(area > 0)) return 0;
-  return float(distance_squared * std::sqrt(distance_squared) / (projected * area));
+  if (!(projected > 1e-7f * distance) || !(area > 0)) return 0;
+  return distance_squared * distance / (projected * area);
 }
 
 PatchView PatchView::of(const Vec3& reference, const TriangleCorners& first, const TriangleCorners* second) {
   PatchView view;
-  const Vec3 e1 = first[1] - first[0], e2 = first[2] - first[0], e3 = first[2] - first[1];
-  const Vec3 to_center = (first[0] + first[1] + first[2]) * (1.f / 3) - reference;
-  if (max_component({length_squared(e1), length_squared(e2), length_squared(e3)}) <
-      kFar * length_squared(to_center)) {
-    view.technique = Technique::area;
-    return view;
-  }
   view.solid_angle[0] = triangle_solid_angle(reference, first);
   if (second) view.solid_angle[1] = triangle_solid_angle(reference, *second);
   const double total = view.total();

@@ -23,7 +23,7 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
 
 /// Density of uniform sampling of an area, as solid angle seen from `reference` [1/sr]; 0 where it is seen
 /// edge-on.
-float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, double area);
+float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, float area);
 
 /// How a patch is sampled from a reference point, decided from the two alone so that sampling and density
 /// agree.
@@ -33,8 +33,18 @@ struct PatchView {
   double solid_angle[2] = {0, 0};  ///< of each triangle
 
   double total() const { return solid_angle[0] + solid_angle[1]; }
+  /// Far away uniform area and uniform solid angle differ little, and area sampling costs a sixth.
+  static bool is_far(const Vec3& reference, const MeshPatch& patch) {
+    return patch.longest_squared < kFar * length_squared(patch.center - reference);
+  }
   /// `second` is null for a single triangle.
   static PatchView of(const Vec3& reference, const TriangleCorners& first, const TriangleCorners* second);
+
+private:
+  /// Where the patch's longest edge squared is below this share of the squared distance to its centroid,
+  /// uniform area and uniform solid angle differ mostly by less than a third between its corners
+  /// (docs/decisions.md).
+  static constexpr float kFar = 1.5f;
 };
 
 }  // namespace aureole

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 namespace aureole {
@@ -62,29 +64,41 @@ inline Spectrum make_spectrum(F&& f) {
   return r;
 }
 
+namespace detail {
+/// Combines all values pairwise: a chain of N dependent operations would cost more than the rest of a caller.
+template <class F>
+inline float reduce(const Spectrum& a, F&& f) {
+  float x[kWavelengths];
+  for (int i = 0; i < kWavelengths; ++i) x[i] = a.v[i];
+  for (int n = kWavelengths / 2; n > 0; n /= 2)
+    for (int i = 0; i < n; ++i) x[i] = f(x[i], x[i + n]);
+  return x[0];
+}
+}  // namespace detail
+
 inline float sum(const Spectrum& a) {
-  float s = 0;
-  for (int i = 0; i < kWavelengths; ++i) s += a.v[i];
-  return s;
+  return detail::reduce(a, [](float x, float y) { return x + y; });
 }
 inline float mean(const Spectrum& a) { return sum(a) * (1.f / kWavelengths); }
 inline float max_component(const Spectrum& a) {
-  float m = a.v[0];
-  for (int i = 1; i < kWavelengths; ++i) m = a.v[i] > m ? a.v[i] : m;
-  return m;
+  return detail::reduce(a, [](float x, float y) { return x > y ? x : y; });
 }
 inline float min_component(const Spectrum& a) {
-  float m = a.v[0];
-  for (int i = 1; i < kWavelengths; ++i) m = a.v[i] < m ? a.v[i] : m;
-  return m;
+  return detail::reduce(a, [](float x, float y) { return x < y ? x : y; });
 }
-inline bool is_black(const Spectrum& a) { return max_component(abs(a)) == 0; }
+/// True where a mask (-1 or 0 per wavelength) is set anywhere.
+inline bool any(const SpectrumMask& m) {
+  std::uint64_t words[sizeof(SpectrumMask) / 8];
+  std::memcpy(words, &m, sizeof m);
+  std::uint64_t all = 0;
+  for (const std::uint64_t w : words) all |= w;
+  return all != 0;
+}
+inline bool is_black(const Spectrum& a) { return !any(a.v != Spectrum(0.f).v); }
 /// True where every value is a finite number >= 0: what a radiance must be.
 inline bool is_valid_radiance(const Spectrum& a) {
   const SpectrumMask ok = (a.v >= 0) & (a.v <= std::numeric_limits<float>::max());
-  int all = -1;
-  for (int i = 0; i < kWavelengths; ++i) all &= ok[i];
-  return all != 0;
+  return !any(~ok);
 }
 
 /// The throughput of a path. A type of its own so that polarisation (Mueller matrices) can come.

@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/spectrum/wavelengths.h"
 
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
-
 #include <algorithm>
 #include <cmath>
 
@@ -24,11 +20,14 @@ Wavelengths Wavelengths::at(const SpectralGrid& grid, const Spectrum& nm, float 
   Wavelengths w;
   w.nm = nm;
   w.pdf = pdf_per_nm;
-  for (int i = 0; i < kWavelengths; ++i) {
-    const float x = std::clamp(float((nm[i] - grid.min_nm) / grid.step()), 0.f, float(grid.cells));
-    w.cell[i] = std::min(int(x), grid.cells - 1);
-    w.fraction[i] = x - float(w.cell[i]);
-  }
+  // In double: the fraction is what is left of up to 2000 cells.
+  using Doubles = double __attribute__((vector_size(sizeof(double) * kWavelengths)));
+  const Doubles from_first = (__builtin_convertvector(nm.v, Doubles) - grid.min_nm) * (1 / grid.step());
+  const Doubles none = from_first * 0, all = none + grid.cells, below_last = none + (grid.cells - 1);
+  const Doubles low = from_first < none ? none : from_first, x = low > all ? all : low;
+  w.cell = __builtin_convertvector(x > below_last ? below_last : x, SpectrumMask);
+  w.fraction =
+      Spectrum(__builtin_convertvector(x - __builtin_convertvector(w.cell, Doubles), SpectrumVector));
   return w;
 }
 
@@ -76,20 +75,6 @@ SampledSpectrum SampledSpectrum::from_function(const SpectralGrid& grid,
   std::vector<float> nodes(grid.cells + 1);
   for (int i = 0; i <= grid.cells; ++i) nodes[i] = float(f(grid.node(i)));
   return {grid, std::move(nodes)};
-}
-
-Spectrum SampledSpectrum::eval_gather(const Wavelengths& w) const {
-#ifdef __AVX2__
-  if constexpr (kWavelengths == 8) {
-    const __m256i cell = reinterpret_cast<const __m256i&>(w.cell);
-    const __m256 a = _mm256_i32gather_ps(table_.data(), cell, 4);
-    const __m256 b = _mm256_i32gather_ps(table_.data() + 1, cell, 4);
-    const __m256 t = reinterpret_cast<const __m256&>(w.fraction.v);
-    const __m256 r = _mm256_fmadd_ps(_mm256_sub_ps(b, a), t, a);
-    return Spectrum(reinterpret_cast<const SpectrumVector&>(r));
-  }
-#endif
-  return w.fraction;  // never reached: the caller takes the portable branch
 }
 
 double SampledSpectrum::integral() const {
@@ -145,16 +130,14 @@ WavelengthDistribution::WavelengthDistribution(const SpectralGrid& grid,
 }
 
 Wavelengths WavelengthDistribution::sample(float u) const {
-  Spectrum nm, pdf;
-  for (int j = 0; j < kWavelengths; ++j) {
-    float x = u + float(j) / kWavelengths;
-    x = (x >= 1 ? x - 1 : x) * kPieces;
-    const int k = std::min(int(x), kPieces - 1);
-    const float lower = inverse_cdf_[k], width = inverse_cdf_[k + 1] - lower;
-    nm[j] = lower + width * (x - float(k));
-    pdf[j] = density_[k];
-  }
-  Wavelengths w = Wavelengths::at(grid_, nm);
+  Spectrum x = make_spectrum([](int j) { return float(j) / kWavelengths; }) + u;
+  x = select(x.v >= 1.f, x - 1.f, x) * float(kPieces);
+  const SpectrumMask piece = __builtin_convertvector(min(x, float(kPieces - 1)).v, SpectrumMask);
+  const Spectrum fraction = x - Spectrum(__builtin_convertvector(piece, SpectrumVector));
+  const Spectrum lower = make_spectrum([&](int j) { return inverse_cdf_[size_t(piece[j])]; });
+  const Spectrum upper = make_spectrum([&](int j) { return inverse_cdf_[size_t(piece[j]) + 1]; });
+  const Spectrum pdf = make_spectrum([&](int j) { return density_[size_t(piece[j])]; });
+  Wavelengths w = Wavelengths::at(grid_, lower + (upper - lower) * fraction);
   w.pdf = pdf;
   return w;
 }

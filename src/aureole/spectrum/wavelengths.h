@@ -3,6 +3,10 @@
 // which wavelengths are drawn.
 #pragma once
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 #include <functional>
 #include <memory>
 #include <span>
@@ -56,7 +60,14 @@ public:
 
   Spectrum eval(const Wavelengths& w) const {
 #ifdef __AVX2__
-    if constexpr (kWavelengths == 8) return eval_gather(w);
+    if constexpr (kWavelengths == 8) {
+      const __m256i cell = reinterpret_cast<const __m256i&>(w.cell);
+      const __m256 a = _mm256_i32gather_ps(table_.data(), cell, 4);
+      const __m256 b = _mm256_i32gather_ps(table_.data() + 1, cell, 4);
+      const __m256 t = reinterpret_cast<const __m256&>(w.fraction.v);
+      const __m256 r = _mm256_fmadd_ps(_mm256_sub_ps(b, a), t, a);
+      return Spectrum(reinterpret_cast<const SpectrumVector&>(r));
+    }
 #endif
     return make_spectrum([&](int i) {
       const float a = table_[w.cell[i]], b = table_[w.cell[i] + 1];
@@ -73,8 +84,6 @@ public:
   void scale(float s);
 
 private:
-  Spectrum eval_gather(const Wavelengths& w) const;
-
   SpectralGrid grid_;
   std::vector<float> table_;
 };
@@ -94,6 +103,13 @@ public:
   /// N wavelengths lambda_j = CDF^-1(frac(u + j/N)) (Wilkie et al. 2014, "Hero wavelength spectral
   /// sampling").
   Wavelengths sample(float u) const;
+  /// The same with u = (k + offset) / N, k = floor(N hero). The set of wavelengths depends on `offset` alone,
+  /// which repeats N times over u: a stratified sequence in `offset` is stratified in the set, one in u is
+  /// not.
+  Wavelengths sample(float offset, float hero) const {
+    const int k = int(hero * kWavelengths);
+    return sample((float(k) + offset) * (1.f / kWavelengths));
+  }
   float pdf(float nm) const;
   const SpectralGrid& grid() const { return grid_; }
 

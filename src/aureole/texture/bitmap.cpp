@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #include "aureole/core/image.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/tables.h"
 #include "aureole/spectrum/upsampling.h"
 #include "aureole/texture/texture.h"
 #include "aureole/texture/uv_transform.h"
@@ -43,6 +45,41 @@ std::pair<float, float> range_of(const ColorTexel& t) {
   return {t.scale * std::min({a, b, vertex}), t.scale * std::max({a, b, vertex})};
 }
 
+float luminance(const Vec3& rgb) { return 0.212671f * rgb.x + 0.715160f * rgb.y + 0.072169f * rgb.z; }
+
+/// The luminance under D65 of an upsampled colour, of which only the spectrum is stored. Sixteen wavelengths,
+/// each with the weight of the observer around it, find that of any colour in [0, 1] to .005.
+class LuminanceRule {
+public:
+  LuminanceRule() {
+    const Observer& observer = cie_1931_observer();
+    const TabulatedSpectrum d65 = *find_illuminant("D65");
+    double weights[kNodes] = {}, sum = 0;
+    for (std::size_t i = 0; i < observer.y.size(); ++i) {
+      const double nm = observer.start_nm + observer.step_nm * double(i), weight = observer.y[i] * d65.at(nm);
+      const double at = std::clamp((nm - kFirstNm) / kStepNm, 0.0, kNodes - 1.0);
+      const int below = std::min(int(at), kNodes - 2);
+      weights[below] += weight * (below + 1 - at);
+      weights[below + 1] += weight * (at - below);
+      sum += weight;
+    }
+    for (int i = 0; i < kNodes; ++i) {
+      nm_[i / kWavelengths][i % kWavelengths] = float(kFirstNm + kStepNm * i);
+      weights_[i / kWavelengths][i % kWavelengths] = float(weights[i] / sum);
+    }
+  }
+  float operator()(const ColorTexel& t) const {
+    Spectrum total;
+    for (int k = 0; k < kNodes / kWavelengths; ++k) total += evaluate(t, nm_[k]) * weights_[k];
+    return sum(total);
+  }
+
+private:
+  static constexpr int kNodes = 16;
+  static constexpr double kFirstNm = 430, kStepNm = 16;
+  Spectrum nm_[kNodes / kWavelengths], weights_[kNodes / kWavelengths];
+};
+
 class Bitmap final : public Texture {
 public:
   explicit Bitmap(const Properties& properties)
@@ -60,23 +97,29 @@ public:
   }
 
   Spectrum eval(const SurfacePoint& point, const Wavelengths& w) const override {
+    if (colors_.empty()) return eval_scalar(point);
+    const Spectrum nm = model_range(w.nm);
+    return lookup(point, [&](std::size_t i) { return evaluate(colors_[i], nm); });
+  }
+  float eval_scalar(const SurfacePoint& point) const override {
+    if (!greys_.empty()) return lookup(point, [&](std::size_t i) { return greys_[i]; });
+    return lookup(point, [&](std::size_t i) { return number(i); });
+  }
+  Vec2 gradient(const SurfacePoint& point) const override {
+    if (nearest_) return {};  // almost everywhere
     const Vec2 uv = to_uv_(point.uv);
     const Axis x = axis(uv.x, width_), y = axis(uv.y, height_);
     const std::size_t row0 = std::size_t(y.i0) * width_, row1 = std::size_t(y.i1) * width_;
-    if (!greys_.empty()) {
-      if (nearest_) return greys_[row0 + x.i0];
-      const float a = greys_[row0 + x.i0] * (1 - x.t) + greys_[row0 + x.i1] * x.t;
-      const float b = greys_[row1 + x.i0] * (1 - x.t) + greys_[row1 + x.i1] * x.t;
-      return a * (1 - y.t) + b * y.t;
-    }
-    const Spectrum nm = model_range(w.nm);
-    if (nearest_) return evaluate(colors_[row0 + x.i0], nm);
-    const Spectrum a =
-        evaluate(colors_[row0 + x.i0], nm) * (1 - x.t) + evaluate(colors_[row0 + x.i1], nm) * x.t;
-    const Spectrum b =
-        evaluate(colors_[row1 + x.i0], nm) * (1 - x.t) + evaluate(colors_[row1 + x.i1], nm) * x.t;
-    return a * (1 - y.t) + b * y.t;
+    const float f00 = number(row0 + x.i0), f10 = number(row0 + x.i1);
+    const float f01 = number(row1 + x.i0), f11 = number(row1 + x.i1);
+    return to_uv_.gradient({x.slope * ((f10 - f00) * (1 - y.t) + (f11 - f01) * y.t),
+                            y.slope * ((f01 - f00) * (1 - x.t) + (f11 - f10) * x.t)});
   }
+  bool has_gradient() const override { return true; }
+  Vec3 eval_rgb(const SurfacePoint& point) const override {
+    return lookup(point, [&](std::size_t i) { return rgbs_.at(i); });
+  }
+  bool has_rgb() const override { return !rgbs_.empty(); }
 
   /// Over all texels (of very large pictures, over kMeanTexels of them).
   SampledSpectrum average() const override {
@@ -86,9 +129,9 @@ public:
       const double x = double(i) * 0.6180339887498949;
       return used == count ? i : std::min(std::size_t((x - std::floor(x)) * double(count)), count - 1);
     };
-    if (!greys_.empty()) {
+    if (colors_.empty()) {
       double sum = 0;
-      for (std::size_t i = 0; i < used; ++i) sum += greys_[texel(i)];
+      for (std::size_t i = 0; i < used; ++i) sum += double(number(texel(i)));
       return SampledSpectrum::constant(grid_, float(sum / double(used)));
     }
     constexpr int kBlocks = 64 / kWavelengths;
@@ -107,33 +150,56 @@ public:
   }
   float maximum() const override { return maximum_; }
   float minimum() const override { return minimum_; }
+  std::pair<int, int> resolution() const override { return {width_, height_}; }
 
 private:
   static constexpr std::size_t kMeanTexels = std::size_t(1) << 18;
 
-  /// Two neighbouring texels along one axis and the weight of the second.
+  /// Two neighbouring texels along one axis, the weight of the second, and its derivative by the coordinate.
   struct Axis {
     int i0, i1;
-    float t;
+    float t, slope;
   };
   Axis axis(float u, int size) const {
     // Wrapped before it is scaled: coordinates of any size, NaN included, stay inside the picture.
+    float slope = float(size);
     if (wrap_ == Wrap::repeat)
       u -= std::floor(u);
     else if (wrap_ == Wrap::mirror) {
       u -= 2 * std::floor(0.5f * u);
-      u = u > 1 ? 2 - u : u;
+      if (u > 1) u = 2 - u, slope = -slope;
     }
     u = u > 0 ? std::min(u, 1.f) : 0.f;
     if (nearest_) {
       const int i = std::min(int(u * float(size)), size - 1);
-      return {i, i, 0};
+      return {i, i, 0, 0};
     }
     const float p = u * float(size) - 0.5f, base = std::floor(p);
     int i0 = int(base), i1 = i0 + 1;
     if (i0 < 0) i0 = wrap_ == Wrap::repeat ? size - 1 : 0;
     if (i1 >= size) i1 = wrap_ == Wrap::repeat ? 0 : size - 1;
-    return {std::min(i0, size - 1), i1, p - base};
+    return {std::min(i0, size - 1), i1, p - base, slope};
+  }
+
+  /// `value(i)` of the texels, interpolated at the point.
+  template <class Value>
+  std::invoke_result_t<Value, std::size_t> lookup(const SurfacePoint& point, const Value& value) const {
+    const Vec2 uv = to_uv_(point.uv);
+    const Axis x = axis(uv.x, width_), y = axis(uv.y, height_);
+    const std::size_t row0 = std::size_t(y.i0) * width_, row1 = std::size_t(y.i1) * width_;
+    auto a = value(row0 + x.i0);
+    if (nearest_) return a;
+    a = a * (1 - x.t) + value(row0 + x.i1) * x.t;
+    const auto b = value(row1 + x.i0) * (1 - x.t) + value(row1 + x.i1) * x.t;
+    return a * (1 - y.t) + b * y.t;
+  }
+
+  /// A texel as a number.
+  float number(std::size_t i) const {
+    if (!greys_.empty()) return greys_[i];
+    if (!rgbs_.empty()) return luminance(rgbs_[i]);
+    static const LuminanceRule rule;
+    return rule(colors_[i]);
   }
 
   void load(const Properties& properties, bool raw) {
@@ -160,35 +226,57 @@ private:
     for (int i = 0; i < 256; ++i) decoded[i] = srgb_decode(float(i) / 255);
     const auto value = [&](int px, int py, int c) {
       const float v = image.at(px, py, std::size_t(c));
-      if (!(v >= 0) || !std::isfinite(v))
+      if (!std::isfinite(v) || (v < 0 && !raw))
         throw properties.error("filename", "the pixel at column " + std::to_string(px) + ", row " +
                                                std::to_string(py) + " is " + std::to_string(v) +
-                                               "; a texture needs finite values that are not negative");
+                                               "; a texture needs finite values" +
+                                               (raw ? "" : " that are not negative"));
       if (!decode) return v;
       const float level = v * 255;
       return level <= 255 && level == std::floor(level) ? decoded[int(level)] : srgb_decode(v);
     };
+    const auto each_texel = [&](auto&& f) {
+      for (int py = 0; py < height_; ++py)
+        for (int px = 0; px < width_; ++px) f(std::size_t(py) * width_ + px, px, py);
+    };
     const std::size_t count = std::size_t(width_) * height_;
     minimum_ = kInfinity;
-    maximum_ = 0;
-    (color && !raw ? colors_.resize(count) : greys_.resize(count));
-    for (int py = 0; py < height_; ++py)
-      for (int px = 0; px < width_; ++px) {
-        const std::size_t i = std::size_t(py) * width_ + px;
-        float lower, upper;
-        if (color && !raw) {
-          colors_[i] = upsample(value(px, py, r), value(px, py, g), value(px, py, b));
-          std::tie(lower, upper) = range_of(colors_[i]);
-        } else {
-          // Of raw colours nobody knows a spectrum; as a number they are their luminance.
-          greys_[i] = color ? 0.212671f * value(px, py, r) + 0.715160f * value(px, py, g) +
-                                  0.072169f * value(px, py, b)
-                            : value(px, py, y);
-          lower = upper = greys_[i];
-        }
-        minimum_ = std::min(minimum_, lower);
-        maximum_ = std::max(maximum_, upper);
+    maximum_ = -kInfinity;
+    const auto extend = [&](float lower, float upper) {
+      minimum_ = std::min(minimum_, lower);
+      maximum_ = std::max(maximum_, upper);
+    };
+    bool grey = !color;
+    if (color && !raw) {
+      // Masks are often stored in colour. Grey texels need no spectrum.
+      grey = true;
+      for (std::size_t i = 0; grey && i < count; ++i) {
+        const int px = int(i % std::size_t(width_)), py = int(i / std::size_t(width_));
+        const float v = image.at(px, py, std::size_t(r));
+        grey = v == image.at(px, py, std::size_t(g)) && v == image.at(px, py, std::size_t(b));
       }
+    }
+    if (grey) {
+      greys_.resize(count);
+      each_texel([&](std::size_t i, int px, int py) {
+        greys_[i] = value(px, py, color ? r : y);
+        extend(greys_[i], greys_[i]);
+      });
+    } else if (raw) {
+      // Of raw colours nobody knows a spectrum; as a number they are their luminance.
+      rgbs_.resize(count);
+      each_texel([&](std::size_t i, int px, int py) {
+        rgbs_[i] = {value(px, py, r), value(px, py, g), value(px, py, b)};
+        extend(luminance(rgbs_[i]), luminance(rgbs_[i]));
+      });
+    } else {
+      colors_.resize(count);
+      each_texel([&](std::size_t i, int px, int py) {
+        colors_[i] = upsample(value(px, py, r), value(px, py, g), value(px, py, b));
+        const auto [lower, upper] = range_of(colors_[i]);
+        extend(lower, upper);
+      });
+    }
   }
 
   static ColorTexel upsample(float r, float g, float b) {
@@ -205,8 +293,10 @@ private:
   bool nearest_ = false;
   Wrap wrap_ = Wrap::repeat;
   int width_ = 0, height_ = 0;
-  std::vector<ColorTexel> colors_;  // one of the two is empty
+  // One of the three is not empty.
+  std::vector<ColorTexel> colors_;
   std::vector<float> greys_;
+  std::vector<Vec3> rgbs_;
   float minimum_ = 0, maximum_ = 0;
 };
 
@@ -228,8 +318,8 @@ AUREOLE_PLUGIN(Bitmap, "texture", "bitmap",
                     {"wrap_mode", "string", "", "repeat",
                      "outside uv in [0, 1]: repeat, mirror, or clamp to the edge"},
                     {"raw", "boolean", "", "false",
-                     "take the numbers as they are: no decoding, and colours stand for their luminance at "
-                     "every wavelength"},
+                     "take the numbers as they are, for heights, opacities and normals: no decoding, and "
+                     "colours stand for their luminance at every wavelength"},
                     {"to_uv", "transform", "", "identity", "applied to uv first"},
                     {"format", "string", "", "auto",
                      "accepted for Mitsuba's sake (auto, variant, float16, uint8), has no effect"},

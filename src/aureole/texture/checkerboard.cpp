@@ -18,10 +18,11 @@ public:
         to_uv_(properties.get_transform("to_uv")) {}
 
   Spectrum eval(const SurfacePoint& point, const Wavelengths& w) const override {
-    const Vec2 uv = to_uv_(point.uv);
-    const bool u = uv.x - std::floor(uv.x) > 0.5f, v = uv.y - std::floor(uv.y) > 0.5f;
-    return (u == v ? color0_ : color1_)->eval(point, w);
+    return square(point).eval(point, w);
   }
+  float eval_scalar(const SurfacePoint& point) const override { return square(point).eval_scalar(point); }
+  Vec2 gradient(const SurfacePoint& point) const override { return square(point).gradient(point); }
+  bool has_gradient() const override { return color0_->has_gradient() && color1_->has_gradient(); }
   SampledSpectrum average() const override {
     const SampledSpectrum a = color0_->average(), b = color1_->average();
     std::vector<float> nodes(a.nodes().size());
@@ -32,6 +33,12 @@ public:
   float minimum() const override { return std::min(color0_->minimum(), color1_->minimum()); }
 
 private:
+  const Texture& square(const SurfacePoint& point) const {
+    const Vec2 uv = to_uv_(point.uv);
+    const bool u = uv.x - std::floor(uv.x) > 0.5f, v = uv.y - std::floor(uv.y) > 0.5f;
+    return u == v ? *color0_ : *color1_;
+  }
+
   TexturePtr color0_, color1_;
   UvTransform to_uv_;
 };

@@ -16,6 +16,8 @@ public:
   Spectrum eval(const SurfacePoint&, const Wavelengths& w) const final {
     return flat_ ? Spectrum(value_) : spectrum_.eval(w);
   }
+  float eval_scalar(const SurfacePoint&) const final { return scalar_; }
+  Vec2 gradient(const SurfacePoint&) const final { return {}; }
   SampledSpectrum average() const final { return spectrum_; }
   bool is_constant() const final { return true; }
   float maximum() const final { return spectrum_.maximum(); }
@@ -24,7 +26,7 @@ public:
 private:
   SampledSpectrum spectrum_;
   bool flat_ = false;
-  float value_ = 0;
+  float value_ = 0, scalar_ = 0;
 };
 
 /// The spectrum of a linear sRGB colour, not multiplied by an illuminant. A colour in [0, 1] is the

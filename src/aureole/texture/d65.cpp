@@ -34,6 +34,9 @@ public:
   bool is_constant() const override { return !nested_; }
   float maximum() const override { return d65_.maximum() * (nested_ ? nested_->maximum() : 1); }
   float minimum() const override { return d65_.minimum() * (nested_ ? nested_->minimum() : 1); }
+  std::pair<int, int> resolution() const override {
+    return nested_ ? nested_->resolution() : std::pair{1, 1};
+  }
 
 private:
   void multiply(const SampledSpectrum& s) { d65_ = product(d65_, s); }

@@ -80,6 +80,23 @@ ConstantTexture::ConstantTexture(const Properties& properties, SampledSpectrum s
     : Texture(properties), spectrum_(std::move(spectrum)) {
   flat_ = spectrum_.minimum() == spectrum_.maximum();
   value_ = spectrum_.maximum();
+  scalar_ = flat_ ? value_ : float(spectrum_.average());
+}
+
+float Texture::eval_scalar(const SurfacePoint& point) const {
+  const SpectralGrid& grid = properties().context().grid;
+  const Spectrum nm = make_spectrum(
+      [&](int i) { return float(grid.min_nm + (grid.max_nm - grid.min_nm) * (i + 0.5) / kWavelengths); });
+  return mean(eval(point, Wavelengths::at(grid, nm)));
+}
+
+Vec2 Texture::gradient(const SurfacePoint&) const {
+  if (is_constant()) return {};
+  throw std::logic_error("the texture \"" + properties().type() + "\" has no gradient");
+}
+
+Vec3 Texture::eval_rgb(const SurfacePoint&) const {
+  throw std::logic_error("the texture \"" + properties().type() + "\" has no RGB values");
 }
 
 SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], bool emission) {
@@ -148,6 +165,21 @@ TexturePtr get_texture(const Properties& properties, std::string_view name, doub
                        SpectrumRole role) {
   if (TexturePtr texture = get_optional_texture(properties, name, role)) return texture;
   return make_constant(properties, name, tabulate_number(properties.context().grid, fallback, role));
+}
+
+TexturePtr get_fraction(const Properties& properties, std::string_view name, std::optional<double> fallback) {
+  TexturePtr texture = get_optional_texture(properties, name, SpectrumRole::unbounded);
+  if (!texture) {
+    if (!fallback)
+      throw properties.error(
+          name, "\"" + properties.type() + "\" needs the parameter \"" + std::string(name) + "\"");
+    texture = get_texture(properties, name, *fallback, SpectrumRole::unbounded);
+  }
+  if (texture->maximum() > 1 + kTolerance)
+    throw properties.error(name, std::string("must lie in [0, 1], but ") +
+                                     (texture->is_constant() ? "is " : "the texture goes up to ") +
+                                     text(texture->maximum()));
+  return texture;
 }
 
 }  // namespace aureole

@@ -2,6 +2,9 @@
 // The texture family: spectra that may vary over a surface.
 #pragma once
 
+#include <optional>
+#include <utility>
+
 #include "aureole/plugin/properties.h"
 #include "aureole/shape/surface_point.h"
 #include "aureole/spectrum/wavelengths.h"
@@ -20,6 +23,15 @@ public:
 
   /// Value at the path's wavelengths.
   virtual Spectrum eval(const SurfacePoint& point, const Wavelengths& wavelengths) const = 0;
+  /// The value as one number, for what has no wavelength (opacities, weights, heights): of a colour the
+  /// luminance where the texture knows it, else the mean over the sensor's range.
+  virtual float eval_scalar(const SurfacePoint& point) const;
+  /// d eval_scalar / d(u, v), for textures that have it.
+  virtual Vec2 gradient(const SurfacePoint& point) const;
+  virtual bool has_gradient() const { return is_constant(); }
+  /// The three numbers of a picture that holds no colours, for textures that have them (normal maps).
+  virtual Vec3 eval_rgb(const SurfacePoint& point) const;
+  virtual bool has_rgb() const { return false; }
   /// The mean over the surface (over uv in [0, 1]^2), tabulated on the scene's grid.
   virtual SampledSpectrum average() const = 0;
   /// True where the value does not depend on the point.
@@ -28,6 +40,8 @@ public:
   virtual float maximum() const = 0;
   /// Smallest value over the surface and all wavelengths.
   virtual float minimum() const = 0;
+  /// Columns and rows of a picture, for those who project it.
+  virtual std::pair<int, int> resolution() const { return {1, 1}; }
   /// Told what it is used for, where range checks must wait until it has values.
   virtual void used_as(SpectrumRole) const {}
 };
@@ -49,5 +63,9 @@ TexturePtr get_texture(const Properties& properties, std::string_view name, doub
 
 /// The texture given under `name`, or null where absent.
 TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role);
+
+/// A texture or number in [0, 1] to be read with `eval_scalar`: an opacity or a weight. Without a fallback it
+/// is required.
+TexturePtr get_fraction(const Properties& properties, std::string_view name, std::optional<double> fallback);
 
 }  // namespace aureole

@@ -18,6 +18,8 @@ public:
   Vec2 operator()(Vec2 uv) const {
     return {du_.x * uv.x + dv_.x * uv.y + offset_.x, du_.y * uv.x + dv_.y * uv.y + offset_.y};
   }
+  /// The gradient by uv of a function whose gradient by the transformed coordinates is `g`.
+  Vec2 gradient(Vec2 g) const { return {dot(du_, g), dot(dv_, g)}; }
 
 private:
   Vec2 du_, dv_, offset_;

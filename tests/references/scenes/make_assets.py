@@ -249,6 +249,15 @@ def write_images():
     x, y = np.meshgrid(np.arange(8), np.arange(4))
     write_png(TEXTURES / "ramp.png", 20 + 28 * x + 10 * y)
 
+    # A height field that repeats, and the normals of another.
+    x, y = np.meshgrid((np.arange(16) + 0.5) / 16, (np.arange(16) + 0.5) / 16)
+    heights = 0.5 + 0.25 * np.sin(2 * np.pi * x) * np.cos(2 * np.pi * y) + 0.2 * np.sin(2 * np.pi * (2 * x + y))
+    write_png(TEXTURES / "heights.png", np.round(255 * heights))
+    normals = np.stack([0.6 * np.sin(2 * np.pi * (x + 2 * y)), 0.5 * np.cos(2 * np.pi * (2 * x - y)),
+                        np.ones_like(x)], -1)
+    normals /= np.linalg.norm(normals, axis=-1, keepdims=True)
+    write_png(TEXTURES / "normals.png", np.round(255 * (normals + 1) / 2))
+
     # Latitude-longitude maps, 16 x 8. One pixel is far brighter than the others.
     x, y = np.meshgrid(np.arange(16), np.arange(8))
     grey = 0.2 + 0.6 * (1 - y / 7) + 0.25 * np.cos(2 * np.pi * x / 16)

@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The part of peers.py that compares noise and time. docs/performance.md defines the quantities."""
+import json
+import os
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+
+ROOT = Path(__file__).resolve().parents[1]
+MITSUBA_SAMPLERS = ("independent", "stratified", "multijitter", "orthogonal", "ldsampler")
+AUREOLE_SAMPLERS = ("sobol", "independent")
+COLUMNS = ("program", "sampler", "spp", "seconds", "Msamples/s", "mean", "variance", "relRMSE", "efficiency",
+           "by pixel")
+
+
+@dataclass(frozen=True)
+class Scene:
+    name: str
+    file: Path
+    defines: tuple
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Contender:
+    program: str  # "aureole", or Mitsuba's variant
+    sampler: str
+
+    @property
+    def label(self):
+        return {"aureole": "aureole", "llvm_ad_spectral": "Mitsuba"}.get(self.program, "Mitsuba, scalar")
+
+
+def find_scenes(a):
+    """Those of Mitsuba's scenes that are there; says which are missing."""
+    shared = Path(os.environ.get("AUREOLE_SHARED") or ROOT / ".." / "shared").resolve()
+    h, w = a.height, (a.height * 683 + 256) // 512  # matpreview.xml is 683 x 512
+    all_scenes = (Scene("cbox", shared / "data/mitsuba/scenes/cbox/cbox-spectral.xml", (("res", str(h)),), h, h),
+                  Scene("matpreview", shared / "data/mitsuba/scenes/matpreview/matpreview.xml",
+                        (("width", str(w)), ("height", str(h))), w, h))
+    for s in all_scenes:
+        if s.file.is_file():
+            yield s
+        elif s.name in a.only:
+            print(f"{s.name}: skipped, there is no {s.file} (set AUREOLE_SHARED to the folder that holds "
+                  "data/mitsuba/scenes)", file=sys.stderr)
+
+
+def contenders(a):
+    scalar = [Contender("scalar_spectral", "independent")] if a.scalar else []
+    return ([Contender("aureole", s) for s in AUREOLE_SAMPLERS] +
+            [Contender("llvm_ad_spectral", s) for s in MITSUBA_SAMPLERS] + scalar)
+
+
+def kind(scene, contender):
+    return scene.name, contender
+
+
+def size(scene, spp):
+    return scene.width * scene.height * spp
+
+
+def items(a, scene):
+    return [(kind(scene, c), size(scene, spp)) for c in contenders(a) for spp in a.spp for _ in range(a.replicates)]
+
+
+class Mitsuba:
+    """A process that keeps scenes and compiled kernels."""
+
+    def __init__(self, variant, threads):
+        command = [sys.executable, ROOT / "bench/peers_mitsuba.py", "serve", variant, str(threads)]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+    def render(self, scene, sampler, spp, seed, output):
+        request = {"file": str(scene.file), "defines": dict(scene.defines), "sampler": sampler, "spp": spp,
+                   "seed": seed, "output": str(output)}
+        try:
+            self.process.stdin.write(json.dumps(request) + "\n")
+            self.process.stdin.flush()
+            line = self.process.stdout.readline()
+        except BrokenPipeError:
+            line = ""
+        if not line:
+            sys.exit(f"Mitsuba ended unexpectedly ({scene.name}, {sampler}, exit status {self.process.wait()})")
+        reply = json.loads(line)
+        if "error" in reply:
+            sys.exit(f"Mitsuba, {scene.name}, {sampler}:\n{reply['error']}")
+        return reply["seconds"], reply["spp"]
+
+
+def render_aureole(a, scene, sampler, spp, seed, output):
+    picture = output.with_suffix(".exr")
+    command = [a.aureole, "render", scene.file, "-o", picture, "--spp", str(spp), "--seed", str(seed), "--sampler",
+               sampler, "--threads", str(a.threads), "--checkpoint", "1e9", "--restart", "--quiet"]
+    for name, value in scene.defines:
+        command += ["-D", f"{name}={value}"]
+    r = subprocess.run(command, capture_output=True, text=True)
+    if r.returncode != 0:
+        sys.exit(f"aureole, {scene.name}, {sampler}: exit status {r.returncode}\n{r.stderr}")
+    with OpenEXR.File(str(picture), separate_channels=True) as f:
+        header, channels = f.header(), f.channels()
+        rgb = np.stack([channels[c].pixels.astype(np.float32) for c in "RGB"], axis=-1)
+        seconds, taken = float(header["aureole:seconds"]), int(header["aureole:spp"])
+    np.save(output, rgb)
+    return seconds, taken
+
+
+@dataclass
+class Result:
+    contender: Contender
+    spp: int
+    seconds: list
+    pictures: list
+
+    def load(self):
+        x = np.stack([np.load(p) for p in self.pictures]).astype(np.float64)
+        if not np.isfinite(x).all():
+            sys.exit(f"{self.contender.label}, {self.contender.sampler}: the picture is not finite")
+        return x
+
+
+def variance(pictures, weight=1.0):
+    """Unbiased variance between seeds, averaged over pixels and channels; its standard error by jackknife."""
+    n = len(pictures)
+    # Sums of squares about the mean of all, so that leaving one seed out needs no other pass.
+    d = pictures - pictures.mean(axis=0)
+    square = (d * d).sum(axis=0)
+    value = float((weight * square).mean() / (n - 1))
+    if n < 3:
+        return value, float("nan")
+    without = np.array([float((weight * (square - d[i] ** 2 * (n / (n - 1)))).mean() / (n - 2)) for i in range(n)])
+    return value, float(np.sqrt((n - 1) / n * ((without - without.mean()) ** 2).sum()))
+
+
+def render_all(a, scene, folder, progress):
+    """Renders everything; programs and samplers take turns, so that a machine that slows down slows down all."""
+    who = contenders(a)
+    results = {(c, spp): Result(c, 0, [], []) for spp in a.spp for c in who}
+    servers = {}
+    try:
+        for seed in range(a.replicates):
+            for spp in a.spp:
+                for c in who[seed % len(who):] + who[:seed % len(who)]:
+                    output = folder / f"{scene.name}-{c.program}-{c.sampler}-{spp}-{seed}.npy"
+                    begin = time.perf_counter()
+                    if c.program == "aureole":
+                        seconds, taken = render_aureole(a, scene, c.sampler, spp, seed, output)
+                    else:
+                        if c.program not in servers:
+                            servers[c.program] = Mitsuba(c.program, a.threads)
+                        seconds, taken = servers[c.program].render(scene, c.sampler, spp, seed, output)
+                    r = results[c, spp]
+                    r.spp = taken
+                    r.seconds.append(seconds)
+                    r.pictures.append(output)
+                    progress.step(kind(scene, c), size(scene, spp), time.perf_counter() - begin,
+                                  f"{scene.name}, {spp} spp, {c.label} {c.sampler}, seed {seed}")
+    finally:
+        for s in servers.values():
+            s.__exit__()
+    return results
+
+
+def run(a, scene, folder, progress, conditions):
+    results = render_all(a, scene, folder, progress)
+    rows, summary = [], []
+    for spp in a.spp:
+        group = [r for (_, asked), r in results.items() if asked == spp]
+        table, text = compare(scene, spp, group)
+        rows += table
+        summary += text
+    for r in results.values():
+        for p in r.pictures:
+            p.unlink()
+    title = "cbox-spectral" if scene.name == "cbox" else scene.name
+    return "\n".join([f"### {title}, {scene.width}x{scene.height}", "",
+                      f"{a.replicates} seeds; {conditions}", "",
+                      f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|", *rows, "", *summary]).rstrip()
+
+
+def compare(scene, asked, group):
+    """Rows of the table and sentences for one number of samples."""
+    means = {r.contender: r.load().mean(axis=0) for r in group}
+    reference = np.mean(list(means.values()), axis=0)
+    weight = 1 / (reference**2 + 0.01 * reference.mean() ** 2)
+    rows, score, noise = [], {}, {}
+    for r in group:
+        x = r.load()
+        seconds, mean = min(r.seconds), x.mean()
+        v, v_error = variance(x)
+        relative, relative_error = variance(x, weight)
+        noise[r.contender] = relative / len(x)
+        score[r.contender] = [(mean**2 / (v * seconds), v_error / v),
+                              (1 / (relative * seconds), relative_error / relative)]
+        rate = scene.width * scene.height * r.spp / seconds * 1e-6
+        cells = [r.contender.label, r.contender.sampler, r.spp, f"{seconds:.3f}", f"{rate:.2f}", f"{mean:.5g}",
+                 f"{v:.3g}", f"{relative**0.5:.4f}", *(with_error(*s) for s in score[r.contender])]
+        rows.append(f"| {' | '.join(map(str, cells))} |")
+        # Other work on the machine, or a clock that changes: the least of the times may still be too long.
+        if np.median(r.seconds) > 1.1 * seconds:
+            print(f"note: times of {r.contender.label} {r.contender.sampler}, {asked} spp, differ: least "
+                  f"{seconds:.3f} s, median {np.median(r.seconds):.3f} s", file=sys.stderr)
+    return rows, [ratios(asked, score, 0, "efficiency"), ratios(asked, score, 1, "by pixel"),
+                  same_picture(scene, asked, means, noise, weight), ""]
+
+
+def with_error(value, relative_error):
+    return f"{value:.4g}" if np.isnan(relative_error) else f"{value:.4g} ± {100 * relative_error:.1f} %"
+
+
+def ratios(asked, score, which, name):
+    best = max((c for c in score if c.program != "aureole"), key=lambda c: score[c][which][0])
+    text = []
+    for c in score:
+        if c.program == "aureole":
+            (mine, my_error), (other, other_error) = score[c][which], score[best][which]
+            text.append(f"{c.sampler} {with_error(mine / other, float(np.hypot(my_error, other_error)))}")
+    other = best.label.replace("Mitsuba", best.sampler)
+    return f"- {asked} spp, {name}: aureole / best of Mitsuba ({other}): **{', '.join(text)}**"
+
+
+def same_picture(scene, asked, means, noise, weight):
+    """The programs' mean pictures must agree: the RMS difference beyond that of the noise, relative as in relRMSE."""
+    pooled, square = [], 0.0
+    for mine in (True, False):
+        own = [c for c in means if (c.program == "aureole") == mine]
+        pooled.append(np.mean([means[c] for c in own], axis=0))
+        square += sum(noise[c] for c in own) / len(own) ** 2
+    beyond = np.sqrt(max(0.0, (weight * (pooled[0] - pooled[1]) ** 2).mean() - square))
+    difference = (pooled[0].mean() - pooled[1].mean()) / np.mean(pooled)
+    noise_rms = np.sqrt(square)
+    if beyond > 0.05 + 0.5 * noise_rms or abs(difference) > 0.02 + 0.5 * noise_rms:
+        print(f"WARNING: {scene.name}: the programs' pictures differ, so their noise cannot be compared",
+              file=sys.stderr)
+    return (f"- {asked} spp, agreement: the means of the pictures differ by {100 * difference:+.2f} %, the pixels by "
+            f"{100 * beyond:.2f} % (RMS beyond the noise of {100 * noise_rms:.2f} %)")

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+// The complex refractive index of a metal, as BSDFs read it.
+#pragma once
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+
+/// The complex index of a conductor, read from `material` or from `eta` and `k`.
+class ConductorIndex {
+public:
+  /// Reads `material` (default none: a perfect mirror), or `eta` and `k` (defaults 0 and 1). Errors are
+  /// located.
+  static ConductorIndex from(const Properties& properties);
+
+  /// Fresnel reflectance for light from vacuum, cos_i in (0, 1].
+  Spectrum reflectance(float cos_i, const BsdfContext& ctx) const;
+  /// The same for diffuse light: the integral of 2 F(mu) mu over mu in [0, 1].
+  Spectrum diffuse_reflectance(const BsdfContext& ctx) const;
+
+private:
+  void tabulate_diffuse();
+
+  bool tabulated_ = false;
+  SampledSpectrum eta_, k_, diffuse_;   // of a named or constant material
+  TexturePtr eta_texture_, k_texture_;  // where one of them varies over the surface
+};
+
+}  // namespace aureole

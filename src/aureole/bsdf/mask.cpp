@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// A surface with holes: a nested BSDF where it is opaque, nothing elsewhere, and a mixture in between.
+#include <algorithm>
+
+#include "aureole/bsdf/nested.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+class Mask final : public Bsdf {
+public:
+  explicit Mask(const Properties& properties)
+      : Bsdf(properties),
+        opacity_(get_fraction(properties, "opacity", 0.5)),
+        nested_(nested_bsdfs(properties, 1).front()) {
+    // What is opaque or open everywhere costs no more than without the mask.
+    if (opacity_->maximum() > 0) lobes_ = nested_->lobes();
+    if (opacity_->minimum() < 1) lobes_ = lobes_ | kNullLobe;
+  }
+
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    const float opacity = opacity_at(ctx.point);
+    if (!(opacity > 0)) return {};
+    const BsdfEval e = nested_->eval_pdf(wi, wo, ctx);
+    return {e.value * opacity, e.pdf * opacity};
+  }
+
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
+    const float opacity = opacity_at(ctx.point);
+    if (!(u1 < opacity)) return null_sample(wi, 1 - opacity);
+    auto s = nested_->sample(wi, remap_below(u1, opacity), u2, ctx);
+    if (s) s->value *= opacity, s->pdf *= opacity;
+    return s;
+  }
+
+  Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
+    const float opacity = opacity_at(ctx.point);
+    const Spectrum open = 1 - opacity;
+    return nested_->is_passable() ? open + nested_->null_transmittance(wi, ctx) * opacity : open;
+  }
+
+  // Of what is there: how much of it there is, alpha tells.
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
+    return nested_->diffuse_reflectance(wi, ctx);
+  }
+  Vec3 shading_normal(const SurfacePoint& point) const override { return nested_->shading_normal(point); }
+
+  Lobe lobes() const override { return lobes_; }
+
+private:
+  float opacity_at(const SurfacePoint& point) const {
+    return std::clamp(opacity_->eval_scalar(point), 0.f, 1.f);
+  }
+
+  TexturePtr opacity_;
+  BsdfPtr nested_;
+  Lobe lobes_ = Lobe::none;
+};
+
+AUREOLE_PLUGIN(
+    Mask, "bsdf", "mask",
+    PluginDoc{
+        "Makes a BSDF partly or, with a texture, in places transparent: leaves, fences, fabrics. What is not "
+        "covered passes unchanged and is no vertex of a path, so that it does not count for `max_depth`, and "
+        "light sampling sees through it. Opacity has no colour: colours count as their luminance.",
+        "",
+        {{"opacity", "texture", "", "0.5", "fraction of the surface that is covered, in [0, 1]"},
+         {"bsdf", "bsdf", "", "required", "one nested BSDF"}},
+        {R"(<bsdf type="mask">
+    <float name="opacity" value="0.3"/>
+    <bsdf type="diffuse"/>
+</bsdf>)",
+         R"(<bsdf type="mask">
+    <texture name="opacity" type="checkerboard">
+        <float name="color0" value="0"/>
+        <float name="color1" value="1"/>
+    </texture>
+    <bsdf type="twosided">
+        <bsdf type="plastic"/>
+    </bsdf>
+</bsdf>)"}});
+
+}  // namespace
+}  // namespace aureole

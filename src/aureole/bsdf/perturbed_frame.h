@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+// `PerturbedFrame`: a BSDF that evaluates a nested one in a turned shading frame, as bump and normal maps do.
+#pragma once
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+/// Directions below the horizon of either frame are black. With `flip_invalid_normals` a normal that would
+/// be seen from behind is mirrored at the shading normal (Schuessler, Heitz, Hanika & Dachsbacher 2017,
+/// "Microfacet-based normal mapping for robust Monte Carlo path tracing"), which makes the frame
+/// depend on the viewer. With `use_shadowing_function` light at grazing directions fades (Estevez, Lecocq &
+/// Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem", Ray Tracing
+/// Gems, chapter 12).
+///
+/// None of this is reciprocal. In importance mode the viewer is on the side of `wo`, and the value is that of
+/// radiance mode with the directions exchanged, so that light and camera paths find the same picture (Veach
+/// 1997, section 5.3).
+class PerturbedFrame : public Bsdf {
+public:
+  explicit PerturbedFrame(const Properties& properties);
+
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const final;
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const final;
+  Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const final;
+  Lobe lobes() const final { return nested_->lobes(); }
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const final {
+    return nested_->diffuse_reflectance(wi, ctx);
+  }
+  Vec3 shading_normal(const SurfacePoint& point) const final { return unit_normal(point); }
+
+protected:
+  /// The turned normal in local coordinates, of any length but zero, finite.
+  virtual Vec3 perturbed_normal(const SurfacePoint& point) const = 0;
+
+private:
+  class Turned;
+
+  Vec3 unit_normal(const SurfacePoint& point) const;
+  bool is_flipped(const Vec3& n, const Vec3& viewer) const;
+  float probability_of_flipped(const Vec3& n, const Vec3& wi, TransportMode mode) const;
+  float weight(const Vec3& n, const Vec3& wi, const Vec3& wi_t, const Vec3& wo, const Vec3& wo_t,
+               TransportMode mode) const;
+
+  BsdfPtr nested_;
+  bool flip_invalid_normals_, use_shadowing_function_;
+};
+
+/// The rows of the parameter table that every such BSDF has.
+std::vector<ParameterDoc> perturbed_frame_parameters(std::vector<ParameterDoc> own);
+
+}  // namespace aureole

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rough metal: microfacets that reflect as a smooth one does, f = F D G / (4 cos_i cos_o) (Cook & Torrance
+// 1982; Walter et al. 2007, equation 20) with Smith's G = G1(wi) G1(wo), scattered once. With
+// `energy_preserving` a second lobe has what is scattered more than once (Kulla & Conty 2017, "Revisiting
+// physically based shading at Imageworks"):
+//     f_ms = F_ms (1 - E(wi)) (1 - E(wo)) / (pi (1 - E_avg)),
+// E the energy that white facets scatter once. It is reciprocal, and a white surface loses nothing.
+#include <optional>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/conductor_index.h"
+#include "aureole/bsdf/microfacet.h"
+#include "aureole/bsdf/microfacet_energy.h"
+#include "aureole/math/warp.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+class RoughConductor final : public Bsdf {
+public:
+  explicit RoughConductor(const Properties& properties)
+      : Bsdf(properties),
+        index_(ConductorIndex::from(properties)),
+        reflectance_(get_optional_texture(properties, "specular_reflectance", SpectrumRole::reflectance)),
+        roughness_(properties, true) {
+    if (properties.get_bool("energy_preserving", false))
+      loss_.emplace(roughness_, std::vector<float>{1},
+                    [](const Microfacets& d, const Vec3& wi, float, int points) {
+                      return mirrored_energy(d, wi, points);
+                    });
+  }
+
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    if (!(wi.z > 0 && wo.z > 0)) return {};
+    const State state(*this, wi, ctx);
+    return at(state, wi, wo, ctx);
+  }
+
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
+    if (!(wi.z > 0)) return {};
+    const State state(*this, wi, ctx);
+    Vec3 wo;
+    if (u1 < state.loss) {
+      wo = loss_->sample(state.place, 1, u2);
+    } else {
+      const Vec3 m = roughness_.visible() ? state.facets.sample_visible(wi, u2) : state.facets.sample_all(u2);
+      wo = normalize(2 * dot(wi, m) * m - wi);
+    }
+    if (!(wo.z > 0)) return {};
+    const BsdfEval e = at(state, wi, wo, ctx);
+    if (!(e.pdf[0] > 0)) return {};
+    return BsdfSample{wo, e.value, e.pdf, lobes()};
+  }
+
+  Lobe lobes() const override { return Lobe::glossy | Lobe::reflect; }
+
+private:
+  /// All that depends on wi and the point only. `loss` is the probability of the second lobe: the same for
+  /// all wavelengths.
+  struct State {
+    Microfacets facets;
+    LossTable::Place place;
+    float loss = 0, average_loss = 0;
+
+    State(const RoughConductor& b, const Vec3& wi, const BsdfContext& ctx) : facets(b.roughness_.at(ctx)) {
+      if (!b.loss_) return;
+      place = b.loss_->locate(facets);
+      average_loss = b.loss_->average(place, 1.f);
+      // Below, single precision has nothing to add.
+      if (average_loss > 1e-6f) loss = b.loss_->loss(place, wi, 1.f);
+    }
+  };
+
+  BsdfEval at(const State& s, const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
+    const Vec3 sum = wi + wo;
+    const float size = length(sum), cos_im = std::min(0.5f * size, 1.f);  // of the angle from wi to sum
+    if (!(size > 0)) return {};
+    const Vec3 m = sum / size;
+    const float density = s.facets.density(m), seen = 0.25f * density * s.facets.masking_over_cos(wi);
+    const float pdf = roughness_.visible() ? seen : 0.25f * density * m.z / cos_im;
+    const Spectrum tint = reflectance_ ? reflectance_->eval(ctx.point, ctx.wavelengths) : Spectrum(1.f);
+    BsdfEval e{index_.reflectance(cos_im, ctx) * tint * (seen * s.facets.masking(wo)), pdf};
+    if (s.loss > 0) {
+      // What meets facets twice or more: reflected by F_avg each time, and escaping with E_avg after each.
+      const Spectrum f = index_.diffuse_reflectance(ctx) * tint;
+      const Spectrum f_ms = f * f * (1 - s.average_loss) / (Spectrum(1.f) - f * s.average_loss);
+      const float cosine = cosine_hemisphere_pdf(wo.z);
+      e.value += f_ms * (s.loss * loss_->loss(s.place, wo, 1.f) / s.average_loss * cosine);
+      e.pdf = e.pdf * (1 - s.loss) + s.loss * loss_->density_over_cosine(s.place, wo.z, 1.f) * cosine;
+    }
+    return e;
+  }
+
+  ConductorIndex index_;
+  TexturePtr reflectance_;
+  Roughness roughness_;
+  std::optional<LossTable> loss_;
+};
+
+AUREOLE_PLUGIN(
+    RoughConductor, "bsdf", "roughconductor",
+    PluginDoc{
+        "A rough metal in vacuum: microfacets that reflect as `conductor` does. Light is scattered once, "
+        "which "
+        "makes very rough metals dark; with `energy_preserving` it is scattered until it leaves, with the "
+        "stronger colour of several reflections, and a white metal loses no light. It reflects on the side "
+        "of "
+        "its normal and is black on the other; `twosided` makes both sides alike.",
+        "B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet models for refraction through rough "
+        "surfaces, "
+        "EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based BRDFs, JCGT "
+        "3(2), "
+        "2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, SIGGRAPH courses 2017",
+        {{"material", "string", "", "none",
+          "name of a conductor with tabulated index, such as Au or Cu_palik; none is a perfect mirror"},
+         {"eta", "texture", "", "0", "real part of the index, instead of a material"},
+         {"k", "texture", "", "1",
+          "imaginary part of the index (extinction coefficient), instead of a material"},
+         {"specular_reflectance", "texture", "", "1",
+          "factor of the reflected light; leave at 1 for a real metal"},
+         {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},
+         {"alpha", "texture", "", "0.1", "roughness: for beckmann the root mean square slope times root 2"},
+         {"alpha_u", "texture", "", "alpha", "roughness along dp/du, with alpha_v instead of alpha"},
+         {"alpha_v", "texture", "", "alpha", "roughness across dp/du"},
+         {"sample_visible", "boolean", "", "true",
+          "sample the normals that are visible (less noise), not all of them"},
+         {"energy_preserving", "boolean", "", "false",
+          "add the light that is scattered more than once, which Mitsuba leaves out"}},
+        {R"(<bsdf type="roughconductor">
+    <string name="material" value="Al"/>
+    <string name="distribution" value="ggx"/>
+    <float name="alpha_u" value="0.05"/>
+    <float name="alpha_v" value="0.3"/>
+</bsdf>)",
+         R"(<bsdf type="roughconductor">
+    <spectrum name="eta" value="400:1.5, 550:0.4, 700:0.15"/>
+    <spectrum name="k" value="400:1.9, 550:2.6, 700:4.0"/>
+    <float name="specular_reflectance" value="0.8"/>
+    <float name="alpha" value="0.4"/>
+    <boolean name="sample_visible" value="false"/>
+    <boolean name="energy_preserving" value="true"/>
+</bsdf>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parallel light from infinity, such as sunlight without the width of the sun.
+#include "aureole/emitter/emitter.h"
+#include "aureole/emitter/emitter_docs.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+class DirectionalEmitter final : public Emitter {
+public:
+  explicit DirectionalEmitter(const Properties& p)
+      : Emitter(p), irradiance_(get_texture(p, "irradiance", 1, SpectrumRole::emission)) {
+    if (!irradiance_->is_constant()) throw p.error("irradiance", "expected a spectrum, not a texture");
+    if (p.has("direction") && p.has("to_world"))
+      throw p.error("direction", "give either \"direction\" or \"to_world\"");
+    const Vec3 d = p.get_transform("to_world").vector(p.get_vec3("direction", {0, 0, 1}));
+    const float l = length(d);
+    if (!(l > 0) || !std::isfinite(l)) throw p.error("direction", "a direction must not be zero");
+    direction_ = d * (1 / l);
+  }
+
+  void set_scene_bounds(const Vec3& center, float radius) override { center_ = center, radius_ = radius; }
+  bool is_infinite() const override { return true; }
+  bool is_delta() const override { return true; }
+
+  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2,
+                                            const Wavelengths& w) const override {
+    DirectSample s;
+    s.wo = -direction_;
+    s.radiance = irradiance_->eval({}, w);
+    s.pdf = 1;
+    s.delta = s.infinite = true;
+    return s;
+  }
+
+  std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2,
+                                       const Wavelengths& w) const override {
+    EmittedRay r = ray_from_infinity(center_, radius_, direction_, position);
+    r.value = irradiance_->eval({}, w);
+    r.pdf_direction = 1, r.delta_direction = true;
+    return r;
+  }
+
+  SampledSpectrum power_spectrum() const override {
+    SampledSpectrum s = irradiance_->average();
+    s.scale(kPi * radius_ * radius_);
+    return s;
+  }
+  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+
+private:
+  TexturePtr irradiance_;
+  Vec3 direction_, center_;
+  float radius_ = 1;
+};
+
+AUREOLE_PLUGIN(
+    DirectionalEmitter, "emitter", "directional",
+    PluginDoc{
+        "Parallel light from infinity over the whole scene.",
+        "",
+        emitter_parameters({{"irradiance", "spectrum", "W/(m^2 nm), any common scale", "1",
+                             "spectral irradiance of a surface across the light"},
+                            {"direction", "vector", "", "0, 0, 1", "into which the light travels"},
+                            {"to_world", "transform", "", "identity",
+                             "instead of direction: the light travels along its +z"}}),
+        {R"(<emitter type="directional"><vector name="direction" value="1, 0, -2"/><rgb name="irradiance" value="3, 3, 2.5"/></emitter>)",
+         R"(<emitter type="directional"><transform name="to_world"><lookat origin="0, 0, 5" target="1, 2, 0" up="0, 0, 1"/></transform></emitter>)"}});
+
+}  // namespace
+}  // namespace aureole

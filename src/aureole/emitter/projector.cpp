@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// A projector: the reciprocal of a pinhole camera, which throws a picture. Its radiometry is Mitsuba's: a
+// value of one makes a white diffuse screen at z = 1 as bright as radiance one, so that the screen receives
+// pi.
+#include <cmath>
+
+#include "aureole/emitter/emitter.h"
+#include "aureole/emitter/emitter_docs.h"
+#include "aureole/emitter/placement.h"
+#include "aureole/math/piecewise.h"
+#include "aureole/plugin/field_of_view.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+class ProjectorEmitter final : public Emitter {
+public:
+  explicit ProjectorEmitter(const Properties& p)
+      : Emitter(p),
+        placement_(get_placement(p)),
+        irradiance_(get_texture(p, "irradiance", 1, SpectrumRole::emission)),
+        scale_(float(p.get_float("scale", 1, Range::non_negative()))) {
+    if (std::abs(placement_.scale - 1) > 1e-3)
+      throw p.error("to_world", "a projector's transform must not scale");
+    const auto [width, height] = irradiance_->resolution();
+    const double aspect = double(width) / height, tangent = tangent_of_half_width(p, aspect);
+    half_width_ = float(tangent), half_height_ = float(tangent / aspect);
+    area_ = 4 * tangent * tangent / aspect;
+    build_distribution(width, height);
+  }
+
+  bool is_delta() const override { return true; }
+
+  std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t, Vec2,
+                                            const Wavelengths& w) const override {
+    const Vec3 to = reference - placement_.origin;
+    const Vec3 local = placement_.axes.to_local(to);
+    if (!(local.z > 0)) return {};
+    const Vec2 uv{0.5f - 0.5f * local.x / (local.z * half_width_),
+                  0.5f - 0.5f * local.y / (local.z * half_height_)};
+    if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1)) return {};
+    const float distance = length(to), inverse_z = 1 / local.z;
+    DirectSample s;
+    s.wo = to * (-1 / distance);
+    s.p = placement_.origin;
+    s.radiance = at(uv, w) * (distance * inverse_z * inverse_z * inverse_z);
+    s.pdf = 1;
+    s.delta = true;
+    return s;
+  }
+
+  std::optional<EmittedRay> sample_ray(std::size_t, Vec2, Vec2 direction,
+                                       const Wavelengths& w) const override {
+    float pdf;
+    const Vec2 uv = distribution_.sample(direction, &pdf);
+    if (!(pdf > 0)) return {};
+    const Vec3 local = normalize(Vec3{(1 - 2 * uv.x) * half_width_, (1 - 2 * uv.y) * half_height_, 1});
+    const float inverse_cosine3 = 1 / (local.z * local.z * local.z);
+    EmittedRay r;
+    r.p = placement_.origin;
+    r.d = normalize(placement_.axes.to_world(local));
+    r.value = at(uv, w) * inverse_cosine3;
+    r.pdf_position = 1, r.delta_position = true;
+    r.pdf_direction = pdf * inverse_cosine3 / float(area_);
+    return r;
+  }
+
+  SampledSpectrum power_spectrum() const override {
+    SampledSpectrum s = irradiance_->average();
+    s.scale(float(M_PI * scale_ * area_));
+    return s;
+  }
+
+  EmissionBounds emission_bounds(std::size_t) const override {
+    // Wider than the picture by a rounding error of the tree's arithmetic.
+    const double corner = std::atan(std::hypot(half_width_, half_height_));
+    return {{placement_.origin, placement_.origin},
+            placement_.axes.n,
+            1,
+            float(std::cos(corner + 2e-3)),
+            1,
+            float(M_PI / area_)};
+  }
+
+private:
+  /// Irradiance of the plane z = 1.
+  Spectrum at(Vec2 uv, const Wavelengths& w) const {
+    SurfacePoint point;
+    point.uv = uv;
+    return irradiance_->eval(point, w) * (kPi * scale_);
+  }
+
+  /// Cells of a picture's texels, up to 256 x 256; each has the mean of a lattice of its points, plus a
+  /// little of the picture's mean for what the lattice has missed.
+  void build_distribution(int width, int height) {
+    constexpr int kMost = 256, kOfPattern = 64;
+    const bool picture = width > 1 || height > 1;
+    const int columns = irradiance_->is_constant() ? 1 : picture ? std::min(width, kMost) : kOfPattern;
+    const int rows = irradiance_->is_constant() ? 1 : picture ? std::min(height, kMost) : kOfPattern;
+    const int points = std::max(width, height) > kMost ? 8 : 4;
+    const SpectralGrid& grid = properties().context().grid;
+    const Wavelengths w =
+        Wavelengths::at(grid, make_spectrum([&](int i) {
+                          return float(grid.min_nm + (grid.max_nm - grid.min_nm) * (i + 0.5) / kWavelengths);
+                        }));
+    std::vector<float> weights;
+    double sum = 0;
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x) {
+        float weight = 0;
+        for (int j = 0; j < points; ++j)
+          for (int i = 0; i < points; ++i)
+            weight += mean(at({(float(x) + float(i) / float(points - 1)) / float(columns),
+                               (float(y) + float(j) / float(points - 1)) / float(rows)},
+                              w));
+        weights.push_back(weight);
+        sum += weight;
+      }
+    const float least = float(0.05 * sum / double(weights.size()));
+    for (float& weight : weights) weight += least;
+    distribution_ = Piecewise2D(weights, columns, rows);
+  }
+
+  Placement placement_;
+  TexturePtr irradiance_;
+  float scale_, half_width_, half_height_;  ///< half the picture's size at z = 1
+  double area_;                             ///< of the picture at z = 1
+  Piecewise2D distribution_;
+};
+
+AUREOLE_PLUGIN(ProjectorEmitter, "emitter", "projector",
+               PluginDoc{
+                   "Throws a picture as `perspective` sees one: from a point along the local +z, the "
+                   "picture's left on local "
+                   "+x. A plane across the axis is lit evenly by an even picture. A white diffuse screen at "
+                   "distance 1 looks "
+                   "like the picture: it receives pi times `irradiance` (as in Mitsuba).",
+                   "",
+                   emitter_parameters({{"irradiance", "texture", "W/(m^2 nm), any common scale", "1",
+                                        "the picture, whose width and height in pixels give the shape of "
+                                        "what is lit; without pixels a square"},
+                                       {"scale", "float", "", "1", "factor"},
+                                       {"fov", "float", "degrees", "from focal_length",
+                                        "width of the picture as an angle along fov_axis"},
+                                       {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
+                                       {"focal_length", "string", "mm", "50mm",
+                                        "instead of fov: of a 35 mm camera with the same diagonal angle"},
+                                       {"to_world", "transform", "", "identity",
+                                        "projector to world; must not scale"}}),
+                   {R"(<emitter type="projector">
+    <texture name="irradiance" type="d65"><texture type="bitmap"><string name="filename" value="slide.png"/></texture></texture>
+    <float name="fov" value="30"/> <string name="fov_axis" value="larger"/> <float name="scale" value="20"/>
+    <transform name="to_world"><lookat origin="0, 1, 4" target="0, 1, 0" up="0, 1, 0"/></transform>
+</emitter>)",
+                    R"(<emitter type="projector"><string name="focal_length" value="35mm"/></emitter>)"}});
+
+}  // namespace
+}  // namespace aureole

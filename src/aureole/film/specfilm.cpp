@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: Apache-2.0
+// Film of many channels: one per named spectral response, or one per bin of wavelengths.
+#include <array>
+#include <cmath>
+
+#include "aureole/core/units.h"
+#include "aureole/film/film.h"
+#include "aureole/film/film_docs.h"
+#include "aureole/film/spectral_bins.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/spectrum/observer.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+using Rows = std::array<std::vector<double>, 3>;
+
+double inner_product(const SampledSpectrum& a, const SampledSpectrum& b) { return product(a, b).integral(); }
+
+/// Solves A x = b for each b; A is symmetric and positive definite, row by row.
+void solve(std::vector<double> a, size_t n, Rows& b) {
+  for (size_t k = 0; k < n; ++k)  // Cholesky: A = L L^T
+    for (size_t i = k; i < n; ++i) {
+      double s = a[i * n + k];
+      for (size_t j = 0; j < k; ++j) s -= a[i * n + j] * a[k * n + j];
+      a[i * n + k] = i == k ? std::sqrt(s) : s / a[k * n + k];
+    }
+  for (auto& x : b) {
+    for (size_t i = 0; i < n; ++i) {
+      for (size_t j = 0; j < i; ++j) x[i] -= a[i * n + j] * x[j];
+      x[i] /= a[i * n + i];
+    }
+    for (size_t i = n; i-- > 0;) {
+      for (size_t j = i + 1; j < n; ++j) x[i] -= a[j * n + i] * x[j];
+      x[i] /= a[i * n + i];
+    }
+  }
+}
+
+/// The wavelengths in a list such as "400, 450nm 0.5um".
+std::vector<double> wavelength_list(const Properties& p, std::string_view name) {
+  const std::string text = p.get_string(name);
+  std::vector<double> nm;
+  for (size_t at = 0; (at = text.find_first_not_of(", \t\r\n", at)) != std::string::npos;) {
+    const size_t end = std::min(text.find_first_of(", \t\r\n", at), text.size());
+    try {
+      nm.push_back(parse_wavelength_nm(std::string_view(text).substr(at, end - at)));
+    } catch (const Error& e) {
+      throw p.error(name, e.message());
+    }
+    at = end;
+  }
+  if (nm.size() < 2) throw p.error(name, "needs at least two wavelengths");
+  return nm;
+}
+
+class SpecFilm final : public Film {
+public:
+  explicit SpecFilm(const Properties& p) : Film(p) {
+    read_common(p);
+    pixel_ = read_component_format(p);
+    p.get_choice("file_format", "openexr", {"openexr", "exr"});
+    preview_ = p.get_bool("preview", true);
+    const auto count = p.get_int("bins", 0, {1, 4096});
+    const bool by_edges = p.find("bin_edges");
+    read_bands(p);
+    if (p.has("bins") && by_edges) throw p.error("bins", "give either \"bins\" or \"bin_edges\"");
+    has_bins_ = by_edges || p.has("bins");
+    if (has_bins_ != bands_.empty())
+      throw Error(p.where(), has_bins_ ? "a film has either bins or named responses"
+                                       : "a spectral film needs responses, such as <spectrum name=\"red\" "
+                                         "value=\"560:0, 610:1, 660:0\"/>, or \"bins\"");
+    if (!has_bins_) {
+      make_preview_of_bands();
+      return;
+    }
+    const SpectralGrid& grid = p.context().grid;
+    const char* source = by_edges ? "bin_edges" : "bins";
+    try {
+      bins_ = by_edges ? SpectralBins(wavelength_list(p, "bin_edges"))
+                       : SpectralBins::equal(grid.min_nm, grid.max_nm, int(count));
+    } catch (const Error& e) {
+      if (!e.where().file.empty()) throw;
+      throw p.error(source, e.message());
+    }
+    check_range(p, source, bins_.lower(0), bins_.upper(bins_.count() - 1));
+    for (int i = 0; i < bins_.count(); ++i) per_width_.push_back(float(1 / bins_.width(i)));
+    make_preview_of_bins();
+  }
+
+  int measured_channels() const override { return has_bins_ ? bins_.count() : int(bands_.size()); }
+
+  void measure(const Spectrum& estimate, const Wavelengths& w, float* out) const override {
+    if (!has_bins_) {
+      for (const Band& b : bands_) *out++ = sum(estimate * b.response.eval(w));
+      return;
+    }
+    std::fill(out, out + bins_.count(), 0.f);
+    for (int i = 0; i < kWavelengths; ++i)
+      if (const int bin = bins_.find(w.nm[i]); bin >= 0) out[bin] += estimate[i] * per_width_[size_t(bin)];
+  }
+
+  /// Every channel has the same weight, so that narrow ones get their share of samples.
+  SampledSpectrum response() const override {
+    const SpectralGrid& grid = properties().context().grid;
+    std::vector<float> nodes(size_t(grid.cells) + 1);
+    for (size_t i = 0; i < nodes.size(); ++i) {
+      if (has_bins_) {
+        const int bin = bins_.find(float(grid.node(int(i))));
+        nodes[i] = bin < 0 ? 0.f : per_width_[size_t(bin)];
+      }
+      for (const Band& b : bands_) nodes[i] += b.response.nodes()[i] / b.integral;
+    }
+    return {grid, nodes};
+  }
+  void multiply_response(const SampledSpectrum&) override {
+    throw Error(properties().where(),
+                "a spectral film has responses of its own: leave the sensor's \"srf\" out");
+  }
+
+  std::vector<std::string> channel_names() const override {
+    std::vector<std::string> names;
+    if (has_bins_) {
+      names = bins_.channel_names();
+      if (preview_) names.insert(names.begin(), {"R", "G", "B"});
+    }
+    for (const Band& b : bands_) names.push_back(b.name);
+    return names;
+  }
+  void develop(const double* m, double, float* out) const override {
+    if (has_bins_ && preview_) {
+      develop_rgb(m, out);
+      out += 3;
+    }
+    for (int i = 0; i < measured_channels(); ++i) out[i] = float(m[i]);
+  }
+  void develop_rgb(const double* m, float rgb[3]) const override {
+    double xyz[3] = {};
+    for (size_t c = 0; c < 3; ++c)
+      for (size_t i = 0; i < xyz_[c].size(); ++i) xyz[c] += xyz_[c][i] * m[i];
+    if (is_visible_)
+      xyz_to_srgb(xyz, rgb);
+    else
+      std::copy(xyz, xyz + 3, rgb);
+  }
+  ExrPixel pixel_type() const override { return pixel_; }
+
+private:
+  struct Band {
+    std::string name;
+    SampledSpectrum response;
+    float integral;
+  };
+
+  static void check_range(const Properties& p, std::string_view name, double first, double last) {
+    const SpectralGrid& grid = p.context().grid;
+    if (first < grid.min_nm * (1 - 1e-9) || last > grid.max_nm * (1 + 1e-9))
+      throw p.error(name, fmt::format("reaches from {:g} to {:g} nm, beyond the film's range of {:g} to {:g}",
+                                      first, last, grid.min_nm, grid.max_nm));
+  }
+
+  /// All spectra that no other parameter took.
+  void read_bands(const Properties& p) {
+    p.find("(any name)");
+    for (const Properties::Entry& e : p.entries()) {
+      const auto* literal = std::get_if<SpectrumLiteral>(&e.value);
+      const auto* object = std::get_if<ObjectPtr>(&e.value);
+      const auto texture = object ? std::dynamic_pointer_cast<Texture>(*object) : nullptr;
+      if (e.used || (!literal && !texture)) continue;
+      e.used = true;
+      if (e.name.empty()) throw Error(e.where, "a response needs a name, which becomes its channel's");
+      if (e.name == "A") throw p.error("A", "the name of a channel for alpha");
+      if (literal && literal->kind == SpectrumLiteral::Kind::rgb)
+        throw p.error(e.name, "a response is a spectrum, not a colour");
+      if (texture && !texture->is_constant())
+        throw p.error(e.name, "a response is one spectrum, not a picture");
+      if (literal && literal->kind == SpectrumLiteral::Kind::points && !literal->nm.empty())
+        check_range(p, e.name, literal->nm.front(), literal->nm.back());
+      bands_.push_back({e.name, tabulate(p, e, texture.get()), 0});
+      bands_.back().integral = float(bands_.back().response.integral());
+      if (!(bands_.back().integral > 0))
+        throw p.error(e.name, "the response is zero over the whole range of the film");
+    }
+  }
+  static SampledSpectrum tabulate(const Properties& p, const Properties::Entry& e, const Texture* texture) {
+    if (texture && texture->minimum() < 0) throw p.error(e.name, "a response must not be negative");
+    if (texture) return texture->average();
+    // As any other spectrum, through a copy that may read the name.
+    Properties named(p.type(), p.id(), p.where(), p.shared_context());
+    named.add(e.name, e.value, e.where);
+    return get_texture(named, e.name, 0, SpectrumRole::unbounded)->average();
+  }
+
+  /// The colour of the radiance that is a combination of the responses and would be measured as it is. Nearly
+  /// equal responses would amplify noise: what they differ by hardly counts.
+  void make_preview_of_bands() {
+    const auto observer = observer_xyz(properties().context().grid);
+    const size_t n = bands_.size();
+    std::vector<double> gram(n * n);
+    double trace = 0;
+    for (size_t i = 0; i < n; ++i) {
+      for (size_t c = 0; c < 3; ++c) xyz_[c].push_back(inner_product(observer[c], bands_[i].response));
+      for (size_t j = 0; j <= i; ++j)
+        gram[i * n + j] = gram[j * n + i] = inner_product(bands_[i].response, bands_[j].response);
+      trace += gram[i * n + i];
+    }
+    for (size_t i = 0; i < n; ++i) gram[i * n + i] += 1e-3 * trace / double(n);
+    is_visible_ = *std::max_element(xyz_[1].begin(), xyz_[1].end()) > 0;
+    if (is_visible_) return solve(std::move(gram), n, xyz_);
+    for (auto& row : xyz_)
+      for (size_t i = 0; i < n; ++i) row[i] = 1 / (double(bands_[i].integral) * double(n));
+  }
+
+  /// The colour of the radiance that is constant in every bin; the mean where nothing is visible.
+  void make_preview_of_bins() {
+    const SpectralGrid& grid = properties().context().grid;
+    const auto observer = observer_xyz(grid);
+    const double range = bins_.upper(bins_.count() - 1) - bins_.lower(0);
+    for (size_t c = 0; c < 3; ++c) {
+      xyz_[c].resize(size_t(bins_.count()));
+      const auto nodes = observer[c].nodes();
+      // Pieces small enough to lie in one bin nearly everywhere.
+      const int per_cell = std::max(8, int(16.0 * bins_.count() / grid.cells));
+      for (int cell = 0; cell < grid.cells; ++cell)
+        for (int k = 0; k < per_cell; ++k) {
+          const double t = (k + 0.5) / per_cell, nm = grid.node(cell) + t * grid.step();
+          const double value = nodes[size_t(cell)] * (1 - t) + nodes[size_t(cell) + 1] * t;
+          if (const int bin = bins_.find(float(nm)); bin >= 0)
+            xyz_[c][size_t(bin)] += value * grid.step() / per_cell;
+        }
+    }
+    is_visible_ = observer[1].integral() > 1e-3;
+    if (is_visible_) return;
+    for (auto& row : xyz_)
+      for (int i = 0; i < bins_.count(); ++i) row[size_t(i)] = bins_.width(i) / range;
+  }
+
+  ExrPixel pixel_;
+  bool has_bins_ = false, preview_ = true;
+  SpectralBins bins_;
+  std::vector<float> per_width_;  ///< 1 / width of each bin [1/nm]
+  std::vector<Band> bands_;
+  bool is_visible_ = false;
+  Rows xyz_;  ///< from measured values to the preview's X, Y, Z, or grey where nothing is visible
+};
+
+AUREOLE_PLUGIN(
+    SpecFilm, "film", "specfilm",
+    PluginDoc{
+        "Spectral film, for any wavelengths. Either it has named responses: every <spectrum>, whatever its "
+        "name, is one, and the channel of that name holds the integral of response times spectral radiance "
+        "over the wavelength in nm. Or it has `bins`: each channel holds the mean spectral radiance of an "
+        "interval of wavelengths, in the OpenEXR layout for spectral images (S0.550,00nm for the bin around "
+        "550 nm; units W/(m^2 sr nm)).",
+        "Fichet, Pacanowski & Wilkie 2021, \"An OpenEXR layout for spectral images\"",
+        film_parameters(
+            {{"(any name)", "spectrum", "", "none", "a response, linear between its points; not negative"},
+             {"bins", "integer", "", "none", "number of equal bins from wavelength_min to wavelength_max"},
+             {"bin_edges", "string", "nm", "none", "instead: the edges of adjoining bins"},
+             {"preview", "boolean", "", "true",
+              "bins: also store their colour as R, G, B for viewers that know no spectra (their mean where "
+              "nothing is visible)"},
+             {"file_format", "string", "", "openexr", "openexr"},
+             {"wavelength_min", "wavelength", "nm", "that of the responses or edges, or 360",
+              "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
+             {"wavelength_max", "wavelength", "nm", "that of the responses or edges, or 830",
+              "longest wavelength"}}),
+        {R"(<film type="specfilm">
+    <integer name="width" value="320"/> <integer name="height" value="240"/>
+    <spectrum name="near_infrared" value="780:0, 800:1, 820:0"/>
+    <spectrum name="green" value="500:0, 550:1, 600:0"/>
+    <string name="component_format" value="float32"/>
+</film>)",
+         R"(<film type="specfilm">
+    <float name="wavelength_min" value="400"/> <float name="wavelength_max" value="700"/>
+    <integer name="bins" value="30"/>
+    <boolean name="preview" value="false"/>
+    <rfilter type="box"/>
+</film>)",
+         R"(<film type="specfilm">
+    <string name="bin_edges" value="400, 480, 510, 600, 0.7um"/>
+</film>)"}});
+
+}  // namespace
+}  // namespace aureole

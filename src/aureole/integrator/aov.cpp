@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// Further channels beside the picture: what the first surface of a sensor's ray is like.
+#include <algorithm>
+#include <array>
+#include <span>
+
+#include "aureole/integrator/channels.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+namespace {
+
+enum class Kind { albedo, depth, position, uv, geo_normal, sh_normal, dp_du, dp_dv, prim_index, shape_index };
+
+struct KindName {
+  const char* name;
+  Kind kind;
+  std::string_view channels;  ///< one letter each
+};
+constexpr KindName kKinds[] = {
+    {"albedo", Kind::albedo, "RGB"},         {"depth", Kind::depth, "T"},
+    {"position", Kind::position, "XYZ"},     {"uv", Kind::uv, "UV"},
+    {"geo_normal", Kind::geo_normal, "XYZ"}, {"sh_normal", Kind::sh_normal, "XYZ"},
+    {"dp_du", Kind::dp_du, "XYZ"},           {"dp_dv", Kind::dp_dv, "XYZ"},
+    {"prim_index", Kind::prim_index, "I"},   {"shape_index", Kind::shape_index, "I"}};
+
+class AovIntegrator final : public RadianceIntegrator {
+public:
+  explicit AovIntegrator(const Properties& p)
+      : RadianceIntegrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
+    for (const NestedIntegrator& n : nested_)
+      for (const char* c : {".R", ".G", ".B", ".A"}) names_.push_back(n.name + c);
+    for (const NestedIntegrator& n : nested_)
+      for (const std::string& name : n.channels) names_.push_back(n.name + "." + name);
+    const std::string text = p.get_string("aovs");
+    constexpr const char* kSeparators = ", \t\r\n";
+    for (size_t at = text.find_first_not_of(kSeparators); at != std::string::npos;) {
+      const size_t end = std::min(text.find_first_of(kSeparators, at), text.size());
+      add(p, text.substr(at, end - at));
+      at = text.find_first_not_of(kSeparators, end);
+    }
+    if (names_.empty()) throw p.error("aovs", "names no channel, and no integrator is nested");
+    require_distinct(p, "aovs", names_);
+  }
+
+  std::vector<std::string> aov_names() const override { return names_; }
+
+  RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream& samples,
+                            const PathLog& log, float* aovs) const override {
+    RadianceEstimate result;
+    float* own = aovs + 4 * nested_.size();
+    for (size_t k = 0; k < nested_.size(); ++k) {
+      const RadianceEstimate r = nested_[k].integrator->radiance(scene, ray, w, samples, log, own);
+      if (k == 0) result = r;
+      write_colour(r, w, aovs + 4 * k);
+      own += nested_[k].channels.size();
+    }
+    write_surface(scene, ray, w, own, aovs + names_.size());
+    return result;
+  }
+
+  void radiance_of(const Scene& scene, std::span<CameraPath> paths) const override {
+    RadianceEstimate results[kTogether];
+    float* aovs[kTogether];
+    for (size_t i = 0; i < paths.size(); ++i) aovs[i] = paths[i].aovs, paths[i].aovs += 4 * nested_.size();
+    for (size_t k = 0; k < nested_.size(); ++k) {
+      nested_[k].integrator->radiance_of(scene, paths);
+      for (size_t i = 0; i < paths.size(); ++i) {
+        if (k == 0) results[i] = paths[i].result;
+        write_colour(paths[i].result, paths[i].wavelengths, aovs[i] + 4 * k);
+        paths[i].aovs += nested_[k].channels.size();
+      }
+    }
+    for (size_t i = 0; i < paths.size(); ++i) {
+      write_surface(scene, paths[i].ray, paths[i].wavelengths, paths[i].aovs, aovs[i] + names_.size());
+      paths[i].result = results[i];
+      paths[i].aovs = aovs[i];
+    }
+  }
+
+private:
+  void add(const Properties& p, const std::string& item) {
+    const size_t colon = item.find(':');
+    if (colon == 0 || colon == std::string::npos || colon + 1 == item.size() ||
+        item.find(':', colon + 1) != std::string::npos)
+      throw p.error("aovs", "\"" + item + "\": expected NAME:TYPE, such as \"depth:depth\"");
+    const std::string name = item.substr(0, colon), type = item.substr(colon + 1);
+    if (type == "duv_dx" || type == "duv_dy")
+      throw p.error("aovs", "\"" + type +
+                                "\" is not available: rays have no differentials here; \"uv\" of two pixels "
+                                "differs by it");
+    const auto found =
+        std::find_if(std::begin(kKinds), std::end(kKinds), [&](const KindName& k) { return type == k.name; });
+    if (found == std::end(kKinds)) {
+      std::vector<std::string> types;
+      std::string list;
+      for (const KindName& k : kKinds) {
+        types.push_back(k.name);
+        list += (list.empty() ? "" : ", ") + types.back();
+      }
+      throw p.error("aovs", "\"" + type + "\" is not one of " + list + did_you_mean(type, types));
+    }
+    kinds_.push_back(found->kind);
+    needs_derivatives_ |= found->kind == Kind::dp_du || found->kind == Kind::dp_dv;
+    for (const char c : found->channels) names_.push_back(name + "." + c);
+  }
+
+  // Order of the channels, as Mitsuba's: the colours of all nested integrators, their own further channels,
+  // the surface.
+  void write_colour(const RadianceEstimate& r, const Wavelengths& w, float out[4]) const {
+    meter_.rgb(r.estimate, w, out);
+    out[3] = r.alpha;
+  }
+
+  void write_surface(const Scene& scene, const Ray& ray, const Wavelengths& w, float* out, float* end) const {
+    const RayTracer::Hit hit = scene.tracer().intersect(ray);
+    if (!hit) {
+      std::fill(out, end, 0.f);
+      return;
+    }
+    const SurfacePoint point = scene.surface_point(hit, ray);
+    SurfaceDerivatives derivatives;
+    if (needs_derivatives_) derivatives = point.shape->derivatives(point);
+    for (const Kind kind : kinds_) out = write(kind, hit.shape, ray, point, derivatives, w, out);
+  }
+
+  float* write(Kind kind, std::uint32_t shape_index, const Ray& ray, const SurfacePoint& hit,
+               const SurfaceDerivatives& derivatives, const Wavelengths& w, float* out) const {
+    const auto vector = [&](const Vec3& v) {
+      for (int i = 0; i < 3; ++i) *out++ = v[i];
+      return out;
+    };
+    switch (kind) {
+      case Kind::albedo: {
+        const Vec3 wi = hit.shading.to_local(-ray.d);
+        const Bsdf& bsdf = *hit.shape->bsdf();
+        meter_.reflectance_rgb(bsdf.diffuse_reflectance(wi, BsdfContext{w, hit}), w,
+                               bsdf.diffuse_reflectance(wi, BsdfContext{meter_.fixed_wavelengths(), hit}),
+                               out);
+        return out + 3;
+      }
+      case Kind::depth:
+        *out++ = dot(hit.p - ray.o, ray.d);
+        return out;
+      case Kind::position:
+        return vector(hit.p);
+      case Kind::uv:
+        *out++ = hit.uv.x, *out++ = hit.uv.y;
+        return out;
+      case Kind::geo_normal:
+        return vector(hit.ng);
+      case Kind::sh_normal:
+        return vector(hit.shading.to_world(hit.shape->bsdf()->shading_normal(hit)));
+      case Kind::dp_du:
+        return vector(derivatives.dp_du);
+      case Kind::dp_dv:
+        return vector(derivatives.dp_dv);
+      case Kind::prim_index:
+        *out++ = float(hit.primitive);
+        return out;
+      case Kind::shape_index:
+        *out++ = float(shape_index + 1);
+        return out;
+    }
+    return out;
+  }
+
+  std::vector<NestedIntegrator> nested_;
+  ColourMeter meter_;
+  std::vector<Kind> kinds_;
+  std::vector<std::string> names_;
+  bool needs_derivatives_ = false;
+};
+
+AUREOLE_PLUGIN(
+    AovIntegrator, "integrator", "aov",
+    PluginDoc{
+        "Further channels of the picture (arbitrary output variables) that tell of the first surface a ray "
+        "of "
+        "the sensor meets, as a denoiser wants them. Types and channels: albedo (.R .G .B), depth (.T), "
+        "position, geo_normal, sh_normal, dp_du, dp_dv (.X .Y .Z), uv (.U .V), prim_index, shape_index (.I); "
+        "all are 0 where there is no surface, and all are filtered like the picture, so that an index or a "
+        "depth at an edge is a mean. The picture is that of the first nested integrator, black without one; "
+        "every nested integrator of name N adds N.R, N.G, N.B, N.A (N is _arg_0, _arg_1, ... without a name) "
+        "and its own further channels. Albedo is the diffuse reflectance as linear sRGB under D65: an <rgb> "
+        "reflectance as the scene has it, black for mirrors and glass. Depth is the distance along the ray "
+        "from the near clipping plane. Indices count primitives of a shape from 0 and shapes of the scene "
+        "from "
+        "1. `component_format` float32 keeps positions and indices from being rounded to half floats.",
+        "",
+        {{"aovs", "string", "", "required", "list of NAME:TYPE, separated by commas"},
+         {"integrator", "integrator", "", "none", "any number of nested integrators"}},
+        {R"(<integrator type="aov"><string name="aovs" value="albedo:albedo, nn:sh_normal, dd.y:depth"/>
+    <integrator type="path" name="img"/></integrator>)"}});
+
+}  // namespace
+}  // namespace aureole

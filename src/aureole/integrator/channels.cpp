@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/integrator/channels.h"
+
+#include <algorithm>
+#include <set>
+
+namespace aureole {
+
+std::vector<NestedIntegrator> nested_integrators(const Properties& p, std::string_view documented_name) {
+  std::vector<NestedIntegrator> nested;
+  const auto children = p.get_children<Integrator>(documented_name);
+  int unnamed = 0;
+  for (const Properties::Entry& e : p.entries()) {
+    const auto* object = std::get_if<ObjectPtr>(&e.value);
+    if (!object || !std::dynamic_pointer_cast<Integrator>(*object)) continue;
+    auto integrator = std::dynamic_pointer_cast<const RadianceIntegrator>(*object);
+    if (!integrator)
+      throw Error(e.where, "\"" + (*object)->properties().type() +
+                               "\" follows light paths, which belong to no "
+                               "pixel: it can't be nested in \"" +
+                               p.type() + "\"");
+    std::vector<std::string> channels = integrator->aov_names();
+    nested.push_back({e.name.empty() ? "_arg_" + std::to_string(unnamed++) : e.name, std::move(integrator),
+                      std::move(channels)});
+  }
+  return nested;
+}
+
+void require_distinct(const Properties& p, std::string_view parameter,
+                      const std::vector<std::string>& channels) {
+  std::set<std::string> seen;
+  for (const std::string& name : channels)
+    if (!seen.insert(name).second)
+      throw p.error(parameter, "two channels would be named \"" + name + "\"; choose other names");
+}
+
+ColourMeter::ColourMeter(const SpectralGrid& grid)
+    : range_nm_(float(grid.max_nm - grid.min_nm)),
+      observer_(observer_xyz(grid)),
+      d65_(d65_spectrum(grid, 1)) {
+  visible_ = observer_[1].integral() > 1e-3;
+  const double first = visible_ ? std::max(grid.min_nm, 420.0) : grid.min_nm;
+  const double last = visible_ ? std::min(grid.max_nm, 680.0) : grid.max_nm;
+  fixed_ = Wavelengths::at(
+      grid, make_spectrum([&](int i) { return float(first + (last - first) * (i + 0.5) / kWavelengths); }));
+}
+
+void ColourMeter::xyz(const Spectrum& estimate, const Wavelengths& w, double out[3]) const {
+  for (size_t c = 0; c < 3; ++c)
+    out[c] = visible_ ? sum(estimate * observer_[c].eval(w)) : sum(estimate) / range_nm_;
+}
+
+void ColourMeter::rgb(const Spectrum& estimate, const Wavelengths& w, float out[3]) const {
+  double v[3];
+  xyz(estimate, w, v);
+  if (visible_)
+    xyz_to_srgb(v, out);
+  else
+    for (int c = 0; c < 3; ++c) out[c] = float(v[c]);
+}
+
+void ColourMeter::reflectance_rgb(const Spectrum& reflectance, const Wavelengths& w,
+                                  const Spectrum& somewhere, float out[3]) const {
+  const float control = mean(somewhere);
+  const Spectrum rest = reflectance - control;
+  rgb(PathDensity{}.contribution(visible_ ? rest * d65_.eval(w) : rest, w), w, out);
+  for (int c = 0; c < 3; ++c) out[c] += control;
+}
+
+}  // namespace aureole

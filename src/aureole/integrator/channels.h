@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// What integrators share that store further channels beside the picture: the integrators nested in them, and
+// the colour of an estimate.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aureole/integrator/integrator.h"
+#include "aureole/spectrum/observer.h"
+
+namespace aureole {
+
+struct NestedIntegrator {
+  std::string name;  ///< as Mitsuba names its channels: its own, or "_arg_0", "_arg_1", ... of unnamed ones
+  std::shared_ptr<const RadianceIntegrator> integrator;
+  std::vector<std::string> channels;  ///< its own further ones
+};
+
+/// All nested integrators, in order; `documented_name` is their row of the parameter table. Throws a located
+/// Error where one follows light paths.
+std::vector<NestedIntegrator> nested_integrators(const Properties& properties,
+                                                 std::string_view documented_name);
+
+/// Throws a located Error where two of the channels have one name.
+void require_distinct(const Properties& properties, std::string_view parameter,
+                      const std::vector<std::string>& channels);
+
+/// Turns estimates into colours, whatever the film measures: the CIE 1931 observer, or the mean of the
+/// sensor's range where that lies outside the visible.
+class ColourMeter {
+public:
+  explicit ColourMeter(const SpectralGrid& grid);
+
+  void xyz(const Spectrum& estimate, const Wavelengths& w, double out[3]) const;
+  /// Linear sRGB; not for reflectances, whose colour is that under D65.
+  void rgb(const Spectrum& estimate, const Wavelengths& w, float out[3]) const;
+  /// Linear sRGB of a surface under D65, of its reflectance: an <rgb> of the scene as it was written.
+  /// `somewhere` is the reflectance at `fixed_wavelengths`, whose mean needs no estimate: a grey surface has
+  /// no noise.
+  void reflectance_rgb(const Spectrum& reflectance, const Wavelengths& w, const Spectrum& somewhere,
+                       float out[3]) const;
+  const Wavelengths& fixed_wavelengths() const { return fixed_; }
+
+private:
+  float range_nm_;
+  bool visible_;
+  std::array<SampledSpectrum, 3> observer_;
+  SampledSpectrum d65_;
+  Wavelengths fixed_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+// The radiance that leaves a scene, or a part of it, into one direction.
+#include "aureole/math/warp.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/sensor/sensor.h"
+#include "aureole/sensor/sensor_docs.h"
+#include "aureole/sensor/shape_area.h"
+
+namespace aureole {
+namespace {
+
+class DistantSensor final : public Sensor {
+public:
+  explicit DistantSensor(const Properties& p) : Sensor(p) {
+    read_common(p, Measures::value);
+    const Transform to_world = p.get_transform("to_world");
+    direction_ = p.get_vec3("direction", to_world.vector({0, 0, 1}));
+    if (p.has("direction") && p.has("to_world"))
+      throw p.error("direction", "give either \"direction\" or \"to_world\"");
+    direction_ = unit_direction(p, "direction", direction_);
+    if (p.get_bool("flip_directions", false)) direction_ = -direction_;
+    offset_ = float(p.get_float("ray_offset", -1, Range::positive()));
+
+    const Properties::Entry* target = p.find("target");
+    if (!target) return;
+    if (std::holds_alternative<Vec3>(target->value)) {
+      target_ = Target::point;
+      point_ = p.get_vec3("target", {});
+    } else {
+      if (!std::holds_alternative<ObjectPtr>(target->value))
+        throw p.error("target", "expected a point or a shape");
+      target_ = Target::shape;
+      shape_ = p.get_object<Shape>("target");
+      surface_ = ShapeArea(*shape_);
+      if (!(surface_.area() > 0)) throw p.error("target", "the shape has no area");
+    }
+  }
+
+  void set_scene_bounds(const Vec3& center, float radius) override {
+    center_ = center;
+    radius_ = radius * (1 + 1e-5f);  // what touches the sphere is inside
+  }
+
+  bool uses_lens() const override { return target_ != Target::point; }
+
+  SensorRay sample_ray(Vec2, Vec2 lens) const override {
+    Vec3 at = point_;
+    if (target_ == Target::shape) {
+      const auto s = surface_.sample(lens);
+      if (!s) return {{}, 0};
+      at = s->p;
+    } else if (target_ == Target::scene) {
+      const Vec2 disc = square_to_disc_concentric(lens).p;
+      at = center_ + Frame::from_normal(direction_).to_world({disc.x, disc.y, 0}) * radius_;
+    }
+    return {{start(at), direction_, kInfinity}};
+  }
+
+  /// Through a target the sensor sees a line, or the scene behind a shape, which light does not find.
+  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2) const override {
+    if (target_ != Target::scene) return {};
+    const Vec3 from_center = reference - center_;
+    const Vec3 across = from_center - direction_ * dot(from_center, direction_);
+    if (length_squared(across) > radius_ * radius_) return {};
+    const Vec3 p = start(reference);
+    if (dot(reference - p, direction_) < 0) return {};
+    const Vec2 middle{part().left + 0.5f, 0.5f};
+    return SensorConnection{-direction_, p, middle, 1 / (kPi * radius_ * radius_)};
+  }
+
+private:
+  enum class Target { scene, point, shape };
+
+  /// Where the ray through `at` begins: on the plane that touches the scene's bounding sphere, which leaves
+  /// the whole scene ahead, or ray_offset before the target.
+  Vec3 start(const Vec3& at) const {
+    const float along = dot(at - center_, direction_);
+    if (offset_ < 0) return at - direction_ * std::max(along + radius_, 0.f);
+    return at - direction_ * (target_ == Target::scene ? along + offset_ : offset_);
+  }
+
+  Target target_ = Target::scene;
+  Vec3 direction_, point_;
+  std::shared_ptr<Shape> shape_;
+  ShapeArea surface_;
+  float offset_ = -1;  ///< < 0: outside of the scene
+  Vec3 center_;
+  float radius_ = 1;
+};
+
+AUREOLE_PLUGIN(
+    DistantSensor, "sensor", "distant",
+    PluginDoc{
+        "Measures the radiance that leaves the scene into one direction, as from infinity, averaged over "
+        "the cross section of the scene's bounding sphere, or over a target. A ray that meets nothing "
+        "sees the environment. Its film has one pixel.",
+        "",
+        sensor_parameters(
+            {{"direction", "vector", "", "to_world's z axis", "into which the sensor looks"},
+             {"to_world", "transform", "", "identity", "instead of direction; looks along its z axis"},
+             {"target", "point or shape", "scene units", "the scene",
+              "what the rays go through: a point, or points uniform over a shape, which is not itself a "
+              "part of the scene"},
+             {"ray_offset", "float", "scene units", "from outside of the scene",
+              "distance before the target (else before the scene's middle) at which rays begin"},
+             {"flip_directions", "boolean", "", "false", "looks the other way"}}),
+        {R"(<sensor type="distant">
+    <vector name="direction" x="0" y="-1" z="0.3"/>
+    <shape name="target" type="rectangle"/>
+    <float name="ray_offset" value="10"/>
+    <boolean name="flip_directions" value="false"/>
+    <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/></film>
+    <sampler type="sobol"/>
+</sensor>)",
+         R"(<sensor type="distant">
+    <transform name="to_world"><rotate x="1" angle="90"/></transform>
+    <point name="target" x="0" y="0" z="0"/>
+</sensor>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parallel projection.
+#include "aureole/plugin/registry.h"
+#include "aureole/sensor/projection.h"
+#include "aureole/sensor/sensor_docs.h"
+
+namespace aureole {
+namespace {
+
+class OrthographicSensor final : public Sensor {
+public:
+  explicit OrthographicSensor(const Properties& p) : Sensor(p), clip_(p) {
+    read_common(p);
+    to_world_ = p.get_transform("to_world");
+    to_camera_ = to_world_.inverse();
+    const Vec3 axis = to_world_.vector({0, 0, 1});
+    axis_length_ = length(axis);
+    direction_ = normalize(axis);
+    if (p.find("focus_distance"))
+      p.note("focus_distance", "nothing is out of focus: \"focus_distance\" has no effect");
+    fit();
+  }
+
+  SensorRay sample_ray(Vec2 film, Vec2) const override {
+    const Vec3 start{(center_.x - film.x) * scale_, (center_.y - film.y) * scale_, clip_.near};
+    return {{to_world_.point(start), direction_, clip_.far - clip_.near}};
+  }
+
+  void share_film(const std::shared_ptr<Film>& film, int index, int count) override {
+    Sensor::share_film(film, index, count);
+    fit();
+  }
+
+  /// The direction is fixed: a point is seen at one place of the film, from all distances alike.
+  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2) const override {
+    const Vec3 q = to_camera_.point(reference);
+    const float distance = (q.z - clip_.near) * axis_length_;
+    if (!(distance >= 0 && distance <= clip_.far - clip_.near)) return {};
+    const Vec2 film{center_.x - q.x / scale_, center_.y - q.y / scale_};
+    if (!part().samples(film)) return {};
+    return SensorConnection{-direction_, to_world_.point({q.x, q.y, clip_.near}), film, pixels_per_area_};
+  }
+
+private:
+  void fit() {
+    scale_ = 2 / part().width;
+    center_ = {part().left + 0.5f * part().width, 0.5f * part().height};
+    const Vec3 pixel_x = to_world_.vector({scale_, 0, 0}), pixel_y = to_world_.vector({0, scale_, 0});
+    pixels_per_area_ = 1 / std::abs(dot(cross(pixel_x, pixel_y), direction_));
+  }
+
+  Transform to_world_, to_camera_;
+  ClipPlanes clip_;
+  Vec3 direction_;
+  Vec2 center_;
+  float axis_length_ = 1, scale_ = 1;
+  float pixels_per_area_ = 1;  ///< of film over the area across the rays that it sees
+};
+
+AUREOLE_PLUGIN(
+    OrthographicSensor, "sensor", "orthographic",
+    PluginDoc{
+        "Camera with parallel rays along its local +z axis. Its picture is the square [-1, 1]^2 of the "
+        "plane z = 0 of the camera, cut or extended in height to the film's aspect; the scale of "
+        "to_world makes it larger.",
+        "",
+        camera_parameters({{"to_world", "transform", "", "identity",
+                            "camera to world; its x and y scale the part that is seen"},
+                           {"focus_distance", "float", "scene units", "none", "accepted without effect"}}),
+        {R"(<sensor type="orthographic">
+    <transform name="to_world">
+        <scale x="3" y="3"/>
+        <lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/>
+    </transform>
+    <float name="near_clip" value="0.1"/> <float name="far_clip" value="100"/>
+    <film type="hdrfilm"/> <sampler type="sobol"/>
+</sensor>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/sensor/projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/core/units.h"
+#include "aureole/math/warp.h"
+#include "aureole/sensor/sensor_docs.h"
+
+namespace aureole {
+
+namespace {
+
+/// Half the diagonal of 35 mm film over its width, at the aspect of the picture.
+double tangent_of_focal_length(double mm, double aspect) {
+  return std::sqrt(36.0 * 36 + 24 * 24) / (2 * mm) / std::sqrt(1 + 1 / (aspect * aspect));
+}
+
+double focal_length_mm(const Properties& p) {
+  double mm = 0;
+  std::string text = p.get_string("focal_length", "50mm");
+  if (text.ends_with("mm")) text.resize(text.size() - 2);
+  try {
+    mm = parse_number(text);
+  } catch (const Error&) {
+  }
+  if (!(mm > 0)) throw p.error("focal_length", "expected a length such as \"50mm\"");
+  return mm;
+}
+
+/// tan(half the horizontal field of view), from `fov` about `fov_axis` or from `focal_length` on 35 mm film.
+double tangent_of_half_width(const Properties& p, double aspect) {
+  const std::string axis = p.get_choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"});
+  const double mm = focal_length_mm(p);
+  const double fov = p.get_float("fov", -1, {1e-4, 179.9999});
+  if (!p.has("fov")) return tangent_of_focal_length(mm, aspect);
+  if (p.has("focal_length")) throw p.error("focal_length", "give either \"fov\" or \"focal_length\"");
+  const double t = std::tan(0.5 * fov * M_PI / 180);
+  if (axis == "y" || (axis == "smaller" && aspect > 1) || (axis == "larger" && aspect < 1)) return t * aspect;
+  if (axis == "diagonal") return t / std::sqrt(1 + 1 / (aspect * aspect));
+  return t;
+}
+
+}  // namespace
+
+ClipPlanes::ClipPlanes(const Properties& p) {
+  // Their squares stay within the range of float.
+  near = float(std::clamp(p.get_float("near_clip", 1e-2, Range::positive()), 1e-12, 1e12));
+  far = float(std::clamp(p.get_float("far_clip", 1e4, Range::positive()), 1e-12, 1e18));
+  if (far <= near) throw p.error("far_clip", "must be larger than near_clip");
+}
+
+LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p) {
+  read_common(p);
+  to_world_ = p.get_transform("to_world");
+  for (int c = 0; c < 3; ++c) {
+    const auto& m = to_world_.matrix();
+    const double l = std::hypot(m[0][c], m[1][c], m[2][c]);
+    if (std::abs(l - 1) > 1e-3) throw p.error("to_world", "a camera's transform must not scale");
+  }
+  to_camera_ = to_world_.inverse();
+  origin_ = to_world_.point({0, 0, 0});
+  // Read here to be checked and marked as used; fit() reads what Object keeps.
+  tangent_of_half_width(p, 1);
+  p.get_float("principal_point_offset_x", 0, {-10, 10});
+  p.get_float("principal_point_offset_y", 0, {-10, 10});
+  fit();
+}
+
+void LensCamera::set_lens(double aperture_radius, double focus_distance) {
+  aperture_radius_ = float(aperture_radius);
+  inverse_focus_ = float(1 / std::max(focus_distance, 1e-9));
+}
+
+void LensCamera::fit() {
+  const Properties& p = properties();
+  const double width = part().width, height = part().height;
+  scale_ = float(2 * tangent_of_half_width(p, width / height) / width);
+  center_x_ = float(part().left + width * (0.5 - p.get_float("principal_point_offset_x", 0)));
+  center_y_ = float(height * (0.5 - p.get_float("principal_point_offset_y", 0)));
+}
+
+void LensCamera::share_film(const std::shared_ptr<Film>& film, int index, int count) {
+  Sensor::share_film(film, index, count);
+  fit();
+}
+
+Vec2 LensCamera::aperture_point(Vec2 lens) const {
+  return aperture_radius_ > 0 ? square_to_disc_concentric(lens).p * aperture_radius_ : Vec2{};
+}
+
+SensorRay LensCamera::sample_ray(Vec2 film, Vec2 lens) const {
+  // The rays of a point of the film meet in the plane in focus, where the one through the centre does.
+  const Vec2 a = aperture_point(lens);
+  const Vec3 d = normalize(Vec3{(center_x_ - film.x) * scale_ - a.x * inverse_focus_,
+                                (center_y_ - film.y) * scale_ - a.y * inverse_focus_, 1});
+  const float to_near = clip_.near / d.z, to_far = clip_.far / d.z;
+  const Vec3 w = to_world_.vector(d);
+  const Vec3 from = aperture_radius_ > 0 ? to_world_.point({a.x, a.y, 0}) : origin_;
+  return {{from + w * to_near, normalize(w), to_far - to_near}};
+}
+
+std::optional<SensorConnection> LensCamera::sample_direct(const Vec3& reference, Vec2 lens) const {
+  const Vec3 q = to_camera_.point(reference);
+  if (!(q.z >= clip_.near && q.z <= clip_.far)) return {};
+  const Vec2 a = aperture_point(lens);
+  const Vec3 v{(q.x - a.x) / q.z, (q.y - a.y) / q.z, 1};  // from the aperture to q, scaled to z = 1
+  const Vec2 film{center_x_ - (v.x + a.x * inverse_focus_) / scale_,
+                  center_y_ - (v.y + a.y * inverse_focus_) / scale_};
+  if (!part().samples(film)) return {};
+  // A solid angle covers 1 / cos^3 of film at unit distance, and 1 / r^2 = cos^2 / z^2 of it is seen.
+  // The density of the point of the aperture is what the film's own rays have: it cancels.
+  const Vec3 w = to_world_.vector(v), start = to_world_.point({a.x, a.y, 0}) + w * clip_.near;
+  return SensorConnection{-normalize(w), start, film, length(v) / (scale_ * scale_ * q.z * q.z)};
+}
+
+std::vector<ParameterDoc> camera_parameters(std::vector<ParameterDoc> own) {
+  own.push_back({"near_clip", "float", "scene units", "0.01", "nothing nearer is seen"});
+  own.push_back({"far_clip", "float", "scene units", "10000", "nothing farther is seen"});
+  return sensor_parameters(std::move(own));
+}
+
+std::vector<ParameterDoc> lens_camera_parameters(std::vector<ParameterDoc> own) {
+  own.push_back({"to_world", "transform", "", "identity", "camera to world; must not scale"});
+  own.push_back({"fov", "float", "degrees", "from focal_length", "field of view along fov_axis"});
+  own.push_back({"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"});
+  own.push_back({"focal_length", "string", "mm", "50mm",
+                 "instead of fov: of a 35 mm camera with the same diagonal angle"});
+  own.push_back({"principal_point_offset_x", "float", "film widths", "0", "shifts the centre of projection"});
+  own.push_back(
+      {"principal_point_offset_y", "float", "film heights", "0", "shifts the centre of projection"});
+  return camera_parameters(std::move(own));
+}
+
+}  // namespace aureole

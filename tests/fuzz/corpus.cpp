@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "corpus.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <pugixml.hpp>
+#include <sstream>
+
+#include "aureole/plugin/registry.h"
+#include "seed_files.h"
+#include "wrap.h"
+
+namespace aureole::fuzz {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_data_file(const fs::path& file) {
+  for (const char* other : {".xml", ".md", ".py"})
+    if (file.extension() == other) return false;
+  return true;
+}
+
+/// Regular files below `folder`, in an order that does not depend on the file system.
+std::vector<fs::path> files_below(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+void at_most(pugi::xml_node parameter, int most) {
+  pugi::xml_attribute value = parameter.attribute("value");
+  if (!value) return;
+  const bool small = std::isdigit(static_cast<unsigned char>(value.value()[0])) && value.as_int() <= most;
+  if (!small) value.set_value(most);  // also what is a $name or negative
+}
+
+void append_size(pugi::xml_node film, const char* name, int pixels) {
+  if (film.find_child_by_attribute("name", name)) return;
+  pugi::xml_node node = film.append_child("integer");
+  node.append_attribute("name") = name;
+  node.append_attribute("value") = pixels;
+}
+
+/// Small films, few samples, short paths. Mutations come later and may make them large again.
+void shrink(pugi::xml_node node) {
+  const std::string_view tag = node.name(), name = node.attribute("name").value();
+  if (tag == "sensor" && !node.child("film") && !node.child("ref"))
+    node.append_child("film").append_attribute("type") = "hdrfilm";
+  if (tag == "film") append_size(node, "width", 6), append_size(node, "height", 5);
+  if (std::string_view(node.parent().name()) == "film") {
+    if (name == "width" || name == "height") at_most(node, name == "width" ? 6 : 5);
+    if (name.starts_with("crop_")) at_most(node, name.starts_with("crop_offset") ? 1 : 3);
+  }
+  if (name == "sample_count" || name == "sampleCount") at_most(node, 2);
+  if (name == "max_depth" || name == "maxDepth") at_most(node, 6);
+  for (pugi::xml_node child : node.children()) shrink(child);
+}
+
+}  // namespace
+
+std::string read_whole(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+bool is_image_name(const std::string& name) {
+  for (const char* ending : {".png", ".jpg", ".exr", ".hdr", ".tga", ".bmp", ".tif"})
+    if (name.ends_with(ending)) return true;
+  return false;
+}
+
+Corpus::Corpus(const fs::path& source) {
+  for (const auto& [name, bytes] : seed_files())
+    data_.emplace_back(name, std::make_shared<std::string>(bytes));
+  const fs::path folders[] = {source / "tests/references/scenes", source / "scenes"};
+  for (const fs::path& folder : folders) add_data_files(folder);
+
+  group_begin_.push_back(0);
+  for (const fs::path& folder : folders)
+    for (const fs::path& file : files_below(folder))
+      if (file.extension() == ".xml") add_scene(file, folder);
+  group_begin_.push_back(scenes_.size());
+  add_examples();
+  group_begin_.push_back(scenes_.size());
+  add_image_scenes();
+  group_begin_.push_back(scenes_.size());
+}
+
+void Corpus::add_data_files(const fs::path& folder) {
+  for (const fs::path& file : files_below(folder)) {
+    if (!is_data_file(file) || fs::file_size(file) > kLargestFile) continue;
+    data_.emplace_back(file.filename().string(), std::make_shared<std::string>(read_whole(file)));
+  }
+}
+
+std::string Corpus::prepare(const std::string& text, const fs::path& folder, Files& files) const {
+  pugi::xml_document document;
+  if (!document.load_string(text.c_str())) return text;
+  shrink(document);
+  struct Relocate : pugi::xml_tree_walker {
+    const Corpus& corpus;
+    const fs::path& folder;
+    Files& files;
+    Relocate(const Corpus& c, const fs::path& from, Files& to) : corpus(c), folder(from), files(to) {}
+
+    bool for_each(pugi::xml_node& node) override {
+      for (pugi::xml_attribute a : node.attributes()) relocate(a);
+      return true;
+    }
+    void relocate(pugi::xml_attribute a) {
+      std::error_code ignored;
+      const fs::path file = folder / a.value();
+      if (std::string_view(a.value()).find('.') == std::string_view::npos) return;
+      if (!fs::is_regular_file(file, ignored)) return;
+      const std::string name = file.filename().string();
+      a.set_value(name.c_str());
+      if (files.contains(name)) return;
+      files[name] = nullptr;  // includes may be mutual
+      Bytes content;
+      if (file.extension() == ".xml")
+        content = std::make_shared<std::string>(corpus.prepare(read_whole(file), file.parent_path(), files));
+      else if (fs::file_size(file) <= kLargestFile)
+        content = std::make_shared<std::string>(read_whole(file));
+      else
+        for (const auto& [other, bytes] : corpus.data_)
+          if (fs::path(other).extension() == file.extension()) content = bytes;
+      if (content)
+        files[name] = content;
+      else
+        files.erase(name);
+    }
+  } relocate(*this, folder, files);
+  document.traverse(relocate);
+  std::ostringstream out;
+  document.save(out, " ");
+  return out.str();
+}
+
+void Corpus::add_scene(const fs::path& file, const fs::path& root) {
+  BaseScene scene{fs::relative(file, root).string(), {}};
+  scene.files[kMainFile] =
+      std::make_shared<std::string>(prepare(read_whole(file), file.parent_path(), scene.files));
+  scenes_.push_back(std::move(scene));
+}
+
+void Corpus::add_examples() {
+  std::vector<const PluginInfo*> plugins;
+  for (const PluginInfo& p : Registry::instance().all()) plugins.push_back(&p);
+  // The order of registration is the linker's.
+  std::sort(plugins.begin(), plugins.end(), [](const PluginInfo* a, const PluginInfo* b) {
+    return std::pair(a->family, a->name) < std::pair(b->family, b->name);
+  });
+  for (const PluginInfo* p : plugins)
+    for (std::size_t i = 0; i < p->doc.examples.size(); ++i) {
+      Files used;
+      const std::string example = with_data_files(p->doc.examples[i], data_, used);
+      examples_[p->family].push_back(example);
+      for (const std::string& text : wrap_example(p->family, p->name, example)) {
+        BaseScene scene{"example " + std::to_string(i) + " of " + p->family + " " + p->name, used};
+        scene.files[kMainFile] = std::make_shared<std::string>(prepare(text, "", scene.files));
+        scenes_.push_back(std::move(scene));
+      }
+    }
+}
+
+void Corpus::add_image_scenes() {
+  for (const auto& [name, bytes] : data_) {
+    if (!is_image_name(name)) continue;
+    BaseScene scene{"image " + name, {}};
+    scene.files[name] = bytes;
+    scene.files[kMainFile] = std::make_shared<std::string>(wrap_image(name));
+    scenes_.push_back(std::move(scene));
+  }
+}
+
+const BaseScene& Corpus::pick_scene(Random& random) const {
+  const std::size_t group = random.below(group_begin_.size() - 1);
+  const std::size_t first = group_begin_[group], count = group_begin_[group + 1] - first;
+  return count > 0 ? scenes_[first + random.below(count)] : random.pick(scenes_);
+}
+
+const std::pair<std::string, Bytes>& Corpus::data_file_like(const std::string& name, Random& random) const {
+  std::vector<const std::pair<std::string, Bytes>*> alike;
+  for (const auto& file : data_)
+    if (fs::path(file.first).extension() == fs::path(name).extension() ||
+        (is_image_name(file.first) && is_image_name(name)))
+      alike.push_back(&file);
+  return alike.empty() ? random.pick(data_) : *random.pick(alike);
+}
+
+const std::string& Corpus::any_example(Random& random) const {
+  const auto family = std::next(examples_.begin(), std::ptrdiff_t(random.below(examples_.size())));
+  return random.pick(family->second);
+}
+
+}  // namespace aureole::fuzz

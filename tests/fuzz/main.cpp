@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole_fuzz: damages scenes and looks whether each of them ends in a picture or in located errors.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+
+#include "corpus.h"
+#include "fuzz_case.h"
+#include "harness/paths.h"
+#include "run_case.h"
+#include "self_test.h"
+#include "supervisor.h"
+
+namespace aureole::fuzz {
+namespace {
+
+constexpr const char* kVerdicts[] = {"pictures", "refused with located errors", "too large to render here",
+                                     "too slow to render here", "FAILED"};
+
+struct Arguments {
+  std::uint64_t cases = 1000, seed = 1, first = 0;
+  std::int64_t single = -1;
+  int jobs = 2;
+  std::size_t most_failures = 100;
+  std::filesystem::path folder = "fuzz";
+  bool self_test = false, check_corpus = false;
+};
+
+std::string description(const Case& c) {
+  std::string text = "made from: " + c.base + "\n";
+  for (const std::string& m : c.mutations) text += "  " + m + "\n";
+  if (!c.options.sampler.empty()) text += "  --sampler " + c.options.sampler + "\n";
+  if (!c.options.integrator.empty()) text += "  --integrator " + c.options.integrator + "\n";
+  if (c.options.sample_count) text += fmt::format("  --spp {}\n", *c.options.sample_count);
+  for (const auto& [name, value] : c.options.defines) text += "  -D " + name + "=" + value + "\n";
+  return text;
+}
+
+/// One case in this process, for a debugger.
+int replay(const Corpus& corpus, const Arguments& a) {
+  const Case c = make_case(corpus, a.seed, std::uint64_t(a.single));
+  const std::filesystem::path folder = std::filesystem::absolute(a.folder / fmt::format("case-{}", a.single));
+  write_case(c, folder);
+  fmt::print("{}{}\n", description(c), (folder / kMainFile).string());
+  std::fflush(stdout);
+  const Verdict v = run_case(c, folder);
+  fmt::print("{}{}\n{}", kVerdicts[v.kind],
+             v.invalid_samples ? fmt::format(", {} invalid samples", v.invalid_samples) : "", v.message);
+  return v.kind == Verdict::failed;
+}
+
+/// Scenes that do not load as they are find few errors: says which.
+int check_corpus(const Corpus& corpus, const Arguments& a) {
+  int bad = 0;
+  for (const BaseScene& scene : corpus.scenes()) {
+    const Case c{scene.name, {}, scene.files, {}};
+    const std::filesystem::path folder = std::filesystem::absolute(a.folder / "corpus");
+    write_case(c, folder);
+    const auto start = std::chrono::steady_clock::now();
+    const Verdict v = run_case(c, folder);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    fmt::print("{:6.0f} ms  {}: {}\n{}", seconds * 1e3, scene.name, kVerdicts[v.kind], v.message);
+    bad += v.kind != Verdict::picture;
+  }
+  fmt::print("{} of {} scenes do not become a picture\n", bad, corpus.scenes().size());
+  return bad > 0;
+}
+
+int fuzz(const Corpus& corpus, const Arguments& a) {
+  const auto folder = std::filesystem::absolute(a.folder);
+  const Supervisor::Run run = [&](std::uint64_t index, const std::filesystem::path& where) {
+    const Case c = make_case(corpus, a.seed, index);
+    write_case(c, where);
+    return run_case(c, where);
+  };
+  const auto report = [&](const Failure& f) {
+    const auto kept = folder / fmt::format("failure-{}-{}", a.seed, f.index);
+    const Case c = make_case(corpus, a.seed, f.index);
+    write_case(c, kept);
+    std::ofstream(kept / "report.txt") << f.what << "\n" << description(c) << f.log;
+    fmt::print("case {}: {}\n  aureole_fuzz --seed {} --case {}    files: {}\n", f.index, f.what, a.seed,
+               f.index, kept.string());
+    std::fflush(stdout);
+  };
+  fmt::print("seed {}, cases {} to {}, from {} scenes and {} data files\n", a.seed, a.first,
+             a.first + a.cases - 1, corpus.scenes().size(), corpus.data_files().size());
+  std::fflush(stdout);
+  const auto start = std::chrono::steady_clock::now();
+  Supervisor supervisor(run, Limits{}, a.jobs, folder);
+  const Summary s = supervisor.run(a.first, a.first + a.cases, a.most_failures, report);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (std::size_t k = 0; k < Verdict::kinds; ++k) fmt::print("{:8} {}\n", s.count[k], kVerdicts[k]);
+  fmt::print("{:8} of the pictures with invalid samples, which are left out", s.with_invalid_samples);
+  for (std::size_t k = 0; k < std::min<std::size_t>(s.invalid.size(), 20); ++k)
+    fmt::print("{}{}", k ? ", " : " (cases ", s.invalid[k]);
+  fmt::print("{}\n", s.invalid.empty() ? "" : ")");
+  fmt::print("{:.1f} s; the slowest case is {} ({:.2f} s)\n", seconds, s.slowest, s.slowest_seconds);
+  std::map<std::string, std::vector<std::uint64_t>> by_kind;
+  for (const Failure& f : s.failures) by_kind[f.what].push_back(f.index);
+  for (const auto& [what, cases] : by_kind)
+    fmt::print("{} x {} (case {})\n", cases.size(), what, cases.front());
+  return !s.failures.empty();
+}
+
+}  // namespace
+}  // namespace aureole::fuzz
+
+int main(int argc, char** argv) {
+  using namespace aureole::fuzz;
+  Arguments a;
+  CLI::App app("Damages the scenes of the repository in random ways, loads and renders them", "aureole_fuzz");
+  app.add_option("--cases", a.cases, "number of cases (default 1000)");
+  app.add_option("--seed", a.seed, "another seed makes other cases (default 1)");
+  app.add_option("--first", a.first, "number of the first case (default 0)");
+  app.add_option("--case", a.single, "run this case alone, in this process, and print how it ends");
+  app.add_option("--jobs", a.jobs, "processes at a time (default 2)");
+  app.add_option("--folder", a.folder, "for the files of cases that fail (default fuzz)");
+  app.add_option("--most-failures", a.most_failures, "stop after so many (default 100)");
+  app.add_flag("--check-corpus", a.check_corpus, "load the scenes without changing them");
+  app.add_flag("--self-test", a.self_test, "plant a crash, a hang, ... and look whether they are found");
+  CLI11_PARSE(app, argc, argv);
+  if (a.self_test) return self_test(a.folder);
+  const Corpus corpus(aureole::test::source_dir());
+  if (a.check_corpus) return check_corpus(corpus, a);
+  return a.single >= 0 ? replay(corpus, a) : fuzz(corpus, a);
+}

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "wrap.h"
+
+#include <filesystem>
+#include <pugixml.hpp>
+#include <sstream>
+
+#include "aureole/scene/aliases.h"
+
+namespace aureole::fuzz {
+
+namespace {
+
+constexpr const char* kFilm = R"(<film type="hdrfilm"><integer name="width" value="6"/>
+<integer name="height" value="5"/><rfilter type="box"/></film>)";
+constexpr const char* kSampler =
+    R"(<sampler type="sobol"><integer name="sample_count" value="2"/></sampler>)";
+constexpr const char* kView =
+    R"(<transform name="to_world"><lookat origin="0, -5, 2" target="0, 0, 0.5" up="0, 0, 1"/></transform>)";
+constexpr const char* kIntegrator =
+    R"(<integrator type="path"><integer name="max_depth" value="6"/></integrator>)";
+constexpr const char* kLight = R"(<emitter type="constant"/>)";
+constexpr const char* kFloor =
+    R"(<shape type="rectangle"><transform name="to_world"><scale value="4"/></transform></shape>)";
+
+std::string sensor(const std::string& film = kFilm, const std::string& sampler = kSampler) {
+  return std::string(R"(<sensor type="perspective"><float name="fov" value="40"/>)") + kView + film +
+         sampler + "</sensor>\n";
+}
+std::string scene(const std::string& content) {
+  return "<scene version=\"3.0.0\">\n" + content + "\n</scene>\n";
+}
+std::string usual(const std::string& content) { return scene(kIntegrator + sensor() + kFloor + content); }
+std::string ball(const std::string& children) {
+  return R"(<shape type="sphere"><point name="center" x="0" y="0" z="1"/>)" + children + "</shape>\n";
+}
+
+/// The element with another name attribute, or with one more child.
+std::string changed(const std::string& xml, const char* name, const std::string& child = "") {
+  pugi::xml_document document;
+  if (!document.load_string(xml.c_str())) return xml;
+  pugi::xml_node root = document.document_element();
+  if (name) {
+    root.remove_attribute("name");
+    root.append_attribute("name") = name;
+  }
+  if (!child.empty()) root.append_buffer(child.data(), child.size());
+  std::ostringstream out;
+  document.save(out, " ", pugi::format_default | pugi::format_no_declaration);
+  return out.str();
+}
+
+}  // namespace
+
+std::string with_data_files(const std::string& example,
+                            const std::vector<std::pair<std::string, Bytes>>& data, Files& used) {
+  pugi::xml_document document;
+  if (!document.load_string(example.c_str())) return example;
+  for (const pugi::xpath_node found :
+       document.select_nodes("//string[@name='filename']/@value | //spectrum/@filename")) {
+    const std::string ending = std::filesystem::path(found.attribute().value()).extension().string();
+    for (const auto& [name, bytes] : data) {
+      if (!name.ends_with(ending)) continue;
+      found.attribute().set_value(name.c_str());
+      used[name] = bytes;
+      break;
+    }
+  }
+  std::ostringstream out;
+  document.save(out, " ", pugi::format_default | pugi::format_no_declaration);
+  return out.str();
+}
+
+std::vector<std::string> wrap_example(const std::string& family, const std::string& name,
+                                      const std::string& example) {
+  if (family == "bsdf") return {usual(kLight + ball(example))};
+  if (family == "texture")
+    return {usual(kLight + ball("<bsdf type=\"diffuse\">" + changed(example, "reflectance") + "</bsdf>")),
+            usual(ball("<emitter type=\"area\">" + changed(example, "radiance") + "</emitter>"))};
+  if (family == "emitter") return {usual(is_surface_emitter(name) ? ball(example) : ball("") + example)};
+  if (family == "shape") return {usual(kLight + example)};
+  if (family == "integrator") return {scene(example + sensor() + kFloor + ball("") + kLight)};
+  if (family == "film") return {scene(kIntegrator + sensor(example) + kFloor + kLight)};
+  if (family == "sampler") return {scene(kIntegrator + sensor(kFilm, example) + kFloor + kLight)};
+  if (family == "rfilter")
+    return {scene(
+        kIntegrator +
+        sensor(R"(<film type="hdrfilm"><integer name="width" value="6"/><integer name="height" value="5"/>)" +
+               example + "</film>") +
+        kFloor + kLight)};
+  if (family == "sensor") {
+    const bool has_film = example.find("<film") != std::string::npos;
+    return {
+        scene(kIntegrator + changed(example, nullptr, has_film ? "" : kFilm) + kFloor + ball("") + kLight)};
+  }
+  if (family == "medium")
+    return {usual(kLight + ball("<bsdf type=\"dielectric\"/>" + changed(example, "interior")))};
+  return {usual(kLight + example)};
+}
+
+std::string wrap_image(const std::string& file) {
+  const std::string name = R"(<string name="filename" value=")" + file + "\"/>";
+  return usual(R"(<emitter type="envmap">)" + name + "</emitter>\n" +
+               ball(R"(<emitter type="area"><texture type="bitmap" name="radiance">)" + name +
+                    R"(<boolean name="raw" value="false"/></texture></emitter>)"));
+}
+
+}  // namespace aureole::fuzz

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scenes around single plug-ins: the examples of their documentation, and images.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "corpus.h"
+
+namespace aureole::fuzz {
+
+/// The example with every file name replaced by one of `data` with the same ending, which goes to `used`.
+std::string with_data_files(const std::string& example,
+                            const std::vector<std::pair<std::string, Bytes>>& data, Files& used);
+
+/// Complete scenes that use the example: two for a texture, which may be a reflectance or an emission.
+std::vector<std::string> wrap_example(const std::string& family, const std::string& name,
+                                      const std::string& example);
+
+/// A scene with the picture as a texture and as an environment.
+std::string wrap_image(const std::string& file);
+
+}  // namespace aureole::fuzz
