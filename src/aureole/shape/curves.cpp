@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "aureole/emitter/emitter.h"
+#include "aureole/sensor/sensor.h"
 #include "aureole/shape/mesh_file.h"
 
 namespace aureole {
@@ -19,6 +20,8 @@ Curves::Curves(const Properties& properties, std::uint32_t points_per_segment)
     : UnsampledShape(properties), points_per_segment_(points_per_segment) {
   if (emitter())
     throw Error(emitter()->properties().where(), "a curve cannot be an emitter; use a cylinder or a mesh");
+  if (sensor())
+    throw Error(sensor()->properties().where(), "a curve cannot be a sensor; use a cylinder or a mesh");
   read(properties);
 }
 

@@ -123,9 +123,11 @@ SurfacePoint Instance::surface_point(const ShapeHit& hit, const Ray& ray) const 
                    (e[0] * size.x + e[1] * size.y + e[2] * size.z + e[3]);
   }
   s.ng = normalize(transposed(to_group_, s.ng));
+  const Vec3 n = normalize(transposed(to_group_, s.shading.n));
   // The frame's own tangent was made perpendicular to the normal, which the map does not keep.
-  const Vec3 tangent = linear(to_world_, s.shape->derivatives(s).dp_du);
-  s.shading = Frame::from_normal_tangent(normalize(transposed(to_group_, s.shading.n)), tangent);
+  s.shading = s.shape->needs_tangent()
+                  ? Frame::from_normal_tangent(n, linear(to_world_, s.shape->derivatives(s).dp_du))
+                  : Frame::from_normal(n);
   s.instance = this;
   return s;
 }

@@ -51,10 +51,12 @@ void Mesh::adopt(MeshData data) {
   data_ = std::move(data);
   find_bounds();
   data_.positions.push_back({});  // see build()
+  find_planes();
 }
 
 MeshData Mesh::release() {
   data_.positions.pop_back();
+  planes_ = {};
   return std::move(data_);
 }
 

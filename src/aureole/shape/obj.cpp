@@ -207,8 +207,8 @@ public:
     MeshData data = reader.read([this](double x, double y, double z) { return place_point(x, y, z); },
                                 [this](double x, double y, double z) { return place_normal(x, y, z); });
     for (std::string& remark : reader.remarks()) remarks_.push_back(std::move(remark));
-    // A BSDF in the scene is for the whole file (as in Mitsuba), and so is an emitter.
-    const bool as_one = !has_default_bsdf() || emitter();
+    // A BSDF in the scene is for the whole file (as in Mitsuba), and so are an emitter and a sensor.
+    const bool as_one = !has_default_bsdf() || emitter() || sensor();
     if (as_one) data.materials = {};
     build(std::move(data), "filename");
     if (!as_one && reader.materials().size() > 1) apply_materials(file, reader);

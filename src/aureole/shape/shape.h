@@ -98,7 +98,10 @@ protected:
   Shape(const Properties& properties, BsdfPtr bsdf);
   /// No child gave a BSDF; another one may take the default's place.
   bool has_default_bsdf() const { return has_default_bsdf_; }
-  void set_bsdf(BsdfPtr bsdf) { bsdf_ = std::move(bsdf); }
+  void set_bsdf(BsdfPtr bsdf) {
+    bsdf_ = std::move(bsdf);
+    ask_bsdf();
+  }
   /// The textures below the object that show attributes.
   static std::vector<const AttributeTexture*> attribute_textures(const Properties& properties);
 
@@ -110,10 +113,10 @@ protected:
   std::vector<std::string> remarks_;
 
 private:
-  BsdfPtr bsdf_;
-  std::shared_ptr<Emitter> emitter_;
   void ask_bsdf();
 
+  BsdfPtr bsdf_;
+  std::shared_ptr<Emitter> emitter_;
   Lobe lobes_ = Lobe::none;
   bool needs_tangent_ = true, needs_choice_ = true;
   std::shared_ptr<Sensor> sensor_;

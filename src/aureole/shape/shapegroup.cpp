@@ -3,6 +3,7 @@
 
 #include "aureole/emitter/emitter.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/sensor/sensor.h"
 #include "aureole/shape/shape_group.h"
 
 namespace aureole {
@@ -31,6 +32,8 @@ void ShapeGroup::add(const ShapePtr& shape) {
   if (const Emitter* emitter = shape->emitter())
     throw Error(emitter->properties().where(),
                 "a shape of a group cannot be an emitter: instances do not shine");
+  if (shape->sensor())
+    throw Error(shape->sensor()->properties().where(), "a shape of a group cannot be a sensor");
   passable_ |= shape->is_passable();
   if (const auto* group = dynamic_cast<const ShapeGroup*>(shape.get())) {
     for (const ShapePtr& s : group->shapes_) add(s);
