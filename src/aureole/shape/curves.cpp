@@ -107,6 +107,7 @@ std::vector<ParameterDoc> curve_parameters() {
        "A text file with the control points: a line x, y, z, radius for each, an empty line between curves."},
       {"bsdf", "bsdf", "", "diffuse of reflectance 0.5", "What the surface is made of."},
       {"emitter", "emitter", "", "none", "Not possible: an error."},
+      {"sensor", "sensor", "", "none", "Not possible: an error."},
       {"to_world", "transform", "", "identity",
        "From the file's coordinates to those of the scene. Radii do not scale with it."},
       {"silhouette_sampling_weight", "float", "", "1", "Accepted for Mitsuba's sake, has no effect."}};
