@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // dp/du and dp/dv of every shape against differences of its own surface points.
+#include "harness/properties_builder.h"
 #include "shape_test_support.h"
 
 namespace aureole {
@@ -16,13 +17,15 @@ TEST_F(Derivatives, AgreeWithDifferences) {
       write("curves.txt", "-2 0 0.1 0.5\n-0.8 0.3 0 0.4\n0.9 -0.2 0.3 0.5\n2 0.1 -0.2 0.3\n");
   const Transform t = Transform::rotate(1, 2, 3, 50) * Transform::scale(1, 0.6, 1.3);
   const Transform turned = Transform::rotate(3, 1, 2, 70) * Transform::scale(0.8, 0.8, 0.8);
+  // Meshes and instances compute the tangent only for a BSDF that looks at it.
+  const ObjectPtr rough = testing::build_object(R"(<bsdf type="roughconductor"/>)");
   const ShapePtr group =
-      ShapeBuilder("shapegroup").set("", ObjectPtr(ShapeBuilder("sphere").build())).build();
+      ShapeBuilder("shapegroup").set("", ObjectPtr(ShapeBuilder("sphere").set("", rough).build())).build();
   const std::vector<ShapePtr> shapes = {
       ShapeBuilder("sphere").to_world(turned).build(),
       ShapeBuilder("disk").to_world(t).build(),
       ShapeBuilder("cylinder").to_world(t).build(),
-      ShapeBuilder("rectangle").to_world(t).build(),
+      ShapeBuilder("rectangle").set("", rough).to_world(t).build(),
       ShapeBuilder("linearcurve").set("filename", file).to_world(turned).build(),
       ShapeBuilder("bsplinecurve").set("filename", file).to_world(turned).build(),
       ShapeBuilder("instance").set("", ObjectPtr(group)).to_world(t).build()};

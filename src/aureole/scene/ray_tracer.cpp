@@ -86,6 +86,8 @@ RayTracer::RayTracer(std::span<const ShapePtr> shapes) {
     rtcAttachGeometryByID(scene_, geometry, unsigned(i));
     rtcReleaseGeometry(geometry);
     bounds_.extend(shapes[i]->bounds());
+    // Embree 3.13.5 may not come back from a packet that is tested for occlusion by instances.
+    packets_ &= !shapes[i]->is_instance();
   }
   rtcCommitScene(scene_);
   const RTCError error = rtcGetDeviceError(device_);
@@ -127,6 +129,10 @@ bool RayTracer::occluded(const Ray& ray) const {
 }
 
 void RayTracer::intersect(const Ray* rays, int n, Rays kind, Hit* hits) const {
+  if (!packets_) {
+    for (int i = 0; i < n; ++i) hits[i] = intersect(rays[i]);
+    return;
+  }
   RTCIntersectContext context = context_for(kind);
   if (n > 8)
     intersect_packet<RTCRayHit16>(
@@ -139,6 +145,10 @@ void RayTracer::intersect(const Ray* rays, int n, Rays kind, Hit* hits) const {
 }
 
 void RayTracer::occluded(const Ray* rays, int n, Rays kind, bool* blocked) const {
+  if (!packets_) {
+    for (int i = 0; i < n; ++i) blocked[i] = occluded(rays[i]);
+    return;
+  }
   RTCIntersectContext context = context_for(kind);
   if (n > 8)
     occluded_packet<RTCRay16>(rays, n, blocked,

@@ -51,6 +51,7 @@ private:
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   Bounds3 bounds_;
+  bool packets_ = true;
 };
 
 }  // namespace aureole
