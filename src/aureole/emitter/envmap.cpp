@@ -12,7 +12,7 @@
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
-#include "aureole/spectrum/upsampling.h"
+#include "aureole/spectrum/upsampled_color.h"
 
 namespace aureole {
 namespace {
@@ -71,11 +71,6 @@ public:
   EmissionBounds emission_bounds(std::size_t) const override { return {}; }
 
 private:
-  struct Texel {
-    SigmoidPolynomial polynomial;
-    float scale;
-  };
-
   std::optional<DirectSample> sample(const Piecewise2D& distribution, const Vec3& facing, Vec2 u,
                                      const Wavelengths& w) const {
     float pdf;
@@ -124,9 +119,8 @@ private:
           sums[k] += c[k] * sine;
         }
         weight_sum += sine;
-        const UnboundedRgb u = upsample_unbounded(c[0], c[1], c[2]);
         const size_t i = size_t(y) * size_t(width_) + size_t(x);
-        texels_[i] = {u.polynomial, u.scale};
+        texels_[i] = UpsampledColor::of_unbounded(upsample_unbounded(c[0], c[1], c[2]));
         luminance[i] = 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
       }
     }
@@ -190,22 +184,19 @@ private:
                 y = (uv.y > 0 ? uv.y : 0) * float(height_ - 1);
     const int x0 = int(std::floor(x)), y0 = std::clamp(int(y), 0, height_ - 2);
     const float fx = x - float(x0), fy = std::clamp(y - float(y0), 0.f, 1.f);
-    const auto at = [&](int i, int j) -> const Texel& {
+    const auto at = [&](int i, int j) -> const UpsampledColor& {
       i = i < 0 ? i + width_ : i >= width_ ? i - width_ : i;
       return texels_[size_t(j) * size_t(width_) + size_t(i)];
     };
-    const Texel *a = &at(x0, y0), *b = &at(x0 + 1, y0), *c = &at(x0, y0 + 1), *d = &at(x0 + 1, y0 + 1);
+    const UpsampledColor *a = &at(x0, y0), *b = &at(x0 + 1, y0), *c = &at(x0, y0 + 1),
+                         *d = &at(x0 + 1, y0 + 1);
     const float wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wd = fx * fy;
     // Shapes and scales are interpolated apart, as Mitsuba does: products would darken steep edges less, but
     // pictures would differ.
-    const Spectrum shape = eval(a->polynomial, w.nm) * wa + eval(b->polynomial, w.nm) * wb +
-                           eval(c->polynomial, w.nm) * wc + eval(d->polynomial, w.nm) * wd;
+    const Spectrum nm = UpsampledColor::model_range(w.nm);
+    const Spectrum shape = a->shape(nm) * wa + b->shape(nm) * wb + c->shape(nm) * wc + d->shape(nm) * wd;
     const float scale = a->scale * wa + b->scale * wb + c->scale * wc + d->scale * wd;
     return shape * d65_.eval(w) * (scale * scale_);
-  }
-
-  static Spectrum eval(const SigmoidPolynomial& p, const Spectrum& nm) {
-    return make_spectrum([&](int i) { return p.at(nm[i]); });
   }
 
   Frame frame_;
@@ -213,7 +204,7 @@ private:
   float scale_ = 1, radius_ = 1, mean_[3];
   bool mis_compensation_;
   int width_ = 0, height_ = 0;
-  std::vector<Texel> texels_;
+  std::vector<UpsampledColor> texels_;
   Piecewise2D distribution_, everything_;  ///< the second only where the first is compensated
   SampledSpectrum d65_;
 };

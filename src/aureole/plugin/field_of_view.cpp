@@ -27,9 +27,11 @@ double focal_length_mm(const Properties& p) {
 double tangent_of_half_width(const Properties& p, double aspect) {
   const std::string axis = p.get_choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"});
   const double of_diagonal = 1 / std::sqrt(1 + 1 / (aspect * aspect));
-  if (!p.has("fov")) return std::hypot(36.0, 24.0) / (2 * focal_length_mm(p)) * of_diagonal;
+  // Both are read, so that both are checked and known.
+  const double mm = focal_length_mm(p), fov = p.get_float("fov", -1, {1e-4, 179.9999});
+  if (!p.has("fov")) return std::hypot(36.0, 24.0) / (2 * mm) * of_diagonal;
   if (p.has("focal_length")) throw p.error("focal_length", "give either \"fov\" or \"focal_length\"");
-  const double t = std::tan(0.5 * p.get_float("fov", {1e-4, 179.9999}) * M_PI / 180);
+  const double t = std::tan(0.5 * fov * M_PI / 180);
   if (axis == "y" || (axis == "smaller" && aspect > 1) || (axis == "larger" && aspect < 1)) return t * aspect;
   return axis == "diagonal" ? t * of_diagonal : t;
 }

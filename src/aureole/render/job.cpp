@@ -205,7 +205,7 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   std::vector<float> measured(size_t(channels * kSampleBlock), 0.f);
   float wx[kMaxReach], wy[kMaxReach];
   const int reach = 2 * border + 1;
-  const int aovs = int(integrator_->aov_names().size()), film_channels = channels - aovs;
+  const int film_channels = scene_->film().measured_channels();
   CameraPath paths[kSampleBlock];
   Sample samples[kSampleBlock];
   static_assert(kSampleBlock <= RadianceIntegrator::kTogether);

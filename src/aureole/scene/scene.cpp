@@ -128,8 +128,7 @@ namespace {
 /// constant. The rounding of the ray's own arithmetic counts too: direction, distance and differences of the
 /// length of the segment (gamma(10) of each).
 Vec3 connection_target(const Vec3& o, const DirectSample& to) {
-  constexpr float kGamma10 = 10 * 0x1p-24f / (1 - 10 * 0x1p-24f);
-  const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * kGamma10;
+  const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * gamma_bound(10);
   return offset_origin(to.p, p_error, to.ng, -to.wo);
 }
 }  // namespace

@@ -4,45 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/core/units.h"
 #include "aureole/math/warp.h"
+#include "aureole/plugin/field_of_view.h"
 #include "aureole/sensor/sensor_docs.h"
 
 namespace aureole {
-
-namespace {
-
-/// Half the diagonal of 35 mm film over its width, at the aspect of the picture.
-double tangent_of_focal_length(double mm, double aspect) {
-  return std::sqrt(36.0 * 36 + 24 * 24) / (2 * mm) / std::sqrt(1 + 1 / (aspect * aspect));
-}
-
-double focal_length_mm(const Properties& p) {
-  double mm = 0;
-  std::string text = p.get_string("focal_length", "50mm");
-  if (text.ends_with("mm")) text.resize(text.size() - 2);
-  try {
-    mm = parse_number(text);
-  } catch (const Error&) {
-  }
-  if (!(mm > 0)) throw p.error("focal_length", "expected a length such as \"50mm\"");
-  return mm;
-}
-
-/// tan(half the horizontal field of view), from `fov` about `fov_axis` or from `focal_length` on 35 mm film.
-double tangent_of_half_width(const Properties& p, double aspect) {
-  const std::string axis = p.get_choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"});
-  const double mm = focal_length_mm(p);
-  const double fov = p.get_float("fov", -1, {1e-4, 179.9999});
-  if (!p.has("fov")) return tangent_of_focal_length(mm, aspect);
-  if (p.has("focal_length")) throw p.error("focal_length", "give either \"fov\" or \"focal_length\"");
-  const double t = std::tan(0.5 * fov * M_PI / 180);
-  if (axis == "y" || (axis == "smaller" && aspect > 1) || (axis == "larger" && aspect < 1)) return t * aspect;
-  if (axis == "diagonal") return t / std::sqrt(1 + 1 / (aspect * aspect));
-  return t;
-}
-
-}  // namespace
 
 ClipPlanes::ClipPlanes(const Properties& p) {
   // Their squares stay within the range of float.

@@ -9,9 +9,6 @@ namespace aureole {
 
 namespace {
 
-/// The bound n u / (1 - n u) on the relative error of n roundings (Pharr, Jakob & Humphreys 2023, eq. 6.16).
-constexpr float gamma_bound(int n) { return n * 0x1p-24f / (1 - n * 0x1p-24f); }
-
 double element(const Double3& v, int i) { return i == 0 ? v.x : i == 1 ? v.y : v.z; }
 
 template <class Rows>

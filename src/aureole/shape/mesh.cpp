@@ -14,12 +14,6 @@ namespace aureole {
 
 namespace {
 
-/// The bound n u / (1 - n u) on the relative error of n roundings (Pharr, Jakob & Humphreys 2023, eq. 6.16).
-constexpr float gamma_bound(int n) {
-  constexpr float kHalfUlp = 5.9604645e-8f;
-  return n * kHalfUlp / (1 - n * kHalfUlp);
-}
-
 TrianglePlane exact_plane(const TriangleCorners& c) {
   const Double3 n = cross(Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]));
   const double doubled_area = length(n);

@@ -46,6 +46,12 @@ inline float step_towards(float x, float towards) {
 }
 }  // namespace detail
 
+/// The bound n u / (1 - n u) on the relative error of n roundings (Pharr, Jakob & Humphreys 2023, eq. 6.16).
+constexpr float gamma_bound(int n) {
+  constexpr float kHalfUlp = 0x1p-24f;
+  return n * kHalfUlp / (1 - n * kHalfUlp);
+}
+
 /// Origin for a ray leaving `point` along `d`: moved along the geometric normal just beyond the error bound,
 /// so that the ray cannot meet the surface it starts from (Pharr, Jakob & Humphreys 2023, "Physically Based
 /// Rendering", section 6.8.6).

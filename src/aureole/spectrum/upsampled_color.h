@@ -20,19 +20,22 @@ struct alignas(16) UpsampledColor {
       const SigmoidPolynomial p = upsample_srgb(r, g, b);
       return {p.c0, p.c1, p.c2, 1};
     }
-    const UnboundedRgb u = upsample_unbounded(r, g, b);
+    return of_unbounded(upsample_unbounded(r, g, b));
+  }
+  static UpsampledColor of_unbounded(const UnboundedRgb& u) {
     return {u.polynomial.c0, u.polynomial.c1, u.polynomial.c2, u.scale};
   }
   /// Wavelengths within the model's range, beyond which it goes on with its value at the end.
   static Spectrum model_range(const Spectrum& nm) {
     return min(max(nm, SigmoidPolynomial::kMinNm), SigmoidPolynomial::kMaxNm);
   }
+  Spectrum eval(const Spectrum& nm) const { return shape(nm) * scale; }
   /// SigmoidPolynomial::at for all wavelengths, which lie in the model's range.
-  Spectrum eval(const Spectrum& nm) const {
+  Spectrum shape(const Spectrum& nm) const {
     const Spectrum x = (nm * c0 + c1) * nm + c2;
     const Spectrum root = sqrt(Spectrum(1.f) + x * x);
     const Spectrum tail = Spectrum(0.5f) / (root * (root + abs(x)));
-    return select(x.v < Spectrum(0.f).v, tail, Spectrum(1.f) - tail) * scale;
+    return select(x.v < Spectrum(0.f).v, tail, Spectrum(1.f) - tail);
   }
   /// Smallest and largest value over the wavelengths: the sigmoid is monotonic, its argument a parabola.
   std::pair<float, float> range() const {

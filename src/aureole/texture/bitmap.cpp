@@ -10,7 +10,7 @@
 #include "aureole/core/image.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/tables.h"
-#include "aureole/spectrum/upsampling.h"
+#include "aureole/spectrum/upsampled_color.h"
 #include "aureole/texture/texture.h"
 #include "aureole/texture/uv_transform.h"
 
@@ -18,32 +18,6 @@ namespace aureole {
 namespace {
 
 enum class Wrap { repeat, mirror, clamp };
-
-/// A coloured texel: a sigmoid polynomial times a scale, which is one for colours in [0, 1].
-struct alignas(16) ColorTexel {
-  float c0 = 0, c1 = 0, c2 = 0, scale = 0;
-};
-
-/// SigmoidPolynomial::at for all wavelengths at once; `nm` is in the model's range.
-inline Spectrum evaluate(const ColorTexel& t, const Spectrum& nm) {
-  const Spectrum x = (nm * t.c0 + t.c1) * nm + t.c2;
-  const Spectrum root = sqrt(Spectrum(1.f) + x * x);
-  const Spectrum tail = Spectrum(0.5f) / (root * (root + abs(x)));
-  return select(x.v < Spectrum(0.f).v, tail, Spectrum(1.f) - tail) * t.scale;
-}
-
-inline Spectrum model_range(const Spectrum& nm) {
-  return min(max(nm, SigmoidPolynomial::kMinNm), SigmoidPolynomial::kMaxNm);
-}
-
-/// Smallest and largest value of a texel over the wavelengths: the sigmoid is monotonic, its argument a
-/// parabola.
-std::pair<float, float> range_of(const ColorTexel& t) {
-  const SigmoidPolynomial p{t.c0, t.c1, t.c2};
-  const float a = p.at(SigmoidPolynomial::kMinNm), b = p.at(SigmoidPolynomial::kMaxNm);
-  const float vertex = t.c0 != 0 ? p.at(-t.c1 / (2 * t.c0)) : a;  // clamped to the range by `at`
-  return {t.scale * std::min({a, b, vertex}), t.scale * std::max({a, b, vertex})};
-}
 
 float luminance(const Vec3& rgb) { return 0.212671f * rgb.x + 0.715160f * rgb.y + 0.072169f * rgb.z; }
 
@@ -68,9 +42,9 @@ public:
       weights_[i / kWavelengths][i % kWavelengths] = float(weights[i] / sum);
     }
   }
-  float operator()(const ColorTexel& t) const {
+  float operator()(const UpsampledColor& t) const {
     Spectrum total;
-    for (int k = 0; k < kNodes / kWavelengths; ++k) total += evaluate(t, nm_[k]) * weights_[k];
+    for (int k = 0; k < kNodes / kWavelengths; ++k) total += t.eval(nm_[k]) * weights_[k];
     return sum(total);
   }
 
@@ -98,8 +72,8 @@ public:
 
   Spectrum eval(const SurfacePoint& point, const Wavelengths& w) const override {
     if (colors_.empty()) return eval_scalar(point);
-    const Spectrum nm = model_range(w.nm);
-    return lookup(point, [&](std::size_t i) { return evaluate(colors_[i], nm); });
+    const Spectrum nm = UpsampledColor::model_range(w.nm);
+    return lookup(point, [&](std::size_t i) { return colors_[i].eval(nm); });
   }
   float eval_scalar(const SurfacePoint& point) const override {
     if (!greys_.empty()) return lookup(point, [&](std::size_t i) { return greys_[i]; });
@@ -138,10 +112,10 @@ public:
     std::vector<double> nm(64), mean(64, 0.0);
     for (int k = 0; k < 64; ++k) nm[k] = grid_.min_nm + (grid_.max_nm - grid_.min_nm) * k / 63;
     for (int block = 0; block < kBlocks; ++block) {
-      const Spectrum at =
-          model_range(make_spectrum([&](int j) { return float(nm[block * kWavelengths + j]); }));
+      const Spectrum at = UpsampledColor::model_range(
+          make_spectrum([&](int j) { return float(nm[block * kWavelengths + j]); }));
       for (std::size_t i = 0; i < used; ++i) {
-        const Spectrum s = evaluate(colors_[texel(i)], at);
+        const Spectrum s = colors_[texel(i)].eval(at);
         for (int j = 0; j < kWavelengths; ++j) mean[block * kWavelengths + j] += s.v[j];
       }
     }
@@ -272,20 +246,11 @@ private:
     } else {
       colors_.resize(count);
       each_texel([&](std::size_t i, int px, int py) {
-        colors_[i] = upsample(value(px, py, r), value(px, py, g), value(px, py, b));
-        const auto [lower, upper] = range_of(colors_[i]);
+        colors_[i] = UpsampledColor::of_rgb(value(px, py, r), value(px, py, g), value(px, py, b));
+        const auto [lower, upper] = colors_[i].range();
         extend(lower, upper);
       });
     }
-  }
-
-  static ColorTexel upsample(float r, float g, float b) {
-    if (std::max({r, g, b}) <= 1) {
-      const SigmoidPolynomial p = upsample_srgb(r, g, b);
-      return {p.c0, p.c1, p.c2, 1};
-    }
-    const UnboundedRgb u = upsample_unbounded(r, g, b);
-    return {u.polynomial.c0, u.polynomial.c1, u.polynomial.c2, u.scale};
   }
 
   UvTransform to_uv_;
@@ -294,7 +259,7 @@ private:
   Wrap wrap_ = Wrap::repeat;
   int width_ = 0, height_ = 0;
   // One of the three is not empty.
-  std::vector<ColorTexel> colors_;
+  std::vector<UpsampledColor> colors_;
   std::vector<float> greys_;
   std::vector<Vec3> rgbs_;
   float minimum_ = 0, maximum_ = 0;
