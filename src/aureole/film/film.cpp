@@ -50,6 +50,24 @@ void Film::use_box_filter() {
   filter_ = default_filter(properties(), "box");
 }
 
+std::vector<SampledSpectrum> channel_responses(const Film& film, const SpectralGrid& grid) {
+  const std::vector<std::string> names = film.channel_names();
+  const size_t channels = names.size() - (names.back() == "A" ? 1 : 0);
+  std::vector<std::vector<float>> nodes(channels);
+  std::vector<float> measured(size_t(film.measured_channels())), developed(names.size());
+  Spectrum unit(0.f);
+  unit[0] = 1;
+  for (int i = 0; i <= grid.cells; ++i) {
+    film.measure(unit, Wavelengths::at(grid, float(grid.node(i))), measured.data());
+    const std::vector<double> mean(measured.begin(), measured.end());
+    film.develop(mean.data(), 0, developed.data());
+    for (size_t c = 0; c < channels; ++c) nodes[c].push_back(developed[c]);
+  }
+  std::vector<SampledSpectrum> responses;
+  for (auto& n : nodes) responses.push_back({grid, std::move(n)});
+  return responses;
+}
+
 std::vector<ParameterDoc> film_parameters(std::vector<ParameterDoc> own) {
   std::vector<ParameterDoc> all = {
       {"width", "integer", "pixels", "768", "width of the film"},

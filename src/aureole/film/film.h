@@ -65,4 +65,7 @@ private:
   bool filter_is_default_ = false;
 };
 
+/// The response of every channel of the developed picture but alpha, on the scene's grid.
+std::vector<SampledSpectrum> channel_responses(const Film& film, const SpectralGrid& grid);
+
 }  // namespace aureole

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "aureole/spectrum/wavelength_choice.h"
+
 namespace aureole {
 
 namespace {
@@ -65,14 +67,12 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
     if (emitter->is_infinite() && !emitter->is_delta()) infinite_.push_back(emitter.get());
   }
 
-  // p_lambda mixes the film's response with response x emitted power, so that a line that carries the light
-  // is found.
   const SpectralGrid& grid = loaded_.context->grid;
   const SampledSpectrum response = film().response();
   if (!(response.maximum() < 1e18f))
     throw Error(sensor_->properties().where(), "the sensor's response is too large to be computed with");
   std::vector<double> powers;
-  std::vector<float> emitted(size_t(grid.cells) + 1);
+  std::vector<SampledSpectrum> lights;
   for (const Emitter* e : emitters_) {
     const SampledSpectrum power = e->power_spectrum();
     powers.push_back(overlap(power, response));
@@ -80,16 +80,12 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
       throw Error(
           e->properties().where(),
           "the emitter's power is too large to be computed with; scale the scene or the emission down");
-    for (size_t i = 0; i < emitted.size(); ++i) emitted[i] += power.nodes()[i];
+    lights.push_back(power);
   }
-  SampledSpectrum all_power(grid, std::move(emitted));
-  // Only its shape counts; the product with the response must not leave the range of float.
-  if (all_power.maximum() > 1e18f) all_power.scale(1 / all_power.maximum());
-  const SampledSpectrum densities[2] = {response, product(response, all_power)};
-  const float weights[2] = {0.5f, 0.5f};
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
     loaded_.notes.push_back("no emitter has power where the film sees: the picture will be black");
-  wavelengths_ = std::make_unique<WavelengthDistribution>(grid, densities, weights);
+  wavelengths_ = std::make_unique<WavelengthDistribution>(
+      choose_wavelengths(response, channel_responses(film(), grid), lights));
   // An emitter that is never chosen is met by chance, by paths from the sensor; paths from the emitters know
   // no such chance.
   std::vector<double> emitted_powers = powers;
