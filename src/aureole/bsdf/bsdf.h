@@ -93,7 +93,7 @@ public:
   virtual Vec3 shading_normal(const SurfacePoint& /*point*/) const { return {0, 0, 1}; }
 
   virtual Lobe lobes() const = 0;
-  /// `sample` looks at u1.
+  /// `sample` looks at u1, or something at the context's key.
   virtual bool needs_choice() const { return true; }
   /// Values change when the frame turns about the normal: x must lie along dp/du. False saves the tangent.
   virtual bool needs_tangent() const { return true; }

@@ -16,14 +16,20 @@ public:
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (!(wi.z > 0 && wo.z > 0)) return {};
-    return at(wo, ctx);
+    const float pdf = cosine_hemisphere_pdf(wo.z);
+    return {reflectance_->eval(ctx.point, ctx.wavelengths) * pdf, pdf};
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float, Vec2 u2, const BsdfContext& ctx) const override {
-    if (!(wi.z > 0)) return {};
-    const Vec3 wo = square_to_cosine_hemisphere(u2);
-    const BsdfEval e = at(wo, ctx);
-    return BsdfSample{wo, e.value, e.pdf, lobes()};
+    std::optional<BsdfSample> result;
+    if (!(wi.z > 0)) return result;
+    BsdfSample& s = result.emplace();
+    s.wo = square_to_cosine_hemisphere(u2);
+    const float pdf = cosine_hemisphere_pdf(s.wo.z);
+    s.value = reflectance_->eval(ctx.point, ctx.wavelengths) * pdf;
+    s.pdf = pdf;
+    s.lobe = lobes();
+    return result;
   }
 
   bool needs_tangent() const override { return false; }
@@ -31,11 +37,6 @@ public:
   Lobe lobes() const override { return Lobe::diffuse | Lobe::reflect; }
 
 private:
-  BsdfEval at(const Vec3& wo, const BsdfContext& ctx) const {
-    const float pdf = cosine_hemisphere_pdf(wo.z);
-    return {reflectance_->eval(ctx.point, ctx.wavelengths) * pdf, pdf};
-  }
-
   TexturePtr reflectance_;
 };
 

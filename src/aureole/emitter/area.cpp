@@ -13,7 +13,9 @@ namespace {
 class AreaEmitter final : public Emitter {
 public:
   explicit AreaEmitter(const Properties& p)
-      : Emitter(p), radiance_(get_texture(p, "radiance", 1, SpectrumRole::emission)) {}
+      : Emitter(p),
+        radiance_(get_texture(p, "radiance", 1, SpectrumRole::emission)),
+        is_constant_(radiance_->is_constant()) {}
 
   void attach(const Shape& shape) override {
     if (shape_)
@@ -33,16 +35,23 @@ public:
 
   std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t part, Vec2 u,
                                             const Wavelengths& wavelengths) const override {
-    const auto s = shape_->sample_direct(reference, part, u);
-    if (!s) return {};
-    const Vec3 to = s->p - reference;
-    const Vec3 wo = normalize(to);
-    if (!(dot(s->ng, wo) < 0) || !(s->pdf > 0)) return {};
-    SurfacePoint point;
-    point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
-    point.primitive = s->primitive, point.barycentric = s->barycentric;
-    return DirectSample{wo,     s->p,  s->p_error, s->ng, radiance_->eval(point, wavelengths),
-                        s->pdf, false, false};
+    return sample_direct_facing(reference, {}, part, u, wavelengths);
+  }
+
+  std::optional<DirectSample> sample_direct_facing(const Vec3& reference, const Vec3& facing,
+                                                   std::size_t part, Vec2 u,
+                                                   const Wavelengths& wavelengths) const override {
+    std::optional<DirectSample> result;
+    if (!is_constant_) {
+      const auto s = shape_->sample_direct(reference, part, u);
+      if (!s || !set_position({s->p, s->p_error, s->ng, s->pdf}, reference, facing, result)) return result;
+      result->radiance = radiance_at(*s, wavelengths);
+      return result;
+    }
+    static const SurfacePoint kAnywhere;
+    if (set_position(shape_->sample_direct_position(reference, part, u), reference, facing, result))
+      result->radiance = radiance_->eval(kAnywhere, wavelengths);
+    return result;
   }
 
   std::optional<EmittedRay> sample_ray(std::size_t part, Vec2 position, Vec2 direction,
@@ -50,14 +59,11 @@ public:
     const auto s = shape_->sample_area(part, position);
     if (!s) return {};
     const Vec3 local = square_to_cosine_hemisphere(direction);
-    SurfacePoint point;
-    point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
-    point.primitive = s->primitive, point.barycentric = s->barycentric;
     return EmittedRay{s->p,
                       s->p_error,
                       s->ng,
                       normalize(Frame::from_normal(s->ng).to_world(local)),
-                      radiance_->eval(point, wavelengths) * local.z,
+                      radiance_at(*s, wavelengths) * local.z,
                       s->pdf,
                       cosine_hemisphere_pdf(local.z)};
   }
@@ -79,7 +85,24 @@ public:
   }
 
 private:
+  /// Everything but the radiance; false where the surface turns away or the light comes from behind `facing`.
+  static bool set_position(const PositionSample& s, const Vec3& reference, const Vec3& facing,
+                           std::optional<DirectSample>& result) {
+    const Vec3 wo = normalize(s.p - reference);
+    if (!(s.pdf > 0) || !(dot(s.ng, wo) < 0) || dot(facing, wo) < 0) return false;
+    DirectSample& d = result.emplace();
+    d.wo = wo, d.p = s.p, d.p_error = s.p_error, d.ng = s.ng, d.pdf = s.pdf;
+    return true;
+  }
+  Spectrum radiance_at(const ShapeSample& s, const Wavelengths& wavelengths) const {
+    SurfacePoint point;
+    point.p = s.p, point.ng = s.ng, point.uv = s.uv, point.shape = shape_;
+    point.primitive = s.primitive, point.barycentric = s.barycentric;
+    return radiance_->eval(point, wavelengths);
+  }
+
   TexturePtr radiance_;
+  bool is_constant_;
   const Shape* shape_ = nullptr;
   double area_ = 0;
 };

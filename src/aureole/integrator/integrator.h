@@ -45,7 +45,7 @@ public:
   using Integrator::Integrator;
 
   /// Paths that `radiance_of` takes at once; usually samples of one pixel.
-  static constexpr int kTogether = RayTracer::kPacket;
+  static constexpr int kTogether = RayPacket::kSize;
   /// The same as `radiance` of each path, bit for bit, where an integrator can do it faster together.
   virtual void radiance_of(const Scene& scene, std::span<CameraPath> paths) const {
     static const PathLog no_log;

@@ -12,8 +12,8 @@
 namespace aureole {
 namespace {
 
-/// Sample dimensions of one vertex: pairs for directions, single numbers for choices.
-enum Pair { kBsdfDirection, kLightDirection };
+/// Sample dimensions of one vertex: pairs for directions, the BSDF's and the light's, and single numbers for
+/// choices.
 enum Choice { kLight, kLobe, kRoulette };
 
 struct PathState {
@@ -38,8 +38,7 @@ struct PathState {
 /// visibility. Where visibility is not a matter of yes or no the step has found it, and the contribution
 /// holds it.
 struct Step {
-  bool alive = false;
-  bool connects = false;
+  bool alive, connects;
   Ray connection;
   Spectrum contribution;  ///< of the connection, if nothing is in the way
 };
@@ -81,13 +80,13 @@ public:
     }
     const RayTracer& tracer = scene.tracer();
     PathState states[kTogether];
-    Ray rays[kTogether], shadow_rays[kTogether];
+    RayPacket rays, shadow_rays;
     RayTracer::Hit hits[kTogether];
     int lane[kTogether], shadow_lane[kTogether];  // the path that a ray belongs to
-    Spectrum contributions[kTogether];
+    Step steps[kTogether + 1];                    // those that connect, and one more to be filled
     bool blocked[kTogether];
     int n = int(paths.size());
-    for (int i = 0; i < n; ++i) lane[i] = i, rays[i] = states[i].ray = paths[size_t(i)].ray;
+    for (int i = 0; i < n; ++i) lane[i] = i, rays.set(i, states[i].ray = paths[size_t(i)].ray);
 
     for (auto kind = RayTracer::Rays::coherent; n > 0; kind = RayTracer::Rays::incoherent) {
       tracer.intersect(rays, n, kind, hits);
@@ -96,7 +95,7 @@ public:
         const int l = lane[i];
         PathState& s = states[l];
         CameraPath& path = paths[size_t(l)];
-        Step step;
+        Step& step = steps[shadows];
         if (hits[i]) {
           const SurfacePoint point = scene.surface_point(hits[i], s.ray);
           advance(scene, s, &point, path.wavelengths, path.samples, step);
@@ -104,18 +103,17 @@ public:
           advance(scene, s, nullptr, path.wavelengths, path.samples, step);
         }
         if (step.connects && scene.has_binary_visibility()) {
-          shadow_rays[shadows] = step.connection;
-          contributions[shadows] = step.contribution;
+          shadow_rays.set(shadows, step.connection);
           shadow_lane[shadows++] = l;
         } else if (step.connects) {
           s.result.estimate += step.contribution;
         }
         // `alive` is at most i: what is overwritten has been read.
-        if (step.alive) rays[alive] = s.ray, lane[alive++] = l;
+        if (step.alive) rays.set(alive, s.ray), lane[alive++] = l;
       }
       tracer.occluded(shadow_rays, shadows, kind, blocked);
       for (int i = 0; i < shadows; ++i)
-        if (!blocked[i]) states[shadow_lane[i]].result.estimate += contributions[i];
+        if (!blocked[i]) states[shadow_lane[i]].result.estimate += steps[i].contribution;
       n = alive;
     }
     for (size_t i = 0; i < paths.size(); ++i) paths[i].result = states[i].result;
@@ -124,6 +122,7 @@ public:
 private:
   void advance(const Scene& scene, PathState& s, const SurfacePoint* hit, const Wavelengths& w,
                SampleStream& samples, Step& step) const {
+    step.alive = step.connects = false;
     if (!hit) {
       // Vertex kind: escape.
       if (s.depth == 0) {
@@ -151,12 +150,14 @@ private:
     }
 
     const int v = s.vertex++;
-    const auto direction = [&](Pair pair) { return samples.get2(SampleStream::direction(v, pair)); };
+    const float* directions = samples.directions(v);
+    const Vec2 for_bsdf{directions[0], directions[1]}, for_light{directions[2], directions[3]};
     const auto choice = [&](Choice k) { return samples.get1(SampleStream::choice(v, k)); };
-    const SurfaceVertex vertex(*hit, to_previous, w, samples.key(SampleStream::choice(v, 0)));
+    const SurfaceVertex vertex(*hit, to_previous, w,
+                               hit->shape->needs_choice() ? samples.key(SampleStream::choice(v, 0)) : 0);
     if (!last && vertex.is_smooth() && !scene.lights().empty()) {
-      sample_light(scene, vertex, scene.lights().is_single() ? 0.f : choice(kLight),
-                   direction(kLightDirection), w, [&](const LightConnection& c) {
+      sample_light(scene, vertex, scene.lights().is_single() ? 0.f : choice(kLight), for_light, w,
+                   [&](const LightConnection& c) {
                      const Spectrum other = c.direct.delta ? Spectrum(0.f) : c.scattering.pdf;
                      step.connects = true;
                      step.contribution =
@@ -168,7 +169,7 @@ private:
                    });
     }
 
-    const auto b = vertex.sample(hit->shape->needs_choice() ? choice(kLobe) : 0.f, direction(kBsdfDirection));
+    const auto b = vertex.sample(hit->shape->needs_choice() ? choice(kLobe) : 0.f, for_bsdf);
     if (b && has(b->lobe, Lobe::null)) {
       // No vertex: what was sampled before and light sampling, whose connections pass too, find the same
       // emitters beyond, so that the weights between them do not hold the mass of passing.

@@ -44,11 +44,13 @@ public:
   }
   /// A sampled direction in world space.
   std::optional<BsdfSample> sample(float u1, Vec2 u2) const {
-    auto s = bsdf_->sample(wi_, u1, u2, context_);
-    if (!s || !(s->pdf[0] > 0)) return {};
+    std::optional<BsdfSample> s = bsdf_->sample(wi_, u1, u2, context_);
+    if (!s) return s;
     const Vec3 world = point_->shading.to_world(s->wo);
-    if (!consistent(s->wo, world)) return {};
-    s->wo = normalize(world);
+    if (s->pdf[0] > 0 && consistent(s->wo, world))
+      s->wo = normalize(world);
+    else
+      s.reset();
     return s;
   }
 

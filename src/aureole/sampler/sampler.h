@@ -41,17 +41,15 @@ public:
   /// Dimensions are counted from here on: those before are the camera's.
   void set_first(int dimension) { first_ = dimension; }
 
-  float get1(int dimension) {
-    dimension += first_;
-    const int wanted = dimension / Sampler::kBlock;
-    Slot& slot = slots_[dimension / kChoices & 1];
-    if (wanted != slot.block) sampler_->block(pixel_key_, sample_, slot.block = wanted, slot.values);
-    return slot.values[dimension % Sampler::kBlock];
-  }
+  float get1(int dimension) { return *values_from(dimension); }
   Vec2 get2(int dimension) {
     const float x = get1(dimension);
     return {x, get1(dimension + 1)};
   }
+  /// The two pairs of `direction(vertex, ...)`, which the stream holds until another vertex's are asked for.
+  /// Dimensions must begin where the camera's end.
+  const float* directions(int vertex) { return values_from(direction(vertex, 0)); }
+
   // Which dimension is for what is measured, not taste (docs/performance.md): the first block of 8 has the
   // place on the film, the set of wavelengths, the directions of the first vertex (or the lens), and last the
   // hero.
@@ -64,8 +62,8 @@ public:
   static constexpr int kVertices = 28;  ///< that fit
   /// After the camera's dimensions; vertices from the second on begin a block or its half.
   static constexpr int direction(int vertex, int pair) {
-    const int v = vertex % kVertices;
-    return vertex / kVertices * 2 * kChoices + 4 * v + (v > 0) + 2 * pair;
+    const int round = vertex < kVertices ? 0 : vertex / kVertices, v = vertex - round * kVertices;
+    return round * 2 * kChoices + 4 * v + (v > 0) + 2 * pair;
   }
   static constexpr int choice(int vertex, int k) {
     return vertex / kVertices * 2 * kChoices + kChoices + 1 + vertex % kVertices * 4 + k;
@@ -80,6 +78,15 @@ public:
   }
 
 private:
+  /// The number of a dimension and those that follow it in its block.
+  const float* values_from(int dimension) {
+    const unsigned d = unsigned(dimension + first_), wanted = d / Sampler::kBlock;
+    Slot& slot = slots_[d / kChoices & 1];
+    if (int(wanted) != slot.block)
+      sampler_->block(pixel_key_, sample_, slot.block = int(wanted), slot.values);
+    return slot.values + d % Sampler::kBlock;
+  }
+
   const Sampler* sampler_ = nullptr;
   std::uint64_t pixel_key_ = 0;
   std::uint32_t sample_ = 0;

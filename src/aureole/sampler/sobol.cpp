@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sobol points with one true dimension per decision, Owen-scrambled by hash per pixel and dimension. May
 // change: the number of dimensions, the scrambling hash.
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 #include <array>
+#include <cstring>
 #include <initializer_list>
 
 #include "aureole/core/random.h"
@@ -29,10 +34,13 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
+/// The numbers of 8 dimensions.
+using Block = std::uint32_t __attribute__((vector_size(32)));
+
 /// Generator matrices, for 8 dimensions at a time, bit-reversed because the scrambling works on reversed
 /// bits.
 struct Matrices {
-  alignas(32) std::uint32_t column[kDimensions / 8][32][8];
+  Block column[kDimensions / 8][32];
 
   Matrices() {
     for (int d = 0; d < kDimensions; ++d) {
@@ -61,10 +69,31 @@ const Matrices& matrices() {
   return m;
 }
 
+Block reverse_bits(Block x) {
+#ifdef __AVX2__
+  // The bytes of each number, then the bits of each byte by a table of its halves.
+  const __m256i bytes =
+      _mm256_shuffle_epi8((__m256i)x,
+                          _mm256_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12, 3, 2, 1, 0,
+                                           7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+  const __m256i reversed =
+      _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
+  const __m256i half = _mm256_set1_epi8(15);
+  const __m256i low = _mm256_shuffle_epi8(reversed, _mm256_and_si256(bytes, half));
+  const __m256i high = _mm256_shuffle_epi8(reversed, _mm256_and_si256(_mm256_srli_epi16(bytes, 4), half));
+  const __m256i r = _mm256_or_si256(_mm256_slli_epi16(low, 4), high);
+  return (Block)r;
+#else
+  for (int i = 0; i < 8; ++i) x[i] = reverse_bits(std::uint32_t(x[i]));
+  return x;
+#endif
+}
+
 /// A hash whose every output bit depends only on input bits at or below it: on reversed bits, a nested
 /// uniform (Owen) scramble (Laine & Karras 2011, "Stratified sampling for stochastic transparency"; constants
-/// of N. Vegdahl, 2021).
-constexpr std::uint32_t owen_hash(std::uint32_t x, std::uint32_t seed) {
+/// of N. Vegdahl, 2021). For one number or a block.
+template <class T>
+constexpr T owen_hash(T x, T seed) {
   x ^= x * 0x3d20adeau;
   x += seed;
   x *= (seed >> 16) | 1u;
@@ -88,22 +117,21 @@ public:
       index = reverse_bits(owen_hash(reverse_bits(sample),
                                      std::uint32_t(combine_bits(pixel_key, ~std::uint64_t(repetition)))));
     const auto& columns = table_->column[block % kBlocks];
-    alignas(32) std::uint32_t x[kBlock] = {};
-    for (; index; index &= index - 1) {
-      const auto& c = columns[__builtin_ctz(index)];
-      for (int i = 0; i < kBlock; ++i) x[i] ^= c[i];
-    }
+    Block x{};
+    for (; index; index &= index - 1) x ^= columns[__builtin_ctz(index)];
     const std::uint32_t key = std::uint32_t(pixel_key) ^ std::uint32_t(pixel_key >> 32);
-    for (int i = 0; i < kBlock; ++i) {
-      // A 32-bit finaliser (C. Wellons' "lowbias32"), so that 8 seeds are one vector computation.
-      std::uint32_t seed = key + 0x9e3779b9u * std::uint32_t(block * kBlock + i + 1);
-      seed ^= seed >> 16;
-      seed *= 0x21f0aaadu;
-      seed ^= seed >> 15;
-      seed *= 0xd35a2d97u;
-      seed ^= seed >> 15;
-      out[i] = float(std::int32_t(reverse_bits(owen_hash(x[i], seed)) >> 8)) * 0x1p-24f;
-    }
+    // A 32-bit finaliser (C. Wellons' "lowbias32").
+    Block seed = key + 0x9e3779b9u * (std::uint32_t(block * kBlock + 1) + Block{0, 1, 2, 3, 4, 5, 6, 7});
+    seed ^= seed >> 16;
+    seed *= 0x21f0aaadu;
+    seed ^= seed >> 15;
+    seed *= 0xd35a2d97u;
+    seed ^= seed >> 15;
+    using Ints = std::int32_t __attribute__((vector_size(32)));
+    using Floats = float __attribute__((vector_size(32)));
+    const Ints bits = (Ints)(reverse_bits(owen_hash(x, seed)) >> 8);
+    const Floats r = __builtin_convertvector(bits, Floats) * 0x1p-24f;
+    std::memcpy(out, &r, sizeof r);
   }
 
 private:

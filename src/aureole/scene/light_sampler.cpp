@@ -107,6 +107,10 @@ LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const st
   for (const Emitter* e : infinite_) weights += e->sampling_weight();
   for (const Emitter* e : infinite_) infinite_probability_.push_back(float(e->sampling_weight() / weights));
   if (!infinite_.empty()) tree_probability_ = float(tree_probability_ / weights);
+  if (tree_probability_ > 0 && infinite_.empty() && leaves_.size() == 1)
+    single_ = LightChoice{leaves_[0].emitter, leaves_[0].part, 1};
+  else if (!(tree_probability_ > 0) && infinite_.size() == 1)
+    single_ = LightChoice{infinite_[0], 0, 1};
 }
 
 std::int32_t LightSampler::build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
@@ -201,11 +205,7 @@ float LightSampler::importance(const Node& node, const Vec3& p, const Vec3& n) {
   return std::max(result, 0.f);
 }
 
-std::optional<LightChoice> LightSampler::choose(const Vec3& p, const Vec3& n, float u) const {
-  if (is_single()) {
-    if (!infinite_.empty()) return LightChoice{infinite_[0], 0, 1};
-    return LightChoice{leaves_[0].emitter, leaves_[0].part, 1};
-  }
+std::optional<LightChoice> LightSampler::choose_among(const Vec3& p, const Vec3& n, float u) const {
   if (empty()) return {};
   for (size_t i = 0; i < infinite_.size(); ++i) {
     // Sums of probabilities are rounded: what is left goes to the last one.

@@ -30,7 +30,9 @@ public:
 
   /// A part of an emitter for the point p with normal n (zero for a point that light may reach from both
   /// sides). Nothing where no light can reach p.
-  std::optional<LightChoice> choose(const Vec3& p, const Vec3& n, float u) const;
+  std::optional<LightChoice> choose(const Vec3& p, const Vec3& n, float u) const {
+    return single_ ? single_ : choose_among(p, n, u);
+  }
   /// The probability of that choice.
   float probability(const Vec3& p, const Vec3& n, const Emitter* emitter, std::size_t part) const;
 
@@ -39,9 +41,7 @@ public:
   std::optional<LightChoice> choose_by_power(Vec2 u) const;
 
   /// There is nothing to choose: `choose` does not look at u.
-  bool is_single() const {
-    return tree_probability_ > 0 ? infinite_.empty() && leaves_.size() == 1 : infinite_.size() == 1;
-  }
+  bool is_single() const { return single_.has_value(); }
   bool empty() const { return infinite_.empty() && nodes_.empty(); }
   std::size_t leaf_count() const { return leaves_.size(); }
 
@@ -61,6 +61,7 @@ private:
     EmissionBounds bounds;
   };
 
+  std::optional<LightChoice> choose_among(const Vec3& p, const Vec3& n, float u) const;
   std::int32_t build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
                      std::int32_t parent);
   static float importance(const Node& node, const Vec3& p, const Vec3& n);
@@ -68,6 +69,7 @@ private:
   std::vector<const Emitter*> infinite_;
   std::vector<float> infinite_probability_;  ///< of each of them
   float tree_probability_ = 0;
+  std::optional<LightChoice> single_;  ///< the only one there is
   std::vector<Leaf> leaves_;
   std::vector<Node> nodes_;
   std::vector<std::int32_t> node_of_leaf_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/scene/ray_tracer.h"
 
+#include <algorithm>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -14,7 +16,7 @@ namespace {
 // plane is exactly 0.
 constexpr float kNearest = std::numeric_limits<float>::min();
 
-void load(const Ray& ray, RTCRay& r) {
+void load_ray(const Ray& ray, RTCRay& r) {
   r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z;
   r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z;
   r.tnear = kNearest, r.tfar = ray.t_max, r.time = 0;
@@ -29,46 +31,63 @@ RTCIntersectContext context_for(RayTracer::Rays kind) {
   return context;
 }
 
-/// Packets of 8 and of 16 lanes; `rays` has one or more and at most that many. Untraceable ones are not
-/// `valid`.
-template <class Packet>
-void load(const Ray* rays, int n, Packet& r, int* valid) {
-  constexpr int kLanes = sizeof r.org_x / sizeof r.org_x[0];
-  for (int i = 0; i < kLanes; ++i) {
-    const Ray& ray = rays[i < n ? i : 0];
-    valid[i] = i < n && is_traceable(ray) ? -1 : 0;
-    r.org_x[i] = ray.o.x, r.org_y[i] = ray.o.y, r.org_z[i] = ray.o.z;
-    r.dir_x[i] = ray.d.x, r.dir_y[i] = ray.d.y, r.dir_z[i] = ray.d.z;
-    r.tnear[i] = kNearest, r.tfar[i] = ray.t_max, r.time[i] = 0;
-    r.mask[i] = ~0u, r.id[i] = 0, r.flags[i] = 0;
+}  // namespace
+
+/// Packets of 8 and of 16 lanes. Lanes beyond n and untraceable rays are not `valid`.
+template <class Rtc>
+void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) {
+  constexpr int kLanes = sizeof r.org_x / sizeof(float), kVector = 8;
+  using Floats = float __attribute__((vector_size(4 * kVector)));
+  using Ints = int __attribute__((vector_size(4 * kVector)));
+  float* const to[] = {r.org_x, r.org_y, r.org_z, r.dir_x, r.dir_y, r.dir_z, r.tfar};
+  const float* const from[] = {rays.o_[0], rays.o_[1], rays.o_[2], rays.d_[0],
+                               rays.d_[1], rays.d_[2], rays.t_max_};
+  for (int lane = 0; lane < kLanes; lane += kVector) {
+    Ints good = Ints{0, 1, 2, 3, 4, 5, 6, 7} < n - lane;
+    for (int k = 0; k < 7; ++k) {
+      Floats x;
+      std::memcpy(&x, from[k] + lane, sizeof x);
+      std::memcpy(to[k] + lane, &x, sizeof x);
+      const float limit = k < 6 ? kFarthest : std::numeric_limits<float>::infinity();
+      good &= (x <= limit) & (x >= -limit);
+    }
+    std::memcpy(valid + lane, &good, sizeof good);
   }
+  std::fill_n(r.tnear, kLanes, kNearest);
+  std::fill_n(r.time, kLanes, 0.f);
+  std::fill_n(r.mask, kLanes, ~0u);
+  std::fill_n(r.id, kLanes, 0u);
+  std::fill_n(r.flags, kLanes, 0u);
 }
 
-template <class Packet, class Query>
-void intersect_packet(const Ray* rays, int n, RayTracer::Hit* hits, Query&& query) {
-  alignas(64) Packet p;
-  alignas(64) int valid[16];
+template <class Rtc, class Query>
+void RayTracer::intersect_lanes(const RayPacket& rays, int n, Hit* hits, Query&& query) {
+  alignas(64) Rtc p;
+  alignas(64) int valid[RayPacket::kSize];
   load(rays, n, p.ray, valid);
-  for (int i = 0; i < n; ++i) p.hit.geomID[i] = p.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  constexpr int kLanes = sizeof p.hit.geomID / sizeof p.hit.geomID[0];
+  std::fill_n(p.hit.geomID, kLanes, RTC_INVALID_GEOMETRY_ID);
+  std::fill_n(p.hit.instID[0], kLanes, RTC_INVALID_GEOMETRY_ID);
   query(valid, p);
   for (int i = 0; i < n; ++i) {
-    hits[i] = {};
-    if (p.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
     const bool instanced = p.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
-    hits[i] = {{instanced ? p.hit.geomID[i] : 0, p.hit.primID[i], p.hit.u[i], p.hit.v[i], p.ray.tfar[i]},
-               instanced ? p.hit.instID[0][i] : p.hit.geomID[i]};
+    Hit& h = hits[i];
+    h.geometry = instanced ? p.hit.geomID[i] : 0;
+    h.primitive = p.hit.primID[i];
+    h.u = p.hit.u[i], h.v = p.hit.v[i], h.t = p.ray.tfar[i];
+    static_assert(RTC_INVALID_GEOMETRY_ID == ~0u);
+    h.shape = instanced ? p.hit.instID[0][i] : p.hit.geomID[i];
   }
 }
 
-template <class Packet, class Query>
-void occluded_packet(const Ray* rays, int n, bool* blocked, Query&& query) {
-  alignas(64) Packet p;
-  alignas(64) int valid[16];
+template <class Rtc, class Query>
+void RayTracer::occluded_lanes(const RayPacket& rays, int n, bool* blocked, Query&& query) {
+  alignas(64) Rtc p;
+  alignas(64) int valid[RayPacket::kSize];
   load(rays, n, p, valid);
   query(valid, p);
   for (int i = 0; i < n; ++i) blocked[i] = p.tfar[i] < 0 || !valid[i];
 }
-}  // namespace
 
 RayTracer::RayTracer(std::span<const ShapePtr> shapes) {
 #ifdef AUREOLE_STD_THREADS
@@ -107,7 +126,7 @@ RayTracer::~RayTracer() {
 RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
   if (!is_traceable(ray)) return {};
   RTCRayHit r;
-  load(ray, r.ray);
+  load_ray(ray, r.ray);
   r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -121,43 +140,39 @@ RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
 bool RayTracer::occluded(const Ray& ray) const {
   if (!is_traceable(ray)) return true;
   RTCRay r;
-  load(ray, r);
+  load_ray(ray, r);
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   rtcOccluded1(scene_, &context, &r);
   return r.tfar < 0;
 }
 
-void RayTracer::intersect(const Ray* rays, int n, Rays kind, Hit* hits) const {
-  if (!packets_) {
-    for (int i = 0; i < n; ++i) hits[i] = intersect(rays[i]);
+void RayTracer::intersect(const RayPacket& rays, int n, Rays kind, Hit* hits) const {
+  if (!packets_ || n < 2) {
+    for (int i = 0; i < n; ++i) hits[i] = intersect(rays.get(i));
     return;
   }
   RTCIntersectContext context = context_for(kind);
   if (n > 8)
-    intersect_packet<RTCRayHit16>(
+    intersect_lanes<RTCRayHit16>(
         rays, n, hits, [&](int* valid, RTCRayHit16& p) { rtcIntersect16(valid, scene_, &context, &p); });
-  else if (n > 1)
-    intersect_packet<RTCRayHit8>(
+  else
+    intersect_lanes<RTCRayHit8>(
         rays, n, hits, [&](int* valid, RTCRayHit8& p) { rtcIntersect8(valid, scene_, &context, &p); });
-  else if (n == 1)
-    hits[0] = intersect(rays[0]);
 }
 
-void RayTracer::occluded(const Ray* rays, int n, Rays kind, bool* blocked) const {
-  if (!packets_) {
-    for (int i = 0; i < n; ++i) blocked[i] = occluded(rays[i]);
+void RayTracer::occluded(const RayPacket& rays, int n, Rays kind, bool* blocked) const {
+  if (!packets_ || n < 2) {
+    for (int i = 0; i < n; ++i) blocked[i] = occluded(rays.get(i));
     return;
   }
   RTCIntersectContext context = context_for(kind);
   if (n > 8)
-    occluded_packet<RTCRay16>(rays, n, blocked,
-                              [&](int* valid, RTCRay16& p) { rtcOccluded16(valid, scene_, &context, &p); });
-  else if (n > 1)
-    occluded_packet<RTCRay8>(rays, n, blocked,
-                             [&](int* valid, RTCRay8& p) { rtcOccluded8(valid, scene_, &context, &p); });
-  else if (n == 1)
-    blocked[0] = occluded(rays[0]);
+    occluded_lanes<RTCRay16>(rays, n, blocked,
+                             [&](int* valid, RTCRay16& p) { rtcOccluded16(valid, scene_, &context, &p); });
+  else
+    occluded_lanes<RTCRay8>(rays, n, blocked,
+                            [&](int* valid, RTCRay8& p) { rtcOccluded8(valid, scene_, &context, &p); });
 }
 
 }  // namespace aureole

@@ -24,6 +24,23 @@ inline bool is_traceable(const Ray& ray) {
   return good;
 }
 
+/// Up to 16 rays that are traced together.
+class RayPacket {
+public:
+  static constexpr int kSize = 16;
+  void set(int lane, const Ray& ray) {
+    for (int i = 0; i < 3; ++i) o_[i][lane] = ray.o[i], d_[i][lane] = ray.d[i];
+    t_max_[lane] = ray.t_max;
+  }
+  Ray get(int lane) const {
+    return {{o_[0][lane], o_[1][lane], o_[2][lane]}, {d_[0][lane], d_[1][lane], d_[2][lane]}, t_max_[lane]};
+  }
+
+private:
+  friend class RayTracer;
+  alignas(64) float o_[3][kSize] = {}, d_[3][kSize] = {}, t_max_[kSize] = {};
+};
+
 class RayTracer {
 public:
   /// Builds the acceleration structure; throws Error where memory runs out.
@@ -39,15 +56,21 @@ public:
   Hit intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
-  /// Up to 16 rays at once. The answers are the same as one by one, bit for bit
+  /// The first n rays of a packet at once. The answers are the same as one by one, bit for bit
   /// (tests/integrator/packet_test.cpp).
-  static constexpr int kPacket = 16;
   enum class Rays { coherent, incoherent };
-  void intersect(const Ray* rays, int n, Rays kind, Hit* hits) const;
-  void occluded(const Ray* rays, int n, Rays kind, bool* blocked) const;
+  void intersect(const RayPacket& rays, int n, Rays kind, Hit* hits) const;
+  void occluded(const RayPacket& rays, int n, Rays kind, bool* blocked) const;
   Bounds3 bounds() const { return bounds_; }
 
 private:
+  template <class Rtc>
+  static void load(const RayPacket& rays, int n, Rtc& r, int* valid);
+  template <class Rtc, class Query>
+  static void intersect_lanes(const RayPacket& rays, int n, Hit* hits, Query&& query);
+  template <class Rtc, class Query>
+  static void occluded_lanes(const RayPacket& rays, int n, bool* blocked, Query&& query);
+
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   Bounds3 bounds_;

@@ -119,22 +119,6 @@ bool Scene::may_meet_emitter(const Ray& ray) const {
   return false;
 }
 
-namespace {
-/// The far end of a connection from `o`, off its surface, so that the segment needs no shortening by a
-/// constant. The rounding of the ray's own arithmetic counts too: direction, distance and differences of the
-/// length of the segment (gamma(10) of each).
-Vec3 connection_target(const Vec3& o, const DirectSample& to) {
-  const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * gamma_bound(10);
-  return offset_origin(to.p, p_error, to.ng, -to.wo);
-}
-}  // namespace
-
-Ray Scene::connection_ray(const SurfacePoint& from, const DirectSample& to) {
-  const Vec3 o = offset_origin(from, to.wo);
-  if (to.infinite) return {o, to.wo, kInfinity};
-  return {o, connection_target(o, to) - o, 1};
-}
-
 Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
                         bool through_emitters) const {
   Ray ray = connection_ray(from, to);

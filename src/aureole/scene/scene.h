@@ -35,7 +35,11 @@ public:
   Spectrum connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
                    bool through_emitters = false) const;
   /// The segment that `connect` tests.
-  static Ray connection_ray(const SurfacePoint& from, const DirectSample& to);
+  static Ray connection_ray(const SurfacePoint& from, const DirectSample& to) {
+    const Vec3 o = offset_origin(from, to.wo);
+    if (to.infinite) return {o, to.wo, kInfinity};
+    return {o, connection_target(o, to) - o, 1};
+  }
   /// False where a ray can meet no emitter: one that needs no tracing if nothing else counts.
   bool may_meet_emitter(const Ray& ray) const;
   /// Every connection is open or blocked: whether its ray meets anything says all.
@@ -57,6 +61,14 @@ public:
   std::uint64_t hash() const { return loaded_.hash; }
 
 private:
+  /// The far end of a connection from `o`, off its surface, so that the segment needs no shortening by a
+  /// constant. The rounding of the ray's own arithmetic counts too: direction, distance and differences of
+  /// the length of the segment, gamma(10) of each.
+  static Vec3 connection_target(const Vec3& o, const DirectSample& to) {
+    const Vec3 p_error = to.p_error + (abs(o) + abs(to.p)) * (2 * gamma_bound(10));
+    return offset_origin(to.p, p_error, to.ng, -to.wo);
+  }
+
   LoadedScene loaded_;
   std::vector<ShapePtr> shapes_;
   std::vector<const Emitter*> emitters_, infinite_;

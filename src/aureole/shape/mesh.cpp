@@ -21,9 +21,12 @@ TrianglePlane exact_plane(const TriangleCorners& c) {
                d = length_squared(c[0] - c[2]);
   const double longest = std::max({a, b, d}), shortest = std::min({a, b, d});
   const double middle = a + b + d - longest - shortest;
-  return {(n * (1 / doubled_area)).to_float(),
-          float(std::sqrt(longest) *
-                (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) / doubled_area))};
+  const Vec3 ng = (n * (1 / doubled_area)).to_float();
+  float farthest = 0;
+  for (const Vec3& corner : c) farthest = std::max(farthest, dot(abs(ng), abs(corner)));
+  return {ng, float(std::sqrt(longest) *
+                    (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) / doubled_area)) +
+                  farthest * gamma_bound(7)};
 }
 
 /// Four floats; the fourth is whatever lies behind a Vec3 in memory.
@@ -68,10 +71,13 @@ TrianglePlane plane_of(Float4 c0, Float4 c1, Float4 c2) {
   if (!(n2 > 1e-30f && longest < 1e12f)) return exact_plane({to_vec3(c0), to_vec3(c1), to_vec3(c2)});
   const float middle = a + b + c - longest - shortest;
   const float per_length = 1 / std::sqrt(n2), length = std::sqrt(longest);
+  const Float4 ng = n * per_length, an = abs(ng);
+  const float farthest = std::max({dot3(an, abs(c0)), dot3(an, abs(c1)), dot3(an, abs(c2))});
   // A thousandth more for the rounding of the bound itself.
   const float error =
-      1.001f * length * (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) * per_length);
-  return {to_vec3(n * per_length), error};
+      1.001f * (length * (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) * per_length) +
+                farthest * gamma_bound(7));
+  return {to_vec3(ng), error};
 }
 
 /// acos to 2e-8 (Abramowitz & Stegun 1964, 4.4.46): the library's takes most of the time to load a mesh
@@ -138,6 +144,11 @@ void Mesh::build(MeshData data, std::string_view source) {
   // Embree reads 16 bytes at every vertex, and so do we: one more keeps the last read inside.
   data_.positions.push_back({});
   find_planes();
+  for (MeshPatch& patch : patches_.patches) {
+    float error = planes_[patch.triangle[0]].error;
+    if (patch.is_pair()) error = std::max(error, planes_[patch.triangle[1]].error);
+    patch.error += error;
+  }
 }
 
 void Mesh::find_planes() {
@@ -257,14 +268,11 @@ MeshPoint Mesh::point_at(std::uint32_t triangle, float b1, float b2) const {
   const Float4 c0 = load(data_.positions[t[0]]), c1 = load(data_.positions[t[1]]),
                c2 = load(data_.positions[t[2]]);
   const float b0 = 1 - b1 - b2;
-  const Float4 w0 = c0 * b0, w1 = c1 * b1, w2 = c2 * b2;
   const TrianglePlane& plane = planes_[triangle];
   MeshPoint r;
-  r.p = to_vec3(w0 + w1 + w2);
+  r.p = to_vec3(c0 * b0 + c1 * b1 + c2 * b2);
   r.ng = plane.ng;
-  // The interpolation's own rounding (Pharr, Jakob & Humphreys 2023, section 6.8.4) and, along the normal,
-  // that of the ray caster.
-  r.p_error = to_vec3((abs(w0) + abs(w1) + abs(w2)) * gamma_bound(7)) + abs(r.ng) * plane.caster_error;
+  r.p_error = abs(r.ng) * plane.error;
   r.uv = interpolate_uv(triangle, b0, b1, b2);
   return r;
 }

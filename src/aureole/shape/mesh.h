@@ -41,14 +41,16 @@ struct MeshData {
 
 struct PatchView;
 
-/// What a triangle's corners say: the geometric normal, and a bound of the distance from the plane at which
-/// the float ray caster may still see a hit at t > 0. It finds t from dot(p0 - o, n) / dot(d, n), whose
-/// numerator errs by some half ulps of |p0 - o|, and by as many of |p0 - o| |e| |e| / |n| from n itself,
-/// which counts for slender triangles. Without it a ray that leaves a point near the coordinate origin on a
-/// triangle with a far corner meets that triangle again.
+/// What a triangle's corners say: the geometric normal, and a bound of the distance along it of an
+/// interpolated point from the plane. It has two parts. The interpolation's own rounding (Pharr, Jakob &
+/// Humphreys 2023, section 6.8.4), which is largest at a corner. And the distance at which the float ray
+/// caster may still see a hit at t > 0: it finds t from dot(p0 - o, n) / dot(d, n), whose numerator errs by
+/// some half ulps of |p0 - o|, and by as many of |p0 - o| |e| |e| / |n| from n itself, which counts for
+/// slender triangles. Without it a ray that leaves a point near the coordinate origin on a triangle with a
+/// far corner meets that triangle again.
 struct TrianglePlane {
   Vec3 ng;
-  float caster_error;
+  float error;
 };
 
 /// A point of a triangle without its shading frame.
@@ -72,6 +74,7 @@ public:
   Bounds3 patch_bounds(std::size_t patch) const override;
   std::pair<Vec3, float> patch_normals(std::size_t patch) const override;
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t patch, Vec2 u) const override;
+  PositionSample sample_direct_position(const Vec3& reference, std::size_t patch, Vec2 u) const override;
   std::optional<ShapeSample> sample_area(std::size_t patch, Vec2 u) const override;
   float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const override;
 
@@ -120,8 +123,17 @@ private:
   Vec2 interpolate_uv(std::uint32_t triangle, float b0, float b1, float b2) const;
   MeshPoint point_at(std::uint32_t triangle, float b1, float b2) const;
   Vec3 tangent(std::uint32_t primitive) const;  ///< along dp/du; zero where texture coordinates are constant
-  MeshPatch patch(std::size_t index) const;
+  /// `made` holds the patch of a mesh that has no table of them.
+  const MeshPatch& patch(std::size_t index, MeshPatch& made) const;
   PatchView view(const Vec3& reference, const MeshPatch& patch) const;
+  /// A point of a patch as seen from somewhere; pdf is 0 where there is none.
+  struct PatchSample {
+    Vec2 at;
+    Vec3 p;
+    float pdf = 0;
+  };
+  PatchSample sample_visible(const Vec3& reference, const MeshPatch& patch, Vec2 u) const;
+  ShapeSample shape_sample(const MeshPatch& patch, Vec2 at, const Vec3& p, float pdf) const;
 
   Transform to_world_;
   bool identity_ = true, reverse_winding_ = false, flip_normals_ = false, face_normals_ = false;

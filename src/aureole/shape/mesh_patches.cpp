@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "aureole/shape/double3.h"
+#include "aureole/shape/surface_point.h"
 
 namespace aureole {
 
@@ -59,9 +60,20 @@ void MeshPatch::measure(std::span<const Vec3> positions, std::span<const Triangl
   }
   area = float(sum);
   const TriangleIndices& t = triangles[triangle[0]];
-  const Vec3 &a = positions[t[0]], &b = positions[t[1]], &c = positions[t[2]];
+  const Vec3 &a = positions[t[apex[0]]], &b = positions[t[(apex[0] + 1) % 3]],
+             &c = positions[t[(apex[0] + 2) % 3]];
   longest_squared = max_component({length_squared(b - a), length_squared(c - a), length_squared(c - b)});
   center = (a + b + c) * (1.f / 3);
+  origin = a, along_x = b - a, along_y = c - a;
+  const Double3 n = cross(Double3(b) - Double3(a), Double3(c) - Double3(a));
+  ng = (n * (1 / length(n))).to_float();
+  // Rounding of the edges and of the sum, and what is missing of a parallelogram.
+  error = gamma_bound(8) * dot(abs(ng), abs(a) + abs(b) + abs(c));
+  if (is_pair()) {
+    const Double3 last(positions[triangles[triangle[1]][apex[1]]]);
+    const Double3 gap = last - (Double3(b) - Double3(a) + Double3(c));
+    error += float(1.001 * std::abs(dot(gap, Double3(ng))));
+  }
 }
 
 MeshPatches MeshPatches::build(std::span<const Vec3> positions, std::span<const TriangleIndices> triangles) {
@@ -88,8 +100,10 @@ MeshPatches MeshPatches::build(std::span<const Vec3> positions, std::span<const 
       paired[e.triangle] = paired[f.triangle] = true;
       const bool in_order = e.triangle < f.triangle;
       const HalfEdge &lower = in_order ? e : f, &upper = in_order ? f : e;
-      partner[lower.triangle] = {
-          {lower.triangle, upper.triangle}, {lower.apex, upper.apex}, wanted == Figure::rectangle, 0, 0, {}};
+      MeshPatch& patch = partner[lower.triangle];
+      patch.triangle[0] = lower.triangle, patch.triangle[1] = upper.triangle;
+      patch.apex[0] = lower.apex, patch.apex[1] = upper.apex;
+      patch.is_rectangle = wanted == Figure::rectangle;
     }
 
   result.of_triangle.assign(triangles.size(), MeshPatch::kNone);

@@ -25,9 +25,15 @@ struct MeshPatch {
   float area = 0;
   float longest_squared = 0;  ///< of the first triangle's edges
   Vec3 center;                ///< of the first triangle
+  // Its points are origin + x along_x + y along_y, with x + y <= 1 in a single triangle.
+  Vec3 origin;            ///< corner apex[0] of the first triangle
+  Vec3 along_x, along_y;  ///< to the corners that follow it
+  Vec3 ng;                ///< of the first triangle, unit length
+  float error = 0;        ///< bound of the distance of such a point from the surface, along ng
 
+  Vec3 point(Vec2 at) const { return origin + along_x * at.x + along_y * at.y; }
   bool is_pair() const { return triangle[1] != kNone; }
-  /// Fills the last three.
+  /// Fills all that follows from the triangles.
   void measure(std::span<const Vec3> positions, std::span<const TriangleIndices> triangles);
 };
 

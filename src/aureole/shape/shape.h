@@ -28,6 +28,12 @@ struct ShapeSample {
   Vec2 barycentric{};
 };
 
+/// What of it a light of one colour needs.
+struct PositionSample {
+  Vec3 p, p_error, ng;
+  float pdf = 0;  ///< 0: there is no such point
+};
+
 class Shape : public Object {
 public:
   static constexpr const char* kFamily = "a shape";
@@ -87,6 +93,11 @@ public:
   /// can't be seen or has no area.
   virtual std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t patch,
                                                    Vec2 u) const = 0;
+  /// The same point and density.
+  virtual PositionSample sample_direct_position(const Vec3& reference, std::size_t patch, Vec2 u) const {
+    const auto s = sample_direct(reference, patch, u);
+    return s ? PositionSample{s->p, s->p_error, s->ng, s->pdf} : PositionSample{};
+  }
   /// A point of the patch, uniform or nearly so; `pdf` is per area [1/m^2]. Nothing where it has no area.
   virtual std::optional<ShapeSample> sample_area(std::size_t patch, Vec2 u) const = 0;
   /// Solid-angle density with which sample_direct chooses the point `point` of the patch from `reference`.

@@ -31,6 +31,7 @@ public:
   Bounds3 patch_bounds(std::size_t) const override { return bounds(); }
   std::pair<Vec3, float> patch_normals(std::size_t) const override { return {{0, 0, 1}, -1.f}; }
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
+  PositionSample sample_direct_position(const Vec3& reference, std::size_t, Vec2 u) const override;
   std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override;
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const override;
 
@@ -40,6 +41,9 @@ private:
   static constexpr double kPiD = 3.14159265358979323846;
   /// The surface point in the direction `out` of any length from the centre.
   SurfacePoint point_in_direction(const Double3& out) const;
+  /// Its position, error bound and geometric normal; returns the outward normal.
+  template <class Point>
+  Double3 set_position(Point& s, const Double3& out) const;
 
   Ball ball_;
   Double3 axis_[3];  ///< of the sphere's own coordinates, unit length
@@ -76,17 +80,8 @@ Sphere::Sphere(const Properties& properties) : Shape(properties) {
 }
 
 SurfacePoint Sphere::point_in_direction(const Double3& out) const {
-  const double l = length(out);
-  const Double3 n = l > 0 ? out * (1 / l) : axis_[2];
   SurfacePoint s;
-  s.p = (ball_.center + n * ball_.radius).to_float();
-  // The point is computed in double: nearly all the error is that of the result's rounding; gamma(5) |p| is
-  // the bound that Pharr, Jakob & Humphreys 2023, section 6.8.5, give for a point projected in float.
-  s.ng = (inward_ ? -n : n).to_float();
-  // A large ball that touches a small scene: there the double arithmetic itself, here and in a later ray's
-  // intersection, errs by more.
-  const double in_double = 16 * 0x1p-53 * (ball_.radius + length(ball_.center));
-  s.p_error = abs(s.p) * (5 * 5.9604645e-8f) + abs(s.ng) * float(in_double);
+  const Double3 n = set_position(s, out);
 
   const double x = dot(n, axis_[0]), y = dot(n, axis_[1]), z = dot(n, axis_[2]);
   double phi = std::atan2(y, x);
@@ -94,6 +89,30 @@ SurfacePoint Sphere::point_in_direction(const Double3& out) const {
   s.uv = {float(phi / (2 * kPiD)), float(std::atan2(std::hypot(x, y), z) / kPiD)};
   s.shading = Frame::from_normal_tangent(s.ng, (axis_[1] * x - axis_[0] * y).to_float());
   s.shape = this;
+  return s;
+}
+
+template <class Point>
+Double3 Sphere::set_position(Point& s, const Double3& out) const {
+  const double l = length(out);
+  const Double3 n = l > 0 ? out * (1 / l) : axis_[2];
+  s.p = (ball_.center + n * ball_.radius).to_float();
+  // The point is computed in double: nearly all the error is that of the result's rounding; gamma(5) |p| is
+  // the bound that Pharr, Jakob & Humphreys 2023, section 6.8.5, give for a point projected in float.
+  s.ng = (inward_ ? -n : n).to_float();
+  // A large ball that touches a small scene: there the double arithmetic itself, here and in a later ray's
+  // intersection, errs by more.
+  const double in_double = 16 * 0x1p-53 * (ball_.radius + length(ball_.center));
+  s.p_error = abs(s.p) * gamma_bound(5) + abs(s.ng) * float(in_double);
+  return n;
+}
+
+PositionSample Sphere::sample_direct_position(const Vec3& reference, std::size_t, Vec2 u) const {
+  PositionSample s;
+  if (const auto out = ball_.sample_visible(Double3(reference), u)) {
+    set_position(s, *out);
+    s.pdf = ball_.visible_pdf(Double3(reference));
+  }
   return s;
 }
 

@@ -106,15 +106,6 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
   return {float(std::clamp((xu - x0) / width, 0.0, 1.0)), float(std::clamp((yv - y0) / height, 0.0, 1.0))};
 }
 
-float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, float area) {
-  const Vec3 w = p - reference;
-  const float distance_squared = dot(w, w), distance = std::sqrt(distance_squared),
-              projected = std::abs(dot(w, ng));
-  // The normal is rounded to float: anything below is edge-on.
-  if (!(projected > 1e-7f * distance) || !(area > 0)) return 0;
-  return distance_squared * distance / (projected * area);
-}
-
 PatchView PatchView::of(const Vec3& reference, const TriangleCorners& first, const TriangleCorners* second) {
   PatchView view;
   view.solid_angle[0] = triangle_solid_angle(reference, first);

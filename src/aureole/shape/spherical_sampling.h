@@ -23,7 +23,14 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
 
 /// Density of uniform sampling of an area, as solid angle seen from `reference` [1/sr]; 0 where it is seen
 /// edge-on.
-float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, float area);
+inline float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, float area) {
+  const Vec3 w = p - reference;
+  const float distance_squared = dot(w, w), distance = std::sqrt(distance_squared),
+              projected = std::abs(dot(w, ng));
+  // The normal is rounded to float: anything below is edge-on.
+  if (!(projected > 1e-7f * distance) || !(area > 0)) return 0;
+  return distance_squared * distance / (projected * area);
+}
 
 /// How a patch is sampled from a reference point, decided from the two alone so that sampling and density
 /// agree.

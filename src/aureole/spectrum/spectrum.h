@@ -3,6 +3,10 @@
 // measurement (docs/decisions.md); 8 floats are one AVX2 register.
 #pragma once
 
+#ifdef __AVX__
+#include <immintrin.h>
+#endif
+
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -88,6 +92,10 @@ inline float min_component(const Spectrum& a) {
 }
 /// True where a mask (-1 or 0 per wavelength) is set anywhere.
 inline bool any(const SpectrumMask& m) {
+#ifdef __AVX__
+  if constexpr (kWavelengths == 8)
+    return _mm256_movemask_ps(_mm256_castsi256_ps(reinterpret_cast<const __m256i&>(m))) != 0;
+#endif
   std::uint64_t words[sizeof(SpectrumMask) / 8];
   std::memcpy(words, &m, sizeof m);
   std::uint64_t all = 0;

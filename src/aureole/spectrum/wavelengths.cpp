@@ -20,14 +20,11 @@ Wavelengths Wavelengths::at(const SpectralGrid& grid, const Spectrum& nm, float 
   Wavelengths w;
   w.nm = nm;
   w.pdf = pdf_per_nm;
-  // In double: the fraction is what is left of up to 2000 cells.
-  using Doubles = double __attribute__((vector_size(sizeof(double) * kWavelengths)));
-  const Doubles from_first = (__builtin_convertvector(nm.v, Doubles) - grid.min_nm) * (1 / grid.step());
-  const Doubles none = from_first * 0, all = none + grid.cells, below_last = none + (grid.cells - 1);
-  const Doubles low = from_first < none ? none : from_first, x = low > all ? all : low;
-  w.cell = __builtin_convertvector(x > below_last ? below_last : x, SpectrumMask);
-  w.fraction =
-      Spectrum(__builtin_convertvector(x - __builtin_convertvector(w.cell, Doubles), SpectrumVector));
+  // The product errs by less than the wavelengths themselves are rounded: 1e-4 cells.
+  const Spectrum x = (nm - float(grid.min_nm)) * float(1 / grid.step());
+  const Spectrum inside = min(max(x, 0.f), float(grid.cells));
+  w.cell = __builtin_convertvector(min(inside, float(grid.cells - 1)).v, SpectrumMask);
+  w.fraction = inside - Spectrum(__builtin_convertvector(w.cell, SpectrumVector));
   return w;
 }
 
