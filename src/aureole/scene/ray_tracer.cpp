@@ -86,8 +86,6 @@ RayTracer::RayTracer(std::span<const ShapePtr> shapes) {
     rtcAttachGeometryByID(scene_, geometry, unsigned(i));
     rtcReleaseGeometry(geometry);
     bounds_.extend(shapes[i]->bounds());
-    // Embree 3.13.5 may not come back from a packet that is tested for occlusion by instances.
-    packets_ &= !shapes[i]->is_instance();
   }
   rtcCommitScene(scene_);
   const RTCError error = rtcGetDeviceError(device_);
@@ -129,10 +127,6 @@ bool RayTracer::occluded(const Ray& ray) const {
 }
 
 void RayTracer::intersect(const Ray* rays, int n, Rays kind, Hit* hits) const {
-  if (!packets_) {
-    for (int i = 0; i < n; ++i) hits[i] = intersect(rays[i]);
-    return;
-  }
   RTCIntersectContext context = context_for(kind);
   if (n > 8)
     intersect_packet<RTCRayHit16>(
@@ -144,12 +138,11 @@ void RayTracer::intersect(const Ray* rays, int n, Rays kind, Hit* hits) const {
     hits[0] = intersect(rays[0]);
 }
 
-void RayTracer::occluded(const Ray* rays, int n, Rays kind, bool* blocked) const {
-  if (!packets_) {
-    for (int i = 0; i < n; ++i) blocked[i] = occluded(rays[i]);
-    return;
-  }
-  RTCIntersectContext context = context_for(kind);
+void RayTracer::occluded(const Ray* rays, int n, bool* blocked) const {
+  // Never as coherent ones: compiled by GCC before 14, Embree's occludedCoherent may read its 16-bit mask of
+  // rays with 48 bits of what was on the stack, and then it loops for ever. (Debian's 3.13.5 does, for 16
+  // rays and instances or compact triangles; Embree's pull request 574 has the cure.)
+  RTCIntersectContext context = context_for(Rays::incoherent);
   if (n > 8)
     occluded_packet<RTCRay16>(rays, n, blocked,
                               [&](int* valid, RTCRay16& p) { rtcOccluded16(valid, scene_, &context, &p); });

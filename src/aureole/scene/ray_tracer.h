@@ -44,14 +44,13 @@ public:
   static constexpr int kPacket = 16;
   enum class Rays { coherent, incoherent };
   void intersect(const Ray* rays, int n, Rays kind, Hit* hits) const;
-  void occluded(const Ray* rays, int n, Rays kind, bool* blocked) const;
+  void occluded(const Ray* rays, int n, bool* blocked) const;
   Bounds3 bounds() const { return bounds_; }
 
 private:
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   Bounds3 bounds_;
-  bool packets_ = true;
 };
 
 }  // namespace aureole
