@@ -69,7 +69,7 @@ std::shared_ptr<const Scene> instanced_scene() {
             <rotate y="1" angle="25"/><translate y="-1.4" z=".5"/></transform></shape>
           <shape type="instance"><ref id="group"/><transform name="to_world"><scale x="1" y="1" z=".001"/>
             <translate y="1.7" z="-.5"/></transform></shape>
-          <shape type="instance"><ref id="group"/><transform name="to_world"><translate x="-1.4" y=".1"/></transform></shape>
+          <shape type="instance"><ref id="group"/><transform name="to_world"><rotate y="1" angle="10"/><translate x="-1.4" y=".1"/></transform></shape>
           <shape type="sphere"><point name="center" value="0, 0, -1.8"/><float name="radius" value=".5"/></shape>
           <shape type="cube"><transform name="to_world"><scale value=".3"/><translate z="2"/></transform></shape>
           <shape type="cube"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/></shape>
@@ -92,7 +92,8 @@ struct Answers {
 };
 
 /// Expects the bits of rays one by one from packets of every size.
-void compare_packets(const RayTracer& tracer, Answers& answers) {
+void compare_packets(const RayTracer& tracer, Answers& answers, const auto& is_segment,
+                     const auto& is_spline) {
   TestRandom random(1);
   for (int k = 0; k < 3000; ++k) {
     const int n = 1 + k % RayTracer::kPacket;
@@ -123,9 +124,18 @@ void compare_packets(const RayTracer& tracer, Answers& answers) {
         ++answers.of_geometry.at(one.geometry);
         ASSERT_EQ(one.shape, hits[i].shape);
         ASSERT_EQ(one.geometry, hits[i].geometry);
+        if (is_spline(one)) {
+          // Embree turns a ray to a spline with reciprocal roots that differ by the width of the packet.
+          ASSERT_EQ(one.primitive, hits[i].primitive);
+          ASSERT_NEAR(one.t, hits[i].t, 1e-5f * (1 + one.t));
+          ASSERT_NEAR(one.u, hits[i].u, 1e-4f);
+          continue;
+        }
+        ASSERT_TRUE(same_bits(one.t, hits[i].t));
+        // Two segments of a curve share a ball, where the first to be tested is met.
+        if (one.primitive != hits[i].primitive && is_segment(one)) continue;
         ASSERT_EQ(one.primitive, hits[i].primitive);
-        ASSERT_TRUE(same_bits(one.t, hits[i].t) && same_bits(one.u, hits[i].u) &&
-                    same_bits(one.v, hits[i].v));
+        ASSERT_TRUE(same_bits(one.u, hits[i].u) && same_bits(one.v, hits[i].v));
       }
     }
   }
@@ -133,14 +143,17 @@ void compare_packets(const RayTracer& tracer, Answers& answers) {
 
 TEST(Packets, RayTracerAnswersAsOneByOne) {
   Answers answers;
-  compare_packets(mixed_scene("")->tracer(), answers);
+  const auto no = [](const RayTracer::Hit&) { return false; };
+  compare_packets(mixed_scene("")->tracer(), answers, no, no);
   EXPECT_GT(answers.met, 20000);
   EXPECT_GT(answers.blocked, 20000);
 }
 
 TEST(Packets, InstancesAnswerAsOneByOne) {
   Answers answers;
-  compare_packets(instanced_scene()->tracer(), answers);
+  compare_packets(
+      instanced_scene()->tracer(), answers, [](const RayTracer::Hit& hit) { return hit.geometry == 4; },
+      [](const RayTracer::Hit& hit) { return hit.geometry == 5; });
   EXPECT_GT(answers.met, 20000);
   EXPECT_GT(answers.blocked, 20000);
   for (int geometry = 1; geometry < 6; ++geometry)

@@ -39,7 +39,8 @@ public:
   Hit intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
-  /// Up to 16 rays at once. The answers are the same as one by one, bit for bit
+  /// Up to 16 rays at once. The answers are the same as one by one, bit for bit, but on curves: splines by
+  /// the last bits, and which of two segments was met in the ball that they share
   /// (tests/integrator/packet_test.cpp).
   static constexpr int kPacket = 16;
   enum class Rays { coherent, incoherent };
