@@ -111,7 +111,7 @@ public:
         // `alive` is at most i: what is overwritten has been read.
         if (step.alive) rays.set(alive, s.ray), lane[alive++] = l;
       }
-      tracer.occluded(shadow_rays, shadows, kind, blocked);
+      tracer.occluded(shadow_rays, shadows, blocked);
       for (int i = 0; i < shadows; ++i)
         if (!blocked[i]) states[shadow_lane[i]].result.estimate += steps[i].contribution;
       n = alive;

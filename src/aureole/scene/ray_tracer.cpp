@@ -105,8 +105,6 @@ RayTracer::RayTracer(std::span<const ShapePtr> shapes) {
     rtcAttachGeometryByID(scene_, geometry, unsigned(i));
     rtcReleaseGeometry(geometry);
     bounds_.extend(shapes[i]->bounds());
-    // Embree 3.13.5 may not come back from a packet that is tested for occlusion by instances.
-    packets_ &= !shapes[i]->is_instance();
   }
   rtcCommitScene(scene_);
   const RTCError error = rtcGetDeviceError(device_);
@@ -148,8 +146,8 @@ bool RayTracer::occluded(const Ray& ray) const {
 }
 
 void RayTracer::intersect(const RayPacket& rays, int n, Rays kind, Hit* hits) const {
-  if (!packets_ || n < 2) {
-    for (int i = 0; i < n; ++i) hits[i] = intersect(rays.get(i));
+  if (n < 2) {
+    if (n == 1) hits[0] = intersect(rays.get(0));
     return;
   }
   RTCIntersectContext context = context_for(kind);
@@ -161,12 +159,15 @@ void RayTracer::intersect(const RayPacket& rays, int n, Rays kind, Hit* hits) co
         rays, n, hits, [&](int* valid, RTCRayHit8& p) { rtcIntersect8(valid, scene_, &context, &p); });
 }
 
-void RayTracer::occluded(const RayPacket& rays, int n, Rays kind, bool* blocked) const {
-  if (!packets_ || n < 2) {
-    for (int i = 0; i < n; ++i) blocked[i] = occluded(rays.get(i));
+void RayTracer::occluded(const RayPacket& rays, int n, bool* blocked) const {
+  if (n < 2) {
+    if (n == 1) blocked[0] = occluded(rays.get(0));
     return;
   }
-  RTCIntersectContext context = context_for(kind);
+  // Never as coherent ones: compiled by GCC before 14, Embree's occludedCoherent may read its 16-bit mask of
+  // rays with 48 bits of what was on the stack, and then it loops for ever. (Debian's 3.13.5 does, for 16
+  // rays and instances or compact triangles; Embree's pull request 574 has the cure.)
+  RTCIntersectContext context = context_for(Rays::incoherent);
   if (n > 8)
     occluded_lanes<RTCRay16>(rays, n, blocked,
                              [&](int* valid, RTCRay16& p) { rtcOccluded16(valid, scene_, &context, &p); });

@@ -56,11 +56,12 @@ public:
   Hit intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
-  /// The first n rays of a packet at once. The answers are the same as one by one, bit for bit
+  /// The first n rays of a packet at once. The answers are the same as one by one, bit for bit, but on curves:
+  /// splines by the last bits, and which of two segments was met in the ball that they share
   /// (tests/integrator/packet_test.cpp).
   enum class Rays { coherent, incoherent };
   void intersect(const RayPacket& rays, int n, Rays kind, Hit* hits) const;
-  void occluded(const RayPacket& rays, int n, Rays kind, bool* blocked) const;
+  void occluded(const RayPacket& rays, int n, bool* blocked) const;
   Bounds3 bounds() const { return bounds_; }
 
 private:
@@ -74,7 +75,6 @@ private:
   RTCDevice device_ = nullptr;
   RTCScene scene_ = nullptr;
   Bounds3 bounds_;
-  bool packets_ = true;
 };
 
 }  // namespace aureole

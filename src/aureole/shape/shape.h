@@ -51,8 +51,6 @@ public:
   // Answers of the BSDF that every vertex asks for.
   Lobe lobes() const { return lobes_; }
   bool needs_choice() const { return needs_choice_; }
-  /// A copy of a group: rays go through an Embree scene of its own.
-  virtual bool is_instance() const { return false; }
   /// Some light may pass straight through it.
   virtual bool is_passable() const { return bsdf_->is_passable(); }
   const Emitter* emitter() const { return emitter_.get(); }

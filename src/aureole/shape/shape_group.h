@@ -62,7 +62,6 @@ public:
   const std::shared_ptr<const ShapeGroup>& group() const { return group_; }
 
   const std::vector<ShapePtr>* parts() const override { return is_one_ ? nullptr : &parts_; }
-  bool is_instance() const override { return true; }
   bool is_passable() const override { return group_->is_passable(); }
   Bounds3 bounds() const override;
   std::size_t primitive_count() const override { return group_->primitive_count(); }
