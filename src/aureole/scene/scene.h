@@ -65,7 +65,7 @@ private:
   /// constant. The rounding of the ray's own arithmetic counts too: direction, distance and differences of
   /// the length of the segment, gamma(10) of each.
   static Vec3 connection_target(const Vec3& o, const DirectSample& to) {
-    const Vec3 p_error = to.p_error + (abs(o) + abs(to.p)) * (2 * gamma_bound(10));
+    const Vec3 p_error = to.p_error + (abs(o) + abs(to.p) + abs(to.p - o)) * gamma_bound(10);
     return offset_origin(to.p, p_error, to.ng, -to.wo);
   }
 

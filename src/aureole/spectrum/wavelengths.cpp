@@ -20,11 +20,14 @@ Wavelengths Wavelengths::at(const SpectralGrid& grid, const Spectrum& nm, float 
   Wavelengths w;
   w.nm = nm;
   w.pdf = pdf_per_nm;
-  // The product errs by less than the wavelengths themselves are rounded: 1e-4 cells.
-  const Spectrum x = (nm - float(grid.min_nm)) * float(1 / grid.step());
-  const Spectrum inside = min(max(x, 0.f), float(grid.cells));
-  w.cell = __builtin_convertvector(min(inside, float(grid.cells - 1)).v, SpectrumMask);
-  w.fraction = inside - Spectrum(__builtin_convertvector(w.cell, SpectrumVector));
+  // Minimum and step in two floats each: the fraction is what is left of up to 2000 cells.
+  const float minimum = float(grid.min_nm), step = float(grid.step()), inverse = float(1 / grid.step());
+  const Spectrum from_first = (nm - minimum) - float(grid.min_nm - minimum);
+  const Spectrum inside = min(max(from_first * inverse, 0.f), float(grid.cells - 1));
+  w.cell = __builtin_convertvector(inside.v, SpectrumMask);
+  const Spectrum cell = __builtin_convertvector(w.cell, SpectrumVector);
+  const Spectrum rest = (from_first - cell * step) - cell * float(grid.step() - step);
+  w.fraction = min(max(rest * inverse, 0.f), 1.f);
   return w;
 }
 
