@@ -616,7 +616,7 @@ protected:
     return emitter_->eval(p, -d, w_);
   }
   double density(const Vec3& o, const Vec3& d) const {
-    if (emitter_->is_infinite()) return emitter_->pdf_direct_escaped(o, d);
+    if (emitter_->is_infinite()) return emitter_->pdf_direct_escaped(o, {}, d);
     const auto p = surface(o, d);
     return p ? emitter_->pdf_direct(o, *p) : 0;
   }
@@ -772,7 +772,7 @@ TEST_P(EmitterHarness, SamplesAgreeWithEvalAndDensity) {
 TEST_P(EmitterHarness, DensityIntegratesToOnePerVisiblePart) {
   if (is_delta()) {
     EXPECT_EQ(emitter_->pdf_direct({0, 0, 0}, {}), 0);
-    EXPECT_EQ(emitter_->pdf_direct_escaped({0, 0, 0}, {0, 0, 1}), 0);
+    EXPECT_EQ(emitter_->pdf_direct_escaped({0, 0, 0}, {}, {0, 0, 1}), 0);
     EXPECT_TRUE(is_black(emitter_->eval_escaped({0, 0, 1}, w_)));
     EXPECT_TRUE(scene_->infinite_emitters().empty());  // nothing that an escaping ray could see
     return;
