@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/emitter/lat_long_distribution.h"
 
+#include <immintrin.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
 #include "aureole/math/warp.h"
 
@@ -17,7 +17,7 @@ namespace {
 /// (Scarf 1958, "A min-max solution of an inventory problem"); 3/4 makes it exact for cosines that are
 /// uniform about the horizon, and leaves at least 3/4 of the truth anywhere: nothing is starved.
 constexpr double kSpread = 0.75;
-/// Added to the variance, so that rounding leaves it positive in every direction.
+/// Added to the variance, more than rounding could take away, so that it is positive in every direction.
 constexpr double kLeastVariance = 1e-6;
 
 /// A level splits a cell into four columns and two rows, or two columns and four rows; `minor` counts to
@@ -59,12 +59,25 @@ void accumulate(int n, float* cdf, Weight&& weight) {
   }
 }
 
+using Octet = float __attribute__((vector_size(32)));
+const float* values(const Octet& a) { return reinterpret_cast<const float*>(&a); }
+
+/// In each half the sums of what comes before an element. They do not grow over zeros.
+Octet sums_before(Octet e) {
+  const auto shifted = []<int bytes>(Octet v) {
+    return Octet(_mm256_castsi256_ps(_mm256_slli_si256(_mm256_castps_si256(__m256(v)), bytes)));
+  };
+  e = shifted.operator()<4>(e);
+  e += shifted.operator()<4>(e);
+  return e + shifted.operator()<8>(e);
+}
+
 /// The first entry beyond u, which becomes the place within it; multiplies `pdf` by the density.
 int invert(const float* cdf, int n, float& u, float& pdf) {
   int i = 0;
   for (int left = n; left > 1;) {
     const int half = left / 2;
-    i = cdf[i + half - 1] <= u ? i + half : i;
+    i += half & -int(cdf[i + half - 1] <= u);  // not a branch, which nobody could predict
     left -= half;
   }
   const float below = i > 0 ? cdf[i - 1] : 0.f, share = cdf[i] - below;
@@ -105,10 +118,7 @@ struct LatLongDistribution::Receiver {
     const Octet a = node.covariance[0] * products[0] + node.covariance[1] * products[1],
                 b = node.covariance[2] * products[2] + node.covariance[3] * products[3],
                 c = node.covariance[4] * products[4] + node.covariance[5] * products[5];
-    const Octet zero{};
-    Octet s = a + b + c;
-    s = s > zero ? s : zero;
-    const Octet square = m * m + s;
+    const Octet zero{}, s = a + b + c, square = m * m + s;
     Octet root;
     for (int i = 0; i < 8; ++i) root[i] = std::sqrt(square[i]);
     // m + root, without cancellation where m < 0.
@@ -120,44 +130,32 @@ struct LatLongDistribution::Receiver {
 Vec2 LatLongDistribution::sample(const Vec3& facing, Vec2 u, float* pdf) const {
   const Receiver receiver(facing);
   int column = 0, row = 0;
-  std::size_t index = 0;  // of the cell among those of its level
-  std::size_t first = 0;  // node of the level
   float p = 1;
-  for (int level = 0; level < kLevels; ++level) {
-    const bool rows_are_major = kRowsAreMajor[level];
-    float &major = rows_are_major ? u.y : u.x, &minor = rows_are_major ? u.x : u.y;
-    alignas(32) float e[8];
-    const Octet estimates = receiver.estimates(nodes_[first + index]);
-    for (int i = 0; i < 8; ++i) e[i] = estimates[i];
-    const float half0 = ((e[0] + e[1]) + e[2]) + e[3], half1 = ((e[4] + e[5]) + e[6]) + e[7],
-                total = half0 + half1;
-    if (!(total > 0)) {
-      *pdf = 0;
-      return {};
-    }
-    // u < 1 keeps x below the sums, so that no part without mass is found.
-    float x = major * total;
-    const int second = x >= half0;
+  // Chooses a part of a node, by table rather than by branches that nobody could predict. u < 1 keeps x below
+  // the sums, so that no part without mass is found.
+  const auto choose = [&](const Node& node, float& major, float& minor, int& of_major, int& of_minor) {
+    const Octet estimates = receiver.estimates(node), before = sums_before(estimates);
+    const float *e = values(estimates), *begin = values(before);
+    const float half0 = begin[3] + e[3], half1 = begin[7] + e[7], total = half0 + half1;
+    const float x = major * total;
+    const int second = x >= half0, first_child = 4 * second;
     const float half = second ? half1 : half0;
-    major = std::min((second ? x - half0 : x) / half, kOneMinusEpsilon);
-    const float* part = e + 4 * second;
-    x = minor * half;
-    const float end0 = part[0], end1 = end0 + part[1], end2 = end1 + part[2];
-    const int k = int(x >= end0) + int(x >= end1) + int(x >= end2);
-    const float begin = k == 0 ? 0 : k == 1 ? end0 : k == 2 ? end1 : end2;
-    minor = std::min((x - begin) / part[k], kOneMinusEpsilon);
-    p *= part[k] / total * 8;
-    if (rows_are_major)
-      row = 2 * row + second, column = 4 * column + k;
-    else
-      row = 4 * row + k, column = 2 * column + second;
-    first = 8 * first + 1;
-    index = 8 * index + std::size_t(4 * second + k);
-  }
-  const float* cdf = &cdf_[index * std::size_t(block_height_ * (1 + block_width_))];
+    major = std::min((x - (second ? half0 : 0.f)) / half, kOneMinusEpsilon);
+    const float y = minor * half;
+    begin += first_child;
+    const int k = int(y >= begin[1]) + int(y >= begin[2]) + int(y >= begin[3]), child = first_child + k;
+    minor = std::min((y - begin[k]) / e[child], kOneMinusEpsilon);
+    p *= e[child] / total;
+    of_major = 2 * of_major + second, of_minor = 4 * of_minor + k;
+    return std::size_t(child);
+  };
+  const std::size_t a = choose(nodes_[0], u.y, u.x, row, column),
+                    b = choose(nodes_[1 + a], u.x, u.y, column, row),
+                    c = choose(nodes_[9 + 8 * a + b], u.y, u.x, row, column);
+  const float* cdf = &cdf_[(64 * a + 8 * b + c) * std::size_t(block_height_ * (1 + block_width_))];
   const int y = invert(cdf, block_height_, u.y, p);
   const int x = invert(cdf + block_height_ + y * block_width_, block_width_, u.x, p);
-  *pdf = p;
+  *pdf = p * (kBlockColumns * kBlockRows);
   const float within_x = (float(x) + u.x) / float(block_width_),
               within_y = (float(y) + u.y) / float(block_height_);
   return {std::min((float(column) + within_x) * (1.f / kBlockColumns), kOneMinusEpsilon),
@@ -173,17 +171,16 @@ float LatLongDistribution::pdf(const Vec3& facing, Vec2 uv) const {
   const Receiver receiver(facing);
   float p = 1;
   for (int level = 0; level < kLevels; ++level) {
-    alignas(32) float e[8];
     const Octet estimates = receiver.estimates(nodes_[path.node[level]]);
-    for (int i = 0; i < 8; ++i) e[i] = estimates[i];
-    const float total = (((e[0] + e[1]) + e[2]) + e[3]) + (((e[4] + e[5]) + e[6]) + e[7]);
-    if (!(e[path.child[level]] > 0)) return 0;
-    p *= e[path.child[level]] / total * 8;
+    const float* e = values(estimates);
+    const float part = e[path.child[level]];
+    if (!(part > 0)) return 0;
+    p *= part / (((e[0] + e[1]) + (e[2] + e[3])) + ((e[4] + e[5]) + (e[6] + e[7])));
   }
   const int i = std::min(int((x - float(column)) * float(block_width_)), block_width_ - 1),
             j = std::min(int((y - float(row)) * float(block_height_)), block_height_ - 1);
   const float* cdf = &cdf_[path.block * std::size_t(block_height_ * (1 + block_width_))];
-  return p * density(cdf, block_height_, j) *
+  return p * (kBlockColumns * kBlockRows) * density(cdf, block_height_, j) *
          density(cdf + block_height_ + j * block_width_, block_width_, i);
 }
 
