@@ -20,10 +20,9 @@ constexpr double kSpread = 0.75;
 /// Added to the variance, more than rounding could take away, so that it is positive in every direction.
 constexpr double kLeastVariance = 1e-6;
 
-/// A level splits a cell into four columns and two rows, or two columns and four rows; `minor` counts to
-/// four.
+/// The first and the last level split a cell into two rows of four columns, the second into two columns of
+/// four rows.
 constexpr int kLevels = 3;
-constexpr bool kRowsAreMajor[kLevels] = {true, false, true};
 
 /// Which child a block lies in on each level, and the node that holds the child.
 struct Path {
