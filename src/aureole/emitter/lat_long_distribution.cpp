@@ -42,13 +42,16 @@ Path path_to(int column, int row) {
   return p;
 }
 
-/// Cumulative shares of n values, of which at least one is positive.
+/// Cumulative shares of n values, of which at least one is positive. Small ones are raised to what rounding
+/// leaves positive.
 template <class Weight>
 void accumulate(int n, float* cdf, Weight&& weight) {
-  double total = 0, below = 0;
-  for (int i = 0; i < n; ++i) total += weight(i);
+  double sum = 0, total = 0, below = 0;
+  for (int i = 0; i < n; ++i) sum += weight(i);
+  const auto raised = [&](int i) { return weight(i) > 0 ? std::max(double(weight(i)), 0x1p-21 * sum) : 0.0; };
+  for (int i = 0; i < n; ++i) total += raised(i);
   for (int i = 0; i < n; ++i) {
-    below += weight(i);
+    below += raised(i);
     cdf[i] = std::min(float(below / total), 1.f);
   }
   // What has no weight at the end must not catch rounding: the last with weight ends at exactly 1.
