@@ -670,7 +670,7 @@ protected:
   void check_directions(const Vec3& facing, int seed) const;
   /// Normals of surfaces that an emitter at infinity lights, in and between the axes of the cases' frames.
   std::vector<Vec3> facing_normals() const {
-    if (!emitter_->is_infinite()) return {};
+    if (!emitter_->is_infinite() || is_delta()) return {};
     return {
         {0, 0, 1}, {0, 0, -1}, {0, 1, 0}, normalize(Vec3{1, -0.5f, 0.3f}), normalize(Vec3{-0.4f, 0.1f, -1})};
   }
@@ -900,7 +900,7 @@ void EmitterHarness::check_directions(const Vec3& facing, int seed) const {
         ++count[bin(s->wo)], ++found;
     if (!found) {
       // Nothing above the horizon.
-      if (!(facing == Vec3{})) EXPECT_LT(std::accumulate(mass.begin(), mass.end(), 0.0), 1e-3), ++tests;
+      if (!(facing == Vec3{})) EXPECT_LT(std::accumulate(mass.begin(), mass.end(), 0.0), 1e-3);
       continue;
     }
     // From parts that are partly hidden some draws find nothing by rounding; what lies below a horizon
@@ -928,7 +928,8 @@ void EmitterHarness::check_directions(const Vec3& facing, int seed) const {
     EXPECT_GT(chi_square_p_value(chi2, bins - 1), 1e-4)
         << "part " << part << ", " << bins << " bins, " << chi2;
   }
-  EXPECT_GT(tests, 0u);
+  // A single texel that is left by MIS compensation may lie in one bin, or below the horizon.
+  if (facing == Vec3{}) EXPECT_GT(tests, 0u);
 }
 
 TEST_P(EmitterHarness, PowerAgreesWithQuadrature) {
