@@ -31,7 +31,8 @@ TEST(Envmap, LooksNowhereElse) {
   const Wavelengths w = Wavelengths::at({}, Spectrum(500.f));
   for (const Vec3& d : {Vec3{nan, nan, nan}, Vec3{0, nan, 1}, Vec3{infinity, 0, 0}, Vec3{0, 0, 0}}) {
     (void)emitter->eval_escaped(d, w);  // must not read outside of the picture
-    (void)emitter->pdf_direct_escaped({}, d);
+    (void)emitter->pdf_direct_escaped({}, {}, d);
+    (void)emitter->pdf_direct_escaped({}, {0, 0, 1}, d);
   }
 }
 

@@ -27,11 +27,25 @@ public:
     DirectSample s;
     s.wo = square_to_uniform_sphere(u);
     s.radiance = radiance_->eval({}, w);
-    s.pdf = 0.25f * kInvPi;
+    s.pdf = uniform_sphere_pdf();
     s.infinite = true;
     return s;
   }
-  float pdf_direct_escaped(const Vec3&, const Vec3&) const override { return 0.25f * kInvPi; }
+  std::optional<DirectSample> sample_direct_facing(const Vec3& reference, const Vec3& facing,
+                                                   std::size_t part, Vec2 u,
+                                                   const Wavelengths& w) const override {
+    if (facing == Vec3{}) return sample_direct(reference, part, u, w);
+    const Vec3 local = square_to_cosine_hemisphere(u);
+    DirectSample s;
+    s.wo = normalize(Frame::from_normal(facing).to_world(local));
+    s.radiance = radiance_->eval({}, w);
+    s.pdf = cosine_hemisphere_pdf(local.z);
+    s.infinite = true;
+    return s;
+  }
+  float pdf_direct_escaped(const Vec3&, const Vec3& facing, const Vec3& d) const override {
+    return facing == Vec3{} ? uniform_sphere_pdf() : cosine_hemisphere_pdf(dot(d, facing));
+  }
 
   std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2 direction,
                                        const Wavelengths& w) const override {

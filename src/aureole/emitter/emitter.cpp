@@ -20,7 +20,7 @@ std::size_t Emitter::part_of(const SurfacePoint&) const { return 0; }
 Spectrum Emitter::eval(const SurfacePoint&, const Vec3&, const Wavelengths&) const { return 0.f; }
 Spectrum Emitter::eval_escaped(const Vec3&, const Wavelengths&) const { return 0.f; }
 float Emitter::pdf_direct(const Vec3&, const SurfacePoint&) const { return 0; }
-float Emitter::pdf_direct_escaped(const Vec3&, const Vec3&) const { return 0; }
+float Emitter::pdf_direct_escaped(const Vec3&, const Vec3&, const Vec3&) const { return 0; }
 
 EmittedRay ray_from_infinity(const Vec3& scene_center, float scene_radius, const Vec3& d, Vec2 position) {
   const Vec2 disc = square_to_disc_concentric(position).p;

@@ -81,8 +81,8 @@ public:
 
   virtual std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t part, Vec2 u,
                                                     const Wavelengths& wavelengths) const = 0;
-  /// The same for a surface that scatters only light from the side of `facing` (zero: from all): may return
-  /// nothing, and save the rest of the work, where wo is on the other side.
+  /// The same for a surface that scatters only light from the side of its unit normal `facing` (zero: from
+  /// all): may return nothing where wo is on the other side, and an emitter at infinity may follow the cosine.
   virtual std::optional<DirectSample> sample_direct_facing(const Vec3& reference, const Vec3& /*facing*/,
                                                            std::size_t part, Vec2 u,
                                                            const Wavelengths& wavelengths) const {
@@ -91,8 +91,9 @@ public:
   /// Solid-angle density with which sample_direct of `point`'s part chooses it from `reference`; 0 for delta
   /// emitters.
   virtual float pdf_direct(const Vec3& reference, const SurfacePoint& point) const;
-  /// The same for a direction that left the scene.
-  virtual float pdf_direct_escaped(const Vec3& reference, const Vec3& d) const;
+  /// Density with which sample_direct_facing with the same `facing` (zero: sample_direct) chooses a direction
+  /// that left the scene.
+  virtual float pdf_direct_escaped(const Vec3& reference, const Vec3& facing, const Vec3& d) const;
 
   /// A ray of light that leaves the part, for light tracing; `position` and `direction` are two points of [0,
   /// 1)^2.

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Environment map in latitude-longitude projection, importance-sampled. Geometry as Mitsuba's: local +y is
 // up, u = 0 looks along local -z and grows towards +x; texels are centred in azimuth, the first and last rows
-// are the poles.
+// are the poles. Light sampling follows the product of the map's luminance and the cosine at the receiver.
 #include <cmath>
 
 #include "aureole/core/image.h"
 #include "aureole/emitter/emitter.h"
 #include "aureole/emitter/emitter_docs.h"
+#include "aureole/emitter/lat_long_distribution.h"
 #include "aureole/emitter/placement.h"
-#include "aureole/math/piecewise.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
@@ -54,10 +54,11 @@ public:
     return r;
   }
 
-  float pdf_direct_escaped(const Vec3&, const Vec3& d) const override {
+  float pdf_direct_escaped(const Vec3&, const Vec3& facing, const Vec3& d) const override {
+    if (dot(d, facing) < 0) return 0;
     const Vec3 v = frame_.to_local(d);
     const float sine = std::sqrt(v.x * v.x + v.z * v.z);
-    return sine > 0 ? distribution_.pdf(to_uv(v)) / (2 * kPi * kPi * sine) : 0;
+    return sine > 0 ? distribution_.pdf(facing, to_uv(v)) / (2 * kPi * kPi * sine) : 0;
   }
 
   SampledSpectrum power_spectrum() const override {
@@ -71,15 +72,15 @@ public:
   EmissionBounds emission_bounds(std::size_t) const override { return {}; }
 
 private:
-  std::optional<DirectSample> sample(const Piecewise2D& distribution, const Vec3& facing, Vec2 u,
+  std::optional<DirectSample> sample(const LatLongDistribution& distribution, const Vec3& facing, Vec2 u,
                                      const Wavelengths& w) const {
     float pdf;
-    const Vec2 uv = distribution.sample(u, &pdf);
+    const Vec2 uv = distribution.sample(facing, u, &pdf);
     const Vec2 phi = cos_sin_2pi(uv.x), theta = cos_sin_2pi(0.5f * uv.y);
     const float sine = theta.y;
     if (!(pdf > 0) || !(sine > 0)) return {};
     const Vec3 wo = frame_.to_world({phi.y * sine, theta.x, -phi.x * sine});
-    // Half of the directions: radiance is what costs.
+    // Blocks of the map that the horizon crosses.
     if (dot(wo, facing) < 0) return {};
     DirectSample s;
     s.wo = wo;
@@ -129,9 +130,9 @@ private:
     build_distribution(luminance);
   }
 
-  /// One cell per bilinear patch between texel centres would sit across the seam; cells of the image size are
-  /// used instead, each weighted by the mean over its four corners and its centre, so that it is never zero
-  /// where the interpolant is positive.
+  /// One cell per bilinear patch between texel centres would sit across the seam; cells no larger than texels
+  /// are used instead, each weighted by the mean over a lattice that holds its corners, so that it is never
+  /// zero where the interpolant is positive.
   void build_distribution(const std::vector<float>& luminance) {
     const auto lum = [&](float u, float v) {
       const float x = u * float(width_) - 0.5f, y = v * float(height_ - 1);
@@ -143,18 +144,21 @@ private:
       return (1 - fy) * ((1 - fx) * at(x0, y0) + fx * at(x0 + 1, y0)) +
              fy * ((1 - fx) * at(x0, y0 + 1) + fx * at(x0 + 1, y0 + 1));
     };
-    std::vector<float> weights(luminance.size()), compensated(luminance.size());
+    const auto multiple = [](int n, int of) { return (n + of - 1) / of * of; };
+    const int columns = multiple(width_, LatLongDistribution::kBlockColumns),
+              rows = multiple(height_, LatLongDistribution::kBlockRows);
+    std::vector<float> weights(size_t(columns) * size_t(rows)), compensated(weights.size());
     double mean = 0, area = 0;
-    for (int y = 0; y < height_; ++y)
-      for (int x = 0; x < width_; ++x) {
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x) {
         float sum = 0;
         for (int j = 0; j <= 4; ++j)
           for (int i = 0; i <= 4; ++i) {
-            const float v = (float(y) + 0.25f * float(j)) / float(height_);
-            sum += lum((float(x) + 0.25f * float(i)) / float(width_), std::min(v, 1.f)) / 25;
+            const float v = (float(y) + 0.25f * float(j)) / float(rows);
+            sum += lum((float(x) + 0.25f * float(i)) / float(columns), std::min(v, 1.f)) / 25;
           }
-        const float sine = std::sin(kPi * (float(y) + 0.5f) / float(height_));
-        weights[size_t(y) * size_t(width_) + size_t(x)] = sum;
+        const float sine = std::sin(kPi * (float(y) + 0.5f) / float(rows));
+        weights[size_t(y) * size_t(columns) + size_t(x)] = sum;
         mean += double(sum) * sine, area += sine;
       }
     // MIS compensation (Karlik et al. 2019): leave what BSDF sampling finds anyway. Rays of light, which
@@ -162,15 +166,15 @@ private:
     const float offset = float(mean / area);
     bool any = false;
     for (float w : weights) any |= w > offset * 1.01f;
-    for (int y = 0; y < height_; ++y)
-      for (int x = 0; x < width_; ++x) {
-        const size_t i = size_t(y) * size_t(width_) + size_t(x);
-        const float sine = std::sin(kPi * (float(y) + 0.5f) / float(height_));
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x) {
+        const size_t i = size_t(y) * size_t(columns) + size_t(x);
+        const float sine = std::sin(kPi * (float(y) + 0.5f) / float(rows));
         compensated[i] = (any ? std::max(0.f, weights[i] - offset) : weights[i]) * sine;
         weights[i] *= sine;
       }
-    distribution_ = Piecewise2D(mis_compensation_ ? compensated : weights, width_, height_);
-    if (mis_compensation_) everything_ = Piecewise2D(weights, width_, height_);
+    distribution_ = LatLongDistribution(mis_compensation_ ? compensated : weights, columns, rows, frame_);
+    if (mis_compensation_) everything_ = LatLongDistribution(weights, columns, rows, frame_);
   }
 
   static Vec2 to_uv(const Vec3& v) {
@@ -205,7 +209,7 @@ private:
   bool mis_compensation_;
   int width_ = 0, height_ = 0;
   std::vector<UpsampledColor> texels_;
-  Piecewise2D distribution_, everything_;  ///< the second only where the first is compensated
+  LatLongDistribution distribution_, everything_;  ///< the second only where the first is compensated
   SampledSpectrum d65_;
 };
 

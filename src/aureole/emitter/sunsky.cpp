@@ -124,7 +124,7 @@ public:
     return s;
   }
 
-  float pdf_direct_escaped(const Vec3&, const Vec3& d) const override {
+  float pdf_direct_escaped(const Vec3&, const Vec3&, const Vec3& d) const override {
     const Vec3 local = axes_.to_local(d);
     return density(local, in_sun(local));
   }

@@ -77,7 +77,7 @@ private:
         const float light = b->is_delta() || !smooth
                                 ? 0.f
                                 : float(light_samples_) *
-                                      light_density(scene, hit.p, vertex.light_normal(), e, point, next.d);
+                                      light_density(scene, hit.p, vertex.facing_normal(), e, point, next.d);
         result.estimate += density.contribution(value * radiance, b->pdf * float(bsdf_samples_), light, w);
       };
       while (const auto light_hit = scene.intersect(next)) {

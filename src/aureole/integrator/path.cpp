@@ -31,7 +31,7 @@ struct PathState {
   PathDensity before;
   Weight value;
   Spectrum pdf;
-  Vec3 from, light_normal;
+  Vec3 from, facing;
 };
 
 /// What one step asks of the driver: whether to go on along state.ray, and a connection to be tested for
@@ -186,7 +186,7 @@ private:
     s.before = s.density;
     s.value = b->value, s.pdf = b->pdf;
     s.found_by_density = !b->is_delta();
-    s.from = hit->p, s.light_normal = vertex.light_normal();
+    s.from = hit->p, s.facing = vertex.facing_normal();
     s.density.extend(b->value, b->pdf);
     s.ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
     ++s.depth;
@@ -210,7 +210,7 @@ private:
       s.result.estimate += s.density.contribution(radiance, w);
       return;
     }
-    const float light = light_density(scene, s.from, s.light_normal, emitter, hit, s.ray.d);
+    const float light = light_density(scene, s.from, s.facing, emitter, hit, s.ray.d);
     s.result.estimate += s.before.contribution(s.value * radiance, s.pdf, light, w);
   }
 

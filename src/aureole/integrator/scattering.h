@@ -26,9 +26,8 @@ public:
 
   const SurfacePoint& point() const { return *point_; }
   const Bsdf& bsdf() const { return *bsdf_; }
-  /// Normal for light selection; zero where light may arrive from both sides.
-  Vec3 light_normal() const { return has(lobes_, Lobe::transmit) ? Vec3{} : point_->shading.n; }
-  /// The shading normal on the side that light may be scattered from; zero where that is both.
+  /// The shading normal on the side that light may be scattered from; zero where that is both. Choosing
+  /// lights and directions, and their densities, all depend on it.
   Vec3 facing_normal() const {
     return has(lobes_, Lobe::transmit) ? Vec3{} : wi_.z < 0 ? -point_->shading.n : point_->shading.n;
   }
@@ -90,10 +89,10 @@ struct LightConnection {
 template <class Use>
 inline void sample_light(const Scene& scene, const SurfaceVertex& vertex, float u1, Vec2 u2,
                          const Wavelengths& w, Use&& use) {
-  const auto choice = scene.lights().choose(vertex.point().p, vertex.light_normal(), u1);
+  const Vec3 facing = vertex.facing_normal();
+  const auto choice = scene.lights().choose(vertex.point().p, facing, u1);
   if (!choice || !(choice->probability > 0)) return;
-  const auto direct =
-      choice->emitter->sample_direct_facing(vertex.point().p, vertex.facing_normal(), choice->part, u2, w);
+  const auto direct = choice->emitter->sample_direct_facing(vertex.point().p, facing, choice->part, u2, w);
   if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return;
   const BsdfEval scattering = vertex.eval_pdf(direct->wo);
   if (is_black(scattering.value)) return;
@@ -101,12 +100,13 @@ inline void sample_light(const Scene& scene, const SurfaceVertex& vertex, float 
 }
 
 /// Density with which `sample_light` at `from` would have chosen the emitting surface point (or, `hit` null,
-/// the escaping direction `d` of an infinite emitter).
-inline float light_density(const Scene& scene, const Vec3& from, const Vec3& light_normal,
-                           const Emitter& emitter, const SurfacePoint* hit, const Vec3& d) {
+/// the escaping direction `d` of an infinite emitter); `facing` is the vertex's facing_normal().
+inline float light_density(const Scene& scene, const Vec3& from, const Vec3& facing, const Emitter& emitter,
+                           const SurfacePoint* hit, const Vec3& d) {
   if (!hit)
-    return scene.lights().probability(from, light_normal, &emitter, 0) * emitter.pdf_direct_escaped(from, d);
-  return scene.lights().probability(from, light_normal, &emitter, emitter.part_of(*hit)) *
+    return scene.lights().probability(from, facing, &emitter, 0) *
+           emitter.pdf_direct_escaped(from, facing, d);
+  return scene.lights().probability(from, facing, &emitter, emitter.part_of(*hit)) *
          emitter.pdf_direct(from, *hit);
 }
 
