@@ -900,7 +900,9 @@ void EmitterHarness::check_directions(const Vec3& facing, int seed) const {
         ++count[bin(s->wo)], ++found;
     if (!found) {
       // Nothing above the horizon.
-      if (!(facing == Vec3{})) EXPECT_LT(std::accumulate(mass.begin(), mass.end(), 0.0), 1e-3);
+      if (!(facing == Vec3{})) {
+        EXPECT_LT(std::accumulate(mass.begin(), mass.end(), 0.0), 1e-3);
+      }
       continue;
     }
     // From parts that are partly hidden some draws find nothing by rounding; what lies below a horizon
@@ -929,7 +931,9 @@ void EmitterHarness::check_directions(const Vec3& facing, int seed) const {
         << "part " << part << ", " << bins << " bins, " << chi2;
   }
   // A single texel that is left by MIS compensation may lie in one bin, or below the horizon.
-  if (facing == Vec3{}) EXPECT_GT(tests, 0u);
+  if (facing == Vec3{}) {
+    EXPECT_GT(tests, 0u);
+  }
 }
 
 TEST_P(EmitterHarness, PowerAgreesWithQuadrature) {

@@ -160,7 +160,8 @@ TEST(RoundSampling, DensityAgreesWithSample) {
         ASSERT_TRUE(s->uv.x >= 0 && s->uv.x <= 1 && s->uv.y >= 0 && s->uv.y <= 1);
         SurfacePoint p;
         p.p = s->p, p.ng = s->ng, p.uv = s->uv, p.shape = c.shape.get();
-        EXPECT_FLOAT_EQ(c.shape->pdf_direct(reference, 0, p), s->pdf) << c.name;
+        // Edge-on the cosine of the two may be rounded differently.
+        EXPECT_NEAR(c.shape->pdf_direct(reference, 0, p), s->pdf, 1e-3f * s->pdf) << c.name;
         // A ray towards the sample meets it, or another part before it.
         const Vec3 d = normalize(s->p - reference);
         const auto hit = scene.intersect({reference, d});
