@@ -82,7 +82,8 @@ public:
   virtual std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t part, Vec2 u,
                                                     const Wavelengths& wavelengths) const = 0;
   /// The same for a surface that scatters only light from the side of its unit normal `facing` (zero: from
-  /// all): may return nothing where wo is on the other side, and an emitter at infinity may follow the cosine.
+  /// all): may return nothing where wo is on the other side, and an emitter at infinity may follow the
+  /// cosine.
   virtual std::optional<DirectSample> sample_direct_facing(const Vec3& reference, const Vec3& /*facing*/,
                                                            std::size_t part, Vec2 u,
                                                            const Wavelengths& wavelengths) const {

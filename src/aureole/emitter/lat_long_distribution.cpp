@@ -4,7 +4,9 @@
 #include <immintrin.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
 
 #include "aureole/math/warp.h"
 
@@ -76,11 +78,20 @@ Octet sums_before(Octet e) {
 
 /// The first entry beyond u, which becomes the place within it; multiplies `pdf` by the density.
 int invert(const float* cdf, int n, float& u, float& pdf) {
-  int i = 0;
-  for (int left = n; left > 1;) {
+  int i = 0, left = n;
+  while (left > 4 * 8) {
     const int half = left / 2;
     i += half & -int(cdf[i + half - 1] <= u);  // not a branch, which nobody could predict
     left -= half;
+  }
+  // The rest are counted, eight at once; the last counts as beyond.
+  const Octet target = u - Octet{};
+  const float* from = cdf + i;
+  for (int k = 0; k < left; k += 8) {
+    Octet c;
+    std::memcpy(&c, from + k, sizeof c);
+    const unsigned low = unsigned(_mm256_movemask_ps(__m256(Octet(c <= target))));
+    i += std::popcount(low & ((1u << std::min(8, left - 1 - k)) - 1));
   }
   const float below = i > 0 ? cdf[i - 1] : 0.f, share = cdf[i] - below;
   pdf *= share * float(n);
@@ -267,7 +278,7 @@ void LatLongDistribution::build_nodes(std::span<const float> weights, const Fram
 void LatLongDistribution::build_blocks(std::span<const float> weights) {
   const std::size_t columns = std::size_t(block_width_) * kBlockColumns;
   const std::size_t size = std::size_t(block_height_ * (1 + block_width_));
-  cdf_.resize(size * kBlockColumns * kBlockRows);
+  cdf_.resize(size * kBlockColumns * kBlockRows + 8);  // the last search reads beyond its end
   std::vector<double> sums(std::size_t(block_height_), 0.0);
   for (int row = 0; row < kBlockRows; ++row)
     for (int column = 0; column < kBlockColumns; ++column) {

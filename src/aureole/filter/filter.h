@@ -21,6 +21,7 @@ public:
 /// exact).
 class FilterTable {
 public:
+  static constexpr int kMaxReach = 65;  ///< pixels of the widest filter that a job takes, radius 32
   explicit FilterTable(const Filter& filter);
   float radius() const { return radius_; }
   /// Pixels beyond a sample's own that its support reaches, on each side.

@@ -11,8 +11,8 @@
 #include <shared_mutex>
 
 #include "aureole/core/parallel.h"
-#include "aureole/core/random.h"
 #include "aureole/core/version.h"
+#include "aureole/render/camera_sample.h"
 #include "aureole/render/splat_unit.h"
 
 namespace aureole {
@@ -23,8 +23,6 @@ struct RenderJob::Lock {
 };
 
 namespace {
-
-constexpr int kMaxReach = 65;  // pixels of the widest filter, radius 32
 
 double available_memory_bytes() {
   std::ifstream in("/proc/meminfo");
@@ -85,7 +83,7 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
                     "apart make the same picture",
                     options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
   if (options_.replicates < 1) throw Error("there must be at least one replicate");
-  if (2 * filter_.border() + 1 > kMaxReach)
+  if (2 * filter_.border() + 1 > FilterTable::kMaxReach)
     throw Error(film.filter().properties().where(), "the reconstruction filter is wider than 65 pixels");
   // The samplers' index has 32 bits.
   if (end > std::int64_t(1) << 32)
@@ -134,25 +132,18 @@ void RenderJob::resume(RenderState state) {
   wrote_state_ = true;
 }
 
-CameraPath RenderJob::camera_path(int x, int y, std::int64_t index, int replicate, Sample* sample) const {
+void RenderJob::camera_path(int x, int y, std::uint64_t key, std::int64_t index, CameraPath& path,
+                            Sample& sample) const {
   const Film& film = scene_->film();
-  const Sensor& sensor = scene_->sensor();
-  const std::uint64_t pixel =
-      std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
-  const std::uint64_t key = combine_bits(combine_bits(seed_, std::uint64_t(replicate)), pixel);
-  CameraPath path;
-  path.samples = SampleStream(sensor.sampler(), key, std::uint32_t(index));
-  const Vec2 u = path.samples.get2(SampleStream::kFilm);
-  path.wavelengths = scene_->wavelengths().sample(path.samples.get1(SampleStream::kWavelengthSet),
-                                                  path.samples.get1(SampleStream::kHero));
-  sample->position = {float(x) + u.x, float(y) + u.y};
-  const Vec2 on_film{sample->position.x + float(film.crop_x()), sample->position.y + float(film.crop_y())};
-  const bool lens = sensor.uses_lens();
-  const SensorRay camera = sensor.sample_ray(on_film, lens ? path.samples.get2(SampleStream::kLens) : Vec2{});
-  path.samples.set_first(SampleStream::camera_dimensions(lens));
+  const SensorRay camera = begin_camera_sample(*scene_, key, x + film.crop_x(), y + film.crop_y(), index,
+                                               path.samples, path.wavelengths, sample.position);
+  sample.position = sample.position - Vec2{float(film.crop_x()), float(film.crop_y())};
   path.ray = camera.ray;
-  sample->weight = camera.weight;
-  return path;
+  sample.weight = camera.weight;
+}
+
+std::uint64_t RenderJob::key_of(int x, int y, int replicate) const {
+  return pixel_key(seed_, replicate, x + scene_->film().crop_x(), y + scene_->film().crop_y());
 }
 
 void RenderJob::measure(const CameraPath& path, Sample& sample, float* measured) const {
@@ -203,7 +194,7 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   sums.assign(size_t(width) * size_t(height) * size_t(stride), 0.f);
   std::vector<InvalidSample> invalid;
   std::vector<float> measured(size_t(channels * kSampleBlock), 0.f);
-  float wx[kMaxReach], wy[kMaxReach];
+  float wx[FilterTable::kMaxReach], wy[FilterTable::kMaxReach];
   const int reach = 2 * border + 1;
   const int film_channels = scene_->film().measured_channels();
   CameraPath paths[kSampleBlock];
@@ -212,8 +203,9 @@ void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   const int count = int(last - first);
   for (int y = y0; y < y1; ++y)
     for (int x = x0; x < x1; ++x) {
+      const std::uint64_t key = key_of(x, y, replicate);
       for (int i = 0; i < count; ++i) {
-        paths[i] = camera_path(x, y, first + i, replicate, &samples[i]);
+        camera_path(x, y, key, first + i, paths[i], samples[i]);
         paths[i].aovs = &measured[size_t(i * channels + film_channels)];
       }
       integrator_->radiance_of(*scene_, std::span(paths, size_t(count)));
@@ -364,7 +356,9 @@ std::optional<std::vector<float>> RenderJob::replay(int x, int y, std::int64_t s
   }
   std::vector<float> measured(size_t(state_.identity.measured_channels));
   Sample s;
-  CameraPath path = camera_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, &s);
+  CameraPath path;
+  x -= film.crop_x(), y -= film.crop_y();
+  camera_path(x, y, key_of(x, y, replicate), sample, path, s);
   path.result = integrator_->radiance(*scene_, path.ray, path.wavelengths, path.samples, log,
                                       measured.data() + film.measured_channels());
   measure(path, s, measured.data());

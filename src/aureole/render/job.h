@@ -85,7 +85,9 @@ private:
     bool valid;
   };
   /// A sample's ray, wavelengths and random numbers; fills position and weight.
-  CameraPath camera_path(int x, int y, std::int64_t index, int replicate, Sample* sample) const;
+  void camera_path(int x, int y, std::uint64_t key, std::int64_t index, CameraPath& path,
+                   Sample& sample) const;
+  std::uint64_t key_of(int x, int y, int replicate) const;
   /// `measured` receives the numbers of the film; those of the integrator are there already. Fills the rest
   /// of sample.
   void measure(const CameraPath& path, Sample& sample, float* measured) const;

@@ -5,13 +5,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "aureole/core/random.h"
+#include "aureole/render/camera_sample.h"
 
 namespace aureole {
 
 namespace {
-
-constexpr int kMaxReach = 65;  // as the job allows
 
 /// Integrals of the filter over the positions of samples, [-outside, size + outside], for the pixels of a row
 /// of `size`.
@@ -66,20 +64,12 @@ void SplatRenderer::append(Vec2 position, const Spectrum& estimate, const Wavele
 
 bool SplatRenderer::trace_path(int x, int y, std::int64_t index, int replicate, SplatUnit& unit,
                                const PathLog& log) const {
-  // Place on the film, wavelengths and lens are those of the job's samples of the camera.
-  const Film& film = scene_->film();
-  const Sensor& sensor = scene_->sensor();
-  const std::uint64_t pixel =
-      std::uint64_t(std::uint32_t(y + film.crop_y())) << 32 | std::uint32_t(x + film.crop_x());
-  const std::uint64_t key = combine_bits(combine_bits(seed_, std::uint64_t(replicate)), pixel);
-  SampleStream stream(sensor.sampler(), key, std::uint32_t(index));
-  const Vec2 position =
-      stream.get2(SampleStream::kFilm) + Vec2{float(x + film.crop_x()), float(y + film.crop_y())};
-  const Wavelengths w = scene_->wavelengths().sample(stream.get1(SampleStream::kWavelengthSet),
-                                                     stream.get1(SampleStream::kHero));
-  const bool lens = sensor.uses_lens();
-  const SensorRay camera = sensor.sample_ray(position, lens ? stream.get2(SampleStream::kLens) : Vec2{});
-  stream.set_first(SampleStream::camera_dimensions(lens));
+  x += scene_->film().crop_x(), y += scene_->film().crop_y();
+  SampleStream stream;
+  Wavelengths w;
+  Vec2 position;
+  const SensorRay camera =
+      begin_camera_sample(*scene_, pixel_key(seed_, replicate, x, y), x, y, index, stream, w, position);
 
   const size_t splats_before = unit.positions.size(), numbers_before = unit.measured.size();
   bool valid = true;
@@ -163,7 +153,7 @@ void SplatRenderer::add(const SplatUnit& unit, std::vector<FilmBuffer>& films) c
       const Vec2 s = unit.positions[splat];
       const float* measured = &unit.measured[splat * size_t(channels)];
       const Reach r = reach(s);
-      float wx[kMaxReach];
+      float wx[FilterTable::kMaxReach];
       for (int x = r.x0; x < r.x1; ++x) wx[x - r.x0] = border == 0 ? 1 : filter_.eval(float(x) + 0.5f - s.x);
       for (int y = r.y0; y < r.y1; ++y) {
         const float wy = border == 0 ? 1 : filter_.eval(float(y) + 0.5f - s.y);

@@ -27,6 +27,7 @@ LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p) {
   }
   to_camera_ = to_world_.inverse();
   origin_ = to_world_.point({0, 0, 0});
+  for (int i = 0; i < 3; ++i) axes_[i] = to_world_.vector({float(i == 0), float(i == 1), float(i == 2)});
   // Read here to be checked and marked as used; fit() reads what Object keeps.
   tangent_of_half_width(p, 1);
   p.get_float("principal_point_offset_x", 0, {-10, 10});
@@ -59,12 +60,13 @@ Vec2 LensCamera::aperture_point(Vec2 lens) const {
 SensorRay LensCamera::sample_ray(Vec2 film, Vec2 lens) const {
   // The rays of a point of the film meet in the plane in focus, where the one through the centre does.
   const Vec2 a = aperture_point(lens);
-  const Vec3 d = normalize(Vec3{(center_x_ - film.x) * scale_ - a.x * inverse_focus_,
-                                (center_y_ - film.y) * scale_ - a.y * inverse_focus_, 1});
-  const float to_near = clip_.near / d.z, to_far = clip_.far / d.z;
-  const Vec3 w = to_world_.vector(d);
+  const Vec3 v{(center_x_ - film.x) * scale_ - a.x * inverse_focus_,
+               (center_y_ - film.y) * scale_ - a.y * inverse_focus_, 1};
+  const Vec3 d = normalize(axes_[0] * v.x + axes_[1] * v.y + axes_[2]);
+  // Distances between the planes along the ray: its direction goes 1 / |v| of itself along z.
+  const float slope = length(v), to_near = clip_.near * slope, to_far = clip_.far * slope;
   const Vec3 from = aperture_radius_ > 0 ? to_world_.point({a.x, a.y, 0}) : origin_;
-  return {{from + w * to_near, normalize(w), to_far - to_near}};
+  return {{from + d * to_near, d, to_far - to_near}};
 }
 
 std::optional<SensorConnection> LensCamera::sample_direct(const Vec3& reference, Vec2 lens) const {

@@ -32,7 +32,7 @@ private:
   Vec2 aperture_point(Vec2 lens) const;
 
   Transform to_world_, to_camera_;
-  Vec3 origin_;
+  Vec3 origin_, axes_[3];  ///< of camera space
   ClipPlanes clip_;
   float aperture_radius_ = 0;
   float inverse_focus_ = 0;  ///< 1 / distance of the plane in focus; of no account for a pinhole

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a sample of a pixel begins: its random numbers, its place on the film, its wavelengths and its ray. The
+// same for every kind of rendering.
+#pragma once
+
+#include "aureole/core/random.h"
+#include "aureole/sampler/sampler.h"
+#include "aureole/scene/scene.h"
+
+namespace aureole {
+
+/// The samplers' key of a pixel of the film.
+inline std::uint64_t pixel_key(std::uint64_t seed, int replicate, int x, int y) {
+  const std::uint64_t pixel = std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x);
+  return combine_bits(combine_bits(seed, std::uint64_t(replicate)), pixel);
+}
+
+/// Sample `index` of the pixel (x, y) of the film. `samples` is left where the path begins.
+inline SensorRay begin_camera_sample(const Scene& scene, std::uint64_t key, int x, int y, std::int64_t index,
+                                     SampleStream& samples, Wavelengths& wavelengths, Vec2& position) {
+  const Sensor& sensor = scene.sensor();
+  samples = SampleStream(sensor.sampler(), key, std::uint32_t(index));
+  position = samples.get2(SampleStream::kFilm) + Vec2{float(x), float(y)};
+  wavelengths = scene.wavelengths().sample(samples.get1(SampleStream::kWavelengthSet),
+                                           samples.get1(SampleStream::kHero));
+  const bool lens = sensor.uses_lens();
+  const SensorRay ray = sensor.sample_ray(position, lens ? samples.get2(SampleStream::kLens) : Vec2{});
+  samples.set_first(SampleStream::camera_dimensions(lens));
+  return ray;
+}
+
+}  // namespace aureole
