@@ -39,6 +39,15 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
   std::vector<double> zs;
   c.z_map.width = a.width, c.z_map.height = a.height, c.z_map.channels = {"Z"};
   c.z_map.pixels.assign(size_t(a.width) * size_t(a.height), 0.f);
+  // A small channel of a saturated colour is a difference of large numbers, and as rounded as they are.
+  const int rgb[3] = {b.channel("R"), b.channel("G"), b.channel("B")};
+  const auto largest = [&](int x, int y, int channel) {
+    float m = 0;
+    if (std::find(rgb, rgb + 3, channel) == rgb + 3) return m;
+    for (const int k : rgb)
+      if (k >= 0) m = std::max(m, std::abs(b.at(x, y, size_t(k))));
+    return m;
+  };
   for (const auto& name : c.channels) {
     const size_t ca = size_t(a.channel(name)), cb = size_t(b.channel(name));
     const int va = a.channel("variance." + name), vb = b.channel("variance." + name);
@@ -53,7 +62,8 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
         const double variance =
             (va >= 0 ? a.at(x, y, size_t(va)) : 0.0) + (vb >= 0 ? b.at(x, y, size_t(vb)) : 0.0);
         variance_of_mean += variance / (n * n);
-        const double floor = rounding * std::max(std::abs(reference), 0.01 * std::abs(c.mean_b));
+        const double floor = rounding * std::max({std::abs(reference), 0.5 * double(largest(x, y, int(cb))),
+                                                  0.01 * std::abs(c.mean_b)});
         const double value = d / std::sqrt(variance + floor * floor);
         zs.push_back(value);
         if (variance > 10 * floor * floor) z.mean_square += value * value, ++noisy;
