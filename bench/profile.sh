@@ -31,7 +31,7 @@ awk '
     if (s ~ /Sampler::block|SampleStream/) return "sampler"
     if (s ~ /SampledSpectrum|Wavelength|Texture|Bitmap|Checkerboard|upsampl|Upsampl|TexelSpectrum/) return "spectra and textures"
     if (s ~ /Diffuse::|ielectric::|Conductor::|Plastic::|Twosided|TwoSided|Scatterer|RadialTable|[fF]resnel|optics::/) return "BSDFs"
-    if (s ~ /Emitter|Envmap|EnvironmentMap|LightSampler|Piecewise|area_sampling|[sS]pherical|solid_angle|sample_direct/)
+    if (s ~ /Emitter|Envmap|EnvironmentMap|LightSampler|Piecewise|LatLong|invert|area_sampling|[sS]pherical|solid_angle|sample_direct/)
       return "light sampling"
     if (s ~ /Mesh|Sphere|Ball|Cube|Rectangle|Patch|surface_point|ball_/) return "surface points of shapes"
     if (s ~ /Integrator|Scene::|RayTracer|__wrap/) return "integrator, with ray set-up"

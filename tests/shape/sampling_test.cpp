@@ -291,6 +291,28 @@ AreaPoint locate(const Shape& shape, const Double3& p) {
   return best;
 }
 
+TEST(DirectSampling, ThePositionAloneIsTheSame) {
+  for (const Case& c : cases()) {
+    const ShapePtr shape = c.make();
+    Random random(23);
+    int found = 0;
+    for (int i = 0; i < 4000; ++i) {
+      const Vec2 a = random.square(), b = random.square(), u = random.square();
+      const Vec3 reference{6 * a.x - 3, 6 * a.y - 3, 4 * b.x - 1};
+      const auto all = shape->sample_direct(reference, 0, u);
+      const PositionSample position = shape->sample_direct_position(reference, 0, u);
+      ASSERT_EQ(all.has_value(), position.pdf > 0) << c.name;
+      if (!all) continue;
+      ++found;
+      ASSERT_EQ(all->p, position.p) << c.name;
+      ASSERT_EQ(all->p_error, position.p_error) << c.name;
+      ASSERT_EQ(all->ng, position.ng) << c.name;
+      ASSERT_EQ(all->pdf, position.pdf) << c.name;
+    }
+    EXPECT_GT(found, 1000) << c.name;
+  }
+}
+
 TEST(AreaSampling, UniformOverThePatch) {
   for (const Case& c : cases()) {
     const ShapePtr shape = c.make();

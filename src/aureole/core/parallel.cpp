@@ -2,6 +2,7 @@
 #include "aureole/core/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 #include <exception>
 #include <mutex>
 #include <thread>
@@ -40,6 +41,20 @@ void run_workers(int threads, const std::function<void(int)>& worker) {
   arena.execute([&] { tbb::parallel_for(0, threads, 1, guarded, tbb::simple_partitioner()); });
 #endif
   if (first) std::rethrow_exception(first);
+}
+
+void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body) {
+  constexpr std::size_t kRange = 1 << 14;
+  const std::size_t ranges = (n + kRange - 1) / kRange;
+  const int threads = int(std::min<std::size_t>(ranges, std::size_t(default_thread_count())));
+  if (threads < 2) {
+    if (n > 0) body(0, n);
+    return;
+  }
+  std::atomic<std::size_t> next{0};
+  run_workers(threads, [&](int) {
+    for (std::size_t k; (k = next.fetch_add(1)) < ranges;) body(k * kRange, std::min(n, (k + 1) * kRange));
+  });
 }
 
 }  // namespace aureole

@@ -2,6 +2,7 @@
 // The thread backend: oneTBB, or std::thread in builds for ThreadSanitizer (uninstrumented TBB hides races).
 #pragma once
 
+#include <cstddef>
 #include <functional>
 
 namespace aureole {
@@ -13,5 +14,9 @@ int default_thread_count();
 /// returned. Workers share work through state of their own (an atomic counter); each must be able to finish
 /// it alone. The first exception is rethrown.
 void run_workers(int threads, const std::function<void(int)>& worker);
+
+/// Calls `body(begin, end)` for ranges that make up [0, n), on all cores if n is large. Ranges must not
+/// depend on one another.
+void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body);
 
 }  // namespace aureole

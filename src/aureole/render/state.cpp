@@ -221,7 +221,15 @@ Image RenderState::picture() const {
   if (variances)
     for (std::size_t c = 0; c < n; ++c) image.channels.push_back("variance." + development.names[c]);
   image.pixels.resize(std::size_t(image.width) * image.height * image.channels.size());
-  std::vector<double> measured(std::size_t(identity.measured_channels)), sum(n), sum_of_squares(n);
+  std::vector<double> measured(std::size_t(identity.measured_channels)), sum(n);
+  // A film of a thousand bins has a thousand rows with one factor each.
+  std::vector<std::pair<std::size_t, std::size_t>> nonzero;
+  for (const auto& row : development.rows) {
+    std::size_t begin = 0, end = row.size();
+    while (begin < end && row[begin] == 0) ++begin;
+    while (end > begin && row[end - 1] == 0) --end;
+    nonzero.emplace_back(begin, end);
+  }
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       std::fill(sum.begin(), sum.end(), 0.0);
@@ -232,7 +240,7 @@ Image RenderState::picture() const {
         for (std::size_t c = 0; c < n; ++c) {
           double v = 0;
           if (c < development.rows.size())
-            for (std::size_t k = 0; k < measured.size(); ++k)
+            for (std::size_t k = nonzero[c].first; k < nonzero[c].second; ++k)
               v += double(development.rows[c][k]) * measured[k];
           else
             v = alpha;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "aureole/core/parallel.h"
 #include "aureole/shape/double3.h"
 
 namespace aureole {
@@ -154,10 +155,12 @@ void Mesh::build(MeshData data, std::string_view source) {
 void Mesh::find_planes() {
   planes_.resize(data_.triangles.size());
   const auto corner = [&](std::uint32_t v) { return load(data_.positions[v]); };
-  for (std::size_t i = 0; i < planes_.size(); ++i) {
-    const TriangleIndices& t = data_.triangles[i];
-    planes_[i] = plane_of(corner(t[0]), corner(t[1]), corner(t[2]));
-  }
+  for_ranges(planes_.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const TriangleIndices& t = data_.triangles[i];
+      planes_[i] = plane_of(corner(t[0]), corner(t[1]), corner(t[2]));
+    }
+  });
 }
 
 std::size_t Mesh::drop_degenerate() {
@@ -217,29 +220,48 @@ void Mesh::orient_by_vertex_normals() {
     remarks_.push_back(count_text(turned, "triangle") + " wound against the vertex normals turned around");
 }
 
+namespace {
+
+/// A triangle's normal times the angle at each corner; zero of a triangle too slender for float.
+std::array<Vec3, 3> weighted_normals(const TriangleCorners& c) {
+  // Scaled to size 1: the fourth power of a length leaves the range of float soon.
+  const Vec3 edge0 = c[1] - c[0], edge2 = c[0] - c[2];
+  const float scale = 1 / std::max(max_component(abs(edge0)), max_component(abs(edge2)));
+  const Vec3 e[3] = {edge0 * scale, (c[2] - c[1]) * scale, edge2 * scale};
+  const Vec3 n = cross(e[0], e[1]);
+  const float n2 = length_squared(n), l0 = length_squared(e[0]), l1 = length_squared(e[1]),
+              l2 = length_squared(e[2]);
+  const float per_n = 1 / std::sqrt(n2);
+  const float a0 = fast_acos(-dot(e[2], e[0]) / std::sqrt(l2 * l0));
+  const float a1 = fast_acos(-dot(e[0], e[1]) / std::sqrt(l0 * l1));
+  const float a2 = std::max(0.f, kPi - a0 - a1);
+  if (!std::isfinite(per_n) || !std::isfinite(a0) || !std::isfinite(a1)) return {};
+  return {n * (per_n * a0), n * (per_n * a1), n * (per_n * a2)};
+}
+
+}  // namespace
+
 void Mesh::compute_vertex_normals() {
   data_.normals.assign(data_.positions.size(), Vec3{});
-  for (std::size_t i = 0; i < data_.triangles.size(); ++i) {
-    const TriangleCorners c = corners(i);
-    // Scaled to size 1: the fourth power of a length leaves the range of float soon.
-    const Vec3 edge0 = c[1] - c[0], edge2 = c[0] - c[2];
-    const float scale = 1 / std::max(max_component(abs(edge0)), max_component(abs(edge2)));
-    const Vec3 e[3] = {edge0 * scale, (c[2] - c[1]) * scale, edge2 * scale};
-    const Vec3 n = cross(e[0], e[1]);
-    const float n2 = length_squared(n), l0 = length_squared(e[0]), l1 = length_squared(e[1]),
-                l2 = length_squared(e[2]);
-    const float per_n = 1 / std::sqrt(n2);
-    const float a0 = fast_acos(-dot(e[2], e[0]) / std::sqrt(l2 * l0));
-    const float a1 = fast_acos(-dot(e[0], e[1]) / std::sqrt(l0 * l1));
-    const float angle[3] = {a0, a1, std::max(0.f, kPi - a0 - a1)};
-    // A triangle too slender for float has no say.
-    if (!std::isfinite(per_n) || !std::isfinite(a0) || !std::isfinite(a1)) continue;
-    for (int k = 0; k < 3; ++k) data_.normals[data_.triangles[i][k]] += n * (per_n * angle[k]);
+  // Computed by all cores, a part of the mesh at a time; added in the order of the triangles, so that the
+  // sums are the same with any number of them.
+  constexpr std::size_t kPart = 1 << 17;
+  const std::size_t n = data_.triangles.size();
+  std::vector<std::array<Vec3, 3>> weighted(std::min(n, kPart));
+  for (std::size_t first = 0; first < n; first += kPart) {
+    const std::size_t count = std::min(kPart, n - first);
+    for_ranges(count, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) weighted[i] = weighted_normals(corners(first + i));
+    });
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t k = 0; k < 3; ++k) data_.normals[data_.triangles[first + i][k]] += weighted[i][k];
   }
-  for (Vec3& n : data_.normals) {
-    const float l2 = length_squared(n);
-    n = l2 > 0 ? n * (1 / std::sqrt(l2)) : Vec3{};
-  }
+  for_ranges(data_.normals.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const float l2 = length_squared(data_.normals[i]);
+      data_.normals[i] = l2 > 0 ? data_.normals[i] * (1 / std::sqrt(l2)) : Vec3{};
+    }
+  });
 }
 
 RTCGeometry Mesh::make_geometry(RTCDevice device) const {
