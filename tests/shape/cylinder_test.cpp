@@ -121,8 +121,9 @@ TEST(Cylinder, HitsAreExactAndLeaveWithoutMeetingThemselves) {
       const auto chord = scene.intersect({offset_origin(hit->point, in), in});
       const double across = 1 - std::pow(dot(Double3(in), along), 2);
       const double expected = 2 * radius * std::abs(dot(in, hit->point.ng)) / across;
-      const double slack =
-          20 * length(hit->point.p_error) / std::abs(dot(in, hit->point.ng)) + 1e-4 * expected;
+      // The rounding of the cosine counts where it is small.
+      const double cosine = std::abs(dot(in, hit->point.ng));
+      const double slack = 20 * length(hit->point.p_error) / cosine + (1e-4 + 5e-7 / cosine) * expected;
       if (chord && expected > 20 * slack) wrong += std::abs(chord->t - expected) > slack;
     }
   }

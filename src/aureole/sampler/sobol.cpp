@@ -73,9 +73,8 @@ Block reverse_bits(Block x) {
 #ifdef __AVX2__
   // The bytes of each number, then the bits of each byte by a table of its halves.
   const __m256i bytes =
-      _mm256_shuffle_epi8((__m256i)x,
-                          _mm256_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12, 3, 2, 1, 0,
-                                           7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
+      _mm256_shuffle_epi8((__m256i)x, _mm256_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12,
+                                                       3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
   const __m256i reversed =
       _mm256_broadcastsi128_si256(_mm_setr_epi8(0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15));
   const __m256i half = _mm256_set1_epi8(15);

@@ -26,7 +26,8 @@ Wavelengths Wavelengths::at(const SpectralGrid& grid, const Spectrum& nm, float 
   const Spectrum inside = min(max(from_first * inverse, 0.f), float(grid.cells - 1));
   w.cell = __builtin_convertvector(inside.v, SpectrumMask);
   const Spectrum cell = __builtin_convertvector(w.cell, SpectrumVector);
-  const Spectrum rest = (from_first - cell * step) - cell * float(grid.step() - step);
+  const Spectrum rest = make_spectrum([&](int i) { return std::fma(-cell[i], step, from_first[i]); }) -
+                        cell * float(grid.step() - step);
   w.fraction = min(max(rest * inverse, 0.f), 1.f);
   return w;
 }

@@ -7,6 +7,7 @@
 #include <immintrin.h>
 #endif
 
+#include <cstring>
 #include <functional>
 #include <memory>
 #include <span>
@@ -63,10 +64,12 @@ public:
     if constexpr (kWavelengths == 8) {
       // Both nodes of a cell in one load: cheaper than gathering each.
       const float* const table = table_.data();
-      const auto pair = [&](int i) {
-        return _mm_loadh_pi(_mm_castpd_ps(_mm_load_sd(reinterpret_cast<const double*>(table + w.cell[i]))),
-                            reinterpret_cast<const __m64*>(table + w.cell[i + 1]));
+      const auto nodes_of = [&](int i) {
+        long long two;
+        std::memcpy(&two, table + w.cell[i], sizeof two);
+        return two;
       };
+      const auto pair = [&](int i) { return _mm_castsi128_ps(_mm_set_epi64x(nodes_of(i + 1), nodes_of(i))); };
       const __m256 low = _mm256_set_m128(pair(4), pair(0)), high = _mm256_set_m128(pair(6), pair(2));
       const __m256 a = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0));
       const __m256 b = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(3, 1, 3, 1));
