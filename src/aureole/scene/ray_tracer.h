@@ -56,8 +56,8 @@ public:
   Hit intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
-  /// The first n rays of a packet at once. The answers are the same as one by one, bit for bit, but on curves:
-  /// splines by the last bits, and which of two segments was met in the ball that they share
+  /// The first n rays of a packet at once. The answers are the same as one by one, bit for bit, but on
+  /// curves: splines by the last bits, and which of two segments was met in the ball that they share
   /// (tests/integrator/packet_test.cpp).
   enum class Rays { coherent, incoherent };
   void intersect(const RayPacket& rays, int n, Rays kind, Hit* hits) const;
