@@ -39,19 +39,19 @@ public:
   explicit Principled(const Properties& properties)
       : Bsdf(properties),
         base_color_(properties),
-        roughness_(unit(properties, "roughness", 0.5)),
-        anisotropic_(unit(properties, "anisotropic", 0)),
-        metallic_(unit(properties, "metallic", 0)),
-        spec_trans_(unit(properties, "spec_trans", 0)),
-        spec_tint_(unit(properties, "spec_tint", 0)),
-        sheen_(unit(properties, "sheen", 0)),
-        sheen_tint_(unit(properties, "sheen_tint", 0)),
-        flatness_(unit(properties, "flatness", 0)),
-        clearcoat_(unit(properties, "clearcoat", 0)),
-        clearcoat_gloss_(unit(properties, "clearcoat_gloss", 0)),
-        diffuse_rate_(rate(properties, "diffuse_reflectance_sampling_rate")),
-        specular_rate_(rate(properties, "main_specular_sampling_rate")),
-        clearcoat_rate_(rate(properties, "clearcoat_sampling_rate")),
+        roughness_(principled::unit(properties, "roughness", 0.5)),
+        anisotropic_(principled::unit(properties, "anisotropic", 0)),
+        metallic_(principled::unit(properties, "metallic", 0)),
+        spec_trans_(principled::unit(properties, "spec_trans", 0)),
+        spec_tint_(principled::unit(properties, "spec_tint", 0)),
+        sheen_(principled::unit(properties, "sheen", 0)),
+        sheen_tint_(principled::unit(properties, "sheen_tint", 0)),
+        flatness_(principled::unit(properties, "flatness", 0)),
+        clearcoat_(principled::unit(properties, "clearcoat", 0)),
+        clearcoat_gloss_(principled::unit(properties, "clearcoat_gloss", 0)),
+        diffuse_rate_(principled::rate(properties, "diffuse_reflectance_sampling_rate")),
+        specular_rate_(principled::rate(properties, "main_specular_sampling_rate")),
+        clearcoat_rate_(principled::rate(properties, "clearcoat_sampling_rate")),
         transmits_(spec_trans_.maximum() > 0) {
     // Where the indices match there is no interface to refract: Mitsuba moves them apart by this much.
     if (properties.has("eta") && properties.has("specular"))
@@ -119,13 +119,6 @@ public:
   }
 
 private:
-  static ScalarTexture unit(const Properties& p, const char* name, double fallback) {
-    return ScalarTexture::from(p, name, fallback, Range::unit());
-  }
-  static float rate(const Properties& p, const char* name) {
-    return float(p.get_float(name, 1, Range::non_negative()));
-  }
-
   /// What depends on the point and the side of wi only.
   struct State {
     bool front;
@@ -155,11 +148,8 @@ private:
   };
 
   BsdfEval reflected(const State& s, const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
-    Vec3 h = wi + wo;
-    const float length2 = length_squared(h);
-    if (!(length2 > 1e-30f)) return {};
-    const float inverse = 1 / std::sqrt(length2), c = std::min(0.5f * length2 * inverse, 1.f);
-    h = h * inverse;
+    const auto [h, c] = principled::half_vector(wi, wo);
+    if (!(c > 0)) return {};
     const float f = fresnel_dielectric(c, s.eta).reflectance;
     const float d = 0.25f * s.ggx.d(h) * s.ggx.g1_over_cos(wi), specular = d * s.ggx.g1(wo);
     if (!s.front) return {Spectrum(s.bsdf * f * specular), Spectrum(f * d)};

@@ -9,6 +9,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/ggx.h"
+#include "aureole/bsdf/scalar_texture.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/texture/texture.h"
 
@@ -35,6 +36,27 @@ inline Spectrum schlick(const Spectrum& r0, float cos_i, float eta) {
 inline float normal_reflectance(float eta) {
   const float r = (eta - 1) / (eta + 1);
   return r * r;
+}
+
+/// A parameter in [0, 1].
+inline ScalarTexture unit(const Properties& properties, const char* name, double fallback) {
+  return ScalarTexture::from(properties, name, fallback, Range::unit());
+}
+/// A lobe's relative number of samples.
+inline float rate(const Properties& properties, const char* name) {
+  return float(properties.get_float(name, 1, Range::non_negative()));
+}
+
+struct Half {
+  Vec3 h;
+  float c = 0;  ///< cosine between it and either direction; 0 where there is none
+};
+inline Half half_vector(const Vec3& a, const Vec3& b) {
+  const Vec3 h = a + b;
+  const float length2 = length_squared(h);
+  if (!(length2 > 1e-30f)) return {};
+  const float inverse = 1 / std::sqrt(length2);
+  return {h * inverse, std::min(0.5f * length2 * inverse, 1.f)};
 }
 
 /// alpha = roughness^2, stretched along the tangent (Burley 2012).

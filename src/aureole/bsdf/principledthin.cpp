@@ -18,19 +18,19 @@ public:
   explicit PrincipledThin(const Properties& properties)
       : Bsdf(properties),
         base_color_(properties),
-        roughness_(unit(properties, "roughness", 0.5)),
-        anisotropic_(unit(properties, "anisotropic", 0)),
-        spec_trans_(unit(properties, "spec_trans", 0)),
+        roughness_(principled::unit(properties, "roughness", 0.5)),
+        anisotropic_(principled::unit(properties, "anisotropic", 0)),
+        spec_trans_(principled::unit(properties, "spec_trans", 0)),
         eta_(ScalarTexture::from(properties, "eta", 1.5, Range::positive())),
-        spec_tint_(unit(properties, "spec_tint", 0)),
-        sheen_(unit(properties, "sheen", 0)),
-        sheen_tint_(unit(properties, "sheen_tint", 0)),
-        flatness_(unit(properties, "flatness", 0)),
+        spec_tint_(principled::unit(properties, "spec_tint", 0)),
+        sheen_(principled::unit(properties, "sheen", 0)),
+        sheen_tint_(principled::unit(properties, "sheen_tint", 0)),
+        flatness_(principled::unit(properties, "flatness", 0)),
         diff_trans_(ScalarTexture::from(properties, "diff_trans", 0, {0, 2})),
-        diffuse_reflectance_rate_(rate(properties, "diffuse_reflectance_sampling_rate")),
-        diffuse_transmittance_rate_(rate(properties, "diffuse_transmittance_sampling_rate")),
-        specular_reflectance_rate_(rate(properties, "specular_reflectance_sampling_rate")),
-        specular_transmittance_rate_(rate(properties, "specular_transmittance_sampling_rate")) {}
+        diffuse_reflectance_rate_(principled::rate(properties, "diffuse_reflectance_sampling_rate")),
+        diffuse_transmittance_rate_(principled::rate(properties, "diffuse_transmittance_sampling_rate")),
+        specular_reflectance_rate_(principled::rate(properties, "specular_reflectance_sampling_rate")),
+        specular_transmittance_rate_(principled::rate(properties, "specular_transmittance_sampling_rate")) {}
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0 && std::abs(wo.z) > 0)) return {};
@@ -85,13 +85,6 @@ public:
   }
 
 private:
-  static ScalarTexture unit(const Properties& p, const char* name, double fallback) {
-    return ScalarTexture::from(p, name, fallback, Range::unit());
-  }
-  static float rate(const Properties& p, const char* name) {
-    return float(p.get_float(name, 1, Range::non_negative()));
-  }
-
   struct State {
     float roughness, anisotropic, spec_trans, eta, diff_trans;  ///< diff_trans in [0, 1] here
     Ggx ggx;
@@ -116,20 +109,8 @@ private:
     }
   };
 
-  struct Half {
-    Vec3 h;
-    float c = 0;  ///< cosine between it and either direction; 0 where there is none
-  };
-  static Half half_vector(const Vec3& a, const Vec3& b) {
-    const Vec3 h = a + b;
-    const float length2 = length_squared(h);
-    if (!(length2 > 1e-30f)) return {};
-    const float inverse = 1 / std::sqrt(length2);
-    return {h * inverse, std::min(0.5f * length2 * inverse, 1.f)};
-  }
-
   BsdfEval reflected(const State& s, const Vec3& i, const Vec3& o, const BsdfContext& ctx) const {
-    const Half half = half_vector(i, o);
+    const principled::Half half = principled::half_vector(i, o);
     if (!(half.c > 0)) return {};
     const Spectrum color = base_color_.eval(ctx);
     const float diffuse_weight = (1 - s.spec_trans) * (1 - s.diff_trans);
@@ -164,7 +145,7 @@ private:
     BsdfEval e{color * diffuse, Spectrum(s.p_diffuse_transmit * cosine_hemisphere_pdf(-o.z) / s.total)};
     if (!(s.spec_trans > 0)) return e;
     const Vec3 mirrored{o.x, o.y, -o.z};
-    const Half half = half_vector(i, mirrored);
+    const principled::Half half = principled::half_vector(i, mirrored);
     if (!(half.c > 0)) return e;
     const Ggx ggx = s.transmission_ggx();
     const float d = 0.25f * ggx.d(half.h) * ggx.g1_over_cos(i);

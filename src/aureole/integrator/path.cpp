@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "aureole/integrator/integrator.h"
+#include "aureole/integrator/path_limits.h"
 #include "aureole/integrator/scattering.h"
 #include "aureole/plugin/registry.h"
 
@@ -45,17 +45,13 @@ struct Step {
 
 class PathIntegrator final : public RadianceIntegrator {
 public:
-  explicit PathIntegrator(const Properties& p) : RadianceIntegrator(p) {
-    max_depth_ = int(p.get_int("max_depth", -1, {-1, 1e9}));
-    roulette_depth_ = std::min(int(p.get_int("rr_depth", 5, {1, 1e9})), kLatestRoulette);
-    hide_emitters_ = p.get_bool("hide_emitters", false);
-  }
+  explicit PathIntegrator(const Properties& p) : RadianceIntegrator(p), limits_(p) {}
 
   RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream& samples,
                             const PathLog& log, float*) const override {
     PathState state;
     state.ray = ray;
-    if (max_depth_ == 0) return state.result;
+    if (!limits_.reaches(1)) return state.result;
     for (;;) {
       const std::optional<SurfacePoint> hit = scene.intersect(state.ray);
       if (log) log_hit(log, state, hit);
@@ -74,7 +70,7 @@ public:
 
   /// Paths in lock-step: the rays of a bounce, and its connections, go to the ray tracer as packets.
   void radiance_of(const Scene& scene, std::span<CameraPath> paths) const override {
-    if (max_depth_ == 0) {
+    if (!limits_.reaches(1)) {
       for (CameraPath& p : paths) p.result = {};
       return;
     }
@@ -126,8 +122,8 @@ private:
     if (!hit) {
       // Vertex kind: escape.
       if (s.depth == 0) {
-        s.result.alpha = hide_emitters_ || scene.infinite_emitters().empty() ? 0.f : 1.f;
-        if (hide_emitters_) return;
+        s.result.alpha = limits_.hide_emitters || scene.infinite_emitters().empty() ? 0.f : 1.f;
+        if (limits_.hide_emitters) return;
       }
       for (const Emitter* e : scene.infinite_emitters())
         add_emission(scene, s, *e, nullptr, e->eval_escaped(s.ray.d, w), w);
@@ -136,14 +132,14 @@ private:
     // Vertex kind: surface.
     const Vec3 to_previous = -s.ray.d;
     if (const Emitter* e = hit->shape->emitter()) {
-      if (hide_emitters_ && s.depth == 0) {
+      if (limits_.hide_emitters && s.depth == 0) {
         s.ray = {offset_origin(*hit, s.ray.d), s.ray.d, kInfinity};
         step.alive = true;
         return;
       }
       add_emission(scene, s, *e, hit, e->eval(*hit, to_previous, w), w);
     }
-    const bool last = max_depth_ >= 0 && s.depth + 1 >= max_depth_;
+    const bool last = !limits_.reaches(s.depth + 2);
     if (last && !hit->shape->is_passable()) {
       if (s.depth == 0) s.result.alpha = 1;
       return;
@@ -192,15 +188,14 @@ private:
     ++s.depth;
     s.eta2 *= b->eta * b->eta;
 
-    if (s.depth >= roulette_depth_) {
+    if (s.depth >= limits_.roulette_depth) {
       const float survival = std::min(0.95f, s.density.hero_symmetric_throughput() * s.eta2);
       if (!(choice(kRoulette) < survival)) return;
       s.density.survive(survival);
       s.before.survive(survival);
     }
     // The last ray can only bring emission.
-    step.alive = max_depth_ < 0 || s.depth + 1 < max_depth_ || scene.may_meet_emitter(s.ray);
-    return;
+    step.alive = limits_.reaches(s.depth + 2) || scene.may_meet_emitter(s.ray);
   }
 
   void add_emission(const Scene& scene, PathState& s, const Emitter& emitter, const SurfacePoint* hit,
@@ -220,16 +215,10 @@ private:
                       s.ray.d.z));
       return;
     }
-    log(fmt::format("  depth {}: {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), bsdf {}, throughput {:.6g}", s.depth,
-                    hit->shape->properties().type(), hit->shape->id(), hit->p.x, hit->p.y, hit->p.z,
-                    hit->shape->bsdf()->properties().type(), s.density.hero_symmetric_throughput()));
+    log_surface(log, s.depth, *hit, s.density.hero_symmetric_throughput());
   }
 
-  /// Inside a closed shape without losses no path would end without roulette.
-  static constexpr int kLatestRoulette = 1000;
-
-  int max_depth_, roulette_depth_;
-  bool hide_emitters_;
+  PathLimits limits_;
 };
 
 AUREOLE_PLUGIN(

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "aureole/integrator/integrator.h"
+#include "aureole/integrator/path_limits.h"
 #include "aureole/integrator/scattering.h"
 #include "aureole/plugin/registry.h"
 
@@ -27,10 +27,7 @@ float choice(SampleStream& samples, int vertex, Choice which) {
 
 class ParticleTracer final : public SplatIntegrator {
 public:
-  explicit ParticleTracer(const Properties& p) : SplatIntegrator(p) {
-    max_depth_ = int(p.get_int("max_depth", -1, {-1, 1e9}));
-    roulette_depth_ = std::min(int(p.get_int("rr_depth", 5, {1, 1e9})), kLatestRoulette);
-    hide_emitters_ = p.get_bool("hide_emitters", false);
+  explicit ParticleTracer(const Properties& p) : SplatIntegrator(p), limits_(p) {
     if (p.has("samples_per_pass"))
       p.note("samples_per_pass", "work is divided by itself: \"samples_per_pass\" has no effect");
     p.get_int("samples_per_pass", -1);
@@ -38,7 +35,7 @@ public:
 
   void trace(const Scene& scene, const Wavelengths& w, SampleStream& samples, std::vector<Splat>& splats,
              const PathLog& log) const override {
-    if (!reaches(2)) return;
+    if (!limits_.reaches(2)) return;
     const auto light = scene.lights().choose_by_power(samples.get2(SampleStream::choice(0, kPart)));
     if (!light) return;
     const auto emitted = light->emitter->sample_ray(light->part, pair(samples, 0, kEmittedPosition),
@@ -64,14 +61,10 @@ public:
       if (!hit) return;
       const SurfaceVertex vertex(*hit, -ray.d, w, samples.key(SampleStream::choice(v, 0)),
                                  TransportMode::importance);
-      if (log)
-        log(fmt::format("  depth {}: {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), bsdf {}, throughput {:.6g}",
-                        scattered + 1, hit->shape->properties().type(), hit->shape->id(), hit->p.x, hit->p.y,
-                        hit->p.z, hit->shape->bsdf()->properties().type(),
-                        density.hero_symmetric_throughput() / whole));
+      if (log) log_surface(log, scattered + 1, *hit, density.hero_symmetric_throughput() / whole);
       connect(scene, vertex, density, w, samples, v, splats, log);
 
-      const bool last = !reaches(scattered + 3);
+      const bool last = !limits_.reaches(scattered + 3);
       if (last && !hit->shape->is_passable()) return;
       const auto b = vertex.sample(hit->shape->needs_choice() ? choice(samples, v, kLobe) : 0.f,
                                    pair(samples, v, kBsdfDirection));
@@ -87,7 +80,7 @@ public:
       if (is_black(density.beta)) return;
       ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
       ++scattered;
-      if (scattered < roulette_depth_) continue;
+      if (scattered < limits_.roulette_depth) continue;
       const float survival = std::min(0.95f, density.hero_symmetric_throughput() / whole);
       if (!(choice(samples, v, kRoulette) < survival)) return;
       density.survive(survival);
@@ -96,7 +89,7 @@ public:
 
   Spectrum seen_directly(const Scene& scene, const Ray& camera_ray, const Wavelengths& w,
                          const PathLog& log) const override {
-    if (hide_emitters_ || !reaches(1) || !scene.may_meet_emitter(camera_ray)) return 0.f;
+    if (limits_.hide_emitters || !limits_.reaches(1) || !scene.may_meet_emitter(camera_ray)) return 0.f;
     Spectrum sum = 0.f;
     Weight passed = 1.f;
     Ray ray = camera_ray;
@@ -113,15 +106,12 @@ public:
   }
 
 private:
-  /// Whether paths of so many edges count.
-  bool reaches(int edges) const { return max_depth_ < 0 || edges <= max_depth_; }
-
   void connect(const Scene& scene, const SurfaceVertex& vertex, const PathDensity& density,
                const Wavelengths& w, SampleStream& samples, int v, std::vector<Splat>& splats,
                const PathLog& log) const {
     if (!vertex.is_smooth()) return;
     // Rays of the sensor pass through the surfaces of emitters.
-    if (hide_emitters_ && vertex.point().shape->emitter()) return;
+    if (limits_.hide_emitters && vertex.point().shape->emitter()) return;
     const Sensor& sensor = scene.sensor();
     const auto seen =
         sensor.sample_direct(vertex.point().p, sensor.uses_lens() ? pair(samples, v, kLens) : Vec2{});
@@ -130,7 +120,7 @@ private:
     if (is_black(value)) return;
     DirectSample end;
     end.wo = seen->wo, end.p = seen->p;
-    const Spectrum visible = scene.connect(vertex.point(), end, w, hide_emitters_);
+    const Spectrum visible = scene.connect(vertex.point(), end, w, limits_.hide_emitters);
     const Spectrum estimate =
         density.contribution(value * (vertex.adjoint_correction(seen->wo) * seen->importance), w) * visible;
     if (!is_black(visible)) splats.push_back({seen->film, estimate});
@@ -139,11 +129,7 @@ private:
                       is_black(visible) ? "hidden" : "visible", mean(estimate)));
   }
 
-  /// Inside a closed shape without losses no path would end without roulette.
-  static constexpr int kLatestRoulette = 1000;
-
-  int max_depth_, roulette_depth_;
-  bool hide_emitters_;
+  PathLimits limits_;
 };
 
 AUREOLE_PLUGIN(

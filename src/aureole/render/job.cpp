@@ -176,19 +176,7 @@ void RenderJob::render_light_unit(std::int64_t unit) {
 
 void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
   if (splats_) return render_light_unit(unit);
-  // Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
-  const std::int64_t tiles = state_.tiles();
-  const std::int64_t tile = unit % tiles;
-  const int replicate = int(unit / tiles % state_.identity.replicates);
-  const std::int64_t block = unit / state_.units_per_block();
-  const int outside = state_.identity.border;
-  const int x0 = int(tile % state_.tiles_x()) * kTileSize - outside,
-            y0 = int(tile / state_.tiles_x()) * kTileSize - outside;
-  const int x1 = std::min(x0 + kTileSize, state_.identity.width + outside);
-  const int y1 = std::min(y0 + kTileSize, state_.identity.height + outside);
-  const std::int64_t first = state_.begin + block * kSampleBlock,
-                     last = std::min(first + kSampleBlock, state_.end);
-
+  const auto [replicate, x0, y0, x1, y1, first, last] = state_.unit(unit);
   const int border = filter_.border(), channels = state_.identity.measured_channels, stride = channels + 2;
   const int width = x1 - x0 + 2 * border, height = y1 - y0 + 2 * border;
   sums.assign(size_t(width) * size_t(height) * size_t(stride), 0.f);

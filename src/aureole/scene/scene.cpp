@@ -2,20 +2,12 @@
 #include "aureole/scene/scene.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "aureole/spectrum/wavelength_choice.h"
 
 namespace aureole {
 
 namespace {
-
-/// Integral of the product of two spectra on one grid.
-double overlap(const SampledSpectrum& a, const SampledSpectrum& b) {
-  double s = 0;
-  for (size_t i = 0; i < a.nodes().size(); ++i) s += double(a.nodes()[i]) * b.nodes()[i];
-  return s * a.grid().step();
-}
 
 /// Rays go no farther than kFarthest; sums and squares of coordinates stay finite, too.
 void require_near(const Object& object, const Bounds3& box) {

@@ -145,11 +145,7 @@ void Mesh::build(MeshData data, std::string_view source) {
   // Embree reads 16 bytes at every vertex, and so do we: one more keeps the last read inside.
   data_.positions.push_back({});
   find_planes();
-  for (MeshPatch& patch : patches_.patches) {
-    float error = planes_[patch.triangle[0]].error;
-    if (patch.is_pair()) error = std::max(error, planes_[patch.triangle[1]].error);
-    patch.error += error;
-  }
+  for (MeshPatch& patch : patches_.patches) add_plane_error(patch);
 }
 
 void Mesh::find_planes() {

@@ -123,6 +123,7 @@ private:
   Vec2 interpolate_uv(std::uint32_t triangle, float b0, float b1, float b2) const;
   MeshPoint point_at(std::uint32_t triangle, float b1, float b2) const;
   Vec3 tangent(std::uint32_t primitive) const;  ///< along dp/du; zero where texture coordinates are constant
+  void add_plane_error(MeshPatch& patch) const;
   /// `made` holds the patch of a mesh that has no table of them.
   const MeshPatch& patch(std::size_t index, MeshPatch& made) const;
   PatchView view(const Vec3& reference, const MeshPatch& patch) const;

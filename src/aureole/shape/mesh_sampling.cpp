@@ -48,8 +48,14 @@ const MeshPatch& Mesh::patch(std::size_t index, MeshPatch& made) const {
   if (!patches_.empty()) return patches_.patches[index];
   made.triangle[0] = std::uint32_t(index);
   made.measure(data_.positions, data_.triangles);
-  made.error += planes_[index].error;
+  add_plane_error(made);
   return made;
+}
+
+void Mesh::add_plane_error(MeshPatch& patch) const {
+  float error = planes_[patch.triangle[0]].error;
+  if (patch.is_pair()) error = std::max(error, planes_[patch.triangle[1]].error);
+  patch.error += error;
 }
 
 std::size_t Mesh::patch_count() const {

@@ -124,15 +124,10 @@ WavelengthDistribution choose_wavelengths(const SampledSpectrum& response,
                                           std::span<const SampledSpectrum> channels,
                                           std::span<const SampledSpectrum> lights) {
   const SpectralGrid& grid = response.grid();
-  const auto strength_of = [&](const SampledSpectrum& light) {
-    double s = 0;
-    for (size_t i = 0; i < light.nodes().size(); ++i) s += double(light.nodes()[i]) * response.nodes()[i];
-    return s * grid.step();
-  };
   std::vector<std::pair<double, const SampledSpectrum*>> order;
   double total = 0;
   for (const SampledSpectrum& light : lights)
-    if (const double s = strength_of(light); s > 0) order.push_back({s, &light}), total += s;
+    if (const double s = overlap(light, response); s > 0) order.push_back({s, &light}), total += s;
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<float> sum(size_t(grid.cells) + 1);

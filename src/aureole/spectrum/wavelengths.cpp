@@ -97,6 +97,12 @@ SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b) {
   return {a.grid(), std::move(nodes)};
 }
 
+double overlap(const SampledSpectrum& a, const SampledSpectrum& b) {
+  double s = 0;
+  for (size_t i = 0; i < a.nodes().size(); ++i) s += double(a.nodes()[i]) * b.nodes()[i];
+  return s * a.grid().step();
+}
+
 WavelengthDistribution::WavelengthDistribution(const SpectralGrid& grid,
                                                std::span<const SampledSpectrum> densities,
                                                std::span<const float> weights)

@@ -99,6 +99,8 @@ private:
 
 /// Node by node; both on one grid.
 SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b);
+/// Sum over the nodes of the product times the step, in double: what a film sees of a light, however strong.
+double overlap(const SampledSpectrum& a, const SampledSpectrum& b);
 
 /// p_lambda: a piecewise-constant density over the grid's range, given by a table of its inverse CDF, which
 /// is piecewise linear in u. It is positive over the whole range.

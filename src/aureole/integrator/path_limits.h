@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the tracers of whole paths share, from the sensor or from the emitters: how long paths become, and
+// what a replay says of their surfaces.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "aureole/integrator/integrator.h"
+
+namespace aureole {
+
+/// The parameters `max_depth`, `rr_depth` and `hide_emitters`.
+struct PathLimits {
+  /// Inside a closed shape without losses no path would end without roulette.
+  static constexpr int kLatestRoulette = 1000;
+
+  explicit PathLimits(const Properties& p)
+      : max_depth(int(p.get_int("max_depth", -1, {-1, 1e9}))),
+        roulette_depth(std::min(int(p.get_int("rr_depth", 5, {1, 1e9})), kLatestRoulette)),
+        hide_emitters(p.get_bool("hide_emitters", false)) {}
+
+  /// Whether paths of so many edges count.
+  bool reaches(int edges) const { return max_depth < 0 || edges <= max_depth; }
+
+  int max_depth;  ///< longest path in edges; -1: no limit
+  int roulette_depth;
+  bool hide_emitters;
+};
+
+inline void log_surface(const PathLog& log, int depth, const SurfacePoint& hit, float throughput) {
+  log(fmt::format("  depth {}: {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), bsdf {}, throughput {:.6g}", depth,
+                  hit.shape->properties().type(), hit.shape->id(), hit.p.x, hit.p.y, hit.p.z,
+                  hit.shape->bsdf()->properties().type(), throughput));
+}
+
+}  // namespace aureole
