@@ -2,7 +2,21 @@
 // How much the waves of scatterers on correlated positions interfere, relative to random positions.
 #pragma once
 
+#include <cmath>
+
 namespace aureole::optics {
+
+/// S'(u) of one arrangement of scatterers, without the delta at 0, in terms of u = q a, a the correlation
+/// radius.
+class StructureFactor {
+public:
+  virtual ~StructureFactor() = default;
+  /// For |u|; of an anisotropic arrangement the mean over the ring. Never negative.
+  virtual double eval(double u) const = 0;
+  /// For a vector u = (ux, uy).
+  virtual double eval(double ux, double uy) const { return eval(std::hypot(ux, uy)); }
+  virtual bool is_isotropic() const { return true; }
+};
 
 /// Largest area fraction that the structure factor accepts: the equilibrium fluid of hard discs ends near it.
 inline constexpr double kMaxAreaFraction = 0.7;

@@ -7,8 +7,9 @@ namespace aureole {
 
 namespace {
 
-const std::vector<std::string> kFamilies = {"bsdf",    "emitter", "film",  "integrator", "rfilter",
-                                            "sampler", "sensor",  "shape", "texture"};
+const std::vector<std::string> kFamilies = {"aperture", "bsdf",       "correlation", "emitter",
+                                            "film",     "integrator", "rfilter",     "sampler",
+                                            "sensor",   "shape",      "texture"};
 const std::vector<std::string> kProperties = {"boolean", "integer", "float",    "string",   "point",
                                               "vector",  "rgb",     "spectrum", "transform"};
 const std::vector<std::string> kUnsupported = {"medium", "phase", "volume"};

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/aperture/aperture.h"
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+
+namespace aureole {
+namespace {
+
+optics::SizeDistribution read_sizes(const Properties& p) {
+  const bool spread = p.has("size_spread"), histogram = p.has("size_histogram");
+  if (spread && histogram)
+    throw p.error("size_histogram", "give \"size_spread\" or \"size_histogram\", not both");
+  const double sigma = p.get_float("size_spread", 0, Range{0, optics::SizeDistribution::kMaxSpread});
+  try {
+    if (histogram) {
+      const auto path = p.get_file("size_histogram");
+      std::ifstream file(path);
+      return optics::SizeDistribution::histogram(file);
+    }
+    return spread ? optics::SizeDistribution::log_normal(sigma) : optics::SizeDistribution();
+  } catch (const std::domain_error& e) {
+    throw p.error(histogram ? "size_histogram" : "size_spread", e.what());
+  }
+}
+
+}  // namespace
+
+Aperture::Aperture(const Properties& p)
+    : Object(p),
+      fraction_(p.get_float("fraction", 1, Range{0, 1, true})),
+      rotation_(p.get_float("rotation", 0) * M_PI / 180),
+      random_rotation_(p.get_bool("random_rotation", false)),
+      sizes_(read_sizes(p)) {}
+
+std::vector<ParameterDoc> aperture_parameters(std::vector<ParameterDoc> own) {
+  own.insert(
+      own.end(),
+      {{"fraction", "float", "", "1", "part of the layer's scatterers that have this shape, in (0, 1]"},
+       {"rotation", "float", "degrees", "0", "turns the shape counter-clockwise"},
+       {"random_rotation", "boolean", "", "false", "every scatterer is turned by its own random angle"},
+       {"size_spread", "float", "", "0",
+        "standard deviation of the logarithm of the sizes (log-normal, median 1, cut at 3 of them)"},
+       {"size_histogram", "file", "", "none",
+        "text with two columns, relative size and count: measured sizes instead of a spread"}});
+  return own;
+}
+
+}  // namespace aureole

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Distributions of the sizes of scatterers, as nodes and weights that sums over sizes use. Sizes are relative
+// to a nominal shape and dimensionless.
+#pragma once
+
+#include <iosfwd>
+#include <vector>
+
+namespace aureole::optics {
+
+class SizeDistribution {
+public:
+  struct Node {
+    double size, weight;
+  };
+  static constexpr double kMaxSpread = 0.7;
+
+  /// One size, 1.
+  SizeDistribution() : nodes_{{1, 1}} {}
+
+  /// Log-normal with median 1; `sigma` in [0, kMaxSpread] is the standard deviation of ln(size). Cut at 3
+  /// sigma and renormalised; midpoints of equal steps in ln(size). Throws std::domain_error.
+  static SizeDistribution log_normal(double sigma);
+
+  /// Lines of "size count", separated by blanks or a comma; '#' starts a comment and a first line of words is
+  /// skipped. Throws std::domain_error that names the line.
+  static SizeDistribution histogram(std::istream& text);
+
+  /// Increasing sizes; weights sum to 1.
+  const std::vector<Node>& nodes() const { return nodes_; }
+  double largest() const { return nodes_.back().size; }
+  bool is_single() const { return nodes_.size() == 1; }
+  /// Mean of size^power.
+  double moment(int power) const;
+
+private:
+  explicit SizeDistribution(std::vector<Node> nodes);
+  std::vector<Node> nodes_;
+};
+
+}  // namespace aureole::optics
