@@ -128,6 +128,18 @@ TEST(WavelengthChoice, EveryScaleAndNoLight) {
   EXPECT_GT(chosen({unseen, faint}).pdf(550), 0);
 }
 
+TEST(WavelengthChoice, NarrowAndWideRanges) {
+  // A range of 1e-4 nm took minutes: 80 nm of smoothing are 10^8 of its cells.
+  for (const auto& [min_nm, max_nm] :
+       {std::pair{500., 500.0001}, std::pair{589., 590.}, std::pair{1., 1e9}}) {
+    const SpectralGrid grid = SpectralGrid::over(min_nm, max_nm);
+    const SampledSpectrum flat = SampledSpectrum::constant(grid, 1), lights[] = {flat};
+    const SampledSpectrum channels[] = {flat};
+    const float middle = float((min_nm + max_nm) / 2);
+    EXPECT_NEAR(choose_wavelengths(flat, channels, lights).pdf(middle) * (max_nm - min_nm), 1, 0.05);
+  }
+}
+
 TEST(WavelengthChoice, ManyChannels) {
   std::vector<SampledSpectrum> bins;
   for (int b = 0; b < 47; ++b)

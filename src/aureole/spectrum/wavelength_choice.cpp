@@ -13,6 +13,8 @@ namespace {
 
 /// Convolved with a Gaussian of standard deviation `nm`; the ends continue beyond the range.
 SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
+  nm = std::min(nm,
+                s.grid().max_nm - s.grid().min_nm);  // wider than a narrow range is flat, and takes forever
   const int reach = int(std::ceil(3.5 * nm / s.grid().step()));
   std::vector<double> kernel(size_t(reach) + 1);
   double total = 0;
