@@ -9,8 +9,8 @@ namespace aureole {
 namespace {
 
 optics::SizeDistribution read_sizes(const Properties& p) {
-  const bool spread = p.has("size_spread"), histogram = p.has("size_histogram");
-  if (spread && histogram)
+  const bool histogram = p.find("size_histogram") != nullptr;
+  if (histogram && p.has("size_spread"))
     throw p.error("size_histogram", "give \"size_spread\" or \"size_histogram\", not both");
   const double sigma = p.get_float("size_spread", 0, Range{0, optics::SizeDistribution::kMaxSpread});
   try {
@@ -19,7 +19,7 @@ optics::SizeDistribution read_sizes(const Properties& p) {
       std::ifstream file(path);
       return optics::SizeDistribution::histogram(file);
     }
-    return spread ? optics::SizeDistribution::log_normal(sigma) : optics::SizeDistribution();
+    return optics::SizeDistribution::log_normal(sigma);
   } catch (const std::domain_error& e) {
     throw p.error(histogram ? "size_histogram" : "size_spread", e.what());
   }

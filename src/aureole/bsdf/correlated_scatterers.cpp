@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A layer of many equal circles, apertures or opaque discs, that do not overlap, on a plane: what makes
-// coronas. Model: Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025,
-// equations 14 to 20.
+// A layer of many scatterers, apertures or opaque discs of any shapes, on a plane: what makes coronas. Model:
+// Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025, equations 14 to 28.
 //
 // Light that arrives from w_i in an index n_i and leaves along w_o in n_o, both outward, is diffracted by
 //     f = (n_o^2/lambda^2) J(q) O c,   q = (2 pi/lambda) (n_o w_o + n_i w_i)_xy,   1/(4 pi^2) int J d2q = Fr
@@ -13,41 +12,86 @@
 //
 // Lobes. The part of the light that keeps its direction and the part that meets the substrate go the same
 // ways, so they share their delta lobes: D times the substrate's reflection and transmission, with D = Fr^2 +
-// (1 - Fr) for apertures (Fr^2 for `none`, whose sheet absorbs) and D = (1 - Fr)^2 for discs (Babinet). The
-// diffracted part, S = Fr (1 - Fr), has c = sqrt(R_i R_o) in reflection and 1 - sqrt(R_i R_o) in
-// transmission, R the reflectance of the interface (or pane) for either direction seen from its own side, 1
-// beyond the critical angle. Discs leave Fr to a nested BSDF.
-#include <array>
+// (1 - Fr) for apertures (Fr^2 for `none`, whose sheet absorbs or has a BSDF of its own) and D = (1 - Fr)^2
+// for discs (Babinet). The diffracted part, S = Fr (1 - Fr), has c = sqrt(R_i R_o) in reflection and 1 -
+// sqrt(R_i R_o) in transmission, R the reflectance of the interface (or pane) for either direction seen from
+// its own side, 1 beyond the critical angle. Discs leave Fr to a nested BSDF.
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 
+#include "aureole/aperture/aperture.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/fresnel.h"
-#include "aureole/bsdf/scatterer_tables.h"
+#include "aureole/bsdf/nested.h"
+#include "aureole/bsdf/scalar_texture.h"
+#include "aureole/bsdf/scatterer_balance.h"
+#include "aureole/bsdf/scatterer_model.h"
+#include "aureole/bsdf/scatterer_sampler.h"
+#include "aureole/correlation/correlation.h"
 #include "aureole/math/warp.h"
-#include "aureole/optics/scatterer_layer.h"
-#include "aureole/optics/structure_factor.h"
+#include "aureole/optics/round_aperture.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
 namespace {
 
+/// The scatterers that a layer is made of, and the radius (in metres) of their correlation discs.
+struct LayerShapes {
+  std::vector<optics::Scatterer> scatterers;
+  double correlation_radius;
+};
+
+LayerShapes read_shapes(const Properties& p) {
+  LayerShapes layer;
+  double largest = 0;
+  const auto apertures = p.get_children<Aperture>("aperture");
+  const double radius = p.get_length_m("radius", 0);
+  if (apertures.empty()) {
+    if (!p.has("radius"))
+      throw p.error(
+          "radius",
+          "the parameter \"radius\" is required, a length such as \"5um\", or else nested apertures");
+    layer.scatterers.push_back({std::make_shared<optics::EllipseAperture>(radius, radius), 1, 0, false, {}});
+    largest = radius;
+  } else if (p.has("radius")) {
+    throw p.error("radius", "is for circles only; nested apertures have lengths of their own");
+  }
+  for (const auto& a : apertures) {
+    layer.scatterers.push_back(
+        {a->shape(), a->fraction(), a->rotation(), a->is_randomly_rotated(), a->sizes()});
+    largest = std::max(largest, a->shape()->bounding_radius() * a->sizes().largest());
+  }
+  layer.correlation_radius = p.get_length_m("correlation_radius", largest);
+  if (layer.correlation_radius < largest * (1 - 1e-6))
+    throw p.error("correlation_radius", apertures.empty()
+                                            ? "must not be less than \"radius\""
+                                            : "must not be less than the largest scatterer, whose "
+                                              "circle has a radius of " +
+                                                  std::to_string(largest * 1e6) + "um");
+  if (layer.correlation_radius > largest * 64)
+    throw p.error("correlation_radius",
+                  "must not exceed 64 times " +
+                      std::string(apertures.empty() ? "\"radius\"" : "the largest scatterer"));
+  return layer;
+}
+
 class CorrelatedScatterers final : public Bsdf {
 public:
   explicit CorrelatedScatterers(const Properties& p) : Bsdf(p) {
-    const bool discs = p.get_choice("scatterer", "apertures", {"apertures", "discs"}) == "discs";
-    if (!p.has("radius"))
-      throw p.error("radius", "the parameter \"radius\" is required, a length such as \"5um\"");
-    const double radius = p.get_length_m("radius", 0),
-                 correlation = p.get_length_m("correlation_radius", radius);
-    if (correlation < radius) throw p.error("correlation_radius", "must not be less than \"radius\"");
-    const double ratio = radius / correlation;
-    if (ratio < optics::kMinSizeRatio)
-      throw p.error("correlation_radius", "must not exceed 64 times \"radius\"");
-    const double area_fraction = p.get_float("area_fraction", Range{0, optics::kMaxAreaFraction, true});
+    discs_ = p.get_choice("scatterer", "apertures", {"apertures", "discs"}) == "discs";
+    LayerShapes shapes = read_shapes(p);
+    if (!p.has("area_fraction"))
+      throw p.error("area_fraction", "the parameter \"area_fraction\" is required");
+    area_fraction_ = ScalarTexture::from(p, "area_fraction", 0, Range{0, optics::kClosestPacking});
+    if (!(area_fraction_.maximum() > 0)) throw p.error("area_fraction", "must be above 0 somewhere");
+    radius_scale_ = ScalarTexture::from(p, "radius_scale", 1, Range{1.0 / 64, 64});
+    rotation_ = ScalarTexture::from(p, "rotation", 0, Range{-1e4, 1e4});
 
     const std::string substrate = p.get_choice("substrate", "none", {"none", "dielectric", "thindielectric"});
-    substrate_ = substrate == "none" ? Substrate::none : substrate == "dielectric" ? Substrate::interface : Substrate::pane;
+    substrate_ = substrate == "none"         ? Substrate::none
+                 : substrate == "dielectric" ? Substrate::interface
+                                             : Substrate::pane;
     exterior_ = Ior::from(p, "ext_ior", "air");
     interior_ = substrate_ == Substrate::none ? exterior_ : Ior::from(p, "int_ior", "bk7");
     dispersive_ = exterior_.is_dispersive() || interior_.is_dispersive();
@@ -56,70 +100,56 @@ public:
     obliquity_ = obliquity == "reciprocal"   ? Obliquity::reciprocal
                  : obliquity == "fraunhofer" ? Obliquity::fraunhofer
                                              : Obliquity::kirchhoff;
-
-    const double fr = area_fraction * ratio * ratio;
-    delta_weight_ =
-        float(discs ? (1 - fr) * (1 - fr) : fr * fr + (substrate_ == Substrate::none ? 0 : 1 - fr));
-    diffracted_weight_ = float(fr * (1 - fr));
-    if (discs) {
-      const auto nested = p.get_children<Bsdf>("blocked");
-      if (nested.size() > 1)
-        throw Error(p.where(), "\"correlated_scatterers\" takes one nested BSDF, not more");
-      if (!nested.empty()) blocked_ = nested.front(), blocked_weight_ = float(fr);
+    const auto nested = p.get_children<Bsdf>("bsdf");
+    if (nested.size() > 1)
+      throw Error(nested[1]->properties().where(),
+                  "\"correlated_scatterers\" takes one nested BSDF, not more");
+    if (!nested.empty()) {
+      if (!discs_ && substrate_ != Substrate::none)
+        throw Error(nested[0]->properties().where(),
+                    "a nested BSDF is what lies between apertures; that is already the substrate \"" +
+                        substrate + "\"");
+      nested_ = nested.front();
     }
-    const float all = delta_weight_ + diffracted_weight_ + blocked_weight_;
-    delta_probability_ = delta_weight_ / all;
-    diffracted_probability_ = diffracted_weight_ / all;
-    blocked_probability_ = blocked_weight_ / all;
 
-    phase_nm_ = 2 * M_PI * correlation * 1e9;
+    phase_nm_ = 2 * M_PI * shapes.correlation_radius * 1e9;
     const SpectralGrid& range = p.context().grid;
-    if (!(phase_nm_ >= kLeastPhase * range.max_nm && phase_nm_ <= kMostPhase * range.min_nm))
+    if (!(phase_nm_ * radius_scale_.minimum() >= kLeastPhase * range.max_nm &&
+          phase_nm_ * radius_scale_.maximum() <= kMostPhase * range.min_nm))
       throw p.error(
           "radius",
-          "the circles are too small or too large for the wavelengths: 2 pi times their radius must be " +
-              std::string("between a millionth of a wavelength and 10^9 wavelengths"));
-    table_ = std::make_shared<optics::RadialTable>(ratio, area_fraction);
-    if (p.get_choice("sampling", "product", {"product", "factors"}) == "factors")
-      factors_.emplace(ratio, area_fraction);
-    if (p.get_bool("renormalize", false)) {
-      if (obliquity_ != Obliquity::reciprocal)
-        throw p.error("renormalize",
-                      "needs the obliquity \"reciprocal\": the others do not conserve energy by themselves");
-      const auto indices = [this, grid = p.context().grid](double nm) {
-        const Wavelengths w = Wavelengths::at(grid, float(nm));
-        return std::pair<double, double>{exterior_.eval(w)[0], interior_.eval(w)[0]};
-      };
-      balance_.emplace(*table_, phase_nm_, p.context().grid, indices,
-                       substrate_ == Substrate::none        ? ScattererBalance::Surface::open
-                       : substrate_ == Substrate::interface ? ScattererBalance::Surface::interface
-                                                            : ScattererBalance::Surface::pane);
-    }
+          "the scatterers are too small or too large for the wavelengths: 2 pi times their radius must be "
+          "between a millionth of a wavelength and 10^9 wavelengths");
+    build_tables(p, std::move(shapes));
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (wi.z == 0 || wo.z == 0) return {};
-    BsdfEval e = diffracted(wi, wo, ctx);
-    if (blocked_) {
-      const BsdfEval b = blocked_->eval_pdf(wi, wo, ctx);
-      e.value += b.value * blocked_weight_;
-      e.pdf += b.pdf * blocked_probability_;
+    const Point point = at(ctx);
+    BsdfEval e = diffracted(wi, wo, point, ctx);
+    if (nested_) {
+      const BsdfEval b = nested_->eval_pdf(wi, wo, ctx);
+      e.value += b.value * point.nested;
+      e.pdf += b.pdf * (point.nested * point.probability);
     }
     return e;
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
     if (wi.z == 0) return {};
-    if (u1 < delta_probability_) return sample_delta(wi, u1 / delta_probability_, ctx);
-    u1 -= delta_probability_;
-    if (u1 < diffracted_probability_ || !blocked_)
-      return sample_diffracted(wi, std::min(u1 / diffracted_probability_, kOneMinusEpsilon), u2, ctx);
-    u1 = std::min((u1 - diffracted_probability_) / blocked_probability_, kOneMinusEpsilon);
-    auto s = blocked_->sample(wi, u1, u2, ctx);
+    const Point point = at(ctx);
+    if (!(point.probability > 0)) return {};
+    const float delta = point.delta * point.probability, diffracted = point.diffracted * point.probability;
+    if (u1 < delta) return sample_delta(wi, remap_below(u1, delta), point, ctx);
+    u1 -= delta;
+    if (u1 < diffracted || !nested_)
+      return sample_diffracted(wi, remap_below(u1, diffracted), u2, point, ctx);
+    const float probability = point.nested * point.probability;
+    auto s = nested_->sample(wi, remap_below(u1 - diffracted, probability), u2, ctx);
     if (!s) return {};
     if (s->is_delta()) {
-      s->value *= blocked_weight_;
-      s->pdf *= blocked_probability_;
+      s->value *= point.nested;
+      s->pdf *= probability;
     } else {
       const BsdfEval e = eval_pdf(wi, s->wo, ctx);
       s->value = e.value, s->pdf = e.pdf;
@@ -127,16 +157,95 @@ public:
     return s;
   }
 
+  Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
+    return nested_ ? nested_->null_transmittance(wi, ctx) * at(ctx).nested : 0.f;
+  }
+
   Lobe lobes() const override {
     Lobe l = Lobe::delta | Lobe::glossy | Lobe::transmit;
     if (substrate_ != Substrate::none) l = l | Lobe::reflect;
     if (substrate_ != Substrate::interface) l = l | Lobe::through;
-    return blocked_ ? l | blocked_->lobes() : l;
+    return nested_ ? l | nested_->lobes() : l;
   }
+
+  bool needs_tangent() const override { return needs_tangent_ || (nested_ && nested_->needs_tangent()); }
 
 private:
   enum class Substrate { none, interface, pane };
   enum class Obliquity { reciprocal, fraunhofer, kirchhoff };
+
+  /// The layer at one point of the surface. Weights are fractions of the light; `probability` times a weight
+  /// is that of its lobe.
+  struct Point {
+    ScattererModel::State state;
+    double phase_nm;  ///< k a times the wavelength
+    float cosine, sine;
+    float delta, diffracted, nested, probability;
+  };
+  Point at(const BsdfContext& ctx) const {
+    Point x;
+    x.state = model_->at(area_fraction_.eval(ctx));
+    x.phase_nm = phase_nm_ * radius_scale_.eval(ctx);
+    x.cosine = 1, x.sine = 0;
+    if (needs_tangent_) {
+      const float angle = rotation_.eval(ctx) * float(M_PI / 180);
+      x.cosine = std::cos(angle), x.sine = std::sin(angle);
+    }
+    const float fr = model_->covered(x.state.area_fraction);
+    x.diffracted = fr * (1 - fr);
+    x.nested = nested_ ? (discs_ ? fr : 1 - fr) : 0;
+    x.delta = discs_ ? (1 - fr) * (1 - fr) : fr * fr + (substrate_ == Substrate::none ? 0 : 1 - fr);
+    const float all = x.delta + x.diffracted + x.nested;
+    x.probability = all > 0 ? 1 / all : 0;
+    return x;
+  }
+
+  void build_tables(const Properties& p, LayerShapes shapes) {
+    const SpectralGrid& range = p.context().grid;
+    const Wavelengths shortest = Wavelengths::at(range, float(range.min_nm));
+    const double index = std::max(exterior_.eval(shortest)[0], interior_.eval(shortest)[0]);
+    const double extent = 2 * index * phase_nm_ * radius_scale_.maximum() / range.min_nm;
+    const auto correlation = get_correlation(p);
+    try {
+      auto mixture =
+          std::make_shared<optics::ScattererMixture>(std::move(shapes.scatterers), shapes.correlation_radius);
+      model_ = std::make_shared<ScattererModel>(std::move(mixture), *correlation, area_fraction_.minimum(),
+                                                area_fraction_.maximum(), extent);
+    } catch (const std::domain_error& e) {
+      throw p.error("area_fraction", e.what());
+    }
+    const bool varies = model_->varies() || radius_scale_.minimum() < radius_scale_.maximum();
+    needs_tangent_ = !model_->is_isotropic();
+    if (model_->is_anisotropic() && model_->varies())
+      throw p.error("area_fraction", "must be the same everywhere where positions have no circular symmetry");
+
+    const std::string sampling =
+        p.get_choice("sampling", "product", {"product", "factor_mis", "factors", "table", "cosine"});
+    const auto product = std::make_shared<const ProductSampler>(model_);
+    if (sampling == "product") {
+      sampler_ = product;
+    } else if (sampling == "table") {
+      if (varies) throw p.error("sampling", "\"table\" is for a layer that is the same everywhere");
+      sampler_ = std::make_shared<const TableSampler>(model_, extent);
+    } else if (sampling != "cosine") {
+      sampler_ = std::make_shared<const FactorSampler>(model_);
+    }
+    if (p.get_bool("renormalize", false)) {
+      if (obliquity_ != Obliquity::reciprocal)
+        throw p.error("renormalize",
+                      "needs the obliquity \"reciprocal\": the others do not conserve energy by themselves");
+      if (varies || needs_tangent_)
+        throw p.error("renormalize", "needs a layer that is the same everywhere and has circular symmetry");
+      const auto indices = [this, grid = range](double nm) {
+        const Wavelengths w = Wavelengths::at(grid, float(nm));
+        return std::pair<double, double>{exterior_.eval(w)[0], interior_.eval(w)[0]};
+      };
+      balance_.emplace(product->radial(), phase_nm_ * radius_scale_.maximum(), range, indices,
+                       substrate_ == Substrate::none        ? ScattererBalance::Surface::open
+                       : substrate_ == Substrate::interface ? ScattererBalance::Surface::interface
+                                                            : ScattererBalance::Surface::pane);
+    }
+  }
 
   Spectrum index(const Ior& ior, const BsdfContext& ctx) const {
     return dispersive_ ? ior.eval(ctx.wavelengths) : Spectrum(ior.at_sodium_d());
@@ -164,42 +273,48 @@ private:
     return substrate_ == Substrate::pane ? thin_slab(r) : r;
   }
 
-  BsdfEval diffracted(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
+  BsdfEval diffracted(const Vec3& wi, const Vec3& wo, const Point& point, const BsdfContext& ctx) const {
     const bool reflected = (wi.z > 0) == (wo.z > 0);
     if (substrate_ == Substrate::none && reflected) return {};
     const float cos_i = std::abs(wi.z), cos_o = std::abs(wo.z);
     const Indices n = indices(wi.z, ctx);
     const Spectrum n_o = reflected ? n.here : n.beyond;
-    const Spectrum phase = Spectrum(float(phase_nm_)) / ctx.wavelengths.nm;  // k a
+    const Spectrum phase = Spectrum(float(point.phase_nm)) / ctx.wavelengths.nm;  // k a
     const float sin_i = std::sqrt(wi.x * wi.x + wi.y * wi.y);
-    const Spectrum u_max = phase * (max(n.here, n.beyond) + n.here * sin_i);
-    Spectrum u;
+    DiffractedWave u;
     if (dispersive_) {
-      const Spectrum x = n_o * wo.x + n.here * wi.x, y = n_o * wo.y + n.here * wi.y;
-      u = phase * sqrt(x * x + y * y);
+      u.x = phase * (n_o * wo.x + n.here * wi.x), u.y = phase * (n_o * wo.y + n.here * wi.y);
+      u.length = sqrt(u.x * u.x + u.y * u.y);
     } else {
       // Two directions nearly cancel here: what is left of them is exact in double precision.
       const double a = n_o[0], b = n.here[0];
       const double x = a * wo.x + b * wi.x, y = a * wo.y + b * wi.y;
-      u = phase * float(std::sqrt(x * x + y * y));
+      u.x = phase * float(x), u.y = phase * float(y);
+      u.length = phase * float(std::sqrt(x * x + y * y));
+    }
+    if (needs_tangent_) {  // in the frame of the shapes
+      const Spectrum x = u.x;
+      u.x = x * point.cosine + u.y * point.sine;
+      u.y = u.y * point.cosine - x * point.sine;
     }
 
-    // Density of wo over solid angle of what `table_` has over q, and the share of this side.
-    Spectrum measure = phase * phase * n_o * n_o * (cos_o * 0.5f * kInvPi);
+    // Density of wo over solid angle of what is 1/(2 pi) over u, and the share of this side.
+    const Spectrum jacobian = phase * phase * n_o * n_o * (cos_o * 0.5f * kInvPi);
+    Spectrum share(1.f);
     if (substrate_ != Substrate::none) {
       const Spectrum r_o = reflectance(cos_o, reflected ? n : indices(wo.z, ctx));
       const Spectrum both = sqrt(reflectance(cos_i, n) * r_o);
-      measure *= reflected ? both : Spectrum(1.f) - both;
+      share = reflected ? both : Spectrum(1.f) - both;
     }
-    const Spectrum g = make_spectrum([&](int j) { return table_->eval(u[j]); });
-
     BsdfEval e;
-    e.value = g * measure * diffracted_weight_;
-    if (factors_)
-      e.pdf = make_spectrum([&](int j) { return factors_->density(u[j], u_max[j]); });
-    else
-      e.pdf = make_spectrum([&](int j) { return g[j] / float(table_->cdf(u_max[j])); });
-    e.pdf *= measure * diffracted_probability_;
+    e.value = model_->intensity(point.state, u) * jacobian * share * point.diffracted;
+    const float probability = point.diffracted * point.probability;
+    if (sampler_) {
+      const Spectrum u_max = phase * (max(n.here, n.beyond) + n.here * sin_i);
+      e.pdf = sampler_->density(point.state, u, u_max) * jacobian * share * probability;
+    } else {
+      e.pdf = cos_o * kInvPi * probability * (substrate_ == Substrate::none ? 1.f : 0.5f);
+    }
     if (ctx.mode == TransportMode::radiance && !reflected && substrate_ == Substrate::interface)
       e.value *= n.here * n.here / (n_o * n_o);
     if (obliquity_ != Obliquity::reciprocal) e.value *= obliquity(wi, wo, n.here, n_o, ctx.mode);
@@ -232,59 +347,65 @@ private:
     return select(exists, o, 0.f);
   }
 
-  std::optional<BsdfSample> sample_delta(const Vec3& wi, float u1, const BsdfContext& ctx) const {
+  std::optional<BsdfSample> sample_delta(const Vec3& wi, float u1, const Point& point,
+                                         const BsdfContext& ctx) const {
+    const float weight = point.delta, mass = point.delta * point.probability;
     if (substrate_ == Substrate::none)
-      return BsdfSample{-wi, delta_weight_, delta_probability_, Lobe::delta | Lobe::transmit | Lobe::through};
+      return BsdfSample{-wi, weight, mass, Lobe::delta | Lobe::transmit | Lobe::through};
     const Indices n = indices(wi.z, ctx);
     const Spectrum r = reflectance(std::abs(wi.z), n);
-    if (u1 < r[0])
-      return BsdfSample{reflect(wi), r * delta_weight_, r * delta_probability_, Lobe::delta | Lobe::reflect};
+    if (u1 < r[0]) return BsdfSample{reflect(wi), r * weight, r * mass, Lobe::delta | Lobe::reflect};
     Spectrum t = Spectrum(1.f) - r;
     if (substrate_ == Substrate::pane)
-      return BsdfSample{-wi, t * delta_weight_, t * delta_probability_,
-                        Lobe::delta | Lobe::transmit | Lobe::through};
+      return BsdfSample{-wi, t * weight, t * mass, Lobe::delta | Lobe::transmit | Lobe::through};
     // Another index sends its wavelength elsewhere: it has no part in this direction.
     const Spectrum etas = n.beyond / n.here;
     const float eta = etas[0], cos_t = fresnel_dielectric(std::abs(wi.z), eta).cos_t;
     t = select(etas.v == Spectrum(eta).v, t, 0.f);
     if (!(t[0] > 0) || !(cos_t > 0)) return {};
     const Vec3 wo{-wi.x / eta, -wi.y / eta, wi.z > 0 ? -cos_t : cos_t};
-    BsdfSample s{wo, t * delta_weight_, t * delta_probability_, Lobe::delta | Lobe::transmit, eta};
+    BsdfSample s{wo, t * weight, t * mass, Lobe::delta | Lobe::transmit, eta};
     if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
     return s;
   }
 
-  /// q in proportion to J, then reflection or transmission in proportion to their shares: with O = 1 all
-  /// samples have the same weight, but for those whose q is evanescent, which are lost.
-  std::optional<BsdfSample> sample_diffracted(const Vec3& wi, float u1, Vec2 u2,
+  /// A wave, then reflection or transmission in proportion to their shares: with O = 1 and waves in
+  /// proportion to J all samples have the same weight, but for those whose q is evanescent, which are lost.
+  std::optional<BsdfSample> sample_diffracted(const Vec3& wi, float u1, Vec2 u2, const Point& point,
                                               const BsdfContext& ctx) const {
     const Indices all = indices(wi.z, ctx);
     const double n_i = all.here[0], n_t = all.beyond[0];
-    const float phase = float(phase_nm_) / ctx.wavelengths.nm[0];
-    const double sin_i = std::sqrt(wi.x * wi.x + wi.y * wi.y);
-    const double u_max = phase * (std::max(n_i, n_t) + n_i * sin_i);
-    const double u = factors_ ? factors_->sample(u2.x, u_max) : table_->sample(u2.x, u_max);
-    const Vec2 azimuth = cos_sin_2pi(u2.y);
-    // n_o w_o across the normal, on whichever side.
-    const double x = u / phase * azimuth.x - n_i * wi.x, y = u / phase * azimuth.y - n_i * wi.y;
-    const double r2 = x * x + y * y;
-
     bool reflected = false;
-    if (substrate_ != Substrate::none) {
-      const double c2 = 1 - r2 / (n_i * n_i);
-      const Spectrum r_i = reflectance(std::abs(wi.z), all);
-      const float r_o = c2 > 0 ? reflectance(float(std::sqrt(c2)), all)[0] : 1;
-      reflected = u1 < std::sqrt(r_i[0] * r_o);
+    Vec3 wo;
+    if (sampler_) {
+      const float phase = float(point.phase_nm) / ctx.wavelengths.nm[0];
+      const double sin_i = std::sqrt(wi.x * wi.x + wi.y * wi.y);
+      const double u_max = phase * (std::max(n_i, n_t) + n_i * sin_i);
+      const ScattererSampler::Wave u = sampler_->sample(point.state, u1, u2, u_max);
+      // n_o w_o across the normal, on whichever side.
+      const double x = (u.x * point.cosine - u.y * point.sine) / phase - n_i * wi.x;
+      const double y = (u.x * point.sine + u.y * point.cosine) / phase - n_i * wi.y;
+      const double r2 = x * x + y * y;
+      if (substrate_ != Substrate::none) {
+        const double c2 = 1 - r2 / (n_i * n_i);
+        const Spectrum r_i = reflectance(std::abs(wi.z), all);
+        const float r_o = c2 > 0 ? reflectance(float(std::sqrt(c2)), all)[0] : 1;
+        reflected = u1 < std::sqrt(r_i[0] * r_o);
+      }
+      const double n_o = reflected ? n_i : n_t;
+      const double c2 = 1 - r2 / (n_o * n_o);
+      if (!(c2 > 0)) return {};
+      const float z = float(std::sqrt(c2));
+      wo = {float(x / n_o), float(y / n_o), (wi.z > 0) == reflected ? z : -z};
+    } else {
+      reflected = substrate_ != Substrate::none && u1 < 0.5f;
+      wo = square_to_cosine_hemisphere(u2);
+      if ((wi.z > 0) != reflected) wo.z = -wo.z;
     }
-    const double n_o = reflected ? n_i : n_t;
-    const double c2 = 1 - r2 / (n_o * n_o);
-    if (!(c2 > 0)) return {};
-    const float z = float(std::sqrt(c2));
-    const Vec3 wo{float(x / n_o), float(y / n_o), (wi.z > 0) == reflected ? z : -z};
     const BsdfEval e = eval_pdf(wi, wo, ctx);
     if (!(e.pdf[0] > 0)) return {};
     return BsdfSample{wo, e.value, e.pdf, Lobe::glossy | (reflected ? Lobe::reflect : Lobe::transmit),
-                      float(n_o / n_i)};
+                      float((reflected ? n_i : n_t) / n_i)};
   }
 
   static constexpr float kSmallestCosine = 1e-5f;
@@ -294,56 +415,84 @@ private:
   Obliquity obliquity_;
   Ior exterior_, interior_;
   bool dispersive_;
+  bool discs_, needs_tangent_ = false;
   double phase_nm_;  // 2 pi correlation_radius in nm: k a times the wavelength
-  float delta_weight_, diffracted_weight_, blocked_weight_ = 0;
-  float delta_probability_, diffracted_probability_, blocked_probability_;
-  std::shared_ptr<const optics::RadialTable> table_;
-  std::optional<ScattererFactors> factors_;
+  ScalarTexture area_fraction_, radius_scale_, rotation_;
+  std::shared_ptr<const ScattererModel> model_;
+  std::shared_ptr<const ScattererSampler> sampler_;  // null: cosine
   std::optional<ScattererBalance> balance_;
-  BsdfPtr blocked_;
+  BsdfPtr nested_;
 };
 
 AUREOLE_PLUGIN(
     CorrelatedScatterers, "bsdf", "correlated_scatterers",
-    PluginDoc{"A layer of equal circles that do not overlap, diffracting light into coloured rings "
-              "around every lamp (a corona): openings in a sheet or in the mist on a pane, or "
-              "opaque discs. Their places are those of hard discs, Percus-Yevick; the empty centre "
-              "of the corona comes from that order. Part of the light keeps its direction, part is "
-              "diffracted, and the rest meets the substrate between apertures (absorbed for "
-              "\"none\") or is blocked by discs. With Fr the covered part, apertures: Fr^2, Fr - "
-              "Fr^2, 1 - Fr; discs: (1 - Fr)^2, Fr - Fr^2, Fr. Diffracted waves without a real "
-              "direction (evanescent) are lost, about 2/(pi k a (1 - Fr)) of the diffracted part at"
-              " normal incidence and more at grazing; renormalize gives that power back.",
-              "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated "
-              "scatterers, 2025, equations 14 to 20; J. E. Harvey et al., Diffracted radiance: a "
-              "fundamental quantity in nonparaxial scalar diffraction theory, Appl. Opt. 38, 1999",
+    PluginDoc{"A layer of many scatterers, openings in a sheet or in the mist on a pane, or opaque discs, "
+              "whose diffracted "
+              "light makes coloured rings or stars around every lamp (a corona). Shapes are nested "
+              "apertures, several for a "
+              "mixture, or circles of one radius; their places are those of hard discs, or of the nested "
+              "correlation. Part "
+              "of the light keeps its direction, part is diffracted, and the rest meets what lies between "
+              "apertures "
+              "(absorbed for \"none\" without a nested BSDF) or is blocked by discs. With Fr the covered "
+              "part, apertures: "
+              "Fr^2, Fr - Fr^2, 1 - Fr; discs: (1 - Fr)^2, Fr - Fr^2, Fr. Diffracted waves without a real "
+              "direction "
+              "(evanescent) are lost, about 2/(pi k a (1 - Fr)) of the diffracted part at normal incidence "
+              "and more at "
+              "grazing; renormalize gives that power back. Where shapes, or places, have no circular "
+              "symmetry they are "
+              "oriented by the surface's uv, or by a normal map's frame.",
+              "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated scatterers, 2025, "
+              "equations 14 "
+              "to 28; J. E. Harvey et al., Diffracted radiance: a fundamental quantity in nonparaxial scalar "
+              "diffraction "
+              "theory, Appl. Opt. 38, 1999",
               {{"scatterer", "string", "", "apertures",
-                "apertures (the light goes through the circles) or discs (around them)"},
-               {"radius", "length", "", "required", "radius of the circles, such as 5um"},
-               {"correlation_radius", "length", "", "radius",
-                "half the smallest distance of two centres; between radius and 64 times that"},
-               {"area_fraction", "float", "", "required",
-                "part of the plane that discs of correlation_radius would cover, in (0, 0.7]"},
+                "apertures (the light goes through the shapes) or discs (around them)"},
+               {"radius", "length", "", "none",
+                "radius of the circles, such as 5um; required without nested apertures"},
+               {"aperture", "aperture", "", "none", "shapes, whose fractions sum to 1; instead of radius"},
+               {"correlation_radius", "length", "", "the largest shape's",
+                "half the smallest distance of two centres: at least the radius of the largest shape's "
+                "circle, at most 64 "
+                "times that"},
+               {"area_fraction", "float or texture", "", "required",
+                "part of the plane that discs of correlation_radius would cover; up to 0.7 for "
+                "percus_yevick, never above "
+                "0.9069"},
+               {"correlation", "correlation", "", "percus_yevick", "how the places depend on one another"},
+               {"radius_scale", "float or texture", "", "1", "factor of all lengths, in [1/64, 64]"},
+               {"rotation", "float or texture", "degrees", "0",
+                "turns shapes and places counter-clockwise from the u axis"},
                {"substrate", "string", "", "none",
-                "none: a sheet in one medium, nothing is reflected; dielectric: the interface of two "
-                "media; thindielectric: a pane in one surface"},
+                "none: a sheet in one medium, nothing is reflected; dielectric: the interface of two media; "
+                "thindielectric: "
+                "a pane in one surface"},
                {"int_ior", "float or string", "", "1.5046",
                 "index below the interface or of the pane; not for none"},
                {"ext_ior", "float or string", "", "air", "index above, and on both sides of a sheet or pane"},
                {"dispersion", "boolean", "", "true",
                 "named materials use their dispersion data where there are any"},
                {"obliquity", "string", "", "reciprocal",
-                "factor of the diffracted radiance, with s the specular and o the outgoing angle of "
-                "the light: reciprocal: 1; fraunhofer: cos s/cos o, as published, not reciprocal; "
-                "kirchhoff: ((cos s + cos o)/2)^2/(cos s cos o)"},
+                "factor of the diffracted radiance, with s the specular and o the outgoing angle of the "
+                "light: reciprocal: "
+                "1; fraunhofer: cos s/cos o, as published, not reciprocal; kirchhoff: ((cos s + cos "
+                "o)/2)^2/(cos s cos o)"},
                {"renormalize", "boolean", "", "false",
-                "scale by h(w_i) h(w_o) such that no diffracted power is lost to evanescent waves; "
-                "only with reciprocal"},
+                "scale by h(w_i) h(w_o) such that no diffracted power is lost to evanescent waves; only with "
+                "reciprocal, and "
+                "for layers with circular symmetry that are the same everywhere"},
                {"sampling", "string", "", "product",
-                "product: in proportion to the diffracted intensity; factors: by its two factors in "
-                "turn, as published; the picture is the same, with more noise"},
-               {"blocked", "bsdf", "", "none",
-                "what the discs do with the light they block (absorbed without); not for apertures"}},
+                "product: in proportion to the diffracted intensity; factor_mis (or factors): by shapes or "
+                "by correlation, "
+                "as published; table: by one table of the intensity, made for this layer alone; cosine. The "
+                "picture is the "
+                "same, with more noise"},
+               {"bsdf", "bsdf", "", "none",
+                "what light meets between apertures, such as cloth (only for the substrate none), or what "
+                "discs do with the "
+                "light they block; absorbed without"}},
               {R"(<bsdf type="correlated_scatterers">
     <string name="scatterer" value="apertures"/>
     <string name="radius" value="5um"/>
@@ -358,8 +507,19 @@ AUREOLE_PLUGIN(
     <string name="radius" value="4um"/> <string name="correlation_radius" value="5um"/>
     <float name="area_fraction" value="0.3"/>
     <string name="obliquity" value="kirchhoff"/>
-    <string name="sampling" value="factors"/>
+    <string name="sampling" value="factor_mis"/>
     <bsdf name="blocked" type="diffuse"/>
+</bsdf>)",
+               R"(<bsdf type="correlated_scatterers">
+    <aperture type="rectangle">
+        <string name="width" value="3um"/> <string name="height" value="2um"/> <float name="fraction" value="0.6"/>
+    </aperture>
+    <aperture type="circle"> <string name="radius" value="1um"/> <float name="fraction" value="0.4"/> </aperture>
+    <texture type="checkerboard" name="area_fraction">
+        <float name="color0" value="0.2"/> <float name="color1" value="0.6"/>
+    </texture>
+    <float name="radius_scale" value="1.5"/> <float name="rotation" value="30"/>
+    <correlation type="percus_yevick"/>
 </bsdf>)"}});
 
 }  // namespace

@@ -46,6 +46,7 @@ public:
     return texture_ ? texture_->eval(ctx.point, ctx.wavelengths)[0] : value_;
   }
   float maximum() const { return texture_ ? maximum_ : value_; }
+  float minimum() const { return texture_ ? minimum_ : value_; }
 
 private:
   static std::string text(double v) {

@@ -43,9 +43,9 @@ void run_workers(int threads, const std::function<void(int)>& worker) {
   if (first) std::rethrow_exception(first);
 }
 
-void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body) {
-  constexpr std::size_t kRange = 1 << 14;
-  const std::size_t ranges = (n + kRange - 1) / kRange;
+void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body,
+                std::size_t grain) {
+  const std::size_t ranges = (n + grain - 1) / grain;
   const int threads = int(std::min<std::size_t>(ranges, std::size_t(default_thread_count())));
   if (threads < 2) {
     if (n > 0) body(0, n);
@@ -53,7 +53,7 @@ void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t
   }
   std::atomic<std::size_t> next{0};
   run_workers(threads, [&](int) {
-    for (std::size_t k; (k = next.fetch_add(1)) < ranges;) body(k * kRange, std::min(n, (k + 1) * kRange));
+    for (std::size_t k; (k = next.fetch_add(1)) < ranges;) body(k * grain, std::min(n, (k + 1) * grain));
   });
 }
 

@@ -15,8 +15,9 @@ int default_thread_count();
 /// it alone. The first exception is rethrown.
 void run_workers(int threads, const std::function<void(int)>& worker);
 
-/// Calls `body(begin, end)` for ranges that make up [0, n), on all cores if n is large. Ranges must not
-/// depend on one another.
-void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body);
+/// Calls `body(begin, end)` for ranges of `grain` or fewer that make up [0, n), on all cores if there are
+/// several. Ranges must not depend on one another.
+void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body,
+                std::size_t grain = 1 << 14);
 
 }  // namespace aureole

@@ -6,12 +6,44 @@
 
 namespace aureole {
 
+Correlation::Correlation(const Properties& p)
+    : Object(p),
+      stretch_(p.get_float("stretch", 1, Range{0.25, 4})),
+      direction_(p.get_float("stretch_direction", 0) * M_PI / 180) {}
+
+std::shared_ptr<const optics::StructureFactor> Correlation::structure_factor(double area_fraction) const {
+  auto factor = at(area_fraction);
+  if (stretch_ == 1) return factor;
+  return std::make_shared<optics::StretchedStructureFactor>(std::move(factor), stretch_, direction_);
+}
+
 std::vector<double> Correlation::nodes(double least, double most) const {
   constexpr double kStep = 1.0 / 32;
   const int cells = std::max(1, int(std::ceil((most - least) / kStep)));
   std::vector<double> nodes;
   for (int i = 0; i <= cells; ++i) nodes.push_back(least + (most - least) * i / cells);
   return nodes;
+}
+
+std::shared_ptr<const Correlation> get_correlation(const Properties& p) {
+  const auto nested = p.get_children<Correlation>("correlation");
+  if (nested.size() > 1)
+    throw Error(nested[1]->properties().where(), "\"" + p.type() + "\" takes one correlation, not more");
+  if (!nested.empty()) return nested.front();
+  const PluginInfo* info = Registry::instance().find("correlation", "percus_yevick");
+  return std::dynamic_pointer_cast<const Correlation>(
+      info->create(Properties(info->name, "", p.where(), p.shared_context(), info)));
+}
+
+std::vector<ParameterDoc> correlation_parameters(std::vector<ParameterDoc> own) {
+  own.insert(
+      own.end(),
+      {{"stretch", "float", "", "1",
+        "positions are stretched by its square root in one direction and compressed as much across it, as "
+        "on a drawn film; in [1/4, 4]. Shapes stay as they are: stretch them by their own parameters"},
+       {"stretch_direction", "float", "degrees", "0",
+        "direction of the stretch, counter-clockwise from the surface's u axis"}});
+  return own;
 }
 
 }  // namespace aureole

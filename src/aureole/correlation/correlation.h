@@ -8,24 +8,39 @@
 
 #include "aureole/optics/structure_factor.h"
 #include "aureole/plugin/properties.h"
+#include "aureole/plugin/registry.h"
 
 namespace aureole {
 
 class Correlation : public Object {
 public:
   static constexpr const char* kFamily = "a correlation";
-  using Object::Object;
+  explicit Correlation(const Properties& properties);
+
+  /// `at`, stretched where the parameters say so.
+  std::shared_ptr<const optics::StructureFactor> structure_factor(double area_fraction) const;
 
   /// S' where discs of the correlation radius cover `area_fraction` of the plane. Throws std::domain_error
   /// that says which fractions it knows.
   virtual std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const = 0;
 
-  /// Fractions in [least, most], both included, between which 1/S' is interpolated, piecewise linear in
-  /// Fa/(1 - Fa), where the fraction varies over a surface.
+  /// Fractions in [least, most], both included, between which 1/S' is interpolated by polynomials of
+  /// `degree()` in Fa/(1 - Fa), where the fraction varies over a surface. Their number is 1 more than a
+  /// multiple of the degree.
   virtual std::vector<double> nodes(double least, double most) const;
+  virtual int degree() const { return 1; }
 
   /// Shapes may overlap (random positions): the covered part is 1 - exp(-Fr).
   virtual bool may_overlap() const { return false; }
+
+private:
+  double stretch_, direction_;
 };
+
+/// The correlation that is nested, described by the row "correlation", or else hard discs (percus_yevick).
+std::shared_ptr<const Correlation> get_correlation(const Properties& properties);
+
+/// Rows of the parameter table that all correlations share, after those of the plug-in.
+std::vector<ParameterDoc> correlation_parameters(std::vector<ParameterDoc> own);
 
 }  // namespace aureole

@@ -2,14 +2,15 @@
 #include "aureole/optics/size_distribution.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
-#include <istream>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/two_columns.h"
+
 namespace aureole::optics {
+
+static constexpr std::size_t kMostNodes = 1000;
 
 SizeDistribution::SizeDistribution(std::vector<Node> nodes) : nodes_(std::move(nodes)) {
   std::sort(nodes_.begin(), nodes_.end(), [](const Node& a, const Node& b) { return a.size < b.size; });
@@ -35,30 +36,14 @@ SizeDistribution SizeDistribution::log_normal(double sigma) {
 
 SizeDistribution SizeDistribution::histogram(std::istream& text) {
   std::vector<Node> nodes;
-  std::string line;
-  for (int number = 1; std::getline(text, line); ++number) {
-    line.resize(std::min(line.find('#'), line.size()));
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    words.imbue(std::locale::classic());
-    std::string first;
-    if (!(words >> first)) continue;
+  for (const auto& [size, count] : read_two_columns(text)) {
     const auto fail = [&](const std::string& what) {
-      throw std::domain_error("line " + std::to_string(number) + " of the histogram: " + what);
+      throw std::domain_error(what + ", got " + std::to_string(size) + " " + std::to_string(count));
     };
-    if (nodes.empty() && std::isalpha(static_cast<unsigned char>(first[0])) && first != "nan" &&
-        first != "inf")
-      continue;
-    std::istringstream one(first);
-    one.imbue(std::locale::classic());
-    Node n{};
-    std::string rest;
-    if (!(one >> n.size) || !one.eof() || !(words >> n.weight) || (words >> rest))
-      fail("expected a size and a count, got \"" + line + "\"");
-    if (!(n.size > 0 && std::isfinite(n.size))) fail("a size must be positive and finite");
-    if (!(n.weight >= 0 && std::isfinite(n.weight))) fail("a count must not be negative");
-    if (n.weight > 0) nodes.push_back(n);
-    if (nodes.size() > 10000) fail("has more than 10000 sizes");
+    if (!(size > 0 && std::isfinite(size))) fail("a size must be positive and finite");
+    if (!(count >= 0 && std::isfinite(count))) fail("a count must not be negative");
+    if (count > 0) nodes.push_back({size, count});
+    if (nodes.size() > kMostNodes) throw std::domain_error("the histogram has more than 1000 sizes");
   }
   if (nodes.empty()) throw std::domain_error("the histogram has no size with a positive count");
   return SizeDistribution(std::move(nodes));

@@ -22,8 +22,7 @@ public:
   /// sigma and renormalised; midpoints of equal steps in ln(size). Throws std::domain_error.
   static SizeDistribution log_normal(double sigma);
 
-  /// Lines of "size count", separated by blanks or a comma; '#' starts a comment and a first line of words is
-  /// skipped. Throws std::domain_error that names the line.
+  /// Lines of "size count", as `read_two_columns` takes them. Throws std::domain_error.
   static SizeDistribution histogram(std::istream& text);
 
   /// Increasing sizes; weights sum to 1.

@@ -1,51 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/bsdf/scatterer_tables.h"
+#include "aureole/bsdf/scatterer_balance.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "aureole/optics/fresnel.h"
-#include "aureole/optics/structure_factor.h"
 
 namespace aureole {
-
-ScattererFactors::ScattererFactors(double size_ratio, double area_fraction)
-    : circle_(size_ratio, 0), nodes_(kCells + 1), power_(kCells + 1) {
-  for (int i = 0; i <= kCells; ++i) {
-    const double u = double(i) / kRate;
-    nodes_[i] = float(u * optics::hard_disc_structure_factor(u, area_fraction));
-    if (i > 0) power_[i] = power_[i - 1] + 0.5 * (double(nodes_[i - 1]) + double(nodes_[i])) / kRate;
-  }
-}
-
-double ScattererFactors::power(double u) const {
-  if (u >= kEnd) return power_[kCells] + 0.5 * (u - kEnd) * (u + kEnd);
-  const int i = int(u * kRate);
-  const double t = u * kRate - i, a = nodes_[i], b = nodes_[i + 1];
-  return power_[i] + t * (a + 0.5 * t * (b - a)) / kRate;
-}
-
-double ScattererFactors::sample(double xi, double u_max) const {
-  if (xi < 0.5) return circle_.sample(2 * xi, u_max);
-  const double target = (2 * xi - 1) * power(u_max);
-  if (target >= power_[kCells])
-    return std::min(std::sqrt(2 * (target - power_[kCells]) + double(kEnd) * kEnd), u_max);
-  const int i = int(std::upper_bound(power_.begin(), power_.end(), target) - power_.begin()) - 1;
-  const double a = nodes_[i], b = nodes_[i + 1], rest = (target - power_[i]) * kRate;
-  const double denominator = a + std::sqrt(std::max(0.0, a * a + 2 * (b - a) * rest));
-  return std::min((i + (denominator > 0 ? std::min(2 * rest / denominator, 1.0) : 0.0)) / kRate, u_max);
-}
-
-float ScattererFactors::density(float u, float u_max) const {
-  float structure = 1;
-  if (u < kEnd) {
-    u = std::max(u, 1e-15f);
-    const float position = u * kRate;
-    const int i = int(position);
-    structure = (nodes_[i] + (position - float(i)) * (nodes_[i + 1] - nodes_[i])) / u;
-  }
-  return 0.5f * (circle_.eval(u) / float(circle_.cdf(u_max)) + structure / float(power(u_max)));
-}
 
 namespace {
 
@@ -83,7 +44,7 @@ double node_transverse_index(double phase, double here, double beyond, int node,
 
 }  // namespace
 
-ScattererBalance::ScattererBalance(const optics::RadialTable& table, double phase_nm,
+ScattererBalance::ScattererBalance(const optics::RadialDistribution& table, double phase_nm,
                                    const SpectralGrid& grid,
                                    const std::function<std::pair<double, double>(double)>& indices,
                                    Surface surface)
@@ -101,8 +62,8 @@ ScattererBalance::ScattererBalance(const optics::RadialTable& table, double phas
   }
 }
 
-void ScattererBalance::solve(float* h_out, const optics::RadialTable& table, double phase, double n_ext,
-                             double n_int) {
+void ScattererBalance::solve(float* h_out, const optics::RadialDistribution& table, double phase,
+                             double n_ext, double n_int) {
   const bool two_media = surface_ == Surface::interface && n_ext != n_int;
   const double rare = two_media ? std::min(n_ext, n_int) : n_ext,
                dense = two_media ? std::max(n_ext, n_int) : n_ext;

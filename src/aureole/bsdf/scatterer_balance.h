@@ -1,38 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two optional parts of the BSDF `correlated_scatterers`: sampling by factors, and the return of evanescent
-// power. u = |q| correlation_radius is dimensionless; phases k a = 2 pi correlation_radius/lambda too.
+// The return of evanescent power, an option of the BSDF `correlated_scatterers`. u = |q| correlation_radius
+// is dimensionless; phases k a = 2 pi correlation_radius/lambda too.
 #pragma once
 
 #include <functional>
 #include <utility>
 #include <vector>
 
-#include "aureole/optics/scatterer_layer.h"
+#include "aureole/optics/radial_function.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
-
-/// Samples u from either factor of the intensity, the transform of one circle or the structure factor, with
-/// equal probability (Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025,
-/// section 7.2).
-class ScattererFactors {
-public:
-  ScattererFactors(double size_ratio, double area_fraction);
-
-  /// u in [0, u_max] for xi in [0, 1).
-  double sample(double xi, double u_max) const;
-  /// Density of that u over u, divided by u (as RadialTable::eval).
-  float density(float u, float u_max) const;
-
-private:
-  static constexpr int kRate = 64, kEnd = 64, kCells = kRate * kEnd;
-
-  double power(double u) const;  // integral of structure_ u' du' over [0, u]
-
-  optics::RadialTable circle_;
-  std::vector<float> nodes_;  // u S'(u), piecewise linear up to kEnd; S' = 1 beyond
-  std::vector<double> power_;
-};
 
 /// The factor h of a reciprocal BSDF f h(w_i) h(w_o) whose directions together carry the whole diffracted
 /// power, though part of it falls on waves that have no real direction. h is found by fixed-point iteration
@@ -47,7 +25,7 @@ public:
   };
 
   /// `phase_nm`: 2 pi correlation_radius in nm. `indices`: exterior and interior index at a wavelength in nm.
-  ScattererBalance(const optics::RadialTable& table, double phase_nm, const SpectralGrid& grid,
+  ScattererBalance(const optics::RadialDistribution& table, double phase_nm, const SpectralGrid& grid,
                    const std::function<std::pair<double, double>(double)>& indices, Surface surface);
 
   /// h for directions in media of index `here` at an angle of the given sine; `beyond` is the index on the
@@ -58,7 +36,7 @@ private:
   static constexpr int kNodes = 40;                 // intervals per piece of the table
   static constexpr int kStride = 4 * (kNodes + 1);  // the rarer medium has one piece, the denser one three
 
-  void solve(float* h, const optics::RadialTable& table, double phase, double n_ext, double n_int);
+  void solve(float* h, const optics::RadialDistribution& table, double phase, double n_ext, double n_int);
 
   Surface surface_;
   double phase_nm_, first_, scale_;  // wavelength nodes are uniform in 1/lambda

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/bsdf/scatterer_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace aureole {
+namespace {
+
+constexpr int kStructureEnd = 1024;  // S' is 1 beyond to 1e-4 and better
+constexpr int kTotals = 128;
+
+double ratio(double area_fraction) { return area_fraction / (1 - area_fraction); }
+
+}  // namespace
+
+ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> mixture,
+                               const Correlation& correlation, double least, double most, double extent)
+    : mixture_(std::move(mixture)),
+      least_(least),
+      most_(most),
+      may_overlap_(correlation.may_overlap()),
+      degree_(correlation.degree()) {
+  auto factor = correlation.structure_factor(most);
+  if (!factor->is_isotropic()) {
+    anisotropic_ = factor;
+    table_ = std::make_shared<optics::ScattererTable>(*mixture_, extent, factor);
+    double sum = 0;  // of U + C S' over the rings, by Simpson's rule, and the tail c/u^3 beyond
+    constexpr double kStep = 1.0 / 64;
+    const int cells = int(table_->product_end() / kStep);
+    for (int i = 0; i <= cells; ++i)
+      sum += (i == 0 || i == cells ? 1
+              : i % 2              ? 4
+                                   : 2) *
+             i * kStep * double(table_->product_ring(float(i * kStep)));
+    sum *= kStep / 3;
+    const double end = table_->product_end();
+    sum += double(table_->product_ring(float(end))) * end * end;
+    inverse_totals_ = {float(1 / sum)};
+    return;
+  }
+  table_ = std::make_shared<optics::ScattererTable>(*mixture_, extent);
+  single_ = !(table_->ring(0).uncorrelated > 1e-7f * table_->ring(0).coherent) &&
+            !(table_->ring(3).uncorrelated > 1e-7f * table_->ring(0).coherent);
+  inverse_ = degree_ == 3;
+  const std::vector<double> nodes = varies() ? correlation.nodes(least, most) : std::vector<double>{most};
+  std::vector<std::shared_ptr<const optics::StructureFactor>> factors;
+  for (double fa : nodes) {
+    const auto s = fa == most ? factor : correlation.structure_factor(fa);
+    factors.push_back(s);
+    structures_.emplace_back([&](double u) { return inverse_ ? 1 / s->eval(u) - 1 : s->eval(u) - 1; },
+                             kStructureEnd, false);
+    ratios_.push_back(float(ratio(fa)));
+  }
+  const int totals = varies() ? kTotals : 0;
+  for (int i = 0; i <= totals; ++i) {
+    State state = at(float(totals > 0 ? least + (most - least) * i / totals : most));
+    const double correlated = optics::correlation_power(
+        table_->coherent_ring(), [&](double u) { return double(structure(state, float(u))); });
+    inverse_totals_.push_back(float(1 / (2 * M_PI * mixture_->mean_squared_area() + correlated)));
+  }
+}
+
+ScattererModel::State ScattererModel::at(float area_fraction) const {
+  State s{};
+  s.area_fraction = area_fraction;
+  if (!varies()) {
+    s.weights[0] = 1;
+    s.inverse_total = inverse_totals_.empty() ? 0 : inverse_totals_[0];
+    return s;
+  }
+  const float fa = std::clamp(area_fraction, float(least_), float(most_)), x = fa / (1 - fa);
+  const int groups = (int(ratios_.size()) - 1) / degree_;
+  int group = 0;
+  while (group + 1 < groups && x > ratios_[std::size_t(group + 1) * degree_]) ++group;
+  s.first = group * degree_, s.count = degree_ + 1;
+  for (int i = 0; i < s.count; ++i) {  // Lagrange's polynomials
+    float w = 1;
+    for (int j = 0; j < s.count; ++j)
+      if (j != i) w *= (x - ratios_[s.first + j]) / (ratios_[s.first + i] - ratios_[s.first + j]);
+    s.weights[i] = w;
+  }
+  if (inverse_totals_.size() == kTotals + 1) {
+    const float place = float((fa - least_) / (most_ - least_)) * kTotals;
+    const int i = std::clamp(int(place), 0, kTotals - 1);
+    s.inverse_total = inverse_totals_[i] + (place - float(i)) * (inverse_totals_[i + 1] - inverse_totals_[i]);
+  }
+  return s;
+}
+
+float ScattererModel::covered(float area_fraction) const {
+  const double fr = area_fraction * mixture_->mean_area() / M_PI;
+  return float(may_overlap_ ? -std::expm1(-fr) : fr);
+}
+
+Spectrum ScattererModel::intensity(const State& state, const DiffractedWave& u) const {
+  Spectrum uncorrelated(0.f), coherent;
+  if (!is_isotropic() && !(is_anisotropic() && mixture_->is_isotropic())) {
+    for (int j = 0; j < kWavelengths; ++j) {
+      const auto p = table_->eval(u.x[j], u.y[j], u.length[j]);
+      uncorrelated[j] = p.uncorrelated, coherent[j] = p.coherent;
+    }
+  } else {
+    coherent = make_spectrum([&](int j) { return table_->coherent_ring().eval(u.length[j]); });
+    if (!single_)
+      uncorrelated = make_spectrum([&](int j) { return table_->uncorrelated_ring().eval(u.length[j]); });
+  }
+  Spectrum s;
+  if (anisotropic_) {
+    s = make_spectrum([&](int j) { return float(anisotropic_->eval(u.x[j], u.y[j])); });
+  } else {
+    Spectrum sum(0.f);
+    for (int i = 0; i < state.count; ++i) {
+      const optics::RadialFunction& f = structures_[state.first + i];
+      sum += make_spectrum([&](int j) { return f.eval(u.length[j]); }) * state.weights[i];
+    }
+    s = inverse_ ? Spectrum(1.f) / (Spectrum(1.f) + sum) : max(Spectrum(1.f) + sum, 0.f);
+  }
+  return max((uncorrelated + coherent * s) * state.inverse_total, 0.f);
+}
+
+std::size_t ScattererModel::bytes() const {
+  std::size_t sum = table_->bytes();
+  for (const auto& s : structures_) sum += s.bytes();
+  return sum;
+}
+
+}  // namespace aureole

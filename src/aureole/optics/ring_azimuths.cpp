@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/optics/ring_azimuths.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "aureole/core/parallel.h"
+
+namespace aureole::optics {
+namespace {
+
+constexpr float kFirst = 16, kSecond = 64, kLast = 256;
+
+}  // namespace
+
+double RingAzimuths::ring_start(int i) const {
+  const auto at = [&](int part) { return (double(i) - double(starts_[part])) / double(layout_.rings[part]); };
+  return i < layout_.rings[0] * kFirst ? at(0) : i < layout_.rings[1] * kSecond + starts_[1] ? at(1) : at(2);
+}
+
+RingAzimuths::RingAzimuths(const std::function<double(double, double)>& f, double extent,
+                           const Layout& layout)
+    : layout_(layout) {
+  starts_[0] = 0;
+  starts_[1] = (layout.rings[0] - layout.rings[1]) * kFirst;
+  starts_[2] = starts_[1] + (layout.rings[1] - layout.rings[2]) * kSecond;
+  const int count = ring_index(std::min(float(extent), std::nextafter(kLast, 0.f))) + 1;
+  int total = 0;
+  for (int i = 0; i < count; ++i) {
+    const double end = ring_start(i + 1);
+    const double bins = end * layout.bins[end <= double(kFirst) ? 0 : end <= double(kSecond) ? 1 : 2];
+    rings_.push_back({total, int(std::bit_ceil(unsigned(std::max(16.0, bins))))});
+    total += rings_.back().bins + 1;
+  }
+  cdf_.resize(total);
+  const auto fill = [&](int i) {
+    const auto [first, bins] = rings_[i];
+    const double a = ring_start(i), b = ring_start(i + 1);
+    constexpr int kAcross = 3, kAlong = 3;
+    std::vector<double> weights(bins);
+    double sum = 0;
+    for (int k = 0; k < bins; ++k) {
+      for (int m = 0; m < kAlong; ++m) {
+        const double p = (k + (m + 0.5) / kAlong) / bins, x = 1 - 2 * p, y = 1 - std::abs(x);
+        const double length = std::hypot(x, y);
+        for (int r = 0; r < kAcross; ++r) {
+          const double u = a + (b - a) * (r + 0.5) / kAcross;
+          weights[k] += f(u * x / length, u * y / length) / (length * length);  // d azimuth/dp = 2/length^2
+        }
+      }
+      sum += weights[k];
+    }
+    // A floor: what lies between the points looked at is never missed altogether.
+    const double floor = sum > 0 ? 0.01 * sum / bins : 1.0;
+    sum += floor * bins;
+    double running = 0;
+    for (int k = 0; k < bins; ++k) {
+      cdf_[first + k] = float(running / sum);
+      running += weights[k] + floor;
+    }
+    cdf_[first + bins] = 1;
+  };
+  for_ranges(
+      count,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) fill(int(i));
+      },
+      4);
+}
+
+float RingAzimuths::density(float ux, float uy, float u) const {
+  if (uy < 0) ux = -ux, uy = -uy;
+  const Ring& r = ring(u);
+  const float sum = std::abs(ux) + uy;
+  if (!(sum > 0)) return 1;
+  const int bin = std::min(int((1 - ux / sum) * 0.5f * float(r.bins)), r.bins - 1);
+  const float* c = &cdf_[r.first + bin];
+  // Over p: mass times bins; dp/d azimuth = u^2/(2 sum^2); half a ring is pi.
+  return (c[1] - c[0]) * float(r.bins) * float(M_PI) * u * u / (2 * sum * sum);
+}
+
+void RingAzimuths::sample(float u, float xi, float& cosine, float& sine) const {
+  const Ring& r = ring(u);
+  const bool turned = xi >= 0.5f;
+  xi = turned ? 2 * xi - 1 : 2 * xi;
+  const float* begin = &cdf_[r.first];
+  int bin = 0;
+  for (int step = r.bins / 2; step > 0; step /= 2)
+    if (begin[bin + step] <= xi) bin += step;
+  const float mass = begin[bin + 1] - begin[bin];
+  const float p =
+      (float(bin) + (mass > 0 ? std::min((xi - begin[bin]) / mass, 0.9999999f) : 0.5f)) / float(r.bins);
+  float x = 1 - 2 * p, y = 1 - std::abs(x);
+  const float scale = (turned ? -1 : 1) / std::sqrt(x * x + y * y);
+  cosine = x * scale, sine = y * scale;
+}
+
+}  // namespace aureole::optics

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// `RingAzimuths`: how an intensity I(u), with I(-u) = I(u), is distributed over the azimuth in each ring of
+// radius |u|. For sampling: the density is exactly that of what `sample` draws.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace aureole::optics {
+
+/// Rings of some widths up to u = 16, up to 64 and up to 256, the last one for all beyond; in each, bins over
+/// the half plane that are equal in the pseudo-angle p = (1 - x/(|x| + |y|))/2, which needs no transcendental
+/// function.
+class RingAzimuths {
+public:
+  /// Rings per unit of u in the three parts, and bins per unit of u along the half ring.
+  struct Layout {
+    float rings[3];
+    double bins[3];
+  };
+  static constexpr Layout kShapes{{4, 2, 1}, {4.5, 4.5, 4.5}};  ///< features some 2 wide
+  static constexpr Layout kSpots{{16, 4, 1}, {48, 12, 4.5}};    ///< spots of lattices, a tenth wide or so
+
+  /// `extent`: rings up to there are tabulated; the last of them answers beyond. `f` is called from several
+  /// threads.
+  RingAzimuths(const std::function<double(double, double)>& f, double extent, const Layout& layout);
+
+  /// Density over the azimuth times 2 pi, 1 if nothing depends on it, for u = (ux, uy) of length `u` > 0.
+  float density(float ux, float uy, float u) const;
+  /// A unit vector, for xi in [0, 1).
+  void sample(float u, float xi, float& cosine, float& sine) const;
+  std::size_t bytes() const { return cdf_.size() * sizeof(float) + rings_.size() * sizeof(Ring); }
+
+private:
+  struct Ring {
+    int first;  ///< in cdf_
+    int bins;
+  };
+  int ring_index(float u) const {
+    u = u < 1e6f ? u : 1e6f;
+    const float a = layout_.rings[0] * u, b = layout_.rings[1] * u + starts_[1],
+                c = layout_.rings[2] * u + starts_[2];
+    return int(a < b ? a : b < c ? b : c);
+  }
+  double ring_start(int index) const;
+
+  const Ring& ring(float u) const {
+    const int i = ring_index(u);
+    return rings_[std::size_t(i) < rings_.size() ? std::size_t(i) : rings_.size() - 1];
+  }
+
+  Layout layout_;
+  float starts_[3];  ///< of the lines of ring numbers over u, which cross where the width changes
+  std::vector<Ring> rings_;
+  std::vector<float> cdf_;  ///< bins + 1 per ring, from 0 to 1
+};
+
+}  // namespace aureole::optics

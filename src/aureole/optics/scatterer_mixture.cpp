@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/optics/scatterer_mixture.h"
+
+#include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "aureole/core/parallel.h"
+
+namespace aureole::optics {
+namespace {
+
+/// Ring means of amplitude and intensity of a shape, of radius 1, over w = |q|: midpoints of n equal angles
+/// of half a ring, exact once n passes the highest harmonic, w.
+struct ShapeRing {
+  double amplitude, intensity;
+};
+ShapeRing shape_ring(const ApertureShape& shape, double q, double radius) {
+  if (shape.is_circular()) {
+    const double f = shape.transform(q, 0).real();
+    return {f, f * f};
+  }
+  const int n = 24 + int(std::ceil(1.2 * q * radius));
+  ShapeRing sum{};
+  for (int i = 0; i < n; ++i) {
+    const double angle = std::numbers::pi * (i + 0.5) / n;
+    const std::complex<double> f = shape.transform(q * std::cos(angle), q * std::sin(angle));
+    sum.amplitude += f.real();  // the other half of the ring has its conjugate
+    sum.intensity += std::norm(f);
+  }
+  return {sum.amplitude / n, sum.intensity / n};
+}
+
+}  // namespace
+
+struct ScattererMixture::Part {
+  Scatterer scatterer;
+  double unit;      ///< 1/correlation radius
+  bool isotropic;   ///< circular, or turned at random
+  double cosine = 1, sine = 0;
+  /// Ring means of a shape without circular symmetry over w = |q| times its own radius, made once.
+  std::unique_ptr<RadialFunction> amplitude, intensity;
+
+  Part(Scatterer s, double correlation_radius) : scatterer(std::move(s)), unit(1 / correlation_radius) {
+    isotropic = scatterer.random_rotation || scatterer.shape->is_circular();
+    cosine = std::cos(scatterer.rotation), sine = std::sin(scatterer.rotation);
+    if (scatterer.random_rotation && !scatterer.shape->is_circular()) {
+      constexpr int kEnd = 256, kValues = 3 * (64 * 16 + (kEnd - 64) * 4) + 1;
+      const double radius = scatterer.shape->bounding_radius(), area = scatterer.shape->area();
+      // RadialFunction asks for thirds of its cells, in order: they are computed beforehand, on all cores.
+      std::vector<ShapeRing> values(kValues);
+      const auto place = [](int i) { return i < 3 * 1024 ? i / 48.0 : 64 + (i - 3 * 1024) / 12.0; };
+      for_ranges(kValues, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          values[i] = shape_ring(*scatterer.shape, place(int(i)) / radius, radius);
+      });
+      int next = 0;
+      amplitude = std::make_unique<RadialFunction>(
+          [&](double) { return values[next++].amplitude / area; }, kEnd, false);
+      next = 0;
+      intensity = std::make_unique<RadialFunction>(
+          [&](double) { return values[next++].intensity / (area * area); }, kEnd, true);
+    }
+  }
+
+  /// Adds P <F> and P <|F|^2> at u.
+  void add(double ux, double uy, std::complex<double>& amplitude_sum, double& intensity_sum) const {
+    const ApertureShape& shape = *scatterer.shape;
+    for (const auto [size, weight] : scatterer.sizes.nodes()) {
+      // F of a shape scaled by s is s^2 F(s q).
+      const double scale = size * unit, factor = size * size * unit * unit, p = weight * scatterer.fraction;
+      // q in the shape's own unit: u/a times the size.
+      const double qx = ux * scale, qy = uy * scale;
+      if (amplitude) {
+        const double area = shape.area() * factor;
+        const double w = std::hypot(qx, qy) * shape.bounding_radius();
+        amplitude_sum += p * area * double(amplitude->eval(float(w)));
+        intensity_sum += p * area * area * double(intensity->eval(float(w)));
+      } else {
+        const std::complex<double> f = factor * shape.transform(qx * cosine + qy * sine, qy * cosine - qx * sine);
+        amplitude_sum += p * f;
+        intensity_sum += p * std::norm(f);
+      }
+    }
+  }
+};
+
+ScattererMixture::~ScattererMixture() = default;
+
+ScattererMixture::ScattererMixture(std::vector<Scatterer> scatterers, double correlation_radius) {
+  if (scatterers.empty()) throw std::domain_error("a mixture needs a scatterer");
+  if (!(correlation_radius > 0 && std::isfinite(correlation_radius)))
+    throw std::domain_error("correlation radius must be positive and finite, got " +
+                            std::to_string(correlation_radius));
+  double sum = 0;
+  for (const Scatterer& s : scatterers) sum += s.fraction;
+  if (!(std::abs(sum - 1) <= 1e-6))
+    throw std::domain_error("fractions of the scatterers must sum to 1, but sum to " + std::to_string(sum));
+  for (Scatterer& s : scatterers) {
+    const double largest = s.shape->bounding_radius() * s.sizes.largest();
+    if (!(largest <= correlation_radius * (1 + 1e-6)))
+      throw std::domain_error("a scatterer reaches " + std::to_string(largest / correlation_radius) +
+                              " correlation radii from its centre; at most 1 leaves them apart");
+    const double unit = 1 / correlation_radius;
+    mean_area_ += s.fraction * s.shape->area() * s.sizes.moment(2) * unit * unit;
+    mean_squared_area_ += s.fraction * s.shape->squared_area() * s.sizes.moment(2) * unit * unit;
+    parts_.emplace_back(std::move(s), correlation_radius);
+    isotropic_ = isotropic_ && parts_.back().isotropic;
+  }
+}
+
+MixtureIntensity ScattererMixture::eval(double ux, double uy) const {
+  std::complex<double> amplitude = 0;
+  double intensity = 0;
+  for (const Part& part : parts_) part.add(ux, uy, amplitude, intensity);
+  const double coherent = std::norm(amplitude);
+  return {std::max(intensity - coherent, 0.0), coherent};
+}
+
+MixtureIntensity ScattererMixture::ring(double u) const {
+  if (isotropic_) return eval(u, 0);
+  const int n = 24 + int(std::ceil(1.2 * u));
+  MixtureIntensity sum;
+  for (int i = 0; i < n; ++i) {
+    const double angle = std::numbers::pi * (i + 0.5) / n;
+    const MixtureIntensity m = eval(u * std::cos(angle), u * std::sin(angle));
+    sum.uncorrelated += m.uncorrelated / n, sum.coherent += m.coherent / n;
+  }
+  return sum;
+}
+
+double correlation_power(const RadialFunction& coherent_ring, const std::function<double(double)>& structure) {
+  // C falls as u^-3 and S' - 1 as u^-1.5: from 400 on there is less than 1e-6 of it.
+  const auto change = [&](double u) { return double(coherent_ring.eval(float(u))) * (structure(u) - 1) * u; };
+  using Rule = boost::math::quadrature::gauss<double, 10>;
+  double sum = 0;
+  // S' is sharply peaked near u = 3 at high area fractions and swings with period pi further out.
+  for (int i = 0; i < 128; ++i) sum += Rule::integrate(change, i / 8.0, (i + 1) / 8.0);
+  for (int i = 16; i < 400; ++i) sum += Rule::integrate(change, double(i), double(i + 1));
+  return sum;
+}
+
+}  // namespace aureole::optics

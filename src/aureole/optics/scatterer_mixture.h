@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// A mixture of scatterers of several shapes and sizes that sit, labelled at random, on one set of positions:
+// what J(q) needs of it (Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025,
+// equations 25 and 26, with amplitudes kept complex: |F_m||F_l| there stands for Re(F_m conj F_l), which
+// differs where transforms change sign). Per unit area
+//     J(q) = rho0 (U(q) + C(q) S'(q)),   C = |sum_m P_m <F_m>|^2,   U = sum_m P_m <|F_m|^2> - C,
+// <> the mean over sizes and, for those that are turned at random, over angles.
+//
+// Scale-free: lengths are relative to the correlation radius a, u = q a; U and C carry a^4.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "aureole/optics/aperture_shape.h"
+#include "aureole/optics/radial_function.h"
+#include "aureole/optics/size_distribution.h"
+
+namespace aureole::optics {
+
+struct Scatterer {
+  std::shared_ptr<const ApertureShape> shape;
+  double fraction = 1;  ///< P_m
+  double rotation = 0;  ///< rad, counter-clockwise
+  bool random_rotation = false;
+  SizeDistribution sizes;
+};
+
+/// The two parts of the intensity; both >= 0.
+struct MixtureIntensity {
+  double uncorrelated = 0;  ///< U
+  double coherent = 0;      ///< C
+};
+
+class ScattererMixture {
+public:
+  /// Throws std::domain_error where fractions do not sum to 1, or a shape is larger than the correlation
+  /// radius (in the unit of the shapes).
+  ScattererMixture(std::vector<Scatterer> scatterers, double correlation_radius);
+  ~ScattererMixture();
+
+  MixtureIntensity eval(double ux, double uy) const;
+  /// Means over the ring of radius u: of an isotropic mixture the intensity itself.
+  MixtureIntensity ring(double u) const;
+  bool is_isotropic() const { return isotropic_; }
+
+  /// sum P |A|, so that Fr = rho0 a^2 mean_area() = Fa mean_area()/pi.
+  double mean_area() const { return mean_area_; }
+  /// sum P integral of A^2.
+  double mean_squared_area() const { return mean_squared_area_; }
+
+private:
+  struct Part;
+  std::vector<Part> parts_;
+  bool isotropic_ = true;
+  double mean_area_ = 0, mean_squared_area_ = 0;
+};
+
+/// Integral of C(u) (S'(u) - 1) u du over [0, infinity): what correlation adds to 2 pi mean_squared_area().
+/// `coherent_ring` is the ring mean of C.
+double correlation_power(const RadialFunction& coherent_ring, const std::function<double(double)>& structure);
+
+}  // namespace aureole::optics

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// `ScattererTable`: U and C of a mixture for look-up in single precision, and their azimuths for sampling.
+// Shared by all radii, wavelengths, indices and area fractions.
+#pragma once
+
+#include <optional>
+
+#include "aureole/optics/intensity_map.h"
+#include "aureole/optics/ring_azimuths.h"
+#include "aureole/optics/scatterer_mixture.h"
+#include "aureole/optics/structure_factor.h"
+
+namespace aureole::optics {
+
+class ScattererTable {
+public:
+  /// Tables up to |u| = `extent`; beyond what fits (4096 of isotropic mixtures, 240 of others) the rings are
+  /// averaged out and the envelope falls as u^-3. `anisotropic` is the structure factor of positions that
+  /// have no circular symmetry, null otherwise: then azimuths are those of U + C S'.
+  ScattererTable(const ScattererMixture& mixture, double extent,
+                 std::shared_ptr<const StructureFactor> anisotropic = nullptr);
+
+  using Pair = IntensityMap::Pair;
+  /// The ring means of U and C.
+  Pair ring(float u) const { return {uncorrelated_.eval(u), coherent_.eval(u)}; }
+  /// U and C at (ux, uy) of length u.
+  Pair eval(float ux, float uy, float u) const {
+    if (!map_ || !(u < map_->extent())) return envelope(ux, uy, u);
+    return map_->eval(ux, uy);
+  }
+  /// Azimuths are needed: the mixture, or its positions, are not isotropic.
+  bool has_azimuths() const { return uncorrelated_azimuths_.has_value(); }
+  const RingAzimuths& uncorrelated_azimuths() const { return *uncorrelated_azimuths_; }
+  const RingAzimuths& coherent_azimuths() const {
+    return coherent_azimuths_ ? *coherent_azimuths_ : *uncorrelated_azimuths_;
+  }
+  /// Ring mean of U + C S' with the anisotropic S'.
+  float product_ring(float u) const { return product_->eval(u); }
+  bool is_product() const { return product_.has_value(); }
+  double product_end() const { return product_->end(); }
+  const RadialFunction& uncorrelated_ring() const { return uncorrelated_; }
+  const RadialFunction& coherent_ring() const { return coherent_; }
+  int end() const { return coherent_.end(); }
+  std::size_t bytes() const;
+
+private:
+  Pair envelope(float ux, float uy, float u) const;
+
+  RadialFunction uncorrelated_, coherent_;  // ring means
+  std::optional<IntensityMap> map_;
+  std::optional<RingAzimuths> uncorrelated_azimuths_, coherent_azimuths_;
+  std::optional<RadialFunction> product_;
+};
+
+}  // namespace aureole::optics
