@@ -58,8 +58,8 @@ std::string with_data_files(const std::string& example,
                             const std::vector<std::pair<std::string, Bytes>>& data, Files& used) {
   pugi::xml_document document;
   if (!document.load_string(example.c_str())) return example;
-  for (const pugi::xpath_node found :
-       document.select_nodes("//string[@name='filename']/@value | //spectrum/@filename")) {
+  for (const pugi::xpath_node found : document.select_nodes(
+           "//string[@name='filename' or @name='size_histogram']/@value | //spectrum/@filename")) {
     const std::string ending = std::filesystem::path(found.attribute().value()).extension().string();
     for (const auto& [name, bytes] : data) {
       if (!name.ends_with(ending)) continue;

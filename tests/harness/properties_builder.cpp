@@ -81,7 +81,9 @@ Properties read_node(const pugi::xml_node& node, const PluginInfo* plugin,
     else if (kind == "boolean")
       p.add(name, value == "true", at);
     else if (kind == "string")
-      p.add(name, name == "filename" && resolve ? resolve(value).string() : value, at);
+      p.add(name,
+            (name == "filename" || name == "size_histogram") && resolve ? resolve(value).string() : value,
+            at);
     else if (kind == "rgb") {
       SpectrumLiteral s;
       s.kind = SpectrumLiteral::Kind::rgb;

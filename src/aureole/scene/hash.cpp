@@ -40,7 +40,8 @@ private:
 };
 
 bool names_file(const Node& node, const Attribute& a) {
-  return (node.tag == "string" && node.get("name") == "filename" && a.name == "value") ||
+  const std::string name = node.get("name");
+  return (node.tag == "string" && (name == "filename" || name == "size_histogram") && a.name == "value") ||
          (node.tag == "spectrum" && a.name == "filename");
 }
 

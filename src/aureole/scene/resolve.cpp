@@ -31,7 +31,8 @@ public:
 private:
   void locate_files(Node& node) {
     Attribute* name = nullptr;
-    if (node.tag == "string" && node.get("name") == "filename") name = node.find("value");
+    if (node.tag == "string" && (node.get("name") == "filename" || node.get("name") == "size_histogram"))
+      name = node.find("value");
     if (node.tag == "spectrum") name = node.find("filename");
     if (name && !name->failed) {
       const std::filesystem::path found = find_file(name->value, *node.file, scene_.search_folders);

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// A circular aperture: Airy's pattern.
+#include "aureole/aperture/aperture.h"
+#include "aureole/aperture/length.h"
+#include "aureole/optics/round_aperture.h"
+
+namespace aureole {
+namespace {
+
+class Circle final : public Aperture {
+public:
+  explicit Circle(const Properties& p) : Aperture(p) {
+    const double radius = get_aperture_length_m(p, "radius");
+    set_shape(std::make_shared<optics::EllipseAperture>(radius, radius));
+  }
+};
+
+AUREOLE_PLUGIN(Circle, "aperture", "circle",
+               PluginDoc{"A circle. Its transform is 2 J1(u)/u, Airy's pattern.",
+                         "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.5.2",
+                         aperture_parameters({{"radius", "length", "", "required", "radius, such as 5um"}}),
+                         {R"(<aperture type="circle">
+    <string name="radius" value="5um"/>
+</aperture>)",
+                          R"(<aperture type="circle">
+    <string name="radius" value="4um"/>
+    <float name="fraction" value="0.7"/> <float name="size_spread" value="0.1"/>
+    <float name="rotation" value="0"/> <boolean name="random_rotation" value="false"/>
+</aperture>)",
+                          R"(<aperture type="circle">
+    <string name="radius" value="4um"/>
+    <string name="size_histogram" value="sizes.csv"/>
+</aperture>)"}});
+
+}  // namespace
+}  // namespace aureole

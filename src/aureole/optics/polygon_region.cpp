@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/optics/polygon_region.h"
+
+#include <algorithm>
+#include <clipper.hpp>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace aureole::optics {
+
+namespace {
+
+__extension__ using Wide = __int128;
+
+/// A point on a grid of 2^52 cells across the region, as fine as double precision, on which the tests of
+/// orientation are exact.
+struct GridPoint {
+  std::int64_t x, y;
+  bool operator==(const GridPoint&) const = default;
+};
+
+struct Grid {
+  PlanePoint center;
+  double cell = 1;
+
+  Grid(PlanePoint lower, PlanePoint upper)
+      : center{0.5 * (lower.x + upper.x), 0.5 * (lower.y + upper.y)},
+        cell(std::max(upper.x - lower.x, upper.y - lower.y) * 0x1p-52) {}
+  GridPoint operator()(PlanePoint p) const {
+    return {std::llrint((p.x - center.x) / cell), std::llrint((p.y - center.y) / cell)};
+  }
+  PlanePoint operator()(const ClipperLib::IntPoint& p) const {
+    return {center.x + double(p.X) * cell, center.y + double(p.Y) * cell};
+  }
+};
+
+struct Edge {
+  GridPoint a, b;
+  std::size_t ring, index;
+  std::int64_t min_x, max_x, min_y, max_y;
+
+  Edge(GridPoint from, GridPoint to, std::size_t in, std::size_t i)
+      : a(from),
+        b(to),
+        ring(in),
+        index(i),
+        min_x(std::min(a.x, b.x)),
+        max_x(std::max(a.x, b.x)),
+        min_y(std::min(a.y, b.y)),
+        max_y(std::max(a.y, b.y)) {}
+};
+
+/// Sign of the area of a triangle.
+int turn(GridPoint a, GridPoint b, GridPoint c) {
+  const Wide v = Wide(b.x - a.x) * (c.y - a.y) - Wide(b.y - a.y) * (c.x - a.x);
+  return v > 0 ? 1 : v < 0 ? -1 : 0;
+}
+
+/// For edges whose bounding boxes meet.
+bool touch(const Edge& e, const Edge& f) {
+  return turn(e.a, e.b, f.a) * turn(e.a, e.b, f.b) <= 0 && turn(f.a, f.b, e.a) * turn(f.a, f.b, e.b) <= 0;
+}
+
+/// The second edge starts where the first one ends and does not run back along it.
+bool is_plain_corner(const Edge& e, const Edge& f) {
+  if (!(e.b == f.a) || e.a == f.b) return false;
+  const Wide along = Wide(e.b.x - e.a.x) * (f.b.x - f.a.x) + Wide(e.b.y - e.a.y) * (f.b.y - f.a.y);
+  return turn(e.a, e.b, f.b) != 0 || along > 0;
+}
+
+std::string text(PlanePoint p) {
+  std::ostringstream out;
+  out.imbue(std::locale::classic());
+  out << "(" << p.x << ", " << p.y << ")";
+  return out.str();
+}
+
+std::string name_of(const std::vector<Ring>& rings, const Edge& e) {
+  const Ring& ring = rings[e.ring];
+  return "edge " + std::to_string(e.index + 1) + " from " + text(ring[e.index]) + " to " +
+         text(ring[(e.index + 1) % ring.size()]);
+}
+
+/// Throws where a ring touches itself; returns how often edges of different rings meet, or most + 1.
+std::size_t count_contacts(const std::vector<Ring>& rings, const Grid& grid, std::size_t most) {
+  std::vector<Edge> edges;
+  for (std::size_t r = 0; r < rings.size(); ++r)
+    for (std::size_t i = 0; i < rings[r].size(); ++i)
+      edges.emplace_back(grid(rings[r][i]), grid(rings[r][(i + 1) % rings[r].size()]), r, i);
+  std::sort(edges.begin(), edges.end(), [](const Edge& e, const Edge& f) { return e.min_x < f.min_x; });
+  std::size_t contacts = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const Edge& e = edges[i];
+    for (std::size_t j = i + 1; j < edges.size() && edges[j].min_x <= e.max_x; ++j) {
+      const Edge& f = edges[j];
+      if (f.min_y > e.max_y || f.max_y < e.min_y || !touch(e, f)) continue;
+      if (e.ring != f.ring) {
+        if (++contacts > most) return contacts;
+        continue;
+      }
+      const std::size_t n = rings[e.ring].size();
+      const bool e_first = (e.index + 1) % n == f.index, f_first = (f.index + 1) % n == e.index;
+      if ((e_first && is_plain_corner(e, f)) || (f_first && is_plain_corner(f, e))) continue;
+      const bool swap = f.index < e.index;
+      throw std::domain_error("ring " + std::to_string(e.ring + 1) + " touches or crosses itself: " +
+                              name_of(rings, swap ? f : e) + " meets " + name_of(rings, swap ? e : f));
+    }
+  }
+  return contacts;
+}
+
+void bound(const std::vector<Ring>& rings, PlanePoint& lower, PlanePoint& upper) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  lower = {kInfinity, kInfinity};
+  upper = {-kInfinity, -kInfinity};
+  for (const Ring& ring : rings)
+    for (const PlanePoint& p : ring) {
+      lower = {std::min(lower.x, p.x), std::min(lower.y, p.y)};
+      upper = {std::max(upper.x, p.x), std::max(upper.y, p.y)};
+    }
+}
+
+}  // namespace
+
+PolygonRegion::PolygonRegion(std::vector<Ring> rings) : rings_(std::move(rings)) {
+  bound(rings_, lower_, upper_);
+  // About the middle of the region, so that nothing cancels where that is far from the origin.
+  const PlanePoint middle{0.5 * (lower_.x + upper_.x), 0.5 * (lower_.y + upper_.y)};
+  double moment_x = 0, moment_y = 0;
+  for (const Ring& ring : rings_)
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const PlanePoint &p = ring[i], &next = ring[i + 1 < ring.size() ? i + 1 : 0];
+      const double ax = p.x - middle.x, ay = p.y - middle.y, bx = next.x - middle.x, by = next.y - middle.y;
+      const double cross = ax * by - ay * bx;
+      area_ += cross / 2;
+      moment_x += cross * (ax + bx) / 6;
+      moment_y += cross * (ay + by) / 6;
+    }
+  centroid_ = {middle.x + moment_x / area_, middle.y + moment_y / area_};
+}
+
+PolygonRegion PolygonRegion::even_odd(std::vector<Ring> rings) {
+  std::size_t count = 0;
+  for (const Ring& ring : rings) {
+    count += ring.size();
+    for (const PlanePoint& p : ring)
+      if (!(std::abs(p.x) < 1e100 && std::abs(p.y) < 1e100))
+        throw std::domain_error("a coordinate is not a number below 1e100");
+  }
+  if (count > kMaxVertices)
+    throw std::domain_error("has " + std::to_string(count) + " vertices; the limit is " +
+                            std::to_string(kMaxVertices));
+  if (count == 0) throw std::domain_error("has no vertices");
+  PlanePoint lower, upper;
+  bound(rings, lower, upper);
+  const Grid grid(lower, upper);
+  if (!(grid.cell > 1e-100)) throw std::domain_error("all its vertices are in one place");
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    Ring& ring = rings[r];
+    const auto same = [&](PlanePoint a, PlanePoint b) { return grid(a) == grid(b); };
+    ring.erase(std::unique(ring.begin(), ring.end(), same), ring.end());
+    while (ring.size() > 1 && same(ring.front(), ring.back())) ring.pop_back();
+    if (ring.size() < 3)
+      throw std::domain_error("ring " + std::to_string(r + 1) + " has fewer than 3 different vertices");
+  }
+  if (count_contacts(rings, grid, kMaxVertices) > kMaxVertices)
+    throw std::domain_error("its rings cross each other more than " + std::to_string(kMaxVertices) +
+                            " times");
+
+  if (rings.size() == 1) {
+    // As written, to the last bit.
+    if (PolygonRegion(rings).area_ < 0) std::reverse(rings[0].begin(), rings[0].end());
+  } else {
+    ClipperLib::Clipper clipper;
+    for (const Ring& ring : rings) {
+      ClipperLib::Path path;
+      for (const PlanePoint& p : ring) {
+        const GridPoint g = grid(p);
+        path.emplace_back(g.x, g.y);
+      }
+      clipper.AddPath(path, ClipperLib::ptSubject, true);
+    }
+    ClipperLib::Paths parts;
+    clipper.Execute(ClipperLib::ctUnion, parts, ClipperLib::pftEvenOdd);
+    rings.clear();
+    for (const ClipperLib::Path& path : parts) {
+      Ring ring;
+      for (const ClipperLib::IntPoint& p : path) ring.push_back(grid(p));
+      if (ring.size() > 2) rings.push_back(std::move(ring));
+    }
+  }
+  const double box = std::max(upper.x - lower.x, upper.y - lower.y);
+  if (!rings.empty()) {
+    PolygonRegion region(std::move(rings));
+    if (region.area_ > 1e-8 * box * box) return region;
+  }
+  throw std::domain_error("has no area");
+}
+
+PolygonRegion PolygonRegion::placed(PlanePoint origin, double scale) const {
+  std::vector<Ring> rings = rings_;
+  for (Ring& ring : rings)
+    for (PlanePoint& p : ring) p = {scale * (p.x - origin.x), scale * (p.y - origin.y)};
+  return PolygonRegion(std::move(rings));
+}
+
+}  // namespace aureole::optics
