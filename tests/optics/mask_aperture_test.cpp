@@ -106,6 +106,27 @@ TEST(MaskAperture, IsThePolygonThatItDraws) {
     }
 }
 
+TEST(MaskAperture, ParsevalsTheorem) {
+  const Mask m = random_mask(6, 5, 11);
+  const MaskAperture a(m, 1, true);
+  const double most = 40;
+  const int rings = 640, angles = 1024;
+  double sum = 0, jumps = 0;
+  for (int i = 0; i < rings; ++i)
+    for (int k = 0; k < angles; ++k) {
+      const double q = most * (i + 0.5) / rings, phi = std::numbers::pi * (k + 0.3) / angles;
+      sum += q * std::norm(a.transform(q * std::cos(phi), q * std::sin(phi)));
+    }
+  sum *= most / rings / angles / (2 * std::numbers::pi);
+  // Beyond, Porod's law: every edge of a pixel counts by its jump squared.
+  const auto value = [&](int x, int y) { return x < 0 || y < 0 || x >= 6 || y >= 5 ? 0.f : m.at(x, y); };
+  for (int y = -1; y < 5; ++y)
+    for (int x = -1; x < 6; ++x)
+      jumps += std::pow(value(x + 1, y) - value(x, y), 2) + std::pow(value(x, y + 1) - value(x, y), 2);
+  EXPECT_NEAR(sum + jumps / (std::numbers::pi * most), a.squared_area(), 1e-3 * a.squared_area());
+  EXPECT_LT(a.squared_area(), 0.8 * a.area());
+}
+
 TEST(MaskAperture, BorderDoesNotCountAndLargePicturesAreAveraged) {
   // One bright square in a picture of 3000 x 2600, larger than the limit when cropped.
   Mask m{3000, 2600, std::vector<float>(3000 * 2600)};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any shape, as a picture.
-#include <cmath>
+#include <filesystem>
 #include <stdexcept>
 
 #include "aureole/aperture/aperture.h"
