@@ -13,11 +13,11 @@ namespace {
 
 optics::Mask read_mask(const Properties& p, bool invert) {
   constexpr std::size_t kMaxPixels = std::size_t(1) << 26;
+  const std::filesystem::path file = p.get_file("filename");
   Image image;
   try {
-    image = read_image(p.get_file("filename"), nullptr, kMaxPixels);
+    image = read_image(file, nullptr, kMaxPixels);
   } catch (const Error& problem) {
-    if (!problem.where().file.empty()) throw;
     throw p.error("filename", problem.message());
   }
   const int r = image.channel("R"), g = image.channel("G"), b = image.channel("B"), a = image.channel("A");

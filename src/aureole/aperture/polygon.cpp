@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any shape with straight edges, inline or from a drawing.
+#include <algorithm>
+#include <filesystem>
 #include <stdexcept>
 
 #include "aureole/aperture/aperture.h"
@@ -38,26 +40,31 @@ std::vector<optics::Ring> parse_rings(std::string_view text) {
 class Polygon final : public Aperture {
 public:
   explicit Polygon(const Properties& p) : Aperture(p) {
-    const bool inline_ = p.has("vertices");
-    if (inline_ == p.has("filename")) throw p.error("vertices", "give either \"vertices\" or \"filename\"");
-    const std::string source = inline_ ? "vertices" : "filename";
+    if (p.has("vertices") == p.has("filename"))
+      throw p.error("vertices", "give either \"vertices\" or \"filename\"");
+    const std::string source = p.has("vertices") ? "vertices" : "filename";
+    const optics::PolygonRegion region = read_region(p, source);
+    const double scale = p.has("vertices")
+                             ? get_aperture_length_m(p, "unit")
+                             : get_aperture_length_m(p, "width") / (region.upper().x - region.lower().x);
     const bool centroid = p.get_bool("centroid", true);
+    const auto shape = std::make_shared<optics::PolygonAperture>(
+        region.placed(centroid ? region.centroid() : optics::PlanePoint{}, scale));
+    if (!(shape->bounding_radius() >= 1e-9 && shape->bounding_radius() <= 1))
+      throw p.error(source, "the shape reaches " + std::to_string(shape->bounding_radius()) +
+                                " m from its origin; it must be between 1nm and 1m");
+    set_shape(shape);
+  }
+
+private:
+  static optics::PolygonRegion read_region(const Properties& p, const std::string& source) {
+    const std::filesystem::path file = source == "filename" ? p.get_file(source) : "";
     try {
-      const auto region = optics::PolygonRegion::even_odd(inline_ ? parse_rings(p.get_string("vertices"))
-                                                                  : read_svg_rings(p.get_file("filename")));
-      const double scale = inline_
-                               ? get_aperture_length_m(p, "unit")
-                               : get_aperture_length_m(p, "width") / (region.upper().x - region.lower().x);
-      const auto shape = std::make_shared<optics::PolygonAperture>(
-          region.placed(centroid ? region.centroid() : optics::PlanePoint{}, scale));
-      if (!(shape->bounding_radius() >= 1e-9 && shape->bounding_radius() <= 1))
-        throw p.error(source, "the shape reaches " + std::to_string(shape->bounding_radius()) +
-                                  " m from its origin; it must be between 1nm and 1m");
-      set_shape(shape);
+      return optics::PolygonRegion::even_odd(file.empty() ? parse_rings(p.get_string(source))
+                                                          : read_svg_rings(file));
     } catch (const std::domain_error& problem) {
       throw p.error(source, std::string("the polygon ") + problem.what());
     } catch (const Error& problem) {
-      if (problem.where().line > 0 || !problem.where().file.empty()) throw;
       throw p.error(source, problem.message());
     }
   }
