@@ -2,7 +2,7 @@
 // The transform of a polygon, by the divergence theorem a sum over its edges e_j with midpoints v_j:
 //   F(q) = (i/|q|^2) sum_j (q x e_j) sinc(q.e_j/2) exp(-i q.v_j)
 // (Lee & Mittra 1983, "Fourier transform of a polygonal shape function and its application in
-// electromagnetics", IEEE Trans. Antennas Propag. 31(1), equation 9). It needs one exponential per vertex:
+// electromagnetics", IEEE Trans. Antennas Propag. 31(1)). It needs one exponential per vertex:
 // with E_j = exp(-i q.p_j) of the edge's ends and h = q.e_j/2,
 //   sinc(h) exp(-i q.v_j) = (E_j - E_j+1)/(2 i h) = (E_j + E_j+1)/2 tan(h)/h,
 // the second form where h is small and the difference cancels. Near q = 0 the sum itself cancels, and a power

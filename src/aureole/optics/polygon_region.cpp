@@ -196,7 +196,7 @@ PolygonRegion PolygonRegion::even_odd(std::vector<Ring> rings) {
   const double box = std::max(upper.x - lower.x, upper.y - lower.y);
   if (!rings.empty()) {
     PolygonRegion region(std::move(rings));
-    if (region.area_ > 1e-8 * box * box) return region;
+    if (region.area_ > 1e-10 * box * box) return region;
   }
   throw std::domain_error("has no area");
 }

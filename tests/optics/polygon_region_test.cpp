@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/optics/polygon_region.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "optics/polygon_test_support.h"
+
+namespace aureole::optics {
+namespace {
+
+using testing::regular_ring;
+
+Ring square(double x, double y, double side) {
+  return {{x, y}, {x + side, y}, {x + side, y + side}, {x, y + side}};
+}
+
+Ring reversed(Ring r) {
+  std::reverse(r.begin(), r.end());
+  return r;
+}
+
+double signed_area(const Ring& r) {
+  double a = 0;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const PlanePoint p = r[i], q = r[(i + 1) % r.size()];
+    a += 0.5 * (p.x * q.y - p.y * q.x);
+  }
+  return a;
+}
+
+TEST(PolygonRegion, OrientationOfTheInputDoesNotMatter) {
+  for (const Ring& outer : {square(0, 0, 4), reversed(square(0, 0, 4))})
+    for (const Ring& hole : {square(1, 1, 1), reversed(square(1, 1, 1))}) {
+      const PolygonRegion r = PolygonRegion::even_odd({hole, outer});
+      EXPECT_NEAR(r.area(), 15, 1e-14);
+      ASSERT_EQ(r.rings().size(), 2u);
+      int outers = 0;
+      for (const Ring& ring : r.rings()) outers += signed_area(ring) > 0;
+      EXPECT_EQ(outers, 1);
+      EXPECT_NEAR(r.centroid().x, (16 * 2 - 1.5) / 15, 1e-14);
+      EXPECT_NEAR(r.centroid().y, (16 * 2 - 1.5) / 15, 1e-14);
+    }
+  EXPECT_NEAR(PolygonRegion::even_odd({reversed(square(5, 5, 2))}).area(), 4, 1e-15);
+}
+
+TEST(PolygonRegion, EvenOdd) {
+  const auto area = [](std::vector<Ring> rings) { return PolygonRegion::even_odd(std::move(rings)).area(); };
+  EXPECT_NEAR(area({square(0, 0, 4), square(1, 1, 2), square(1.5, 1.5, 1)}), 16 - 4 + 1, 1e-13);
+  EXPECT_NEAR(area({square(0, 0, 2), square(1, 1, 2)}), 4 + 4 - 2, 1e-13);  // overlap
+  EXPECT_NEAR(area({square(0, 0, 1), square(1, 0, 1)}), 2, 1e-13);          // a common edge
+  EXPECT_NEAR(area({square(0, 0, 1), square(1, 1, 1)}), 2, 1e-13);          // a common corner
+  EXPECT_NEAR(area({square(0, 0, 2), square(0, 0, 1)}), 3, 1e-13);          // a hole at the border
+  EXPECT_NEAR(area({square(0, 0, 1), square(3e4, 0, 1)}), 2, 1e-11);
+}
+
+TEST(PolygonRegion, RepeatedAndCollinearVertices) {
+  const Ring r = {{0, 0}, {1, 0}, {1, 0}, {2, 0}, {2, 2}, {0, 2}, {0, 0}};
+  const PolygonRegion region = PolygonRegion::even_odd({r});
+  EXPECT_NEAR(region.area(), 4, 1e-15);
+  EXPECT_EQ(region.rings()[0].size(), 5u);
+}
+
+TEST(PolygonRegion, PlacedAndBounds) {
+  const PolygonRegion r = PolygonRegion::even_odd({square(100, 200, 4)}).placed({102, 202}, 0.5);
+  EXPECT_EQ(r.lower().x, -1);
+  EXPECT_EQ(r.upper().y, 1);
+  EXPECT_NEAR(r.centroid().x, 0, 1e-15);
+  EXPECT_NEAR(r.area(), 4, 1e-15);
+}
+
+TEST(PolygonRegion, Errors) {
+  const auto message = [](std::vector<Ring> rings) -> std::string {
+    try {
+      PolygonRegion::even_odd(std::move(rings));
+    } catch (const std::domain_error& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(message({}), "has no vertices");
+  EXPECT_EQ(message({{{0, 0}, {1, NAN}, {1, 1}}}), "a coordinate is not a number below 1e100");
+  EXPECT_EQ(message({{{0, 0}, {1e300, 0}, {1, 1}}}), "a coordinate is not a number below 1e100");
+  EXPECT_EQ(message({{{1, 1}, {1, 1}, {1, 1}}}), "all its vertices are in one place");
+  EXPECT_EQ(message({square(0, 0, 1), {{0, 0}, {1, 1}, {0, 0}}}),
+            "ring 2 has fewer than 3 different vertices");
+  EXPECT_EQ(
+      message({{{0, 0}, {2, 2}, {2, 0}, {0, 2}}}),
+      "ring 1 touches or crosses itself: edge 1 from (0, 0) to (2, 2) meets edge 3 from (2, 0) to (0, 2)");
+  // A path that comes back to a vertex, one that runs back along an edge, and one that touches an edge.
+  EXPECT_NE(message({{{0, 0}, {1, 1}, {2, 0}, {2, 2}, {1, 1}, {0, 2}}}).find("touches or crosses"),
+            std::string::npos);
+  EXPECT_NE(message({{{0, 0}, {2, 0}, {2, 2}, {3, 3}, {2, 2}, {0, 2}}}).find("touches or crosses"),
+            std::string::npos);
+  EXPECT_NE(message({{{0, 0}, {2, 0}, {2, 2}, {1, 0}, {0, 2}}}).find("touches or crosses"),
+            std::string::npos);
+  EXPECT_NE(message({{{0, 0}, {1, 0}, {2, 0}}}).find("touches or crosses"), std::string::npos);
+  EXPECT_EQ(message({square(0, 0, 1), square(0, 0, 1)}), "has no area");
+  EXPECT_EQ(message({{{0, 0}, {1, 0}, {1, 1e-11}}}), "has no area");
+  EXPECT_EQ(message({regular_ring(10001, 1)}), "has 10001 vertices; the limit is 10000");
+  EXPECT_EQ(message({regular_ring(9000, 1)}), "no error");
+  // Two combs whose teeth cross.
+  Ring across, down;
+  for (int i = 0; i < 240; ++i) {
+    across.push_back({i % 4 == 0 || i % 4 == 3 ? 0.0 : 300.0, i + 30.0});
+    down.push_back({i + 30.0, i % 4 == 0 || i % 4 == 3 ? 0.0 : 300.0});
+  }
+  across.insert(across.end(), {{-10, 280}, {-10, 5}});
+  down.insert(down.end(), {{280, -10}, {5, -10}});
+  EXPECT_EQ(message({across, down}), "its rings cross each other more than 10000 times");
+}
+
+}  // namespace
+}  // namespace aureole::optics
