@@ -65,8 +65,7 @@ HardDiscSimulation::HardDiscSimulation(std::vector<double> radii, double area_fr
   std::fill(discs_.radius.begin(), discs_.radius.end(), 0.0);
   double nearest = discs_.box_x;
   for (int i = 0; i < discs_.size(); ++i) nearest = std::min(nearest, room(i));
-  for (int i = 0; i < discs_.size(); ++i)
-    discs_.radius[size_t(i)] = std::min(target[size_t(i)], nearest / 2 / kMargin);
+  for (int i = 0; i < discs_.size(); ++i) discs_.radius[i] = std::min(target[i], nearest / 2 / kMargin);
   grow(target);
   reset_pressure();
 }
@@ -83,16 +82,16 @@ void HardDiscSimulation::place_on_lattice() {
     if (nearest > best) best = nearest, best_columns = columns, best_rows = rows;
   }
   std::vector<int> order(static_cast<size_t>(n));
-  for (int i = 0; i < n; ++i) order[size_t(i)] = i;
+  for (int i = 0; i < n; ++i) order[i] = i;
   if (mixed_)
-    for (int i = n - 1; i > 0; --i) std::swap(order[size_t(i)], order[size_t(random() * (i + 1))]);
+    for (int i = n - 1; i > 0; --i) std::swap(order[i], order[random() * (i + 1)]);
   discs_.x.resize(size_t(n)), discs_.y.resize(size_t(n));
   const std::int64_t sites = std::int64_t(best_columns) * best_rows;
   for (int i = 0; i < n; ++i) {
     const int site = int(i * sites / n);  // spreads the vacancies
     const int row = site / best_columns, column = site % best_columns;
-    discs_.x[size_t(order[size_t(i)])] = (column + 0.5 * (row % 2) + 0.25) * box / best_columns;
-    discs_.y[size_t(order[size_t(i)])] = (row + 0.5) * box / best_rows;
+    discs_.x[order[size_t(i)]] = (column + 0.5 * (row % 2) + 0.25) * box / best_columns;
+    discs_.y[order[size_t(i)]] = (row + 0.5) * box / best_rows;
   }
 }
 
@@ -113,14 +112,14 @@ void HardDiscSimulation::build_cells(double largest_radius) {
   cell_of_.assign(size_t(discs_.size()), 0);
   slot_of_.assign(size_t(discs_.size()), 0);
   for (int i = 0; i < discs_.size(); ++i) {
-    const int cx = std::min(int(discs_.x[size_t(i)] / cell_size_[0]), cells_[0] - 1);
-    const int cy = std::min(int(discs_.y[size_t(i)] / cell_size_[1]), cells_[1] - 1);
+    const int cx = std::min(int(discs_.x[i] / cell_size_[0]), cells_[0] - 1);
+    const int cy = std::min(int(discs_.y[i] / cell_size_[1]), cells_[1] - 1);
     insert(i, cy * cells_[0] + cx);
   }
 }
 
 void HardDiscSimulation::insert(int disc, int cell) {
-  if (count_[size_t(cell)] == capacity_) {
+  if (count_[cell] == capacity_) {
     std::vector<int> wider(members_.size() * 2);
     for (size_t c = 0; c < count_.size(); ++c)
       std::copy_n(members_.begin() + std::ptrdiff_t(c) * capacity_, count_[c],
@@ -128,17 +127,17 @@ void HardDiscSimulation::insert(int disc, int cell) {
     members_.swap(wider);
     capacity_ *= 2;
   }
-  const int slot = count_[size_t(cell)]++;
-  members_[size_t(cell * capacity_ + slot)] = disc;
-  cell_of_[size_t(disc)] = cell;
-  slot_of_[size_t(disc)] = slot;
+  const int slot = count_[cell]++;
+  members_[cell * capacity_ + slot] = disc;
+  cell_of_[disc] = cell;
+  slot_of_[disc] = slot;
 }
 
 void HardDiscSimulation::remove(int disc) {
-  const int cell = cell_of_[size_t(disc)], slot = slot_of_[size_t(disc)];
-  const int last = members_[size_t(cell * capacity_ + --count_[size_t(cell)])];
-  members_[size_t(cell * capacity_ + slot)] = last;
-  slot_of_[size_t(last)] = slot;
+  const int cell = cell_of_[disc], slot = slot_of_[disc];
+  const int last = members_[cell * capacity_ + --count_[size_t(cell)]];
+  members_[cell * capacity_ + slot] = last;
+  slot_of_[last] = slot;
 }
 
 /// Largest radius that the disc's neighbours leave it, as far as the cells around it can tell.
@@ -149,8 +148,8 @@ double HardDiscSimulation::room(int disc) const {
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       const int cell = (cy + dy + cells_[1]) % cells_[1] * cells_[0] + (cx + dx + cells_[0]) % cells_[0];
-      for (int k = 0; k < count_[size_t(cell)]; ++k) {
-        const size_t j = size_t(members_[size_t(cell * capacity_ + k)]);
+      for (int k = 0; k < count_[cell]; ++k) {
+        const size_t j = size_t(members_[cell * capacity_ + k]);
         if (j == i) continue;
         const double x = std::remainder(discs_.x[j] - discs_.x[i], discs_.box_x);
         const double y = std::remainder(discs_.y[j] - discs_.y[i], discs_.box_y);
@@ -165,11 +164,11 @@ void HardDiscSimulation::grow(const std::vector<double>& target) {
   for (int round = 0; round < kPatience; ++round) {
     bool all = true;
     for (int i = 0; i < discs_.size(); ++i) {
-      double& r = discs_.radius[size_t(i)];
-      if (r == target[size_t(i)]) continue;
+      double& r = discs_.radius[i];
+      if (r == target[i]) continue;
       // A cell is at least two radii wide, whosever they are.
-      r = std::max(r, std::min(target[size_t(i)], room(i) - 2 * (kMargin - 1) * cell_size_[0]));
-      all = all && r == target[size_t(i)];
+      r = std::max(r, std::min(target[i], room(i) - 2 * (kMargin - 1) * cell_size_[0]));
+      all = all && r == target[i];
     }
     if (all) return;
     advance(1);
@@ -188,8 +187,8 @@ void HardDiscSimulation::chain(int disc, int axis) {
   const int stride_p = axis ? cells_[0] : 1, stride_t = axis ? 1 : cells_[0];
   const double* radius = discs_.radius.data();
   double left = chain_length_, carried = 0;
-  int cp = axis ? cell_of_[size_t(disc)] / cells_[0] : cell_of_[size_t(disc)] % cells_[0];
-  int ct = axis ? cell_of_[size_t(disc)] % cells_[0] : cell_of_[size_t(disc)] / cells_[0];
+  int cp = axis ? cell_of_[disc] / cells_[0] : cell_of_[disc] % cells_[0];
+  int ct = axis ? cell_of_[disc] % cells_[0] : cell_of_[disc] / cells_[0];
   while (true) {
     // Discs beyond the next cell cannot be hit before this one ends, since cells are a diameter wide.
     const double at = p[disc], across = t[disc], own = radius[disc];
@@ -208,8 +207,8 @@ void HardDiscSimulation::chain(int disc, int axis) {
         double shift_p = -at;
         if (rp == cells_p) rp = 0, shift_p += box_p;
         const int cell = rp * stride_p + rt * stride_t;
-        const int* member = &members_[size_t(cell * capacity_)];
-        for (int k = 0, n = count_[size_t(cell)]; k < n; ++k) {
+        const int* member = &members_[cell * capacity_];
+        for (int k = 0, n = count_[cell]; k < n; ++k) {
           const int j = member[k];
           const double ahead = p[j] + shift_p, beside = t[j] + shift_t;
           const double contact = (own + radius[j]) * kMargin;
@@ -246,16 +245,16 @@ void HardDiscSimulation::chain(int disc, int axis) {
 }
 
 bool HardDiscSimulation::fits(int place, double x, double y, double radius, int ignored) const {
-  const int cx = cell_of_[size_t(place)] % cells_[0], cy = cell_of_[size_t(place)] / cells_[0];
+  const int cx = cell_of_[place] % cells_[0], cy = cell_of_[place] / cells_[0];
   for (int dy = -1; dy <= 1; ++dy)
     for (int dx = -1; dx <= 1; ++dx) {
       const int cell = (cy + dy + cells_[1]) % cells_[1] * cells_[0] + (cx + dx + cells_[0]) % cells_[0];
-      for (int k = 0; k < count_[size_t(cell)]; ++k) {
-        const int j = members_[size_t(cell * capacity_ + k)];
+      for (int k = 0; k < count_[cell]; ++k) {
+        const int j = members_[cell * capacity_ + k];
         if (j == place || j == ignored) continue;
-        const double ex = std::remainder(discs_.x[size_t(j)] - x, discs_.box_x);
-        const double ey = std::remainder(discs_.y[size_t(j)] - y, discs_.box_y);
-        const double contact = (radius + discs_.radius[size_t(j)]) * kMargin;
+        const double ex = std::remainder(discs_.x[j] - x, discs_.box_x);
+        const double ey = std::remainder(discs_.y[j] - y, discs_.box_y);
+        const double contact = (radius + discs_.radius[j]) * kMargin;
         if (ex * ex + ey * ey < contact * contact) return false;
       }
     }
@@ -265,13 +264,13 @@ bool HardDiscSimulation::fits(int place, double x, double y, double radius, int 
 void HardDiscSimulation::try_swap() {
   int big = int(random() * discs_.size()), small = int(random() * discs_.size());
   const std::vector<double>& r = discs_.radius;
-  if (r[size_t(big)] == r[size_t(small)]) return;
-  if (r[size_t(big)] < r[size_t(small)]) std::swap(big, small);
-  if (!fits(small, discs_.x[size_t(small)], discs_.y[size_t(small)], r[size_t(big)], big)) return;
-  const int cell_big = cell_of_[size_t(big)], cell_small = cell_of_[size_t(small)];
+  if (r[big] == r[small]) return;
+  if (r[big] < r[small]) std::swap(big, small);
+  if (!fits(small, discs_.x[small], discs_.y[small], r[big], big)) return;
+  const int cell_big = cell_of_[big], cell_small = cell_of_[small];
   remove(big), remove(small);
-  std::swap(discs_.x[size_t(big)], discs_.x[size_t(small)]);
-  std::swap(discs_.y[size_t(big)], discs_.y[size_t(small)]);
+  std::swap(discs_.x[big], discs_.x[small]);
+  std::swap(discs_.y[big], discs_.y[small]);
   insert(big, cell_small), insert(small, cell_big);
 }
 
