@@ -42,9 +42,9 @@ public:
   /// places where they fit.
   void advance(double sweeps);
 
-  /// Sweeps after which a lattice is forgotten; see the .cpp for how it was measured.
+  /// Sweeps after which the start is forgotten, from measured autocorrelation times (in the .cpp).
   double equilibration_sweeps() const;
-  /// Sweeps between snapshots that are worth looking at.
+  /// Sweeps after which another snapshot is worth its evaluation.
   double decorrelation_sweeps() const;
 
   const HardDiscs& state() const { return discs_; }
@@ -64,6 +64,7 @@ private:
   void remove(int disc);
   bool fits(int disc, double x, double y, double radius, int ignored) const;
   double room(int disc) const;
+  double peak_correlation() const;
   void chain(int disc, int axis);
   void try_swap();
   double random() { return double(combine_bits(seed_, counter_++) >> 11) * 0x1p-53; }

@@ -132,7 +132,8 @@ void RingStructureFactor::sum_waves(const HardDiscs& discs) {
 }
 
 void RingStructureFactor::add(const HardDiscs& discs) {
-  if (discs.box_x != box_x_ || discs.box_y != box_y_ ||
+  // The same side from another order of operations will do.
+  if (!(std::abs(discs.box_x / box_x_ - 1) < 1e-9 && std::abs(discs.box_y / box_y_ - 1) < 1e-9) ||
       (!class_of_.empty() && int(class_of_.size()) != discs.size()))
     throw std::domain_error("snapshots must have the box and the discs that the rings were made for");
   if (class_of_.empty()) class_count_[0] = discs.size();
