@@ -294,8 +294,10 @@ double HardDiscSimulation::peak_correlation() const {
   return 1.4 + 35 * std::exp((area_fraction_ - 0.68) / 0.03);
 }
 
-double HardDiscSimulation::equilibration_sweeps() const { return 300 + 30 * peak_correlation(); }
-double HardDiscSimulation::decorrelation_sweeps() const { return 6 + 0.3 * peak_correlation(); }
+double HardDiscSimulation::equilibration_sweeps() const { return 200 + 30 * peak_correlation(); }
+double HardDiscSimulation::decorrelation_sweeps() const {
+  return 2.5 + 8 * area_fraction_ + 0.3 * peak_correlation();
+}
 
 double HardDiscSimulation::pressure(int axis) const {
   return 1 + carried_[axis] / (double(chains_[axis]) * chain_length_);

@@ -42,6 +42,8 @@ RingStructureFactor::RingStructureFactor(double box_x, double box_y, const std::
     classes_ = std::max(classes_, c + 1);
   }
   const double dx = 2 * kPi / box_x, dy = 2 * kPi / box_y;
+  if (!(edges.back() / std::min(dx, dy) <= 4096))
+    throw std::domain_error("rings of wave vectors end at 4096 waves per side of the box");
   struct Candidate {
     int ring, kx, ky;
     double q;

@@ -110,8 +110,8 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
       const double contact = mixture_.radius(m) + mixture_.radius(l);
       constexpr int kInside = 8;
       for (int i = 0; i <= kInside; ++i) c.knots.push_back(contact * i / kInside);
-      for (const double beyond :
-           {0.0, 0.2, 0.4, 0.7, 1.0, 1.4, 1.9, 2.5, 3.2, 4.0, 5.0, 6.0, 7.0, 8.5, 10.0, 12.0, 14.0})
+      // Features of the second shell, which grow sharp towards freezing, need fine steps.
+      for (double beyond = 0; beyond < 12.1; beyond += beyond < 5 ? 0.25 : beyond < 7 ? 0.5 : 1)
         c.knots.push_back(contact + beyond * mean);
       c.coefficients.assign(c.knots.size() - 1, 0.0);
       c.scale = mixture_.density() * std::sqrt(mixture_.fraction(m) * mixture_.fraction(l));

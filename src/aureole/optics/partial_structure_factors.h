@@ -15,7 +15,7 @@ namespace aureole::optics {
 ///
 /// S = (1 - C)^-1, and the direct correlation C is smooth and of short range where S is not (Ornstein &
 /// Zernike). What a simulation says about S is therefore fitted, ring by ring, as a correction of C from
-/// theory: piecewise linear functions of r inside of contact and out to seven mean diameters beyond it, with
+/// theory: piecewise linear functions of r inside of contact and out to six mean diameters beyond it, with
 /// a jump at contact.
 class PartialStructureFactors {
 public:

@@ -95,19 +95,17 @@ HardDiscMeasurement measure_hard_discs(const HardDiscMixture& mixture, const Har
 
 PartialStructureFactors simulate_partial_structure_factors(const HardDiscMixture& mixture,
                                                            const HardDiscEnsemble& ensemble) {
+  if (mixture.area_fraction() > HardDiscSimulation::kMaxAreaFraction)
+    throw std::domain_error("area fraction of simulated hard discs must be in [0, 0.68], got " +
+                            std::to_string(mixture.area_fraction()));
+  if (mixture.area_fraction() < HardDiscEnsemble::kTheoryBelow)
+    return PartialStructureFactors(mixture, kTable / mixture.mean_radius());
   const HardDiscMeasurement measured = measure_hard_discs(mixture, ensemble);
   return PartialStructureFactors(measured.mixture, kTable / measured.mixture.mean_radius(),
                                  measured.structure);
 }
 
-SimulatedStructureFactor::SimulatedStructureFactor(double area_fraction, const HardDiscEnsemble& ensemble) {
-  if (!(area_fraction >= 0 && area_fraction <= HardDiscSimulation::kMaxAreaFraction))
-    throw std::domain_error("area fraction of simulated hard discs must be in [0, 0.68], got " +
-                            std::to_string(area_fraction));
-  if (area_fraction == 0) return;
-  const HardDiscMeasurement measured = measure_hard_discs(HardDiscMixture({1}, {1}, area_fraction), ensemble);
-  pressure_ = measured.pressure;
-  table_ = std::make_shared<PartialStructureFactors>(measured.mixture, kTable, measured.structure);
-}
+SimulatedStructureFactor::SimulatedStructureFactor(double area_fraction, const HardDiscEnsemble& ensemble)
+    : table_(simulate_partial_structure_factors(HardDiscMixture({1}, {1}, area_fraction), ensemble)) {}
 
 }  // namespace aureole::optics

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "aureole/optics/partial_structure_factors.h"
 #include "aureole/optics/structure_factor.h"
@@ -12,6 +11,9 @@ namespace aureole::optics {
 
 struct HardDiscEnsemble {
   static constexpr int kReplicas = 8;  ///< independent simulations, whatever the number of threads
+
+  /// Below this area fraction theory is closer than noise: its error is under 0.4 Fa^2.
+  static constexpr double kTheoryBelow = 0.03;
 
   int discs = 1500;      ///< in each replica
   int snapshots = 1200;  ///< in all replicas together
@@ -26,7 +28,7 @@ struct HardDiscMeasurement {
   double pressure;  ///< over that of an ideal gas
 };
 
-/// Simulates a mixture. Throws std::domain_error as HardDiscSimulation does.
+/// Simulates a mixture, of any area fraction above 0.01. Throws std::domain_error as HardDiscSimulation does.
 HardDiscMeasurement measure_hard_discs(const HardDiscMixture& mixture, const HardDiscEnsemble& ensemble = {});
 
 /// S_ml of the mixture, by simulation. Each class has one disc at least; ask the result for its fractions.
@@ -41,15 +43,13 @@ public:
   /// = 1.
   explicit SimulatedStructureFactor(double area_fraction, const HardDiscEnsemble& ensemble = {});
   using StructureFactor::eval;
-  double eval(double u) const override { return table_ ? table_->eval(0, 0, u) : 1; }
+  double eval(double u) const override { return table_.eval(0, 0, u); }
   /// Standard error.
-  double error(double u) const { return table_ ? table_->error(0, 0, u) : 0; }
-  double chi_squared() const { return table_ ? table_->chi_squared() : 0; }
-  double pressure() const { return pressure_; }
+  double error(double u) const { return table_.error(0, 0, u); }
+  double chi_squared() const { return table_.chi_squared(); }
 
 private:
-  std::shared_ptr<const PartialStructureFactors> table_;
-  double pressure_ = 1;
+  PartialStructureFactors table_;
 };
 
 }  // namespace aureole::optics
