@@ -67,9 +67,9 @@ AUREOLE_PLUGIN(
          {"discs", "integer", "", "1500", "number of discs in each of 8 independent simulations"},
          {"snapshots", "integer", "", "1200",
           "number of arrangements that are averaged; the noise falls with its square root"}},
-        {R"(<correlation type="simulated"/>)", R"(<correlation type="simulated">
+        {R"(<correlation type="simulated">
     <integer name="seed" value="3"/>
-    <integer name="discs" value="100"/>
+    <integer name="discs" value="400"/>
     <integer name="snapshots" value="64"/>
 </correlation>)"}});
 
