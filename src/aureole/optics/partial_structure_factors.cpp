@@ -117,7 +117,7 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
       c.scale = mixture_.density() * std::sqrt(mixture_.fraction(m) * mixture_.fraction(l));
       for (int r = 0; r < rings; ++r) all_basis[pair(m, l) * rings + r] = c.basis(measured.q(r));
     }
-  for (int r = 0; r < rings; ++r) theory[r] = direct_matrix(measured.q(r), 0);
+  for (int r = 0; r < rings; ++r) theory[r] = theory_matrix(measured.q(r));
 
   // Errors of 1/S follow from S itself; the second pass takes the first one's, not the noisy data's.
   for (int pass = 0; pass < 2; ++pass) {
@@ -181,19 +181,11 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
   }
 }
 
-std::vector<double> PartialStructureFactors::direct_matrix(double q, double correction_weight) const {
+std::vector<double> PartialStructureFactors::theory_matrix(double q) const {
   const int n = classes();
   std::vector<double> direct(size_t(n) * n);
   for (int m = 0; m < n; ++m)
-    for (int l = m; l < n; ++l) {
-      double c = mixture_.direct(m, l, q);
-      if (correction_weight > 0 && !corrections_.empty()) {
-        const Correction& correction = corrections_[pair(m, l)];
-        const std::vector<double> b = correction.basis(q);
-        for (size_t i = 0; i < b.size(); ++i) c += correction_weight * correction.coefficients[i] * b[i];
-      }
-      direct[m * n + l] = direct[l * n + m] = c;
-    }
+    for (int l = m; l < n; ++l) direct[m * n + l] = direct[l * n + m] = mixture_.direct(m, l, q);
   return direct;
 }
 
@@ -209,28 +201,34 @@ void PartialStructureFactors::tabulate() {
     // The correction, then all but the first order of C fade out, so that what follows the table continues
     // it.
     const double t = std::clamp(4 * (q / q_max_ - 0.75), 0.0, 1.0), fade = 1 - t * t * (3 - 2 * t);
+    const std::vector<double> theory = theory_matrix(q);
+    std::vector<double> correction(theory.size(), 0.0), variance(pairs, 0.0);  // of C
+    for (int m = 0; m < n && !corrections_.empty(); ++m)
+      for (int l = m; l < n; ++l) {
+        const Correction& c = corrections_[pair(m, l)];
+        const std::vector<double> b = c.basis(q);
+        double value = 0, sum = 0;
+        for (size_t i = 0; i < b.size(); ++i) {
+          value += c.coefficients[i] * b[i];
+          for (size_t j = 0; j < b.size(); ++j) sum += b[i] * b[j] * c.covariance[i * b.size() + j];
+        }
+        correction[m * n + l] = correction[l * n + m] = value;
+        variance[pair(m, l)] = sum * std::max(1.0, chi_squared_);
+      }
     bool definite = false;
     std::vector<double> s;
     for (double weight = fade; !definite; weight = weight > 0.01 ? weight / 2 : 0) {
-      s = structure(direct_matrix(q, weight), n, definite);
+      std::vector<double> direct = theory;
+      for (size_t i = 0; i < direct.size(); ++i) direct[i] += weight * correction[i];
+      s = structure(std::move(direct), n, definite);
       if (!definite && weight == 0) throw std::domain_error("the theory of hard discs is unstable here");
     }
     for (int m = 0; m < n; ++m)
       for (int l = m; l < n; ++l) {
-        const double first = (m == l) + mixture_.direct(m, l, q);
+        const double first = (m == l) + theory[m * n + l];
         values_[size_t(pair(m, l)) * (cells + 1) + k] = float(fade * s[m * n + l] + (1 - fade) * first);
       }
     if (corrections_.empty()) continue;
-    std::vector<double> variance(pairs);  // of C
-    for (int m = 0; m < n; ++m)
-      for (int l = m; l < n; ++l) {
-        const Correction& c = corrections_[pair(m, l)];
-        const std::vector<double> b = c.basis(q);
-        double sum = 0;
-        for (size_t i = 0; i < b.size(); ++i)
-          for (size_t j = 0; j < b.size(); ++j) sum += b[i] * b[j] * c.covariance[i * b.size() + j];
-        variance[pair(m, l)] = sum * std::max(1.0, chi_squared_);
-      }
     for (int m = 0; m < n; ++m)
       for (int l = m; l < n; ++l) {
         double sum = 0;  // dS = S dC S

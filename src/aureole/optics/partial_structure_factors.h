@@ -40,7 +40,7 @@ private:
   int pair(int m, int l) const;
   void fit(const RingStructureFactor& measured);
   void tabulate();
-  std::vector<double> direct_matrix(double q, double correction_weight) const;
+  std::vector<double> theory_matrix(double q) const;
   double look_up(const std::vector<float>& table, int pair, double q) const;
 
   struct Correction {                  // of one pair of classes
