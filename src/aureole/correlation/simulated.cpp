@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hard discs in equilibrium, S' from a simulation at load time.
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+
+#include "aureole/correlation/correlation.h"
+#include "aureole/optics/hard_discs.h"
+#include "aureole/optics/simulated_structure_factor.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+namespace {
+
+class Simulated final : public Correlation {
+public:
+  explicit Simulated(const Properties& properties) : Correlation(properties) {
+    ensemble_.seed = std::uint64_t(properties.get_int("seed", 0, Range::non_negative()));
+    ensemble_.discs = int(properties.get_int("discs", ensemble_.discs, {64, 100000}));
+    ensemble_.snapshots = int(properties.get_int("snapshots", ensemble_.snapshots, {64, 1000000}));
+  }
+
+  std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
+    const std::lock_guard lock(mutex_);  // who wants the same fraction waits for it
+    auto& known = known_[area_fraction];
+    if (!known) known = std::make_shared<optics::SimulatedStructureFactor>(area_fraction, ensemble_);
+    return known;
+  }
+
+  /// Each is a simulation, so they lie no closer than interpolation needs: at equal steps of ln(1 + 1.2 t), t
+  /// = Fa/(1 - Fa), where 1/S' between them is within about 1 %.
+  std::vector<double> nodes(double least, double most) const override {
+    constexpr double kStep = 0.1, kScale = 1.2;
+    const auto place = [](double fa) { return std::log1p(kScale * fa / (1 - fa)); };
+    const double first = place(least), last = place(most);
+    const int cells = std::max(1, int(std::ceil((last - first) / kStep - 1e-9)));
+    std::vector<double> nodes{least};
+    for (int i = 1; i < cells; ++i) {
+      const double t = std::expm1(first + (last - first) * i / cells) / kScale;
+      nodes.push_back(t / (1 + t));
+    }
+    nodes.push_back(most);
+    return nodes;
+  }
+
+private:
+  optics::HardDiscEnsemble ensemble_;
+  mutable std::mutex mutex_;
+  mutable std::map<double, std::shared_ptr<const optics::StructureFactor>> known_;
+};
+
+}  // namespace
+
+AUREOLE_PLUGIN(
+    Simulated, "correlation", "simulated",
+    PluginDoc{
+        "Hard discs in equilibrium, simulated when the scene is loaded (some 3 s of one core for each area "
+        "fraction at the default size; all cores work on it). Area fractions up to 0.68. Where "
+        "`percus_yevick` is fast and within 2 % of the peak of S' up to 0.4, 4 % at 0.5 and 0.6 and 13 % at "
+        "0.68, this is exact up to a noise of 0.3 to 0.7 % that more snapshots lessen. Below an area "
+        "fraction "
+        "of 0.03 nothing is simulated, since theory is closer.",
+        "E. P. Bernard, W. Krauth and D. B. Wilson, Event-chain Monte Carlo algorithms for hard-sphere "
+        "systems, 2009",
+        {{"seed", "integer", "", "0", "another one gives another, equally good simulation"},
+         {"discs", "integer", "", "1500", "number of discs in each of 8 independent simulations"},
+         {"snapshots", "integer", "", "1200",
+          "number of arrangements that are averaged; the noise falls with its square root"}},
+        {R"(<correlation type="simulated">
+    <integer name="seed" value="3"/>
+    <integer name="discs" value="400"/>
+    <integer name="snapshots" value="64"/>
+</correlation>)"}});
+
+}  // namespace aureole
