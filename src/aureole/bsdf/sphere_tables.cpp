@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/bsdf/sphere_tables.h"
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #include "aureole/core/parallel.h"
@@ -16,18 +21,49 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi, kRootTwo = std::numbers::sqrt2;
 
-/// Where light from one direction may go: its scattering angle and the azimuth about where it came from.
-struct Incidence {
-  double cosine, sine;
-  struct Direction {
-    double transverse, cosine;
-  };
-  /// v = 2 sin(theta/2), w = 2 cos(theta/2).
-  Direction scattered(double v, double w, double cos_phi, double sin_phi) const {
-    // w_o + w_i, of which -w_i is the way straight on.
-    const double along = 0.5 * v * v, across = 0.5 * v * w;
-    const double x = along * sine + across * cos_phi * cosine, y = across * sin_phi;
-    return {std::sqrt(x * x + y * y), std::abs(along * cosine - across * cos_phi * sine - cosine)};
+/// A direction about the way straight on: w_o + w_i is `along` w_i, and `in` and `out` across it, in the
+/// plane of incidence and out of it.
+struct Scattered {
+  float along, in, out;
+
+  /// v = 2 sin(theta/2) and w = 2 cos(theta/2).
+  Scattered(double v, double w, double phi)
+      : along(float(0.5 * v * v)),
+        in(float(0.5 * v * w * std::cos(phi))),
+        out(float(0.5 * v * w * std::sin(phi))) {}
+  float transverse(float cos_i, float sin_i) const {
+    const float x = along * sin_i + in * cos_i;
+    return std::sqrt(x * x + out * out);
+  }
+  float cosine(float cos_i, float sin_i) const {
+    return std::min(std::abs((along - 1) * cos_i - in * sin_i), 1.f);
+  }
+};
+
+/// Neighbours table[at[j]] and table[at[j] + 1], each pair by one load.
+struct Pairs {
+  Spectrum first, second;
+  Pairs(const float* table, const int (&at)[kWavelengths]) {
+#ifdef __AVX2__
+    if constexpr (kWavelengths == 8) {
+      const auto two = [&](int j) {
+        long long bits;
+        std::memcpy(&bits, table + at[j], sizeof bits);
+        return bits;
+      };
+      const auto four = [&](int j) { return _mm_castsi128_ps(_mm_set_epi64x(two(j + 1), two(j))); };
+      const __m256 low = _mm256_set_m128(four(4), four(0)), high = _mm256_set_m128(four(6), four(2));
+      const __m256 a = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0));
+      const __m256 b = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(3, 1, 3, 1));
+      first = reinterpret_cast<const SpectrumVector&>(a), second = reinterpret_cast<const SpectrumVector&>(b);
+      return;
+    }
+#endif
+    for (int j = 0; j < kWavelengths; ++j) first[j] = table[at[j]], second[j] = table[at[j] + 1];
+  }
+  /// Between this row and `other`.
+  void mix(const Pairs& other, float t) {
+    first = lerp(first, other.first, t), second = lerp(second, other.second, t);
   }
 };
 
@@ -37,10 +73,9 @@ struct SphereTables::Worker {
   std::vector<double> mu, phase, ring;
   std::vector<optics::MieAmplitudes> at, mirrored, specular;
   std::vector<double> energy, matrix, h, next;
-  struct Point {
-    double v, w, cos_phi, sin_phi, weight;
-  };
-  std::vector<Point> points;
+  // Of points on the sphere: `Scattered` and weights, then for one incidence where they are and what they
+  // get.
+  std::vector<float> along, in, out, weight, place, share;
 };
 
 double SphereTables::AngleGrid::radius(double position) const {
@@ -110,7 +145,7 @@ SphereTables::SphereTables(const SphereLayer& layer, const SpectralGrid& grid) {
   sizes_.resize(w);
   phase_.resize((n + 1) * w);
   h_.resize((kCosines + 1) * w);
-  transmitted_ = reflected_ = h_;
+  transmitted_ = reflected_ = lost_ = h_;
   density_.resize(kTilts * n * std::size_t(sample_nodes()));
   cdf_.resize(kTilts * (n + 1) * std::size_t(sample_nodes()));
 
@@ -179,6 +214,7 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
     const optics::CoherentLayer c =
         optics::coherent_layer(t * t, layer.area_fraction, spheres, w.specular[i]);
     w.energy[i] = c.loss() * albedo;
+    lost_[std::size_t(i) * stride + std::size_t(node)] = float(c.loss());
     transmitted_[std::size_t(i) * stride + std::size_t(node)] = float(c.transmittance());
     reflected_[std::size_t(i) * stride + std::size_t(node)] = float(c.reflectance());
   }
@@ -187,24 +223,25 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
 /// h by Sinkhorn's iteration for a symmetric kernel, so that each angle of incidence scatters its energy.
 void SphereTables::balance(int node, Worker& w) {
   // Points of a rank-1 lattice over (share of the power, azimuth).
-  constexpr int kPoints = 4096;
+  constexpr int kPoints = 16384;
   constexpr double kGolden = 0.6180339887498949;
-  w.points.clear();
+  for (auto* values : {&w.along, &w.in, &w.out, &w.weight, &w.place, &w.share}) values->resize(kPoints);
   double power = 0;
-  for (int cell = 0, k = 0; cell < cells(); ++cell) {
+  int points = 0;
+  for (int cell = 0; cell < cells(); ++cell) {
     const double mass = areas_[cell] * 0.5 * (w.phase[cell] + w.phase[cell + 1]);
     const bool forward = cell >= angles_.half;
-    const int j = ring(cell);
-    const double a = angles_.radius(j), b = angles_.radius(j + 1);
-    for (; k < kPoints && (k + 0.5) / kPoints < power + mass; ++k) {
-      const double t = std::clamp(((k + 0.5) / kPoints - power) / mass, 0.0, 1.0);
-      const double share = forward ? 1 - t : t;
-      const double r = std::sqrt(a * a + share * (b * b - a * a)), other = std::sqrt(4 - r * r);
+    const double a = angles_.radius(ring(cell)), b = angles_.radius(ring(cell) + 1);
+    for (; points < kPoints && (points + 0.5) / kPoints < power + mass; ++points) {
+      const double t = std::clamp(((points + 0.5) / kPoints - power) / mass, 0.0, 1.0);
+      const double r = std::sqrt(a * a + (forward ? 1 - t : t) * (b * b - a * a)),
+                   other = std::sqrt(4 - r * r);
       const double place = (r - a) / (b - a), here = forward ? 1 - place : place;
-      const double phi = std::numbers::pi * std::fmod((k + 0.5) * kGolden, 1.0);
-      w.points.push_back(
-          {forward ? r : other, forward ? other : r, std::cos(phi), std::sin(phi),
-           (w.phase[cell] + here * (w.phase[cell + 1] - w.phase[cell])) * areas_[cell] / mass / kPoints});
+      const Scattered s(forward ? r : other, forward ? other : r,
+                        std::numbers::pi * std::fmod((points + 0.5) * kGolden, 1.0));
+      w.along[points] = s.along, w.in[points] = s.in, w.out[points] = s.out;
+      w.weight[points] =
+          float((w.phase[cell] + here * (w.phase[cell + 1] - w.phase[cell])) * areas_[cell] / mass / kPoints);
     }
     power += mass;
   }
@@ -212,15 +249,24 @@ void SphereTables::balance(int node, Worker& w) {
   constexpr int n = kCosines + 1;
   w.matrix.assign(std::size_t(n) * n, 0.0);
   for (int i = 1; i < n; ++i) {
-    const double t = double(i) / kCosines;
-    const Incidence in{t * t, std::sqrt(1 - t * t * t * t)};
+    const float t = float(i) / kCosines, cos_i = t * t, sin_i = std::sqrt(1 - cos_i * cos_i);
+    const float *along = w.along.data(), *in = w.in.data(), *out = w.out.data(), *weight = w.weight.data(),
+                *table = structure_.data(), size = sizes_[node];
+    float* __restrict place = w.place.data(), * __restrict share = w.share.data();
+    for (int k = 0; k < points; ++k) {
+      // `Scattered` again, many at once.
+      const float x = along[k] * sin_i + in[k] * cos_i;
+      const float u = std::min(size * std::sqrt(x * x + out[k] * out[k]) * kStructureRate, kStructureEnd);
+      const int cell = int(u);
+      const float cosine = std::min(std::abs((along[k] - 1) * cos_i - in[k] * sin_i), 1.f);
+      share[k] = weight[k] * cosine * (table[cell] + (u - float(cell)) * (table[cell + 1] - table[cell]));
+      place[k] = std::min(std::sqrt(cosine) * kCosines, kCosines - 0.001f);
+    }
     double* row = &w.matrix[std::size_t(i) * n];
-    for (const auto& p : w.points) {
-      const auto out = in.scattered(p.v, p.w, p.cos_phi, p.sin_phi);
-      const double x = std::min(std::sqrt(out.cosine), 1.0) * kCosines;
-      const int j = std::min(int(x), kCosines - 1);
-      const double share = p.weight * out.cosine * double(structure(sizes_[node] * float(out.transverse)));
-      row[j] += share * (1 - (x - j)), row[j + 1] += share * (x - j);
+    for (int k = 0; k < points; ++k) {
+      const int j = int(place[k]);
+      const float fraction = place[k] - float(j);
+      row[j] += double(share[k] * (1 - fraction)), row[j + 1] += double(share[k] * fraction);
     }
   }
   w.h.assign(n, 1.0), w.next.assign(n, 0.0);
@@ -250,19 +296,19 @@ void SphereTables::prepare_samples(int node, const Worker& w) {
   std::vector<double> mass(n);
   for (int tilt = 0; tilt < kTilts; ++tilt) {
     const double cosine = tilt_cosine(tilt);
-    const Incidence in{cosine, std::sqrt(1 - cosine * cosine)};
+    const float cos_i = float(cosine), sin_i = float(std::sqrt(1 - cosine * cosine));
     double total = 0;
     for (std::size_t i = 0; i < n; ++i) {
       const bool forward = int(i) >= angles_.half;
       const double r = angles_.radius(ring(int(i)) + 0.5), other = std::sqrt(4 - r * r);
       double sum = 0;
       for (int k = 0; k < kAzimuths; ++k) {
-        const double phi = std::numbers::pi * (k + 0.5) / kAzimuths;
-        const auto out = in.scattered(forward ? r : other, forward ? other : r, std::cos(phi), std::sin(phi));
-        const double x = std::min(std::sqrt(out.cosine), 1.0) * kCosines;
+        const Scattered out(forward ? r : other, forward ? other : r,
+                            std::numbers::pi * (k + 0.5) / kAzimuths);
+        const float cos_o = out.cosine(cos_i, sin_i), x = std::sqrt(cos_o) * kCosines;
         const int j = std::min(int(x), kCosines - 1);
-        const double h = w.h[j] + (x - j) * (w.h[j + 1] - w.h[j]);
-        sum += double(structure(sizes_[node] * float(out.transverse))) * out.cosine * h;
+        const double h = w.h[j] + double(x - float(j)) * (w.h[j + 1] - w.h[j]);
+        sum += double(structure(sizes_[node] * out.transverse(cos_i, sin_i)) * cos_o) * h;
       }
       mass[i] = areas_[i] * 0.5 * (w.phase[i] + w.phase[i + 1]) * sum;
       total += mass[i];
@@ -289,69 +335,71 @@ void SphereTables::prepare_samples(int node, const Worker& w) {
   }
 }
 
-float SphereTables::wavelength_position(float nm) const {
-  return std::clamp(float((1 / double(nm) - first_) * scale_), 0.f, float(wavelengths_ - 1));
+SphereTables::Nodes SphereTables::nodes(const Spectrum& nm) const {
+  Nodes n;
+  n.position = min(max((Spectrum(1.f) / nm - float(first_)) * float(scale_), 0.f), float(wavelengths_ - 1));
+  for (int j = 0; j < kWavelengths; ++j) n.at[j] = std::min(int(n.position[j]), wavelengths_ - 2);
+  n.fraction = make_spectrum([&](int j) { return n.position[j] - float(n.at[j]); });
+  return n;
+}
+
+SphereTables::Cosine SphereTables::cosine(float z) const {
+  const float x = std::min(std::sqrt(std::abs(z)), 1.f) * kCosines;
+  const int i = std::min(int(x), kCosines - 1);
+  return {std::size_t(i) * std::size_t(wavelengths_), x - float(i)};
+}
+
+Spectrum SphereTables::mean(const std::vector<float>& table, const Cosine& c, const Nodes& n) const {
+  Pairs p(&table[c.row], n.at);
+  p.mix(Pairs(&table[c.row] + wavelengths_, n.at), c.fraction);
+  return p.first + (p.second - p.first) * n.fraction;
 }
 
 SphereTables::Shares SphereTables::shares(float cos_i, const Spectrum& nm) const {
-  const float x = std::min(std::sqrt(cos_i), 1.f) * kCosines;
-  const int i = std::min(int(x), kCosines - 1);
-  const float t = x - float(i);
-  const std::size_t row = std::size_t(i) * std::size_t(wavelengths_);
-  Shares s;
-  for (int j = 0; j < kWavelengths; ++j) {
-    const float y = wavelength_position(nm[j]);
-    const int l = std::min(int(y), wavelengths_ - 2);
-    const auto mean = [&](const std::vector<float>& table) {
-      const float *a = &table[row + std::size_t(l)], *b = a + wavelengths_;
-      return std::lerp(std::lerp(a[0], b[0], t), std::lerp(a[1], b[1], t), y - float(l));
-    };
-    s.transmitted[j] = mean(transmitted_), s.reflected[j] = mean(reflected_);
-  }
-  s.lost = max(Spectrum(1.f) - s.transmitted - s.reflected, 0.f);
-  return s;
+  const Nodes n = nodes(nm);
+  const Cosine c = cosine(cos_i);
+  return {mean(transmitted_, c, n), mean(reflected_, c, n), mean(lost_, c, n)};
 }
 
 SphereTables::Eval SphereTables::eval(const Vec3& wi, const Vec3& wo, const Spectrum& nm) const {
   const Vec3 sum = wi + wo, difference = wi - wo;
   const float v2 = dot(sum, sum), w2 = dot(difference, difference);
-  const float cos_i = std::min(std::abs(wi.z), 1.f), cos_o = std::min(std::abs(wo.z), 1.f);
-  const float transverse = std::sqrt(sum.x * sum.x + sum.y * sum.y);
   const float place = std::min(angles_.position(std::sqrt(std::min(v2, w2))), float(angles_.half));
   const float position = v2 <= w2 ? float(cells()) - place : place;
   const int cell = std::min(int(position), cells() - 1);
-  const float xi = std::sqrt(cos_i) * kCosines, xo = std::sqrt(cos_o) * kCosines;
-  const int ci = std::min(int(xi), kCosines - 1), co = std::min(int(xo), kCosines - 1);
-  const float tp = position - float(cell), ti = xi - float(ci), to = xo - float(co);
-  const std::size_t stride = std::size_t(wavelengths_), nodes = std::size_t(sample_nodes());
-  const float* phase = &phase_[std::size_t(cell) * stride];
-  const float* hi = &h_[std::size_t(ci) * stride];
-  const float* ho = &h_[std::size_t(co) * stride];
+  const Nodes n = nodes(nm);
+  const Cosine ci = cosine(wi.z), co = cosine(wo.z);
+
+  const float* row = &phase_[std::size_t(cell) * std::size_t(wavelengths_)];
+  Pairs phase(row, n.at), hi(&h_[ci.row], n.at), ho(&h_[co.row], n.at);
+  phase.mix(Pairs(row + wavelengths_, n.at), position - float(cell));
+  hi.mix(Pairs(&h_[ci.row] + wavelengths_, n.at), ci.fraction);
+  ho.mix(Pairs(&h_[co.row] + wavelengths_, n.at), co.fraction);
+  const Pairs size(sizes_.data(), n.at);
+  const float transverse = std::sqrt(sum.x * sum.x + sum.y * sum.y);
+  const Spectrum a = phase.first * hi.first * ho.first * structure(size.first * transverse),
+                 b = phase.second * hi.second * ho.second * structure(size.second * transverse);
+
+  const int t = tilt(std::abs(wi.z));
   const float* density =
-      &density_[(std::size_t(tilt(cos_i)) * std::size_t(cells()) + std::size_t(cell)) * nodes];
+      &density_[(std::size_t(t) * std::size_t(cells()) + std::size_t(cell)) * std::size_t(sample_nodes())];
   Eval e;
-  for (int j = 0; j < kWavelengths; ++j) {
-    const float y = wavelength_position(nm[j]);
-    const int l = std::min(int(y), wavelengths_ - 2);
-    float node[2];
-    for (int k = 0; k < 2; ++k) {
-      const auto at = [&](const float* table, float t) {
-        const float a = table[l + k], b = table[l + k + int(stride)];
-        return a + t * (b - a);
-      };
-      node[k] = at(phase, tp) * at(hi, ti) * at(ho, to) * structure(sizes_[std::size_t(l + k)] * transverse);
-    }
-    e.value[j] = (node[0] + (y - float(l)) * (node[1] - node[0])) * cos_o;
-    e.pdf[j] = density[int(y * (1.f / kStride) + 0.5f)];
-  }
-  e.pdf *= shares(cos_i, nm).lost;
+  e.value = (a + (b - a) * n.fraction) * std::abs(wo.z);
+  e.pdf = make_spectrum([&](int j) { return density[sample_node(n.position[j])]; }) * mean(lost_, ci, n);
   return e;
 }
 
+Spectrum SphereTables::structure(const Spectrum& u) const {
+  const Spectrum x = min(u * float(kStructureRate), kStructureEnd);
+  int at[kWavelengths];
+  for (int j = 0; j < kWavelengths; ++j) at[j] = int(x[j]);
+  const Pairs p(structure_.data(), at);
+  return p.first + (p.second - p.first) * make_spectrum([&](int j) { return x[j] - float(at[j]); });
+}
+
 Vec3 SphereTables::sample(const Vec3& wi, Vec2 u, float nm) const {
-  const int t = tilt(std::min(std::abs(wi.z), 1.f));
-  const std::size_t n = std::size_t(cells()),
-                    node = std::size_t(wavelength_position(nm) * (1.f / kStride) + 0.5f);
+  const int t = tilt(std::abs(wi.z));
+  const std::size_t n = std::size_t(cells()), node = std::size_t(sample_node(nodes(nm).position[0]));
   const float* cdf = &cdf_[(std::size_t(t) * std::size_t(sample_nodes()) + node) * (n + 1)];
   const std::size_t cell = std::size_t(std::upper_bound(cdf + 1, cdf + n, u.x) - (cdf + 1));
   const float share = (u.x - cdf[cell]) / std::max(cdf[cell + 1] - cdf[cell], 1e-30f);
@@ -367,7 +415,7 @@ Vec3 SphereTables::sample(const Vec3& wi, Vec2 u, float nm) const {
 }
 
 std::size_t SphereTables::bytes() const {
-  return sizeof(float) * (structure_.size() + phase_.size() + 3 * h_.size() + density_.size() + cdf_.size());
+  return sizeof(float) * (structure_.size() + phase_.size() + 4 * h_.size() + density_.size() + cdf_.size());
 }
 
 }  // namespace aureole

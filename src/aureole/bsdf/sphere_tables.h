@@ -7,6 +7,8 @@
 // mean of two layers, each of which conserves energy, and so do all wavelengths.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
 #include <functional>
 #include <memory>
@@ -75,19 +77,35 @@ private:
   void balance(int node, Worker& w);
   void prepare_samples(int node, const Worker& w);
   float structure(float u) const {
-    const float x = std::min(u * kStructureRate, float(kStructureCells) - 0.5f);
+    const float x = std::min(u * kStructureRate, kStructureEnd);
     const int i = int(x);
     return structure_[i] + (x - float(i)) * (structure_[i + 1] - structure_[i]);
   }
   int cells() const { return 2 * angles_.half; }
   /// The cell's place in its half, from the centre.
   int ring(int cell) const { return cell < angles_.half ? cell : cells() - 1 - cell; }
-  int tilt(float cos_i) const { return int(cos_i * (kTilts - 1) + 0.5f); }
+  static int tilt(float cos_i) { return int(std::min(cos_i, 1.f) * (kTilts - 1) + 0.5f); }
   static double tilt_cosine(int tilt) { return tilt == 0 ? 0.02 : double(tilt) / (kTilts - 1); }
   int sample_nodes() const { return (wavelengths_ - 1) / kStride + 1; }
-  float wavelength_position(float nm) const;
+  static int sample_node(float position) { return int(position * (1.f / kStride) + 0.5f); }
+
+  /// Where each wavelength is between the nodes.
+  struct Nodes {
+    Spectrum position, fraction;
+    int at[kWavelengths];
+  };
+  Nodes nodes(const Spectrum& nm) const;
+  /// Where a direction is in the tables over cosines.
+  struct Cosine {
+    std::size_t row;
+    float fraction;
+  };
+  Cosine cosine(float z) const;
+  Spectrum mean(const std::vector<float>& table, const Cosine& c, const Nodes& n) const;
+  Spectrum structure(const Spectrum& u) const;
 
   static constexpr int kStructureRate = 64, kStructureCells = 96 * kStructureRate;
+  static constexpr float kStructureEnd = float(kStructureCells) - 0.5f;
 
   AngleGrid angles_;
   int wavelengths_ = 0;
@@ -97,11 +115,11 @@ private:
   std::vector<double> areas_;     // solid angle of each cell
   std::vector<float> sizes_;      // k a of the correlation discs, per wavelength
   std::vector<float> structure_;
-  std::vector<float> phase_;                    // [angle][wavelength]
-  std::vector<float> h_;                        // [cosine][wavelength]
-  std::vector<float> transmitted_, reflected_;  // the same
-  std::vector<float> density_;                  // [tilt][angle cell][sample node]: 1/sr
-  std::vector<float> cdf_;                      // [tilt][sample node][angle]
+  std::vector<float> phase_;                           // [angle][wavelength]
+  std::vector<float> h_;                               // [cosine][wavelength]
+  std::vector<float> transmitted_, reflected_, lost_;  // the same
+  std::vector<float> density_;                         // [tilt][angle cell][sample node]: 1/sr
+  std::vector<float> cdf_;                             // [tilt][sample node][angle]
 };
 
 }  // namespace aureole
