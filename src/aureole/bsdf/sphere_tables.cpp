@@ -21,25 +21,6 @@ namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi, kRootTwo = std::numbers::sqrt2;
 
-/// A direction about the way straight on: w_o + w_i is `along` w_i, and `in` and `out` across it, in the
-/// plane of incidence and out of it.
-struct Scattered {
-  float along, in, out;
-
-  /// v = 2 sin(theta/2) and w = 2 cos(theta/2).
-  Scattered(double v, double w, double phi)
-      : along(float(0.5 * v * v)),
-        in(float(0.5 * v * w * std::cos(phi))),
-        out(float(0.5 * v * w * std::sin(phi))) {}
-  float transverse(float cos_i, float sin_i) const {
-    const float x = along * sin_i + in * cos_i;
-    return std::sqrt(x * x + out * out);
-  }
-  float cosine(float cos_i, float sin_i) const {
-    return std::min(std::abs((along - 1) * cos_i - in * sin_i), 1.f);
-  }
-};
-
 /// Neighbours table[at[j]] and table[at[j] + 1], each pair by one load.
 struct Pairs {
   Spectrum first, second;
@@ -78,37 +59,18 @@ struct SphereTables::Worker {
   std::vector<float> along, in, out, weight, place, share;
 };
 
-double SphereTables::AngleGrid::radius(double position) const {
-  return position < double(fine) * double(split) ? position / double(fine)
-                                                 : (position - double(offset)) / double(coarse);
-}
-
 void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
-  // Rings of the phase function follow x v: linear interpolation over steps of 1/6 keeps them to 1/300. Far
-  // from the centre of a large sphere's pattern they are averaged over a cell; nobody resolves them there.
-  constexpr double kStep = 0.16, kFineEnd = 64;
-  constexpr int kLeastCells = 64, kCoarseCells = 384;
   const double largest =
       kTwoPi * layer.radius_nm * layer.sizes.largest() *
       std::max(layer.medium(grid.min_nm) / grid.min_nm, layer.medium(grid.max_nm) / grid.max_nm);
-  const double fine = std::max(largest / kStep, kLeastCells / kRootTwo), split = kFineEnd / largest;
-  if (fine * kRootTwo < kFineEnd / kStep + kCoarseCells) {
-    angles_.half = int(std::ceil(fine * kRootTwo));
-    angles_.fine = angles_.coarse = float(angles_.half / kRootTwo);
-    angles_.split = float(kRootTwo);
-  } else {
-    const int fine_cells = int(std::lround(kFineEnd / kStep));
-    angles_.half = fine_cells + kCoarseCells;
-    angles_.split = float(split);
-    angles_.fine = float(fine_cells) / angles_.split;
-    angles_.coarse = float(kCoarseCells / (kRootTwo - double(angles_.split)));
-    angles_.offset = float(angles_.half - kRootTwo * double(angles_.coarse));
-  }
-  for (int i = 0; i <= angles_.half; ++i) {
+  angles_ = SphereAngles(largest);
+  // Far from the centre of a large sphere's pattern rings are averaged over a cell; nobody resolves them
+  // there.
+  for (int i = 0; i <= angles_.half(); ++i) {
     const double r = std::min(angles_.radius(i), kRootTwo);
     const double before = i > 0 ? angles_.radius(i - 0.5) : 0,
-                 after = i < angles_.half ? angles_.radius(i + 0.5) : kRootTwo;
-    const bool averaged = after - before > 4 * kStep / largest;
+                 after = i < angles_.half() ? angles_.radius(i + 0.5) : kRootTwo;
+    const bool averaged = after - before > 4 * SphereAngles::kStep / largest;
     const int count = averaged ? int(std::ceil((after - before) * largest / 1.2)) : 1;
     for (int k = 0; k < count; ++k) {
       const double at = averaged ? before + (k + 0.5) * (after - before) / count : r;
@@ -116,11 +78,6 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
     }
     sample_ends_.push_back(int(samples_.size()));
   }
-  for (int i = 0; i < cells(); ++i) {
-    const double a = angles_.radius(ring(i)), b = angles_.radius(ring(i) + 1);
-    areas_.push_back(kTwoPi * 0.5 * (b - a) * (b + a));
-  }
-
   // Nodes of wavelength: phases between the rays through a sphere and past it turn with x; a spread of sizes
   // hides what is narrower than itself.
   constexpr double kSizeStep = 0.2;
@@ -141,13 +98,13 @@ SphereTables::SphereTables(const SphereLayer& layer, const SpectralGrid& grid) {
   structure_.resize(kStructureCells + 1);
   for (int i = 0; i <= kStructureCells; ++i)
     structure_[i] = float(std::max(layer.structure->eval(double(i) / kStructureRate), 0.0));
+  has_peaks_ = *std::max_element(structure_.begin(), structure_.end()) > 3;
   const std::size_t w = std::size_t(wavelengths_), n = std::size_t(cells());
   sizes_.resize(w);
   phase_.resize((n + 1) * w);
   h_.resize((kCosines + 1) * w);
   transmitted_ = reflected_ = lost_ = h_;
-  density_.resize(kTilts * n * std::size_t(sample_nodes()));
-  cdf_.resize(kTilts * (n + 1) * std::size_t(sample_nodes()));
+  sampling_ = SphereSamples(angles_, (wavelengths_ - 1) / kStride + 1);
 
   std::atomic<int> next{0};
   run_workers(std::min(default_thread_count(), wavelengths_), [&](int) {
@@ -182,13 +139,13 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
     const double x = k * layer.radius_nm * size.size;
     const optics::Mie sphere(x, index);
     sphere.amplitudes(w.mu, w.at, w.mirrored);
-    for (int i = 0, begin = 0; i <= angles_.half; begin = sample_ends_[i++]) {
+    for (int i = 0, begin = 0; i <= angles_.half(); begin = sample_ends_[i++]) {
       const double share = size.weight / (sample_ends_[i] - begin);
       double forward = 0, backward = 0;
       for (int s = begin; s < sample_ends_[i]; ++s)
         forward += w.at[s].intensity(), backward += w.mirrored[s].intensity();
-      w.phase[i] += share * (i == angles_.half ? 0.5 * (forward + backward) : backward);
-      if (i < angles_.half) w.phase[cells() - i] += share * forward;
+      w.phase[i] += share * (i == angles_.half() ? 0.5 * (forward + backward) : backward);
+      if (i < angles_.half()) w.phase[cells() - i] += share * forward;
     }
     for (int i = 0; i <= kCosines; ++i) {
       const auto& s = w.at[samples_.size() + std::size_t(i)];
@@ -203,7 +160,7 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
   sizes_[node] = float(std::sqrt(spheres.size_squared));
 
   double power = 0;
-  for (int i = 0; i < cells(); ++i) power += areas_[i] * 0.5 * (w.phase[i] + w.phase[i + 1]);
+  for (int i = 0; i < cells(); ++i) power += angles_.area(i) * 0.5 * (w.phase[i] + w.phase[i + 1]);
   for (double& p : w.phase) p = power > 0 ? p / power : 0.5 / kTwoPi;
   for (int i = 0; i <= cells(); ++i) phase_[std::size_t(i) * stride + std::size_t(node)] = float(w.phase[i]);
 
@@ -223,25 +180,25 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
 /// h by Sinkhorn's iteration for a symmetric kernel, so that each angle of incidence scatters its energy.
 void SphereTables::balance(int node, Worker& w) {
   // Points of a rank-1 lattice over (share of the power, azimuth).
-  constexpr int kPoints = 16384;
+  const int points_wanted = has_peaks_ ? 16384 : 8192;
   constexpr double kGolden = 0.6180339887498949;
-  for (auto* values : {&w.along, &w.in, &w.out, &w.weight, &w.place, &w.share}) values->resize(kPoints);
+  for (auto* values : {&w.along, &w.in, &w.out, &w.weight, &w.place, &w.share}) values->resize(points_wanted);
   double power = 0;
   int points = 0;
   for (int cell = 0; cell < cells(); ++cell) {
-    const double mass = areas_[cell] * 0.5 * (w.phase[cell] + w.phase[cell + 1]);
-    const bool forward = cell >= angles_.half;
-    const double a = angles_.radius(ring(cell)), b = angles_.radius(ring(cell) + 1);
-    for (; points < kPoints && (points + 0.5) / kPoints < power + mass; ++points) {
-      const double t = std::clamp(((points + 0.5) / kPoints - power) / mass, 0.0, 1.0);
+    const double mass = angles_.area(cell) * 0.5 * (w.phase[cell] + w.phase[cell + 1]);
+    const bool forward = angles_.is_forward(cell);
+    const double a = angles_.radius(angles_.ring(cell)), b = angles_.radius(angles_.ring(cell) + 1);
+    for (; points < points_wanted && (points + 0.5) / points_wanted < power + mass; ++points) {
+      const double t = std::clamp(((points + 0.5) / points_wanted - power) / mass, 0.0, 1.0);
       const double r = std::sqrt(a * a + (forward ? 1 - t : t) * (b * b - a * a)),
                    other = std::sqrt(4 - r * r);
       const double place = (r - a) / (b - a), here = forward ? 1 - place : place;
       const Scattered s(forward ? r : other, forward ? other : r,
                         std::numbers::pi * std::fmod((points + 0.5) * kGolden, 1.0));
       w.along[points] = s.along, w.in[points] = s.in, w.out[points] = s.out;
-      w.weight[points] =
-          float((w.phase[cell] + here * (w.phase[cell + 1] - w.phase[cell])) * areas_[cell] / mass / kPoints);
+      w.weight[points] = float((w.phase[cell] + here * (w.phase[cell + 1] - w.phase[cell])) *
+                               angles_.area(cell) / mass / points_wanted);
     }
     power += mass;
   }
@@ -262,12 +219,17 @@ void SphereTables::balance(int node, Worker& w) {
       share[k] = weight[k] * cosine * (table[cell] + (u - float(cell)) * (table[cell + 1] - table[cell]));
       place[k] = std::min(std::sqrt(cosine) * kCosines, kCosines - 0.001f);
     }
-    double* row = &w.matrix[std::size_t(i) * n];
+    // Neighbouring points meet the same nodes: sums side by side need not wait for one another.
+    constexpr int kSums = 4;
+    float sums[kSums][n + 1] = {};
     for (int k = 0; k < points; ++k) {
       const int j = int(place[k]);
       const float fraction = place[k] - float(j);
-      row[j] += double(share[k] * (1 - fraction)), row[j + 1] += double(share[k] * fraction);
+      float* s = &sums[k % kSums][j];
+      s[0] += share[k] * (1 - fraction), s[1] += share[k] * fraction;
     }
+    for (const auto& s : sums)
+      for (int j = 0; j < n; ++j) w.matrix[std::size_t(i) * n + std::size_t(j)] += double(s[j]);
   }
   w.h.assign(n, 1.0), w.next.assign(n, 0.0);
   for (int iteration = 0; iteration < 1000; ++iteration) {
@@ -286,53 +248,13 @@ void SphereTables::balance(int node, Worker& w) {
     h_[std::size_t(i) * std::size_t(wavelengths_) + std::size_t(node)] = float(w.h[i]);
 }
 
-/// For some angles of incidence, the power scattered into each ring of scattering angles. A few per cent of
-/// the density follow the phase function or nothing at all, where other angles or wavelengths may need it.
 void SphereTables::prepare_samples(int node, const Worker& w) {
-  constexpr int kAzimuths = 16;
-  constexpr double kPhaseShare = 0.04, kUniformShare = 0.02;
-  const std::size_t nodes = std::size_t(sample_nodes()), at = std::size_t(node / kStride),
-                    n = std::size_t(cells());
-  std::vector<double> mass(n);
-  for (int tilt = 0; tilt < kTilts; ++tilt) {
-    const double cosine = tilt_cosine(tilt);
-    const float cos_i = float(cosine), sin_i = float(std::sqrt(1 - cosine * cosine));
-    double total = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const bool forward = int(i) >= angles_.half;
-      const double r = angles_.radius(ring(int(i)) + 0.5), other = std::sqrt(4 - r * r);
-      double sum = 0;
-      for (int k = 0; k < kAzimuths; ++k) {
-        const Scattered out(forward ? r : other, forward ? other : r,
-                            std::numbers::pi * (k + 0.5) / kAzimuths);
-        const float cos_o = out.cosine(cos_i, sin_i), x = std::sqrt(cos_o) * kCosines;
-        const int j = std::min(int(x), kCosines - 1);
-        const double h = w.h[j] + double(x - float(j)) * (w.h[j + 1] - w.h[j]);
-        sum += double(structure(sizes_[node] * out.transverse(cos_i, sin_i)) * cos_o) * h;
-      }
-      mass[i] = areas_[i] * 0.5 * (w.phase[i] + w.phase[i + 1]) * sum;
-      total += mass[i];
-    }
-    const double rest = 1 - kPhaseShare - kUniformShare;
-    double sum = 0;
-    float* cdf = &cdf_[(std::size_t(tilt) * nodes + at) * (n + 1)];
-    for (std::size_t i = 0; i < n; ++i) {
-      mass[i] = (total > 0 ? rest * mass[i] / total : 0) +
-                kPhaseShare * areas_[i] * 0.5 * (w.phase[i] + w.phase[i + 1]) +
-                kUniformShare * areas_[i] * 0.5 / kTwoPi;
-      sum += mass[i];
-    }
-    double below = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      cdf[i] = float(below / sum);
-      below += mass[i];
-    }
-    cdf[n] = 1;
-    // The density is that of the rounded table.
-    for (std::size_t i = 0; i < n; ++i)
-      density_[(std::size_t(tilt) * n + i) * nodes + at] =
-          float((double(cdf[i + 1]) - double(cdf[i])) / areas_[i]);
-  }
+  sampling_.prepare(node / kStride, w.phase, [&](float transverse, float cos_o) {
+    const float x = std::sqrt(cos_o) * kCosines;
+    const int j = std::min(int(x), kCosines - 1);
+    const double h = w.h[j] + double(x - float(j)) * (w.h[j + 1] - w.h[j]);
+    return double(structure(sizes_[node] * transverse) * cos_o) * h;
+  });
 }
 
 SphereTables::Nodes SphereTables::nodes(const Spectrum& nm) const {
@@ -362,10 +284,7 @@ SphereTables::Shares SphereTables::shares(float cos_i, const Spectrum& nm) const
 }
 
 SphereTables::Eval SphereTables::eval(const Vec3& wi, const Vec3& wo, const Spectrum& nm) const {
-  const Vec3 sum = wi + wo, difference = wi - wo;
-  const float v2 = dot(sum, sum), w2 = dot(difference, difference);
-  const float place = std::min(angles_.position(std::sqrt(std::min(v2, w2))), float(angles_.half));
-  const float position = v2 <= w2 ? float(cells()) - place : place;
+  const float position = angles_.position(wi, wo);
   const int cell = std::min(int(position), cells() - 1);
   const Nodes n = nodes(nm);
   const Cosine ci = cosine(wi.z), co = cosine(wo.z);
@@ -376,16 +295,18 @@ SphereTables::Eval SphereTables::eval(const Vec3& wi, const Vec3& wo, const Spec
   hi.mix(Pairs(&h_[ci.row] + wavelengths_, n.at), ci.fraction);
   ho.mix(Pairs(&h_[co.row] + wavelengths_, n.at), co.fraction);
   const Pairs size(sizes_.data(), n.at);
-  const float transverse = std::sqrt(sum.x * sum.x + sum.y * sum.y);
+  const float x = wi.x + wo.x, y = wi.y + wo.y, transverse = std::sqrt(x * x + y * y);
   const Spectrum a = phase.first * hi.first * ho.first * structure(size.first * transverse),
                  b = phase.second * hi.second * ho.second * structure(size.second * transverse);
 
-  const int t = tilt(std::abs(wi.z));
-  const float* density =
-      &density_[(std::size_t(t) * std::size_t(cells()) + std::size_t(cell)) * std::size_t(sample_nodes())];
+  const SphereSamples::Density density = sampling_.density(wi, wo, cell);
   Eval e;
   e.value = (a + (b - a) * n.fraction) * std::abs(wo.z);
-  e.pdf = make_spectrum([&](int j) { return density[sample_node(n.position[j])]; }) * mean(lost_, ci, n);
+  e.pdf = make_spectrum([&](int j) {
+            const int k = sample_node(n.position[j]);
+            return density.ring[k] * density.azimuth[k];
+          }) *
+          mean(lost_, ci, n);
   return e;
 }
 
@@ -398,24 +319,11 @@ Spectrum SphereTables::structure(const Spectrum& u) const {
 }
 
 Vec3 SphereTables::sample(const Vec3& wi, Vec2 u, float nm) const {
-  const int t = tilt(std::abs(wi.z));
-  const std::size_t n = std::size_t(cells()), node = std::size_t(sample_node(nodes(nm).position[0]));
-  const float* cdf = &cdf_[(std::size_t(t) * std::size_t(sample_nodes()) + node) * (n + 1)];
-  const std::size_t cell = std::size_t(std::upper_bound(cdf + 1, cdf + n, u.x) - (cdf + 1));
-  const float share = (u.x - cdf[cell]) / std::max(cdf[cell + 1] - cdf[cell], 1e-30f);
-  // Uniform over the ring's area.
-  const bool forward = int(cell) >= angles_.half;
-  const int j = ring(int(cell));
-  const float a = float(angles_.radius(j)), b = float(angles_.radius(j + 1));
-  const float r = std::sqrt(a * a + std::clamp(share, 0.f, 1.f) * (b - a) * (b + a)),
-              other = std::sqrt(std::max(4 - r * r, 0.f));
-  const float cosine = forward ? 1 - 0.5f * r * r : 0.5f * r * r - 1, sine = 0.5f * r * other;
-  const Vec2 azimuth = cos_sin_2pi(u.y);
-  return Frame::from_normal(-wi).to_world({azimuth.x * sine, azimuth.y * sine, cosine});
+  return sampling_.sample(wi, u, sample_node(nodes(nm).position[0]));
 }
 
 std::size_t SphereTables::bytes() const {
-  return sizeof(float) * (structure_.size() + phase_.size() + 4 * h_.size() + density_.size() + cdf_.size());
+  return sizeof(float) * (structure_.size() + phase_.size() + 4 * h_.size()) + sampling_.bytes();
 }
 
 }  // namespace aureole

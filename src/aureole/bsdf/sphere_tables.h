@@ -14,6 +14,8 @@
 #include <memory>
 #include <vector>
 
+#include "aureole/bsdf/sphere_angles.h"
+#include "aureole/bsdf/sphere_samples.h"
 #include "aureole/math/vec.h"
 #include "aureole/optics/size_distribution.h"
 #include "aureole/optics/structure_factor.h"
@@ -58,18 +60,7 @@ public:
 
 private:
   struct Worker;
-  /// Angles: nodes are uniform in r = |w_i - w_o| (backward, which comes first: small shares of a sum keep
-  /// their digits at its begin) or |w_i + w_o| (forward), in each half of the sphere finer in its centre;
-  /// r dr dphi is the solid angle.
-  struct AngleGrid {
-    float fine = 0, coarse = 0, offset = 0, split = 0;
-    int half = 0;  ///< cells per half
-    double radius(double position) const;
-    float position(float r) const { return std::min(fine * r, coarse * r + offset); }
-  };
-
-  static constexpr int kCosines = 96;  // cells of h and of the shares, uniform in sqrt(cos)
-  static constexpr int kTilts = 16;    // angles of incidence that samples are prepared for
+  static constexpr int kCosines = 72;  // cells of h and of the shares, uniform in sqrt(cos)
   static constexpr int kStride = 4;    // nodes of wavelength per node of the samples
 
   void plan(const SphereLayer& layer, const SpectralGrid& grid);
@@ -81,12 +72,7 @@ private:
     const int i = int(x);
     return structure_[i] + (x - float(i)) * (structure_[i + 1] - structure_[i]);
   }
-  int cells() const { return 2 * angles_.half; }
-  /// The cell's place in its half, from the centre.
-  int ring(int cell) const { return cell < angles_.half ? cell : cells() - 1 - cell; }
-  static int tilt(float cos_i) { return int(std::min(cos_i, 1.f) * (kTilts - 1) + 0.5f); }
-  static double tilt_cosine(int tilt) { return tilt == 0 ? 0.02 : double(tilt) / (kTilts - 1); }
-  int sample_nodes() const { return (wavelengths_ - 1) / kStride + 1; }
+  int cells() const { return angles_.cells(); }
   static int sample_node(float position) { return int(position * (1.f / kStride) + 0.5f); }
 
   /// Where each wavelength is between the nodes.
@@ -107,19 +93,18 @@ private:
   static constexpr int kStructureRate = 64, kStructureCells = 96 * kStructureRate;
   static constexpr float kStructureEnd = float(kStructureCells) - 0.5f;
 
-  AngleGrid angles_;
+  SphereAngles angles_;
+  SphereSamples sampling_;
   int wavelengths_ = 0;
+  bool has_peaks_ = false;        // of the structure factor
   double first_ = 0, scale_ = 0;  // node = (1/nm - first) scale
   std::vector<double> samples_;   // of mu >= 0, in order of the nodes of half a sphere
   std::vector<int> sample_ends_;  // per node of the half
-  std::vector<double> areas_;     // solid angle of each cell
   std::vector<float> sizes_;      // k a of the correlation discs, per wavelength
   std::vector<float> structure_;
   std::vector<float> phase_;                           // [angle][wavelength]
   std::vector<float> h_;                               // [cosine][wavelength]
   std::vector<float> transmitted_, reflected_, lost_;  // the same
-  std::vector<float> density_;                         // [tilt][angle cell][sample node]: 1/sr
-  std::vector<float> cdf_;                             // [tilt][sample node][angle]
 };
 
 }  // namespace aureole
