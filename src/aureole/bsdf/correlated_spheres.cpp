@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// A layer of many small spheres, such as droplets, that do not overlap, above a plane in one medium. Model:
+// Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025, section 6.2: each
+// sphere scatters by Mie's theory and the structure factor of their positions correlates them; what stays
+// coherent goes by Garcia-Valenzuela, Gutierrez-Reyes & Barrera 2012 (optics/sphere_layer.h).
+//
+// Lobes. The shares |t|^2 and |r|^2 of unpolarised light are delta lobes. The rest times the albedo of a
+// sphere is scattered into all directions in proportion to (|S1|^2 + |S2|^2)/2 S'(q), q the change of the
+// transverse wave vector, times a factor for either direction that makes the albedo right at each angle
+// (sphere_tables.h). All of it is even in the sides of the layer, and reciprocal.
+#include <cmath>
+#include <complex>
+#include <optional>
+#include <stdexcept>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/sphere_tables.h"
+#include "aureole/correlation/correlation.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/spectrum/refractive_index.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+class HardDiscs final : public optics::StructureFactor {
+public:
+  explicit HardDiscs(double area_fraction) : area_fraction_(area_fraction) {}
+  using StructureFactor::eval;
+  double eval(double u) const override { return optics::hard_disc_structure_factor(u, area_fraction_); }
+
+private:
+  double area_fraction_;
+};
+
+/// The index of the spheres: a dielectric with an absorption of its own, or a metal.
+std::function<std::complex<double>(double)> sphere_index(const Properties& p, const SpectralGrid& grid) {
+  const TexturePtr k = get_optional_texture(p, "k", SpectrumRole::unbounded);
+  if (k && !k->is_constant()) throw p.error("k", "must not vary over the surface");
+  if (const Properties::Entry* e = p.find("int_ior"))
+    if (const auto* name = std::get_if<std::string>(&e->value))
+      if (const auto metal = find_refractive_index(*name, false); metal && metal->is_dispersive()) {
+        if (k) throw p.error("k", "\"" + *name + "\" has its own absorption: leave \"k\" out");
+        return [metal](double nm) { return metal->at(nm); };
+      }
+  const Ior real = Ior::from(p, "int_ior", "water");
+  const SampledSpectrum absorption = k ? k->average() : SampledSpectrum::constant(grid, 0);
+  return [=](double nm) {
+    const Wavelengths w = Wavelengths::at(grid, float(nm));
+    return std::complex<double>(real.eval(w)[0], absorption.eval(w)[0]);
+  };
+}
+
+class CorrelatedSpheres final : public Bsdf {
+public:
+  explicit CorrelatedSpheres(const Properties& p) : Bsdf(p) {
+    const SpectralGrid grid = p.context().grid;
+    SphereLayer layer;
+    if (!p.has("radius"))
+      throw p.error("radius", "the parameter \"radius\" is required, a length such as \"5um\"");
+    layer.radius_nm = p.get_length_m("radius", 0) * 1e9;
+    layer.area_fraction = p.get_float("area_fraction", Range{0, optics::kMaxAreaFraction, true});
+    layer.spread = p.get_float("size_spread", 0, Range{0, optics::SizeDistribution::kMaxSpread});
+    layer.sizes = optics::SizeDistribution::log_normal(layer.spread);
+
+    const Ior medium = Ior::from(p, "ext_ior", "air");
+    layer.medium = [=](double nm) { return double(medium.eval(Wavelengths::at(grid, float(nm)))[0]); };
+    layer.relative_index = [around = layer.medium, inside = sphere_index(p, grid)](double nm) {
+      return inside(nm) / around(nm);
+    };
+    for (int i = 0; i <= grid.cells; ++i)
+      if (const auto m = layer.relative_index(grid.node(i)); !(std::abs(m) <= kLargestIndex && m.real() > 0))
+        throw p.error("int_ior", "the index of the spheres over that of the medium is " +
+                                     std::to_string(m.real()) + " + " + std::to_string(m.imag()) +
+                                     "i; its modulus must not exceed 20");
+    check_size(p, layer, grid);
+
+    const auto correlations = p.get_children<Correlation>("correlation");
+    if (correlations.size() > 1)
+      throw Error(p.where(), "\"correlated_spheres\" takes one nested correlation, not more");
+    if (correlations.empty())
+      layer.structure = std::make_shared<HardDiscs>(layer.area_fraction);
+    else
+      try {
+        layer.structure = correlations.front()->at(layer.area_fraction);
+      } catch (const std::domain_error& e) {
+        throw p.error("area_fraction", e.what());
+      }
+    if (!layer.structure->is_isotropic())
+      p.note("correlation",
+             "domains of all orientations are taken: spheres scatter by the mean over the ring");
+    tables_ = std::make_unique<SphereTables>(layer, grid);
+  }
+
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    if (wi.z == 0 || wo.z == 0) return {};
+    const SphereTables::Eval e = tables_->eval(wi, wo, ctx.wavelengths.nm);
+    return {e.value, e.pdf};
+  }
+
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
+    if (wi.z == 0) return {};
+    const SphereTables::Shares s = tables_->shares(std::abs(wi.z), ctx.wavelengths.nm);
+    // A small lobe at either end of u1 is found by whoever looks for one.
+    if (u1 < s.reflected[0] || !(s.lost[0] > 0 || s.transmitted[0] > 0))
+      return BsdfSample{reflect(wi), s.reflected, s.reflected, Lobe::delta | Lobe::reflect};
+    if (u1 >= s.reflected[0] + s.lost[0] || !(s.lost[0] > 0))
+      return BsdfSample{-wi, s.transmitted, s.transmitted, Lobe::delta | Lobe::transmit | Lobe::through};
+    const Vec3 wo = tables_->sample(wi, u2, ctx.wavelengths.nm[0]);
+    const BsdfEval e = eval_pdf(wi, wo, ctx);
+    if (!(e.pdf[0] > 0)) return {};
+    return BsdfSample{wo, e.value, e.pdf,
+                      Lobe::glossy | ((wi.z > 0) == (wo.z > 0) ? Lobe::reflect : Lobe::transmit)};
+  }
+
+  Lobe lobes() const override {
+    return Lobe::delta | Lobe::glossy | Lobe::reflect | Lobe::transmit | Lobe::through;
+  }
+  bool needs_tangent() const override { return false; }
+
+private:
+  static constexpr double kLargestIndex = 20;
+
+  static void check_size(const Properties& p, const SphereLayer& layer, const SpectralGrid& grid) {
+    const auto size = [&](double nm) { return 2 * M_PI * layer.radius_nm * layer.medium(nm) / nm; };
+    const double least = std::min(size(grid.min_nm), size(grid.max_nm)),
+                 most = std::max(size(grid.min_nm), size(grid.max_nm)) * layer.sizes.largest();
+    if (!(least >= SphereTables::kLeastSize))
+      throw p.error("radius",
+                    "the spheres are too small for the wavelengths: 2 pi n radius/lambda must be at "
+                    "least 0.01");
+    if (!(most <= SphereTables::kMostSize))
+      throw p.error("radius",
+                    "the spheres are too large for the wavelengths: 2 pi n radius/lambda of the largest "
+                    "must not exceed 5000; discs of \"correlated_scatterers\" diffract alike");
+  }
+
+  std::unique_ptr<const SphereTables> tables_;
+};
+
+AUREOLE_PLUGIN(
+    CorrelatedSpheres, "bsdf", "correlated_spheres",
+    PluginDoc{
+        "A layer of many small spheres, such as droplets, that do not overlap: halos and coronas by Mie's "
+        "theory. The layer is a surface of its own in one medium: what is below it, such as the pane of a "
+        "window, is another surface at a small distance. Light goes straight on or is reflected as by a "
+        "mirror "
+        "where it stays coherent; the rest is scattered into all directions or absorbed by the spheres.\n\n"
+        "The coherent part is a model of single spheres in the field of all others; for spheres far above "
+        "the "
+        "wavelength it lets more light pass beyond the angle where cos theta = area_fraction/2, which is not "
+        "real. Spheres of one size have sharp resonances; those narrower than the nodes of wavelength (128 "
+        "at "
+        "most) are not followed. The largest sphere may have 2 pi n radius/lambda = 5000. Tables take 3 to 7 "
+        "MB.",
+        "Yang, Kim, Pediredla & Jarosz, A wave-optics BSDF for correlated scatterers, 2025, section 6.2; "
+        "Garcia-Valenzuela, Gutierrez-Reyes & Barrera, J. Opt. Soc. Am. A 29 (2012) 1161; Bohren & Huffman, "
+        "Absorption and Scattering of Light by Small Particles, 1983, chapter 4",
+        {{"radius", "length", "", "required", "radius of the spheres, such as 5um; of the median sphere"},
+         {"area_fraction", "float", "", "required",
+          "part of the plane in the shade of spheres, in (0, 0.7]; spheres in a close lattice have 0.907"},
+         {"size_spread", "float", "", "0",
+          "standard deviation of ln(radius), log-normal, up to 0.7; the intensities of all sizes are added, "
+          "the positions are those of equal spheres that cover as much"},
+         {"int_ior", "float or string", "", "1.333",
+          "index of the spheres (water): a number, a dielectric or a metal"},
+         {"k", "spectrum", "", "0", "imaginary part of the index of dielectric spheres: absorption"},
+         {"ext_ior", "float or string", "", "air", "index around the spheres, above and below the layer"},
+         {"dispersion", "boolean", "", "true",
+          "named materials use their dispersion data where there are any"},
+         {"correlation", "correlation", "", "hard discs",
+          "how the positions depend on one another; without it those of hard discs (Percus and Yevick)"}},
+        {R"(<bsdf type="correlated_spheres">
+    <string name="radius" value="3um"/>
+    <float name="area_fraction" value="0.3"/>
+    <string name="int_ior" value="water"/> <string name="ext_ior" value="air"/>
+    <boolean name="dispersion" value="false"/>
+</bsdf>)",
+         R"(<bsdf type="correlated_spheres">
+    <string name="radius" value="2um"/>
+    <float name="area_fraction" value="0.2"/>
+    <float name="size_spread" value="0.15"/>
+    <float name="int_ior" value="1.5"/>
+    <spectrum name="k" value="400:0.01, 700:0.001"/>
+</bsdf>)"}});
+
+}  // namespace
+}  // namespace aureole

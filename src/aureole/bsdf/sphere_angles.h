@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scattering angles as the tables of `correlated_spheres` have them. v = |w_i + w_o| = 2 sin(theta/2) is zero
+// straight on and w = |w_i - w_o| = 2 cos(theta/2) straight back, theta the scattering angle.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "aureole/math/vec.h"
+
+namespace aureole {
+
+/// A direction about the way straight on: w_o + w_i is `along` w_i, and `in` and `out` across it, in the
+/// plane of incidence and out of it.
+struct Scattered {
+  float along, in, out;
+
+  Scattered(double v, double w, double phi)
+      : along(float(0.5 * v * v)),
+        in(float(0.5 * v * w * std::cos(phi))),
+        out(float(0.5 * v * w * std::sin(phi))) {}
+  /// |(w_i + w_o)_xy|
+  float transverse(float cos_i, float sin_i) const {
+    const float x = along * sin_i + in * cos_i;
+    return std::sqrt(x * x + out * out);
+  }
+  /// |cos theta_o|
+  float cosine(float cos_i, float sin_i) const {
+    return std::min(std::abs((along - 1) * cos_i - in * sin_i), 1.f);
+  }
+};
+
+/// Cells between nodes that are uniform in w (backward, which comes first: small shares of a sum keep their
+/// digits at its begin) or in v (forward), in each half of the sphere finer in its centre. v dv dphi = w dw
+/// dphi is the solid angle.
+class SphereAngles {
+public:
+  /// Rings of the phase function follow x v: linear interpolation over steps of 1/6 keeps them to 1/300.
+  static constexpr double kStep = 0.16;
+
+  SphereAngles() = default;
+  /// For size parameters x up to `largest`.
+  explicit SphereAngles(double largest) {
+    constexpr double kFineEnd = 64, kRootTwo = std::numbers::sqrt2;
+    constexpr int kLeastCells = 64, kFineCells = int(kFineEnd / kStep), kCoarseCells = 384;
+    const double fine = std::max(largest / kStep, kLeastCells / kRootTwo);
+    if (fine * kRootTwo < kFineCells + kCoarseCells) {
+      half_ = int(std::ceil(fine * kRootTwo));
+      fine_ = coarse_ = float(half_ / kRootTwo);
+      split_ = float(kRootTwo);
+    } else {
+      half_ = kFineCells + kCoarseCells;
+      split_ = float(kFineEnd / largest);
+      fine_ = float(kFineCells) / split_;
+      coarse_ = float(kCoarseCells / (kRootTwo - double(split_)));
+      offset_ = float(half_ - kRootTwo * double(coarse_));
+    }
+  }
+
+  int half() const { return half_; }  ///< cells in each half of the sphere
+  int cells() const { return 2 * half_; }
+  bool is_forward(int cell) const { return cell >= half_; }
+  /// The cell's place in its half, from the centre.
+  int ring(int cell) const { return is_forward(cell) ? cells() - 1 - cell : cell; }
+  /// v or w at a place in its half.
+  double radius(double place) const {
+    return place < double(fine_) * double(split_) ? place / double(fine_)
+                                                  : (place - double(offset_)) / double(coarse_);
+  }
+  double area(int cell) const {
+    const double a = radius(ring(cell)), b = radius(ring(cell) + 1);
+    return std::numbers::pi * (b - a) * (b + a);
+  }
+  /// Cell, and place in it, of a pair of directions; at most `cells()`.
+  float position(const Vec3& wi, const Vec3& wo) const {
+    const float v2 = length_squared(wi + wo), w2 = length_squared(wi - wo), r = std::sqrt(std::min(v2, w2));
+    const float place = std::min(std::min(fine_ * r, coarse_ * r + offset_), float(half_));
+    return v2 <= w2 ? float(cells()) - place : place;
+  }
+
+private:
+  float fine_ = 1, coarse_ = 1, offset_ = 0, split_ = 1;
+  int half_ = 1;
+};
+
+}  // namespace aureole
