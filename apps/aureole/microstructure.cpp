@@ -22,7 +22,8 @@ namespace {
 
 struct Options {
   std::vector<std::string> images, masks, excludes;
-  std::string pixel_size, output, polarity = "auto", background = "auto", denoise = "auto", encoding = "linear";
+  std::string pixel_size, output, polarity = "auto", background = "auto", denoise = "auto",
+                                  encoding = "linear";
   std::string correlation_radius;
   double background_scale = 0, smooth = 0, min_radius = 2;
   bool fill_holes = false, no_overlays = false;
@@ -31,7 +32,8 @@ struct Options {
 };
 
 template <class T>
-T choose(const std::string& option, const std::string& value, const std::vector<std::pair<std::string, T>>& choices) {
+T choose(const std::string& option, const std::string& value,
+         const std::vector<std::pair<std::string, T>>& choices) {
   std::vector<std::string> names;
   for (const auto& [name, v] : choices) {
     if (name == value) return v;
@@ -56,10 +58,12 @@ std::array<int, 4> rectangle(const std::string& text) {
   size_t from = 0;
   for (int i = 0; i < 4; ++i) {
     const size_t comma = text.find(',', from);
-    if ((comma == std::string::npos) != (i == 3)) throw Error("--exclude " + text + ": write x,y,width,height");
+    if ((comma == std::string::npos) != (i == 3))
+      throw Error("--exclude " + text + ": write x,y,width,height");
     try {
       const double v = parse_number(std::string_view(text).substr(from, comma - from));
-      if (v != std::floor(v) || std::abs(v) > 1e6) throw Error("\"" + text + "\" needs whole numbers of pixels");
+      if (v != std::floor(v) || std::abs(v) > 1e6)
+        throw Error("\"" + text + "\" needs whole numbers of pixels");
       out[size_t(i)] = int(v);
     } catch (const Error& e) {
       throw Error("--exclude " + text + ": " + e.message());
@@ -76,8 +80,9 @@ std::string interval(const Estimate& e, double unit, const char* name) {
 int microstructure(const Options& o) {
   MicrostructureOptions options;
   SegmentationOptions& s = options.segmentation;
-  s.polarity = choose<Polarity>("--polarity", o.polarity,
-                                {{"auto", Polarity::automatic}, {"dark", Polarity::dark}, {"bright", Polarity::bright}});
+  s.polarity = choose<Polarity>(
+      "--polarity", o.polarity,
+      {{"auto", Polarity::automatic}, {"dark", Polarity::dark}, {"bright", Polarity::bright}});
   s.background = choose<Background>(
       "--background", o.background,
       {{"auto", Background::automatic}, {"morphology", Background::morphology}, {"none", Background::none}});
@@ -91,12 +96,14 @@ int microstructure(const Options& o) {
   if (!o.pixel_size.empty()) reading.pixel_m = positive_length("--pixel-size", o.pixel_size);
   if (!o.correlation_radius.empty())
     options.correlation_radius_m = positive_length("--correlation-radius", o.correlation_radius);
-  if (!(o.background_scale >= 0 && o.background_scale < 1e5)) throw Error("--background-scale must be positive");
+  if (!(o.background_scale >= 0 && o.background_scale < 1e5))
+    throw Error("--background-scale must be positive");
   if (!(o.smooth >= 0 && o.smooth <= 20)) throw Error("--smooth must be in [0, 20] pixels");
   if (!(o.min_radius >= 0.5 && o.min_radius < 1e4)) throw Error("--min-radius must be at least 0.5 pixels");
   if (o.resamples < 20 || o.resamples > 100000) throw Error("--resamples must be in [20, 100000]");
   if (s.background == Background::morphology && o.background_scale == 0)
-    throw Error("--background morphology needs --background-scale, a length in pixels larger than the particles");
+    throw Error(
+        "--background morphology needs --background-scale, a length in pixels larger than the particles");
   s.background_scale = o.background_scale, s.smooth = o.smooth, s.min_radius = o.min_radius;
   s.fill_holes = o.fill_holes;
   options.resamples = o.resamples, options.seed = o.seed;
@@ -111,7 +118,8 @@ int microstructure(const Options& o) {
     return read_micrograph(o.images[i], mine);
   };
   int number = 0;
-  const auto visit = [&](const Micrograph& field, const Segmentation& found, const std::vector<Particle>& particles) {
+  const auto visit = [&](const Micrograph& field, const Segmentation& found,
+                         const std::vector<Particle>& particles) {
     if (!o.no_overlays)
       write_png(folder.path(fmt::format("overlay-{}.png", number)), overlay(field, found, particles));
     ++number;
@@ -121,8 +129,9 @@ int microstructure(const Options& o) {
   folder.commit();
 
   for (const FieldReport& f : m.fields)
-    fmt::print("{}: {} particles whole, {} cut, {} too small; {} on {}, pixel {:.4g} um\n", f.name, f.whole, f.cut,
-               f.too_small, f.bright ? "bright" : "dark", f.bright ? "dark" : "bright", f.pixel_m * 1e6);
+    fmt::print("{}: {} particles whole, {} cut, {} too small; {} on {}, pixel {:.4g} um\n", f.name, f.whole,
+               f.cut, f.too_small, f.bright ? "bright" : "dark", f.bright ? "dark" : "bright",
+               f.pixel_m * 1e6);
   fmt::print("covered part        {}\n", interval(m.shape_fraction, 1, ""));
   fmt::print("area fraction       {}\n", interval(m.area_fraction, 1, ""));
   fmt::print("correlation radius  {}{}\n", interval(m.correlation_radius, 1e-6, " um"),
@@ -141,17 +150,21 @@ int microstructure(const Options& o) {
 }  // namespace
 
 void add_microstructure_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand("microstructure",
-                                   "Find the scatterers in microscope pictures and write their statistics as a material");
+  CLI::App* c = app.add_subcommand(
+      "microstructure",
+      "Find the scatterers in microscope pictures and write their statistics as a material");
   auto o = std::make_shared<Options>();
   c->add_option("images", o->images, "fields of view of one sample: PNG, TIFF, ...")->required();
-  c->add_option("-o,--output", o->output, "folder to write; replaced if it holds an earlier result")->required();
-  c->add_option("--pixel-size", o->pixel_size, "side of a pixel, such as 0.2um (default: what the TIFF says)");
+  c->add_option("-o,--output", o->output, "folder to write; replaced if it holds an earlier result")
+      ->required();
+  c->add_option("--pixel-size", o->pixel_size,
+                "side of a pixel, such as 0.2um (default: what the TIFF says)");
   c->add_option("--polarity", o->polarity, "auto, dark or bright particles")->capture_default_str();
   c->add_option("--background", o->background,
                 "uneven light: auto (smooth levels of particles and ground), morphology, none")
       ->capture_default_str();
-  c->add_option("--background-scale", o->background_scale, "pixels, larger than particles (default: by their size)");
+  c->add_option("--background-scale", o->background_scale,
+                "pixels, larger than particles (default: by their size)");
   c->add_option("--denoise", o->denoise, "auto, none, gaussian or median")->capture_default_str();
   c->add_option("--smooth", o->smooth, "standard deviation of the Gaussian, pixels (default: by the noise)");
   c->add_flag("--fill-holes", o->fill_holes, "particles with a middle like the ground are whole");

@@ -31,7 +31,8 @@ double ome_pixel_size(const std::string& text) {
       document.find_node([](const pugi::xml_node& n) { return std::strcmp(n.name(), "Pixels") == 0; });
   if (!pixels.attribute("PhysicalSizeX")) return 0;
   const auto size = [&](const char* value, const char* unit) {
-    return parse_length_m(std::string(pixels.attribute(value).value()) + pixels.attribute(unit).as_string("um"));
+    return parse_length_m(std::string(pixels.attribute(value).value()) +
+                          pixels.attribute(unit).as_string("um"));
   };
   const double x = size("PhysicalSizeX", "PhysicalSizeXUnit");
   return square(x, pixels.attribute("PhysicalSizeY") ? size("PhysicalSizeY", "PhysicalSizeYUnit") : x);
@@ -53,8 +54,8 @@ void apply_mask(Micrograph& m, const std::filesystem::path& file) {
   const Image mask = read_image(file);
   const auto fail = [&](const std::string& what) { throw Error({file.string(), 0, 0}, what); };
   if (mask.width != m.width || mask.height != m.height)
-    fail("the mask has " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels, " + m.name +
-         " has " + std::to_string(m.width) + " x " + std::to_string(m.height));
+    fail("the mask has " + std::to_string(mask.width) + " x " + std::to_string(mask.height) + " pixels, " +
+         m.name + " has " + std::to_string(m.width) + " x " + std::to_string(m.height));
   const size_t channels = mask.channel_count(), colours = channels >= 3 ? 3 : 1;
   for (size_t i = 0; i < m.seen.size(); ++i) {
     float most = 0;
@@ -90,8 +91,8 @@ Micrograph read_micrograph(const std::filesystem::path& file, const MicrographOp
   Micrograph m;
   m.name = file.string(), m.width = image.width, m.height = image.height;
   if (std::min(m.width, m.height) < kSmallestField)
-    fail(std::to_string(m.width) + " x " + std::to_string(m.height) + " pixels are too few: a field needs at least " +
-         std::to_string(kSmallestField) + " on each side");
+    fail(std::to_string(m.width) + " x " + std::to_string(m.height) +
+         " pixels are too few: a field needs at least " + std::to_string(kSmallestField) + " on each side");
   m.pixel_m = options.pixel_m;
   if (m.pixel_m == 0) try {
       m.pixel_m = pixel_size_m(attributes);
@@ -99,8 +100,10 @@ Micrograph read_micrograph(const std::filesystem::path& file, const MicrographOp
       fail(e.message());
     }
   if (!(m.pixel_m > 0))
-    fail("does not say how large its pixels are (no OME or ImageJ description, no resolution tags of a microscope); "
-         "give --pixel-size, such as 0.2um");
+    fail(
+        "does not say how large its pixels are (no OME or ImageJ description, no resolution tags of a "
+        "microscope); "
+        "give --pixel-size, such as 0.2um");
 
   const size_t channels = image.channel_count(), colours = channels >= 3 ? 3 : 1;
   m.grey.resize(size_t(m.width) * m.height);
@@ -123,8 +126,8 @@ Micrograph read_micrograph(const std::filesystem::path& file, const MicrographOp
       throw Error("--exclude " + std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(w) + "," +
                   std::to_string(h) + " lies outside of " + m.name);
     for (int j = std::max(y, 0); j < std::min(y + h, m.height); ++j)
-      std::fill_n(m.seen.begin() + size_t(j) * m.width + std::max(x, 0), std::min(x + w, m.width) - std::max(x, 0),
-                  std::uint8_t(0));
+      std::fill_n(m.seen.begin() + size_t(j) * m.width + std::max(x, 0),
+                  std::min(x + w, m.width) - std::max(x, 0), std::uint8_t(0));
   }
   const auto left = std::count(m.seen.begin(), m.seen.end(), 1);
   if (left < kSmallestField * kSmallestField)

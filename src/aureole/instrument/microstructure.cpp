@@ -59,7 +59,8 @@ Sizes sizes_of(std::vector<std::pair<double, double>> radius_weight) {
     s.deviation += w * (r - s.mean) * (r - s.mean);
     s.log_deviation += w * (std::log(r) - log_mean) * (std::log(r) - log_mean);
   }
-  const double unbiased = radius_weight.size() > 1 ? double(radius_weight.size()) / double(radius_weight.size() - 1) : 1;
+  const double unbiased =
+      radius_weight.size() > 1 ? double(radius_weight.size()) / double(radius_weight.size() - 1) : 1;
   s.deviation = std::sqrt(s.deviation / sum * unbiased);
   s.log_deviation = std::sqrt(s.log_deviation / sum * unbiased);
   std::sort(radius_weight.begin(), radius_weight.end());
@@ -70,7 +71,8 @@ Sizes sizes_of(std::vector<std::pair<double, double>> radius_weight) {
     for (const auto& [r, w] : radius_weight) {
       const double at = (before + 0.5 * w) / sum;
       if (at >= kQuantiles[q]) {
-        s.quantiles[q] = at > last_at ? last_r + (kQuantiles[q] - last_at) / (at - last_at) * (r - last_r) : r;
+        s.quantiles[q] =
+            at > last_at ? last_r + (kQuantiles[q] - last_at) / (at - last_at) * (r - last_r) : r;
         break;
       }
       before += w, last_at = at, last_r = r;
@@ -124,7 +126,8 @@ struct Sample {
 
 class Estimator {
 public:
-  Estimator(const Microstructure& m, const std::vector<Block>& blocks, const std::vector<PointField>& points)
+  Estimator(const Microstructure& m, const std::vector<Block>& blocks, const std::vector<PointField>& points,
+            double radius_deviation)
       : m_(m), blocks_(blocks), points_(points) {
     std::vector<double> nearest;
     for (const PointField& f : points)
@@ -134,11 +137,13 @@ public:
     smallest_ = nearest.front();
     // A few false neighbours (particles divided by mistake) must not set the scale.
     guess_ = nearest[nearest.size() / 20];
+    expected_width_ = std::clamp(std::sqrt(2.0) * radius_deviation, 0.004 * guess_, 0.25 * guess_);
     onset_pairs_ = count_pairs(points, 1.6 * guess_ / kOnsetBins, kOnsetBins);
     double near = 0;
     for (int i = 0; i < kOnsetBins; ++i) {
       distance_.push_back((i + 0.5) * onset_pairs_.width);
-      if (distance_.back() > 0.8 * guess_ && distance_.back() < 1.25 * guess_) near += onset_pairs_.count[size_t(i)];
+      if (distance_.back() > 0.8 * guess_ && distance_.back() < 1.25 * guess_)
+        near += onset_pairs_.count[size_t(i)];
     }
     fits_ = near >= 40;
   }
@@ -153,8 +158,9 @@ public:
     const std::vector<double> g = pair_correlation(onset_pairs_, draw);
     std::vector<double> r, v, n;
     for (size_t i = 0; i < g.size(); ++i)
-      if (distance_[i] > 0.5 * guess_) r.push_back(distance_[i]), v.push_back(g[i]), n.push_back(onset_pairs_.count[i]);
-    return fit_onset(r, v, n, guess_);
+      if (distance_[i] > 0.5 * guess_)
+        r.push_back(distance_[i]), v.push_back(g[i]), n.push_back(onset_pairs_.count[i]);
+    return fit_onset(r, v, n, guess_, expected_width_);
   }
   Sample sample(const std::vector<int>& draw) const {
     Sample s;
@@ -196,7 +202,7 @@ private:
   const Microstructure& m_;
   const std::vector<Block>& blocks_;
   const std::vector<PointField>& points_;
-  double guess_ = 0, smallest_ = 0;
+  double guess_ = 0, smallest_ = 0, expected_width_ = 0;
   bool fits_ = false;
   PairCounts onset_pairs_, pairs_;
   std::vector<double> distance_;
@@ -255,15 +261,16 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   for (const FieldReport& f : m.fields) {
     whole += size_t(f.whole), names += (names.empty() ? "" : ", ") + f.name;
     if (f.bright != m.fields[0].bright)
-      m.notes.push_back(f.name + ": particles are " + (f.bright ? "bright" : "dark") + ", in " + m.fields[0].name +
-                        " they are not; --polarity decides for all");
+      m.notes.push_back(f.name + ": particles are " + (f.bright ? "bright" : "dark") + ", in " +
+                        m.fields[0].name + " they are not; --polarity decides for all");
   }
   if (m.particles.empty()) throw Error({names, 0, 0}, "no particles found");
   if (whole < 3)
     throw Error({names, 0, 0}, std::to_string(whole) + (whole == 1 ? " particle is" : " particles are") +
                                    " seen whole: at least 3 are needed for statistics");
   if (whole < 20)
-    m.notes.push_back("only " + std::to_string(whole) + " particles are seen whole: the intervals are wide and rough");
+    m.notes.push_back("only " + std::to_string(whole) +
+                      " particles are seen whole: the intervals are wide and rough");
 
   // Sizes and density.
   double density = 0;
@@ -288,7 +295,8 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   for (size_t f = 0; f < count; ++f) {
     pool.margin.push_back(margin / m.fields[f].pixel_m);
     points.push_back(point_field(pool, m, f));
-    for (int b = 0; b < points[f].blocks; ++b) pool.blocks[size_t(pool.first[f] + b)].area = points[f].block_area[size_t(b)];
+    for (int b = 0; b < points[f].blocks; ++b)
+      pool.blocks[size_t(pool.first[f] + b)].area = points[f].block_area[size_t(b)];
     for (const int b : points[f].block) pool.blocks[size_t(pool.first[f] + b)].centres += 1;
   }
   for (size_t i = 0; i < m.particles.size(); ++i) {
@@ -296,7 +304,12 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
     if (!p.cut) pool.blocks[size_t(block_of(pool, size_t(p.field), p.x, p.y))].particles.push_back(int(i));
   }
 
-  Estimator estimator(m, pool.blocks, points);
+  std::vector<std::pair<double, double>> radii;
+  for (size_t i = 0; i < m.particles.size(); ++i)
+    if (m.weights[i] > 0)
+      radii.emplace_back(m.particles[i].radius * m.fields[size_t(m.particles[i].field)].pixel_m,
+                         m.weights[i]);
+  Estimator estimator(m, pool.blocks, points, sizes_of(radii).deviation);
   if (!estimator.has_pairs() && o.correlation_radius_m == 0)
     throw Error({names, 0, 0}, "no two particles lie away from the frame: give --correlation-radius");
   std::vector<int> all;
@@ -307,7 +320,9 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   const double a = m.correlation_radius_given ? o.correlation_radius_m : 0.5 * onset.distance;
   m.onset_width = onset.distance > 0 ? onset.width / onset.distance : 0;
   if (!m.correlation_radius_given && !estimator.fits_onset())
-    m.notes.push_back("too few close pairs: the correlation radius is half the smallest distance, too large by an unknown part");
+    m.notes.push_back(
+        "too few close pairs: the correlation radius is half the smallest distance, too large by an unknown "
+        "part");
   estimator.set_pairs(kPairStep * a);
   const Sample whole_sample = estimator.sample(all);
 
@@ -333,7 +348,8 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
     return Estimate{value, std::max(value - half, 0.0), std::min(value + half, most)};
   };
   if (blocks < 2) m.notes.push_back("too few particles for intervals: they are left empty");
-  m.shape_fraction = estimate(whole_sample.covered, [](const Sample& s) { return s.covered; }, 1);
+  m.shape_fraction = estimate(
+      whole_sample.covered, [](const Sample& s) { return s.covered; }, 1);
   // The bootstrap knows the relative error of the density away from the frame; it is taken for that of all.
   const double relative = density / whole_sample.density;
   m.density = estimate(density, [&](const Sample& s) { return s.density * relative; });
@@ -344,9 +360,11 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   });
   m.mean_radius = estimate(whole_sample.sizes.mean, [](const Sample& s) { return s.sizes.mean; });
   m.deviation = estimate(whole_sample.sizes.deviation, [](const Sample& s) { return s.sizes.deviation; });
-  m.log_deviation = estimate(whole_sample.sizes.log_deviation, [](const Sample& s) { return s.sizes.log_deviation; });
+  m.log_deviation =
+      estimate(whole_sample.sizes.log_deviation, [](const Sample& s) { return s.sizes.log_deviation; });
   for (size_t q = 0; q < std::size(kQuantiles); ++q)
-    m.quantiles.push_back(estimate(whole_sample.sizes.quantiles[q], [q](const Sample& s) { return s.sizes.quantiles[q]; }));
+    m.quantiles.push_back(
+        estimate(whole_sample.sizes.quantiles[q], [q](const Sample& s) { return s.sizes.quantiles[q]; }));
   for (size_t i = 0; i < whole_sample.g.size(); ++i) {
     m.pair_correlation.x.push_back((double(i) + 0.5) * kPairStep);
     m.pair_correlation.value.push_back(whole_sample.g[i]);

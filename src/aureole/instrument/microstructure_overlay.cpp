@@ -40,7 +40,8 @@ Image overlay(const Micrograph& field, const Segmentation& s, const std::vector<
   std::vector<char> cut(size_t(s.count) + 1, 1);
   for (const Particle& p : particles)
     if (!p.cut)
-      cut[size_t(s.labels[size_t(std::clamp(int(p.y), 0, h - 1)) * w + size_t(std::clamp(int(p.x), 0, w - 1))])] = 0;
+      cut[size_t(
+          s.labels[size_t(std::clamp(int(p.y), 0, h - 1)) * w + size_t(std::clamp(int(p.x), 0, w - 1))])] = 0;
   for (int y = 1; y + 1 < h; ++y)
     for (int x = 1; x + 1 < w; ++x) {
       const size_t i = size_t(y) * w + x;
@@ -48,7 +49,8 @@ Image overlay(const Micrograph& field, const Segmentation& s, const std::vector<
       cv::rectangle(picture, cv::Rect(x * zoom, y * zoom, zoom, zoom), cv::Scalar(255, 140, 0), cv::FILLED);
     }
   Image out;
-  out.width = picture.cols, out.height = picture.rows, out.channels = {"R", "G", "B"}, out.srgb_encoded = true;
+  out.width = picture.cols, out.height = picture.rows, out.channels = {"R", "G", "B"},
+  out.srgb_encoded = true;
   out.pixels.resize(picture.total() * 3);
   for (size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] = float(picture.data[i]) / 255;
   return out;

@@ -10,8 +10,8 @@
 
 namespace aureole {
 
-/// result.json, particles.csv, sizes.txt, structure_factor.txt, pair_correlation.txt, scene.xml, plots as SVG,
-/// and for shapes that are not round apertures.svg (mean outline) and outline.svg (a typical one).
+/// result.json, particles.csv, sizes.txt, structure_factor.txt, pair_correlation.txt, scene.xml, plots as
+/// SVG, and for shapes that are not round apertures.svg (mean outline) and outline.svg (a typical one).
 void write_microstructure(const Microstructure& m, const OutputFolder& folder);
 
 /// A histogram of radii relative to the mean radius, as `optics::SizeDistribution::histogram` reads it:
@@ -22,6 +22,7 @@ std::string size_histogram(const Microstructure& m);
 std::string scene_snippet(const Microstructure& m);
 
 /// The field in grey with the outlines (green whole, orange cut) and centres of its particles.
-Image overlay(const Micrograph& field, const Segmentation& segmentation, const std::vector<Particle>& particles);
+Image overlay(const Micrograph& field, const Segmentation& segmentation,
+              const std::vector<Particle>& particles);
 
 }  // namespace aureole

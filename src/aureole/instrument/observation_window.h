@@ -29,8 +29,8 @@ public:
   /// along its longer side. 0 outside.
   struct Raster {
     int width, height;
-    double cell_x, cell_y;  ///< pixels
-    std::vector<float> free;  ///< mean over the cell of the free distance left beyond `reach`
+    double cell_x, cell_y;      ///< pixels
+    std::vector<float> free;    ///< mean over the cell of the free distance left beyond `reach`
     std::vector<float> inside;  ///< part of the cell that is inside
   };
   Raster raster(double reach, int side) const;
@@ -38,7 +38,7 @@ public:
 private:
   int width_, height_;
   double most_;
-  std::vector<float> free_;       ///< of pixel centres; empty without a mask
+  std::vector<float> free_;        ///< of pixel centres; empty without a mask
   std::vector<double> area_from_;  ///< pixels whose free distance is at least i/2
 };
 

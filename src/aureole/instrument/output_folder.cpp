@@ -21,7 +21,8 @@ OutputFolder::OutputFolder(fs::path folder, const std::string& marker) : folder_
     if (!fs::is_empty(folder_, code) && !fs::exists(folder_ / marker, code))
       fail("is a folder of something else (no " + marker + " in it); choose a new one");
   }
-  if (!fs::is_directory(folder_.parent_path(), code)) fail("cannot be made: its parent folder does not exist");
+  if (!fs::is_directory(folder_.parent_path(), code))
+    fail("cannot be made: its parent folder does not exist");
   for (int i = 0; i < 1000; ++i) {
     part_ = folder_;
     part_ += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(i);

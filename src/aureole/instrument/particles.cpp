@@ -30,21 +30,50 @@ Outline level_half(int left, int right, int top, int bottom, const Value& value)
       const int code = a + 2 * b + 4 * c + 8 * d;
       // The inside is on the left of the way, seen with y up.
       switch (code) {
-        case 1: link(left_edge, up); break;
-        case 2: link(up, right_edge); break;
-        case 3: link(left_edge, right_edge); break;
-        case 4: link(right_edge, down); break;
-        case 5: link(left_edge, up), link(right_edge, down); break;
-        case 6: link(up, down); break;
-        case 7: link(left_edge, down); break;
-        case 8: link(down, left_edge); break;
-        case 9: link(down, up); break;
-        case 10: link(up, right_edge), link(down, left_edge); break;
-        case 11: link(down, right_edge); break;
-        case 12: link(right_edge, left_edge); break;
-        case 13: link(right_edge, up); break;
-        case 14: link(up, left_edge); break;
-        default: break;
+        case 1:
+          link(left_edge, up);
+          break;
+        case 2:
+          link(up, right_edge);
+          break;
+        case 3:
+          link(left_edge, right_edge);
+          break;
+        case 4:
+          link(right_edge, down);
+          break;
+        case 5:
+          link(left_edge, up), link(right_edge, down);
+          break;
+        case 6:
+          link(up, down);
+          break;
+        case 7:
+          link(left_edge, down);
+          break;
+        case 8:
+          link(down, left_edge);
+          break;
+        case 9:
+          link(down, up);
+          break;
+        case 10:
+          link(up, right_edge), link(down, left_edge);
+          break;
+        case 11:
+          link(down, right_edge);
+          break;
+        case 12:
+          link(right_edge, left_edge);
+          break;
+        case 13:
+          link(right_edge, up);
+          break;
+        case 14:
+          link(up, left_edge);
+          break;
+        default:
+          break;
       }
     }
   const auto point = [&](const Edge& e) -> std::array<double, 2> {
@@ -66,10 +95,37 @@ Outline level_half(int left, int right, int top, int bottom, const Value& value)
   return best;
 }
 
+/// The outline with its points averaged over neighbours within some part of the radius, so that noise does
+/// not lengthen it.
+Outline smoothed(const Outline& outline, double radius) {
+  const size_t n = outline.size();
+  std::vector<double> at(n + 1, 0);
+  for (size_t i = 0; i < n; ++i) {
+    const auto &a = outline[i], &b = outline[(i + 1) % n];
+    at[i + 1] = at[i] + std::hypot(b[0] - a[0], b[1] - a[1]);
+  }
+  const double sigma = 0.15 * radius, total = at[n];
+  const int reach = std::clamp(int(3 * sigma / (total / double(n))), 1, int(n) / 3);
+  Outline out;
+  for (int i = 0; i < int(n); ++i) {
+    double sum = 0, x = 0, y = 0;
+    for (int k = -reach; k <= reach; ++k) {
+      const size_t j = size_t((i + k + int(n)) % int(n));
+      double d = std::abs(at[j] - at[size_t(i)]);
+      d = std::min(d, total - d) / sigma;
+      const double w = std::exp(-0.5 * d * d);
+      sum += w, x += w * outline[j][0], y += w * outline[j][1];
+    }
+    out.push_back({x / sum, y / sum});
+  }
+  return out;
+}
+
 void measure_outline(Particle& p) {
   double perimeter = 0, area = 0;
-  for (size_t i = 0; i < p.outline.size(); ++i) {
-    const auto &a = p.outline[i], &b = p.outline[(i + 1) % p.outline.size()];
+  const Outline line = p.outline.size() < 8 ? p.outline : smoothed(p.outline, p.radius);
+  for (size_t i = 0; i < line.size(); ++i) {
+    const auto &a = line[i], &b = line[(i + 1) % line.size()];
     perimeter += std::hypot(b[0] - a[0], b[1] - a[1]);
     area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
   }
@@ -111,7 +167,8 @@ std::vector<Particle> measure_particles(const Segmentation& s, const Observation
     p.field = index;
     p.area = m.area, p.radius = std::sqrt(m.area / M_PI);
     p.x = m.x / m.area, p.y = m.y / m.area;
-    const double xx = m.xx / m.area - p.x * p.x, yy = m.yy / m.area - p.y * p.y, xy = m.xy / m.area - p.x * p.y;
+    const double xx = m.xx / m.area - p.x * p.x, yy = m.yy / m.area - p.y * p.y,
+                 xy = m.xy / m.area - p.x * p.y;
     // Blur and pixels add the same to both moments.
     const double blur2 = s.blur * s.blur + 1.0 / 12;
     const double half = 0.5 * (xx + yy) - blur2, difference = std::hypot(0.5 * (xx - yy), xy);

@@ -27,6 +27,7 @@ struct Particle {
 };
 
 /// All particles of a field, in order of their labels.
-std::vector<Particle> measure_particles(const Segmentation& field, const ObservationWindow& window, int index);
+std::vector<Particle> measure_particles(const Segmentation& field, const ObservationWindow& window,
+                                        int index);
 
 }  // namespace aureole

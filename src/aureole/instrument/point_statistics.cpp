@@ -66,9 +66,11 @@ PairCounts count_pairs(const std::vector<PointField>& fields, double width, int 
 }
 
 Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, const std::vector<double>& count,
-                double guess) {
+                double guess, double expected_width) {
   // g(r) = step((r - d)/w) (far + near exp(-(r - d)/l)); far and near by linear least squares.
-  double far = 0, near = 0;
+  double far = 0, near = 0, pairs = 0, exposure = 0;
+  for (size_t i = 0; i < r.size(); ++i) pairs += count[i], exposure += g[i] * r[i];
+  const double per_radius = exposure > 0 ? pairs / exposure : 0;  // pairs of a bin = per_radius r g(r)
   const auto misfit = [&](const std::array<double, 3>& p) {
     const double d = p[0], w = std::exp(p[1]), l = std::exp(p[2]);
     if (!(d > 0.5 * guess && d < 1.5 * guess && w < 0.3 * guess && w > 1e-4 * guess && l > 0.02 * guess &&
@@ -76,9 +78,8 @@ Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, cons
       return std::numeric_limits<double>::infinity();
     double a = 0, b = 0, c = 0, u = 0, v = 0, yy = 0;
     for (size_t i = 0; i < r.size(); ++i) {
-      // Poisson: the variance of g is g^2/count; a bin without pairs knows as much as one with one.
-      const double scale = count[i] > 0 ? count[i] / std::max(g[i], 1e-12) : 0;  // counts per g
-      const double weight = scale > 0 ? scale * scale / (count[i] + 1) : 1;
+      // Poisson; a bin without pairs knows as much as one with one.
+      const double weight = per_radius * r[i] * per_radius * r[i] / (count[i] + 1);
       const double step = 0.5 * std::erfc(-(r[i] - d) / (w * std::sqrt(2.0)));
       const double e = step * std::exp(-std::max(r[i] - d, 0.0) / l);
       a += weight * step * step, b += weight * step * e, c += weight * e * e;
@@ -88,12 +89,16 @@ Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, cons
     near = determinant > 1e-9 * a * c ? (a * v - b * u) / determinant : 0;
     far = a > 0 ? (u - near * b) / a : 0;
     if (far < 0 && c > 0) far = 0, near = v / c;
-    return yy - far * u - near * v;
+    // Weak knowledge where pairs are few: edges are as wide as the spread of radii, g(r) decays within some
+    // tenth of the distance (0.15 to 0.3 for hard discs).
+    const auto prior = [](double log_ratio) { return log_ratio * log_ratio / 0.5; };
+    return yy - far * u - near * v + prior(p[1] - std::log(expected_width)) +
+           prior(p[2] - std::log(0.25 * guess));
   };
   Onset best;
   double least = std::numeric_limits<double>::infinity();
   for (const double width : {0.01, 0.05, 0.15}) {
-    const auto found = simplex_minimum<3>(misfit, {guess, std::log(width * guess), std::log(0.15 * guess)},
+    const auto found = simplex_minimum<3>(misfit, {guess, std::log(width * guess), std::log(0.25 * guess)},
                                           {0.03 * guess, 0.7, 0.7}, 200);
     if (const double m = misfit(found); m < least) {
       least = m;
@@ -111,7 +116,8 @@ std::vector<double> nearest_distances(const PointField& f) {
   for (size_t i = 0; i < f.x.size(); ++i) {
     double least = std::numeric_limits<double>::infinity();
     const auto visit = [&](int j) {
-      if (size_t(j) != i) least = std::min(least, std::hypot(f.x[size_t(j)] - f.x[i], f.y[size_t(j)] - f.y[i]));
+      if (size_t(j) != i)
+        least = std::min(least, std::hypot(f.x[size_t(j)] - f.x[i], f.y[size_t(j)] - f.y[i]));
     };
     cells.near(f.x[i], f.y[i], visit);
     if (!std::isfinite(least))

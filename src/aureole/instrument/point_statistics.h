@@ -11,9 +11,9 @@ namespace aureole {
 /// Points of one field of view.
 struct PointField {
   std::vector<double> x, y;
-  double area = 0;                                      ///< of the window that the points are from
-  std::function<double(double, double)> covariance;     ///< its set covariance
-  std::vector<int> block;                               ///< of each point, for the bootstrap
+  double area = 0;                                   ///< of the window that the points are from
+  std::function<double(double, double)> covariance;  ///< its set covariance
+  std::vector<int> block;                            ///< of each point, for the bootstrap
   int blocks = 1;
   std::vector<double> block_area;
 
@@ -29,17 +29,18 @@ struct PairCounts {
   double width = 0;
   /// Ordered pairs, by [fields' blocks in sequence][bin]: estimates of density^2 g(r) 2 pi r width.
   std::vector<std::vector<double>> weighted;
-  std::vector<double> count;                  ///< unordered pairs of each bin, all blocks
+  std::vector<double> count;  ///< unordered pairs of each bin, all blocks
 };
 PairCounts count_pairs(const std::vector<PointField>& fields, double width, int bins);
 
 /// Half the smallest distance of two centres as the onset of g(r): the place of a step of unknown height,
-/// width (errors of centres, spread of sizes) and decay, fitted to `weighted` counts.
+/// width (errors of centres, spread of sizes; about `expected_width`) and decay, fitted to g(r), from `count`
+/// pairs in each bin.
 struct Onset {
   double distance = 0, width = 0, contact = 0;
 };
 Onset fit_onset(const std::vector<double>& distance, const std::vector<double>& pair_correlation,
-                const std::vector<double>& count, double guess);
+                const std::vector<double>& count, double guess, double expected_width);
 
 /// Distance of each point to its nearest neighbour.
 std::vector<double> nearest_distances(const PointField& field);

@@ -170,7 +170,8 @@ Segmentation segment(const Micrograph& field, const SegmentationOptions& o) {
     // Which class the particles are is not known yet; the smaller typical width is that of both for dense
     // layers, and of the particles for thin ones.
     if (o.background_scale == 0)
-      scale = std::clamp(8 * std::min(typical_radius(bright), typical_radius(~bright)), 24.0, 0.5 * std::max(w, h));
+      scale = std::clamp(8 * std::min(typical_radius(bright), typical_radius(~bright)), 24.0,
+                         0.5 * std::max(w, h));
     Levels levels;
     if (o.background == Background::morphology) {
       levels = morphological_levels(smooth, scale);
@@ -215,7 +216,9 @@ Segmentation segment(const Micrograph& field, const SegmentationOptions& o) {
   depth.setTo(0, seen == 0);
   coverage.setTo(0, seen == 0), smooth.setTo(0, seen == 0);
 
-  const auto to_vector = [](const cv::Mat& m) { return std::vector<float>(m.ptr<float>(), m.ptr<float>() + m.total()); };
+  const auto to_vector = [](const cv::Mat& m) {
+    return std::vector<float>(m.ptr<float>(), m.ptr<float>() + m.total());
+  };
   out.depth = to_vector(depth);
   int count = 0;
   std::vector<int> labels = divide(out.depth, w, h, count);

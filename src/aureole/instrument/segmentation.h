@@ -14,14 +14,15 @@ enum class Denoise { automatic, none, gaussian, median };
 
 struct SegmentationOptions {
   Polarity polarity = Polarity::automatic;
-  /// How uneven light is found. automatic: smooth surfaces through the levels of particles and of ground, away
-  /// from edges; morphology: opening and closing by a square of the scale; none: one level each.
+  /// How uneven light is found. automatic: smooth surfaces through the levels of particles and of ground,
+  /// away from edges; morphology: opening and closing by a square of the scale; none: one level each.
   Background background = Background::automatic;
   double background_scale = 0;  ///< pixels, larger than particles; 0: eight times their radius
   Denoise denoise = Denoise::automatic;
-  double smooth = 0;      ///< standard deviation of the Gaussian before outlines are found, pixels; 0: by the noise
+  double smooth =
+      0;  ///< standard deviation of the Gaussian before outlines are found, pixels; 0: by the noise
   bool fill_holes = false;  ///< particles with a middle like the ground (lenses, rings) are whole
-  double min_radius = 2;  ///< pixels; smaller ones are dirt
+  double min_radius = 2;    ///< pixels; smaller ones are dirt
 };
 
 struct Segmentation {

@@ -88,7 +88,8 @@ void classify_shapes(Microstructure& m) {
         // r(angle) has its harmonic's maximum at -arg/m of the transform.
         const double at = k - turn, low = std::floor(at);
         const auto value = [&](double i) { return r[size_t((int(i) % kAngles + kAngles) % kAngles)]; };
-        mean[size_t(k)] += (value(low) + (at - low) * (value(low + 1) - value(low))) / double(outlines.size());
+        mean[size_t(k)] +=
+            (value(low) + (at - low) * (value(low + 1) - value(low))) / double(outlines.size());
       }
     }
     double area_of = 0;

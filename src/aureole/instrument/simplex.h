@@ -10,8 +10,8 @@
 namespace aureole {
 
 template <int N, class F>
-std::array<double, N> simplex_minimum(const F& f, std::array<double, N> start, const std::array<double, N>& step,
-                                      int evaluations) {
+std::array<double, N> simplex_minimum(const F& f, std::array<double, N> start,
+                                      const std::array<double, N>& step, int evaluations) {
   using Point = std::array<double, N>;
   struct Vertex {
     Point x;

@@ -31,7 +31,8 @@ std::vector<Mode> choose_modes(double qx, double qy, double step, int rings, siz
   }
   std::vector<Mode> modes;
   for (const auto& ring : by_ring)
-    for (size_t i = 0, n = std::min(most, ring.size()); i < n; ++i) modes.push_back(ring[i * ring.size() / n]);
+    for (size_t i = 0, n = std::min(most, ring.size()); i < n; ++i)
+      modes.push_back(ring[i * ring.size() / n]);
   return modes;
 }
 
@@ -54,7 +55,8 @@ std::vector<std::complex<double>> amplitudes(const PointField& f, const std::vec
   std::vector<std::complex<double>> sum(modes.size());
   for (size_t first = 0; first < f.x.size(); first += kChunk) {
     const size_t count = std::min(kChunk, f.x.size() - first);
-    const auto fill = [&](std::vector<float>& table, int most, const std::vector<double>& at, double q, bool with_taper) {
+    const auto fill = [&](std::vector<float>& table, int most, const std::vector<double>& at, double q,
+                          bool with_taper) {
       for_ranges(size_t(most) + 1, [&](size_t begin, size_t end) {
         for (size_t k = begin; k < end; ++k)
           for (size_t i = 0; i < kChunk; ++i) {
@@ -110,7 +112,8 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
       const int y0 = std::clamp(int(std::floor(y)), 0, std::max(f.rows - 2, 0));
       const double tx = std::clamp(x - x0, 0.0, 1.0), ty = std::clamp(y - y0, 0.0, 1.0);
       const auto at = [&](int i2, int j2) {
-        return double(f.taper[size_t(std::min(j2, f.rows - 1)) * f.columns + size_t(std::min(i2, f.columns - 1))]);
+        return double(
+            f.taper[size_t(std::min(j2, f.rows - 1)) * f.columns + size_t(std::min(i2, f.columns - 1))]);
       };
       taper[i] = (1 - ty) * ((1 - tx) * at(x0, y0) + tx * at(x0 + 1, y0)) +
                  ty * ((1 - tx) * at(x0, y0 + 1) + tx * at(x0 + 1, y0 + 1));
