@@ -52,7 +52,7 @@ Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) 
   if (starts_with(b, "\x89PNG"sv)) return codec::read_png(b, max_pixels);
   if (starts_with(b, "\xff\xd8\xff"sv)) return codec::read_jpeg(b, max_pixels);
   for (const auto signature : {"II*\0"sv, "MM\0*"sv, "II+\0"sv, "MM\0+"sv})
-    if (starts_with(b, signature)) return codec::read_tiff(b, max_pixels);
+    if (starts_with(b, signature)) return codec::read_tiff(b, attributes, max_pixels);
   for (const auto signature : {"PF\n"sv, "Pf\n"sv, "PF\r"sv, "Pf\r"sv, "PF "sv, "Pf "sv})
     if (starts_with(b, signature)) return codec::read_pfm(b, max_pixels);
   return codec::read_hdr_tga_bmp(b, max_pixels);

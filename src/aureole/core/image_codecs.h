@@ -35,7 +35,7 @@ Image make_image(int width, int height, int channels, bool srgb_encoded, const V
 Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels);
 Image read_png(Bytes bytes, std::size_t max_pixels);
 Image read_jpeg(Bytes bytes, std::size_t max_pixels);
-Image read_tiff(Bytes bytes, std::size_t max_pixels);
+Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels);
 Image read_pfm(Bytes bytes, std::size_t max_pixels);
 /// HDR, TGA or BMP; TGA has no signature, so that anything unknown ends here.
 Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels);

@@ -112,9 +112,22 @@ Image read_converted(TIFF* tiff, const Layout& l) {
                     [&](std::size_t i) { return float(rgba[i / 4] >> (8 * (i % 4)) & 255) / 255; });
 }
 
+/// Resolution tags and description as attributes of their TIFF names, where the file has them.
+void read_attributes(TIFF* tiff, ExrAttributes& attributes) {
+  const char* description = nullptr;
+  if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description) && description)
+    attributes.strings["ImageDescription"] = description;
+  float x = 0, y = 0;
+  if (TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &x)) attributes.floats["XResolution"] = x;
+  if (TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &y)) attributes.floats["YResolution"] = y;
+  std::uint16_t unit = RESUNIT_INCH;
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_RESOLUTIONUNIT, &unit);
+  attributes.integers["ResolutionUnit"] = unit;
+}
+
 }  // namespace
 
-Image read_tiff(Bytes bytes, std::size_t max_pixels) {
+Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) {
   // Messages would go to stderr; the error below says enough.
   static const bool quiet = (TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr), true);
   (void)quiet;
@@ -123,6 +136,7 @@ Image read_tiff(Bytes bytes, std::size_t max_pixels) {
       TIFFClientOpen("image", "rm", &memory, on_read, on_write, on_seek, on_close, on_size, nullptr, nullptr),
       TIFFClose);
   if (!tiff) throw Error("damaged TIFF");
+  if (attributes) read_attributes(tiff.get(), *attributes);
   Layout l;
   if (!TIFFGetField(tiff.get(), TIFFTAG_IMAGEWIDTH, &l.width) ||
       !TIFFGetField(tiff.get(), TIFFTAG_IMAGELENGTH, &l.height))

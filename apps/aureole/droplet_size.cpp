@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole droplet-size: radius and area fraction of the clear openings (droplets, spores, powder) on a pane
+// from the rings around a lamp, in a photo or from angles that were read off one.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "aureole/core/error.h"
+#include "aureole/core/units.h"
+#include "aureole/instrument/corona_fit.h"
+#include "aureole/instrument/svg_plot.h"
+#include "commands.h"
+
+namespace aureole {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+
+struct Options {
+  std::string photo, pixel_angle, lamp = "D65", angles, angle_error = "0.05deg", substrate = "none";
+  std::string pane_distance, lamp_distance, lamp_angle, inner, output, plot;
+  double fov = 0, area_fraction = -1, index = 1.5;
+  std::vector<double> center, azimuths{0, 360}, masks;
+};
+
+double angle_deg(const std::string& option, std::string text) {
+  const auto fail = [&](const std::string& what) { throw Error(option + ": " + what); };
+  double factor = 0;
+  for (const auto& [unit, f] :
+       {std::pair("deg", 1.0), std::pair("mrad", 1e-3 / kDegree), std::pair("rad", 1 / kDegree)})
+    if (factor == 0 && text.ends_with(unit)) factor = f, text.resize(text.size() - std::string(unit).size());
+  if (factor == 0) fail("\"" + text + "\" has no unit: write an angle as \"0.01deg\" (deg, rad or mrad)");
+  double v = 0;
+  try {
+    v = parse_number(text) * factor;
+  } catch (const Error& e) {
+    fail(e.message());
+  }
+  if (!(v > 0 && v < 90)) fail(fmt::format("{:g} degrees are not between 0 and 90", v));
+  return v;
+}
+
+/// R, G, B proportional to light, and the value from which on a pixel is clipped.
+Image linear_picture(const std::string& file, double& clip) {
+  Image image = read_image(file);
+  if (image.channel("R") < 0 || image.channel("G") < 0 || image.channel("B") < 0)
+    throw Error({file, 0, 0}, "needs the channels R, G and B");
+  clip = INFINITY;
+  if (!image.srgb_encoded) return image;
+  clip = srgb_decode(0.995f);
+  for (float& v : image.pixels) v = srgb_decode(v);
+  image.srgb_encoded = false;
+  return image;
+}
+
+void report(const Options& o, const CoronaFit& f) {
+  fmt::print("radius         {:.4g} um, standard error {:.2g} um, 95 % [{:.4g}, {:.4g}]\n", f.radius * 1e6,
+             f.radius_error * 1e6, (f.radius - 1.96 * f.radius_error) * 1e6,
+             (f.radius + 1.96 * f.radius_error) * 1e6);
+  const double low = std::max(f.area_fraction - 1.96 * f.area_fraction_error, 0.0),
+               high = std::min(f.area_fraction + 1.96 * f.area_fraction_error, 1.0);
+  if (f.fraction_fixed)
+    fmt::print("area fraction  {:.3g} (given)\n", f.area_fraction);
+  else
+    fmt::print("area fraction  {:.3g}, standard error {:.2g}, 95 % [{:.3g}, {:.3g}]\n", f.area_fraction,
+               f.area_fraction_error, low, high);
+  if (!f.fraction_fixed && high - low > 0.4)
+    fmt::print("note: these rings hardly depend on the area fraction; it is not measured\n");
+  if (o.output.empty()) return;
+  nlohmann::ordered_json j;
+  j["radius_um"] = {{"value", f.radius * 1e6}, {"error", f.radius_error * 1e6}};
+  j["area_fraction"] = {{"value", f.area_fraction},
+                        {"error", std::min(f.area_fraction_error, 1.0)},
+                        {"given", f.fraction_fixed}};
+  j["correlation"] = f.correlation;
+  j["residual"] = f.residual;
+  const std::string text = j.dump(2) + "\n";
+  write_file_atomically(o.output, text);
+}
+
+int droplet_size(const Options& o) {
+  const bool has_photo = !o.photo.empty(), has_angles = !o.angles.empty();
+  if (has_photo == has_angles) throw Error("droplet-size: give either a photo or --angles");
+  if (o.substrate != "none" && o.substrate != "thindielectric")
+    throw Error("--substrate: unknown value \"" + o.substrate + "\"" +
+                did_you_mean(o.substrate, {"none", "thindielectric"}) + "; use none, thindielectric");
+  if (!(o.index >= 1 && o.index < 5)) throw Error("--index must be in [1, 5)");
+  if (o.area_fraction != -1 && !(o.area_fraction > 0 && o.area_fraction <= kMaxFittedFraction))
+    throw Error(fmt::format("--area-fraction must be in (0, {}]", kMaxFittedFraction));
+  const LampSpectrum lamp = lamp_spectrum(o.lamp);
+  if (has_angles) {
+    const auto rings = parse_ring_angles(o.angles);
+    const CoronaFit f =
+        fit_ring_angles(rings, lamp, angle_deg("--angle-error", o.angle_error), o.area_fraction);
+    if (rings.size() < 2 && o.area_fraction < 0)
+      fmt::print("note: one angle does not tell the area fraction: 0.5 is taken; give --area-fraction\n");
+    report(o, f);
+    return 0;
+  }
+
+  if (o.pixel_angle.empty() == (o.fov == 0)) throw Error("give either --pixel-angle or --fov");
+  if (o.fov != 0 && !(o.fov > 0 && o.fov < 180)) throw Error("--fov must be between 0 and 180 degrees");
+  if (o.azimuths.size() != 2 || o.masks.size() % 3 || (o.center.size() != 2 && !o.center.empty()))
+    throw Error("droplet-size: too few numbers in an option");
+  double clip = 0;
+  const Image image = linear_picture(o.photo, clip);
+  const double tangent = o.fov > 0 ? 2 * std::tan(0.5 * o.fov * kDegree) / image.width
+                                   : std::tan(angle_deg("--pixel-angle", o.pixel_angle) * kDegree);
+  const PinholeCamera camera{tangent, 0.5 * image.width, 0.5 * image.height};
+  const auto at =
+      o.center.size() == 2 ? std::array<double, 2>{o.center[0], o.center[1]} : brightest_spot(image);
+  if (!(at[0] >= 0 && at[1] >= 0 && at[0] <= image.width && at[1] <= image.height))
+    throw Error("--center lies outside of the picture");
+  const Direction direction = camera.direction(at[0], at[1]);
+  PaneGeometry geometry;
+  if (!o.lamp_distance.empty()) geometry.lamp_m = parse_length_m(o.lamp_distance);
+  if (!o.pane_distance.empty()) geometry.pane_m = parse_length_m(o.pane_distance);
+  if (geometry.lamp_m < 0 || geometry.pane_m < 0)
+    throw Error("--pane-distance and --lamp-distance must be positive");
+  if (geometry.lamp_m > 0 && geometry.pane_m >= geometry.lamp_m)
+    throw Error("--pane-distance must be smaller than --lamp-distance");
+  geometry.slab_index = o.substrate == "none" ? 0 : o.index;
+  const double lamp_radius =
+      o.lamp_angle.empty() ? 0 : 0.5 * angle_deg("--lamp-angle", o.lamp_angle) * kDegree;
+  const double inner =
+      o.inner.empty() ? 5 * tangent + lamp_radius : std::sin(angle_deg("--inner", o.inner) * kDegree);
+  const PictureParts parts{o.azimuths[0], o.azimuths[1], o.masks};
+  const ScatteredProfile profile = scattered_profile(image, camera, direction, parts, geometry, inner, clip);
+  if (profile.s.empty())
+    throw Error({o.photo, 0, 0}, "no ring is visible: nothing of the picture is left to look at");
+  CoronaModel model(lamp, profile.s.back(), lamp_radius);
+  CoronaFit f;
+  try {
+    f = fit_corona(profile, model);
+  } catch (const Error& e) {
+    throw Error({o.photo, 0, 0}, e.message());
+  }
+  fmt::print(
+      "lamp at pixel ({:.1f}, {:.1f}); {} rings of pixels from {:.2f} to {:.2f} degrees, RMS of the fit "
+      "{:.1f} %\n",
+      at[0], at[1], profile.s.size(), std::asin(profile.s.front()) / kDegree,
+      std::asin(profile.s.back()) / kDegree, 100 * f.residual);
+  report(o, f);
+  if (o.plot.empty()) return 0;
+  Plot plot{"Corona: green, measured and fitted", "angle, degrees", "light", {}};
+  PlotSeries measured{PlotSeries::Kind::points, {}, {}, {}, {}, 0},
+      fitted{PlotSeries::Kind::line, {}, {}, {}, {}, 0};
+  for (size_t i = 0; i < profile.s.size(); ++i) {
+    measured.x.push_back(std::asin(profile.s[i]) / kDegree), measured.y.push_back(profile.mean[i][1]);
+    measured.low.push_back(profile.mean[i][1] - 1.96 * profile.sd[i][1]);
+    measured.high.push_back(profile.mean[i][1] + 1.96 * profile.sd[i][1]);
+    fitted.x.push_back(measured.x.back()), fitted.y.push_back(f.model[i][1]);
+  }
+  plot.series = {measured, fitted};
+  const std::string text = svg_plot(plot);
+  write_file_atomically(o.plot, text);
+  return 0;
+}
+
+}  // namespace
+
+void add_droplet_size_command(CLI::App& app, CommandResult& result) {
+  CLI::App* c = app.add_subcommand("droplet-size",
+                                   "Fit radius and area fraction of scatterers to the rings of a corona");
+  auto o = std::make_shared<Options>();
+  c->add_option("photo", o->photo, "picture with the lamp: EXR, or PNG, JPEG, TIFF (sRGB)");
+  c->add_option("--pixel-angle", o->pixel_angle,
+                "angle of a pixel in the middle of the picture, such as 0.01deg");
+  c->add_option("--fov", o->fov, "horizontal field of view in degrees, instead of --pixel-angle");
+  c->add_option("--center", o->center, "x,y of the lamp in pixels (default: the brightest white spot)")
+      ->delimiter(',')
+      ->expected(2);
+  c->add_option("--lamp", o->lamp, "CIE name, file of wavelengths and powers, or a wavelength")
+      ->capture_default_str();
+  c->add_option("--lamp-angle", o->lamp_angle,
+                "diameter as which the lamp is seen, such as 0.15deg (default: a point)");
+  c->add_option("--lamp-distance", o->lamp_distance, "from the camera along its axis (default: far away)");
+  c->add_option("--pane-distance", o->pane_distance,
+                "from the camera along its axis (default: at the camera)");
+  c->add_option("--substrate", o->substrate,
+                "none, or thindielectric: the reflection of a pane is divided out")
+      ->capture_default_str();
+  c->add_option("--index", o->index, "refractive index of that pane")->capture_default_str();
+  c->add_option("--inner", o->inner,
+                "angle from which on there is corona, not lamp (default: 5 pixels from its edge)");
+  c->add_option("--azimuths", o->azimuths,
+                "look only at these directions from the lamp, degrees, 0 right, 90 up")
+      ->expected(2);
+  c->add_option("--mask", o->masks, "leave out a disc of the picture, x y radius in pixels; may be repeated")
+      ->type_size(3);
+  c->add_option(
+      "--angles", o->angles,
+      "instead of a photo: angles of extrema, such as 2.79:max:G,4.2deg:min:G (colours R, G, B, Y)");
+  c->add_option("--angle-error", o->angle_error, "standard error of those angles")->capture_default_str();
+  c->add_option("--area-fraction", o->area_fraction, "do not fit it (with --angles)");
+  c->add_option("-o,--output", o->output, "JSON file of the result");
+  c->add_option("--plot", o->plot, "SVG of the measured and the fitted profile");
+  c->callback([=, &result] { result.exit_code = droplet_size(*o); });
+}
+
+}  // namespace aureole

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/instrument/corona_fit.h"
+#include "aureole/optics/fresnel.h"
+#include "aureole/optics/scatterer_layer.h"
+
+namespace aureole {
+namespace {
+
+constexpr double kStepU = 0.02;
+constexpr int kTableU = 10000, kTableS = 1500;
+
+}  // namespace
+
+CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur)
+    : largest_s_(largest_s + 2 * blur), blur_(blur), table_(kTableS + 2) {
+  // Spectra enter by wavelengths 5 nm apart, each with what lies between it and the next: what that blurs is
+  // a hundredth of a ring. Single lines stay where they are.
+  for (size_t i = 0; i < lamp.nm.size();) {
+    double power = 0, moment = 0;
+    size_t k = i;
+    for (; k < lamp.nm.size() && lamp.nm[k] < lamp.nm[i] + 5; ++k)
+      power += lamp.power[k], moment += lamp.power[k] * lamp.nm[k];
+    if (power > 0) {
+      const double nm = moment / power;
+      LampSpectrum part;
+      part.nm.assign(lamp.nm.begin() + long(i), lamp.nm.begin() + long(k));
+      part.power.assign(lamp.power.begin() + long(i), lamp.power.begin() + long(k));
+      const auto rgb = corona_colour(part, [](double) { return 1.0; });
+      lines_.push_back({1 / (nm * 1e-9), {rgb[0], rgb[1], rgb[2]}});
+    }
+    i = k;
+  }
+}
+
+void CoronaModel::tabulate(double area_fraction) {
+  if (area_fraction == tabulated_) return;
+  tabulated_ = area_fraction;
+  g_.resize(kTableU + 2);
+  for (int i = 0; i < kTableU + 2; ++i)
+    g_[size_t(i)] = optics::radial_intensity(i * kStepU, 1, area_fraction);
+}
+
+void CoronaModel::set(double radius, double area_fraction) {
+  tabulate(area_fraction);
+  std::vector<std::array<double, 3>> sharp(table_.size(), {0, 0, 0});
+  const double ds = largest_s_ / kTableS;
+  for (const Line& l : lines_)
+    for (size_t i = 0; i < sharp.size(); ++i) {
+      const double at = std::min(2 * M_PI * double(i) * ds * radius * l.inverse_m / kStepU, double(kTableU));
+      const size_t k = size_t(at);
+      const double g = g_[k] + (at - double(k)) * (g_[k + 1] - g_[k]);
+      for (int c = 0; c < 3; ++c) sharp[i][size_t(c)] += l.rgb[c] * g;
+    }
+  if (!(blur_ > 0)) {
+    table_ = std::move(sharp);
+    return;
+  }
+  constexpr int kRings = 3, kSpokes = 8;
+  for (size_t i = 0; i < table_.size(); ++i) {
+    table_[i] = {0, 0, 0};
+    for (int ring = 0; ring < kRings; ++ring)
+      for (int spoke = 0; spoke < kSpokes; ++spoke) {
+        const double r = blur_ * std::sqrt((ring + 0.5) / kRings),
+                     f = 2 * M_PI * (spoke + 0.5 * (ring % 2)) / kSpokes;
+        const double at =
+            std::min(std::hypot(double(i) * ds + r * std::cos(f), r * std::sin(f)) / ds, double(kTableS));
+        const size_t k = size_t(at);
+        for (size_t c = 0; c < 3; ++c)
+          table_[i][c] +=
+              (sharp[k][c] + (at - double(k)) * (sharp[k + 1][c] - sharp[k][c])) / (kRings * kSpokes);
+      }
+  }
+}
+
+std::array<double, 3> CoronaModel::at(double s) const {
+  const double at = std::clamp(s / largest_s_ * kTableS, 0.0, double(kTableS));
+  const size_t k = size_t(at);
+  std::array<double, 3> out;
+  for (size_t c = 0; c < 3; ++c) out[c] = table_[k][c] + (at - double(k)) * (table_[k + 1][c] - table_[k][c]);
+  return out;
+}
+
+ScatteredProfile scattered_profile(const Image& image, const PinholeCamera& camera, Direction lamp,
+                                   const PictureParts& parts, const PaneGeometry& g, double inner,
+                                   double clip) {
+  const size_t channel[3] = {size_t(image.channel("R")), size_t(image.channel("G")),
+                             size_t(image.channel("B"))};
+  const double step = camera.tangent_per_pixel, end = 0.5;
+  const size_t bins = size_t(end / step) + 1;
+  struct Bin {
+    double n = 0, all = 0, s = 0, sum[3] = {}, square[3] = {};
+    bool clipped = false;
+  };
+  std::vector<Bin> bin(bins);
+  const Direction far{lamp.x / lamp.z * g.lamp_m, lamp.y / lamp.z * g.lamp_m, g.lamp_m};
+  const double specular = g.slab_index > 0 ? optics::thin_slab_reflectance(lamp.z, 1, g.slab_index) : 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Direction v = camera.direction(x + 0.5, y + 0.5);
+      Direction w = lamp;
+      if (g.lamp_m > 0) {
+        const double t = g.pane_m / v.z;
+        w = unit({far.x - t * v.x, far.y - t * v.y, far.z - t * v.z});
+      }
+      const double s = std::hypot(w.x - v.x, w.y - v.y);
+      if (s < inner || s >= end || parts.is_masked(x + 0.5, y + 0.5)) continue;
+      if (!parts.has_azimuth(polar_about(lamp, v).second)) continue;
+      Bin& b = bin[size_t(s / step)];
+      const double through =
+          g.slab_index > 0 ? 1 - std::sqrt(optics::thin_slab_reflectance(v.z, 1, g.slab_index) * specular)
+                           : 1;
+      b.n += 1, b.s += s;
+      for (size_t c = 0; c < 3; ++c) {
+        const double value = image.at(x, y, channel[c]);
+        b.clipped |= !(value < clip);
+        b.sum[c] += value / through, b.square[c] += value / through * (value / through);
+      }
+    }
+  ScatteredProfile out;
+  out.step = step;
+  double most = 0;
+  for (const Bin& b : bin) {
+    most = std::max(most, b.n);
+    // Rings of which the picture shows only corners are at the mercy of what is there.
+    if (b.n < 8 || b.clipped || b.n < 0.25 * most) continue;
+    std::array<double, 3> mean, sd;
+    for (size_t c = 0; c < 3; ++c) {
+      mean[c] = b.sum[c] / b.n;
+      sd[c] = std::sqrt(std::max(b.square[c] / b.n - mean[c] * mean[c], 0.0) / (b.n - 1));
+    }
+    out.s.push_back(b.s / b.n), out.mean.push_back(mean), out.sd.push_back(sd);
+  }
+  return out;
+}
+
+}  // namespace aureole
