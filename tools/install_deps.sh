@@ -5,7 +5,7 @@ set -euo pipefail
 packages=(g++ cmake ninja-build pkg-config ccache clang-format python3
   libembree-dev libtbb-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev libtiff-dev libstb-dev zlib1g-dev
   libpugixml-dev nlohmann-json3-dev libcli11-dev libfmt-dev libboost-math1.81-dev libgtest-dev libbenchmark-dev
-  libopencv-core-dev libopencv-imgproc-dev)
+  libpolyclipping-dev libkissfft-dev libopencv-core-dev libopencv-imgproc-dev)
 missing=()
 for p in "${packages[@]}"; do
   dpkg-query -W -f '${db:Status-Status}\n' "$p" 2>/dev/null | grep -qx installed || missing+=("$p")

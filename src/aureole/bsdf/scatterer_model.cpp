@@ -42,7 +42,7 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
   table_ = std::make_shared<optics::ScattererTable>(*mixture_, extent);
   single_ = !(table_->ring(0).uncorrelated > 1e-7f * table_->ring(0).coherent) &&
             !(table_->ring(3).uncorrelated > 1e-7f * table_->ring(0).coherent);
-  inverse_ = degree_ == 3;
+  inverse_ = correlation.interpolates_inverse();
   const std::vector<double> nodes = varies() ? correlation.nodes(least, most) : std::vector<double>{most};
   std::vector<std::shared_ptr<const optics::StructureFactor>> factors;
   for (double fa : nodes) {

@@ -24,11 +24,13 @@ public:
   /// that says which fractions it knows.
   virtual std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const = 0;
 
-  /// Fractions in [least, most], both included, between which 1/S' is interpolated by polynomials of
+  /// Fractions in [least, most], both included, between which S', or 1/S', is interpolated by polynomials of
   /// `degree()` in Fa/(1 - Fa), where the fraction varies over a surface. Their number is 1 more than a
   /// multiple of the degree.
   virtual std::vector<double> nodes(double least, double most) const;
   virtual int degree() const { return 1; }
+  /// 1/S' is smoother than S', as in fluids. S' must be positive.
+  virtual bool interpolates_inverse() const { return false; }
 
   /// Shapes may overlap (random positions): the covered part is 1 - exp(-Fr).
   virtual bool may_overlap() const { return false; }

@@ -14,6 +14,7 @@ public:
   }
   /// 1/S' is a cubic polynomial in Fa/(1 - Fa): four nodes have all of it.
   int degree() const override { return 3; }
+  bool interpolates_inverse() const override { return true; }
   std::vector<double> nodes(double least, double most) const override {
     return {least, least + (most - least) / 3, least + (most - least) * 2 / 3, most};
   }

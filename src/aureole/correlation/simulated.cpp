@@ -44,6 +44,8 @@ public:
     return nodes;
   }
 
+  bool interpolates_inverse() const override { return true; }
+
 private:
   optics::HardDiscEnsemble ensemble_;
   mutable std::mutex mutex_;
@@ -63,14 +65,15 @@ AUREOLE_PLUGIN(
         "of 0.03 nothing is simulated, since theory is closer.",
         "E. P. Bernard, W. Krauth and D. B. Wilson, Event-chain Monte Carlo algorithms for hard-sphere "
         "systems, 2009",
-        {{"seed", "integer", "", "0", "another one gives another, equally good simulation"},
+        correlation_parameters({{"seed", "integer", "", "0", "another one gives another, equally good simulation"},
          {"discs", "integer", "", "1500", "number of discs in each of 8 independent simulations"},
          {"snapshots", "integer", "", "1200",
-          "number of arrangements that are averaged; the noise falls with its square root"}},
+          "number of arrangements that are averaged; the noise falls with its square root"}}),
         {R"(<correlation type="simulated">
     <integer name="seed" value="3"/>
     <integer name="discs" value="400"/>
     <integer name="snapshots" value="64"/>
+    <float name="stretch" value="1"/> <float name="stretch_direction" value="0"/>
 </correlation>)"}});
 
 }  // namespace aureole
