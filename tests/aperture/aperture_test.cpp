@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +17,7 @@
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 #include "optics/polygon_test_support.h"
+#include "scene/load_text.h"
 
 namespace aureole {
 namespace {
@@ -138,6 +140,15 @@ TEST(Apertures, SharedParameters) {
   const auto measured = build(
       "circle", text("radius", "5um") + text("size_histogram", test::example_file("sizes.csv").string()));
   EXPECT_EQ(measured->sizes().nodes().size(), 5u);
+}
+
+TEST(Apertures, SceneFilesSayWhereHistogramsAre) {
+  const std::string scene =
+      "<bsdf type=\"diffuse\">" + aperture("circle", text("size_histogram", "nowhere.csv")) + "</bsdf>";
+  const std::vector<std::string> errors = test::errors_of(scene);
+  EXPECT_TRUE(std::any_of(errors.begin(), errors.end(), [](const std::string& e) {
+    return e.find("no such file: \"nowhere.csv\" (looked in ") != std::string::npos;
+  }));
 }
 
 TEST(Apertures, InlinePolygons) {

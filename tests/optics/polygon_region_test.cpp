@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -56,6 +57,47 @@ TEST(PolygonRegion, EvenOdd) {
   EXPECT_NEAR(area({square(0, 0, 1), square(1, 1, 1)}), 2, 1e-13);          // a common corner
   EXPECT_NEAR(area({square(0, 0, 2), square(0, 0, 1)}), 3, 1e-13);          // a hole at the border
   EXPECT_NEAR(area({square(0, 0, 1), square(3e4, 0, 1)}), 2, 1e-11);
+}
+
+TEST(PolygonRegion, EvenOddOfRingsThatLieOnOneAnother) {
+  const auto expect = [](const std::vector<Ring>& rings) {
+    std::vector<double> heights;  // of crossings
+    for (const Ring& r : rings)
+      for (const Ring& other : rings)
+        for (std::size_t i = 0; i < r.size(); ++i)
+          for (std::size_t k = 0; k < other.size(); ++k) {
+            const PlanePoint a = r[i], b = r[(i + 1) % r.size()], c = other[k],
+                             d = other[(k + 1) % other.size()];
+            const double area = (b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x);
+            const double t = ((c.x - a.x) * (d.y - c.y) - (c.y - a.y) * (d.x - c.x)) / area;
+            if (std::abs(area) > 1e-12 && t >= 0 && t <= 1) heights.push_back(a.y + t * (b.y - a.y));
+          }
+    double area = 0;
+    try {
+      area = PolygonRegion::even_odd(rings).area();
+    } catch (const std::domain_error& e) {
+      // Rounding to the lattice made a ring touch itself.
+      EXPECT_NE(std::string(e.what()).find("ring "), std::string::npos) << e.what();
+      return;
+    }
+    EXPECT_NEAR(area, testing::scanline_transform(rings, 0, 0, heights).real(), 1e-10);
+  };
+  // A vertex that is on an edge but for rounding; and shapes of which Clipper makes something else.
+  expect({{{0.5, 0}, {-0.5, -0.25}, {-0.25, -1.25}, {0.75, -1}},
+          {{1, -0.5}, {0.25, 0.25}, {-1, 0}, {-1.25, -1.25}, {-0.25, -2}, {0.75, -1.75}}});
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int i = 0; i < 3000; ++i) {
+    std::vector<Ring> rings;
+    const int lattice = 3 + i % 2;
+    for (int k = 0; k < 2 + i % 4; ++k) {
+      rings.push_back(regular_ring(3 + (i + k) % 6, 0.3 + std::abs(unit(random)), unit(random),
+                                   {unit(random), unit(random)}));
+      for (PlanePoint& p : rings.back())
+        p = {std::round(p.x * lattice) / lattice, std::round(p.y * lattice) / lattice};
+    }
+    expect(rings);
+  }
 }
 
 TEST(PolygonRegion, RepeatedAndCollinearVertices) {

@@ -12,7 +12,7 @@ namespace aureole {
 namespace {
 
 optics::Mask read_mask(const Properties& p, bool invert) {
-  constexpr std::size_t kMaxPixels = std::size_t(1) << 26;
+  constexpr std::size_t kMaxPixels = std::size_t(1) << 25;
   const std::filesystem::path file = p.get_file("filename");
   Image image;
   try {

@@ -85,21 +85,33 @@ std::string name_of(const std::vector<Ring>& rings, const Edge& e) {
          text(ring[(e.index + 1) % ring.size()]);
 }
 
-/// Throws where a ring touches itself; returns how often edges of different rings meet, or most + 1.
-std::size_t count_contacts(const std::vector<Ring>& rings, const Grid& grid, std::size_t most) {
+/// Height at which the lines through two edges cross; of parallel ones, that of an end.
+double crossing_height(PlanePoint a, PlanePoint b, PlanePoint c, PlanePoint d) {
+  const double area = (b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x);
+  const double t = ((c.x - a.x) * (d.y - c.y) - (c.y - a.y) * (d.x - c.x)) / area;
+  return t >= 0 && t <= 1 ? a.y + t * (b.y - a.y) : a.y;
+}
+
+/// Throws where a ring touches itself; returns the heights at which edges of different rings meet, most + 1
+/// of them at most.
+std::vector<double> find_contacts(const std::vector<Ring>& rings, const Grid& grid, std::size_t most) {
   std::vector<Edge> edges;
   for (std::size_t r = 0; r < rings.size(); ++r)
     for (std::size_t i = 0; i < rings[r].size(); ++i)
       edges.emplace_back(grid(rings[r][i]), grid(rings[r][(i + 1) % rings[r].size()]), r, i);
   std::sort(edges.begin(), edges.end(), [](const Edge& e, const Edge& f) { return e.min_x < f.min_x; });
-  std::size_t contacts = 0;
+  std::vector<double> contacts;
+  const auto end = [&](const Edge& e, std::size_t k) {
+    return rings[e.ring][(e.index + k) % rings[e.ring].size()];
+  };
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const Edge& e = edges[i];
     for (std::size_t j = i + 1; j < edges.size() && edges[j].min_x <= e.max_x; ++j) {
       const Edge& f = edges[j];
       if (f.min_y > e.max_y || f.max_y < e.min_y || !touch(e, f)) continue;
       if (e.ring != f.ring) {
-        if (++contacts > most) return contacts;
+        contacts.push_back(crossing_height(end(e, 0), end(e, 1), end(f, 0), end(f, 1)));
+        if (contacts.size() > most) return contacts;
         continue;
       }
       const std::size_t n = rings[e.ring].size();
@@ -122,6 +134,92 @@ void bound(const std::vector<Ring>& rings, PlanePoint& lower, PlanePoint& upper)
       lower = {std::min(lower.x, p.x), std::min(lower.y, p.y)};
       upper = {std::max(upper.x, p.x), std::max(upper.y, p.y)};
     }
+}
+
+/// Of rings that do not meet: outer ones counter-clockwise, holes clockwise. As exact as the test of meeting.
+void orient(std::vector<Ring>& rings, const Grid& grid) {
+  std::vector<std::vector<GridPoint>> points;
+  for (const Ring& ring : rings) {
+    points.emplace_back();
+    for (const PlanePoint& p : ring) points.back().push_back(grid(p));
+  }
+  const auto surrounds = [](const std::vector<GridPoint>& ring, GridPoint p) {
+    bool inside = false;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      const GridPoint a = ring[i], b = ring[i + 1 < ring.size() ? i + 1 : 0];
+      if ((a.y <= p.y) != (b.y <= p.y) && turn(a, b, p) == (b.y > a.y ? 1 : -1)) inside = !inside;
+    }
+    return inside;
+  };
+  std::vector<char> reverse;
+  for (std::size_t r = 0; r < rings.size(); ++r) {
+    const Ring& ring = rings[r];
+    bool is_hole = false;
+    double area = 0;
+    for (std::size_t other = 0; other < rings.size(); ++other)
+      if (other != r && surrounds(points[other], points[r][0])) is_hole = !is_hole;
+    for (std::size_t i = 2; i < ring.size(); ++i)
+      area += (ring[i - 1].x - ring[0].x) * (ring[i].y - ring[0].y) -
+              (ring[i - 1].y - ring[0].y) * (ring[i].x - ring[0].x);
+    reverse.push_back((area < 0) != is_hole);
+  }
+  for (std::size_t r = 0; r < rings.size(); ++r)
+    if (reverse[r]) std::reverse(rings[r].begin(), rings[r].end());
+}
+
+/// Area by the even-odd rule, from the rows between the heights of all vertices and crossings.
+double even_odd_area(const std::vector<Ring>& rings, std::vector<double> heights) {
+  for (const Ring& ring : rings)
+    for (const PlanePoint& p : ring) heights.push_back(p.y);
+  std::sort(heights.begin(), heights.end());
+  std::vector<double> crossings;
+  double area = 0;
+  for (std::size_t k = 0; k + 1 < heights.size(); ++k) {
+    const double y = 0.5 * (heights[k] + heights[k + 1]);
+    if (!(heights[k + 1] > heights[k])) continue;
+    crossings.clear();
+    for (const Ring& ring : rings)
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const PlanePoint a = ring[i], b = ring[i + 1 < ring.size() ? i + 1 : 0];
+        if ((a.y <= y) != (b.y <= y)) crossings.push_back(a.x + (y - a.y) / (b.y - a.y) * (b.x - a.x));
+      }
+    std::sort(crossings.begin(), crossings.end());
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2)
+      area += (heights[k + 1] - heights[k]) * (crossings[i + 1] - crossings[i]);
+  }
+  return area;
+}
+
+/// The even-odd union by Clipper, of rings turned by an angle for it.
+std::vector<Ring> clipped(const std::vector<Ring>& rings, double angle) {
+  const double c = std::cos(angle), s = std::sin(angle);
+  std::vector<Ring> turned = rings;
+  for (Ring& ring : turned)
+    for (PlanePoint& p : ring) p = {c * p.x - s * p.y, s * p.x + c * p.y};
+  PlanePoint lower, upper;
+  bound(turned, lower, upper);
+  const Grid grid(lower, upper);
+  ClipperLib::Clipper clipper;
+  for (const Ring& ring : turned) {
+    ClipperLib::Path path;
+    for (const PlanePoint& p : ring) {
+      const GridPoint g = grid(p);
+      path.emplace_back(g.x, g.y);
+    }
+    clipper.AddPath(path, ClipperLib::ptSubject, true);
+  }
+  ClipperLib::Paths parts;
+  clipper.Execute(ClipperLib::ctUnion, parts, ClipperLib::pftEvenOdd);
+  std::vector<Ring> result;
+  for (const ClipperLib::Path& path : parts) {
+    Ring ring;
+    for (const ClipperLib::IntPoint& g : path) {
+      const PlanePoint p = grid(g);
+      ring.push_back({c * p.x + s * p.y, c * p.y - s * p.x});
+    }
+    if (ring.size() > 2) result.push_back(std::move(ring));
+  }
+  return result;
 }
 
 }  // namespace
@@ -167,38 +265,33 @@ PolygonRegion PolygonRegion::even_odd(std::vector<Ring> rings) {
     if (ring.size() < 3)
       throw std::domain_error("ring " + std::to_string(r + 1) + " has fewer than 3 different vertices");
   }
-  if (count_contacts(rings, grid, kMaxVertices) > kMaxVertices)
+  const std::vector<double> contacts = find_contacts(rings, grid, kMaxVertices);
+  if (contacts.size() > kMaxVertices)
     throw std::domain_error("its rings cross each other more than " + std::to_string(kMaxVertices) +
                             " times");
-
-  if (rings.size() == 1) {
+  const double box = std::max(upper.x - lower.x, upper.y - lower.y), negligible = 1e-10 * box * box;
+  const auto checked = [&](std::vector<Ring> parts) {
+    if (parts.empty()) throw std::domain_error("has no area");
+    PolygonRegion region(std::move(parts));
+    if (!(region.area_ > negligible)) throw std::domain_error("has no area");
+    return region;
+  };
+  if (contacts.empty()) {
     // As written, to the last bit.
-    if (PolygonRegion(rings).area_ < 0) std::reverse(rings[0].begin(), rings[0].end());
-  } else {
-    ClipperLib::Clipper clipper;
-    for (const Ring& ring : rings) {
-      ClipperLib::Path path;
-      for (const PlanePoint& p : ring) {
-        const GridPoint g = grid(p);
-        path.emplace_back(g.x, g.y);
-      }
-      clipper.AddPath(path, ClipperLib::ptSubject, true);
-    }
-    ClipperLib::Paths parts;
-    clipper.Execute(ClipperLib::ctUnion, parts, ClipperLib::pftEvenOdd);
-    rings.clear();
-    for (const ClipperLib::Path& path : parts) {
-      Ring ring;
-      for (const ClipperLib::IntPoint& p : path) ring.push_back(grid(p));
-      if (ring.size() > 2) rings.push_back(std::move(ring));
-    }
+    orient(rings, grid);
+    return checked(std::move(rings));
   }
-  const double box = std::max(upper.x - lower.x, upper.y - lower.y);
-  if (!rings.empty()) {
-    PolygonRegion region(std::move(rings));
-    if (region.area_ > 1e-10 * box * box) return region;
+  // Where many edges of several rings lie on one another, Clipper fails now and then, and rarely in another
+  // direction as well.
+  const double area = even_odd_area(rings, contacts);
+  if (!(area > negligible)) throw std::domain_error("has no area");
+  for (double angle : {0.0, 0.7, 2.0, 4.4}) {
+    std::vector<Ring> parts = clipped(rings, angle);
+    if (parts.empty()) continue;
+    PolygonRegion region(std::move(parts));
+    if (std::abs(region.area_ - area) <= negligible) return region;
   }
-  throw std::domain_error("has no area");
+  throw std::domain_error("its rings overlap in a way that cannot be resolved; draw it without overlaps");
 }
 
 PolygonRegion PolygonRegion::placed(PlanePoint origin, double scale) const {
