@@ -41,6 +41,9 @@ TEST(SimulatedCorrelation, SaysWhichFractionsItKnows) {
   EXPECT_THROW(build<Correlation>(R"(<correlation type="simulated"><integer name="discs" value="5"/>
                                      </correlation>)"),
                Error);
+  EXPECT_THROW(build<Correlation>(R"(<correlation type="simulated"><integer name="snapshots" value="900000"/>
+                                     </correlation>)"),
+               Error);
 }
 
 TEST(SimulatedCorrelation, InterpolatesBetweenNodes) {
