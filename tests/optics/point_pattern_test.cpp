@@ -86,11 +86,11 @@ TEST(PointPattern, HardDiscsInAWindow) {
     const double theory = hard_disc_structure_factor(q[k], fa);
     const double error = std::hypot(s[k].error, 0.03 * theory);
     chi += (s[k].mean - theory) * (s[k].mean - theory) / (error * error) / double(q.size());
-    worst = std::max(worst, std::abs(s[k].mean / theory - 1));
+    if (q[k] > 1.5) worst = std::max(worst, std::abs(s[k].mean / theory - 1));
   }
-  std::printf("hard discs in 6 windows: chi2 %.2f, worst %.1f %%\n", chi, 100 * worst);
+  std::printf("hard discs in 6 windows: chi2 %.2f, worst beyond q = 1.5 %.1f %%\n", chi, 100 * worst);
   EXPECT_LT(chi, 1.8);
-  EXPECT_LT(worst, 0.35);
+  EXPECT_LT(worst, 0.2);
 
   const auto g = window_pair_correlation(fields, {0, 1.999, 2.1, 3.1, 3.5, 4.5, 10});
   EXPECT_EQ(g[0].mean, 0);

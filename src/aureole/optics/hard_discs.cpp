@@ -51,7 +51,7 @@ HardDiscSimulation::HardDiscSimulation(std::vector<double> radii, double area_fr
                        [&](double r) { return r != discs_.radius[0]; });
 
   // A collision carries the motion over pi/4 diameters on average, which gives the mean free path from the
-  // pressure. Chains of sqrt(n) collisions decorrelate fastest or nearly so.
+  // pressure. Chains of any length are right if they are all alike; these have sqrt(n) collisions on average.
   const double n = discs_.size();
   const double free_path =
       std::min(kPi / 2 * mean / (hard_disc_pressure(area_fraction) - 1), discs_.box_x / 4);
@@ -289,12 +289,15 @@ void HardDiscSimulation::advance(double sweeps) {
 }
 
 // Integrated autocorrelation times, 2 tau, of S at its peak, in sweeps, 6000 snapshots of 1500 discs: 1.4 for
-// Fa up to .3, 3 (.5), 6 (.6), 15 (.65), 35 (.68). S of the box's longest wave has 25 to 65 at any Fa.
+// Fa up to .3, 3 (.5), 6 (.6), 15 (.65), 35 (.68). S of the box's longest wave has 25 to 65 at any Fa, and
+// more in larger boxes.
 double HardDiscSimulation::peak_correlation() const {
   return 1.4 + 35 * std::exp((area_fraction_ - 0.68) / 0.03);
 }
 
-double HardDiscSimulation::equilibration_sweeps() const { return 200 + 30 * peak_correlation(); }
+double HardDiscSimulation::equilibration_sweeps() const {
+  return 200 * std::max(1.0, discs_.size() / 1500.0) + 30 * peak_correlation();
+}
 double HardDiscSimulation::decorrelation_sweeps() const {
   return 2.5 + 8 * area_fraction_ + 0.3 * peak_correlation();
 }

@@ -19,7 +19,10 @@ double bessel_j0(double x) {
   return boost::math::cyl_bessel_j(0, x, Policy());
 }
 
-/// Gauss-Legendre on [0, 1], 8 points.
+/// Steps of a correction inside of contact.
+constexpr int kInside = 8;
+
+/// Gauss-Legendre, 8 points: nodes of one side of the middle.
 constexpr double kNodes[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 constexpr double kWeights[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
                                 0.1012285362903763};
@@ -108,7 +111,6 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
     for (int l = m; l < n; ++l) {
       Correction& c = corrections_[pair(m, l)];
       const double contact = mixture_.radius(m) + mixture_.radius(l);
-      constexpr int kInside = 8;
       for (int i = 0; i <= kInside; ++i) c.knots.push_back(contact * i / kInside);
       // Features of the second shell, which grow sharp towards freezing, need fine steps.
       for (double beyond = 0; beyond < 12.1; beyond += beyond < 5 ? 0.25 : beyond < 7 ? 0.5 : 1)
@@ -145,9 +147,9 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
         // What a correction may be at most, by order of magnitude: it only keeps noise out of combinations
         // that the data does not see.
         for (int i = 0; i < size; ++i) {
-          const double prior =
-              i <= 8 ? 0.3 * fa * crowding + 0.01
-                     : (0.5 * fa * crowding + 0.01) * std::exp(-(c.knots[i] - contact) / (2 * mean));
+          const double beyond = (c.knots[i] - contact) / mean;
+          const double prior = i <= kInside ? 0.3 * fa * crowding + 0.01
+                                            : (0.5 * fa * fa * crowding + 0.01) * std::exp(-beyond / 1.6);
           normal[i * size + i] = 1 / (prior * prior);
         }
         for (int r = 0; r < rings; ++r) {

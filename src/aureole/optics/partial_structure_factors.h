@@ -31,7 +31,8 @@ public:
 
   /// q in rad per unit of the radii.
   double eval(int m, int l, double q) const;
-  /// Standard error of `eval` that the simulation leaves; 0 for theory.
+  /// Standard error of `eval` that the simulation leaves; 0 for theory. Honest for one class; for many it
+  /// is several times too large, since it takes the errors of the elements of C for independent.
   double error(int m, int l, double q) const;
   /// Mean square of (measured - fit)/error over all rings: near 1 where the correction can follow the data.
   double chi_squared() const { return chi_squared_; }

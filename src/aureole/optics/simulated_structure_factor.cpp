@@ -17,11 +17,14 @@ namespace {
 
 /// In units of the mean radius: where rings of wave vectors and tables end.
 constexpr double kMeasured = 20, kTable = 40;
+/// Waves per side of the box, at most: large, thin boxes are measured less far.
+constexpr double kMostWaves = 2000;
 
 std::vector<double> ring_edges(double mean_radius, double box) {
   std::vector<double> edges;
+  const double end = std::min(kMeasured, kMostWaves * 2 * std::numbers::pi / box * mean_radius);
   // From the box's longest wave on, narrow where S has its peaks.
-  for (double u = std::min(0.9 * 2 * std::numbers::pi / box * mean_radius, 0.5); u < kMeasured;
+  for (double u = std::min(0.9 * 2 * std::numbers::pi / box * mean_radius, 0.5); u < end;
        u += u < 6 ? 0.05 : 0.15)
     edges.push_back(u / mean_radius);
   return edges;
