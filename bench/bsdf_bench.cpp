@@ -65,10 +65,19 @@ struct BsdfInputs {
   std::vector<Wavelengths> wavelengths;
 };
 
-void bench_eval_pdf(benchmark::State& state, const std::string& xml) {
+/// The part of the time that one wavelength of a path has.
+void count_per_wavelength(benchmark::State& state) {
+  state.counters["per_wavelength"] = benchmark::Counter(
+      double(state.iterations()) * kWavelengths, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+}
+
+/// `crossing`: all directions cross the surface, none is answered by the side alone.
+void bench_eval_pdf(benchmark::State& state, const std::string& xml, bool crossing) {
   const auto context = make_context();
   const auto bsdf = build<Bsdf>(xml, context);
-  const BsdfInputs in(context->grid);
+  BsdfInputs in(context->grid);
+  if (crossing)
+    for (Vec3& wo : in.wo) wo.z = -std::abs(wo.z);
   const SurfacePoint point;
   unsigned i = 0;
   for (auto _ : state) {
@@ -76,6 +85,7 @@ void bench_eval_pdf(benchmark::State& state, const std::string& xml) {
     benchmark::DoNotOptimize(bsdf->eval_pdf(in.wi[i], in.wo[i], ctx));
     i = (i + 1) % kInputs;
   }
+  count_per_wavelength(state);
 }
 
 void bench_sample(benchmark::State& state, const std::string& xml) {
@@ -89,6 +99,7 @@ void bench_sample(benchmark::State& state, const std::string& xml) {
     benchmark::DoNotOptimize(bsdf->sample(in.wi[i], in.u1[i], in.u2[i], ctx));
     i = (i + 1) % kInputs;
   }
+  count_per_wavelength(state);
 }
 
 // The instances; BSDFs without one here are measured by the examples of their documentation.
@@ -108,6 +119,18 @@ const std::vector<std::pair<std::string, std::string>> kBsdfs = {
     {"correlated_scatterers, glass", R"(<bsdf type="correlated_scatterers"><string name="radius" value="5um"/>
       <float name="area_fraction" value="0.5"/><string name="substrate" value="dielectric"/>
       <string name="int_ior" value="bk7"/></bsdf>)"},
+    {"correlated_scatterers, squares", R"(<bsdf type="correlated_scatterers"><aperture type="rectangle">
+      <string name="width" value="7um"/><string name="height" value="7um"/></aperture>
+      <float name="area_fraction" value="0.5"/></bsdf>)"},
+    {"correlated_scatterers, mixture", R"(<bsdf type="correlated_scatterers"><aperture type="rectangle">
+      <string name="width" value="7um"/><string name="height" value="7um"/><float name="fraction" value="0.5"/></aperture>
+      <aperture type="circle"><string name="radius" value="5um"/><float name="fraction" value="0.5"/></aperture>
+      <float name="area_fraction" value="0.5"/></bsdf>)"},
+    {"correlated_scatterers, textured mixture",
+     R"(<bsdf type="correlated_scatterers"><aperture type="rectangle">
+      <string name="width" value="7um"/><string name="height" value="7um"/><float name="fraction" value="0.5"/></aperture>
+      <aperture type="circle"><string name="radius" value="5um"/><float name="fraction" value="0.5"/></aperture>
+      <texture type="checkerboard" name="area_fraction"><float name="color0" value="0.3"/><float name="color1" value="0.5"/></texture></bsdf>)"},
 };
 
 void bench_sampler(benchmark::State& state, const std::string& type) {
@@ -190,7 +213,8 @@ void register_all() {
         bsdfs.emplace_back(name + ", example " + std::to_string(i + 1), examples[i]);
   }
   for (const auto& [name, xml] : bsdfs) {
-    add(name + "/eval_pdf", [xml = xml](benchmark::State& s) { bench_eval_pdf(s, xml); });
+    const bool crossing = name.starts_with("correlated");
+    add(name + "/eval_pdf", [xml = xml, crossing](benchmark::State& s) { bench_eval_pdf(s, xml, crossing); });
     add(name + "/sample", [xml = xml](benchmark::State& s) { bench_sample(s, xml); });
   }
   for (const std::string type : {"sobol", "independent"})

@@ -20,6 +20,7 @@ void add_compare_command(CLI::App& app, CommandResult& result);
 void add_merge_command(CLI::App& app, CommandResult& result);
 void add_list_command(CLI::App& app, CommandResult& result);
 void add_docs_command(CLI::App& app, CommandResult& result);
+void add_layer_command(CLI::App& app, CommandResult& result);
 void add_rings_command(CLI::App& app, CommandResult& result);
 void add_droplet_size_command(CLI::App& app, CommandResult& result);
 void add_microstructure_command(CLI::App& app, CommandResult& result);

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
   aureole::add_merge_command(app, result);
   aureole::add_list_command(app, result);
   aureole::add_docs_command(app, result);
+  aureole::add_layer_command(app, result);
   aureole::add_rings_command(app, result);
   aureole::add_droplet_size_command(app, result);
   aureole::add_microstructure_command(app, result);

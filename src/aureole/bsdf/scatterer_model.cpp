@@ -96,10 +96,7 @@ float ScattererModel::covered(float area_fraction) const {
 Spectrum ScattererModel::intensity(const State& state, const DiffractedWave& u) const {
   Spectrum uncorrelated(0.f), coherent;
   if (!is_isotropic() && !(is_anisotropic() && mixture_->is_isotropic())) {
-    for (int j = 0; j < kWavelengths; ++j) {
-      const auto p = table_->eval(u.x[j], u.y[j], u.length[j]);
-      uncorrelated[j] = p.uncorrelated, coherent[j] = p.coherent;
-    }
+    table_->eval<kWavelengths>(u.x.data(), u.y.data(), u.length.data(), uncorrelated.data(), coherent.data());
   } else {
     coherent = make_spectrum([&](int j) { return table_->coherent_ring().eval(u.length[j]); });
     if (!single_)
@@ -109,12 +106,7 @@ Spectrum ScattererModel::intensity(const State& state, const DiffractedWave& u) 
   if (anisotropic_) {
     s = make_spectrum([&](int j) { return float(anisotropic_->eval(u.x[j], u.y[j])); });
   } else {
-    Spectrum sum(0.f);
-    for (int i = 0; i < state.count; ++i) {
-      const optics::RadialFunction& f = structures_[state.first + i];
-      sum += make_spectrum([&](int j) { return f.eval(u.length[j]); }) * state.weights[i];
-    }
-    s = inverse_ ? Spectrum(1.f) / (Spectrum(1.f) + sum) : max(Spectrum(1.f) + sum, 0.f);
+    s = structure(state, u.length);
   }
   return max((uncorrelated + coherent * s) * state.inverse_total, 0.f);
 }

@@ -51,6 +51,16 @@ public:
     // The table of 1/S' - 1, or of S' - 1.
     return inverse_ ? 1 / (1 + sum) : std::max(1 + sum, 0.f);
   }
+  Spectrum structure(const State& state, const Spectrum& u) const {
+    Spectrum sum(0.f);
+    for (int i = 0; i < state.count; ++i) {
+      const optics::RadialFunction& f = structures_[std::size_t(state.first + i)];
+      sum += make_spectrum([&](int j) { return f.eval(u[j]); }) * state.weights[std::size_t(i)];
+    }
+    return inverse_ ? Spectrum(1.f) / (Spectrum(1.f) + sum) : max(Spectrum(1.f) + sum, 0.f);
+  }
+  /// There is no uncorrelated part: all scatterers are alike.
+  bool is_single() const { return single_; }
   /// Positions without circular symmetry; their S' is part of `table()` and the area fraction is one only.
   bool is_anisotropic() const { return anisotropic_ != nullptr; }
   double anisotropic_structure(double x, double y) const { return anisotropic_->eval(x, y); }

@@ -56,16 +56,22 @@ ProductSampler::ProductSampler(std::shared_ptr<const ScattererModel> model, bool
   }
 }
 
-float ProductSampler::azimuth(int node, float x, float y, float u) const {
+Spectrum ProductSampler::azimuth(int node, const DiffractedWave& u) const {
   const optics::ScattererTable& table = model_->table();
-  if (!table.has_azimuths()) return 1;
-  if (table.is_product()) return correlated_ ? table.uncorrelated_azimuths().density(x, y, u) : 1;
-  const auto p = table.ring(u);
-  const float coherent = p.coherent * structure(node, u), sum = p.uncorrelated + coherent;
-  if (!(sum > 0)) return table.coherent_azimuths().density(x, y, u);
-  return (p.uncorrelated * table.uncorrelated_azimuths().density(x, y, u) +
-          coherent * table.coherent_azimuths().density(x, y, u)) /
-         sum;
+  const auto of = [&](const optics::RingAzimuths& a) {
+    return make_spectrum([&](int j) { return a.density(u.x[j], u.y[j], u.length[j]); });
+  };
+  if (table.is_product()) return correlated_ ? of(table.uncorrelated_azimuths()) : Spectrum(1.f);
+  if (model_->is_single()) return of(table.coherent_azimuths());
+  const Spectrum uncorrelated =
+      make_spectrum([&](int j) { return table.uncorrelated_ring().eval(u.length[j]); });
+  Spectrum coherent = make_spectrum([&](int j) { return table.coherent_ring().eval(u.length[j]); });
+  if (correlated_) coherent *= model_->structure(nodes_.state(node), u.length);
+  // As `sample` chooses: where both parts are 0, by C.
+  const Spectrum sum = uncorrelated + coherent;
+  const SpectrumMask positive = sum.v > Spectrum(0.f).v;
+  const Spectrum share = select(positive, coherent / select(positive, sum, 1.f), 1.f);
+  return of(table.coherent_azimuths()) * share + of(table.uncorrelated_azimuths()) * (Spectrum(1.f) - share);
 }
 
 ScattererSampler::Wave ProductSampler::sample(const ScattererModel::State& state, float& xi, Vec2 u2,
@@ -85,9 +91,13 @@ ScattererSampler::Wave ProductSampler::sample(const ScattererModel::State& state
   if (table.is_product()) {
     table.uncorrelated_azimuths().sample(float(u), u2.y, cosine, sine);
   } else {
-    const auto p = table.ring(float(u));
-    const float coherent = p.coherent * structure(node, float(u)), sum = p.uncorrelated + coherent;
-    (choose(xi, sum > 0 ? coherent / sum : 1) ? table.coherent_azimuths() : table.uncorrelated_azimuths())
+    float share = 1;
+    if (!model_->is_single()) {
+      const auto p = table.ring(float(u));
+      const float coherent = p.coherent * structure(node, float(u)), sum = p.uncorrelated + coherent;
+      if (sum > 0) share = coherent / sum;
+    }
+    (choose(xi, share) ? table.coherent_azimuths() : table.uncorrelated_azimuths())
         .sample(float(u), u2.y, cosine, sine);
   }
   return {u * cosine, u * sine};
@@ -99,8 +109,7 @@ Spectrum ProductSampler::density(const ScattererModel::State& state, const Diffr
     const optics::RadialDistribution& r = radial_[std::size_t(node)];
     Spectrum d = make_spectrum([&](int j) { return r.eval(u.length[j]); });
     d *= make_spectrum([&](int j) { return float(1 / r.cdf(u_max[j])); });
-    if (model_->table().has_azimuths())
-      d *= make_spectrum([&](int j) { return azimuth(node, u.x[j], u.y[j], u.length[j]); });
+    if (model_->table().has_azimuths()) d *= azimuth(node, u);
     return d;
   };
   const auto place = radial_.size() > 1 ? nodes_.at(state) : FractionNodes::Place{0, 0};

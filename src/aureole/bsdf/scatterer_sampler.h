@@ -59,7 +59,7 @@ private:
   float structure(int node, float u) const {
     return correlated_ ? model_->structure(nodes_.state(node), u) : 1;
   }
-  float azimuth(int node, float x, float y, float u) const;
+  Spectrum azimuth(int node, const DiffractedWave& u) const;
 
   std::shared_ptr<const ScattererModel> model_;
   bool correlated_;

@@ -69,17 +69,6 @@ RingAzimuths::RingAzimuths(const std::function<double(double, double)>& f, doubl
       4);
 }
 
-float RingAzimuths::density(float ux, float uy, float u) const {
-  if (uy < 0) ux = -ux, uy = -uy;
-  const Ring& r = ring(u);
-  const float sum = std::abs(ux) + uy;
-  if (!(sum > 0)) return 1;
-  const int bin = std::min(int((1 - ux / sum) * 0.5f * float(r.bins)), r.bins - 1);
-  const float* c = &cdf_[r.first + bin];
-  // Over p: mass times bins; dp/d azimuth = u^2/(2 sum^2); half a ring is pi.
-  return (c[1] - c[0]) * float(r.bins) * float(M_PI) * u * u / (2 * sum * sum);
-}
-
 void RingAzimuths::sample(float u, float xi, float& cosine, float& sine) const {
   const Ring& r = ring(u);
   const bool turned = xi >= 0.5f;

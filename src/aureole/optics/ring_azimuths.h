@@ -27,7 +27,17 @@ public:
   RingAzimuths(const std::function<double(double, double)>& f, double extent, const Layout& layout);
 
   /// Density over the azimuth times 2 pi, 1 if nothing depends on it, for u = (ux, uy) of length `u` > 0.
-  float density(float ux, float uy, float u) const;
+  float density(float ux, float uy, float u) const {
+    ux = uy < 0 ? -ux : ux, uy = uy < 0 ? -uy : uy;
+    const int last = int(rings_.size()) - 1, index = ring_index(u);
+    const Ring& r = rings_[std::size_t(index < last ? index : last)];
+    const float sum = (ux < 0 ? -ux : ux) + uy, inverse = 1 / (sum > 1e-30f ? sum : 1e-30f);
+    const int found = int((1 - ux * inverse) * 0.5f * float(r.bins)),
+              bin = found < r.bins ? found : r.bins - 1;
+    const float* c = &cdf_[std::size_t(r.first + bin)];
+    // Over p: mass times bins; dp/d azimuth = u^2/(2 sum^2); half a ring is pi.
+    return (c[1] - c[0]) * float(r.bins) * 1.57079633f * (u * inverse) * (u * inverse);
+  }
   /// A unit vector, for xi in [0, 1).
   void sample(float u, float xi, float& cosine, float& sine) const;
   std::size_t bytes() const { return cdf_.size() * sizeof(float) + rings_.size() * sizeof(Ring); }

@@ -28,6 +28,21 @@ public:
     if (!map_ || !(u < map_->extent())) return envelope(ux, uy, u);
     return map_->eval(ux, uy);
   }
+  /// The same of N points; without a branch for each.
+  template <int N>
+  void eval(const float* ux, const float* uy, const float* u, float* uncorrelated, float* coherent) const {
+    if (map_) {
+      map_->eval<N>(ux, uy, uncorrelated, coherent);
+      bool all = true;
+      for (int j = 0; j < N; ++j) all &= u[j] < map_->extent();
+      if (all) return;
+    }
+    for (int j = 0; j < N; ++j) {
+      if (map_ && u[j] < map_->extent()) continue;
+      const Pair p = envelope(ux[j], uy[j], u[j]);
+      uncorrelated[j] = p.uncorrelated, coherent[j] = p.coherent;
+    }
+  }
   /// Azimuths are needed: the mixture, or its positions, are not isotropic.
   bool has_azimuths() const { return uncorrelated_azimuths_.has_value(); }
   const RingAzimuths& uncorrelated_azimuths() const { return *uncorrelated_azimuths_; }

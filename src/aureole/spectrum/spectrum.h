@@ -34,6 +34,8 @@ struct Spectrum {
 
   float& operator[](int i) { return reinterpret_cast<float*>(&v)[i]; }
   float operator[](int i) const { return v[i]; }
+  float* data() { return reinterpret_cast<float*>(&v); }
+  const float* data() const { return reinterpret_cast<const float*>(&v); }
 
   Spectrum& operator+=(const Spectrum& b) { return v += b.v, *this; }
   Spectrum& operator-=(const Spectrum& b) { return v -= b.v, *this; }

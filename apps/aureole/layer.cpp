@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole layer: what an engineer asks of a sheet, a pane or a layer of a scene: how much light it transmits
+// and reflects, directly and diffusely, by wavelength and as seen by the CIE observer; its haze; what it
+// loses. Measured from the BSDF alone, by its own samples, so that it works for any.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/core/error.h"
+#include "aureole/core/image.h"
+#include "aureole/core/parallel.h"
+#include "aureole/instrument/light_budget.h"
+#include "aureole/scene/scene.h"
+#include "aureole/spectrum/observer.h"
+#include "aureole/spectrum/tables.h"
+#include "commands.h"
+
+namespace aureole {
+namespace {
+
+struct LayerOptions {
+  std::string target, illuminant = "D65", json;
+  std::vector<std::string> defines;
+  double angle = 0, azimuth = 0, step = 20, haze_angle = 2.5, u = 0.5, v = 0.5;
+  int samples = 1 << 16;
+};
+
+/// Calls `visit` for an object and all that are nested in it.
+void walk(const ObjectPtr& object, const std::function<void(const ObjectPtr&)>& visit) {
+  visit(object);
+  for (const auto& e : object->properties().entries())
+    if (const auto* nested = std::get_if<ObjectPtr>(&e.value); nested && *nested) walk(*nested, visit);
+}
+
+/// The BSDF with that id, or of the shape with that id.
+std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& file, const std::string& id) {
+  std::shared_ptr<const Bsdf> found;
+  std::vector<std::string> known;
+  for (const ShapePtr& shape : scene.shapes())
+    walk(std::const_pointer_cast<Shape>(std::shared_ptr<const Shape>(shape)), [&](const ObjectPtr& o) {
+      const auto s = std::dynamic_pointer_cast<const Shape>(o);
+      const auto b = s ? s->bsdf() : std::dynamic_pointer_cast<const Bsdf>(o);
+      if (!b || o->id().empty()) return;
+      if (o->id() == id) found = b;
+      if (std::find(known.begin(), known.end(), o->id()) == known.end()) known.push_back(o->id());
+    });
+  if (found) return found;
+  std::string all;
+  for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
+  throw Error({file, 0, 0}, (id.empty() ? "name a BSDF or a shape after \"#\""
+                                        : "no BSDF or shape has the id \"" + id + "\"") +
+                                (all.empty() ? "; none of this scene has an id" : "; there are " + all));
+}
+
+/// X, Y, Z of what a fraction by wavelength leaves of the lamp, Y of the lamp itself being 1.
+std::array<double, 3> tristimulus(const std::vector<LightBudget>& rows, const SampledSpectrum& lamp,
+                                  const SpectralGrid& grid,
+                                  const std::function<double(const LightBudget&)>& fraction) {
+  const auto xyz = observer_xyz(grid);
+  std::array<double, 3> sum{};
+  double white = 0;
+  for (int i = 0; i <= grid.cells; ++i) {
+    const double nm = grid.node(i), light = double(lamp.nodes()[std::size_t(i)]);
+    const double x = std::clamp((nm - rows.front().nm) / std::max(rows[1].nm - rows[0].nm, 1e-9), 0.0,
+                                double(rows.size() - 1));
+    const std::size_t k = std::min(std::size_t(x), rows.size() - 2);
+    const double f = std::lerp(fraction(rows[k]), fraction(rows[k + 1]), x - double(k));
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += light * f * double(xyz[c].nodes()[std::size_t(i)]);
+    white += light * double(xyz[1].nodes()[std::size_t(i)]);
+  }
+  for (double& c : sum) c /= white;
+  return sum;
+}
+
+struct Quantity {
+  const char *name, *key;
+  double (*of)(const LightBudget&);
+};
+constexpr Quantity kQuantities[] = {
+    {"direct T", "direct_transmission", [](const LightBudget& b) { return b.direct_transmission; }},
+    {"near T", "diffuse_transmission_near", [](const LightBudget& b) { return b.near_transmission; }},
+    {"far T", "diffuse_transmission_far", [](const LightBudget& b) { return b.far_transmission; }},
+    {"total T", "total_transmission", [](const LightBudget& b) { return b.transmission(); }},
+    {"direct R", "direct_reflection", [](const LightBudget& b) { return b.direct_reflection; }},
+    {"diffuse R", "diffuse_reflection", [](const LightBudget& b) { return b.diffuse_reflection; }},
+    {"total R", "total_reflection", [](const LightBudget& b) { return b.reflection(); }},
+    {"lost", "lost", [](const LightBudget& b) { return b.lost(); }}};
+
+int layer(const LayerOptions& options) {
+  const std::size_t mark = options.target.rfind('#');
+  const std::string file = options.target.substr(0, mark);
+  LoadOptions load;
+  load.defines = split_defines(options.defines);
+  const Scene scene(load_scene(file, load));
+  const auto bsdf = find_bsdf(scene, file, mark == std::string::npos ? "" : options.target.substr(mark + 1));
+  const SpectralGrid grid = scene.wavelengths().grid();
+  const auto table = find_illuminant(options.illuminant);
+  if (!table)
+    throw Error("--illuminant: unknown illuminant \"" + options.illuminant + "\"" +
+                did_you_mean(options.illuminant, illuminant_names()));
+  const SampledSpectrum lamp = SampledSpectrum::from_points(grid, table->wavelengths_nm, table->values);
+
+  const double theta = options.angle * M_PI / 180, phi = options.azimuth * M_PI / 180;
+  const Vec3 wi{float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)),
+                float(std::cos(theta))};
+  const LightBudgetSettings settings{
+      options.haze_angle, options.samples, {float(options.u), float(options.v)}};
+  std::vector<LightBudget> rows;
+  const int count = std::max(1, int(std::floor((grid.max_nm - grid.min_nm) / options.step + 1e-9)));
+  rows.resize(std::size_t(count) + 1);
+  for (int i = 0; i <= count; ++i)
+    rows[std::size_t(i)].nm = std::min(grid.min_nm + i * options.step, grid.max_nm);
+  for_ranges(
+      rows.size(),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+          rows[i] = measure_light_budget(*bsdf, wi, rows[i].nm, grid, settings);
+      },
+      1);
+
+  fmt::print("{} ({}), light at {:g} degrees, {} samples per wavelength\n", options.target,
+             bsdf->properties().type(), options.angle, options.samples);
+  fmt::print(
+      "Fractions of the light that arrives. T: transmitted, R: reflected; near: within {:g} degrees of its "
+      "regular "
+      "direction, far: beyond.\n\n",
+      options.haze_angle);
+  fmt::print("{:>8}", "nm");
+  for (const Quantity& q : kQuantities) fmt::print("{:>11}", q.name);
+  fmt::print("{:>9}\n", "haze");
+  const auto haze = [](double far, double total) {
+    return total > 0 ? fmt::format("{:8.2f} %", 100 * far / total) : std::string("       -");
+  };
+  for (const LightBudget& b : rows) {
+    fmt::print("{:8.1f}", b.nm);
+    for (const Quantity& q : kQuantities) fmt::print("{:11.5f}", q.of(b));
+    fmt::print("{}\n", haze(b.far_transmission, b.transmission()));
+  }
+  const bool visible =
+      rows.size() > 1 && tristimulus(rows, lamp, grid, [](const LightBudget&) { return 1.0; })[1] > 0;
+  nlohmann::json out = {{"target", options.target},
+                        {"angle_degrees", options.angle},
+                        {"illuminant", options.illuminant},
+                        {"haze_angle_degrees", options.haze_angle},
+                        {"samples", options.samples}};
+  for (const LightBudget& b : rows) {
+    nlohmann::json row = {{"nm", b.nm}};
+    for (const Quantity& q : kQuantities) row[q.key] = q.of(b);
+    out["wavelengths"].push_back(row);
+  }
+  if (visible) {
+    fmt::print("\nCIE 1931 observer, illuminant {}: luminous fraction Y and chromaticity x, y\n",
+               options.illuminant);
+    double far = 0, total = 0;
+    for (const Quantity& q : kQuantities) {
+      const auto c = tristimulus(rows, lamp, grid, q.of);
+      const double sum = c[0] + c[1] + c[2];
+      if (q.key == std::string("diffuse_transmission_far")) far = c[1];
+      if (q.key == std::string("total_transmission")) total = c[1];
+      nlohmann::json entry = {{"Y", c[1]}};
+      fmt::print("  {:<10} Y {:.5f}", q.name, c[1]);
+      if (sum > 1e-4) {
+        fmt::print("   x {:.4f} y {:.4f}", c[0] / sum, c[1] / sum);
+        entry["x"] = c[0] / sum, entry["y"] = c[1] / sum;
+      }
+      fmt::print("\n");
+      out["cie"][q.key] = entry;
+    }
+    fmt::print("  haze       {} of the transmitted light leaves beyond {:g} degrees\n", haze(far, total),
+               options.haze_angle);
+    if (total > 0) out["cie"]["haze"] = far / total;
+  }
+  if (!options.json.empty()) write_file_atomically(options.json, out.dump(1) + "\n");
+  return 0;
+}
+
+}  // namespace
+
+void add_layer_command(CLI::App& app, CommandResult& result) {
+  CLI::App* c = app.add_subcommand(
+      "layer", "Say what a BSDF transmits, reflects and scatters, by wavelength and in CIE terms");
+  auto o = std::make_shared<LayerOptions>();
+  c->add_option("target", o->target, "scene.xml#id: id of a BSDF or a shape")->required();
+  c->add_option("-D,--define", o->defines, "set a $name of the scene: -D name=value");
+  c->add_option("--angle", o->angle,
+                "of the light to the normal in degrees, beyond 90 from below (default 0)")
+      ->check(CLI::Range(0.0, 180.0));
+  c->add_option("--azimuth", o->azimuth, "of the light in degrees from the u axis");
+  c->add_option("--step", o->step, "nm between wavelengths (default 20)")->check(CLI::Range(0.01, 1e9));
+  c->add_option("--illuminant", o->illuminant, "lamp of the CIE figures (default D65)");
+  c->add_option("--haze-angle", o->haze_angle, "degrees beyond which light counts as haze (default 2.5)")
+      ->check(CLI::Range(0.01, 90.0));
+  c->add_option("--samples", o->samples, "per wavelength (default 65536)")->check(CLI::Range(64, 1 << 26));
+  c->add_option("--at", "u,v of the point on the surface, for textured layers (default 0.5,0.5)")
+      ->delimiter(',')
+      ->expected(2)
+      ->each([o, first = true](const std::string& text) mutable {
+        (first ? o->u : o->v) = std::stod(text), first = false;
+      });
+  c->add_option("--json", o->json, "also write the figures to this file");
+  c->callback([o, &result] { result.exit_code = layer(*o); });
+}
+
+}  // namespace aureole

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the light goes that falls on a surface: the instrument that measures direct and diffuse transmission,
+// reflection and haze (ASTM D1003: the part of the transmitted light that leaves more than 2.5 degrees from
+// its regular direction), of any BSDF.
+#pragma once
+
+#include "aureole/bsdf/bsdf.h"
+
+namespace aureole {
+
+/// Fractions of the light that arrives at one wavelength.
+struct LightBudget {
+  double nm = 0;
+  double direct_transmission = 0, near_transmission = 0, far_transmission = 0;  ///< near: within the angle
+  double direct_reflection = 0, diffuse_reflection = 0;
+  double transmission() const { return direct_transmission + near_transmission + far_transmission; }
+  double reflection() const { return direct_reflection + diffuse_reflection; }
+  double lost() const { return 1 - transmission() - reflection(); }
+};
+
+struct LightBudgetSettings {
+  double haze_angle_degrees = 2.5;
+  int samples = 1 << 16;
+  Vec2 uv{0.5f, 0.5f};  ///< place on the surface
+};
+
+/// Light that arrives from `wi` (outward, local frame). By samples of the BSDF along a rank-1 lattice: the
+/// error is a few 1e-4 for BSDFs that sample well.
+LightBudget measure_light_budget(const Bsdf& bsdf, const Vec3& wi, double nm, const SpectralGrid& grid,
+                                 const LightBudgetSettings& settings);
+
+}  // namespace aureole
