@@ -63,15 +63,16 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   const double largest =
       kTwoPi * layer.radius_nm * layer.sizes.largest() *
       std::max(layer.medium(grid.min_nm) / grid.min_nm, layer.medium(grid.max_nm) / grid.max_nm);
-  angles_ = SphereAngles(largest);
+  const double terms = largest + 4 * std::cbrt(largest);
+  angles_ = SphereAngles(terms);
   // Far from the centre of a large sphere's pattern rings are averaged over a cell; nobody resolves them
   // there.
   for (int i = 0; i <= angles_.half(); ++i) {
     const double r = std::min(angles_.radius(i), kRootTwo);
     const double before = i > 0 ? angles_.radius(i - 0.5) : 0,
                  after = i < angles_.half() ? angles_.radius(i + 0.5) : kRootTwo;
-    const bool averaged = after - before > 4 * SphereAngles::kStep / largest;
-    const int count = averaged ? int(std::ceil((after - before) * largest / 1.2)) : 1;
+    const bool averaged = after - before > 4 * SphereAngles::kStep / terms;
+    const int count = averaged ? int(std::ceil((after - before) * terms / 1.2)) : 1;
     for (int k = 0; k < count; ++k) {
       const double at = averaged ? before + (k + 0.5) * (after - before) / count : r;
       samples_.push_back(std::clamp(1 - at * at / 2, 0.0, 1.0));
