@@ -82,13 +82,14 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   // Nodes of wavelength: phases between the rays through a sphere and past it turn with x; a spread of sizes
   // hides what is narrower than itself.
   constexpr double kSizeStep = 0.2;
-  constexpr int kLeastNodes = 32, kMostNodes = 128;
-  const double range = 1 / grid.min_nm - 1 / grid.max_nm;
+  constexpr int kMostNodes = 128;
+  const double range = 1 / grid.min_nm - 1 / grid.max_nm, octaves = std::log2(grid.max_nm / grid.min_nm);
   double count = kTwoPi * layer.radius_nm * layer.medium(grid.min_nm) * range / kSizeStep;
-  if (layer.spread > 0) count = std::min(count, 4 * std::log(grid.max_nm / grid.min_nm) / layer.spread);
-  // The work per node grows with the square of the size.
-  const int most = largest > 2000 ? kMostNodes / 2 : kMostNodes, least = layer.spread > 0 ? 12 : kLeastNodes;
-  const int cells_of_four = int(std::ceil(std::clamp(count, double(least), double(most)) / kStride));
+  if (layer.spread > 0) count = std::min(count, 3 * octaves / layer.spread);
+  // Smooth spectra need few nodes. The work per node grows with the square of the size.
+  const double least = std::clamp((layer.spread > 0 ? 10 : 27) * octaves, 4.0, 32.0),
+               most = largest > 2000 ? kMostNodes / 2 : kMostNodes;
+  const int cells_of_four = int(std::ceil(std::clamp(count, least, most) / kStride));
   wavelengths_ = cells_of_four * kStride + 1;
   first_ = 1 / grid.max_nm;
   scale_ = (wavelengths_ - 1) / range;
