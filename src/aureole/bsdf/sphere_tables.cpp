@@ -83,11 +83,11 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   // hides what is narrower than itself.
   constexpr double kSizeStep = 0.2;
   constexpr int kMostNodes = 128;
-  const double range = 1 / grid.min_nm - 1 / grid.max_nm, octaves = std::log2(grid.max_nm / grid.min_nm);
+  const double range = 1 / grid.min_nm - 1 / grid.max_nm, width = grid.max_nm / grid.min_nm - 1;
   double count = kTwoPi * layer.radius_nm * layer.medium(grid.min_nm) * range / kSizeStep;
-  if (layer.spread > 0) count = std::min(count, 3 * octaves / layer.spread);
+  if (layer.spread > 0) count = std::min(count, 3 * width / layer.spread);
   // Smooth spectra need few nodes. The work per node grows with the square of the size.
-  const double least = std::clamp((layer.spread > 0 ? 10 : 27) * octaves, 4.0, 32.0),
+  const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0),
                most = largest > 2000 ? kMostNodes / 2 : kMostNodes;
   const int cells_of_four = int(std::ceil(std::clamp(count, least, most) / kStride));
   wavelengths_ = cells_of_four * kStride + 1;
