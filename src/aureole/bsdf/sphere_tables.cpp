@@ -100,7 +100,7 @@ SphereTables::SphereTables(const SphereLayer& layer, const SpectralGrid& grid) {
   structure_.resize(kStructureCells + 1);
   for (int i = 0; i <= kStructureCells; ++i)
     structure_[i] = float(std::max(layer.structure->eval(double(i) / kStructureRate), 0.0));
-  has_peaks_ = *std::max_element(structure_.begin(), structure_.end()) > 3;
+  has_peaks_ = *std::max_element(structure_.begin(), structure_.end()) > 1.5;
   const std::size_t w = std::size_t(wavelengths_), n = std::size_t(cells());
   sizes_.resize(w);
   phase_.resize((n + 1) * w);
