@@ -143,11 +143,11 @@ double diffuse_energy(const Bsdf& bsdf, const Vec3& wi, const Setting& s, double
   double sum = 0;
   const double split = std::min(40 / x, 1.0);
   for (const auto& [begin, end, rings] :
-       {std::tuple(0.0, split, 800), std::tuple(split, 2.0, std::max(1200, int(12 * x)))}) {
+       {std::tuple(0.0, split, 2400), std::tuple(split, 2.0, std::max(3600, int(36 * x)))}) {
     const double width = (end - begin) / rings;
     for (int i = 0; i < rings; ++i) {
       const double v = begin + (i + 0.5) * width, cosine = 1 - v * v / 2, sine = v * std::sqrt(1 - v * v / 4);
-      const int around = 160;
+      const int around = 96;
       double ring = 0;
       for (int k = 0; k < around; ++k) {
         const double phi = 2 * kPiD * (k + 0.5 * (i % 2)) / around;
@@ -198,7 +198,9 @@ TEST(CorrelatedSpheres, EnergyAtAllAngles) {
       EXPECT_NEAR(reflected, c.reflectance(), 2e-3) << l.radius_nm << " " << degrees;
       EXPECT_NEAR(transmitted, c.transmittance(), 2e-3) << l.radius_nm << " " << degrees;
       if (l.k == 0) {
-        EXPECT_NEAR(diffuse + reflected + transmitted, 1, 1.5e-3);
+        // Of the points by which h is balanced; the peaks of dense layers are sharp.
+        EXPECT_NEAR(diffuse + reflected + transmitted, 1, l.area_fraction > 0.6 ? 1.5e-3 : 1e-3)
+            << l.radius_nm << " " << l.area_fraction << " " << degrees;
       }
       if (l.k > 0 && degrees == 0) {
         EXPECT_LT(diffuse + reflected + transmitted, 0.8);
