@@ -93,13 +93,13 @@ public:
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
-    if (wi.z == 0 || wo.z == 0) return {};
+    if (!(std::abs(wi.z) > 0 && std::abs(wo.z) > 0)) return {};
     const SphereTables::Eval e = tables_->eval(wi, wo, ctx.wavelengths.nm);
     return {e.value, e.pdf};
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
-    if (wi.z == 0) return {};
+    if (!(std::abs(wi.z) > 0)) return {};
     const SphereTables::Shares s = tables_->shares(std::abs(wi.z), ctx.wavelengths.nm);
     // A small lobe at either end of u1 is found by whoever looks for one.
     if (u1 < s.reflected[0] || !(s.lost[0] > 0 || s.transmitted[0] > 0))
@@ -147,12 +147,11 @@ AUREOLE_PLUGIN(
         "mirror "
         "where it stays coherent; the rest is scattered into all directions or absorbed by the spheres.\n\n"
         "The coherent part is a model of single spheres in the field of all others; for spheres far above "
-        "the "
-        "wavelength it lets more light pass beyond the angle where cos theta = area_fraction/2, which is not "
-        "real. Spheres of one size have sharp resonances; those narrower than the nodes of wavelength (128 "
-        "at "
-        "most) are not followed. The largest sphere may have 2 pi n radius/lambda = 5000. Tables take 3 to 7 "
-        "MB.",
+        "the wavelength it lets more light pass beyond the angle where cos theta = area_fraction/2, which is "
+        "not real. Spheres of one size have sharp resonances; those narrower than the nodes of wavelength "
+        "(128 at most) are not followed. The largest sphere may have 2 pi n radius/lambda = 5000. Tables "
+        "take "
+        "1 to 12 MB.",
         "Yang, Kim, Pediredla & Jarosz, A wave-optics BSDF for correlated scatterers, 2025, section 6.2; "
         "Garcia-Valenzuela, Gutierrez-Reyes & Barrera, J. Opt. Soc. Am. A 29 (2012) 1161; Bohren & Huffman, "
         "Absorption and Scattering of Light by Small Particles, 1983, chapter 4",

@@ -36,13 +36,14 @@ struct Scattered {
 /// dphi is the solid angle.
 class SphereAngles {
 public:
-  /// Rings of the phase function follow x v: linear interpolation over steps of 1/6 keeps them to 1/300.
-  static constexpr double kStep = 0.16;
+  /// Between nodes, times the number of terms of Mie's series: its intensity has phases of up to twice that
+  /// number times the angle, of which linear interpolation over this step keeps all but 1 %.
+  static constexpr double kStep = 0.125;
 
   SphereAngles() = default;
-  /// For size parameters x up to `largest`.
+  /// For up to `largest` terms.
   explicit SphereAngles(double largest) {
-    constexpr double kFineEnd = 64, kRootTwo = std::numbers::sqrt2;
+    constexpr double kFineEnd = 50, kRootTwo = std::numbers::sqrt2;
     constexpr int kLeastCells = 64, kFineCells = int(kFineEnd / kStep), kCoarseCells = 384;
     const double fine = std::max(largest / kStep, kLeastCells / kRootTwo);
     if (fine * kRootTwo < kFineCells + kCoarseCells) {

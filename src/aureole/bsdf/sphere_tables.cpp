@@ -63,15 +63,16 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   const double largest =
       kTwoPi * layer.radius_nm * layer.sizes.largest() *
       std::max(layer.medium(grid.min_nm) / grid.min_nm, layer.medium(grid.max_nm) / grid.max_nm);
-  angles_ = SphereAngles(largest);
+  const double terms = largest + 4 * std::cbrt(largest);
+  angles_ = SphereAngles(terms);
   // Far from the centre of a large sphere's pattern rings are averaged over a cell; nobody resolves them
   // there.
   for (int i = 0; i <= angles_.half(); ++i) {
     const double r = std::min(angles_.radius(i), kRootTwo);
     const double before = i > 0 ? angles_.radius(i - 0.5) : 0,
                  after = i < angles_.half() ? angles_.radius(i + 0.5) : kRootTwo;
-    const bool averaged = after - before > 4 * SphereAngles::kStep / largest;
-    const int count = averaged ? int(std::ceil((after - before) * largest / 1.2)) : 1;
+    const bool averaged = after - before > 4 * SphereAngles::kStep / terms;
+    const int count = averaged ? int(std::ceil((after - before) * terms / 1.2)) : 1;
     for (int k = 0; k < count; ++k) {
       const double at = averaged ? before + (k + 0.5) * (after - before) / count : r;
       samples_.push_back(std::clamp(1 - at * at / 2, 0.0, 1.0));
@@ -81,13 +82,14 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   // Nodes of wavelength: phases between the rays through a sphere and past it turn with x; a spread of sizes
   // hides what is narrower than itself.
   constexpr double kSizeStep = 0.2;
-  constexpr int kLeastNodes = 32, kMostNodes = 128;
-  const double range = 1 / grid.min_nm - 1 / grid.max_nm;
+  constexpr int kMostNodes = 128;
+  const double range = 1 / grid.min_nm - 1 / grid.max_nm, width = grid.max_nm / grid.min_nm - 1;
   double count = kTwoPi * layer.radius_nm * layer.medium(grid.min_nm) * range / kSizeStep;
-  if (layer.spread > 0) count = std::min(count, 4 * std::log(grid.max_nm / grid.min_nm) / layer.spread);
-  // The work per node grows with the square of the size.
-  const int most = largest > 2000 ? kMostNodes / 2 : kMostNodes, least = layer.spread > 0 ? 12 : kLeastNodes;
-  const int cells_of_four = int(std::ceil(std::clamp(count, double(least), double(most)) / kStride));
+  if (layer.spread > 0) count = std::min(count, 3 * width / layer.spread);
+  // Smooth spectra need few nodes. The work per node grows with the square of the size.
+  const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0),
+               most = largest > 2000 ? kMostNodes / 2 : kMostNodes;
+  const int cells_of_four = int(std::ceil(std::clamp(count, least, most) / kStride));
   wavelengths_ = cells_of_four * kStride + 1;
   first_ = 1 / grid.max_nm;
   scale_ = (wavelengths_ - 1) / range;
@@ -98,7 +100,7 @@ SphereTables::SphereTables(const SphereLayer& layer, const SpectralGrid& grid) {
   structure_.resize(kStructureCells + 1);
   for (int i = 0; i <= kStructureCells; ++i)
     structure_[i] = float(std::max(layer.structure->eval(double(i) / kStructureRate), 0.0));
-  has_peaks_ = *std::max_element(structure_.begin(), structure_.end()) > 3;
+  has_peaks_ = *std::max_element(structure_.begin(), structure_.end()) > 1.5;
   const std::size_t w = std::size_t(wavelengths_), n = std::size_t(cells());
   sizes_.resize(w);
   phase_.resize((n + 1) * w);

@@ -60,7 +60,7 @@ public:
 
 private:
   struct Worker;
-  static constexpr int kCosines = 72;  // cells of h and of the shares, uniform in sqrt(cos)
+  static constexpr int kCosines = 96;  // cells of h and of the shares, uniform in sqrt(cos)
   static constexpr int kStride = 4;    // nodes of wavelength per node of the samples
 
   void plan(const SphereLayer& layer, const SpectralGrid& grid);
