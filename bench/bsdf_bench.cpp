@@ -88,6 +88,21 @@ void bench_eval_pdf(benchmark::State& state, const std::string& xml, bool crossi
   count_per_wavelength(state);
 }
 
+void bench_eval(benchmark::State& state, const std::string& xml) {
+  const auto context = make_context();
+  const auto bsdf = build<Bsdf>(xml, context);
+  BsdfInputs in(context->grid);
+  for (Vec3& wo : in.wo) wo.z = -std::abs(wo.z);
+  const SurfacePoint point;
+  unsigned i = 0;
+  for (auto _ : state) {
+    const BsdfContext ctx{in.wavelengths[i], point, TransportMode::radiance, i};
+    benchmark::DoNotOptimize(bsdf->eval(in.wi[i], in.wo[i], ctx));
+    i = (i + 1) % kInputs;
+  }
+  count_per_wavelength(state);
+}
+
 void bench_sample(benchmark::State& state, const std::string& xml) {
   const auto context = make_context();
   const auto bsdf = build<Bsdf>(xml, context);
@@ -215,6 +230,7 @@ void register_all() {
   for (const auto& [name, xml] : bsdfs) {
     const bool crossing = name.starts_with("correlated");
     add(name + "/eval_pdf", [xml = xml, crossing](benchmark::State& s) { bench_eval_pdf(s, xml, crossing); });
+    if (crossing) add(name + "/eval", [xml = xml](benchmark::State& s) { bench_eval(s, xml); });
     add(name + "/sample", [xml = xml](benchmark::State& s) { bench_sample(s, xml); });
   }
   for (const std::string type : {"sobol", "independent"})

@@ -63,7 +63,8 @@ public:
 
   /// Value and density of the non-delta lobes.
   virtual BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const = 0;
-  Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
+  /// The value alone, for BSDFs that save something by it.
+  virtual Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
     return eval_pdf(wi, wo, ctx).value;
   }
   /// The reverse density is this with swapped arguments.

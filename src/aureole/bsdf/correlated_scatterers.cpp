@@ -126,13 +126,20 @@ public:
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (wi.z == 0 || wo.z == 0) return {};
     const Point point = at(ctx);
-    BsdfEval e = diffracted(wi, wo, point, ctx);
+    BsdfEval e = diffracted<true>(wi, wo, point, ctx);
     if (nested_) {
       const BsdfEval b = nested_->eval_pdf(wi, wo, ctx);
       e.value += b.value * point.nested;
       e.pdf += b.pdf * (point.nested * point.probability);
     }
     return e;
+  }
+
+  Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    if (wi.z == 0 || wo.z == 0) return 0.f;
+    const Point point = at(ctx);
+    const Weight value = diffracted<false>(wi, wo, point, ctx).value;
+    return nested_ ? value + nested_->eval(wi, wo, ctx) * point.nested : value;
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
@@ -273,6 +280,7 @@ private:
     return substrate_ == Substrate::pane ? thin_slab(r) : r;
   }
 
+  template <bool kDensity>
   BsdfEval diffracted(const Vec3& wi, const Vec3& wo, const Point& point, const BsdfContext& ctx) const {
     const bool reflected = (wi.z > 0) == (wo.z > 0);
     if (substrate_ == Substrate::none && reflected) return {};
@@ -309,7 +317,9 @@ private:
     BsdfEval e;
     e.value = model_->intensity(point.state, u) * jacobian * share * point.diffracted;
     const float probability = point.diffracted * point.probability;
-    if (sampler_) {
+    if (!kDensity) {
+      // the value alone
+    } else if (sampler_) {
       const Spectrum u_max = phase * (max(n.here, n.beyond) + n.here * sin_i);
       e.pdf = sampler_->density(point.state, u, u_max) * jacobian * share * probability;
     } else {
