@@ -223,11 +223,17 @@ Segmentation segment(const Micrograph& field, const SegmentationOptions& o) {
   int count = 0;
   std::vector<int> labels = divide(out.depth, w, h, count);
   std::vector<int> pixels(size_t(count) + 1), name(size_t(count) + 1);
-  for (const int l : labels) ++pixels[size_t(l)];
+  std::vector<char> at_frame(size_t(count) + 1, 0);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const size_t l = size_t(labels[size_t(y) * w + x]);
+      ++pixels[l];
+      if (x == 0 || y == 0 || x == w - 1 || y == h - 1) at_frame[l] = 1;
+    }
   for (int i = 1; i <= count; ++i) {
     if (pixels[size_t(i)] >= M_PI * o.min_radius * o.min_radius)
       name[size_t(i)] = ++out.count;
-    else
+    else if (!at_frame[size_t(i)])
       ++out.too_small;
   }
   for (int& l : labels) l = name[size_t(l)];

@@ -123,7 +123,7 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
     const double density = sum1 / (w1 * f.cell_x * f.cell_y);
     const cv::Mat transform = taper_transform(f);
 
-    const auto modes = choose_modes(qx, qy, step, rings, 1200, 2 * std::max(qx, qy));
+    const auto modes = choose_modes(qx, qy, step, rings, 1200, 3 * std::max(qx, qy));
     const std::vector<std::complex<double>> amplitude = amplitudes(f, taper, modes, qx, qy);
     std::vector<double> power(modes.size());
     for (size_t m = 0; m < modes.size(); ++m) {
