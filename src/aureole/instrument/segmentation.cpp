@@ -191,7 +191,7 @@ Segmentation segment(const Micrograph& field, const SegmentationOptions& o) {
   }
   out.noise = noise / out.contrast;
   // The two levels of mere noise are closer together than a few of its standard deviations.
-  if (out.contrast < 2.5 * noise / (2 * std::sqrt(M_PI) * std::max(sigma, 0.5)) + 1e-6)
+  if (out.contrast < 6 * noise / (2 * std::sqrt(M_PI) * std::max(sigma, 0.5)) + 1e-6)
     fail("has no contrast above its noise: no particles found");
 
   const double convex = convexity(coverage, seen);
