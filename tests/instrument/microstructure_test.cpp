@@ -265,6 +265,18 @@ TEST(Microstructure, FewParticles) {
   EXPECT_NE(m.notes[0].find("particles are seen whole: the intervals are wide"), std::string::npos)
       << m.notes[0];
   EXPECT_NEAR(m.mean_radius.value, 20 * kPixel, 0.03 * 20 * kPixel);
+  EXPECT_GT(m.area_fraction.high - m.area_fraction.low, 0.05);
+}
+
+TEST(Microstructure, NotesPicturesThatAreNotSharpEnough) {
+  const Case sharp{"", 0.3, 9, 1, 400, with(false, 255)},
+      blurred{"", 0.3, 9, 1, 400, with(false, 255, 0.04, 3)}, small{"", 0.3, 3, 1, 300, with(false, 255)};
+  EXPECT_TRUE(analyse({field_of(sharp, 6)}).notes.empty());
+  for (const Case& c : {blurred, small}) {
+    const Microstructure m = analyse({field_of(c, 6)});
+    ASSERT_FALSE(m.notes.empty());
+    EXPECT_NE(m.notes[0].find("not sharp enough"), std::string::npos) << m.notes[0];
+  }
 }
 
 TEST(Microstructure, GivenCorrelationRadius) {

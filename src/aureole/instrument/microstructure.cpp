@@ -5,6 +5,8 @@
 // Covered part: all particles, cut ones included. Intervals: bootstrap of square blocks of the fields.
 #include "aureole/instrument/microstructure.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
@@ -34,9 +36,12 @@ struct Pool {
   std::vector<int> side, first;  ///< blocks of a field: side^2 from first
 };
 
-/// Blocks along a side: as many as leave several particles in each, at most four.
+/// Blocks along a side: as many as leave several particles in each, but some even where they do not.
 int blocks_along(size_t particles, size_t fields) {
-  return std::clamp(int(std::sqrt(double(particles) / 12)), 1, fields >= 30 ? 1 : fields >= 8 ? 2 : 4);
+  return std::clamp(int(std::sqrt(double(particles) / 6)), fields >= 4 ? 1 : 2,
+                    fields >= 30  ? 1
+                    : fields >= 8 ? 2
+                                  : 4);
 }
 
 int block_of(const Pool& p, size_t f, double x, double y) {
@@ -271,6 +276,19 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   if (whole < 20)
     m.notes.push_back("only " + std::to_string(whole) +
                       " particles are seen whole: the intervals are wide and rough");
+
+  std::vector<double> pixels;
+  double blur = 0;
+  for (const Particle& p : m.particles)
+    if (!p.cut) pixels.push_back(p.radius);
+  for (const FieldReport& f : m.fields) blur = std::max(blur, f.blur);
+  std::nth_element(pixels.begin(), pixels.begin() + long(pixels.size() / 2), pixels.end());
+  const double typical = pixels[pixels.size() / 2];
+  if (typical < 4.5 || blur > 0.2 * typical)
+    m.notes.push_back(
+        "the picture is not sharp enough for its particles (radius " + fmt::format("{:.1f}", typical) +
+        " pixels, blur " + fmt::format("{:.1f}", blur) +
+        "): neighbours merge and all numbers are biased; at least 5 pixels and a fifth of that are needed");
 
   // Sizes and density.
   double density = 0;
