@@ -60,7 +60,7 @@ Image linear_picture(const std::string& file, double& clip) {
 
 void report(const Options& o, const CoronaFit& f) {
   fmt::print("radius         {:.4g} um, standard error {:.2g} um, 95 % [{:.4g}, {:.4g}]\n", f.radius * 1e6,
-             f.radius_error * 1e6, (f.radius - 1.96 * f.radius_error) * 1e6,
+             f.radius_error * 1e6, std::max(f.radius - 1.96 * f.radius_error, 0.0) * 1e6,
              (f.radius + 1.96 * f.radius_error) * 1e6);
   const double low = std::max(f.area_fraction - 1.96 * f.area_fraction_error, 0.0),
                high = std::min(f.area_fraction + 1.96 * f.area_fraction_error, 1.0);

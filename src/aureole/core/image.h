@@ -31,7 +31,8 @@ struct Image {
 };
 
 /// Metadata of an EXR file: string, integer and float attributes; numbers are written as their own EXR types.
-/// A TIFF that is read has "ImageDescription", "XResolution", "YResolution" and "ResolutionUnit" where present.
+/// A TIFF that is read has "ImageDescription", "XResolution", "YResolution" and "ResolutionUnit" where
+/// present.
 struct ExrAttributes {
   std::map<std::string, std::string> strings;
   std::map<std::string, int> integers;

@@ -17,7 +17,7 @@ namespace aureole {
 /// Largest area fraction that is tried.
 inline constexpr double kMaxFittedFraction = 0.68;
 
-/// Means over rings around the lamp in steps of s.
+/// Means over rings around the lamp in steps of s, without outliers.
 struct ScatteredProfile {
   double step = 0;
   std::vector<double> s;                        ///< mean of each ring

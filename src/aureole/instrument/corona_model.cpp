@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "aureole/instrument/corona_fit.h"
 #include "aureole/optics/fresnel.h"
@@ -11,6 +12,24 @@ namespace {
 
 constexpr double kStepU = 0.02;
 constexpr int kTableU = 10000, kTableS = 1500;
+
+/// Mean and its standard error without what is far off (other lamps): more than five deviations from the
+/// median, as the median deviation has them.
+std::pair<double, double> clipped_mean(std::vector<double>& v) {
+  const auto median = [](std::vector<double>& x) {
+    std::nth_element(x.begin(), x.begin() + long(x.size() / 2), x.end());
+    return x[x.size() / 2];
+  };
+  const double middle = median(v);
+  std::vector<double> far;
+  for (const double x : v) far.push_back(std::abs(x - middle));
+  const double limit = 5 * 1.4826 * median(far);
+  double n = 0, sum = 0, square = 0;
+  for (const double x : v)
+    if (!(std::abs(x - middle) > limit)) n += 1, sum += x - middle, square += (x - middle) * (x - middle);
+  const double mean = sum / n;
+  return {middle + mean, std::sqrt(std::max(square / n - mean * mean, 0.0) / std::max(n - 1, 1.0))};
+}
 
 }  // namespace
 
@@ -91,7 +110,8 @@ ScatteredProfile scattered_profile(const Image& image, const PinholeCamera& came
   const double step = camera.tangent_per_pixel, end = 0.5;
   const size_t bins = size_t(end / step) + 1;
   struct Bin {
-    double n = 0, all = 0, s = 0, sum[3] = {}, square[3] = {};
+    double s = 0;
+    std::vector<double> value[3];
     bool clipped = false;
   };
   std::vector<Bin> bin(bins);
@@ -112,26 +132,24 @@ ScatteredProfile scattered_profile(const Image& image, const PinholeCamera& came
       const double through =
           g.slab_index > 0 ? 1 - std::sqrt(optics::thin_slab_reflectance(v.z, 1, g.slab_index) * specular)
                            : 1;
-      b.n += 1, b.s += s;
+      b.s += s;
       for (size_t c = 0; c < 3; ++c) {
         const double value = image.at(x, y, channel[c]);
         b.clipped |= !(value < clip);
-        b.sum[c] += value / through, b.square[c] += value / through * (value / through);
+        b.value[c].push_back(value / through);
       }
     }
   ScatteredProfile out;
   out.step = step;
-  double most = 0;
-  for (const Bin& b : bin) {
-    most = std::max(most, b.n);
+  size_t most = 0;
+  for (Bin& b : bin) {
+    const size_t n = b.value[0].size();
+    most = std::max(most, n);
     // Rings of which the picture shows only corners are at the mercy of what is there.
-    if (b.n < 8 || b.clipped || b.n < 0.25 * most) continue;
+    if (n < 8 || b.clipped || 4 * n < most) continue;
     std::array<double, 3> mean, sd;
-    for (size_t c = 0; c < 3; ++c) {
-      mean[c] = b.sum[c] / b.n;
-      sd[c] = std::sqrt(std::max(b.square[c] / b.n - mean[c] * mean[c], 0.0) / (b.n - 1));
-    }
-    out.s.push_back(b.s / b.n), out.mean.push_back(mean), out.sd.push_back(sd);
+    for (size_t c = 0; c < 3; ++c) std::tie(mean[c], sd[c]) = clipped_mean(b.value[c]);
+    out.s.push_back(b.s / double(n)), out.mean.push_back(mean), out.sd.push_back(sd);
   }
   return out;
 }

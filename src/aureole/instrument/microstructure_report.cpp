@@ -101,6 +101,7 @@ std::string particle_table(const Microstructure& m) {
 
 struct Bin {
   double size = 0, count = 0;
+  double middle = 0;  ///< of the bin
 };
 
 /// Whole particles by radius/mean radius.
@@ -111,12 +112,13 @@ std::vector<Bin> size_bins(const Microstructure& m, double* width = nullptr) {
   for (size_t i = 0; i < m.particles.size(); ++i) {
     if (!(m.weights[i] > 0)) continue;
     const Particle& p = m.particles[i];
-    all.push_back({p.radius * m.fields[size_t(p.field)].pixel_m / m.mean_radius.value, m.weights[i]});
+    all.push_back({p.radius * m.fields[size_t(p.field)].pixel_m / m.mean_radius.value, m.weights[i], 0});
     least = std::min(least, all.back().size), most = std::max(most, all.back().size), ++whole;
   }
   const int bins = std::clamp(int(std::sqrt(double(whole))), 4, 24);
   const double step = std::max((most - least) / bins, 1e-6);
   std::vector<Bin> out(size_t(bins), Bin{});
+  for (int i = 0; i < bins; ++i) out[size_t(i)].middle = least + (i + 0.5) * step;
   for (const Bin& b : all) {
     Bin& to = out[size_t(std::clamp(int((b.size - least) / step), 0, bins - 1))];
     to.size += b.size * b.count, to.count += b.count;
@@ -210,7 +212,7 @@ void write_microstructure(const Microstructure& m, const OutputFolder& folder) {
   double width = 0;
   PlotSeries bars{PlotSeries::Kind::bars, {}, {}, {}, {}, 0};
   for (const Bin& b : size_bins(m, &width))
-    bars.x.push_back(b.size * m.mean_radius.value * 1e6), bars.y.push_back(b.count);
+    bars.x.push_back(b.middle * m.mean_radius.value * 1e6), bars.y.push_back(b.count);
   bars.bar_width = width * m.mean_radius.value * 1e6;
   folder.write("radii.svg", svg_plot({"Radii of the particles", "radius, um", "number (weighted)", {bars}}));
   Plot g = plot_of(m.pair_correlation, PlotSeries::Kind::line),

@@ -60,8 +60,8 @@ ObservationWindow::Raster ObservationWindow::raster(double reach, int side) cons
       double sum = 0, inside = 0;
       for (int j = 0; j < kSub; ++j)
         for (int i = 0; i < kSub; ++i) {
-          const double d = free((x + (i + 0.5) / kSub) * r.cell_x, (y + (j + 0.5) / kSub) * r.cell_y) - reach;
-          if (d >= 0) sum += d, inside += 1;
+          const double d = free((x + (i + 0.5) / kSub) * r.cell_x, (y + (j + 0.5) / kSub) * r.cell_y);
+          if (d > 0 && d >= reach) sum += d - reach, inside += 1;
         }
       r.free[size_t(y) * r.width + x] = float(sum / (kSub * kSub));
       r.inside[size_t(y) * r.width + x] = float(inside / (kSub * kSub));

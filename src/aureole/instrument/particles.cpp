@@ -95,16 +95,15 @@ Outline level_half(int left, int right, int top, int bottom, const Value& value)
   return best;
 }
 
-/// The outline with its points averaged over neighbours within some part of the radius, so that noise does
-/// not lengthen it.
-Outline smoothed(const Outline& outline, double radius) {
+/// The outline with its points averaged over neighbours within `sigma`, so that noise does not lengthen it.
+Outline smoothed(const Outline& outline, double sigma) {
   const size_t n = outline.size();
   std::vector<double> at(n + 1, 0);
   for (size_t i = 0; i < n; ++i) {
     const auto &a = outline[i], &b = outline[(i + 1) % n];
     at[i + 1] = at[i] + std::hypot(b[0] - a[0], b[1] - a[1]);
   }
-  const double sigma = 0.15 * radius, total = at[n];
+  const double total = at[n];
   const int reach = std::clamp(int(3 * sigma / (total / double(n))), 1, int(n) / 3);
   Outline out;
   for (int i = 0; i < int(n); ++i) {
@@ -121,9 +120,10 @@ Outline smoothed(const Outline& outline, double radius) {
   return out;
 }
 
-void measure_outline(Particle& p) {
+void measure_outline(Particle& p, double noise) {
   double perimeter = 0, area = 0;
-  const Outline line = p.outline.size() < 8 ? p.outline : smoothed(p.outline, p.radius);
+  const Outline line =
+      p.outline.size() < 8 ? p.outline : smoothed(p.outline, p.radius * std::min(0.03 + 0.6 * noise, 0.2));
   for (size_t i = 0; i < line.size(); ++i) {
     const auto &a = line[i], &b = line[(i + 1) % line.size()];
     perimeter += std::hypot(b[0] - a[0], b[1] - a[1]);
@@ -183,7 +183,7 @@ std::vector<Particle> measure_particles(const Segmentation& s, const Observation
         return s.smooth[size_t(y) * w + x];
       };
       p.outline = level_half(m.left, m.right, m.top, m.bottom, value);
-      measure_outline(p);
+      measure_outline(p, s.noise);
     }
     particles.push_back(std::move(p));
   }

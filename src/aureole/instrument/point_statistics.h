@@ -46,8 +46,8 @@ Onset fit_onset(const std::vector<double>& distance, const std::vector<double>& 
 std::vector<double> nearest_distances(const PointField& field);
 
 /// S(q) = |sum w_i exp(-i q.r_i) - rho W(q)|^2 / sum w_i^2, w the taper, W its transform, on the vectors q
-/// of the window's own period, averaged over rings |q| in [i, i + 1) step. Rings nearer to 0 than two of the
-/// window's periods are left empty.
+/// of the window's own period, averaged over rings |q| in [i, i + 1) step. Rings nearer to 0 than three of
+/// the window's periods are left empty.
 struct RingMeans {
   double step = 0;
   std::vector<double> q, value, error;  ///< standard error: S/sqrt(independent vectors)

@@ -88,7 +88,6 @@ CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectru
     for (int c = 0; c < 4; ++c)
       for (int k = 0; k < 2; ++k) {
         found[c][k] = extrema(model, c, k == 1, 2 * largest);
-        // A dark centre is no dark ring.
       }
     for (const RingAngle& r : rings) {
       const auto& list = found[r.colour][r.maximum];
@@ -129,8 +128,8 @@ CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectru
   const std::vector<double> r0 = residuals(fit.radius, fit.area_fraction);
   best = misfit(fit.radius, fit.area_fraction);
   const size_t unknowns = fit.fraction_fixed ? 1 : 2;
-  for (const double r : r0)
-    if (std::abs(r) >= 0.5 * largest / error)
+  for (size_t i = 0; i < r0.size(); ++i)
+    if (std::abs(r0[i]) > 5 && std::abs(r0[i]) * error > 0.1 * rings[i].angle_deg * kDegree)
       throw Error(
           "--angles: no radius has extrema at these angles; check their order, kind (max, min) and colour");
   // (X^T X)^-1 with the larger of the given error and what the residuals show.

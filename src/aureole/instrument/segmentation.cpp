@@ -191,7 +191,7 @@ Segmentation segment(const Micrograph& field, const SegmentationOptions& o) {
   }
   out.noise = noise / out.contrast;
   // The two levels of mere noise are closer together than a few of its standard deviations.
-  if (out.contrast < 2.5 * noise / (2 * std::sqrt(M_PI) * std::max(sigma, 0.5)) + 1e-6)
+  if (out.contrast < 6 * noise / (2 * std::sqrt(M_PI) * std::max(sigma, 0.5)) + 1e-6)
     fail("has no contrast above its noise: no particles found");
 
   const double convex = convexity(coverage, seen);
@@ -223,11 +223,17 @@ Segmentation segment(const Micrograph& field, const SegmentationOptions& o) {
   int count = 0;
   std::vector<int> labels = divide(out.depth, w, h, count);
   std::vector<int> pixels(size_t(count) + 1), name(size_t(count) + 1);
-  for (const int l : labels) ++pixels[size_t(l)];
+  std::vector<char> at_frame(size_t(count) + 1, 0);
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const size_t l = size_t(labels[size_t(y) * w + x]);
+      ++pixels[l];
+      if (x == 0 || y == 0 || x == w - 1 || y == h - 1) at_frame[l] = 1;
+    }
   for (int i = 1; i <= count; ++i) {
     if (pixels[size_t(i)] >= M_PI * o.min_radius * o.min_radius)
       name[size_t(i)] = ++out.count;
-    else
+    else if (!at_frame[size_t(i)])
       ++out.too_small;
   }
   for (int& l : labels) l = name[size_t(l)];

@@ -36,7 +36,7 @@ struct Segmentation {
   double polarity_score = 1;  ///< excess of convex outline, in [-1, 1]; near 0 it could be either way
   double noise = 0, contrast = 0, blur = 0;  ///< noise in coverage; grey levels; pixels
   int band = 2;
-  int too_small = 0;  ///< regions below min_radius
+  int too_small = 0;  ///< regions below min_radius that no frame cuts
 };
 
 /// Throws Error with the field's name where there is no contrast, or polarity cannot be told.

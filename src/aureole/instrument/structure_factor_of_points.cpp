@@ -17,8 +17,10 @@ struct Mode {
   int kx, ky, ring;
 };
 
-/// Vectors of half the plane (S is even), sorted by ring; at most `most` evenly picked ones of a ring.
-std::vector<Mode> choose_modes(double qx, double qy, double step, int rings, size_t most, double least) {
+/// Vectors of half the plane (S is even), sorted by ring; at most `most` evenly picked ones of a ring, which
+/// are `part` of all of it.
+std::vector<Mode> choose_modes(double qx, double qy, double step, int rings, size_t most, double least,
+                               std::vector<double>& part) {
   std::vector<std::vector<Mode>> by_ring(static_cast<size_t>(rings));
   const double end = step * rings;
   for (int kx = 0; kx * qx < end; ++kx) {
@@ -30,9 +32,12 @@ std::vector<Mode> choose_modes(double qx, double qy, double step, int rings, siz
     }
   }
   std::vector<Mode> modes;
-  for (const auto& ring : by_ring)
-    for (size_t i = 0, n = std::min(most, ring.size()); i < n; ++i)
-      modes.push_back(ring[i * ring.size() / n]);
+  part.clear();
+  for (const auto& ring : by_ring) {
+    const size_t n = std::min(most, ring.size());
+    for (size_t i = 0; i < n; ++i) modes.push_back(ring[i * ring.size() / n]);
+    part.push_back(n > 0 ? double(n) / double(ring.size()) : 0);
+  }
   return modes;
 }
 
@@ -123,7 +128,8 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
     const double density = sum1 / (w1 * f.cell_x * f.cell_y);
     const cv::Mat transform = taper_transform(f);
 
-    const auto modes = choose_modes(qx, qy, step, rings, 1200, 2 * std::max(qx, qy));
+    std::vector<double> part;
+    const auto modes = choose_modes(qx, qy, step, rings, 1200, 3 * std::max(qx, qy), part);
     const std::vector<std::complex<double>> amplitude = amplitudes(f, taper, modes, qx, qy);
     std::vector<double> power(modes.size());
     for (size_t m = 0; m < modes.size(); ++m) {
@@ -140,7 +146,7 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
     // Fields count by their number of points: each has the same relative error per vector.
     for (size_t m = 0; m < modes.size(); ++m) {
       const size_t ring = size_t(modes[m].ring);
-      sum[ring] += power[m], weight[ring] += 1, independent[ring] += 1 / shared;
+      sum[ring] += power[m], weight[ring] += 1, independent[ring] += 1 / std::max(shared * part[ring], 1.0);
       where[ring] += std::hypot(modes[m].kx * qx, modes[m].ky * qy);
     }
   }

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole microstructure and droplet-size as a user meets them: files in, files out, and for every kind of
+// bad input a message, exit code 2 and nothing written.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "aureole/core/image.h"
+#include "harness/paths.h"
+#include "instrument/disc_pictures.h"
+#include "instrument/write_tiff.h"
+#include "render/small_scene.h"
+#include "scene/load_text.h"
+
+namespace aureole::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class InstrumentCli : public ::testing::Test {
+protected:
+  int run(const std::vector<std::string>& arguments) {
+    const fs::path log = folder.path / "log.txt";
+    const pid_t pid = fork();
+    if (pid == 0) {
+      if (chdir(folder.path.c_str()) != 0 || !freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
+      std::vector<char*> argv{const_cast<char*>(aureole_binary().c_str())};
+      for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+      argv.push_back(nullptr);
+      execv(aureole_binary().c_str(), argv.data());
+      _exit(98);
+    }
+    int status = 0;
+    waitpid(pid, &status, 0);
+    output = content(log);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+  /// Exit code 2, the message, and no output folder nor a part of one.
+  void refused(std::vector<std::string> arguments, const std::string& message) {
+    const bool writes = arguments[0] == "microstructure";
+    if (writes) arguments.insert(arguments.end(), {"-o", "out"});
+    EXPECT_EQ(run(arguments), 2) << output;
+    EXPECT_NE(output.find(message), std::string::npos) << "expected \"" << message << "\" in: " << output;
+    for (const auto& entry : fs::directory_iterator(folder.path))
+      EXPECT_FALSE(entry.path().filename().string().starts_with("out"))
+          << entry.path() << " was written; " << message;
+  }
+  Micrograph discs(unsigned seed, bool bright = false, int size = 400) {
+    double side = 0;
+    const auto d = hard_discs(0.4, 9, side, int(0.5 + 1.3 * size * size * 0.4 / (M_PI * 81)), seed, 100);
+    PictureOptions p;
+    p.width = p.height = size, p.seed = seed, p.bright = bright, p.levels = 65535;
+    return picture_of(d, side, p);
+  }
+  void write_grey_png(const std::string& name, const Micrograph& m) {
+    Image image;
+    image.width = m.width, image.height = m.height, image.channels = {"Y"}, image.pixels = m.grey;
+    write_png(folder.path / name, image);
+  }
+  std::string file(const std::string& name) { return (folder.path / name).string(); }
+  TemporaryFolder folder;
+  std::string output;
+};
+
+TEST_F(InstrumentCli, MicrostructureOfTiffs) {
+  // 16 bits with ImageJ's tags and 8 bits with pixels per centimetre: both 0.2 um.
+  write_grey_tiff(file("a.tif"), discs(1), 16, {"ImageJ=1.53t\nunit=micron\n", 5, RESUNIT_NONE});
+  write_grey_tiff(file("b.tif"), discs(2), 8, {"", 50000, RESUNIT_CENTIMETER});
+  ASSERT_EQ(run({"microstructure", "a.tif", "b.tif", "-o", "out"}), 0) << output;
+  for (const char* name :
+       {"result.json", "particles.csv", "sizes.txt", "structure_factor.txt", "pair_correlation.txt",
+        "scene.xml", "radii.svg", "pair_correlation.svg", "structure_factor.svg"})
+    EXPECT_GT(fs::file_size(folder.path / "out" / name), 50u) << name;
+  const auto j = nlohmann::json::parse(content(folder.path / "out/result.json"));
+  EXPECT_NEAR(double(j["area_fraction"]["value"]), 0.4, 0.02);
+  EXPECT_LT(double(j["area_fraction"]["low"]), double(j["area_fraction"]["high"]));
+  EXPECT_NEAR(double(j["radius"]["mean_um"]["value"]), 1.8, 0.03);
+  EXPECT_NEAR(double(j["fields"][1]["pixel_um"]), 0.2, 1e-6);
+  EXPECT_TRUE(bool(j["shape"]["round"]));
+  EXPECT_GT(j["structure_factor"]["x"].size(), 30u);
+  // One line for each particle and the head.
+  const std::string table = content(folder.path / "out/particles.csv");
+  const long lines = std::count(table.begin(), table.end(), '\n');
+  EXPECT_EQ(lines, 1 + long(j["fields"][0]["whole"]) + long(j["fields"][0]["cut"]) +
+                       long(j["fields"][1]["whole"]) + long(j["fields"][1]["cut"]));
+  const Image overlay = read_image(folder.path / "out/overlay-1.png");
+  EXPECT_EQ(overlay.width % 400, 0);
+
+  // The material can be used as it is.
+  std::string scene = small_scene_text();
+  scene.insert(
+      scene.rfind("</scene>"),
+      "<include filename=\"out/scene.xml\"/><shape type=\"sphere\"><ref id=\"measured\"/></shape>\n");
+  folder.write("scene.xml", scene);
+  EXPECT_EQ(run({"info", "scene.xml"}), 0) << output;
+
+  // A second run replaces the first; one that fails leaves it.
+  ASSERT_EQ(run({"microstructure", "a.tif", "-o", "out"}), 0) << output;
+  EXPECT_FALSE(fs::exists(folder.path / "out/overlay-1.png"));
+  const std::string before = content(folder.path / "out/result.json");
+  EXPECT_EQ(run({"microstructure", "a.tif", "missing.tif", "-o", "out"}), 2);
+  EXPECT_EQ(content(folder.path / "out/result.json"), before);
+  // The same again is the same, to the last digit.
+  ASSERT_EQ(run({"microstructure", "a.tif", "-o", "again"}), 0) << output;
+  EXPECT_EQ(content(folder.path / "again/result.json"), before);
+}
+
+TEST_F(InstrumentCli, MicrostructureOptions) {
+  write_grey_png("a.png", discs(3, true));
+  Micrograph mask = discs(3);
+  for (int y = 0; y < 400; ++y)
+    for (int x = 0; x < 400; ++x) mask.grey[size_t(y) * 400 + size_t(x)] = x < 60 ? 0.f : 1.f;
+  write_grey_png("mask.png", mask);
+  ASSERT_EQ(
+      run({"microstructure", "a.png", "--pixel-size", "200nm", "--polarity", "bright", "--mask", "mask.png",
+           "--exclude", "300,0,100,80", "--exclude", "350,300,900,900", "-o", "out", "--no-overlays"}),
+      0)
+      << output;
+  EXPECT_NE(output.find("bright on dark"), std::string::npos) << output;
+  const auto j = nlohmann::json::parse(content(folder.path / "out/result.json"));
+  EXPECT_NEAR(double(j["fields"][0]["seen_mm2"]), (340. * 400 - 100 * 80 - 50 * 100) * 0.04e-6, 1e-9);
+  EXPECT_NEAR(double(j["radius"]["mean_um"]["value"]), 1.8, 0.03);
+  EXPECT_FALSE(fs::exists(folder.path / "out/overlay-0.png"));
+}
+
+TEST_F(InstrumentCli, MicrostructureRefuses) {
+  const Micrograph m = discs(4, false, 200);
+  write_grey_png("a.png", m);
+  write_grey_tiff(file("printer.tif"), m, 8, {"", 300, RESUNIT_INCH});
+  write_grey_tiff(file("ome.tif"), m, 8,
+                  {"<?xml version=\"1.0\"?><OME><Image><Pixels PhysicalSizeX=\"0.2\" "
+                   "PhysicalSizeY=\"0.3\"/></Image></OME>"});
+  Micrograph small = m;
+  small.width = small.height = 20, small.grey.resize(400);
+  write_grey_png("small.png", small);
+  Micrograph black = m;
+  for (float& v : black.grey) v = 0;
+  write_grey_png("black.png", black);
+  PictureOptions p;
+  p.width = p.height = 200;
+  write_grey_png("empty.png", picture_of({}, 1e4, p));
+  write_grey_png("two.png", picture_of({{60, 70, 20, 0}, {140, 120, 20, 0}}, 1e4, p));
+  folder.write("text.png", "this is no picture");
+  folder.write("cut.tif", content(file("printer.tif")).substr(0, 3000));
+
+  refused({"microstructure", "a.png"}, "a.png: does not say how large its pixels are");
+  refused({"microstructure", "printer.tif"}, "printer.tif: does not say how large its pixels are");
+  refused({"microstructure", "ome.tif"}, "ome.tif: the pixels are not square");
+  refused({"microstructure", "missing.png", "--pixel-size", "1um"}, "missing.png: no such file");
+  refused({"microstructure", "text.png", "--pixel-size", "1um"}, "text.png: ");
+  refused({"microstructure", "cut.tif", "--pixel-size", "1um"}, "cut.tif: ");
+  refused({"microstructure", "small.png", "--pixel-size", "1um"}, "20 x 20 pixels are too few");
+  refused({"microstructure", "a.png", "--pixel-size", "0.2"}, "--pixel-size: \"0.2\" has no unit");
+  refused({"microstructure", "a.png", "--pixel-size", "0.2furlong"}, "unknown unit");
+  refused({"microstructure", "a.png", "--pixel-size", "0um"}, "\"0um\" is not positive");
+  refused({"microstructure", "a.png", "--pixel-size=-1um"}, "is not positive");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--correlation-radius", "0um"},
+          "is not positive");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--polarity", "drak"}, "did you mean \"dark\"?");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--mask", "black.png"},
+          "the mask leaves nothing");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--mask", "small.png"},
+          "the mask has 20 x 20 pixels");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--mask", "missing.png"}, "no such file");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--exclude", "1,2,3"}, "write x,y,width,height");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--exclude", "1,2,3,x"}, "is not a number");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--exclude", "900,0,5,5"}, "lies outside");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--exclude", "0,0,200,200"}, "leaves nothing");
+  refused({"microstructure", "a.png", "--pixel-size", "1um", "--background", "morphology"},
+          "--background-scale");
+  refused({"microstructure", "black.png", "--pixel-size", "1um"}, "black.png: has one grey value only");
+  refused({"microstructure", "empty.png", "--pixel-size", "1um"}, "no particles found");
+  refused({"microstructure", "two.png", "--pixel-size", "1um"}, "two.png: 2 particles are seen whole");
+  // A folder of something else is not touched.
+  folder.write("mine/letter.txt", "dear");
+  EXPECT_EQ(run({"microstructure", "a.png", "--pixel-size", "1um", "-o", "mine"}), 2);
+  EXPECT_NE(output.find("folder of something else"), std::string::npos) << output;
+  EXPECT_EQ(content(file("mine/letter.txt")), "dear");
+  EXPECT_EQ(run({"microstructure", "a.png", "--pixel-size", "1um", "-o", "a.png"}), 2);
+  EXPECT_EQ(run({"microstructure", "a.png", "--pixel-size", "1um", "-o", "no/such"}), 2);
+}
+
+TEST_F(InstrumentCli, DropletSize) {
+  ASSERT_EQ(
+      run({"droplet-size", "--angles", "2.79:max:R,4.23deg:min:R", "--lamp", "LED-B3", "-o", "fit.json"}), 0)
+      << output;
+  const auto j = nlohmann::json::parse(content(file("fit.json")));
+  EXPECT_GT(double(j["radius_um"]["value"]), 4.5);
+  EXPECT_LT(double(j["radius_um"]["value"]), 5.7);
+  EXPECT_GT(double(j["radius_um"]["error"]), 0.0);
+  ASSERT_EQ(run({"droplet-size", "--angles", "2.8deg", "--lamp", "589nm"}), 0) << output;
+  EXPECT_NE(output.find("does not tell the area fraction"), std::string::npos) << output;
+
+  Image flat;
+  flat.width = flat.height = 100, flat.channels = {"R", "G", "B"};
+  std::mt19937 random(1);
+  for (int i = 0; i < 30000; ++i) flat.pixels.push_back(0.3f + 0.02f * float(random() % 1000) / 1000);
+  write_png(folder.path / "flat.png", flat);
+  write_grey_png("grey.png", discs(5, false, 64));
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg"}, "flat.png: no ring is visible");
+  refused({"droplet-size", "grey.png", "--pixel-angle", "0.05deg"}, "needs the channels R, G and B");
+  refused({"droplet-size", "missing.png", "--pixel-angle", "0.05deg"}, "no such file");
+  refused({"droplet-size", "flat.png"}, "give either --pixel-angle or --fov");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05"}, "has no unit");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0deg"}, "not between 0 and 90");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--lamp", "LED-B33"},
+          "did you mean \"LED-B3\"?");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--lamp", "12nm"}, "not visible");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--center", "500,20"},
+          "outside of the picture");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--substrate", "glas"}, "--substrate");
+  refused({"droplet-size"}, "either a photo or --angles");
+  refused({"droplet-size", "--angles", "2.8um"}, "is not a number");
+  refused({"droplet-size", "--angles", "2:max:G,2.1:max:G,2.15:max:G"},
+          "no radius has extrema at these angles");
+}
+
+}  // namespace
+}  // namespace aureole::test
