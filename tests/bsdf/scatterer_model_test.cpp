@@ -15,6 +15,7 @@
 
 #include "aureole/aperture/aperture.h"
 #include "aureole/bsdf/scatterer_sampler.h"
+#include "aureole/optics/hard_discs.h"
 #include "harness/properties_builder.h"
 #include "harness/statistics.h"
 
@@ -176,6 +177,60 @@ TEST(ScattererModel, EnergyOfEveryShape) {
         EXPECT_NEAR(sum + last / 200, 1, 2e-3) << layer.name;
       }
     }
+}
+
+/// Waves summed over simulated discs of two sizes, each with an opening of its own in it, against the
+/// mixture's intensity where sizes are correlated.
+TEST(ScattererModel, SizesThatPackTogether) {
+  constexpr int kDiscs = 600, kSnapshots = 240, kRings = 30, kAngles = 12;
+  constexpr double kFraction = 0.5, kSmall = 0.5;
+  const Layer layer{"two sizes", {circle(1, 0.5), circle(kSmall, 0.5)}};
+  const auto mixture = layer.mixture();
+  const auto correlation = testing::build<Correlation>(R"(<correlation type="percus_yevick"/>)");
+  mixture->correlate_sizes(kFraction, [&](const optics::HardDiscMixture& m) { return correlation->at(m); });
+  EXPECT_NEAR(mixture->covered_per_fraction(), 1, 1e-9);
+  std::vector<double> radii;
+  for (int i = 0; i < kDiscs; ++i) radii.push_back(i % 2 ? kSmall : 1);
+  optics::HardDiscSimulation simulation(radii, kFraction, 5);
+  std::vector<double> sums(kRings), expected(kRings);
+  for (int s = 0; s < kSnapshots; ++s) {
+    simulation.advance(s == 0 ? simulation.equilibration_sweeps() : 4);
+    const optics::HardDiscs& d = simulation.state();
+    for (int ring = 0; ring < kRings; ++ring) {
+      const double u = 0.4 + 5.6 * ring / (kRings - 1);
+      for (int k = 0; k < kAngles; ++k) {
+        // The box's own waves that are closest to the ring.
+        const double f = kPi * (k + 0.5) / kAngles;
+        const double qx = std::lround(u * std::cos(f) * d.box_x / (2 * kPi)) * 2 * kPi / d.box_x;
+        const double qy = std::lround(u * std::sin(f) * d.box_y / (2 * kPi)) * 2 * kPi / d.box_y;
+        std::complex<double> sum = 0;
+        const double q = std::hypot(qx, qy), large = kPi * airy(q),
+                     small = kPi * kSmall * kSmall * airy(kSmall * q);
+        for (std::size_t i = 0; i < d.x.size(); ++i)
+          sum += (d.radius[i] > 0.75 * d.radius[0] ? large : small) *
+                 std::polar(1.0, -(qx * d.x[i] + qy * d.y[i]));
+        sums[ring] += std::norm(sum) / double(d.x.size()) / kAngles / kSnapshots;
+        if (s > 0) continue;
+        expected[ring] += mixture->eval(qx, qy).uncorrelated / kAngles;
+        EXPECT_EQ(mixture->eval(qx, qy).coherent, 0);
+      }
+    }
+  }
+  double peak = 0, square = 0;
+  for (int ring = 0; ring < kRings; ++ring)
+    peak = std::max(peak, expected[ring]), square += std::pow(sums[ring] - expected[ring], 2) / kRings;
+  std::printf("two sizes packed together: rms %.2f %% of the largest J\n", 100 * std::sqrt(square) / peak);
+  EXPECT_LT(std::sqrt(square) / peak, 0.025);  // Rosenfeld's theory and the noise of the sums
+  // Labelled on equal discs the same shapes are another layer.
+  const auto labelled = layer.mixture();
+  double other = 0;
+  for (int ring = 0; ring < kRings; ++ring) {
+    const double u = 0.4 + 5.6 * ring / (kRings - 1);
+    const auto m = labelled->eval(u, 0);
+    other = std::max(
+        other, std::abs(m.uncorrelated + m.coherent * hard_discs(u, kFraction) - expected[ring]) / peak);
+  }
+  EXPECT_GT(other, 0.1);
 }
 
 TEST(ScattererModel, MemoryAndTime) {

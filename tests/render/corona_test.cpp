@@ -24,7 +24,7 @@ constexpr double kRadius = 5e-6, kAreaFraction = 0.5, kPane = 0.5, kLamp = 12, k
 constexpr double kMinNm = 560, kMaxNm = 620, kIndex = 1.5, kFov = 14;
 constexpr int kSize = 56;
 
-std::string scene(const std::string& sampling) {
+std::string scene(const std::string& sampling, double tilt) {
   const auto number = [](double v) { return std::to_string(v); };
   return R"(<scene version="3.0.0">
   <integrator type="path"><integer name="max_depth" value="3"/></integrator>
@@ -39,8 +39,8 @@ std::string scene(const std::string& sampling) {
          number(kMinNm) + R"("/><float name="wavelength_max" value=")" + number(kMaxNm) + R"("/>
       <string name="response" value="uniform"/><string name="component_format" value="float32"/>
       <rfilter type="box"/></film></sensor>
-  <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z=")" +
-         number(-kPane) + R"("/></transform>
+  <shape type="rectangle"><transform name="to_world"><scale value="2"/><rotate y="1" angle=")" +
+         number(tilt) + R"("/><translate z=")" + number(-kPane) + R"("/></transform>
     <bsdf type="correlated_scatterers"><string name="radius" value="5um"/><float name="area_fraction" value="0.5"/>
       <string name="substrate" value="thindielectric"/><float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/>
       <string name="sampling" value=")" +
@@ -51,19 +51,32 @@ std::string scene(const std::string& sampling) {
 </scene>)";
 }
 
-/// Radiance at an angle from the lamp, seen from the camera, mean over the wavelength range.
-double predicted(double angle, const optics::ScattererLayer& layer) {
-  const double s = std::sin(angle), c = std::cos(angle);
-  const double x = kPane * s / c, distance2 = x * x + (kLamp - kPane) * (kLamp - kPane);
+struct Vector {
+  double x, y, z;
+  Vector operator+(const Vector& b) const { return {x + b.x, y + b.y, z + b.z}; }
+  Vector operator-(const Vector& b) const { return {x - b.x, y - b.y, z - b.z}; }
+  Vector operator*(double s) const { return {x * s, y * s, z * s}; }
+  double dot(const Vector& b) const { return x * b.x + y * b.y + z * b.z; }
+  double length() const { return std::sqrt(dot(*this)); }
+};
+
+/// Radiance seen along (px, py, -1), mean over the wavelength range, through a pane turned by `tilt` about y.
+double predicted(double px, double py, double tilt, const optics::ScattererLayer& layer) {
+  const Vector n{std::sin(tilt), 0, std::cos(tilt)}, pane{0, 0, -kPane}, lamp{0, 0, -kLamp};
+  Vector v{px, py, -1};
+  v = v * (1 / v.length());
+  const Vector p = v * (pane.dot(n) / v.dot(n));
+  const double distance2 = (lamp - p).dot(lamp - p), c = std::abs(v.dot(n));
   double sum = 0;
   const int rings = 3, spokes = 8, wavelengths = 60;
   for (int r = 0; r < rings; ++r)
     for (int m = 0; m < spokes; ++m) {
       // Equal areas of the disc as which the sphere is seen from the pane, whose solid angle they share.
       const double tangent = kLampRadius * std::sqrt((r + 0.5) / rings), f = 2 * kPi * (m + 0.5) / spokes;
-      const double dx = -x + tangent * std::cos(f), dy = tangent * std::sin(f), dz = kLamp - kPane;
-      const double length = std::sqrt(dx * dx + dy * dy + dz * dz);
-      const double q = std::hypot(dx / length - s, dy / length), cos_w = dz / length;
+      Vector w = lamp + Vector{tangent * std::cos(f), tangent * std::sin(f), 0} - p;
+      w = w * (1 / w.length());
+      const Vector change = w - v, across = change - n * change.dot(n);
+      const double q = across.length(), cos_w = std::abs(w.dot(n));
       const double reflectance = std::sqrt(optics::thin_slab_reflectance(c, 1, kIndex) *
                                            optics::thin_slab_reflectance(cos_w, 1, kIndex));
       for (int l = 0; l < wavelengths; ++l) {
@@ -75,10 +88,12 @@ double predicted(double angle, const optics::ScattererLayer& layer) {
   return layer.normalisation() * kRadiance * solid_angle * sum / (rings * spokes * wavelengths);
 }
 
-void check(const std::string& sampling) {
+void check(const std::string& sampling, double degrees_of_tilt = 0) {
+  const double tilt = degrees_of_tilt * kPi / 180;
   RenderOptions options;
-  RenderJob job(std::make_shared<const Scene>(load_scene_from_string(scene(sampling), "corona.xml")),
-                options);
+  RenderJob job(
+      std::make_shared<const Scene>(load_scene_from_string(scene(sampling, degrees_of_tilt), "corona.xml")),
+      options);
   const std::atomic<bool> stop{false};
   ASSERT_EQ(job.run(stop), RenderJob::Outcome::finished);
   const Image image = job.state().picture();
@@ -99,16 +114,16 @@ void check(const std::string& sampling) {
       constexpr int kSub = 3;
       for (int j = 0; j < kSub; ++j)
         for (int i = 0; i < kSub; ++i)
-          expected[ring] += predicted(std::atan(std::hypot(px + ((i + 0.5) / kSub - 0.5) * scale,
-                                                           py + ((j + 0.5) / kSub - 0.5) * scale)),
-                                      layer) /
+          expected[ring] += predicted(px + ((i + 0.5) / kSub - 0.5) * scale,
+                                      py + ((j + 0.5) / kSub - 0.5) * scale, tilt, layer) /
                             (kSub * kSub);
     }
   double peak = 0;
   for (double e : expected) peak = std::max(peak, e);
   for (int r = 0; r < kRings; ++r) {
-    std::printf("%s %.2f deg: %.5g, expected %.5g (%+.2f %%)\n", sampling.c_str(), first + width * (r + 0.5),
-                measured[r], expected[r], 100 * (measured[r] / expected[r] - 1));
+    std::printf("%s, tilt %.0f, %.2f deg: %.5g, expected %.5g (%+.2f %%)\n", sampling.c_str(),
+                degrees_of_tilt, first + width * (r + 0.5), measured[r], expected[r],
+                100 * (measured[r] / expected[r] - 1));
     // Dark rings are as good as the bright ones around them allow.
     EXPECT_NEAR(measured[r], expected[r], 0.01 * expected[r] + 5e-4 * peak)
         << first + width * (r + 0.5) << " degrees";
@@ -116,7 +131,11 @@ void check(const std::string& sampling) {
 }
 
 TEST(Corona, RenderedRingsAreThoseOfTheFormula) { check("product"); }
-TEST(Corona, SamplingByFactorsGivesTheSamePicture) { check("factors"); }
+TEST(Corona, TiltedBy30) { check("product", 30); }
+TEST(Corona, TiltedBy60) { check("product", 60); }
+TEST(Corona, SamplingByFactorsGivesTheSamePicture) { check("factor_mis"); }
+TEST(Corona, SamplingByTableGivesTheSamePicture) { check("table"); }
+TEST(Corona, SamplingByCosineGivesTheSamePicture) { check("cosine", 30); }
 
 }  // namespace
 }  // namespace aureole

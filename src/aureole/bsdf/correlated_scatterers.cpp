@@ -216,6 +216,13 @@ private:
     try {
       auto mixture =
           std::make_shared<optics::ScattererMixture>(std::move(shapes.scatterers), shapes.correlation_radius);
+      if (p.get_choice("sizes", "labelled", {"labelled", "polydisperse"}) == "polydisperse") {
+        if (area_fraction_.minimum() < area_fraction_.maximum())
+          throw p.error("area_fraction", "must be the same everywhere where sizes are \"polydisperse\"");
+        mixture->correlate_sizes(area_fraction_.maximum(), [&](const optics::HardDiscMixture& discs) {
+          return correlation->at(discs);
+        });
+      }
       model_ = std::make_shared<ScattererModel>(std::move(mixture), *correlation, area_fraction_.minimum(),
                                                 area_fraction_.maximum(), extent);
     } catch (const std::domain_error& e) {
@@ -472,6 +479,12 @@ AUREOLE_PLUGIN(
                 "percus_yevick, never above "
                 "0.9069"},
                {"correlation", "correlation", "", "percus_yevick", "how the places depend on one another"},
+               {"sizes", "string", "", "labelled",
+                "labelled: scatterers of all sizes sit in equal discs, of correlation_radius; polydisperse: "
+                "each in a disc "
+                "in proportion to its own size, the largest of correlation_radius, packed as such discs pack "
+                "(up to 8 "
+                "classes of sizes; area_fraction is that of all discs)"},
                {"radius_scale", "float or texture", "", "1", "factor of all lengths, in [1/64, 64]"},
                {"rotation", "float or texture", "degrees", "0",
                 "turns shapes and places counter-clockwise from the u axis"},

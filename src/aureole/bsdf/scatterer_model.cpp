@@ -55,8 +55,15 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
   const int totals = varies() ? kTotals : 0;
   for (int i = 0; i <= totals; ++i) {
     State state = at(float(totals > 0 ? least + (most - least) * i / totals : most));
-    const double correlated = optics::correlation_power(
-        table_->coherent_ring(), [&](double u) { return double(structure(state, float(u))); });
+    double correlated;
+    if (mixture_->has_correlated_sizes())
+      correlated = optics::correlation_power([&](double u) {
+        return double(table_->uncorrelated_ring().eval(float(u))) - mixture_->independent_ring(u);
+      });
+    else
+      correlated = optics::correlation_power([&](double u) {
+        return double(table_->coherent_ring().eval(float(u))) * (double(structure(state, float(u))) - 1);
+      });
     inverse_totals_.push_back(float(1 / (2 * M_PI * mixture_->mean_squared_area() + correlated)));
   }
 }
@@ -89,7 +96,7 @@ ScattererModel::State ScattererModel::at(float area_fraction) const {
 }
 
 float ScattererModel::covered(float area_fraction) const {
-  const double fr = area_fraction * mixture_->mean_area() / M_PI;
+  const double fr = area_fraction * mixture_->covered_per_fraction();
   return float(may_overlap_ ? -std::expm1(-fr) : fr);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace aureole {
 
@@ -15,6 +16,11 @@ std::shared_ptr<const optics::StructureFactor> Correlation::structure_factor(dou
   auto factor = at(area_fraction);
   if (stretch_ == 1) return factor;
   return std::make_shared<optics::StretchedStructureFactor>(std::move(factor), stretch_, direction_);
+}
+
+std::shared_ptr<const optics::PartialStructureFactors> Correlation::at(const optics::HardDiscMixture&) const {
+  throw std::domain_error("the correlation \"" + properties().type() +
+                          "\" knows discs of one size only; percus_yevick and simulated know several");
 }
 
 std::vector<double> Correlation::nodes(double least, double most) const {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "aureole/optics/partial_structure_factors.h"
 #include "aureole/optics/structure_factor.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/plugin/registry.h"
@@ -31,6 +32,11 @@ public:
   virtual int degree() const { return 1; }
   /// 1/S' is smoother than S', as in fluids. S' must be positive.
   virtual bool interpolates_inverse() const { return false; }
+
+  /// S_ml of discs of several sizes, radii relative to the largest. Throws std::domain_error where the
+  /// plug-in has no such model.
+  virtual std::shared_ptr<const optics::PartialStructureFactors> at(
+      const optics::HardDiscMixture& mixture) const;
 
   /// Shapes may overlap (random positions): the covered part is 1 - exp(-Fr).
   virtual bool may_overlap() const { return false; }

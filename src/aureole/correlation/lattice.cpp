@@ -12,12 +12,13 @@ public:
   explicit Lattice(const Properties& p)
       : Correlation(p),
         kind_(p.get_choice("lattice", "hexagonal", {"hexagonal", "square"}) == "square" ? Kind::square
-                                                                                         : Kind::hexagonal),
+                                                                                        : Kind::hexagonal),
         jitter_(p.get_float("jitter", 0.05, Range{0, 0.5})),
-        domain_(p.get_float("domain", 8, Range{1, 20})),
+        domain_(p.get_float("domain", 6, Range{1, 10})),
         angle_(p.get_float("angle", 0) * M_PI / 180),
         random_(p.get_bool("random_orientation", false)) {}
 
+  using Correlation::at;
   std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
     return std::make_shared<optics::LatticeStructureFactor>(kind_, area_fraction, jitter_, domain_, angle_,
                                                             random_);
@@ -31,25 +32,28 @@ private:
 
 AUREOLE_PLUGIN(
     Lattice, "correlation", "lattice",
-    PluginDoc{"A hexagonal or square lattice, its scatterers displaced at random and its order limited to domains: "
-              "bright spots (orders of diffraction) on a faint ground, or rings where many domains lie in all "
-              "directions. The spacing follows from area_fraction and correlation_radius.",
-              "A. Guinier, X-ray Diffraction in Crystals, Imperfect Crystals, and Amorphous Bodies, 1963, chapter 7",
-              correlation_parameters(
-                  {{"lattice", "string", "", "hexagonal", "hexagonal (area fractions up to 0.9069) or square (0.7854)"},
-                   {"jitter", "float", "", "0.05",
-                    "standard deviation of the displacement along each axis, in spacings"},
-                   {"domain", "float", "", "8",
-                    "size of the ordered domains in spacings, in [1, 20]: pairs at a distance r are correlated by "
-                    "exp(-r^2/(2 domain^2)), spots are 1/(2 pi domain) of their distance wide"},
-                   {"angle", "float", "degrees", "0", "of a row of the lattice to the surface's u axis"},
-                   {"random_orientation", "boolean", "", "false", "domains in all directions: rings, not spots"}}),
-              {R"(<correlation type="lattice">
+    PluginDoc{
+        "A hexagonal or square lattice, its scatterers displaced at random and its order limited to domains: "
+        "bright spots (orders of diffraction) on a faint ground, or rings where many domains lie in all "
+        "directions. The spacing follows from area_fraction and correlation_radius.",
+        "A. Guinier, X-ray Diffraction in Crystals, Imperfect Crystals, and Amorphous Bodies, 1963, chapter "
+        "7",
+        correlation_parameters(
+            {{"lattice", "string", "", "hexagonal",
+              "hexagonal (area fractions up to 0.9069) or square (0.7854)"},
+             {"jitter", "float", "", "0.05",
+              "standard deviation of the displacement along each axis, in spacings"},
+             {"domain", "float", "", "6",
+              "size of the ordered domains in spacings, in [1, 10]: pairs at a distance r are correlated by "
+              "exp(-r^2/(2 domain^2)), spots are 1/(2 pi domain) of their distance wide"},
+             {"angle", "float", "degrees", "0", "of a row of the lattice to the surface's u axis"},
+             {"random_orientation", "boolean", "", "false", "domains in all directions: rings, not spots"}}),
+        {R"(<correlation type="lattice">
     <string name="lattice" value="square"/> <float name="jitter" value="0.08"/> <float name="domain" value="5"/>
     <float name="angle" value="15"/> <boolean name="random_orientation" value="false"/>
     <float name="stretch" value="1.2"/> <float name="stretch_direction" value="15"/>
 </correlation>)",
-               R"(<correlation type="lattice">
+         R"(<correlation type="lattice">
     <float name="jitter" value="0.1"/> <boolean name="random_orientation" value="true"/>
 </correlation>)"}});
 

@@ -12,6 +12,10 @@ public:
   std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
     return std::make_shared<optics::PercusYevickStructureFactor>(area_fraction);
   }
+  std::shared_ptr<const optics::PartialStructureFactors> at(
+      const optics::HardDiscMixture& mixture) const override {
+    return std::make_shared<optics::PartialStructureFactors>(mixture, 64);
+  }
   /// 1/S' is a cubic polynomial in Fa/(1 - Fa): four nodes have all of it.
   int degree() const override { return 3; }
   bool interpolates_inverse() const override { return true; }
@@ -21,13 +25,14 @@ public:
 };
 
 AUREOLE_PLUGIN(PercusYevick, "correlation", "percus_yevick",
-               PluginDoc{"A disordered fluid of hard discs that do not overlap, at area fractions up to 0.7: what "
-                         "droplets and powders look like. The default of layers of scatterers. Against simulated "
-                         "discs (`simulated`) its peaks are too low above 0.5.",
-                         "Y. Rosenfeld, Free-energy model for the inhomogeneous hard-sphere fluid in D dimensions, "
-                         "1990, equations 4.4 to 4.6",
-                         correlation_parameters({}),
-                         {R"(<correlation type="percus_yevick">
+               PluginDoc{
+                   "A disordered fluid of hard discs that do not overlap, at area fractions up to 0.7: what "
+                   "droplets and powders look like. The default of layers of scatterers. Against simulated "
+                   "discs (`simulated`) its peaks are too low above 0.5.",
+                   "Y. Rosenfeld, Free-energy model for the inhomogeneous hard-sphere fluid in D dimensions, "
+                   "1990, equations 4.4 to 4.6",
+                   correlation_parameters({}),
+                   {R"(<correlation type="percus_yevick">
     <float name="stretch" value="1.5"/> <float name="stretch_direction" value="30"/>
 </correlation>)"}});
 

@@ -31,6 +31,12 @@ public:
     return known;
   }
 
+  std::shared_ptr<const optics::PartialStructureFactors> at(
+      const optics::HardDiscMixture& mixture) const override {
+    return std::make_shared<optics::PartialStructureFactors>(
+        optics::simulate_partial_structure_factors(mixture, ensemble_));
+  }
+
   /// Each is a simulation, so they lie no closer than interpolation needs: at equal steps of ln(1 + 1.2 t), t
   /// = Fa/(1 - Fa), where 1/S' between them is within 1.5 %.
   std::vector<double> nodes(double least, double most) const override {
@@ -68,10 +74,11 @@ AUREOLE_PLUGIN(
         "lessen. Below 0.03 nothing is simulated, since theory is closer.",
         "E. P. Bernard, W. Krauth and D. B. Wilson, Event-chain Monte Carlo algorithms for hard-sphere "
         "systems, 2009",
-        correlation_parameters({{"seed", "integer", "", "0", "another one gives another, equally good simulation"},
-         {"discs", "integer", "", "1500", "number of discs in each of 8 independent simulations"},
-         {"snapshots", "integer", "", "1200",
-          "number of arrangements that are averaged; the noise falls with its square root"}}),
+        correlation_parameters(
+            {{"seed", "integer", "", "0", "another one gives another, equally good simulation"},
+             {"discs", "integer", "", "1500", "number of discs in each of 8 independent simulations"},
+             {"snapshots", "integer", "", "1200",
+              "number of arrangements that are averaged; the noise falls with its square root"}}),
         {R"(<correlation type="simulated">
     <integer name="seed" value="3"/>
     <integer name="discs" value="400"/>

@@ -14,8 +14,8 @@ namespace {
 class Table final : public Correlation {
 public:
   explicit Table(const Properties& p) : Correlation(p) {
-    const bool pairs = p.get_choice("quantity", "structure_factor", {"structure_factor", "pair_correlation"}) ==
-                       "pair_correlation";
+    const bool pairs = p.get_choice("quantity", "structure_factor",
+                                    {"structure_factor", "pair_correlation"}) == "pair_correlation";
     const double radius = p.get_float("radius", 1, Range::positive());
     const double extent = p.get_float("extent", 16, Range{1, 256});
     const auto file = p.get_file("filename");
@@ -41,6 +41,7 @@ public:
     }
   }
 
+  using Correlation::at;
   std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
     if (factor_) return factor_;
     return std::make_shared<optics::TabulatedStructureFactor>(
@@ -58,7 +59,8 @@ private:
     std::vector<float> values;
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x) values.push_back(image.at(x, y, std::size_t(channel)));
-    return std::make_shared<optics::MappedStructureFactor>(std::move(values), image.width, image.height, extent);
+    return std::make_shared<optics::MappedStructureFactor>(std::move(values), image.width, image.height,
+                                                           extent);
   }
 
   std::vector<double> x_, y_;
@@ -67,18 +69,23 @@ private:
 
 AUREOLE_PLUGIN(
     Table, "correlation", "table",
-    PluginDoc{"A measured or computed arrangement: a text of two columns, u and S'(u) or r and g(r), or a picture of "
-              "S' over the plane (positions without circular symmetry). Text is linear between its lines; S' counts "
-              "as 1 beyond, g is tapered to 1 over the last half of its range.",
-              "J.-P. Hansen & I. R. McDonald, Theory of Simple Liquids, 4th ed. 2013, section 4.1 (S from g)",
-              correlation_parameters(
-                  {{"filename", "file", "", "required",
-                    "text (.txt, .csv, .dat), or an EXR, PFM or other picture whose channel Y or R holds S' as it is"},
-                   {"quantity", "string", "", "structure_factor", "what a text holds: structure_factor or pair_correlation"},
-                   {"radius", "float", "", "1",
-                    "correlation radius in the unit of length of a text: 1 where it holds u = q a or r/a"},
-                   {"extent", "float", "", "16", "a picture shows ux and uy from -extent to extent, uy upwards"}}),
-              {R"(<correlation type="table">
+    PluginDoc{
+        "A measured or computed arrangement: a text of two columns, u and S'(u) or r and g(r), or a picture "
+        "of "
+        "S' over the plane (positions without circular symmetry). Text is linear between its lines; S' "
+        "counts "
+        "as 1 beyond, g is tapered to 1 over the last half of its range.",
+        "J.-P. Hansen & I. R. McDonald, Theory of Simple Liquids, 4th ed. 2013, section 4.1 (S from g)",
+        correlation_parameters(
+            {{"filename", "file", "", "required",
+              "text (.txt, .csv, .dat), or an EXR, PFM or other picture whose channel Y or R holds S' as it "
+              "is"},
+             {"quantity", "string", "", "structure_factor",
+              "what a text holds: structure_factor or pair_correlation"},
+             {"radius", "float", "", "1",
+              "correlation radius in the unit of length of a text: 1 where it holds u = q a or r/a"},
+             {"extent", "float", "", "16", "a picture shows ux and uy from -extent to extent, uy upwards"}}),
+        {R"(<correlation type="table">
     <string name="filename" value="structure_factor.txt"/>
     <string name="quantity" value="structure_factor"/> <float name="radius" value="1"/>
     <float name="extent" value="16"/>

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <vector>
 
@@ -30,9 +31,10 @@ public:
   /// |ux| and |uy| where the map ends. Beyond it `eval` must not be called.
   float extent() const { return extents_[kLevels - 1]; }
   Pair eval(float ux, float uy) const {
-    Pair p;
-    eval<1>(&ux, &uy, &p.uncorrelated, &p.coherent);
-    return p;
+    const float x[4] = {ux, 0, 0, 0}, y[4] = {uy, 0, 0, 0};
+    float uncorrelated[4], coherent[4];
+    eval<4>(x, y, uncorrelated, coherent);
+    return {uncorrelated[0], coherent[0]};
   }
   /// Of N points at once: places and weights of all of them are computed together. Points beyond the map give
   /// numbers without meaning.
@@ -41,6 +43,8 @@ public:
   std::size_t bytes() const { return nodes_.size() * sizeof(Pair); }
 
 private:
+  template <int N>
+  struct Vectors;
   static constexpr int kLevels = 5;
   float extents_[kLevels], rates_[kLevels];  // rate: nodes per unit
   std::int32_t columns_[kLevels], first_[kLevels];
@@ -49,44 +53,56 @@ private:
   std::vector<Pair> nodes_;
 };
 
+/// GCC drops a vector size that depends on a parameter from an alias; a member type keeps it.
+template <int N>
+struct IntensityMap::Vectors {
+  typedef float Floats __attribute__((vector_size(sizeof(float) * N)));
+  typedef std::int32_t Ints __attribute__((vector_size(sizeof(float) * N)));
+};
+
 template <int N>
 void IntensityMap::eval(const float* ux, const float* uy, float* uncorrelated, float* coherent) const {
-  using Row = float __attribute__((vector_size(32), aligned(4)));  // four nodes
-  std::int32_t node[N], stride[N];
-  float wx[4][N], wy[4][N];
-  for (int j = 0; j < N; ++j) {
-    const float x0 = uy[j] < 0 ? -ux[j] : ux[j], y0 = uy[j] < 0 ? -uy[j] : uy[j];
-    const float ax = x0 < 0 ? -x0 : x0;
-    const float largest = ax > y0 ? ax : y0, last = extents_[kLevels - 1];
-    float extent = last, rate = rates_[kLevels - 1];
-    std::int32_t first = first_[kLevels - 1], columns = columns_[kLevels - 1];
-    for (int l = kLevels - 2; l >= 0; --l) {
-      const bool inside = largest < extents_[l];
-      extent = inside ? extents_[l] : extent, rate = inside ? rates_[l] : rate;
-      first = inside ? first_[l] : first, columns = inside ? columns_[l] : columns;
-    }
-    const bool on_map = largest < last;
-    const float x = ((on_map ? x0 : 0) + extent) * rate, y = (on_map ? y0 : 0) * rate;
-    const std::int32_t column = std::int32_t(x), row = std::int32_t(y);
-    node[j] = first + row * columns + column;
-    stride[j] = columns;
-    // The cubics through nodes at -1, 0, 1, 2.
-    const auto weights = [j](float t, float(&w)[4][N]) {
-      const float a = t * (1 / 6.f), m = t - 1, p = t + 1, q = t - 2;
-      w[0][j] = -a * m * q, w[1][j] = p * m * q * 0.5f, w[2][j] = -t * p * q * 0.5f, w[3][j] = a * p * m;
-    };
-    weights(x - float(column), wx);
-    weights(y - float(row), wy);
+  using Floats = typename Vectors<N>::Floats;
+  using Ints = typename Vectors<N>::Ints;
+  Floats x, y;
+  std::memcpy(&x, ux, sizeof x);
+  std::memcpy(&y, uy, sizeof y);
+  const Ints below = y < 0;
+  x = below ? -x : x, y = below ? -y : y;
+  const Floats ax = x < 0 ? -x : x, largest = ax > y ? ax : y;
+  const auto all = [](float value) { return value - Floats{}; };
+  Floats extent = all(extents_[kLevels - 1]), rate = all(rates_[kLevels - 1]);
+  const auto all_ints = [](std::int32_t value) { return value - Ints{}; };
+  Ints first = all_ints(first_[kLevels - 1]), columns = all_ints(columns_[kLevels - 1]);
+  const Ints on_map = largest < extent;
+  for (int l = kLevels - 2; l >= 0; --l) {
+    const Ints inside = largest < all(extents_[l]);
+    extent = inside ? all(extents_[l]) : extent, rate = inside ? all(rates_[l]) : rate;
+    first = inside ? all_ints(first_[l]) : first, columns = inside ? all_ints(columns_[l]) : columns;
   }
+  x = ((on_map ? x : Floats{}) + extent) * rate, y = (on_map ? y : Floats{}) * rate;
+  const Ints column = __builtin_convertvector(x, Ints), row = __builtin_convertvector(y, Ints);
+  const Ints node = first + row * columns + column;
+  // The cubics through nodes at -1, 0, 1, 2.
+  const auto weights = [](const Floats& t, Floats(&w)[4]) {
+    const Floats a = t * (1 / 6.f), m = t - 1, p = t + 1, q = t - 2;
+    w[0] = -a * m * q, w[1] = p * m * q * 0.5f, w[2] = -t * p * q * 0.5f, w[3] = a * p * m;
+  };
+  Floats wx[4], wy[4];
+  weights(x - __builtin_convertvector(column, Floats), wx);
+  weights(y - __builtin_convertvector(row, Floats), wy);
   for (int j = 0; j < N; ++j) {
+    using Row = float __attribute__((vector_size(32), aligned(4)));  // four nodes
+    using Half = float __attribute__((vector_size(16)));
     const Pair* p = &nodes_[std::size_t(node[j])];
     Row sum = *reinterpret_cast<const Row*>(p) * wy[0][j];
     for (int i = 1; i < 4; ++i) {
-      p += stride[j];
+      p += columns[j];
       sum += *reinterpret_cast<const Row*>(p) * wy[i][j];
     }
-    const float u = sum[0] * wx[0][j] + sum[2] * wx[1][j] + sum[4] * wx[2][j] + sum[6] * wx[3][j];
-    const float c = sum[1] * wx[0][j] + sum[3] * wx[1][j] + sum[5] * wx[2][j] + sum[7] * wx[3][j];
+    sum *= Row{wx[0][j], wx[0][j], wx[1][j], wx[1][j], wx[2][j], wx[2][j], wx[3][j], wx[3][j]};
+    const Half half = Half{sum[0], sum[1], sum[2], sum[3]} + Half{sum[4], sum[5], sum[6], sum[7]};
+    const float u = half[0] + half[2], c = half[1] + half[3];
     // The interpolant swings a little below 0 next to zeros of order two.
     uncorrelated[j] = u > 0 ? u : 0, coherent[j] = c > 0 ? c : 0;
   }

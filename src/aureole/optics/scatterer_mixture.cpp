@@ -38,11 +38,12 @@ ShapeRing shape_ring(const ApertureShape& shape, double q, double radius) {
 
 struct ScattererMixture::Part {
   Scatterer scatterer;
-  double unit;      ///< 1/correlation radius
-  bool isotropic;   ///< circular, or turned at random
+  double unit;     ///< 1/correlation radius
+  bool isotropic;  ///< circular, or turned at random
   double cosine = 1, sine = 0;
   /// Ring means of a shape without circular symmetry over w = |q| times its own radius, made once.
   std::unique_ptr<RadialFunction> amplitude, intensity;
+  std::vector<int> classes;  ///< of the nodes of sizes, where sizes are correlated
 
   Part(Scatterer s, double correlation_radius) : scatterer(std::move(s)), unit(1 / correlation_radius) {
     isotropic = scatterer.random_rotation || scatterer.shape->is_circular();
@@ -58,18 +59,20 @@ struct ScattererMixture::Part {
           values[i] = shape_ring(*scatterer.shape, place(int(i)) / radius, radius);
       });
       int next = 0;
-      amplitude = std::make_unique<RadialFunction>(
-          [&](double) { return values[next++].amplitude / area; }, kEnd, false);
+      amplitude = std::make_unique<RadialFunction>([&](double) { return values[next++].amplitude / area; },
+                                                   kEnd, false);
       next = 0;
       intensity = std::make_unique<RadialFunction>(
           [&](double) { return values[next++].intensity / (area * area); }, kEnd, true);
     }
   }
 
-  /// Adds P <F> and P <|F|^2> at u.
-  void add(double ux, double uy, std::complex<double>& amplitude_sum, double& intensity_sum) const {
+  /// Adds P <F>, to the class of the size or all to the first, and P <|F|^2> at u.
+  void add(double ux, double uy, std::complex<double>* amplitude_sums, double& intensity_sum) const {
     const ApertureShape& shape = *scatterer.shape;
-    for (const auto [size, weight] : scatterer.sizes.nodes()) {
+    for (std::size_t i = 0; i < scatterer.sizes.nodes().size(); ++i) {
+      const auto [size, weight] = scatterer.sizes.nodes()[i];
+      std::complex<double>& amplitude_sum = amplitude_sums[classes.empty() ? 0 : classes[i]];
       // F of a shape scaled by s is s^2 F(s q).
       const double scale = size * unit, factor = size * size * unit * unit, p = weight * scatterer.fraction;
       // q in the shape's own unit: u/a times the size.
@@ -80,7 +83,8 @@ struct ScattererMixture::Part {
         amplitude_sum += p * area * double(amplitude->eval(float(w)));
         intensity_sum += p * area * area * double(intensity->eval(float(w)));
       } else {
-        const std::complex<double> f = factor * shape.transform(qx * cosine + qy * sine, qy * cosine - qx * sine);
+        const std::complex<double> f =
+            factor * shape.transform(qx * cosine + qy * sine, qy * cosine - qx * sine);
         amplitude_sum += p * f;
         intensity_sum += p * std::norm(f);
       }
@@ -91,6 +95,7 @@ struct ScattererMixture::Part {
 ScattererMixture::~ScattererMixture() = default;
 
 ScattererMixture::ScattererMixture(std::vector<Scatterer> scatterers, double correlation_radius) {
+  mean_disc_area_ = std::numbers::pi;
   if (scatterers.empty()) throw std::domain_error("a mixture needs a scatterer");
   if (!(correlation_radius > 0 && std::isfinite(correlation_radius)))
     throw std::domain_error("correlation radius must be positive and finite, got " +
@@ -113,11 +118,73 @@ ScattererMixture::ScattererMixture(std::vector<Scatterer> scatterers, double cor
 }
 
 MixtureIntensity ScattererMixture::eval(double ux, double uy) const {
-  std::complex<double> amplitude = 0;
+  std::complex<double> amplitudes[kMostClasses] = {};
   double intensity = 0;
-  for (const Part& part : parts_) part.add(ux, uy, amplitude, intensity);
-  const double coherent = std::norm(amplitude);
-  return {std::max(intensity - coherent, 0.0), coherent};
+  for (const Part& part : parts_) part.add(ux, uy, amplitudes, intensity);
+  if (!partial_) {
+    const double coherent = std::norm(amplitudes[0]);
+    return {std::max(intensity - coherent, 0.0), coherent};
+  }
+  const double u = std::hypot(ux, uy);
+  for (int m = 0; m < partial_->classes(); ++m)
+    for (int l = m; l < partial_->classes(); ++l) {
+      const double scale = 1 / std::sqrt(partial_->fraction(m) * partial_->fraction(l));
+      const double product = (amplitudes[m] * std::conj(amplitudes[l])).real() * scale;
+      intensity += m == l ? product * (partial_->eval(m, l, u) - 1) : 2 * product * partial_->eval(m, l, u);
+    }
+  return {std::max(intensity, 0.0), 0};
+}
+
+double ScattererMixture::independent_ring(double u) const {
+  std::complex<double> amplitudes[kMostClasses] = {};
+  const int n = isotropic_ ? 1 : 24 + int(std::ceil(1.2 * u));
+  double intensity = 0;
+  for (int i = 0; i < n; ++i) {
+    const double angle = std::numbers::pi * (i + 0.5) / n;
+    for (const Part& part : parts_) part.add(u * std::cos(angle), u * std::sin(angle), amplitudes, intensity);
+  }
+  return intensity / n;
+}
+
+void ScattererMixture::correlate_sizes(
+    double area_fraction,
+    const std::function<std::shared_ptr<const PartialStructureFactors>(const HardDiscMixture&)>& structure) {
+  // All sizes that occur, in order, then classes of about equal numbers of scatterers.
+  struct Size {
+    double radius, weight;
+    Part* part;
+    std::size_t node;
+  };
+  std::vector<Size> sizes;
+  double largest = 0;
+  for (Part& part : parts_) {
+    const auto& nodes = part.scatterer.sizes.nodes();
+    part.classes.assign(nodes.size(), 0);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const double radius = part.scatterer.shape->bounding_radius() * nodes[i].size * part.unit;
+      sizes.push_back({radius, nodes[i].weight * part.scatterer.fraction, &part, i});
+      largest = std::max(largest, radius);
+    }
+  }
+  std::sort(sizes.begin(), sizes.end(), [](const Size& a, const Size& b) { return a.radius < b.radius; });
+  std::vector<double> radii, fractions;
+  double done = 0, squares = 0;
+  for (std::size_t i = 0, first = 0; i < sizes.size(); ++i) {
+    done += sizes[i].weight;
+    squares += sizes[i].weight * sizes[i].radius * sizes[i].radius;
+    const bool last = i + 1 == sizes.size();
+    const bool next_differs = last || sizes[i + 1].radius > sizes[i].radius * (1 + 1e-9);
+    if (!last && !(next_differs && done >= double(radii.size() + 1) / kMostClasses)) continue;
+    double weight = 0, square = 0;
+    for (std::size_t k = first; k <= i; ++k) {
+      weight += sizes[k].weight, square += sizes[k].weight * sizes[k].radius * sizes[k].radius;
+      sizes[k].part->classes[sizes[k].node] = int(radii.size());
+    }
+    radii.push_back(std::sqrt(square / weight) / largest), fractions.push_back(weight);
+    first = i + 1;
+  }
+  mean_disc_area_ = std::numbers::pi * squares / (largest * largest);
+  partial_ = structure(HardDiscMixture(radii, fractions, area_fraction));
 }
 
 MixtureIntensity ScattererMixture::ring(double u) const {
@@ -132,9 +199,9 @@ MixtureIntensity ScattererMixture::ring(double u) const {
   return sum;
 }
 
-double correlation_power(const RadialFunction& coherent_ring, const std::function<double(double)>& structure) {
+double correlation_power(const std::function<double(double)>& f) {
   // C falls as u^-3 and S' - 1 as u^-1.5: from 400 on there is less than 1e-6 of it.
-  const auto change = [&](double u) { return double(coherent_ring.eval(float(u))) * (structure(u) - 1) * u; };
+  const auto change = [&](double u) { return f(u) * u; };
   using Rule = boost::math::quadrature::gauss<double, 10>;
   double sum = 0;
   // S' is sharply peaked near u = 3 at high area fractions and swings with period pi further out.

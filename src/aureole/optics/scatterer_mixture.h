@@ -9,10 +9,12 @@
 // Scale-free: lengths are relative to the correlation radius a, u = q a; U and C carry a^4.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "aureole/optics/aperture_shape.h"
+#include "aureole/optics/partial_structure_factors.h"
 #include "aureole/optics/radial_function.h"
 #include "aureole/optics/size_distribution.h"
 
@@ -39,13 +41,26 @@ public:
   ScattererMixture(std::vector<Scatterer> scatterers, double correlation_radius);
   ~ScattererMixture();
 
+  /// Gives every scatterer a hard disc of its own size, in the proportion of the largest shape to the
+  /// correlation radius, instead of equal discs: a real spread of sizes packs differently. From then on all
+  /// of J is uncorrelated, C = 0, with the amplitudes' interference and its partial structure factors
+  ///     U = sum_m P_m (<|F_m|^2> - |<F_m>|^2) + sum_ml sqrt(P_m P_l) Re(<F_m> conj <F_l>) S_ml,
+  /// m the classes of sizes, at most `kMostClasses`, for this one `area_fraction` of the discs.
+  void correlate_sizes(
+      double area_fraction,
+      const std::function<std::shared_ptr<const PartialStructureFactors>(const HardDiscMixture&)>& structure);
+  bool has_correlated_sizes() const { return partial_ != nullptr; }
+  static constexpr int kMostClasses = 8;
+
   MixtureIntensity eval(double ux, double uy) const;
+  /// Ring mean of sum P <|F|^2>, what there would be at random positions.
+  double independent_ring(double u) const;
   /// Means over the ring of radius u: of an isotropic mixture the intensity itself.
   MixtureIntensity ring(double u) const;
   bool is_isotropic() const { return isotropic_; }
 
-  /// sum P |A|, so that Fr = rho0 a^2 mean_area() = Fa mean_area()/pi.
-  double mean_area() const { return mean_area_; }
+  /// Fr/Fa: the mean area of the shapes, sum P |A|, over that of their discs.
+  double covered_per_fraction() const { return mean_area_ / mean_disc_area_; }
   /// sum P integral of A^2.
   double mean_squared_area() const { return mean_squared_area_; }
 
@@ -53,11 +68,12 @@ private:
   struct Part;
   std::vector<Part> parts_;
   bool isotropic_ = true;
-  double mean_area_ = 0, mean_squared_area_ = 0;
+  double mean_area_ = 0, mean_squared_area_ = 0, mean_disc_area_;
+  std::shared_ptr<const PartialStructureFactors> partial_;
 };
 
-/// Integral of C(u) (S'(u) - 1) u du over [0, infinity): what correlation adds to 2 pi mean_squared_area().
-/// `coherent_ring` is the ring mean of C.
-double correlation_power(const RadialFunction& coherent_ring, const std::function<double(double)>& structure);
+/// Integral over [0, infinity) of f(u) u du, f the change of the ring mean by correlation, C (S' - 1): what
+/// has to be added to 2 pi mean_squared_area(), the integral for random positions.
+double correlation_power(const std::function<double(double)>& change);
 
 }  // namespace aureole::optics
