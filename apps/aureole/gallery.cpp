@@ -213,7 +213,9 @@ private:
       if (stop_requested) break;
       if (!a_.again && is_done(p, false)) continue;
       const auto start = std::chrono::steady_clock::now();
-      PlotRecord record{plot_key(p), size_, 0, make_plot(p, size_, folder_)};
+      const auto plot = make_plot(p, size_, folder_, stop_requested);
+      if (!plot) break;
+      PlotRecord record{plot_key(p), size_, 0, *plot};
       record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
       results_.plots[p.name] = record;
       ++made;
@@ -223,13 +225,21 @@ private:
 
   bool render(const GalleryFigure& f, const GalleryPicture& p) {
     const PictureEffort& effort = p.effort[size_];
-    const RenderedPicture r = render_picture(p, size_, a_.threads, stop_requested,
+    fs::path state = exr(p);
+    state.replace_extension(".state");
+    const RenderedPicture r = render_picture(p, size_, a_.threads, state, stop_requested,
                                              [&](const Progress& now) { progress_.show(f.id, effort, now); });
     if (!r.complete) return false;
     write_exr(exr(p), r.image, ExrPixel::float32, {});
     write_png(folder_ / (p.name + ".png"), toned(r.image, p.tone));
     results_.pictures[p.name] = {picture_key(p, size_), size_, r.samples, r.seconds, r.load_seconds, {}};
     results_.save(folder_ / "results.json");
+    std::error_code ignored;
+    fs::remove(state, ignored);
+    if (r.invalid_samples > 0) {
+      progress_.clear();
+      fmt::print(stderr, "note: {}: {} samples were invalid and left out\n", p.name, r.invalid_samples);
+    }
     progress_.done(effort, r.seconds + r.load_seconds);
     return true;
   }

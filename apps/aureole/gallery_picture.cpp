@@ -61,7 +61,7 @@ std::string picture_key(const GalleryPicture& picture, GallerySize size) {
 }
 
 RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, int threads,
-                               const std::atomic<bool>& stop,
+                               const std::filesystem::path& state, const std::atomic<bool>& stop,
                                const std::function<void(const Progress&)>& report) {
   const auto start = std::chrono::steady_clock::now();
   LoadOptions load;
@@ -71,11 +71,20 @@ RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, 
   options.end = samples_of(picture.effort[size]);
   options.time_limit_s = picture.effort[size].seconds;
   options.threads = threads;
+  const bool timed = picture.effort[size].seconds > 0;  // the time is that of one go
+  if (!timed) options.state_file = state;
   RenderJob job(scene, options);
+  if (!timed && std::filesystem::exists(state)) try {
+      RenderState earlier = RenderState::load(state);
+      if (earlier.begin == 0 && earlier.end == *options.end) job.resume(std::move(earlier));
+    } catch (const Error&) {
+      // Of another picture, or damaged: all of it is rendered.
+    }
   RenderedPicture out;
   out.load_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   out.complete = job.run(stop, report) != RenderJob::Outcome::interrupted;
   out.image = job.state().picture();
+  out.invalid_samples = job.state().invalid_samples;
   out.samples = job.state().samples_everywhere();
   out.seconds = job.state().seconds;
   return out;

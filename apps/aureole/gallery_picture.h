@@ -20,11 +20,14 @@ struct RenderedPicture {
   Image image;
   bool complete = false;  ///< false: stopped
   std::int64_t samples = 0;
+  std::uint64_t invalid_samples = 0;
   double seconds = 0, load_seconds = 0;
 };
 
+/// Goes on from `state`, which a run that was stopped left there; for the caller to remove once the picture
+/// is safe.
 RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, int threads,
-                               const std::atomic<bool>& stop,
+                               const std::filesystem::path& state, const std::atomic<bool>& stop,
                                const std::function<void(const Progress&)>& report);
 
 /// Colours for display.

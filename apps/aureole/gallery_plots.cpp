@@ -33,8 +33,10 @@ std::vector<double> numbers(const GalleryPlot& plot, const char* name) {
 
 class Output {
 public:
-  Output(const GalleryPlot& plot, std::filesystem::path folder, PlotResult& result)
-      : plot_(plot), folder_(std::move(folder)), result_(result) {}
+  Output(const GalleryPlot& plot, std::filesystem::path folder, PlotResult& result,
+         const std::atomic<bool>& stop)
+      : plot_(plot), folder_(std::move(folder)), result_(result), stop_(stop) {}
+  bool is_stopped() const { return stop_; }
   void svg(const std::string& text, const std::string& caption) {
     const std::string name = next(".svg", caption);
     write_file_atomically(folder_ / name, text);
@@ -51,6 +53,7 @@ private:
   const GalleryPlot& plot_;
   std::filesystem::path folder_;
   PlotResult& result_;
+  const std::atomic<bool>& stop_;
 };
 
 /// From dark violet over blue and green to yellow in equal steps of lightness: a line in Oklab's lightness
@@ -108,7 +111,7 @@ std::vector<double> pair_correlation(double area_fraction, const std::vector<dou
   for (double u = kStep / 2; u < kEnd; u += kStep) {
     const double w = (optics::hard_disc_structure_factor(u, area_fraction) - 1) * u * kStep * 0.5 *
                      (1 + std::cos(pi * u / kEnd)) / (2 * area_fraction);
-    for (std::size_t i = 0; i < r.size(); ++i) g[i] += w * std::cyl_bessel_j(0.0, u * r[i]);
+    for (std::size_t i = 0; i < r.size(); ++i) g[i] += w * ::j0(u * r[i]);
   }
   return g;
 }
@@ -125,6 +128,7 @@ void plot_hard_discs(const GalleryPlot& plot, GallerySize size, Output& out) {
     optics::PairHistogram pairs(10, 200);
     out.svg(discs_svg(simulation.state(), 24), fmt::format("Fa = {:g}: one arrangement, 24 radii wide", fa));
     for (int i = 0; i < snapshots; ++i) {
+      if (out.is_stopped()) return;
       simulation.advance(simulation.decorrelation_sweeps());
       structure.add(simulation.state());
       pairs.add(simulation.state());
@@ -302,11 +306,13 @@ void check_plot(const GalleryPlot& plot) {
           fmt::format("a plot \"{}\" has no member \"{}\"{}", plot.kind, name, did_you_mean(name, known)));
 }
 
-PlotResult make_plot(const GalleryPlot& plot, GallerySize size, const std::filesystem::path& folder) {
+std::optional<PlotResult> make_plot(const GalleryPlot& plot, GallerySize size,
+                                    const std::filesystem::path& folder, const std::atomic<bool>& stop) {
   const Kind& kind = kinds().at(plot.kind);
   PlotResult result{kind.columns, {}};
-  Output out(plot, folder, result);
+  Output out(plot, folder, result, stop);
   kind.make(plot, size, out);
+  if (stop) return {};
   return result;
 }
 

@@ -2,6 +2,7 @@
 // The plots of galleries: what is computed from optics without rendering.
 #pragma once
 
+#include <atomic>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -23,7 +24,8 @@ struct PlotResult {
 /// Throws Error where the kind or its parameters are wrong.
 void check_plot(const GalleryPlot& plot);
 
-/// Writes the plot's files, called after it, into `folder`.
-PlotResult make_plot(const GalleryPlot& plot, GallerySize size, const std::filesystem::path& folder);
+/// Writes the plot's files, called after it, into `folder`. Nothing where it was stopped.
+std::optional<PlotResult> make_plot(const GalleryPlot& plot, GallerySize size,
+                                    const std::filesystem::path& folder, const std::atomic<bool>& stop);
 
 }  // namespace aureole

@@ -277,6 +277,35 @@ TEST_F(GalleryCommand, AnInterruptedRunLeavesAPage) {
   EXPECT_EQ(page().find("not rendered yet"), std::string::npos);
 }
 
+TEST_F(GalleryCommand, APictureThatWasStoppedGoesOn) {
+  Json f = figures();
+  f[0]["renders"][0]["preview"]["spp"] = 20000;
+  write(f);
+  const pid_t pid = start({"--only", "one"});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!fs::exists(out() / "index.html") && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(pid, SIGINT);
+  ASSERT_EQ(wait(pid).exit_code, 1);
+  const fs::path state = out() / "exr" / "one.state";
+  EXPECT_TRUE(fs::exists(state));
+  Outcome o = run({"--only", "one"});
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_FALSE(fs::exists(state));
+  const Image pieces = read_image(out() / "exr" / "one.exr");
+  EXPECT_EQ(Json::parse(content(out() / "results.json"))["pictures"]["one"]["samples"], 20000);
+  o = run({"--only", "one", "--again"});
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_EQ(read_image(out() / "exr" / "one.exr").pixels, pieces.pixels);
+
+  // What is left of another picture is in nobody's way.
+  folder.write("page/exr/one.state", "damaged");
+  o = run({"--only", "one", "--again"});
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_EQ(read_image(out() / "exr" / "one.exr").pixels, pieces.pixels);
+}
+
 TEST_F(GalleryCommand, MistakesInTheFileAreErrorsWithTheirLine) {
   write_text("{\n \"title\": \"x\",\n \"figures\": [,]\n}\n");
   refused_file("gallery.json:3:");
