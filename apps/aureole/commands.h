@@ -24,5 +24,6 @@ void add_layer_command(CLI::App& app, CommandResult& result);
 void add_rings_command(CLI::App& app, CommandResult& result);
 void add_droplet_size_command(CLI::App& app, CommandResult& result);
 void add_microstructure_command(CLI::App& app, CommandResult& result);
+void add_gallery_command(CLI::App& app, CommandResult& result);
 
 }  // namespace aureole

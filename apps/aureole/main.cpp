@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   aureole::add_rings_command(app, result);
   aureole::add_droplet_size_command(app, result);
   aureole::add_microstructure_command(app, result);
+  aureole::add_gallery_command(app, result);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -18,7 +18,7 @@ struct Axes {
 };
 
 Axes fit_axes(const Plot& plot) {
-  Axes a{INFINITY, -INFINITY, 0, -INFINITY};
+  Axes a{INFINITY, -INFINITY, plot.logarithmic ? INFINITY : 0, -INFINITY};
   for (const PlotSeries& s : plot.series) {
     for (const double x : s.x)
       a.x0 = std::min(a.x0, x - s.bar_width / 2), a.x1 = std::max(a.x1, x + s.bar_width / 2);
@@ -31,7 +31,25 @@ Axes fit_axes(const Plot& plot) {
   if (a.x0 > 0 && a.x0 < 0.3 * a.x1) a.x0 = 0;
   if (!(a.y1 > a.y0)) a.y1 = a.y0 + 1;
   a.y1 += 0.05 * (a.y1 - a.y0);
+  if (plot.logarithmic) a.y0 = std::floor(a.y0), a.y1 = std::ceil(a.y1 - 0.05);
   return a;
+}
+
+/// The plot of the logarithms; what has none takes the place of the least that has.
+Plot logarithms(Plot plot) {
+  double least = INFINITY;
+  for (const PlotSeries& s : plot.series)
+    for (const double y : s.y)
+      if (y > 0) least = std::min(least, y);
+  if (!std::isfinite(least)) least = 1;
+  for (PlotSeries& s : plot.series)
+    for (auto* v : {&s.y, &s.low, &s.high})
+      for (double& y : *v) y = std::log10(std::max(y, least));
+  return plot;
+}
+
+std::string color_of(const PlotSeries& s) {
+  return !s.color.empty() ? s.color : s.kind == PlotSeries::Kind::points ? "#b0413e" : "#2b5d8f";
 }
 
 std::string escaped(const std::string& text) {
@@ -41,8 +59,9 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-void add_ticks(std::string& out, const Axes& a) {
-  const double sx = round_step(a.x0, a.x1, 8), sy = round_step(a.y0, a.y1, 6);
+void add_ticks(std::string& out, const Axes& a, bool logarithmic) {
+  const double sx = round_step(a.x0, a.x1, 8);
+  const double sy = logarithmic ? std::max(1.0, round_step(a.y0, a.y1, 9)) : round_step(a.y0, a.y1, 6);
   for (double x = std::ceil(a.x0 / sx) * sx; x <= a.x1 * (1 + 1e-9); x += sx)
     out += fmt::format(
         "<path d=\"M{:.1f} {:.1f}v5\" stroke=\"black\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
@@ -51,8 +70,10 @@ void add_ticks(std::string& out, const Axes& a) {
   for (double y = std::ceil(a.y0 / sy) * sy; y <= a.y1 * (1 + 1e-9); y += sy)
     out += fmt::format(
         "<path d=\"M{:.1f} {:.1f}h-5\" stroke=\"black\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
-        "text-anchor=\"end\">{:g}</text>\n",
-        a.px(a.x0), a.py(y), a.px(a.x0) - 8, a.py(y) + 4, std::abs(y) < 1e-9 * sy ? 0 : y);
+        "text-anchor=\"end\">{}</text>\n",
+        a.px(a.x0), a.py(y), a.px(a.x0) - 8, a.py(y) + 4,
+        logarithmic ? fmt::format("1e{:g}", std::round(y))
+                    : fmt::format("{:g}", std::abs(y) < 1e-9 * sy ? 0 : y));
 }
 
 void add_series(std::string& out, const PlotSeries& s, const Axes& a) {
@@ -72,7 +93,7 @@ void add_series(std::string& out, const PlotSeries& s, const Axes& a) {
         out += fmt::format("{:.2f} {:.2f} ", a.px(s.x[i]), a.py(s.low[i]));
       out += "z\"/>\n";
     }
-    out += "<polyline fill=\"none\" stroke=\"#2b5d8f\" stroke-width=\"1.5\" points=\"";
+    out += "<polyline fill=\"none\" stroke=\"" + color_of(s) + "\" stroke-width=\"1.5\" points=\"";
     for (size_t i = 0; i < s.x.size(); ++i) out += fmt::format("{:.2f},{:.2f} ", a.px(s.x[i]), a.py(s.y[i]));
     out += "\"/>\n";
   }
@@ -81,9 +102,24 @@ void add_series(std::string& out, const PlotSeries& s, const Axes& a) {
       if (!s.low.empty())
         out += fmt::format("<path d=\"M{0:.2f} {1:.2f}V{2:.2f}\" stroke=\"#2b5d8f\"/>", a.px(s.x[i]),
                            a.py(s.low[i]), a.py(s.high[i]));
-      out += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"2\" fill=\"#b0413e\"/>\n", a.px(s.x[i]),
-                         a.py(s.y[i]));
+      out += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"2\" fill=\"{}\"/>\n", a.px(s.x[i]),
+                         a.py(s.y[i]), color_of(s));
     }
+}
+
+void add_legend(std::string& out, const Plot& plot) {
+  double y = kTop + 8;
+  for (const PlotSeries& s : plot.series) {
+    if (s.label.empty()) continue;
+    const double x = kWidth - kRight - 12;
+    out +=
+        s.kind == PlotSeries::Kind::points
+            ? fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>", x - 9, y, color_of(s))
+            : fmt::format("<path d=\"M{} {}h18\" stroke=\"{}\" stroke-width=\"2\"/>", x - 18, y, color_of(s));
+    out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n", x - 26, y + 4,
+                       escaped(s.label));
+    y += 18;
+  }
 }
 
 }  // namespace
@@ -95,7 +131,8 @@ double round_step(double low, double high, int count) {
   return 10 * power;
 }
 
-std::string svg_plot(const Plot& plot) {
+std::string svg_plot(const Plot& given) {
+  const Plot plot = given.logarithmic ? logarithms(given) : given;
   const Axes a = fit_axes(plot);
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
@@ -106,7 +143,8 @@ std::string svg_plot(const Plot& plot) {
   for (const PlotSeries& s : plot.series) add_series(out, s, a);
   out += fmt::format("<path d=\"M{0} {1}V{2}H{3}\" fill=\"none\" stroke=\"black\"/>\n", kLeft, kTop,
                      kHeight - kBottom, kWidth - kRight);
-  add_ticks(out, a);
+  add_ticks(out, a, plot.logarithmic);
+  add_legend(out, plot);
   out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
                      (kLeft + kWidth - kRight) / 2, kHeight - 12, escaped(plot.x_label));
   out += fmt::format(

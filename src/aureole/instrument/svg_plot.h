@@ -13,14 +13,18 @@ struct PlotSeries {
   std::vector<double> x, y;
   std::vector<double> low, high;  ///< ends of error bars, or empty; of a line they are a band
   double bar_width = 0;
+  std::string label = {};  ///< in the legend, where there is one
+  std::string color = {};  ///< of lines and points; empty: the usual one
 };
 
 struct Plot {
   std::string title, x_label, y_label;
   std::vector<PlotSeries> series;
+  bool logarithmic = false;  ///< the y axis, over the decades of the values; 0 and less are left out
 };
 
-/// Axes from 0 (or the least value, where negative) to the largest, with round ticks.
+/// Axes from 0 (or the least value, where negative) to the largest, with round ticks; decades where
+/// logarithmic.
 std::string svg_plot(const Plot& plot);
 
 /// One closed path in micrometres, y up, with a viewBox that fits it and its width as the document's.

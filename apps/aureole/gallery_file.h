@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+// `Gallery`: the figures of a gallery.json, checked; every mistake in the file is an error with its line.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace aureole {
+
+using Defines = std::vector<std::pair<std::string, std::string>>;
+
+enum GallerySize { kPreviewSize, kFullSize };
+inline const char* name_of(GallerySize size) { return size == kFullSize ? "full" : "preview"; }
+
+/// How much work a picture gets: samples per pixel, or seconds.
+struct PictureEffort {
+  int width = 0, height = 0;
+  std::int64_t samples = 0;
+  double seconds = 0;  ///< instead of samples where above 0
+};
+
+/// asinh(compression y)/asinh(compression) of the luminance y times 2^exposure; white is y = 1.
+struct Tone {
+  double exposure = 0, compression = 0;
+};
+
+struct GalleryPicture {
+  std::string name;  ///< of its files, without extension
+  std::filesystem::path scene;
+  Defines defines;
+  std::array<PictureEffort, 2> effort;
+  Tone tone;
+};
+
+struct AxisValue {
+  std::string label;
+  Defines defines;
+};
+using Axis = std::vector<AxisValue>;
+
+/// Pictures of one scene in a table; its axes are nested, the outer one first.
+struct PictureTable {
+  std::string caption;
+  std::vector<Axis> rows, columns;
+  std::vector<GalleryPicture> pictures;     ///< row by row
+  std::optional<GalleryPicture> reference;  ///< what the errors of the pictures are relative to
+
+  static std::size_t count(const std::vector<Axis>& axes);
+};
+
+struct GalleryPlot {
+  std::string name, kind, caption;
+  nlohmann::json parameters;
+};
+
+struct GalleryFigure {
+  std::string id, title, counterpart, caption, agreement;
+  std::vector<PictureTable> tables;
+  std::vector<GalleryPlot> plots;
+};
+
+struct Gallery {
+  std::string title, introduction;
+  std::vector<GalleryFigure> figures;
+};
+
+/// Reads `folder`/gallery.json; scenes are found beside it. Throws Error or ErrorList.
+Gallery read_gallery(const std::filesystem::path& folder);
+
+}  // namespace aureole

@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole gallery: the gallery of the repository is sound, a page grows figure by figure, what is done stays
+// done, and mistakes in a gallery.json are errors with their line.
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <thread>
+
+#include "aureole/core/image.h"
+#include "harness/paths.h"
+#include "render/small_scene.h"
+#include "scene/load_text.h"
+
+namespace aureole::test {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using Defines = std::vector<std::pair<std::string, std::string>>;
+
+std::string content(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void add(Defines& out, const Json& defines) {
+  for (const auto& [name, v] : defines.items()) {
+    std::erase_if(out, [&](const auto& d) { return d.first == name; });
+    out.emplace_back(name, v.is_string() ? v.get<std::string>() : v.dump());
+  }
+}
+
+/// Every value of every axis, the other axes at their first values.
+std::vector<Defines> variants(const Json& table) {
+  Defines first;
+  add(first, table.value("defines", Json::object()));
+  std::vector<Json> axes;
+  for (const char* side : {"rows", "columns"})
+    for (const Json& axis : table.value(side, Json::array())) axes.push_back(axis.at("values"));
+  for (const Json& values : axes) add(first, values.at(0).value("defines", Json::object()));
+  std::vector<Defines> out{first};
+  for (const Json& values : axes)
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      out.push_back(first);
+      add(out.back(), values[i].value("defines", Json::object()));
+    }
+  return out;
+}
+
+TEST(CoronaGallery, EverySceneLoadsWithEveryValue) {
+  const fs::path folder = source_dir() / "scenes" / "corona";
+  const Json gallery = Json::parse(content(folder / "gallery.json"));
+  std::vector<std::string> ids;
+  int scenes = 0;
+  for (const Json& figure : gallery.at("figures")) {
+    ids.push_back(figure.at("id"));
+    EXPECT_FALSE(figure.at("agreement").get<std::string>().empty()) << ids.back();
+    for (const Json& table : figure.value("renders", Json::array()))
+      for (Defines defines : variants(table)) {
+        defines.emplace_back("width", "12"), defines.emplace_back("height", "8");
+        LoadOptions options;
+        options.defines = defines;
+        EXPECT_NO_THROW({
+          const Scene scene(load_scene(folder / table.at("scene").get<std::string>(), options));
+          EXPECT_EQ(scene.film().width(), 12) << "the scene does not take its size from $width";
+          EXPECT_EQ(scene.film().height(), 8);
+          EXPECT_TRUE(scene.loaded().notes.empty()) << scene.loaded().notes.front();
+        }) << ids.back();
+        ++scenes;
+      }
+  }
+  EXPECT_EQ(ids, (std::vector<std::string>{"fig01", "fig04", "fig06", "fig07", "fig08", "fig09", "fig10",
+                                           "fig11", "fig12", "fig13", "fig14"}));
+  EXPECT_GT(scenes, 20);
+}
+
+struct Outcome {
+  int exit_code;
+  std::string output;  ///< stdout and stderr
+};
+
+class GalleryCommand : public ::testing::Test {
+protected:
+  void SetUp() override {
+    std::string text = small_scene_text(12, 8);
+    const auto replace = [&](const std::string& from, const std::string& to) {
+      text.replace(text.find(from), from.size(), to);
+    };
+    replace("name=\"width\" value=\"12\"", "name=\"width\" value=\"$width\"");
+    replace("name=\"height\" value=\"8\"", "name=\"height\" value=\"$height\"");
+    replace("name=\"fov\" value=\"45\"", "name=\"fov\" value=\"$fov\"");
+    replace("<integrator", "<default name=\"fov\" value=\"45\"/><integrator");
+    folder.write("scenes/tiny/tiny.xml", text);
+    write(figures());
+  }
+  static Json effort(int spp) { return {{"size", {12, 8}}, {"spp", spp}}; }
+  static Json table(int spp = 16) {
+    return {{"scene", "tiny.xml"}, {"preview", effort(spp)}, {"full", effort(2 * spp)}};
+  }
+  static Json figures() {
+    Json one = table(), two = table();
+    two["columns"] = {{{"values",
+                        {{{"label", "wide"}, {"defines", {{"fov", 60}}}},
+                         {{"label", "<narrow>"}, {"defines", {{"fov", "20"}}}}}}}};
+    two["reference"] = {{"preview", {{"spp", 64}}}, {"full", {{"spp", 64}}}};
+    two["tone"] = {{"exposure", 1}, {"compression", 5}};
+    return {{{"id", "one"}, {"title", "One & only"}, {"caption", "c"}, {"renders", {one}}},
+            {{"id", "two"},
+             {"title", "Two"},
+             {"caption", "c"},
+             {"renders", {two}},
+             {"plots", {{{"kind", "structure_map"}, {"u", 20}, {"highest", 2}}}}}};
+  }
+  void write(const Json& figures) { write_text(Json({{"title", "Tiny"}, {"figures", figures}}).dump(1)); }
+  void write_text(const std::string& text) { folder.write("scenes/tiny/gallery.json", text); }
+
+  pid_t start(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(),
+                     {aureole_binary().string(), "gallery", "tiny", "--threads", "1", "--scenes",
+                      (folder.path / "scenes").string(), "-o", out().string()});
+    const pid_t pid = fork();
+    if (pid == 0) {
+      if (!freopen((folder.path / "log.txt").c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
+      std::vector<char*> argv;
+      for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+      argv.push_back(nullptr);
+      execv(argv[0], argv.data());
+      _exit(98);
+    }
+    return pid;
+  }
+  Outcome wait(pid_t pid) {
+    int status = 0;
+    waitpid(pid, &status, 0);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(folder.path / "log.txt")};
+  }
+  Outcome run(const std::vector<std::string>& arguments = {}) { return wait(start(arguments)); }
+  fs::path out() const { return folder.path / "page"; }
+  std::string page() const { return content(out() / "index.html"); }
+
+  /// Whole, and all it shows is beside it.
+  void expect_good_page() const {
+    const std::string text = page();
+    EXPECT_TRUE(text.starts_with("<!doctype html>"));
+    EXPECT_TRUE(text.ends_with("</html>\n"));
+    EXPECT_EQ(text.find("http"), std::string::npos) << "not self-contained";
+    const std::regex link("(src|href)=\"([^\"]*)\"");
+    for (auto i = std::sregex_iterator(text.begin(), text.end(), link); i != std::sregex_iterator(); ++i) {
+      const std::string target = (*i)[2];
+      if (!target.starts_with("#")) {
+        EXPECT_TRUE(fs::is_regular_file(out() / target)) << target;
+      }
+    }
+    for (const char* tag : {"section", "figure", "div", "p", "a", "table", "tr", "td", "details", "pre"}) {
+      const auto count = [&](const std::string& what) {
+        const std::regex r(what);
+        return std::distance(std::sregex_iterator(text.begin(), text.end(), r), std::sregex_iterator());
+      };
+      EXPECT_EQ(count(std::string("<") + tag + "[ >]"), count(std::string("</") + tag + ">")) << tag;
+    }
+  }
+  void refused(const Json& figures, const std::string& message) {
+    write(figures);
+    refused_file(message);
+  }
+  void refused_file(const std::string& message, const std::vector<std::string>& arguments = {}) {
+    const Outcome o = run(arguments);
+    EXPECT_EQ(o.exit_code, 2) << o.output;
+    EXPECT_NE(o.output.find(message), std::string::npos) << "expected \"" << message << "\" in: " << o.output;
+    EXPECT_FALSE(fs::exists(out())) << "something was written";
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(GalleryCommand, MakesAPageAndKeepsWhatIsDone) {
+  Outcome o = run();
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  expect_good_page();
+  EXPECT_EQ(page().find("not rendered yet"), std::string::npos);
+  EXPECT_NE(page().find("One &amp; only"), std::string::npos);
+  EXPECT_NE(page().find("&lt;narrow&gt;"), std::string::npos);
+  EXPECT_NE(page().find("-D width=12 -D height=8 -D fov=20 --spp 16 -o two-2.exr"), std::string::npos);
+  for (const char* name : {"one", "two-1", "two-2", "two-reference"}) {
+    const Image png = read_image(out() / (std::string(name) + ".png"));
+    EXPECT_EQ(png.width, 12) << name;
+    EXPECT_EQ(png.height, 8) << name;
+  }
+  const Json results = Json::parse(content(out() / "results.json"));
+  EXPECT_EQ(results["pictures"]["two-1"]["samples"], 16);
+  EXPECT_EQ(results["pictures"]["two-reference"]["samples"], 64);
+  // The reference has the field of view 45; the others do not.
+  EXPECT_GT(results["pictures"]["two-1"]["relative_rmse"].get<double>(), 0.05);
+  EXPECT_FALSE(results["pictures"]["one"].contains("relative_rmse"));
+
+  // Again: nothing is rendered.
+  const std::string exr = (out() / "exr" / "one.exr").string();
+  const auto old = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  fs::last_write_time(exr, old);
+  o = run();
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_NE(o.output.find("One & only: was done already"), std::string::npos) << o.output;
+  EXPECT_NE(o.output.find("Two: was done already"), std::string::npos) << o.output;
+  EXPECT_EQ(fs::last_write_time(exr), old);
+  EXPECT_EQ(Json::parse(content(out() / "results.json")), results);
+
+  // Unless it is asked for, or the scene changes, which shows on the page at once.
+  o = run({"--again", "--only", "one"});
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_NE(fs::last_write_time(exr), old);
+  fs::last_write_time(exr, old);
+  std::string scene = content(folder.path / "scenes/tiny/tiny.xml");
+  scene.replace(scene.find("0.05, 0.07, 0.1"), 15, "0.06, 0.07, 0.1");
+  folder.write("scenes/tiny/tiny.xml", scene);
+  o = run({"--only", "two"});
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_EQ(o.output.find("was done already"), std::string::npos) << o.output;
+  EXPECT_NE(page().find("not rendered yet"), std::string::npos);
+  o = run();
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_NE(fs::last_write_time(exr), old);
+  EXPECT_EQ(page().find("not rendered yet"), std::string::npos);
+}
+
+TEST_F(GalleryCommand, FullPicturesServeAsPreviewsButNotTheOtherWay) {
+  ASSERT_EQ(run({"--only", "one"}).exit_code, 0);
+  Outcome o = run({"--only", "one", "--size", "full"});
+  EXPECT_EQ(o.output.find("was done already"), std::string::npos) << o.output;
+  const Json results = Json::parse(content(out() / "results.json"));
+  EXPECT_EQ(results["pictures"]["one"]["samples"], 32);
+  o = run({"--only", "one"});
+  EXPECT_NE(o.output.find("was done already"), std::string::npos) << o.output;
+  expect_good_page();
+}
+
+TEST_F(GalleryCommand, TimeEndsAPicture) {
+  Json f = figures();
+  f[0]["renders"][0]["preview"] = {{"size", {12, 8}}, {"time", 0.2}};
+  write(f);
+  const Outcome o = run({"--only", "one"});
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  const Json r = Json::parse(content(out() / "results.json"))["pictures"]["one"];
+  EXPECT_GE(r["seconds"].get<double>(), 0.2);
+  EXPECT_GE(r["samples"].get<int>(), 16);
+  EXPECT_LT(r["samples"].get<int>(), 65536);
+  EXPECT_NE(page().find("--spp 65536 --time 0.2"), std::string::npos);
+}
+
+TEST_F(GalleryCommand, AnInterruptedRunLeavesAPage) {
+  Json f = figures();
+  f[1]["renders"][0]["preview"]["spp"] = 500'000'000;
+  write(f);
+  const pid_t pid = start({});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (content(folder.path / "log.txt").find("One & only") == std::string::npos &&
+         std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  // By now the reference of the second figure is done, or one of its endless pictures is under way.
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  expect_good_page();
+  kill(pid, SIGINT);
+  Outcome o = wait(pid);
+  EXPECT_EQ(o.exit_code, 1) << o.output;
+  EXPECT_NE(o.output.find("interrupted in two"), std::string::npos) << o.output;
+  expect_good_page();
+  EXPECT_NE(page().find("src=\"one.png\""), std::string::npos);
+  EXPECT_NE(page().find("not rendered yet"), std::string::npos);
+  write(figures());
+  o = run();
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_NE(o.output.find("One & only: was done already"), std::string::npos) << o.output;
+  EXPECT_EQ(page().find("not rendered yet"), std::string::npos);
+}
+
+TEST_F(GalleryCommand, APictureThatWasStoppedGoesOn) {
+  Json f = figures();
+  f[0]["renders"][0]["preview"]["spp"] = 20000;
+  write(f);
+  const pid_t pid = start({"--only", "one"});
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while (!fs::exists(out() / "index.html") && std::chrono::steady_clock::now() < deadline)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(pid, SIGINT);
+  ASSERT_EQ(wait(pid).exit_code, 1);
+  const fs::path state = out() / "exr" / "one.state";
+  EXPECT_TRUE(fs::exists(state));
+  Outcome o = run({"--only", "one"});
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_FALSE(fs::exists(state));
+  const Image pieces = read_image(out() / "exr" / "one.exr");
+  EXPECT_EQ(Json::parse(content(out() / "results.json"))["pictures"]["one"]["samples"], 20000);
+  o = run({"--only", "one", "--again"});
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_EQ(read_image(out() / "exr" / "one.exr").pixels, pieces.pixels);
+
+  // What is left of another picture is in nobody's way.
+  folder.write("page/exr/one.state", "damaged");
+  o = run({"--only", "one", "--again"});
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_EQ(read_image(out() / "exr" / "one.exr").pixels, pieces.pixels);
+}
+
+TEST_F(GalleryCommand, MistakesInTheFileAreErrorsWithTheirLine) {
+  write_text("{\n \"title\": \"x\",\n \"figures\": [,]\n}\n");
+  refused_file("gallery.json:3:");
+  refused_file("valid JSON");
+  write_text("{\n \"title\": \"x\",\n \"figures\": [\n  {\n   \"id\": \"a\",\n   \"title\": 7\n  }\n ]\n}\n");
+  refused_file("gallery.json:6:");
+  refused_file("\"title\": expected a text");
+  write_text("");
+  refused_file("gallery.json:1:1");
+  write_text("[]");
+  refused_file("expected an object");
+  fs::remove(folder.path / "scenes/tiny/gallery.json");
+  refused_file("gallery.json: cannot be read");
+
+  const auto changed = [](const auto& change) {
+    Json f = figures();
+    change(f);
+    return f;
+  };
+  refused(Json::array(), "there are none");
+  refused(changed([](Json& f) { f[1]["id"] = "one"; }), "there is another figure \"one\"");
+  refused(changed([](Json& f) { f[0]["id"] = "../x"; }), "small letters");
+  refused(changed([](Json& f) { f[0]["titel"] = "x"; }), "\"titel\" here; did you mean \"title\"?");
+  refused(changed([](Json& f) { f[0].erase("renders"); }), "needs \"renders\" or \"plots\"");
+  refused(changed([](Json& f) { f[0]["renders"][0]["scene"] = "none.xml"; }), "there is no file");
+  refused(changed([](Json& f) { f[0]["renders"][0]["full"].erase("spp"); }), "either \"spp\" or \"time\"");
+  refused(changed([](Json& f) { f[0]["renders"][0]["full"]["size"] = {0, 4}; }), "[width, height]");
+  refused(changed([](Json& f) { f[0]["renders"][0]["full"]["spp"] = 1.5; }), "whole number");
+  refused(changed([](Json& f) { f[1]["renders"][0]["columns"][0]["values"] = Json::array(); }),
+          "needs values");
+  refused(changed([](Json& f) { f[1]["plots"][0]["kind"] = "structure_mop"; }),
+          "did you mean \"structure_map\"?");
+  refused(changed([](Json& f) { f[1]["plots"][0]["u"] = "x"; }), "needs \"u\", a number from 1 to 200");
+  refused(changed([](Json& f) { f[1]["plots"][0]["v"] = 1; }), "has no member \"v\"");
+  refused(changed([](Json& f) {
+            f[0]["renders"][0]["defines"] = {{"fov", Json::array()}};
+          }),
+          "text or a number");
+  // What a scene says wrong is found before anything is rendered.
+  refused(changed([](Json& f) { f[0]["renders"][0]["defines"] = {{"fow", 3}}; }), "fow");
+}
+
+TEST_F(GalleryCommand, WrongArguments) {
+  refused_file("there is no such figure; did you mean \"one\"?", {"--only", "ono"});
+  refused_file("write preview or full", {"--size", "large"});
+  folder.write("page/letter.txt", "mine");
+  const Outcome o = run();
+  EXPECT_EQ(o.exit_code, 2) << o.output;
+  EXPECT_NE(o.output.find("a folder of something else"), std::string::npos) << o.output;
+  EXPECT_EQ(content(out() / "letter.txt"), "mine");
+  EXPECT_FALSE(fs::exists(out() / "index.html"));
+}
+
+}  // namespace
+}  // namespace aureole::test
