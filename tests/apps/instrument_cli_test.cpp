@@ -70,6 +70,40 @@ protected:
   std::string output;
 };
 
+TEST_F(InstrumentCli, CoinsOfAPhotograph) {
+  // 24 coins by eye, with reliefs that look like holes and light that fades from top to bottom.
+  const fs::path coins = source_dir() / "tests/instrument/data/coins.png";
+  ASSERT_EQ(run({"microstructure", coins.string(), "--pixel-size", "1um", "--fill-holes", "-o", "out"}), 0)
+      << output;
+  const auto j = nlohmann::json::parse(content(folder.path / "out/result.json"));
+  EXPECT_EQ(int(j["fields"][0]["whole"]), 24);
+  EXPECT_EQ(int(j["fields"][0]["cut"]), 0);
+  EXPECT_TRUE(bool(j["shape"]["round"]));
+  // The smallest coin is some 37, the largest some 65 pixels wide.
+  EXPECT_NEAR(double(j["radius"]["mean_um"]["value"]), 23, 2);
+  EXPECT_NEAR(double(j["covered_fraction"]["value"]), 0.33, 0.03);
+}
+
+TEST_F(InstrumentCli, Layer) {
+  std::string scene = small_scene_text();
+  scene.insert(scene.rfind("</scene>"), R"(<shape type="sphere" id="ball"><bsdf type="twosided" id="both">
+    <bsdf type="diffuse" id="inner"><float name="reflectance" value="0.3"/></bsdf></bsdf></shape>)");
+  folder.write("scene.xml", scene);
+  for (const char* id : {"ball", "both", "inner"}) {
+    ASSERT_EQ(run({"layer", std::string("scene.xml#") + id, "--step", "100", "--json", "layer.json"}), 0)
+        << output;
+    const auto j = nlohmann::json::parse(content(folder.path / "layer.json"));
+    EXPECT_NEAR(double(j["cie"]["total_reflection"]["Y"]), 0.3, 1e-3);
+    EXPECT_NEAR(double(j["cie"]["total_reflection"]["x"]), 0.3127, 1e-3);
+    EXPECT_NEAR(double(j["wavelengths"][1]["lost"]), 0.7, 1e-3);
+  }
+  refused({"layer", "scene.xml#bal"}, "there are");
+  refused({"layer", "scene.xml"}, "name a BSDF or a shape after \"#\"");
+  refused({"layer", "missing.xml#ball"}, "missing.xml");
+  refused({"layer", "scene.xml#ball", "--illuminant", "D66"}, "unknown illuminant");
+  refused({"layer", "scene.xml#ball", "--angle", "200"}, "--angle");
+}
+
 TEST_F(InstrumentCli, MicrostructureOfTiffs) {
   // 16 bits with ImageJ's tags and 8 bits with pixels per centimetre: both 0.2 um.
   write_grey_tiff(file("a.tif"), discs(1), 16, {"ImageJ=1.53t\nunit=micron\n", 5, RESUNIT_NONE});

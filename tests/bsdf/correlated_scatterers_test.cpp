@@ -577,6 +577,59 @@ TEST(CorrelatedScatterers, GrazingIsFinite) {
     }
 }
 
+TEST(CorrelatedScatterers, RotationTurnsThePattern) {
+  const std::string slits =
+      R"(<aperture type="rectangle"><string name="width" value="6um"/><string name="height" value="2um"/></aperture>
+      <float name="area_fraction" value="0.5"/>)";
+  const auto build = [&](const std::string& more) {
+    return testing::build<Bsdf>("<bsdf type=\"correlated_scatterers\">" + slits + more + "</bsdf>");
+  };
+  const auto plain = build(""), turned = build(R"(<float name="rotation" value="30"/>)");
+  EXPECT_TRUE(plain->needs_tangent());  // the shapes follow uv
+  EXPECT_FALSE(LayerCase{}.build()->needs_tangent());
+  const Context c;
+  const auto turn = [](const Vec3& w, double degrees) {
+    const float s = float(std::sin(degrees * kPi / 180)), co = float(std::cos(degrees * kPi / 180));
+    return Vec3{w.x * co - w.y * s, w.x * s + w.y * co, w.z};
+  };
+  const Vec3 wi = direction(25, 10);
+  bool differs = false;
+  for (double f = 0; f < 360; f += 13) {
+    const Vec3 wo = direction(150, 190 + f / 60);
+    const Spectrum a = plain->eval(wi, wo, c.ctx), b = turned->eval(turn(wi, 30), turn(wo, 30), c.ctx);
+    const Spectrum same = turned->eval(wi, wo, c.ctx);
+    for (int j = 0; j < kWavelengths; ++j) {
+      EXPECT_NEAR(a[j], b[j], 1e-3 * a[j] + 1e-4);
+      differs |= std::abs(a[j] - same[j]) > 0.1 * a[j] + 0.01;
+    }
+  }
+  EXPECT_TRUE(differs);
+}
+
+TEST(CorrelatedScatterers, RadiusScaleIsTheRadius) {
+  LayerCase scaled{
+      .radius = "2um", .correlation_radius = "2um", .extra = R"(<float name="radius_scale" value="2.5"/>)"};
+  const auto a = scaled.build(), b = LayerCase{}.build();
+  const Context c;
+  for (double to = 150; to < 180; to += 1.7) {
+    const Spectrum x = a->eval(direction(5), direction(to, 170), c.ctx),
+                   y = b->eval(direction(5), direction(to, 170), c.ctx);
+    for (int j = 0; j < kWavelengths; ++j) EXPECT_NEAR(x[j], y[j], 1e-3 * y[j] + 1e-4);
+  }
+}
+
+TEST(CorrelatedScatterers, TheGroundBetweenAperturesHasItsBsdf) {
+  const double fr = 0.4;
+  const LayerCase s{.area_fraction = fr,
+                    .extra = R"(<bsdf type="diffuse"><float name="reflectance" value="0.6"/></bsdf>)"};
+  const Context c;
+  const BsdfEval e = s.build()->eval_pdf(direction(30), direction(50, 100), c.ctx);
+  EXPECT_NEAR(e.value[0], (1 - fr) * 0.6 / kPi * direction(50).z, 1e-6);
+  EXPECT_NEAR(e.pdf[0], (1 - fr) / kPi * direction(50).z, 1e-6);  // fr^2 + fr (1 - fr) + 1 - fr is one
+  // The whole light: straight on, diffracted, and reflected by the ground.
+  EXPECT_EQ(s.build()->eval(direction(30), direction(50, 100), c.ctx)[0], e.value[0]);
+}
+
 TEST(CorrelatedScatterers, WrongInputIsNamed) {
   const auto fails_with = [](const std::string& body, const std::string& part) {
     try {

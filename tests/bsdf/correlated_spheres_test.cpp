@@ -59,7 +59,12 @@ const BsdfCases kSpheres("correlated_spheres",
                           harness_case("correlated_spheres_gold", R"(<bsdf type="correlated_spheres">
          <string name="radius" value="300nm"/><float name="area_fraction" value="0.3"/>
          <string name="int_ior" value="Au"/></bsdf>)",
-                                       0.05, false)});
+                                       0.05, false),
+                          harness_case("correlated_spheres_ordered",
+                                       spheres("2um", 0.5, 1.33, R"(<correlation type="lattice">
+         <float name="domain" value="3"/><float name="jitter" value="0.1"/>
+         <boolean name="random_orientation" value="true"/></correlation>)"),
+                                       0.02, true)});
 
 constexpr double kPiD = std::numbers::pi;
 

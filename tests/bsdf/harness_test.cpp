@@ -139,7 +139,43 @@ const BsdfCases kScatterers(
                scatterers(0.002)),
      make_case("correlated_scatterers_tiny", scatterer_xml(R"(<string name="radius" value="400nm"/>
                <float name="area_fraction" value="0.2"/>)"),
-               scatterers(0.05))});
+               scatterers(0.05)),
+     make_case("correlated_scatterers_square_on_glass", scatterer_xml(R"(<aperture type="rectangle">
+               <string name="width" value="4um"/><string name="height" value="3um"/><float name="rotation" value="20"/></aperture>
+               <float name="area_fraction" value="0.6"/><string name="substrate" value="dielectric"/>
+               <float name="int_ior" value="1.5"/><float name="ext_ior" value="1"/>)"),
+               scatterers(0.03, [](BsdfCase& c) { c.n_below = constant(1.5); })),
+     make_case("correlated_scatterers_mixture_of_sizes", scatterer_xml(R"(<aperture type="circle">
+               <string name="radius" value="2um"/><float name="fraction" value="0.4"/><float name="size_spread" value="0.15"/></aperture>
+               <aperture type="star"><string name="radius" value="2um"/><float name="fraction" value="0.6"/>
+               <boolean name="random_rotation" value="true"/></aperture>
+               <float name="area_fraction" value="0.5"/><string name="substrate" value="thindielectric"/>)"),
+               scatterers(0.03)),
+     make_case("correlated_scatterers_polydisperse", scatterer_xml(R"(<aperture type="circle">
+               <string name="radius" value="2um"/><float name="size_spread" value="0.2"/></aperture>
+               <string name="sizes" value="polydisperse"/><string name="scatterer" value="discs"/>
+               <float name="area_fraction" value="0.5"/>)"),
+               scatterers(0.03)),
+     make_case("correlated_scatterers_cloth", scatterer_xml(R"(<aperture type="rectangle">
+               <string name="width" value="3um"/><string name="height" value="2um"/></aperture>
+               <float name="area_fraction" value="0.5"/><correlation type="lattice"><string name="lattice" value="square"/>
+               <float name="domain" value="3"/><float name="jitter" value="0.1"/></correlation>
+               <bsdf type="twosided"><bsdf type="diffuse"/></bsdf>)"),
+               scatterers(0.05)),
+     make_case("correlated_scatterers_poisson", scatterer_xml(R"(<string name="radius" value="3um"/>
+               <float name="area_fraction" value="0.3"/><correlation type="poisson"/>)"),
+               scatterers(0.02)),
+     make_case("correlated_scatterers_stretched", scatterer_xml(R"(<string name="radius" value="2um"/>
+               <float name="area_fraction" value="0.5"/><correlation type="percus_yevick"><float name="stretch" value="2"/>
+               <float name="stretch_direction" value="25"/></correlation>)"),
+               scatterers(0.03)),
+     make_case("correlated_scatterers_table", scatterer_xml(R"(<string name="radius" value="2um"/>
+               <float name="area_fraction" value="0.5"/><string name="sampling" value="table"/>)"),
+               scatterers(0.03)),
+     make_case("correlated_scatterers_cosine", scatterer_xml(R"(<string name="radius" value="1um"/>
+               <float name="area_fraction" value="0.5"/><string name="sampling" value="cosine"/>
+               <string name="substrate" value="thindielectric"/>)"),
+               scatterers(0.1))});
 
 std::string text(double v) {
   std::ostringstream s;

@@ -179,6 +179,57 @@ TEST(ScattererModel, EnergyOfEveryShape) {
     }
 }
 
+/// The same identity for shapes whose transforms this file does not know: by their areas alone.
+TEST(ScattererModel, EnergyOfEveryAperture) {
+  struct Case {
+    const char *name, *xml, *correlation;
+    double tolerance;
+  };
+  const char* fluid = R"(<correlation type="percus_yevick"/>)";
+  const Case cases[] = {
+      {"ellipse",
+       R"(<aperture type="ellipse"><string name="radius_x" value="1um"/><string name="radius_y" value="0.4um"/></aperture>)",
+       fluid, 0.012},
+      {"annulus",
+       R"(<aperture type="annulus"><string name="radius" value="1um"/><string name="inner_radius" value="0.6um"/></aperture>)",
+       fluid, 0.012},
+      {"hexagon",
+       R"(<aperture type="ngon"><integer name="sides" value="6"/><string name="radius" value="1um"/></aperture>)",
+       fluid, 0.012},
+      {"star", R"(<aperture type="star"><string name="radius" value="1um"/></aperture>)", fluid, 0.012},
+      {"turning star",
+       R"(<aperture type="star"><string name="radius" value="1um"/><boolean name="random_rotation" value="true"/></aperture>)",
+       fluid, 0.012},
+      {"sizes",
+       R"(<aperture type="circle"><string name="radius" value="0.5um"/><float name="size_spread" value="0.2"/></aperture>)",
+       fluid, 0.012},
+      {"circle, Poisson", R"(<aperture type="circle"><string name="radius" value="1um"/></aperture>)",
+       R"(<correlation type="poisson"/>)", 0},
+      {"circle, lattice", R"(<aperture type="circle"><string name="radius" value="1um"/></aperture>)",
+       R"(<correlation type="lattice"><float name="jitter" value="0.03"/><boolean name="random_orientation" value="true"/></correlation>)",
+       0.03},
+      {"circle, simulated", R"(<aperture type="circle"><string name="radius" value="1um"/></aperture>)",
+       R"(<correlation type="simulated"><integer name="discs" value="400"/><integer name="snapshots" value="160"/></correlation>)",
+       0.012}};
+  for (const Case& c : cases) {
+    constexpr double kFraction = 0.5;
+    const auto a = testing::build<Aperture>(c.xml);
+    auto mixture = std::make_shared<optics::ScattererMixture>(
+        std::vector<optics::Scatterer>{{a->shape(), 1, a->rotation(), a->is_randomly_rotated(), a->sizes()}},
+        1e-6);
+    const double fr = kFraction * mixture->covered_per_fraction(), area = fr / kFraction * kPi;
+    const ScattererModel model(mixture, *testing::build<Correlation>(c.correlation), kFraction, kFraction,
+                               60);
+    const double total = kFraction / kPi / (2 * kPi) / double(model.at(float(kFraction)).inverse_total);
+    const bool overlap = std::string(c.name).find("Poisson") != std::string::npos;
+    const double expected = overlap ? fr : fr * (1 - fr);  // overlapping scatterers add up to Fr
+    std::printf("%-18s covers %.3f of its discs: own total %+.2f %%\n", c.name, area / kPi,
+                100 * (total / expected - 1));
+    EXPECT_NEAR(total / expected, 1, c.tolerance + 1e-4) << c.name;
+    EXPECT_NEAR(model.covered(float(kFraction)), overlap ? 1 - std::exp(-fr) : fr, 1e-6) << c.name;
+  }
+}
+
 /// Waves summed over simulated discs of two sizes, each with an opening of its own in it, against the
 /// mixture's intensity where sizes are correlated.
 TEST(ScattererModel, SizesThatPackTogether) {

@@ -19,6 +19,21 @@ std::string range_text(const RefractiveIndex& n) {
 
 }  // namespace
 
+void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
+                       const RefractiveIndex& index) {
+  // Scenes with the default sensor, 360-830 nm, work everywhere: the eye hardly sees its ends.
+  constexpr SpectralGrid kVisible;
+  const SpectralGrid& grid = properties.context().grid;
+  const bool below = grid.min_nm<index.min_nm(), above = grid.max_nm> index.max_nm();
+  const std::string known = "the index of \"" + material + "\" is known from " + range_text(index);
+  if ((below && grid.min_nm < kVisible.min_nm) || (above && grid.max_nm > kVisible.max_nm))
+    throw properties.error(name, known + ", but the sensor sees " +
+                                     std::to_string(int(std::lround(grid.min_nm))) + " to " +
+                                     std::to_string(int(std::lround(grid.max_nm))) +
+                                     " nm; narrow wavelength_min and wavelength_max, or give a number");
+  if (below || above) properties.note(name, known + "; outside that range its value at the end is used");
+}
+
 Ior Ior::from(const Properties& properties, std::string_view name, const std::string& fallback) {
   // A plug-in that documents `dispersion` lets a scene ask for the constant indices that other renderers use.
   const bool may_disperse = !properties.plugin() || !properties.plugin()->documents("dispersion") ||
@@ -49,9 +64,7 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
   ior.constant_ = float(index->at(kSodiumD).real());
   if (!index->is_dispersive()) return ior;
   const SpectralGrid& grid = properties.context().grid;
-  if (grid.min_nm < index->min_nm() || grid.max_nm > index->max_nm())
-    properties.note(name, "the index of \"" + material + "\" is known from " + range_text(*index) +
-                              "; outside that range its value at the end is used");
+  check_index_range(properties, name, material, *index);
   ior.dispersive_ = true;
   ior.table_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
   return ior;

@@ -16,6 +16,8 @@
 
 namespace aureole {
 
+class RefractiveIndex;
+
 enum class TransportMode { radiance, importance };
 
 /// What a lobe does; a BSDF's `lobes()` is the union over its lobes.
@@ -107,6 +109,11 @@ using BsdfPtr = std::shared_ptr<const Bsdf>;
 inline float cos_theta(const Vec3& w) { return w.z; }
 inline float abs_cos_theta(const Vec3& w) { return std::abs(w.z); }
 inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }  ///< about the local normal
+
+/// What to do where a sensor sees wavelengths at which the index of `material` is not known: an error,
+/// located at `name`, if it asks for more than the visible range, else a note; the value at the end is used.
+void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
+                       const RefractiveIndex& index);
 
 /// A refractive index given as a number or a material's name, per wavelength of the path.
 class Ior {

@@ -40,6 +40,7 @@ ConductorIndex ConductorIndex::from(const Properties& properties) {
     if (!index || !index->is_dispersive())
       throw properties.error("material", "\"" + material + "\" is not a known conductor" +
                                              did_you_mean(material, conductor_names()));
+    check_index_range(properties, "material", material, *index);
     c.eta_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
     c.k_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).imag(); });
     c.tabulate_diffuse();

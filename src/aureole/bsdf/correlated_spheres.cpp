@@ -23,16 +23,6 @@
 namespace aureole {
 namespace {
 
-class HardDiscs final : public optics::StructureFactor {
-public:
-  explicit HardDiscs(double area_fraction) : area_fraction_(area_fraction) {}
-  using StructureFactor::eval;
-  double eval(double u) const override { return optics::hard_disc_structure_factor(u, area_fraction_); }
-
-private:
-  double area_fraction_;
-};
-
 /// The index of the spheres: a dielectric with an absorption of its own, or a metal.
 std::function<std::complex<double>(double)> sphere_index(const Properties& p, const SpectralGrid& grid) {
   const TexturePtr k = get_optional_texture(p, "k", SpectrumRole::unbounded);
@@ -41,6 +31,7 @@ std::function<std::complex<double>(double)> sphere_index(const Properties& p, co
     if (const auto* name = std::get_if<std::string>(&e->value))
       if (const auto metal = find_refractive_index(*name, false); metal && metal->is_dispersive()) {
         if (k) throw p.error("k", "\"" + *name + "\" has its own absorption: leave \"k\" out");
+        check_index_range(p, "int_ior", *name, *metal);
         return [metal](double nm) { return metal->at(nm); };
       }
   const Ior real = Ior::from(p, "int_ior", "water");
@@ -75,17 +66,11 @@ public:
                                      "i; its modulus must not exceed 20");
     check_size(p, layer, grid);
 
-    const auto correlations = p.get_children<Correlation>("correlation");
-    if (correlations.size() > 1)
-      throw Error(p.where(), "\"correlated_spheres\" takes one nested correlation, not more");
-    if (correlations.empty())
-      layer.structure = std::make_shared<HardDiscs>(layer.area_fraction);
-    else
-      try {
-        layer.structure = correlations.front()->at(layer.area_fraction);
-      } catch (const std::domain_error& e) {
-        throw p.error("area_fraction", e.what());
-      }
+    try {
+      layer.structure = get_correlation(p)->structure_factor(layer.area_fraction);
+    } catch (const std::domain_error& e) {
+      throw p.error("area_fraction", e.what());
+    }
     if (!layer.structure->is_isotropic())
       p.note("correlation",
              "domains of all orientations are taken: spheres scatter by the mean over the ring");
