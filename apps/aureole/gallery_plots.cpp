@@ -117,13 +117,14 @@ std::vector<double> pair_correlation(double area_fraction, const std::vector<dou
 }
 
 void plot_hard_discs(const GalleryPlot& plot, GallerySize size, Output& out) {
-  const int discs = size == kFullSize ? 2000 : 600, snapshots = size == kFullSize ? 800 : 120;
+  const int discs = size == kFullSize ? 2000 : 1000, snapshots = size == kFullSize ? 1600 : 300;
   for (const double fa : numbers(plot, "area_fractions")) {
     optics::HardDiscSimulation simulation(discs, fa, 1);
     simulation.advance(simulation.equilibration_sweeps());
     std::vector<double> edges;
     const double box = simulation.state().box_x;
-    for (double u = 0.15; u < 16; u += 0.15) edges.push_back(u);
+    // Rings as narrow as the box's own wave vectors allow.
+    for (double u = 1.1 * 2 * pi / box; u < 16; u += 1.1 * 2 * pi / box) edges.push_back(u);
     optics::RingStructureFactor structure(box, simulation.state().box_y, edges, 24);
     optics::PairHistogram pairs(10, 200);
     out.svg(discs_svg(simulation.state(), 24), fmt::format("Fa = {:g}: one arrangement, 24 radii wide", fa));
