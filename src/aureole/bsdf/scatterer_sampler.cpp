@@ -58,11 +58,13 @@ ProductSampler::ProductSampler(std::shared_ptr<const ScattererModel> model, bool
 
 Spectrum ProductSampler::azimuth(int node, const DiffractedWave& u) const {
   const optics::ScattererTable& table = model_->table();
+  if (table.is_product() && !correlated_) return 1.f;
+  const auto bins = table.coherent_azimuths().bins<kWavelengths>(u.x.data(), u.y.data(), u.length.data());
+  const Spectrum scale = make_spectrum([&](int j) { return bins.scale[j]; });
   const auto of = [&](const optics::RingAzimuths& a) {
-    return make_spectrum([&](int j) { return a.density(u.x[j], u.y[j], u.length[j]); });
+    return make_spectrum([&](int j) { return a.mass(bins.index[j]); }) * scale;
   };
-  if (table.is_product()) return correlated_ ? of(table.uncorrelated_azimuths()) : Spectrum(1.f);
-  if (model_->is_single()) return of(table.coherent_azimuths());
+  if (table.is_product() || model_->is_single()) return of(table.coherent_azimuths());
   const Spectrum uncorrelated =
       make_spectrum([&](int j) { return table.uncorrelated_ring().eval(u.length[j]); });
   Spectrum coherent = make_spectrum([&](int j) { return table.coherent_ring().eval(u.length[j]); });

@@ -1,22 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/instrument/light_budget.h"
 
-#include <algorithm>
 #include <cmath>
+
+#include "aureole/plugin/registry.h"
+#include "aureole/sampler/sampler.h"
 
 namespace aureole {
 namespace {
 
-/// The sequence R3 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2018).
-struct Lattice {
-  explicit Lattice(int i) : index(i + 1) {}
-  float operator()(double step) const {
-    return float(std::min(std::fmod(0.5 + index * step, 1.0), 0.99999994));
-  }
-  float choice() const { return (*this)(0.8191725133961645); }
-  Vec2 direction() const { return {(*this)(0.6710436067037893), (*this)(0.5497004779019703)}; }
-  double index;
-};
+/// The renderer's own points.
+std::shared_ptr<const Sampler> sobol(const Bsdf& bsdf) {
+  const PluginInfo* info = Registry::instance().find("sampler", "sobol");
+  return std::dynamic_pointer_cast<const Sampler>(
+      info->create(Properties(info->name, "", {}, bsdf.properties().shared_context(), info)));
+}
 
 }  // namespace
 
@@ -25,10 +23,12 @@ LightBudget measure_light_budget(const Bsdf& bsdf, const Vec3& wi, double nm, co
   const Wavelengths w = Wavelengths::at(grid, float(nm));
   SurfacePoint point;
   point.uv = settings.uv;
+  const auto sampler = sobol(bsdf);
   const auto draw = [&](int i) {
-    const Lattice x(i);
+    float x[Sampler::kBlock];
+    sampler->block(0, std::uint32_t(i), 0, x);
     const BsdfContext ctx{w, point, TransportMode::importance, std::uint32_t(i)};
-    auto s = bsdf.sample(wi, x.choice(), x.direction(), ctx);
+    auto s = bsdf.sample(wi, x[0], {x[1], x[2]}, ctx);
     if (s && !(s->pdf[0] > 0)) s.reset();
     return s;
   };

@@ -24,8 +24,8 @@ struct LightBudgetSettings {
   Vec2 uv{0.5f, 0.5f};  ///< place on the surface
 };
 
-/// Light that arrives from `wi` (outward, local frame). By samples of the BSDF along a rank-1 lattice: the
-/// error is a few 1e-4 for BSDFs that sample well.
+/// Light that arrives from `wi` (outward, local frame). By samples of the BSDF at Sobol points: the error
+/// is a few 1e-4 for BSDFs that sample well.
 LightBudget measure_light_budget(const Bsdf& bsdf, const Vec3& wi, double nm, const SpectralGrid& grid,
                                  const LightBudgetSettings& settings);
 

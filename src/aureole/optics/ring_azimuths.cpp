@@ -30,12 +30,13 @@ RingAzimuths::RingAzimuths(const std::function<double(double, double)>& f, doubl
   for (int i = 0; i < count; ++i) {
     const double end = ring_start(i + 1);
     const double bins = end * layout.bins[end <= double(kFirst) ? 0 : end <= double(kSecond) ? 1 : 2];
-    rings_.push_back({total, int(std::bit_ceil(unsigned(std::max(16.0, bins))))});
-    total += rings_.back().bins + 1;
+    const int whole = int(std::bit_ceil(unsigned(std::max(16.0, bins))));
+    rings_.push_back({total, float(whole)});
+    total += whole + 1;
   }
   cdf_.resize(total);
   const auto fill = [&](int i) {
-    const auto [first, bins] = rings_[i];
+    const int first = rings_[i].first, bins = int(rings_[i].bins);
     const double a = ring_start(i), b = ring_start(i + 1);
     constexpr int kAcross = 3, kAlong = 3;
     std::vector<double> weights(bins);
@@ -75,11 +76,10 @@ void RingAzimuths::sample(float u, float xi, float& cosine, float& sine) const {
   xi = turned ? 2 * xi - 1 : 2 * xi;
   const float* begin = &cdf_[r.first];
   int bin = 0;
-  for (int step = r.bins / 2; step > 0; step /= 2)
+  for (int step = int(r.bins) / 2; step > 0; step /= 2)
     if (begin[bin + step] <= xi) bin += step;
   const float mass = begin[bin + 1] - begin[bin];
-  const float p =
-      (float(bin) + (mass > 0 ? std::min((xi - begin[bin]) / mass, 0.9999999f) : 0.5f)) / float(r.bins);
+  const float p = (float(bin) + (mass > 0 ? std::min((xi - begin[bin]) / mass, 0.9999999f) : 0.5f)) / r.bins;
   float x = 1 - 2 * p, y = 1 - std::abs(x);
   const float scale = (turned ? -1 : 1) / std::sqrt(x * x + y * y);
   cosine = x * scale, sine = y * scale;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -26,17 +27,37 @@ public:
   /// threads.
   RingAzimuths(const std::function<double(double, double)>& f, double extent, const Layout& layout);
 
-  /// Density over the azimuth times 2 pi, 1 if nothing depends on it, for u = (ux, uy) of length `u` > 0.
+  /// The bins of N points u = (ux, uy) of length `u` > 0: the same for all tables of one layout and extent.
+  template <int N>
+  struct Bins {
+    std::int32_t index[N];
+    float scale[N];  ///< density of a bin over its mass
+  };
+  template <int N>
+  Bins<N> bins(const float* ux, const float* uy, const float* u) const {
+    Bins<N> found;
+    const int last = int(rings_.size()) - 1;
+    for (int j = 0; j < N; ++j) {
+      const int index = ring_index(u[j]);
+      const Ring& r = rings_[std::size_t(index < last ? index : last)];
+      found.index[j] = r.first, found.scale[j] = r.bins;
+    }
+    for (int j = 0; j < N; ++j) {
+      const float x = uy[j] < 0 ? -ux[j] : ux[j];
+      const float sum = (ux[j] < 0 ? -ux[j] : ux[j]) + (uy[j] < 0 ? -uy[j] : uy[j]);
+      const float inverse = 1 / (sum > 1e-30f ? sum : 1e-30f), count = found.scale[j];
+      const float place = (1 - x * inverse) * 0.5f * count, most = count - 1;
+      found.index[j] += std::int32_t(place < most ? place : most);
+      // Over p: mass times bins; dp/d azimuth = u^2/(2 sum^2); half a ring is pi.
+      found.scale[j] = count * 1.57079633f * (u[j] * inverse) * (u[j] * inverse);
+    }
+    return found;
+  }
+  /// Density over the azimuth times 2 pi, 1 if nothing depends on it, is this times the bin's scale.
+  float mass(std::int32_t index) const { return cdf_[std::size_t(index) + 1] - cdf_[std::size_t(index)]; }
   float density(float ux, float uy, float u) const {
-    ux = uy < 0 ? -ux : ux, uy = uy < 0 ? -uy : uy;
-    const int last = int(rings_.size()) - 1, index = ring_index(u);
-    const Ring& r = rings_[std::size_t(index < last ? index : last)];
-    const float sum = (ux < 0 ? -ux : ux) + uy, inverse = 1 / (sum > 1e-30f ? sum : 1e-30f);
-    const int found = int((1 - ux * inverse) * 0.5f * float(r.bins)),
-              bin = found < r.bins ? found : r.bins - 1;
-    const float* c = &cdf_[std::size_t(r.first + bin)];
-    // Over p: mass times bins; dp/d azimuth = u^2/(2 sum^2); half a ring is pi.
-    return (c[1] - c[0]) * float(r.bins) * 1.57079633f * (u * inverse) * (u * inverse);
+    const Bins<1> b = bins<1>(&ux, &uy, &u);
+    return mass(b.index[0]) * b.scale[0];
   }
   /// A unit vector, for xi in [0, 1).
   void sample(float u, float xi, float& cosine, float& sine) const;
@@ -44,8 +65,8 @@ public:
 
 private:
   struct Ring {
-    int first;  ///< in cdf_
-    int bins;
+    std::int32_t first;  ///< in cdf_
+    float bins;          ///< a whole number
   };
   int ring_index(float u) const {
     u = u < 1e6f ? u : 1e6f;

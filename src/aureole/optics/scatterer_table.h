@@ -45,6 +45,7 @@ public:
   }
   /// Azimuths are needed: the mixture, or its positions, are not isotropic.
   bool has_azimuths() const { return uncorrelated_azimuths_.has_value(); }
+  /// Both have the same bins; of an anisotropic correlation they are one.
   const RingAzimuths& uncorrelated_azimuths() const { return *uncorrelated_azimuths_; }
   const RingAzimuths& coherent_azimuths() const {
     return coherent_azimuths_ ? *coherent_azimuths_ : *uncorrelated_azimuths_;
