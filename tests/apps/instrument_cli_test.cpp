@@ -82,6 +82,17 @@ TEST_F(InstrumentCli, CoinsOfAPhotograph) {
   // The smallest coin is some 37, the largest some 65 pixels wide.
   EXPECT_NEAR(double(j["radius"]["mean_um"]["value"]), 23, 2);
   EXPECT_NEAR(double(j["covered_fraction"]["value"]), 0.33, 0.03);
+  // Sizes differ: the material packs them together, and covers what the coins cover.
+  std::string scene = small_scene_text();
+  scene.insert(
+      scene.rfind("</scene>"),
+      "<include filename=\"out/scene.xml\"/><shape type=\"sphere\"><ref id=\"measured\"/></shape>\n");
+  folder.write("scene.xml", scene);
+  ASSERT_EQ(run({"layer", "scene.xml#measured", "--step", "200", "--json", "layer.json"}), 0) << output;
+  const double fr = j["covered_fraction"]["value"];
+  const auto layer = nlohmann::json::parse(content(folder.path / "layer.json"));
+  EXPECT_NEAR(double(layer["cie"]["direct_transmission"]["Y"]), fr * fr, 0.003);
+  EXPECT_NEAR(double(layer["cie"]["total_transmission"]["Y"]), fr, 0.006);
 }
 
 TEST_F(InstrumentCli, Layer) {

@@ -238,15 +238,18 @@ TEST(CorrelatedSpheres, IsReciprocal) {
 
 TEST(CorrelatedSpheres, ForwardLobesOfDiscsAndSpheres) {
   // Figure 6 of the source: light along the normal, 550 nm, area fraction .3, here droplets of water (1.33).
-  // Opaque discs of the same radius diffract alike where the sphere is large.
+  // Opaque discs of the same radius diffract alike where the sphere is large. What a clear sphere lets
+  // through interferes with what it diffracts, so that it comes there later than an inky one.
   const Setting s;
   std::printf("largest difference of the normalised lobes for q a < 3, in %% of the peak\n");
-  std::printf("%8s %8s %12s %12s\n", "a [um]", "k a", "n = 1.33", "n = 1.5");
-  for (const double radius : {1.0, 2.0, 5.0, 10.0, 20.0, 40.0}) {
+  std::printf("%8s %8s %12s %12s %12s\n", "a [um]", "k a", "1.33 + .05i", "n = 1.33", "n = 1.5");
+  for (const double radius : {1.0, 2.0, 5.0, 5.4, 10.0, 20.0, 40.0}) {
     const double x = 2 * kPiD * radius * 1000 / kNm;
-    double differences[2];
-    for (const double n : {1.33, 1.5}) {
-      const auto sphere = at_550(spheres(std::to_string(radius) + "um", 0.3, n));
+    double differences[3];
+    for (int kind = 0; kind < 3; ++kind) {
+      const double n = kind < 2 ? 1.33 : 1.5;
+      const auto sphere = at_550(spheres(std::to_string(radius) + "um", 0.3, n,
+                                         kind == 0 ? R"(<float name="k" value="0.05"/>)" : ""));
       const auto disc = at_550(R"(<bsdf type="correlated_scatterers"><string name="scatterer" value="discs"/>
           <string name="radius" value=")" +
                                std::to_string(radius) + R"(um"/><float name="area_fraction" value="0.3"/>
@@ -259,18 +262,23 @@ TEST(CorrelatedSpheres, ForwardLobesOfDiscsAndSpheres) {
       }
       const double peak_a = *std::max_element(a.begin(), a.end()),
                    peak_b = *std::max_element(b.begin(), b.end());
-      double& most = differences[n == 1.5];
+      double& most = differences[kind];
       most = 0;
       for (std::size_t i = 0; i < a.size(); ++i)
         most = std::max(most, std::abs(a[i] / peak_a - b[i] / peak_b));
     }
-    std::printf("%8.0f %8.1f %12.2f %12.2f\n", radius, x, 100 * differences[0], 100 * differences[1]);
+    std::printf("%8.1f %8.1f %12.2f %12.2f %12.2f\n", radius, x, 100 * differences[0], 100 * differences[1],
+                100 * differences[2]);
+    // An opaque sphere's edge is not sharp: its rays that just pass shift the lobe by x^(-2/3).
     if (x > 60) {
-      EXPECT_LT(differences[0], 0.05) << radius;
-      EXPECT_LT(differences[1], 0.08) << radius;
+      EXPECT_LT(differences[0], x > 80 ? 0.05 : 0.062) << radius;
+    }
+    if (x > 100) {
+      EXPECT_LT(differences[1], 0.05) << radius;
+      EXPECT_LT(differences[2], 0.08) << radius;
     }
     if (radius == 1) {
-      EXPECT_GT(differences[0], 0.05);
+      EXPECT_GT(differences[1], 0.05);
     }
   }
 }

@@ -156,11 +156,22 @@ std::string scene_snippet(const Microstructure& m) {
   if (spread)
     for (const Bin& b : size_bins(m)) largest = std::max(largest, b.size);
   // Scatterers must fit into discs of the correlation radius. What rounds to equal is equal.
-  double correlation = a, fraction = m.area_fraction.value, radius = r;
+  double fraction = m.area_fraction.value, radius = r;
   std::string remark;
   if (!spread && r > a && r < 1.03 * a) radius = a;
-  if (radius * largest > a) {
-    correlation = radius * largest, fraction = m.density.value * M_PI * correlation * correlation;
+  double reach = radius;  // of a shape of mean size
+  if (!m.round) {
+    reach = 0;
+    for (const auto& p : m.mean_outline) reach = std::max(reach, std::hypot(p[0], p[1]));
+  }
+  const bool fits = reach * largest <= a;
+  if (!fits && spread) {
+    // Small ones lie closer together than large ones: each has a disc of its own size.
+    fraction = m.shape_fraction.value * (reach / r) * (reach / r);
+    remark =
+        "\n     Sizes differ by more than the correlation radius leaves room for: they are packed together.";
+  } else if (!fits) {
+    fraction = m.density.value * M_PI * reach * reach;
     remark = fmt::format(
         "\n     The largest shape needs more than the measured correlation radius, {:.4g}um (area fraction "
         "{:.4g}): its own is used.",
@@ -180,12 +191,13 @@ std::string scene_snippet(const Microstructure& m) {
       m.particles.size(), m.fields.size(), m.shape_fraction.value, m.shape_fraction.low,
       m.shape_fraction.high, m.area_fraction.value, m.area_fraction.low, m.area_fraction.high, remark);
   if (m.round && !spread)
-    out += fmt::format("    <string name=\"radius\" value=\"{:.5g}um\"/>\n", radius * um);
-  out += fmt::format("    <string name=\"correlation_radius\" value=\"{:.5g}um\"/>\n", correlation * um);
+    out += fmt::format("    <string name=\"radius\" value=\"{:.7g}um\"/>\n", radius * um);
+  if (fits) out += fmt::format("    <string name=\"correlation_radius\" value=\"{:.7g}um\"/>\n", a * um);
+  if (!fits && spread) out += "    <string name=\"sizes\" value=\"polydisperse\"/>\n";
   out += fmt::format("    <float name=\"area_fraction\" value=\"{:.4g}\"/>\n", fraction);
   if (m.round && spread) {
     out +=
-        fmt::format("    <aperture type=\"circle\">\n        <string name=\"radius\" value=\"{:.5g}um\"/>\n",
+        fmt::format("    <aperture type=\"circle\">\n        <string name=\"radius\" value=\"{:.7g}um\"/>\n",
                     radius * um);
     out += "        <string name=\"size_histogram\" value=\"sizes.txt\"/>\n    </aperture>\n";
   } else if (!m.round) {
