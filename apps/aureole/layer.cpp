@@ -29,7 +29,8 @@ namespace {
 struct LayerOptions {
   std::string target, illuminant = "D65", json;
   std::vector<std::string> defines;
-  double angle = 0, azimuth = 0, step = 20, haze_angle = 2.5, u = 0.5, v = 0.5;
+  double angle = 0, azimuth = 0, step = 20, haze_angle = 2.5;
+  std::vector<double> at{0.5, 0.5};
   int samples = 1 << 16;
 };
 
@@ -112,12 +113,13 @@ int layer(const LayerOptions& options) {
   const Vec3 wi{float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)),
                 float(std::cos(theta))};
   const LightBudgetSettings settings{
-      options.haze_angle, options.samples, {float(options.u), float(options.v)}};
+      options.haze_angle, options.samples, {float(options.at[0]), float(options.at[1])}};
   std::vector<LightBudget> rows;
-  const int count = std::max(1, int(std::floor((grid.max_nm - grid.min_nm) / options.step + 1e-9)));
+  const int count = std::max(1, int(std::ceil((grid.max_nm - grid.min_nm) / options.step - 1e-9)));
+  if (count > 10000) throw Error("--step: more than 10000 wavelengths");
   rows.resize(std::size_t(count) + 1);
   for (int i = 0; i <= count; ++i)
-    rows[std::size_t(i)].nm = std::min(grid.min_nm + i * options.step, grid.max_nm);
+    rows[std::size_t(i)].nm = grid.min_nm + (grid.max_nm - grid.min_nm) * i / count;
   for_ranges(
       rows.size(),
       [&](std::size_t begin, std::size_t end) {
@@ -194,17 +196,15 @@ void add_layer_command(CLI::App& app, CommandResult& result) {
                 "of the light to the normal in degrees, beyond 90 from below (default 0)")
       ->check(CLI::Range(0.0, 180.0));
   c->add_option("--azimuth", o->azimuth, "of the light in degrees from the u axis");
-  c->add_option("--step", o->step, "nm between wavelengths (default 20)")->check(CLI::Range(0.01, 1e9));
+  c->add_option("--step", o->step, "nm between wavelengths, at most (default 20)")
+      ->check(CLI::Range(0.01, 1e9));
   c->add_option("--illuminant", o->illuminant, "lamp of the CIE figures (default D65)");
   c->add_option("--haze-angle", o->haze_angle, "degrees beyond which light counts as haze (default 2.5)")
       ->check(CLI::Range(0.01, 90.0));
   c->add_option("--samples", o->samples, "per wavelength (default 65536)")->check(CLI::Range(64, 1 << 26));
-  c->add_option("--at", "u,v of the point on the surface, for textured layers (default 0.5,0.5)")
+  c->add_option("--at", o->at, "u,v of the point on the surface, for textured layers (default 0.5,0.5)")
       ->delimiter(',')
-      ->expected(2)
-      ->each([o, first = true](const std::string& text) mutable {
-        (first ? o->u : o->v) = std::stod(text), first = false;
-      });
+      ->expected(2);
   c->add_option("--json", o->json, "also write the figures to this file");
   c->callback([o, &result] { result.exit_code = layer(*o); });
 }

@@ -630,6 +630,38 @@ TEST(CorrelatedScatterers, TheGroundBetweenAperturesHasItsBsdf) {
   EXPECT_EQ(s.build()->eval(direction(30), direction(50, 100), c.ctx)[0], e.value[0]);
 }
 
+TEST(CorrelatedScatterers, LimitsOfFractionsAreAllowed) {
+  const auto build = [](const std::string& fraction, const std::string& correlation) {
+    return testing::build<Bsdf>(R"(<bsdf type="correlated_scatterers"><string name="radius" value="2um"/>)" +
+                                fraction + correlation + "</bsdf>");
+  };
+  const auto number = [](const char* x) {
+    return std::string("<float name=\"area_fraction\" value=\"") + x + "\"/>";
+  };
+  const Context c;
+  const std::shared_ptr<Bsdf> layers[] = {
+      build(number("0.7"), ""), build(number("0.9069"), R"(<correlation type="lattice"/>)"),
+      build(number("0.7854"),
+            R"(<correlation type="lattice"><string name="lattice" value="square"/></correlation>)"),
+      build(
+          number("0.68"),
+          R"(<correlation type="simulated"><integer name="discs" value="100"/><integer name="snapshots" value="64"/></correlation>)"),
+      // A texture that hardly varies.
+      build(
+          R"(<texture type="checkerboard" name="area_fraction"><float name="color0" value="0.5"/><float name="color1" value="0.5000001"/></texture>)",
+          ""),
+      // Finer than the wavelength: nothing is diffracted at all.
+      testing::build<Bsdf>(
+          R"(<bsdf type="correlated_scatterers"><string name="radius" value="0.1um"/><float name="area_fraction" value="0.5"/>
+          <correlation type="lattice"><float name="jitter" value="0"/></correlation></bsdf>)")};
+  for (const auto& layer : layers)
+    for (double to = 91; to < 180; to += 4.3) {
+      const BsdfEval e = layer->eval_pdf(direction(20), direction(to, 200), c.ctx);
+      for (int j = 0; j < kWavelengths; ++j)
+        EXPECT_TRUE(std::isfinite(e.value[j]) && std::isfinite(e.pdf[j]) && e.value[j] >= 0 && e.pdf[j] >= 0);
+    }
+}
+
 TEST(CorrelatedScatterers, WrongInputIsNamed) {
   const auto fails_with = [](const std::string& body, const std::string& part) {
     try {
@@ -667,7 +699,7 @@ TEST(CorrelatedScatterers, WrongInputIsNamed) {
       radius +
           R"(<texture type="checkerboard" name="area_fraction"><float name="color0" value="0.2"/><float name="color1" value="0.4"/></texture>
              <correlation type="lattice"/>)",
-      "circular symmetry");
+      "same everywhere");
   fails_with(
       radius +
           R"(<texture type="checkerboard" name="area_fraction"><float name="color0" value="0.2"/><float name="color1" value="0.75"/></texture>)",

@@ -12,6 +12,7 @@
 #include <functional>
 #include <numbers>
 #include <random>
+#include <sstream>
 
 #include "aureole/aperture/aperture.h"
 #include "aureole/bsdf/scatterer_sampler.h"
@@ -282,6 +283,51 @@ TEST(ScattererModel, SizesThatPackTogether) {
         other, std::abs(m.uncorrelated + m.coherent * hard_discs(u, kFraction) - expected[ring]) / peak);
   }
   EXPECT_GT(other, 0.1);
+}
+
+/// A turned octagon looks like a circle up to u = 8 and scatters a fifth of its light without correlation
+/// beyond: the tables have all of it.
+TEST(ScattererModel, TurnedShapesKeepTheirUncorrelatedLight) {
+  const auto a = testing::build<Aperture>(
+      R"(<aperture type="ngon"><integer name="sides" value="8"/><string name="radius" value="1um"/><boolean name="random_rotation" value="true"/></aperture>)");
+  const auto mixture = std::make_shared<optics::ScattererMixture>(
+      std::vector<optics::Scatterer>{{a->shape(), 1, 0, true, {}}}, 1e-6);
+  const ScattererModel model(mixture, *testing::build<Correlation>(R"(<correlation type="percus_yevick"/>)"),
+                             0.5, 0.5, 100);
+  const auto state = model.at(0.5f);
+  double share = 0;
+  for (double u = 10; u < 40; u += 0.37) {
+    // The ring mean of |F|^2 by angles, and of F.
+    double squares = 0;
+    std::complex<double> amplitude = 0;
+    const int n = 400;
+    for (int i = 0; i < n; ++i) {
+      const auto f =
+          a->shape()->transform(u * 1e6 * std::cos(2 * kPi * i / n), u * 1e6 * std::sin(2 * kPi * i / n)) *
+          1e12;
+      squares += std::norm(f) / n, amplitude += f / double(n);
+    }
+    const double expected = squares + std::norm(amplitude) * (hard_discs(u, 0.5) - 1);
+    EXPECT_NEAR(double(model.intensity(state, wave(u, 0))[0]) / double(state.inverse_total), expected,
+                1e-5 + 1e-3 * expected)
+        << u;
+    share = std::max(share, 1 - std::norm(amplitude) / squares);
+  }
+  EXPECT_GT(share, 0.1);
+}
+
+TEST(ScattererModel, ClassesOfSizesNeverOverflow) {
+  // Eight equal weights fill the classes before the last size comes.
+  std::istringstream text("1 1\n2 1\n3 1\n4 1\n5 1\n6 1\n7 1\n8 1\n9 1e-20\n");
+  const auto sizes = optics::SizeDistribution::histogram(text);
+  const auto a = testing::build<Aperture>(circle(0.1).xml);
+  optics::ScattererMixture mixture({{a->shape(), 1, 0, false, sizes}}, 1e-6);
+  const auto correlation = testing::build<Correlation>(R"(<correlation type="percus_yevick"/>)");
+  mixture.correlate_sizes(0.3, [&](const optics::HardDiscMixture& m) {
+    EXPECT_LE(m.classes(), optics::ScattererMixture::kMostClasses);
+    return correlation->at(m);
+  });
+  EXPECT_GT(mixture.eval(1, 0).uncorrelated, 0);
 }
 
 TEST(ScattererModel, MemoryAndTime) {

@@ -39,7 +39,7 @@ namespace {
 /// The scatterers that a layer is made of, and the radius (in metres) of their correlation discs.
 struct LayerShapes {
   std::vector<optics::Scatterer> scatterers;
-  double correlation_radius;
+  double correlation_radius, largest;
 };
 
 LayerShapes read_shapes(const Properties& p) {
@@ -62,6 +62,7 @@ LayerShapes read_shapes(const Properties& p) {
         {a->shape(), a->fraction(), a->rotation(), a->is_randomly_rotated(), a->sizes()});
     largest = std::max(largest, a->shape()->bounding_radius() * a->sizes().largest());
   }
+  layer.largest = largest;
   layer.correlation_radius = p.get_length_m("correlation_radius", largest);
   if (layer.correlation_radius < largest * (1 - 1e-6))
     throw p.error("correlation_radius", apertures.empty()
@@ -199,8 +200,9 @@ private:
       x.cosine = std::cos(angle), x.sine = std::sin(angle);
     }
     const float fr = model_->covered(x.state.area_fraction);
-    x.diffracted = fr * (1 - fr);
-    x.nested = nested_ ? (discs_ ? fr : 1 - fr) : 0;
+    // A grey shape scatters less than it covers: the variance of A is Fr fill - Fr^2.
+    x.diffracted = std::max(fr * fill_ - fr * fr, 0.f);
+    x.nested = nested_ ? (discs_ ? fr * (2 - fill_) : 1 - fr) : 0;
     x.delta = discs_ ? (1 - fr) * (1 - fr) : fr * fr + (substrate_ == Substrate::none ? 0 : 1 - fr);
     const float all = x.delta + x.diffracted + x.nested;
     x.probability = all > 0 ? 1 / all : 0;
@@ -213,23 +215,38 @@ private:
     const double index = std::max(exterior_.eval(shortest)[0], interior_.eval(shortest)[0]);
     const double extent = 2 * index * phase_nm_ * radius_scale_.maximum() / range.min_nm;
     const auto correlation = get_correlation(p);
-    try {
-      auto mixture =
+    const auto located = [&](const char* parameter, auto&& make) {
+      try {
+        make();
+      } catch (const std::domain_error& e) {
+        throw p.error(parameter, e.what());
+      }
+    };
+    std::shared_ptr<optics::ScattererMixture> mixture;
+    located("aperture", [&] {
+      mixture =
           std::make_shared<optics::ScattererMixture>(std::move(shapes.scatterers), shapes.correlation_radius);
-      if (p.get_choice("sizes", "labelled", {"labelled", "polydisperse"}) == "polydisperse") {
-        if (area_fraction_.minimum() < area_fraction_.maximum())
-          throw p.error("area_fraction", "must be the same everywhere where sizes are \"polydisperse\"");
+    });
+    if (p.get_choice("sizes", "labelled", {"labelled", "polydisperse"}) == "polydisperse") {
+      if (area_fraction_.minimum() < area_fraction_.maximum())
+        throw p.error("area_fraction", "must be the same everywhere where sizes are \"polydisperse\"");
+      located("sizes", [&] {
         mixture->correlate_sizes(area_fraction_.maximum(), [&](const optics::HardDiscMixture& discs) {
           return correlation->at(discs);
         });
-      }
-      model_ = std::make_shared<ScattererModel>(std::move(mixture), *correlation, area_fraction_.minimum(),
-                                                area_fraction_.maximum(), extent);
-    } catch (const std::domain_error& e) {
-      throw p.error("area_fraction", e.what());
+      });
     }
+    located("area_fraction", [&] {
+      model_ = std::make_shared<ScattererModel>(mixture, *correlation, area_fraction_.minimum(),
+                                                area_fraction_.maximum(), extent);
+    });
     const bool varies = model_->varies() || radius_scale_.minimum() < radius_scale_.maximum();
     needs_tangent_ = !model_->is_isotropic();
+    fill_ = model_->fill();
+    if (needs_tangent_ && shapes.correlation_radius > 8 * shapes.largest)
+      throw p.error(
+          "correlation_radius",
+          "must not exceed 8 times the largest scatterer where shapes or places have no circular symmetry");
     if (model_->is_anisotropic() && model_->varies())
       throw p.error("area_fraction", "must be the same everywhere where positions have no circular symmetry");
 
@@ -433,6 +450,7 @@ private:
   Ior exterior_, interior_;
   bool dispersive_;
   bool discs_, needs_tangent_ = false;
+  float fill_ = 1;
   double phase_nm_;  // 2 pi correlation_radius in nm: k a times the wavelength
   ScalarTexture area_fraction_, radius_scale_, rotation_;
   std::shared_ptr<const ScattererModel> model_;

@@ -127,7 +127,7 @@ void ScattererBalance::solve(float* h_out, const optics::RadialDistribution& tab
     for (int i = 0; i < used; ++i) {
       double sum = 0;
       for (int j = 0; j < used; ++j) sum += matrix[size_t(i) * used + j] * h[j];
-      next[i] = std::sqrt(h[i] / sum);
+      next[i] = sum > 1e-6 ? std::sqrt(h[i] / sum) : 1;  // nothing goes anywhere
       change = std::max(change, std::abs(next[i] / h[i] - 1));
     }
     h.swap(next);

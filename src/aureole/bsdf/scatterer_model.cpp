@@ -17,7 +17,8 @@ double ratio(double area_fraction) { return area_fraction / (1 - area_fraction);
 ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> mixture,
                                const Correlation& correlation, double least, double most, double extent)
     : mixture_(std::move(mixture)),
-      least_(least),
+      // Nodes that lie too close together cannot be told apart in single precision.
+      least_(most - least < 1e-4 ? most : least),
       most_(most),
       may_overlap_(correlation.may_overlap()),
       degree_(correlation.degree()) {
@@ -40,10 +41,9 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
     return;
   }
   table_ = std::make_shared<optics::ScattererTable>(*mixture_, extent);
-  single_ = !(table_->ring(0).uncorrelated > 1e-7f * table_->ring(0).coherent) &&
-            !(table_->ring(3).uncorrelated > 1e-7f * table_->ring(0).coherent);
+  single_ = mixture_->is_uniform();
   inverse_ = correlation.interpolates_inverse();
-  const std::vector<double> nodes = varies() ? correlation.nodes(least, most) : std::vector<double>{most};
+  const std::vector<double> nodes = varies() ? correlation.nodes(least_, most_) : std::vector<double>{most};
   std::vector<std::shared_ptr<const optics::StructureFactor>> factors;
   for (double fa : nodes) {
     const auto s = fa == most ? factor : correlation.structure_factor(fa);
@@ -54,7 +54,7 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
   }
   const int totals = varies() ? kTotals : 0;
   for (int i = 0; i <= totals; ++i) {
-    State state = at(float(totals > 0 ? least + (most - least) * i / totals : most));
+    State state = at(float(totals > 0 ? least_ + (most_ - least_) * i / totals : most_));
     double correlated;
     if (mixture_->has_correlated_sizes())
       correlated = optics::correlation_power([&](double u) {

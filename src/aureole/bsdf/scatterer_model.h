@@ -41,6 +41,9 @@ public:
   /// Fr: the part of the plane that the shapes cover.
   float covered(float area_fraction) const;
 
+  /// Integral of A^2 over that of A: 1 but for grey masks.
+  float fill() const { return float(mixture_->mean_squared_area() / mixture_->mean_area()); }
+
   /// g at the wavelengths of a path.
   Spectrum intensity(const State& state, const DiffractedWave& u) const;
 

@@ -19,6 +19,9 @@ bool choose(float& xi, float p) {
   return yes;
 }
 
+/// 0 where no power lies below u_max, as in a lattice finer than the wavelength.
+float inverse(double power) { return power > 0 ? float(1 / power) : 0; }
+
 }  // namespace
 
 FractionNodes::FractionNodes(const ScattererModel& model) : least_(float(model.least())), rate_(0) {
@@ -110,7 +113,7 @@ Spectrum ProductSampler::density(const ScattererModel::State& state, const Diffr
   const auto of_node = [&](int node) {
     const optics::RadialDistribution& r = radial_[std::size_t(node)];
     Spectrum d = make_spectrum([&](int j) { return r.eval(u.length[j]); });
-    d *= make_spectrum([&](int j) { return float(1 / r.cdf(u_max[j])); });
+    d *= make_spectrum([&](int j) { return inverse(r.cdf(u_max[j])); });
     if (model_->table().has_azimuths()) d *= azimuth(node, u);
     return d;
   };
@@ -178,7 +181,7 @@ Spectrum FactorSampler::density(const ScattererModel::State& state, const Diffra
   const auto place = nodes_.at(state);
   const auto of_node = [&](int node) {
     const Structure& s = structures_[std::size_t(node)];
-    return make_spectrum([&](int j) { return s.eval(u.length[j]) / float(s.power_to(u_max[j])); });
+    return make_spectrum([&](int j) { return s.eval(u.length[j]) * inverse(s.power_to(u_max[j])); });
   };
   Spectrum d = of_node(place.node);
   if (place.next > 0) d = lerp(d, of_node(place.node + 1), place.next);
@@ -215,6 +218,10 @@ TableSampler::TableSampler(std::shared_ptr<const ScattererModel> model, double e
           }
       },
       8);
+  // A floor: what lies between the points looked at is never missed altogether.
+  double total = 0;
+  for (const float w : weights) total += double(w);
+  for (float& w : weights) w += float(1e-3 * total / double(weights.size()));
   table_ = Piecewise2D(weights, kSize, kSize);
 }
 

@@ -46,7 +46,9 @@ std::vector<ParameterDoc> correlation_parameters(std::vector<ParameterDoc> own) 
       own.end(),
       {{"stretch", "float", "", "1",
         "positions are stretched by its square root in one direction and compressed as much across it, as "
-        "on a drawn film; in [1/4, 4]. Shapes stay as they are: stretch them by their own parameters"},
+        "on a drawn film; in [1/4, 4]. Shapes stay as they are, and fill their discs no longer where these "
+        "are compressed: leave room by "
+        "correlation_radius, or they may overlap, which the model does not know"},
        {"stretch_direction", "float", "degrees", "0",
         "direction of the stretch, counter-clockwise from the surface's u axis"}});
   return own;

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A regular arrangement with faults: gratings, woven cloth, colloid crystals.
+#include <stdexcept>
+
 #include "aureole/correlation/correlation.h"
 
 namespace aureole {
@@ -14,7 +16,7 @@ public:
         kind_(p.get_choice("lattice", "hexagonal", {"hexagonal", "square"}) == "square" ? Kind::square
                                                                                         : Kind::hexagonal),
         jitter_(p.get_float("jitter", 0.05, Range{0, 0.5})),
-        domain_(p.get_float("domain", 6, Range{1, 10})),
+        domain_(p.get_float("domain", 4, Range{1, 10})),
         angle_(p.get_float("angle", 0) * M_PI / 180),
         random_(p.get_bool("random_orientation", false)) {}
 
@@ -22,6 +24,11 @@ public:
   std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
     return std::make_shared<optics::LatticeStructureFactor>(kind_, area_fraction, jitter_, domain_, angle_,
                                                             random_);
+  }
+
+  std::vector<double> nodes(double, double) const override {
+    throw std::domain_error(
+        "the area fraction of a lattice must be the same everywhere: it sets the spacing");
   }
 
 private:
@@ -43,9 +50,10 @@ AUREOLE_PLUGIN(
               "hexagonal (area fractions up to 0.9069) or square (0.7854)"},
              {"jitter", "float", "", "0.05",
               "standard deviation of the displacement along each axis, in spacings"},
-             {"domain", "float", "", "6",
+             {"domain", "float", "", "4",
               "size of the ordered domains in spacings, in [1, 10]: pairs at a distance r are correlated by "
-              "exp(-r^2/(2 domain^2)), spots are 1/(2 pi domain) of their distance wide"},
+              "exp(-r^2/(2 domain^2)), spots are 1/(2 pi domain) of their distance wide; at most 25 "
+              "correlation radii"},
              {"angle", "float", "degrees", "0", "of a row of the lattice to the surface's u axis"},
              {"random_orientation", "boolean", "", "false", "domains in all directions: rings, not spots"}}),
         {R"(<correlation type="lattice">

@@ -25,6 +25,8 @@ public:
   }
 
   std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
+    if (area_fraction <= optics::HardDiscSimulation::kMaxAreaFraction + optics::kFractionTolerance)
+      area_fraction = std::min(area_fraction, optics::HardDiscSimulation::kMaxAreaFraction);
     const std::lock_guard lock(mutex_);  // who wants the same fraction waits for it
     auto& known = known_[area_fraction];
     if (!known) known = std::make_shared<optics::SimulatedStructureFactor>(area_fraction, ensemble_);

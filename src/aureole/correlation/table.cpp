@@ -38,6 +38,8 @@ public:
       }
     } catch (const std::domain_error& e) {
       throw p.error("filename", e.what());
+    } catch (const Error& e) {
+      throw p.error("filename", e.message());
     }
   }
 

@@ -3,6 +3,7 @@
 // single precision.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -37,7 +38,7 @@ public:
     return {uncorrelated[0], coherent[0]};
   }
   /// Of N points at once: places and weights of all of them are computed together. Points beyond the map give
-  /// numbers without meaning.
+  /// the values at its edge.
   template <int N>
   void eval(const float* ux, const float* uy, float* uncorrelated, float* coherent) const;
   std::size_t bytes() const { return nodes_.size() * sizeof(Pair); }
@@ -74,13 +75,14 @@ void IntensityMap::eval(const float* ux, const float* uy, float* uncorrelated, f
   Floats extent = all(extents_[kLevels - 1]), rate = all(rates_[kLevels - 1]);
   const auto all_ints = [](std::int32_t value) { return value - Ints{}; };
   Ints first = all_ints(first_[kLevels - 1]), columns = all_ints(columns_[kLevels - 1]);
-  const Ints on_map = largest < extent;
+  const float last = std::nextafter(extents_[kLevels - 1], 0.f);
   for (int l = kLevels - 2; l >= 0; --l) {
     const Ints inside = largest < all(extents_[l]);
     extent = inside ? all(extents_[l]) : extent, rate = inside ? all(rates_[l]) : rate;
     first = inside ? all_ints(first_[l]) : first, columns = inside ? all_ints(columns_[l]) : columns;
   }
-  x = ((on_map ? x : Floats{}) + extent) * rate, y = (on_map ? y : Floats{}) * rate;
+  x = x > last ? all(last) : x < -last ? all(-last) : x, y = y < last ? y : all(last);
+  x = (x + extent) * rate, y = y * rate;
   const Ints column = __builtin_convertvector(x, Ints), row = __builtin_convertvector(y, Ints);
   const Ints node = first + row * columns + column;
   // The cubics through nodes at -1, 0, 1, 2.

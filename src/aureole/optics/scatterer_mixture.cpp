@@ -115,6 +115,9 @@ ScattererMixture::ScattererMixture(std::vector<Scatterer> scatterers, double cor
     parts_.emplace_back(std::move(s), correlation_radius);
     isotropic_ = isotropic_ && parts_.back().isotropic;
   }
+  const Scatterer& first = parts_.front().scatterer;
+  uniform_ =
+      parts_.size() == 1 && first.sizes.is_single() && (first.shape->is_circular() || !first.random_rotation);
 }
 
 MixtureIntensity ScattererMixture::eval(double ux, double uy) const {
@@ -174,7 +177,9 @@ void ScattererMixture::correlate_sizes(
     squares += sizes[i].weight * sizes[i].radius * sizes[i].radius;
     const bool last = i + 1 == sizes.size();
     const bool next_differs = last || sizes[i + 1].radius > sizes[i].radius * (1 + 1e-9);
-    if (!last && !(next_differs && done >= double(radii.size() + 1) / kMostClasses)) continue;
+    if (!last && !(next_differs && int(radii.size()) + 1 < kMostClasses &&
+                   done >= double(radii.size() + 1) / kMostClasses))
+      continue;
     double weight = 0, square = 0;
     for (std::size_t k = first; k <= i; ++k) {
       weight += sizes[k].weight, square += sizes[k].weight * sizes[k].radius * sizes[k].radius;

@@ -58,16 +58,20 @@ public:
   /// Means over the ring of radius u: of an isotropic mixture the intensity itself.
   MixtureIntensity ring(double u) const;
   bool is_isotropic() const { return isotropic_; }
+  /// All scatterers are alike: U = 0.
+  bool is_uniform() const { return uniform_ && !partial_; }
 
   /// Fr/Fa: the mean area of the shapes, sum P |A|, over that of their discs.
   double covered_per_fraction() const { return mean_area_ / mean_disc_area_; }
+  /// sum P |A|.
+  double mean_area() const { return mean_area_; }
   /// sum P integral of A^2.
   double mean_squared_area() const { return mean_squared_area_; }
 
 private:
   struct Part;
   std::vector<Part> parts_;
-  bool isotropic_ = true;
+  bool isotropic_ = true, uniform_ = false;
   double mean_area_ = 0, mean_squared_area_ = 0, mean_disc_area_;
   std::shared_ptr<const PartialStructureFactors> partial_;
 };

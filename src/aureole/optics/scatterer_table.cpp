@@ -65,7 +65,8 @@ ScattererTable::ScattererTable(const ScattererMixture& mixture, double extent,
   uncorrelated_ = ring_function(mixture, map_, false);
   coherent_ = ring_function(mixture, map_, true);
   const auto at = [this](double x, double y) { return eval(float(x), float(y), float(std::hypot(x, y))); };
-  const double last = map_ ? map_->extent() : std::min(extent, double(IntensityMap::kLargestExtent));
+  const double last = map_ ? double(map_->extent())
+                           : std::clamp(std::ceil(extent), 80.0, double(IntensityMap::kLargestExtent));
   if (anisotropic) {
     const auto product = [&](double x, double y) {
       const Pair p = at(x, y);

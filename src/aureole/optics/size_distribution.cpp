@@ -10,7 +10,27 @@
 
 namespace aureole::optics {
 
-static constexpr std::size_t kMostNodes = 1000;
+namespace {
+
+constexpr std::size_t kMostNodes = 64;
+
+/// Neighbouring sizes made one, of their mean square and in equal steps of ln(size).
+std::vector<SizeDistribution::Node> grouped(std::vector<SizeDistribution::Node> nodes) {
+  const auto [least, most] = std::minmax_element(
+      nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.size < b.size; });
+  const double first = std::log(least->size),
+               step = std::max((std::log(most->size) - first) / kMostNodes, 1e-12);
+  std::vector<SizeDistribution::Node> groups(kMostNodes, {0, 0});
+  for (const auto& n : nodes) {
+    auto& g = groups[std::min(std::size_t((std::log(n.size) - first) / step), kMostNodes - 1)];
+    g.size += n.weight * n.size * n.size, g.weight += n.weight;
+  }
+  std::erase_if(groups, [](const auto& g) { return !(g.weight > 0); });
+  for (auto& g : groups) g.size = std::sqrt(g.size / g.weight);
+  return groups;
+}
+
+}  // namespace
 
 SizeDistribution::SizeDistribution(std::vector<Node> nodes) : nodes_(std::move(nodes)) {
   std::sort(nodes_.begin(), nodes_.end(), [](const Node& a, const Node& b) { return a.size < b.size; });
@@ -43,9 +63,9 @@ SizeDistribution SizeDistribution::histogram(std::istream& text) {
     if (!(size > 0 && std::isfinite(size))) fail("a size must be positive and finite");
     if (!(count >= 0 && std::isfinite(count))) fail("a count must not be negative");
     if (count > 0) nodes.push_back({size, count});
-    if (nodes.size() > kMostNodes) throw std::domain_error("the histogram has more than 1000 sizes");
   }
   if (nodes.empty()) throw std::domain_error("the histogram has no size with a positive count");
+  if (nodes.size() > kMostNodes) nodes = grouped(std::move(nodes));
   return SizeDistribution(std::move(nodes));
 }
 

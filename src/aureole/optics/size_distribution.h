@@ -22,7 +22,8 @@ public:
   /// sigma and renormalised; midpoints of equal steps in ln(size). Throws std::domain_error.
   static SizeDistribution log_normal(double sigma);
 
-  /// Lines of "size count", as `read_two_columns` takes them. Throws std::domain_error.
+  /// Lines of "size count", as `read_two_columns` takes them; more than 64 sizes are grouped. Throws
+  /// std::domain_error.
   static SizeDistribution histogram(std::istream& text);
 
   /// Increasing sizes; weights sum to 1.

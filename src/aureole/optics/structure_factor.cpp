@@ -15,7 +15,7 @@ namespace {
 using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
 
 void check_percus_yevick(double area_fraction) {
-  if (!(area_fraction >= 0 && area_fraction <= kMaxAreaFraction))
+  if (!(area_fraction >= 0 && area_fraction <= kMaxAreaFraction + kFractionTolerance))
     throw std::domain_error("area fraction of hard discs must be in [0, 0.7], got " +
                             std::to_string(area_fraction));
 }
@@ -55,8 +55,8 @@ TabulatedStructureFactor::TabulatedStructureFactor(std::vector<double> u, std::v
   if (u_.size() < 2) throw std::domain_error("a structure factor needs at least two values");
   for (std::size_t i = 0; i < u_.size(); ++i) {
     if (!(u_[i] >= 0 && std::isfinite(u_[i])) || (i > 0 && !(u_[i] > u_[i - 1])))
-      throw std::domain_error("values of u must be positive and increase, but number " + std::to_string(i + 1) +
-                              " is " + std::to_string(u_[i]));
+      throw std::domain_error("values of u must be positive and increase, but number " +
+                              std::to_string(i + 1) + " is " + std::to_string(u_[i]));
     if (!(values_[i] >= 0 && std::isfinite(values_[i])))
       throw std::domain_error("a structure factor must not be negative, but at u = " + std::to_string(u_[i]) +
                               " it is " + std::to_string(values_[i]));
@@ -85,19 +85,27 @@ TabulatedStructureFactor TabulatedStructureFactor::from_pair_correlation(const s
                               " it is " + std::to_string(g[i]));
   }
   const double end = r.back();
-  if (!(end > 4)) throw std::domain_error("a pair correlation must reach beyond r = 4 a, but ends at " + std::to_string(end));
+  if (!(end > 4))
+    throw std::domain_error("a pair correlation must reach beyond r = 4 a, but ends at " +
+                            std::to_string(end));
   const auto h = [&](double x) {
-    if (x <= r.front()) return (g.front() - 1);
-    const std::size_t i = std::min(std::size_t(std::upper_bound(r.begin(), r.end(), x) - r.begin()), r.size() - 1) - 1;
+    if (x < r.front()) return -1.0;  // discs do not overlap: nothing is nearer than the first value
+    const std::size_t i =
+        std::min(std::size_t(std::upper_bound(r.begin(), r.end(), x) - r.begin()), r.size() - 1) - 1;
     const double t = (x - r[i]) / (r[i + 1] - r[i]);
     // Half of the range fades, so that the end of the table leaves no ripples.
     const double fade = x < end / 2 ? 1 : std::pow(std::cos(std::numbers::pi / 2 * (x / (end / 2) - 1)), 2);
     return (g[i] + t * (g[i + 1] - g[i]) - 1) * fade;
   };
-  constexpr int kSteps = 4000;
-  std::vector<double> weights(kSteps), places(kSteps);
-  const double step = end / kSteps;
-  for (int i = 0; i < kSteps; ++i) {
+  constexpr double kLargestDistance = 200;
+  if (end > kLargestDistance)
+    throw std::domain_error("a pair correlation to r = " + std::to_string(end) +
+                            " correlation radii is too long, at most "
+                            "200 are read: is the correlation radius that of the table's unit?");
+  const int steps = std::max(1000, int(end * 48));
+  std::vector<double> weights(steps), places(steps);
+  const double step = end / steps;
+  for (int i = 0; i < steps; ++i) {
     places[i] = (i + 0.5) * step;
     weights[i] = 2 * area_fraction * h(places[i]) * places[i] * step;  // 2 pi rho0 a^2 = 2 Fa
   }
@@ -105,7 +113,7 @@ TabulatedStructureFactor TabulatedStructureFactor::from_pair_correlation(const s
   constexpr double kEnd = 60, kStep = 1.0 / 16;
   for (int k = 0; k * kStep <= kEnd; ++k) {
     double sum = 1;
-    for (int i = 0; i < kSteps; ++i)
+    for (int i = 0; i < steps; ++i)
       sum += weights[i] * boost::math::cyl_bessel_j(0, k * kStep * places[i], Policy());
     u.push_back(k * kStep), values.push_back(std::max(sum, 0.0));
   }
@@ -134,7 +142,8 @@ double MappedStructureFactor::eval(double ux, double uy) const {
   const int right = std::min(i + 1, width_ - 1), below = std::min(j + 1, height_ - 1);
   const auto at = [&](int column, int row) { return double(values_[std::size_t(row) * width_ + column]); };
   const double s = x - i, t = y - j;
-  return (at(i, j) * (1 - s) + at(right, j) * s) * (1 - t) + (at(i, below) * (1 - s) + at(right, below) * s) * t;
+  return (at(i, j) * (1 - s) + at(right, j) * s) * (1 - t) +
+         (at(i, below) * (1 - s) + at(right, below) * s) * t;
 }
 
 double LatticeStructureFactor::closest_packing(Kind kind) {
@@ -145,12 +154,17 @@ LatticeStructureFactor::LatticeStructureFactor(Kind kind, double area_fraction, 
                                                double angle, bool random_orientation)
     : kind_(kind), cosine_(std::cos(angle)), sine_(std::sin(angle)), random_(random_orientation) {
   const double most = closest_packing(kind);
-  if (!(area_fraction > 0 && area_fraction <= most + 1e-9))
+  if (!(area_fraction > 0 && area_fraction <= most + kFractionTolerance))
     throw std::domain_error(std::string(kind == Kind::hexagonal ? "a hexagonal" : "a square") +
                             " lattice holds area fractions in (0, " + std::to_string(most) + "], got " +
                             std::to_string(area_fraction));
-  spacing_ = 2 * std::sqrt(most / area_fraction);  // touching discs are 2 apart
+  spacing_ = 2 * std::sqrt(most / std::min(area_fraction, most));  // touching discs are 2 apart
   sigma_ = jitter * spacing_, length_ = domain * spacing_;
+  if (!(length_ <= kLongestOrder))
+    throw std::domain_error("domains of " + std::to_string(domain) +
+                            " spacings have spots too small to be tabulated at "
+                            "this area fraction; at most " +
+                            std::to_string(kLongestOrder / spacing_) + " spacings");
   const double b = 2 * std::numbers::pi / spacing_;
   // Reciprocal of (1, 0), (1/2, sqrt(3)/2), or of (1, 0), (0, 1).
   bx_[0] = b, by_[0] = kind == Kind::hexagonal ? -b / std::numbers::sqrt3 : 0;
@@ -220,7 +234,8 @@ StretchedStructureFactor::StretchedStructureFactor(std::shared_ptr<const Structu
 double StretchedStructureFactor::eval(double u) const { return ring_mean(*this, u); }
 
 double StretchedStructureFactor::eval(double ux, double uy) const {
-  const double along = (ux * cosine_ + uy * sine_) * stretch_, across = (uy * cosine_ - ux * sine_) / stretch_;
+  const double along = (ux * cosine_ + uy * sine_) * stretch_,
+               across = (uy * cosine_ - ux * sine_) / stretch_;
   return unstretched_->eval(along * cosine_ - across * sine_, along * sine_ + across * cosine_);
 }
 

@@ -16,6 +16,10 @@ inline constexpr double kMaxAreaFraction = 0.7;
 /// No discs of one size can be packed denser than pi/sqrt(12).
 inline constexpr double kClosestPacking = 0.9068996821171089;
 
+/// Fractions this much beyond a limit are taken for the limit, rounded to single precision or to the digits
+/// of its documentation.
+inline constexpr double kFractionTolerance = 1e-5;
+
 /// Structure factor without its delta of a fluid of equal hard discs at area fraction Fa = rho0 pi a^2.
 /// Percus-Yevick form of Rosenfeld ("Free-energy model for the inhomogeneous hard-sphere fluid in D
 /// dimensions", 1990, equations 4.4-4.6), written as in Yang, Kim, Pediredla & Jarosz ("A wave-optics BSDF
@@ -103,6 +107,9 @@ public:
   static double closest_packing(Kind kind);
 
 private:
+  /// Of L in correlation radii: spots are 1/L wide, tables have points 1/48 apart.
+  static constexpr double kLongestOrder = 25;
+
   Kind kind_;
   double spacing_, sigma_, length_, cosine_, sine_, cell_;  // relative to a; cell_: of the reciprocal lattice
   double bx_[2], by_[2];                                    // reciprocal basis, unturned
