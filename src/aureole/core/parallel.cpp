@@ -43,8 +43,7 @@ void run_workers(int threads, const std::function<void(int)>& worker) {
   if (first) std::rethrow_exception(first);
 }
 
-void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body,
-                std::size_t grain) {
+void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body, std::size_t grain) {
   const std::size_t ranges = (n + grain - 1) / grain;
   const int threads = int(std::min<std::size_t>(ranges, std::size_t(default_thread_count())));
   if (threads < 2) {

@@ -22,7 +22,8 @@ std::vector<std::pair<double, double>> read_two_columns(std::istream& text) {
     std::pair<double, double> row;
     if (rows.empty() && std::isalpha(words.peek())) continue;
     if (!(words >> row.first >> row.second) || !(words.eof() || std::isspace(words.peek())))
-      throw std::domain_error("line " + std::to_string(number) + ": expected two numbers, got \"" + line + "\"");
+      throw std::domain_error("line " + std::to_string(number) + ": expected two numbers, got \"" + line +
+                              "\"");
     rows.push_back(row);
     if (number > 100000) throw std::domain_error("the table has more than 100000 lines");
   }
