@@ -44,10 +44,8 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
   single_ = mixture_->is_uniform();
   inverse_ = correlation.interpolates_inverse();
   const std::vector<double> nodes = varies() ? correlation.nodes(least_, most_) : std::vector<double>{most};
-  std::vector<std::shared_ptr<const optics::StructureFactor>> factors;
   for (double fa : nodes) {
     const auto s = fa == most ? factor : correlation.structure_factor(fa);
-    factors.push_back(s);
     structures_.emplace_back([&](double u) { return inverse_ ? 1 / s->eval(u) - 1 : s->eval(u) - 1; },
                              kStructureEnd, false);
     ratios_.push_back(float(ratio(fa)));

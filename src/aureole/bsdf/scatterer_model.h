@@ -66,7 +66,6 @@ public:
   bool is_single() const { return single_; }
   /// Positions without circular symmetry; their S' is part of `table()` and the area fraction is one only.
   bool is_anisotropic() const { return anisotropic_ != nullptr; }
-  double anisotropic_structure(double x, double y) const { return anisotropic_->eval(x, y); }
   bool varies() const { return most_ > least_; }
   double least() const { return least_; }
   double most() const { return most_; }

@@ -6,15 +6,36 @@
 
 namespace aureole::optics {
 
+std::vector<double> RadialFunction::places(int end) {
+  std::vector<double> places{0};
+  for (int i = 0; i < Cells::count(end); ++i) {
+    const double a = Cells::start(i), h = Cells::width(i);
+    places.insert(places.end(), {a + h / 3, a + 2 * h / 3, a + h});
+  }
+  return places;
+}
+
+namespace {
+
+std::vector<double> values_at(const std::function<double(double)>& f, std::vector<double> places) {
+  for (double& x : places) x = f(x);
+  return places;
+}
+
+}  // namespace
+
 RadialFunction::RadialFunction(const std::function<double(double)>& f, int end, bool decays)
+    : RadialFunction(values_at(f, places(end)), end, decays) {}
+
+RadialFunction::RadialFunction(const std::vector<double>& values, int end, bool decays)
     : end_(float(end)), last_(std::nextafter(float(end), 0.f)) {
   const int cells = Cells::count(end);
   coefficients_.resize(4 * std::size_t(cells) + 4);
-  double y0 = f(0), moment = 0;
+  double moment = 0;
   int counted = 0;
   for (int i = 0; i < cells; ++i) {
-    const double a = Cells::start(i), h = Cells::width(i);
-    const double y1 = f(a + h / 3), y2 = f(a + 2 * h / 3), y3 = f(a + h);
+    const double a = Cells::start(i), *y = &values[3 * std::size_t(i)];
+    const double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3];
     // The cubic through values at 0, 1/3, 2/3 and 1.
     float* k = &coefficients_[4 * std::size_t(i)];
     k[0] = float(y0);
@@ -22,7 +43,6 @@ RadialFunction::RadialFunction(const std::function<double(double)>& f, int end, 
     k[2] = float(9 * y0 - 22.5 * y1 + 18 * y2 - 4.5 * y3);
     k[3] = float(-4.5 * y0 + 13.5 * y1 - 13.5 * y2 + 4.5 * y3);
     if (a >= end * (15.0 / 16)) moment += y0 * a * a * a, ++counted;
-    y0 = y3;
   }
   if (decays && counted > 0) tail_ = float(moment / counted);
 }

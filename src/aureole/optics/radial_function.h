@@ -41,6 +41,9 @@ public:
   /// sixteenth: by Porod's law what shapes with an edge scatter. With `decays` false 0 instead, the mean of
   /// what swings about 0.
   RadialFunction(const std::function<double(double)>& f, int end, bool decays);
+  /// The same from f at `places(end)`, for those who compute its values in their own way.
+  RadialFunction(const std::vector<double>& values, int end, bool decays);
+  static std::vector<double> places(int end);
 
   /// For u >= 0. GCC vectorises a loop of it, by gathers.
   float eval(float u) const {

@@ -19,10 +19,6 @@ struct ShapeRing {
   double amplitude, intensity;
 };
 ShapeRing shape_ring(const ApertureShape& shape, double q, double radius) {
-  if (shape.is_circular()) {
-    const double f = shape.transform(q, 0).real();
-    return {f, f * f};
-  }
   const int n = 24 + int(std::ceil(1.2 * q * radius));
   ShapeRing sum{};
   for (int i = 0; i < n; ++i) {
@@ -49,21 +45,20 @@ struct ScattererMixture::Part {
     isotropic = scatterer.random_rotation || scatterer.shape->is_circular();
     cosine = std::cos(scatterer.rotation), sine = std::sin(scatterer.rotation);
     if (scatterer.random_rotation && !scatterer.shape->is_circular()) {
-      constexpr int kEnd = 256, kValues = 3 * (64 * 16 + (kEnd - 64) * 4) + 1;
+      constexpr int kEnd = 256;
       const double radius = scatterer.shape->bounding_radius(), area = scatterer.shape->area();
-      // RadialFunction asks for thirds of its cells, in order: they are computed beforehand, on all cores.
-      std::vector<ShapeRing> values(kValues);
-      const auto place = [](int i) { return i < 3 * 1024 ? i / 48.0 : 64 + (i - 3 * 1024) / 12.0; };
-      for_ranges(kValues, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          values[i] = shape_ring(*scatterer.shape, place(int(i)) / radius, radius);
-      });
-      int next = 0;
-      amplitude = std::make_unique<RadialFunction>([&](double) { return values[next++].amplitude / area; },
-                                                   kEnd, false);
-      next = 0;
-      intensity = std::make_unique<RadialFunction>(
-          [&](double) { return values[next++].intensity / (area * area); }, kEnd, true);
+      std::vector<double> amplitudes = RadialFunction::places(kEnd), intensities(amplitudes.size());
+      for_ranges(
+          amplitudes.size(),
+          [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+              const ShapeRing ring = shape_ring(*scatterer.shape, amplitudes[i] / radius, radius);
+              amplitudes[i] = ring.amplitude / area, intensities[i] = ring.intensity / (area * area);
+            }
+          },
+          64);
+      amplitude = std::make_unique<RadialFunction>(amplitudes, kEnd, false);
+      intensity = std::make_unique<RadialFunction>(intensities, kEnd, true);
     }
   }
 
@@ -190,18 +185,6 @@ void ScattererMixture::correlate_sizes(
   }
   mean_disc_area_ = std::numbers::pi * squares / (largest * largest);
   partial_ = structure(HardDiscMixture(radii, fractions, area_fraction));
-}
-
-MixtureIntensity ScattererMixture::ring(double u) const {
-  if (isotropic_) return eval(u, 0);
-  const int n = 24 + int(std::ceil(1.2 * u));
-  MixtureIntensity sum;
-  for (int i = 0; i < n; ++i) {
-    const double angle = std::numbers::pi * (i + 0.5) / n;
-    const MixtureIntensity m = eval(u * std::cos(angle), u * std::sin(angle));
-    sum.uncorrelated += m.uncorrelated / n, sum.coherent += m.coherent / n;
-  }
-  return sum;
 }
 
 double correlation_power(const std::function<double(double)>& f) {

@@ -55,8 +55,6 @@ public:
   MixtureIntensity eval(double ux, double uy) const;
   /// Ring mean of sum P <|F|^2>, what there would be at random positions.
   double independent_ring(double u) const;
-  /// Means over the ring of radius u: of an isotropic mixture the intensity itself.
-  MixtureIntensity ring(double u) const;
   bool is_isotropic() const { return isotropic_; }
   /// All scatterers are alike: U = 0.
   bool is_uniform() const { return uniform_ && !partial_; }

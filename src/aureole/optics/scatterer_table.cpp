@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include "aureole/core/parallel.h"
 
@@ -30,17 +29,14 @@ double ring_mean(double u, int points, F&& f) {
 
 /// `RadialFunction` of an expensive f, whose values are made on all cores.
 RadialFunction radial_function(const std::function<double(double)>& f, int end, bool decays) {
-  std::vector<double> places, values;
-  RadialFunction([&](double u) { return places.push_back(u), 0.0; }, end, decays);
-  values.resize(places.size());
+  std::vector<double> values = RadialFunction::places(end);
   for_ranges(
-      places.size(),
+      values.size(),
       [&](std::size_t begin, std::size_t stop) {
-        for (std::size_t i = begin; i < stop; ++i) values[i] = f(places[i]);
+        for (std::size_t i = begin; i < stop; ++i) values[i] = f(values[i]);
       },
       64);
-  std::size_t next = 0;
-  return RadialFunction([&](double) { return values[next++]; }, end, decays);
+  return RadialFunction(values, end, decays);
 }
 
 RadialFunction ring_function(const ScattererMixture& mixture, const std::optional<IntensityMap>& map,
@@ -48,7 +44,7 @@ RadialFunction ring_function(const ScattererMixture& mixture, const std::optiona
   const auto part = [coherent](const auto& m) { return double(coherent ? m.coherent : m.uncorrelated); };
   return radial_function(
       [&](double u) {
-        if (mixture.is_isotropic()) return part(mixture.ring(u));
+        if (mixture.is_isotropic()) return part(mixture.eval(u, 0));
         u = std::min(u, double(std::nextafter(map->extent(), 0.f)));
         return ring_mean(u, 24 + int(1.2 * u),
                          [&](double x, double y) { return part(map->eval(float(x), float(y))); });
