@@ -115,8 +115,9 @@ int layer(const LayerOptions& options) {
   const LightBudgetSettings settings{
       options.haze_angle, options.samples, {float(options.at[0]), float(options.at[1])}};
   std::vector<LightBudget> rows;
-  const int count = std::max(1, int(std::ceil((grid.max_nm - grid.min_nm) / options.step - 1e-9)));
-  if (count > 10000) throw Error("--step: more than 10000 wavelengths");
+  const double steps = std::ceil((grid.max_nm - grid.min_nm) / options.step - 1e-9);
+  if (steps > 10000) throw Error("--step: more than 10000 wavelengths");
+  const int count = std::max(1, int(steps));
   rows.resize(std::size_t(count) + 1);
   for (int i = 0; i <= count; ++i)
     rows[std::size_t(i)].nm = grid.min_nm + (grid.max_nm - grid.min_nm) * i / count;
