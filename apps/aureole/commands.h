@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of `aureole`, one file each. A new one is a file and a line here and in main.cpp.
+// The subcommands of `aureole`, one file each. A new one is a file and a line here and in command_line.cpp.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -149,35 +149,63 @@ private:
   std::unordered_set<const Object*> appended_;
 };
 
+/// What is left of a text once it is read: nodes, and a builder that makes objects of them.
+class Loading {
+public:
+  Loading(const std::filesystem::path& file, const std::optional<std::string>& text,
+          const LoadOptions& options)
+      : owned_(std::make_shared<OwnedContext>()),
+        parsed(parse_scene(file, text, options.defines, owned_->diagnostics)) {
+    owned_->context.diagnostics = &owned_->diagnostics;
+    if (parsed.root.tag != "scene") stop_at_errors();
+    upgrade(parsed.root, diagnostics());
+    if (parsed.complete)
+      apply_overrides(parsed.root, options, diagnostics());  // else what it looks for may be missing
+    owned_->context.length_unit_m = length_unit(parsed.root, diagnostics());
+    references = resolve(parsed, diagnostics());
+  }
+
+  /// Calls `build` with a builder of objects for `grid`.
+  template <class Build>
+  void build(const SpectralGrid& grid, const LoadOptions& options, const Build& build) {
+    owned_->context.grid = grid;
+    Builder builder(references, context(), diagnostics(), options.given);
+    owned_->context.scene = &builder;
+    build(builder);
+    owned_->context.scene = nullptr;
+    stop_at_errors();
+    references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
+  }
+
+  void stop_at_errors() {
+    if (diagnostics().has_errors()) throw ErrorList(in_file_order(diagnostics().errors(), parsed.files));
+  }
+  std::vector<std::string> notes() const { return in_file_order(owned_->diagnostics.notes(), parsed.files); }
+  Diagnostics& diagnostics() { return owned_->diagnostics; }
+  std::shared_ptr<const BuildContext> context() const { return {owned_, &owned_->context}; }
+
+private:
+  std::shared_ptr<OwnedContext> owned_;
+
+public:
+  ParsedScene parsed;
+  References references;
+};
+
 LoadedScene load(const std::filesystem::path& file, const std::optional<std::string>& text,
                  const LoadOptions& options) {
-  const auto owned = std::make_shared<OwnedContext>();
-  Diagnostics& diagnostics = owned->diagnostics;
-  owned->context.diagnostics = &diagnostics;
-
-  ParsedScene parsed = parse_scene(file, text, options.defines, diagnostics);
-  const auto stop_at_errors = [&] {
-    if (diagnostics.has_errors()) throw ErrorList(in_file_order(diagnostics.errors(), parsed.files));
-  };
-  if (parsed.root.tag != "scene") stop_at_errors();
-  upgrade(parsed.root, diagnostics);
-  if (parsed.complete)
-    apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
-  owned->context.length_unit_m = length_unit(parsed.root, diagnostics);
-  References references = resolve(parsed, diagnostics);
-  owned->context.grid = sensor_grid(parsed.root, references, diagnostics);
-
+  Loading loading(file, text, options);
   LoadedScene scene;
-  scene.context = std::shared_ptr<const BuildContext>(owned, &owned->context);
-  scene.file = parsed.files.front()->path;
-  Builder builder(references, scene.context, diagnostics);
-  owned->context.scene = &builder;
-  SceneAssembly(scene, builder, references, diagnostics).run(parsed.root, parsed.complete);
-  owned->context.scene = nullptr;
-  stop_at_errors();
-  references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
-  scene.hash = content_hash(parsed.root, references);
-  scene.notes = in_file_order(diagnostics.notes(), parsed.files);
+  scene.context = loading.context();
+  scene.file = loading.parsed.files.front()->path;
+  const ParsedScene& parsed = loading.parsed;
+  loading.build(sensor_grid(loading.parsed.root, loading.references, loading.diagnostics()), options,
+                [&](Builder& builder) {
+                  SceneAssembly(scene, builder, loading.references, loading.diagnostics())
+                      .run(parsed.root, parsed.complete);
+                });
+  scene.hash = content_hash(parsed.root, loading.references);
+  scene.notes = loading.notes();
   return scene;
 }
 
@@ -190,6 +218,32 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
 LoadedScene load_scene_from_string(const std::string& text, const std::filesystem::path& pretended_file,
                                    const LoadOptions& options) {
   return load(pretended_file, text, options);
+}
+
+LoadedObject load_object_from_string(const std::string& text, const std::filesystem::path& pretended_file,
+                                     const SpectralGrid& grid, const LoadOptions& options) {
+  Loading loading(pretended_file, text, options);
+  const Node* last = nullptr;
+  for (const Node& child : loading.parsed.root.children)
+    if (!is_property(child) && child.tag != "alias") last = &child;
+  if (!last) {
+    loading.stop_at_errors();
+    throw Error(loading.parsed.root.where, "there is no object");
+  }
+  LoadedObject loaded;
+  loading.build(grid, options, [&](Builder& builder) {
+    for (const Node& child : loading.parsed.root.children)
+      if (!is_property(child) && child.tag != "alias") {
+        const Node* target = builder.target(child);
+        const bool known = target && (!object_family(*target).empty() || is_unsupported_object(*target));
+        if (target && !known) loading.diagnostics().error(unknown_element(*target));
+        ObjectPtr object = known ? builder.object(child) : nullptr;
+        if (&child == last && object) loaded.object = object, loaded.family = object_family(*target);
+      }
+  });
+  loaded.context = loading.context();
+  loaded.notes = loading.notes();
+  return loaded;
 }
 
 }  // namespace aureole

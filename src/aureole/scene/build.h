@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,9 @@ struct LoadOptions {
   std::string sampler;     ///< plug-in that replaces the sensor's sampler, which keeps sample_count and seed
   std::string integrator;  ///< plug-in that replaces the integrator, which keeps the parameters it documents
   std::optional<std::int64_t> sample_count;
+  /// Objects that the program made itself: `<given name="..." key="..."/>` stands for one of them. A key must
+  /// change with the object's content, since the scene's hash knows nothing else of it.
+  std::map<std::string, ObjectPtr> given;
 };
 
 struct LoadedScene {
@@ -42,5 +46,18 @@ LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& opt
 /// The same for `text`, which is read as if it were the content of `pretended_file`.
 LoadedScene load_scene_from_string(const std::string& text, const std::filesystem::path& pretended_file,
                                    const LoadOptions& options = {});
+
+/// An object that stands alone, such as a BSDF to look at.
+struct LoadedObject {
+  ObjectPtr object;
+  std::string family;
+  std::shared_ptr<const BuildContext> context;
+  std::vector<std::string> notes;
+};
+
+/// The last object of a scene in `text`; those before it are what it refers to. Spectra are tabulated on
+/// `grid`. Throws as `load_scene` does.
+LoadedObject load_object_from_string(const std::string& text, const std::filesystem::path& pretended_file,
+                                     const SpectralGrid& grid, const LoadOptions& options = {});
 
 }  // namespace aureole

@@ -110,10 +110,22 @@ ObjectPtr Builder::construct(const Node& node) {
   return object;
 }
 
+ObjectPtr Builder::given(const Node& node) {
+  if (!check_attributes(node, {"name", "key"}, {}, diagnostics_)) return nullptr;
+  const auto found = given_.find(node.get("key"));
+  if (found != given_.end()) return found->second;
+  diagnostics_.error(node.where,
+                     "<given> stands for an object of the program that loads the scene, which knows no \"" +
+                         node.get("key") + "\"");
+  return nullptr;
+}
+
 bool Builder::add_child(const Node& child, Properties& properties) {
   std::optional<Properties::Value> value;
   if (!object_family(child).empty() || child.tag == "ref" || is_unsupported_object(child)) {
     if (ObjectPtr object = this->object(child)) value = std::move(object);
+  } else if (child.tag == "given") {
+    if (ObjectPtr object = given(child)) value = std::move(object);
   } else if (child.tag == "alias") {
     return true;  // done by resolve()
   } else if (is_property(child)) {

@@ -3,8 +3,10 @@
 // every reference to it, so that a reference may come before what it refers to.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <unordered_map>
 
 #include "aureole/plugin/properties.h"
@@ -16,8 +18,10 @@ struct PluginAlias;
 
 class Builder : public SceneLookup {
 public:
-  Builder(const References& references, std::shared_ptr<const BuildContext> context, Diagnostics& diagnostics)
-      : references_(references), context_(std::move(context)), diagnostics_(diagnostics) {}
+  /// `given` are the objects that <given key="..."/> stands for.
+  Builder(const References& references, std::shared_ptr<const BuildContext> context, Diagnostics& diagnostics,
+          const std::map<std::string, ObjectPtr>& given)
+      : references_(references), context_(std::move(context)), diagnostics_(diagnostics), given_(given) {}
 
   /// The object of an element or of a <ref> to it. Null where it could not be built; the reasons have been
   /// reported, and only once for all references to it.
@@ -32,6 +36,7 @@ public:
 
 private:
   ObjectPtr construct(const Node& node);
+  ObjectPtr given(const Node& node);
   const PluginInfo* plugin_of(const Node& node, const PluginAlias** alias);
   /// Adds the parameter or child object; false if it has a problem.
   bool add_child(const Node& child, Properties& properties);
@@ -41,6 +46,7 @@ private:
   const References& references_;
   std::shared_ptr<const BuildContext> context_;
   Diagnostics& diagnostics_;
+  const std::map<std::string, ObjectPtr>& given_;
   std::unordered_map<const Node*, ObjectPtr> built_;  ///< null for failed ones
   std::vector<std::filesystem::path> files_;
 };

@@ -13,8 +13,8 @@ const std::vector<std::string> kFamilies = {"aperture", "bsdf",       "correlati
 const std::vector<std::string> kProperties = {"boolean", "integer", "float",    "string",   "point",
                                               "vector",  "rgb",     "spectrum", "transform"};
 const std::vector<std::string> kUnsupported = {"medium", "phase", "volume"};
-const std::vector<std::string> kOthers = {"scene",     "default", "include", "path",   "ref",   "alias",
-                                          "translate", "rotate",  "scale",   "lookat", "matrix"};
+const std::vector<std::string> kOthers = {"scene", "default",   "include", "path",  "ref",    "alias",
+                                          "given", "translate", "rotate",  "scale", "lookat", "matrix"};
 
 bool contains(const std::vector<std::string>& list, std::string_view name) {
   return std::find(list.begin(), list.end(), name) != list.end();

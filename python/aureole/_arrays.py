@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Checking of array arguments: exceptions that name the argument and say what was expected."""
+from __future__ import annotations
+
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import Error
+
+
+def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Optional[float] = None,
+         positive: bool = False, unit: str = "") -> npt.NDArray[np.float64]:
+    """The argument `name` as an array of finite real numbers.
+
+    Parameters
+    ----------
+    name : str
+        What the function calls the argument.
+    value : array_like
+        Numbers; booleans, complex numbers, strings and objects are a TypeError.
+    minimum, maximum : float, optional
+        Bounds, themselves allowed.
+    positive : bool
+        Zero and less are not allowed.
+    unit : str
+        For the message.
+
+    Returns
+    -------
+    numpy.ndarray of float64
+        Without a copy where `value` is one already.
+    """
+    try:
+        array = np.asarray(value)
+    except ValueError as e:
+        raise TypeError(f"{name}: expected an array of real numbers, got a ragged {type(value).__name__}") from e
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name}: expected real numbers, got {_described(value, array)}")
+    array = array.astype(np.float64, copy=False)
+    suffix = f" {unit}" if unit else ""
+    good = np.isfinite(array)
+    if not good.all():
+        raise Error(f"{name}: expected finite numbers, got {array[~good].flat[0]}{_where(~good)}")
+    for wrong, bound in ((minimum is not None and array < (minimum if minimum is not None else 0), f"at least {minimum}{suffix}"),
+                         (maximum is not None and array > (maximum if maximum is not None else 0), f"at most {maximum}{suffix}"),
+                         (positive and array <= 0, f"positive numbers{' in' + suffix if unit else ''}")):
+        if np.any(wrong):
+            raise Error(f"{name}: expected {bound}, got {array[wrong].flat[0]:g}{_where(np.asarray(wrong))}")
+    return array
+
+
+def scalar(name: str, value: Any, **limits: Any) -> float:
+    """The argument `name` as one finite real number; `limits` as in `real`."""
+    array = real(name, value, **limits)
+    if array.size != 1:
+        raise Error(f"{name}: expected one number, got an array of shape {array.shape}")
+    return float(array.reshape(())[()])
+
+
+def integer(name: str, value: Any, *, minimum: Optional[int] = None, maximum: Optional[int] = None) -> int:
+    """The argument `name` as one integer."""
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
+        raise TypeError(f"{name}: expected an integer, got {_described(value, np.asarray(value))}")
+    if minimum is not None and value < minimum:
+        raise Error(f"{name}: expected at least {minimum}, got {value}")
+    if maximum is not None and value > maximum:
+        raise Error(f"{name}: expected at most {maximum}, got {value}")
+    return int(value)
+
+
+def _described(value: Any, array: npt.NDArray[Any]) -> str:
+    if isinstance(value, np.ndarray) or array.ndim > 0:
+        return f"an array of {array.dtype}"
+    return f"{type(value).__name__} {value!r}" if len(repr(value)) < 60 else type(value).__name__
+
+
+def _where(wrong: npt.NDArray[np.bool_]) -> str:
+    if wrong.ndim == 0:
+        return ""
+    index = np.unravel_index(int(np.argmax(wrong)), wrong.shape)
+    return f" at index {tuple(int(i) for i in index)}" if len(index) > 1 else f" at index {int(index[0])}"

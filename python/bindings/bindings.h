@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the files of the Python module share. Each file binds one part of the library in a function that is
+// declared here and called by module.cpp.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+namespace aureole::python {
+
+namespace nb = nanobind;
+
+void bind_errors(nb::module_& m);
+void bind_objects(nb::module_& m);      ///< plug-in objects over arrays: BSDFs, emitters, apertures, spectra
+void bind_python_bsdf(nb::module_& m);  ///< BSDFs written in Python
+void bind_scene(nb::module_& m);        ///< scenes, their parameters, rendering
+void bind_image(nb::module_& m);        ///< pictures
+void bind_optics(nb::module_& m);       ///< physics without a renderer
+void bind_spectrum(nb::module_& m);     ///< observer, illuminants, colour, refractive indices
+void bind_check(nb::module_& m);        ///< the harness for BSDFs
+
+}  // namespace aureole::python

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The module `aureole._aureole`: what of the library Python sees. The package's Python files are the face
+// that users import.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "aureole/core/version.h"
+#include "bindings.h"
+#include "command_line.h"
+
+NB_MODULE(_aureole, m) {
+  using namespace aureole::python;
+  m.doc() = "The compiled part of aureole.";
+  m.attr("__version__") = aureole::kVersion;
+  m.def(
+      "run_command_line",
+      [](std::vector<std::string> arguments) {
+        std::vector<char*> argv;
+        for (std::string& a : arguments) argv.push_back(a.data());
+        argv.push_back(nullptr);
+        const nb::gil_scoped_release release;
+        return aureole::run_command_line(int(arguments.size()), argv.data());
+      },
+      nb::arg("arguments"),
+      "Run the command-line program; the first argument is its name. Returns the exit code.");
+  bind_errors(m);
+  bind_objects(m);
+  bind_python_bsdf(m);
+  bind_image(m);
+  bind_scene(m);
+  bind_optics(m);
+  bind_spectrum(m);
+  bind_check(m);
+}

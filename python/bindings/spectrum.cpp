@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "bindings.h"
+
+namespace aureole::python {
+
+void bind_spectrum(nb::module_& /*m*/) {}
+
+}  // namespace aureole::python
