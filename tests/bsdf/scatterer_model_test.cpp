@@ -217,16 +217,16 @@ double sum_of_intensity(const ScattererModel& model, const ScattererModel::State
   double sum = 0, last = 0;
   const double step = 1.0 / 16;
   for (double u = step / 2; u < 200; u += step) {
-    const int n = 8 + int(u / 4);  // times eight
+    const int n = (64 + int(2 * u)) / kWavelengths;  // points are looked up together
     double ring = 0;
     for (int i = 0; i < n; ++i) {
       DiffractedWave w;
-      for (int j = 0; j < 8; ++j) {
-        const double f = kPi * (8 * i + j + 0.5) / (8 * n);
+      for (int j = 0; j < kWavelengths; ++j) {
+        const double f = kPi * (kWavelengths * i + j + 0.5) / (kWavelengths * n);
         w.x[j] = float(u * std::cos(f)), w.y[j] = float(u * std::sin(f)), w.length[j] = float(u);
       }
       const Spectrum g = model.intensity(state, w);
-      for (int j = 0; j < 8; ++j) ring += double(g[j]) / (8 * n);
+      for (int j = 0; j < kWavelengths; ++j) ring += double(g[j]) / (kWavelengths * n);
     }
     sum += ring * u * step;
     if (u > 150) last += ring * u * u * u * step / 50;
@@ -239,16 +239,15 @@ double sum_of_intensity(const ScattererModel& model, const ScattererModel::State
 /// keeps its direction: E A^2 - (E A)^2 = rho int t^2 - (rho int t)^2 = Fr fill - Fr^2, with fill = int
 /// t^2/int t. That is Fr (1 - Fr) where t is 0 or 1, and less for a grey mask.
 TEST(ScattererModel, EnergyOfEveryAperture) {
-  static_assert(kWavelengths == 8);
   const TemporaryFile drawing("energy.svg"), binary("energy_binary.exr"), grey("energy_grey.exr");
   std::ofstream(drawing.path)
       << R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 100 100"><path d="M 10 20 H 90 V 80 H 10 Z M 25 30 V 70 H 45 V 30 Z"/><rect x="55" y="30" width="25" height="40"/></svg>)";
-  // A crescent; a cone of light with a dark half.
+  // A crescent; a cone with a darker side.
   const MaskSums crescent = write_mask(binary.path, [](double x, double y) {
     return std::hypot(x, y) < 0.9 && std::hypot(x - 0.45, y - 0.1) > 0.55 ? 1.0 : 0.0;
   });
   const MaskSums cone = write_mask(grey.path, [](double x, double y) {
-    return std::max(1 - std::hypot(x, y), 0.0) * (x > 0.2 ? 0.5 : 1);
+    return std::max(0.8 - std::hypot(x, y), 0.0) * (x > 0.2 ? 0.5 : 1);
   });
   const auto resolve = [&](const std::string& name) {
     return name == "drawing.svg" ? drawing.path : name == "binary.exr" ? binary.path : grey.path;
@@ -256,14 +255,13 @@ TEST(ScattererModel, EnergyOfEveryAperture) {
   struct Case {
     const char *name, *xml;
     double area, squared_area;  // um^2
-    double largest;             // tolerance at Fa = .65, where Percus-Yevick is not exact
   };
-  const double turning = 5 * 0.5 * std::sin(kPi / 5);
-  const auto solid = [](const char* name, const char* xml, double area, double largest = 0.065) {
-    return Case{name, xml, area, area, largest};
+  const double star = 5 * 0.5 * std::sin(kPi / 5);
+  const auto solid = [](const char* name, const char* xml, double area) {
+    return Case{name, xml, area, area};
   };
   const Case cases[] = {
-      solid("circle", R"(<aperture type="circle"><string name="radius" value="1um"/></aperture>)", kPi, 0.04),
+      solid("circle", R"(<aperture type="circle"><string name="radius" value="1um"/></aperture>)", kPi),
       solid("small circle", R"(<aperture type="circle"><string name="radius" value="0.7um"/></aperture>)",
             0.49 * kPi),
       solid(
@@ -285,11 +283,11 @@ TEST(ScattererModel, EnergyOfEveryAperture) {
       solid(
           "star",
           R"(<aperture type="star"><string name="radius" value="1um"/><float name="inner_ratio" value="0.5"/></aperture>)",
-          turning),
+          star),
       solid(
           "turning star",
           R"(<aperture type="star"><string name="radius" value="1um"/><float name="inner_ratio" value="0.5"/><boolean name="random_rotation" value="true"/></aperture>)",
-          turning),
+          star),
       solid(
           "polygon with hole",
           R"(<aperture type="polygon"><string name="vertices" value="-8,-5 8,-5 6,6 -7,5; -3,-2 3,-2 0,3"/><string name="unit" value="0.095um"/></aperture>)",
@@ -300,13 +298,13 @@ TEST(ScattererModel, EnergyOfEveryAperture) {
           (4800 - 800 - 1000) * std::pow(1.5 / 80, 2)),
       {"binary mask",
        R"(<aperture type="mask"><string name="filename" value="binary.exr"/><string name="width" value="2um"/><boolean name="centroid" value="false"/></aperture>)",
-       crescent.open, crescent.squares, 0.065},
+       crescent.open, crescent.squares},
       {"grey mask",
        R"(<aperture type="mask"><string name="filename" value="grey.exr"/><string name="width" value="2um"/><boolean name="centroid" value="false"/></aperture>)",
-       cone.open, cone.squares, 0.065},
+       cone.open, cone.squares},
       {"turning grey mask",
        R"(<aperture type="mask"><string name="filename" value="grey.exr"/><string name="width" value="2um"/><boolean name="random_rotation" value="true"/></aperture>)",
-       cone.open, cone.squares, 0.065}};
+       cone.open, cone.squares}};
   EXPECT_LT(cone.squares, 0.7 * cone.open);
   const auto fluid = testing::build<Correlation>(R"(<correlation type="percus_yevick"/>)");
   for (const Case& c : cases) {
@@ -317,15 +315,16 @@ TEST(ScattererModel, EnergyOfEveryAperture) {
         1e-6);
     std::printf("%-18s covers %.3f of its discs, fill %.3f: own total against Fr fill - Fr^2", c.name,
                 c.area / kPi, c.squared_area / c.area);
+    const ScattererModel model(mixture, *fluid, 0.1, 0.65, 240);
     for (const double fa : {0.1, 0.3, 0.5, 0.6, 0.65}) {
-      const ScattererModel model(mixture, *fluid, fa, fa, fa == 0.5 ? 240 : 60);
       const auto state = model.at(float(fa));
       const double fr = fa * c.area / kPi, expected = fr * c.squared_area / c.area - fr * fr;
       EXPECT_NEAR(model.covered(float(fa)), fr, 1e-4 * fr) << c.name;
       EXPECT_NEAR(model.fill(), c.squared_area / c.area, 1e-4) << c.name;
       const double total = fa / kPi / (2 * kPi) / double(state.inverse_total);
       std::printf(" %+.2f %%", 100 * (total / expected - 1));
-      EXPECT_NEAR(total / expected, 1, fa <= 0.6 ? 0.012 : c.largest) << c.name << " " << fa;
+      // Percus and Yevick's theory is not exact, and furthest off where it ends.
+      EXPECT_NEAR(total / expected, 1, fa <= 0.6 ? 0.012 : 0.04) << c.name << " " << fa;
       if (fa != 0.5) continue;
       // `inverse_total` takes the part without correlation from areas; the tables have as much.
       const double sum = sum_of_intensity(model, state);
