@@ -166,7 +166,7 @@ def mask(open: npt.ArrayLike, pixel_size: float, *, centroid: bool = True) -> Ap
     >>> y, x = np.mgrid[-50:51, -50:51]
     >>> disc = optics.mask(x**2 + y**2 < 40**2, 1e-7)
     >>> round(disc.radius * 1e6, 2)
-    4.0
+    3.99
     """
     values = np.asarray(open)
     if values.dtype == np.bool_ and not np.ma.is_masked(open):

@@ -104,7 +104,7 @@ def mie(x: npt.ArrayLike, m: npt.ArrayLike) -> Mie:
     >>> from aureole import optics
     >>> drop = optics.mie([1, 10, 100], 1.33 + 1e-5j)
     >>> drop.qext.round(4)
-    array([0.0939, 2.2086, 2.1013])
+    array([0.094 , 2.2066, 2.1013])
     """
     shape, (size, index) = _spheres(x, m)
     result = np.empty((4, size.size))
@@ -169,8 +169,8 @@ def mie_phase_function(x: npt.ArrayLike, m: npt.ArrayLike, mu: npt.ArrayLike) ->
     Examples
     --------
     >>> from aureole import optics
-    >>> optics.mie_phase_function(1e-3, 1.5, 1.0).round(5)  # Rayleigh: 3/(16 pi) (1 + mu^2)
-    0.11937
+    >>> optics.mie_phase_function(1e-3, 1.5, [0, 1]).round(4)  # Rayleigh: 3/(16 pi) (1 + mu^2)
+    array([0.0597, 0.1194])
     """
     shape, (size, index) = _spheres(x, m)
     cosine = real("mu", mu, minimum=-1, maximum=1)
@@ -205,10 +205,10 @@ def fresnel(cos_theta: npt.ArrayLike, eta: npt.ArrayLike) -> Fresnel:
     Examples
     --------
     >>> from aureole import optics
-    >>> optics.fresnel(1, 1.5).reflectance.round(4)
-    0.04
-    >>> optics.fresnel([1, 0.5], 0.2 + 3.4j).reflectance.round(3)  # silver, near 550 nm
-    array([0.938, 0.935])
+    >>> optics.fresnel([1, 0.5], 1.5).reflectance.round(4)
+    array([0.04  , 0.0892])
+    >>> optics.fresnel([1, 0.5], 0.2 + 3.4j).reflectance.round(3)  # a metal
+    array([0.938, 0.933])
     """
     cosine = real("cos_theta", cos_theta, minimum=-1e-6, maximum=1 + 1e-6)
     index = complex_numbers("eta", eta)

@@ -106,7 +106,7 @@ def illuminant(name: str, wavelength: npt.ArrayLike, *, normalize: str = "lumina
     --------
     >>> from aureole import spectrum
     >>> spectrum.illuminant("D65", [460, 560], normalize="table")
-    array([117.8, 100. ])
+    array([117.812, 100.   ])
     """
     nm = _wavelengths("wavelength", wavelength)
     at, values, scale = _illuminant("name", name)
@@ -114,7 +114,7 @@ def illuminant(name: str, wavelength: npt.ArrayLike, *, normalize: str = "lumina
     if _choice("outside", outside, "error", "zero") == "error":
         _require_range("wavelength", nm, at[0], at[-1], f"illuminant {name}")
     result = np.interp(nm, at, values, left=0.0, right=0.0)
-    return np.asarray(result * scale if normalize == "luminance" else result)[()]  # type: ignore[no-any-return]
+    return np.asarray(result * scale if normalize == "luminance" else result)[()]
 
 
 def blackbody(temperature: npt.ArrayLike, wavelength: npt.ArrayLike) -> Reals:
@@ -135,8 +135,8 @@ def blackbody(temperature: npt.ArrayLike, wavelength: npt.ArrayLike) -> Reals:
     Examples
     --------
     >>> from aureole import spectrum
-    >>> spectrum.blackbody(2856, 560).round(1)
-    269.6
+    >>> spectrum.blackbody([2856, 6504], 560).round(0)
+    array([  268., 42445.])
     """
     kelvin = real("temperature", temperature, positive=True, maximum=1e12, unit="K")
     shape, (t, nm) = broadcast(temperature=kelvin, wavelength=_wavelengths("wavelength", wavelength))
@@ -176,7 +176,7 @@ def to_xyz(wavelengths: npt.ArrayLike, values: npt.ArrayLike, illuminant: Option
     --------
     >>> from aureole import spectrum
     >>> spectrum.to_xyz([360, 830], [1, 1], "D65").round(4)
-    array([0.9504, 1.    , 1.0888])
+    array([0.9505, 1.    , 1.0888])
     """
     nm, spectra = _wavelengths("wavelengths", wavelengths), real("values", values)
     if nm.ndim != 1 or nm.size < 2 or np.any(np.diff(nm) <= 0):
@@ -191,7 +191,7 @@ def to_xyz(wavelengths: npt.ArrayLike, values: npt.ArrayLike, illuminant: Option
         result = spectra @ weights
     if not np.all(np.isfinite(result)):
         raise Error("values: expected spectra whose tristimulus values are finite, got too large ones")
-    return result  # type: ignore[no-any-return]
+    return result
 
 
 def to_srgb(wavelengths: npt.ArrayLike, values: npt.ArrayLike, illuminant: Optional[Union[str, npt.ArrayLike]] = None, *,
@@ -340,8 +340,8 @@ def refractive_index(name: str, wavelength: npt.ArrayLike, *, dispersion: bool =
     >>> from aureole import spectrum
     >>> spectrum.refractive_index("bk7", [486.1, 587.6, 656.3]).round(4)
     array([1.5224, 1.5168, 1.5143])
-    >>> spectrum.refractive_index("Au", 600).round(2)
-    (0.25+2.99j)
+    >>> spectrum.refractive_index("Au", [500, 600]).round(2)
+    array([0.86+1.89j, 0.22+3.j  ])
     """
     found = material(name, dispersion=dispersion)
     nm = _wavelengths("wavelength", wavelength)
@@ -411,7 +411,8 @@ def _weights(nm: Reals, light: Any, nearest: bool) -> Reals:
                         f"{light_values.shape}")
     edges = np.unique(np.clip(np.concatenate(places), 360.0, 830.0))
     low, high = edges[:-1], edges[1:]
-    total, weights = np.zeros(3), np.zeros((nm.size, 3))
+    total = np.zeros(3)
+    weights: Reals = np.zeros((nm.size, 3))
     middles = 0.5 * (low + high)
     # The neighbours in `nm` of each piece. Beyond its ends they are one and the same.
     right = np.searchsorted(nm, middles)
@@ -436,4 +437,5 @@ def _weights(nm: Reals, light: Any, nearest: bool) -> Reals:
             np.add.at(weights[:, c], right, part * w)
     if not total[1] > 0:
         raise Error("illuminant: expected one with a luminance above 0")
-    return weights / total[1]
+    weights /= total[1]
+    return weights

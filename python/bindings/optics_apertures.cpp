@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shapes of openings: `ApertureShape`, which scenes' apertures have too, and makers of it.
 #include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
 
 #include <cmath>
+#include <cstdio>
 #include <memory>
 #include <vector>
 

@@ -85,12 +85,15 @@ void upsample(const Array<const double, 2>& rgb, const Reals& nm, bool table, bo
 
 void bind_spectrum(nb::module_& m) {
   using nb::arg;
-  m.def("observer_table", [] {
-    const Observer& o = cie_1931_observer();
-    std::vector<double> nm(o.y.size());
-    for (std::size_t i = 0; i < nm.size(); ++i) nm[i] = o.start_nm + o.step_nm * double(i);
-    return nb::make_tuple(new_array(nm), new_array(o.x), new_array(o.y), new_array(o.z));
-  });
+  m.def(
+      "observer_table",
+      [] {
+        const Observer& o = cie_1931_observer();
+        std::vector<double> nm(o.y.size());
+        for (std::size_t i = 0; i < nm.size(); ++i) nm[i] = o.start_nm + o.step_nm * double(i);
+        return nb::make_tuple(new_array(nm), new_array(o.x), new_array(o.y), new_array(o.z));
+      },
+      nb::sig("def observer_table() -> tuple[numpy.typing.NDArray[numpy.float64], ...]"));
   m.def("cie_y_integral", &cie_y_integral);
   m.def("illuminant_names", &illuminant_names);
   m.def(
@@ -100,7 +103,10 @@ void bind_spectrum(nb::module_& m) {
         return nb::make_tuple(new_array(s.wavelengths_nm), new_array(s.values),
                               cie_y_integral() / cie_tristimulus(s)[1]);
       },
-      arg("name"), "Wavelengths, values, and the factor to the luminance of a flat spectrum of one.");
+      arg("name"),
+      nb::sig("def illuminant_table(name: str) -> tuple[numpy.typing.NDArray[numpy.float64], "
+              "numpy.typing.NDArray[numpy.float64], float]"),
+      "Wavelengths, values, and the factor to the luminance of a flat spectrum of one.");
 
   m.def("material_names", &refractive_index_names);
   m.def(
@@ -112,7 +118,9 @@ void bind_spectrum(nb::module_& m) {
         return nb::make_tuple(low, index.max_nm(), index.is_dispersive(), index.at(low).imag() > 0,
                               std::string(index.source()));
       },
-      arg("name"), arg("dispersion"), "Range in nm, whether it is dispersive, whether it absorbs, source.");
+      arg("name"), arg("dispersion"),
+      nb::sig("def material(name: str, dispersion: bool) -> tuple[float, float, bool, bool, str]"),
+      "Range in nm, whether it is dispersive, whether it absorbs, source.");
   m.def(
       "refractive_index",
       [](const std::string& name, bool dispersion, const Reals& nm, const Array<Complex>& result) {
