@@ -4,6 +4,7 @@ from ._processor import require_processor as _require_processor
 
 _require_processor()
 
+from . import optics, spectrum  # noqa: E402
 from ._aureole import Aperture, Bsdf, Emitter, Object, Texture, __version__  # noqa: E402
 from ._dict import Transform  # noqa: E402
 from ._errors import Error, Problem, SceneError  # noqa: E402
@@ -13,6 +14,6 @@ from ._scene import ParameterError, Scene, load_dict, load_file, load_string  # 
 
 __all__ = [
     "Aperture", "Bsdf", "Emitter", "Error", "Image", "InterruptedWarning", "Object", "ParameterError", "Problem", "Scene",
-    "SceneError", "Texture", "Transform", "__version__", "load_dict", "load_file", "load_string", "read_image", "render",
-    "render_iter",
+    "SceneError", "Texture", "Transform", "__version__", "load_dict", "load_file", "load_string", "optics", "read_image",
+    "render", "render_iter", "spectrum",
 ]
