@@ -5,7 +5,8 @@ from ._processor import require_processor as _require_processor
 _require_processor()
 
 from ._aureole import __version__  # noqa: E402
-from . import optics, spectrum  # noqa: E402
+from . import optics, plot, spectrum  # noqa: E402
+from ._check import CheckRecord, CheckReport, check  # noqa: E402
 from ._errors import Error, Problem, SceneError  # noqa: E402
 
-__all__ = ["Error", "Problem", "SceneError", "__version__", "optics", "spectrum"]
+__all__ = ["CheckRecord", "CheckReport", "Error", "Problem", "SceneError", "__version__", "check", "optics", "plot", "spectrum"]
