@@ -20,9 +20,9 @@
 #include "aureole/aperture/aperture.h"
 #include "aureole/bsdf/scatterer_sampler.h"
 #include "aureole/core/image.h"
+#include "aureole/instrument/statistics.h"
 #include "aureole/optics/hard_discs.h"
 #include "harness/properties_builder.h"
-#include "harness/statistics.h"
 
 namespace aureole {
 namespace {
@@ -532,7 +532,7 @@ void check_sampler(const std::string& what, const ScattererModel& model, const S
     statistic += std::pow(pooled_observed - pooled_expected, 2) / std::max(pooled_expected, 1.0);
     pooled_expected = pooled_observed = 0, ++bins;
   }
-  const double p = testing::chi_square_p_value(statistic, bins - 1);
+  const double p = chi_square_p_value(statistic, bins - 1);
   std::printf("%-42s mass %.4f, chi-square p %.3f, largest J/D %.1f, second moment of J/D %.3f\n",
               what.c_str(), mass, p, worst_ratio, weighted);
   if (within) {                                                          // the table's square reaches further
