@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs from Debian's packages what is missing, and nothing else. Does nothing, quickly, where all is there.
+# Installs from Debian's packages what is missing, and makes the virtual environment .venv for the Python module. Does nothing,
+# quickly, where all is there.
 set -euo pipefail
-packages=(g++ cmake ninja-build pkg-config ccache clang-format python3
+packages=(g++ cmake ninja-build pkg-config ccache clang-format python3 python3-dev python3-venv
   libembree-dev libtbb-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev libtiff-dev libstb-dev zlib1g-dev
   libpugixml-dev nlohmann-json3-dev libcli11-dev libfmt-dev libboost-math1.81-dev libgtest-dev libbenchmark-dev
   libpolyclipping-dev libkissfft-dev libopencv-core-dev libopencv-imgproc-dev)
@@ -10,10 +11,32 @@ missing=()
 for p in "${packages[@]}"; do
   dpkg-query -W -f '${db:Status-Status}\n' "$p" 2>/dev/null | grep -qx installed || missing+=("$p")
 done
-if ((${#missing[@]} == 0)); then exit 0; fi
-echo "installing: ${missing[*]}"
-sudo=""
-if ((EUID != 0)); then sudo="sudo"; fi
-export DEBIAN_FRONTEND=noninteractive
-$sudo apt-get update -qq
-$sudo apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null
+if ((${#missing[@]})); then
+  echo "installing: ${missing[*]}"
+  sudo=""
+  if ((EUID != 0)); then sudo="sudo"; fi
+  export DEBIAN_FRONTEND=noninteractive
+  $sudo apt-get update -qq
+  $sudo apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null
+fi
+
+# The virtual environment: made of nothing where it is broken, half made or of another Python; brought up to date where only the
+# requirements have changed. The stamp is written last. A link is somebody's own environment and stays as it is.
+cd "$(dirname "$0")/.."
+if [[ -L .venv ]]; then exit 0; fi
+python=$(command -v "${PYTHON:-python3}")
+requirements=python/requirements.txt
+interpreter=$("$python" -c 'import sys; print(sys.version, sys.base_prefix)')
+wanted="$interpreter
+$(sha256sum < $requirements)"
+stamp=.venv/made-from
+found=""
+if [[ -f $stamp ]] && .venv/bin/python -c 'import pip' 2> /dev/null; then found=$(< $stamp); fi
+if [[ "$found" == "$wanted" ]]; then exit 0; fi
+echo "making the virtual environment .venv (Python packages of $requirements, from PyPI)"
+if [[ "$found" == "$interpreter"* ]]; then rm $stamp; else rm -rf .venv && "$python" -m venv .venv; fi
+.venv/bin/python -m pip install -q --disable-pip-version-check -r $requirements || {
+  echo "the packages of $requirements could not be installed; without the Python module: cmake -S . -B build/native -DAUREOLE_PYTHON=OFF" >&2
+  exit 1
+}
+printf '%s\n' "$wanted" > $stamp

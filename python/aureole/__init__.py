@@ -4,10 +4,20 @@ from ._processor import require_processor as _require_processor
 
 _require_processor()
 
+from . import optics, plot, spectrum  # noqa: E402
 from ._aureole import Aperture, Bsdf, Emitter, Object, Texture, __version__  # noqa: E402
+from ._check import CheckRecord, CheckReport, check  # noqa: E402
+from ._dict import Transform  # noqa: E402
 from ._errors import Error, Problem, SceneError  # noqa: E402
+from ._image import Image, read_image  # noqa: E402
 from ._objects import BsdfSample, EmitterSample, Lobe  # noqa: E402
 from ._python_bsdf import PythonBsdf, as_bsdf  # noqa: E402
+from ._render import InterruptedWarning, render, render_iter  # noqa: E402
+from ._scene import ParameterError, Scene, load_dict, load_file, load_string  # noqa: E402
 
-__all__ = ["Aperture", "Bsdf", "BsdfSample", "Emitter", "EmitterSample", "Error", "Lobe", "Object", "Problem", "PythonBsdf", "SceneError",
-           "Texture", "__version__", "as_bsdf"]
+__all__ = [
+    "Aperture", "Bsdf", "BsdfSample", "CheckRecord", "CheckReport", "Emitter", "EmitterSample", "Error",
+    "Image", "InterruptedWarning", "Lobe", "Object", "ParameterError", "Problem", "PythonBsdf", "Scene",
+    "SceneError", "Texture", "Transform", "__version__", "as_bsdf", "check", "load_dict", "load_file",
+    "load_string", "optics", "plot", "read_image", "render", "render_iter", "spectrum",
+]
