@@ -201,9 +201,9 @@ class CheckReport:
             else:
                 figure = f"{worst.figure:.1e} (most {worst.limit:.0e})"
             place = ""
-            if worst.direction is not None:
+            if worst.direction is not None and worst.severity > 0:
                 place = f"{np.degrees(np.arccos(np.clip(worst.direction[2], -1, 1))):.0f} deg"
-            if worst.wavelength is not None:
+            if worst.wavelength is not None and worst.severity > 0:
                 place += f"{', ' if place else ''}{worst.wavelength:.0f} nm"
             verdict = "ok" if not wrong else f"FAILED {wrong} of {len(records)}"
             rows.append((kind, verdict, figure, place, meaning))

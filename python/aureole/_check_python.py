@@ -56,11 +56,17 @@ class Batch:
         value, pdf = np.array(s.value).reshape(n, m), np.array(s.pdf).reshape(n, m)
         valid, lobe = s.valid.reshape(n, m), s.lobe.reshape(n, m)
         same = valid & (np.abs(wo - wo[:, :1]).max(-1) <= 1e-9) & (lobe == lobe[:, :1])
-        delta = (lobe[:, 0] & int(Lobe.delta)) != 0
+        first = lobe[:, 0].astype(np.int64)
+        delta = (first & int(Lobe.delta)) != 0
         value[delta] = np.where(same[delta], value[delta], 0.0)
         pdf[delta] = np.where(same[delta], pdf[delta], 0.0)
         other = np.flatnonzero(~delta & ~same.all(1) & valid[:, 0])
         if other.size:
             value[other], pdf[other] = self.eval_pdf(wi[other], wo[other, 0], wavelengths, mode)
-        about = np.stack([valid[:, 0], lobe[:, 0], s.eta.reshape(n, m)[:, 0]], -1).astype(np.float64)
+        # Where a class does not say which of its lobes it was, the side does.
+        same_side = wi[:, 2] * wo[:, 0, 2] > 0
+        both = int(Lobe.reflect) | int(Lobe.transmit)
+        unsaid = (first & both) == both
+        first = np.where(unsaid, first & ~np.where(same_side, int(Lobe.transmit), int(Lobe.reflect)), first)
+        about = np.stack([valid[:, 0], first, s.eta.reshape(n, m)[:, 0]], -1).astype(np.float64)
         return np.ascontiguousarray(wo[:, 0]), np.ascontiguousarray(value), np.ascontiguousarray(pdf), np.ascontiguousarray(about)

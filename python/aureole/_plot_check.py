@@ -104,6 +104,11 @@ def _samples(report: "CheckReport", ax: "Axes") -> None:
     ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high), xlabel="samples expected", ylabel="samples found",
            title=f"samples against density, worst of {len(report.histograms)}:\n{degrees:.0f}° incidence, {worst.wavelength:.0f} nm, "
                  f"p = {worst.p_value:.2g}")
+    ticker = matplotlib().ticker
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(ticker.StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(ticker.NullFormatter())
     ax.grid(alpha=0.25)
     ax.legend(fontsize="x-small", frameon=False, loc="upper left")
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _corona, spectrum as _spectrum
+from . import _corona
 from ._arrays import integer, real, scalar
 from ._errors import Error
 from ._plot_check import check_report
@@ -363,12 +363,12 @@ def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[floa
     ax = axes_for(ax)
     linear = _corona.picture(instance, lamp, diameter, half, n, nm)
     at = (np.arange(n) - 0.5 * (n - 1)) * 2 * half / n
-    # White is four times the mean luminance of the outer three quarters, where the rings are.
+    # White is six times the mean luminance of the outer three quarters, where the rings are.
     rings = np.hypot(at[:, None], at) > 0.25 * half
     luminance = linear @ np.array([0.2126, 0.7152, 0.0722])
-    white = 4 * float(luminance[rings].mean())
+    white = 6 * float(luminance[rings].mean())
     scaled = linear * (2**stops / white if white > 0 else 0)
-    ax.imshow(_spectrum.srgb_encode(np.clip(scaled, 0, 1)), extent=(-half, half, -half, half), interpolation="bilinear")
+    ax.imshow(_corona.display(scaled), extent=(-half, half, -half, half), interpolation="bilinear")
     ax.set(xlabel="angle from the lamp [degrees]", ylabel="[degrees]")
     ax.set_aspect("equal")
     return ax

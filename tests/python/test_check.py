@@ -11,6 +11,7 @@ import pytest
 
 import aureole
 from aureole import PythonBsdf
+from aureole._plot_check import pools
 
 FAST = 20_000
 
@@ -111,23 +112,25 @@ def test_lossless():
     assert aureole.check(grey, samples=FAST).passed
     report = aureole.check(grey, lossless=True, samples=FAST)
     assert report.failed() == ["energy"]
-    assert "loses energy: 0.9" in report.problems[0]
+    assert report.problems[0].startswith("loses energy: 0.")
 
 
-def test_histograms_and_pairs():
-    report = aureole.check(aureole.load_dict({"type": "roughdielectric", "alpha": 0.4}), samples=FAST)
+def test_histograms():
+    report = aureole.check(aureole.load_dict({"type": "twosided", "nested": {"type": "diffuse"}}), samples=FAST)
     assert len(report.histograms) == 12
     for h in report.histograms:
         assert h.found.sum() == FAST
-        assert abs(h.expected.sum() - FAST) < 0.003 * FAST
+        assert h.expected.sum() == pytest.approx(FAST, rel=1e-4)
         np.testing.assert_allclose(np.linalg.norm(h.centers, axis=1), 1, atol=1e-6)
-    # Chi-square over the groups of the plot is the test's own.
-    from aureole._plot_check import pools
+        # Chi-square over the groups of the plot is the test's own.
+        expected, found = pools(h)
+        assert len(expected) == h.pools
+        assert np.sum((found - expected) ** 2 / expected) == pytest.approx(h.chi_square, rel=1e-3)
 
-    h = report.histograms[0]
-    expected, found = pools(h)
-    assert np.sum((found - expected) ** 2 / expected) == pytest.approx(h.chi_square, rel=0.02)
-    # Light is refracted into glass of 1.5: without the squared indices the pairs would not agree.
+
+def test_pairs_of_two_media():
+    """Without the squared indices (1.5046 by default) the pairs would not agree."""
+    report = aureole.check(aureole.load_dict({"type": "roughdielectric", "alpha": 0.4}), samples=FAST)
     p = report.pairs
     through = (p["wi"][:, 2] * p["wo"][:, 2] < 0) & (p["forward"] > 1e-3)
     assert through.sum() > 50
@@ -152,11 +155,11 @@ def test_two_sided():
 
 @pytest.mark.parametrize("wrong, kinds", [
     (GainsEnergy, {"energy"}),
-    (WrongDensity, {"chi_square"}),
+    (WrongDensity, {"chi_square", "sample_energy"}),
     (NotReciprocal, {"reciprocity", "modes"}),
     (NanAtGrazing, {"finite"}),
     (MissesAHemisphere, {"sample_energy"}),
-    (Negative, {"finite"}),
+    (Negative, {"finite", "modes", "reciprocity"}),
 ])
 def test_wrong_ones_fail_in_the_right_check(wrong, kinds):
     report = aureole.check(wrong(), samples=8000)
@@ -246,13 +249,15 @@ def test_progress_and_its_exceptions():
 
 
 def test_interrupt():
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored
     timer = threading.Timer(0.5, lambda: os.kill(os.getpid(), signal.SIGINT))
     timer.start()
     try:
         with pytest.raises(KeyboardInterrupt):
-            aureole.check(aureole.load_dict({"type": "roughdielectric", "alpha": 0.3}), samples=20_000_000)
+            aureole.check(aureole.load_dict({"type": "roughdielectric", "alpha": 0.3}), samples=5_000_000)
     finally:
         timer.cancel()
+        signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.parametrize("arguments, error, message", [
