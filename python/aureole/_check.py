@@ -83,7 +83,7 @@ class CheckRecord:
         return difference / self.limit if self.limit > 0 else (0.0 if self.passed else float("inf"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Histogram:
     """Samples counted in bins over the sphere, beside what the density says.
 
@@ -117,7 +117,7 @@ class Histogram:
     pools: int
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CheckReport:
     """What `check` found.
 
@@ -287,8 +287,8 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
         is written in Python.
     significance : float
         Probability that a right BSDF fails in one of the statistical tests; shared among them (Sidak).
-    wavelengths : (float, float)
-        Range in nm; within that for which the BSDF was made.
+    wavelengths : (float, float) or None
+        Range in nm, within that for which the BSDF was made; None: all of it.
     seed : int
         Of the random numbers; the same seed gives the same report.
     progress : callable, optional
@@ -338,8 +338,8 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
         raise Error(f'mode: expected "importance" or "radiance", got {mode!r}')
     if progress is not None and not callable(progress):
         raise TypeError(f"progress: expected a function of one number, got {type(progress).__name__}")
-    ends = real("wavelengths", wavelengths, positive=True, unit="nm")
-    if ends.shape != (2,) or not ends[0] < ends[1]:
+    ends = np.zeros(2) if wavelengths is None else real("wavelengths", wavelengths, positive=True, unit="nm")
+    if wavelengths is not None and (ends.shape != (2,) or not ends[0] < ends[1]):
         raise Error(f"wavelengths: expected two numbers in nm, the lower one first, got {wavelengths!r}")
 
     data = _aureole.check_bsdf(

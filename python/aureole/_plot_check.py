@@ -63,7 +63,7 @@ def _albedo(report: "CheckReport", ax: "Axes") -> None:
         ax.axvline(90, color="0.6", lw=0.8)
     ax.set_xticks(range(0, 181, 30) if below else range(0, 91, 15))
     ax.grid(alpha=0.25)
-    ax.legend(fontsize="x-small", frameon=False, ncols=2, loc="lower left")
+    ax.legend(fontsize="x-small", frameon=False, ncol=2, loc="lower left")
 
 
 def pools(histogram: "Histogram") -> Tuple[Array, Array]:

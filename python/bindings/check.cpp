@@ -200,7 +200,7 @@ void bind_check(nb::module_& m) {
         std::shared_ptr<const Bsdf> checked;
         const auto batch = [&](const nb::object& instance) {
           auto context = std::make_shared<BuildContext>();
-          context->grid = SpectralGrid::over(min_nm, max_nm);
+          if (max_nm > min_nm) context->grid = SpectralGrid::over(min_nm, max_nm);
           return std::make_shared<const BatchBsdf>(Properties("python", "", {}, context), instance);
         };
         if (!nb::isinstance<Bsdf>(bsdf)) {
@@ -222,6 +222,10 @@ void bind_check(nb::module_& m) {
       nb::arg("significance"), nb::arg("tolerance"), nb::arg("largest_energy"), nb::arg("min_nm"),
       nb::arg("max_nm"), nb::arg("index_ratio").none(), nb::arg("angles"), nb::arg("most_bins"),
       nb::arg("seed"), nb::arg("progress").none(),
+      nb::sig("def check_bsdf(bsdf: object, *, lossless: bool, reciprocal: bool, black_below: bool | None, "
+              "may_fail: bool, radiance: bool, samples: int, significance: float, tolerance: float, "
+              "largest_energy: float, min_nm: float, max_nm: float, index_ratio: float | None, "
+              "angles: list[float], most_bins: int, seed: int, progress: object) -> dict[str, typing.Any]"),
       "What is wrong with a BSDF, and the numbers behind it. See `aureole.check`.");
 }
 

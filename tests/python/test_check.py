@@ -81,6 +81,7 @@ GOOD = {
     "plastic": {"type": "plastic"},
     "twosided": {"type": "twosided", "nested": {"type": "diffuse"}},
     "conductor": {"type": "conductor"},
+    "scatterers": {"type": "correlated_scatterers", "radius": "5um", "area_fraction": 0.4},
 }
 
 
@@ -215,6 +216,15 @@ def test_noise_ends():
             return np.where((wi[:, 2] > 0) & (wo[:, 2] > 0), np.modf(np.abs(np.sin(wo[:, 0] * 1e5) * 1e4))[0], 0)
 
     assert not aureole.check(Noise(), samples=1000).passed
+
+
+def test_wavelengths():
+    copper = aureole.load_dict({"type": "roughconductor", "alpha": 0.3, "material": "Cu"})
+    some = aureole.check(copper, samples=1000, wavelengths=(500, 600))
+    assert 500 <= some.wavelengths.min() and some.wavelengths.max() <= 600
+    everything = aureole.check(copper, samples=1000, wavelengths=None)
+    np.testing.assert_array_equal(everything.wavelengths, aureole.check(copper, samples=1000).wavelengths)
+    assert aureole.check(Lambert(), samples=1000, wavelengths=None).passed
 
 
 def test_seed():
