@@ -141,6 +141,11 @@ class Scene:
                 result[path] = value
         return result
 
+    def xml(self) -> str:
+        """The scene as it is now, as the text of a scene file (Mitsuba 3's XML): references to files are absolute, and
+        includes, defaults and names of older versions are gone. Raises `Error` where arrays or BSDFs of Python are in it."""
+        return str(self._open.xml())
+
     # -- what is known of it ------------------------------------------------------------------------------------
 
     @property

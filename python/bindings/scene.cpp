@@ -284,6 +284,7 @@ void bind_scene(nb::module_& m) {
             s.set(changes, given);
           },
           nb::arg("changes"), nb::arg("given"))
+      .def("xml", [](OpenScene& s) { return s.document().xml(); })
       .def_prop_ro("notes", [](OpenScene& s) { return s.document().scene()->loaded().notes; })
       .def_prop_ro("hash", [](OpenScene& s) { return s.document().scene()->hash(); })
       .def_prop_ro("file", [](OpenScene& s) { return s.document().scene()->loaded().file.string(); })
