@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _aureole
 from ._arrays import integer, real, scalar
 from ._errors import Error
-from ._plot_support import as_bsdf
+from ._plot_support import as_bsdf, p_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -190,7 +190,7 @@ class CheckReport:
             records = [c for c in self.checks if c.kind == kind]
             wrong = sum(not c.passed for c in records)
             if unit == "p":
-                figure = f"p = {worst.p_value:.2g} (least {worst.limit:.1g})"
+                figure = f"p {p_text(worst.p_value)} (least {worst.limit:.1g})"
             elif unit == "energy":
                 figure = f"{worst.figure:.5g} (bound {worst.expected:g})" if worst.passed or worst.figure > worst.expected else \
                     f"{worst.figure:.5g} (lossless: {worst.expected:g})"
@@ -319,6 +319,7 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
     """
     instance = as_bsdf(bsdf)
     in_python = instance.type == "python"
+    notes = ["written in Python: 30,000 samples instead of 300,000 (`samples`)"] if in_python and samples is None else []
     if samples is None:
         samples = 30_000 if in_python else 300_000
     samples = integer("samples", samples, minimum=1000, maximum=1_000_000_000)
@@ -347,7 +348,7 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
         may_fail=bool(may_fail), radiance=mode == "radiance", samples=samples, significance=significance, tolerance=tolerance,
         largest_energy=largest_energy, min_nm=float(ends[0]), max_nm=float(ends[1]), index_ratio=index_ratio, angles=list(_ENERGY_ANGLES),
         most_bins=40_000 if in_python else 1_000_000, seed=seed, progress=progress)
-    return _report(_name_of(bsdf), data, samples, significance, largest_energy, tolerance)
+    return _report(_name_of(bsdf), data, samples, significance, largest_energy, tolerance, notes)
 
 
 def _name_of(bsdf: Any) -> str:
@@ -356,7 +357,8 @@ def _name_of(bsdf: Any) -> str:
     return type(bsdf).__name__
 
 
-def _report(name: str, data: Dict[str, Any], samples: int, significance: float, bound: float, tolerance: float) -> CheckReport:
+def _report(name: str, data: Dict[str, Any], samples: int, significance: float, bound: float, tolerance: float,
+            notes: List[str]) -> CheckReport:
     checks = [
         CheckRecord(kind=f["kind"], passed=f["passed"], figure=f["figure"], expected=f["expected"],
                     p_value=f["p_value"] if f["p_value"] >= 0 else None, limit=f["limit"],
@@ -364,7 +366,7 @@ def _report(name: str, data: Dict[str, Any], samples: int, significance: float, 
         for f in data["findings"]
     ]
     angles, wavelengths, albedo = _albedo(data)
-    notes = []
+    notes = list(notes)
     if data["black_below"]:
         notes.append("black from below")
     if data["largest_failure"] > 0:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._errors import Error
-from ._plot_support import axes_for, colour_of, matplotlib
+from ._plot_support import axes_for, colour_of, matplotlib, p_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -103,7 +103,7 @@ def _samples(report: "CheckReport", ax: "Axes") -> None:
     degrees = np.degrees(np.arccos(np.clip(worst.direction[2], -1, 1)))
     ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high), xlabel="samples expected", ylabel="samples found",
            title=f"samples against density, worst of {len(report.histograms)}:\n{degrees:.0f}° incidence, {worst.wavelength:.0f} nm, "
-                 f"p = {worst.p_value:.2g}")
+                 f"p {p_text(worst.p_value)}")
     ticker = matplotlib().ticker
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_locator(ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
@@ -138,7 +138,7 @@ def _reciprocity(report: "CheckReport", ax: "Axes") -> None:
     ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high), xlabel=r"$f(\omega_i, \omega_o)\,/\,n_i^2$ [1/sr]",
            ylabel=r"$f(\omega_o, \omega_i)\,/\,n_o^2$ [1/sr]", title=f"reciprocity, {report.pairs['wavelength']:.0f} nm")
     ax.grid(alpha=0.25)
-    ax.legend(fontsize="x-small", frameon=False, loc="upper left")
+    ax.legend(fontsize="x-small", framealpha=0.8, edgecolor="none", loc="upper left")
 
 
 def _say(ax: "Axes", text: str) -> None:

@@ -95,3 +95,8 @@ def flag(name: str, value: Any) -> bool:
     if not isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{name}: expected True or False, got {value!r}")
     return bool(value)
+
+
+def p_text(p_value: Optional[float]) -> str:
+    """``= 0.012``, or that it is too small for a number."""
+    return "< 1e-300" if p_value is not None and p_value < 1e-300 else f"= {p_value:.2g}"
