@@ -191,12 +191,12 @@ public:
 
 /// Text -> nodes as they are built from.
 ParsedScene read_nodes(const std::filesystem::path& file, const std::optional<std::string>& text,
-                       const LoadOptions& options, Diagnostics& diagnostics) {
+                       const LoadOptions& options, Diagnostics& diagnostics, bool is_scene = true) {
   ParsedScene parsed = parse_scene(file, text, options.defines, diagnostics);
   if (parsed.root.tag != "scene" && diagnostics.has_errors())
     throw ErrorList(in_file_order(diagnostics.errors(), parsed.files));
   upgrade(parsed.root, diagnostics);
-  if (parsed.complete)
+  if (is_scene && parsed.complete)
     apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
   return parsed;
 }
@@ -240,7 +240,7 @@ LoadedScene load_scene_from_string(const std::string& text, const std::filesyste
 LoadedObject load_object_from_string(const std::string& text, const std::filesystem::path& pretended_file,
                                      const SpectralGrid& grid, const LoadOptions& options) {
   const auto owned = std::make_shared<OwnedContext>();
-  ParsedScene parsed = read_nodes(pretended_file, text, options, owned->diagnostics);
+  ParsedScene parsed = read_nodes(pretended_file, text, options, owned->diagnostics, false);
   Loading loading(parsed, owned);
   const auto is_object = [](const Node& node) { return !is_property(node) && node.tag != "alias"; };
   const auto last = std::find_if(parsed.root.children.rbegin(), parsed.root.children.rend(), is_object);
