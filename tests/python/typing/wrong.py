@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Uses of the package that a type checker must report, each with its code."""
+import aureole
+from aureole._aureole import Bsdf, Emitter, run_command_line
+
+version: int = aureole.__version__  # error: assignment
+aureole.nothing_of_this_name  # error: attr-defined
+run_command_line("--version", 3)  # error: call-arg
+code: str = run_command_line(["aureole"])  # error: assignment
+aureole.Problem("text", line="3")  # error: arg-type
+aureole.SceneError(3)  # error: arg-type
+
+
+def lamp(bsdf: Bsdf) -> Emitter:
+    bsdf.id = "a"  # error: misc
+    return bsdf  # error: return-value
