@@ -4,7 +4,18 @@ from ._processor import require_processor as _require_processor
 
 _require_processor()
 
-from ._aureole import __version__  # noqa: E402
+from . import optics, plot, spectrum  # noqa: E402
+from ._aureole import Aperture, Bsdf, Emitter, Object, Texture, __version__  # noqa: E402
+from ._check import CheckRecord, CheckReport, check  # noqa: E402
+from ._dict import Transform  # noqa: E402
 from ._errors import Error, Problem, SceneError  # noqa: E402
+from ._image import Image, read_image  # noqa: E402
+from ._render import InterruptedWarning, render, render_iter  # noqa: E402
+from ._scene import ParameterError, Scene, load_dict, load_file, load_string  # noqa: E402
 
-__all__ = ["Error", "Problem", "SceneError", "__version__"]
+__all__ = [
+    "Aperture", "Bsdf", "CheckRecord", "CheckReport", "Emitter", "Error", "Image", "InterruptedWarning",
+    "Object", "ParameterError", "Problem", "Scene", "SceneError", "Texture", "Transform", "__version__",
+    "check", "load_dict", "load_file", "load_string", "optics", "plot", "read_image", "render", "render_iter",
+    "spectrum",
+]

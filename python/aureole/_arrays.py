@@ -38,6 +38,7 @@ def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Opt
         raise TypeError(f"{name}: expected an array of real numbers, got a ragged {type(value).__name__}") from e
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: expected real numbers, got {_described(value, array)}")
+    _refuse_masked(name, value)
     array = array.astype(np.float64, copy=False)
     suffix = f" {unit}" if unit else ""
     good = np.isfinite(array)
@@ -48,6 +49,22 @@ def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Opt
                          (positive and array <= 0, f"positive numbers{' in' + suffix if unit else ''}")):
         if np.any(wrong):
             raise Error(f"{name}: expected {bound}, got {array[wrong].flat[0]:g}{_where(np.asarray(wrong))}")
+    return array
+
+
+def complex_numbers(name: str, value: Any) -> npt.NDArray[np.complex128]:
+    """The argument `name` as an array of finite real or complex numbers."""
+    try:
+        array = np.asarray(value)
+    except ValueError as e:
+        raise TypeError(f"{name}: expected an array of numbers, got a ragged {type(value).__name__}") from e
+    if array.dtype.kind not in "fiuc":
+        raise TypeError(f"{name}: expected real or complex numbers, got {_described(value, array)}")
+    _refuse_masked(name, value)
+    array = array.astype(np.complex128, copy=False)
+    good = np.isfinite(array)
+    if not good.all():
+        raise Error(f"{name}: expected finite numbers, got {array[~good].flat[0]}{_where(~good)}")
     return array
 
 
@@ -68,6 +85,11 @@ def integer(name: str, value: Any, *, minimum: Optional[int] = None, maximum: Op
     if maximum is not None and value > maximum:
         raise Error(f"{name}: expected at most {maximum}, got {value}")
     return int(value)
+
+
+def _refuse_masked(name: str, value: Any) -> None:
+    if np.ma.is_masked(value):
+        raise TypeError(f"{name}: expected an array without masked elements: fill or drop them first")
 
 
 def _described(value: Any, array: npt.NDArray[Any]) -> str:

@@ -1,8 +1,137 @@
 // SPDX-License-Identifier: Apache-2.0
+// The check of a BSDF (aureole/_check.py makes a report of what comes from here).
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <chrono>
+
+#include "aureole/instrument/bsdf_check.h"
 #include "bindings.h"
 
 namespace aureole::python {
 
-void bind_check(nb::module_& /*m*/) {}
+namespace {
+
+/// A new array that owns its numbers: `shape` in C order, value i given by f(i).
+template <class F>
+nb::object array(std::initializer_list<std::size_t> shape, F&& f) {
+  std::size_t n = 1;
+  for (const std::size_t extent : shape) n *= extent;
+  auto* const data = new double[n + 1];
+  const nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<double*>(p); });
+  for (std::size_t i = 0; i < n; ++i) data[i] = f(i);
+  return nb::cast(nb::ndarray<nb::numpy, double>(data, shape, owner));
+}
+template <class Item>
+nb::object vectors(const std::vector<Item>& items, Vec3 Item::*member) {
+  return array({items.size(), 3}, [&](std::size_t i) { return (items[i / 3].*member)[int(i % 3)]; });
+}
+
+nb::dict converted(const BsdfCheckResult& r) {
+  nb::list findings, histograms;
+  for (const BsdfFinding& f : r.findings) {
+    nb::dict d;
+    d["kind"] = name_of(f.rule);
+    d["direction"] = nb::make_tuple(f.wi.x, f.wi.y, f.wi.z);
+    d["wavelength"] = f.nm;
+    d["figure"] = f.figure;
+    d["expected"] = f.expected;
+    d["p_value"] = f.p_value;
+    d["limit"] = f.limit;
+    d["passed"] = f.passed;
+    d["message"] = nb::str(f.message.c_str());
+    findings.append(d);
+  }
+  for (const auto& h : r.histograms) {
+    const auto& bins = h.bins;
+    nb::dict d;
+    d["direction"] = nb::make_tuple(h.wi.x, h.wi.y, h.wi.z);
+    d["wavelength"] = h.nm;
+    d["samples"] = h.samples;
+    d["p_value"] = h.p_value;
+    d["chi_square"] = h.chi_square;
+    d["pools"] = h.pools;
+    d["centers"] = vectors(bins, &BsdfCheckResult::Bin::center);
+    d["sizes"] = array({bins.size()}, [&](std::size_t i) { return bins[i].size; });
+    d["expected"] = array({bins.size()}, [&](std::size_t i) { return bins[i].expected; });
+    d["found"] = array({bins.size()}, [&](std::size_t i) { return bins[i].found; });
+    histograms.append(d);
+  }
+  nb::dict d;
+  d["findings"] = findings;
+  d["histograms"] = histograms;
+  constexpr std::size_t n = kWavelengths;
+  d["energy_directions"] = vectors(r.energies, &BsdfCheckResult::Energy::wi);
+  d["energy_wavelengths"] =
+      array({r.energies.size(), n}, [&](std::size_t i) { return r.energies[i / n].nm[i % n]; });
+  d["energies"] =
+      array({r.energies.size(), n}, [&](std::size_t i) { return r.energies[i / n].energy[i % n]; });
+  d["pair_wi"] = vectors(r.pairs, &BsdfCheckResult::Pair::wi);
+  d["pair_wo"] = vectors(r.pairs, &BsdfCheckResult::Pair::wo);
+  d["pair_forward"] = array({r.pairs.size()}, [&](std::size_t i) { return r.pairs[i].forward; });
+  d["pair_backward"] = array({r.pairs.size()}, [&](std::size_t i) { return r.pairs[i].backward; });
+  d["pair_wavelength"] = r.pairs.empty() ? 0 : r.pairs.front().nm;
+  d["level"] = r.level;
+  d["statistical_tests"] = r.statistical_tests;
+  d["largest_failure"] = r.largest_failure;
+  d["black_below"] = r.black_below;
+  return d;
+}
+
+}  // namespace
+
+void bind_check(nb::module_& m) {
+  m.def(
+      "check_bsdf",
+      [](const std::shared_ptr<Bsdf>& bsdf, bool lossless, bool reciprocal, std::optional<bool> black_below,
+         bool may_fail, bool radiance, std::size_t samples, double significance, double tolerance,
+         double largest_energy, double min_nm, double max_nm, std::optional<double> index_ratio,
+         const std::vector<double>& angles, std::size_t most_bins, std::uint64_t seed, nb::object progress) {
+        BsdfCheckOptions options;
+        options.lossless = lossless;
+        options.reciprocal = reciprocal;
+        options.black_below = black_below.value_or(false);
+        options.may_be_black_below = !black_below;
+        options.may_fail = may_fail;
+        options.mode = radiance ? TransportMode::radiance : TransportMode::importance;
+        options.samples = samples;
+        options.significance = significance;
+        options.tolerance = tolerance;
+        options.largest_energy = largest_energy;
+        options.min_nm = min_nm, options.max_nm = max_nm;
+        options.indices_from_samples = !index_ratio;
+        if (index_ratio) options.n_below = [n = float(*index_ratio)](float) { return n; };
+        options.energy_angles = angles;
+        options.most_bins = most_bins;
+        options.seed = seed;
+        // Around the specular directions a lobe may be narrow without a sample that says so.
+        options.focus = [](const Vec3& wi) { return std::vector<Vec3>{reflect(wi), -wi}; };
+
+        using Clock = std::chrono::steady_clock;
+        Clock::time_point next = Clock::now();
+        options.progress = [&](double part) {
+          if (part < 1 && Clock::now() < next) return;
+          const nb::gil_scoped_acquire acquire;
+          if (PyErr_CheckSignals() != 0) throw nb::python_error();
+          if (!progress.is_none()) progress(part);
+          next = Clock::now() + std::chrono::milliseconds(50);
+        };
+        BsdfCheckResult result;
+        {
+          const nb::gil_scoped_release release;
+          result = check_bsdf(*bsdf, options);
+        }
+        return converted(result);
+      },
+      nb::arg("bsdf"), nb::kw_only(), nb::arg("lossless"), nb::arg("reciprocal"),
+      nb::arg("black_below").none(), nb::arg("may_fail"), nb::arg("radiance"), nb::arg("samples"),
+      nb::arg("significance"), nb::arg("tolerance"), nb::arg("largest_energy"), nb::arg("min_nm"),
+      nb::arg("max_nm"), nb::arg("index_ratio").none(), nb::arg("angles"), nb::arg("most_bins"),
+      nb::arg("seed"), nb::arg("progress").none(),
+      "What is wrong with a BSDF, and the numbers behind it. See `aureole.check`.");
+}
 
 }  // namespace aureole::python

@@ -1,8 +1,337 @@
 // SPDX-License-Identifier: Apache-2.0
+// Scenes, their parameters, and rendering. What users see of it is in aureole/_scene.py and _render.py.
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "aureole/plugin/array.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/render/job.h"
+#include "aureole/scene/aliases.h"
+#include "aureole/scene/document.h"
+#include "aureole/scene/values.h"
 #include "bindings.h"
+#include "objects.h"
+#include "picture.h"
 
 namespace aureole::python {
 
-void bind_scene(nb::module_& /*m*/) {}
+namespace {
+
+using Defines = std::vector<std::pair<std::string, std::string>>;
+using Given = std::map<std::string, ObjectPtr>;
+
+/// A scene, and how many renders look at it: it can't be changed meanwhile.
+class OpenScene {
+public:
+  OpenScene(const std::filesystem::path& file, const LoadOptions& options) : document_(file, options) {}
+  OpenScene(const std::string& text, const std::filesystem::path& file, const LoadOptions& options)
+      : document_(text, file, options) {}
+  OpenScene(const OpenScene&) = delete;
+  OpenScene& operator=(const OpenScene&) = delete;
+
+  SceneDocument& document() { return document_; }
+  void set(const std::vector<std::pair<std::string, std::string>>& changes, const Given& given) {
+    const std::lock_guard guard(mutex_);
+    if (renders_ > 0)
+      throw Error("the scene is being rendered: its parameters can't change until that is done");
+    document_.set(changes, given);
+  }
+  void begin_render() {
+    const std::lock_guard guard(mutex_);
+    ++renders_;
+  }
+  void end_render() {
+    const std::lock_guard guard(mutex_);
+    --renders_;
+  }
+
+private:
+  SceneDocument document_;
+  std::mutex mutex_;
+  int renders_ = 0;
+};
+
+LoadOptions load_options(const Defines& defines, const Given& given, const std::string& integrator,
+                         const std::string& sampler) {
+  LoadOptions options;
+  options.defines = defines;
+  options.given = given;
+  options.integrator = integrator, options.sampler = sampler;
+  return options;
+}
+
+/// A parameter's value; of a spectrum a number, an rgb triple or (nm, value) pairs under its kind.
+nb::object value_object(const Properties::Value& value) {
+  if (const auto* b = std::get_if<bool>(&value)) return nb::cast(*b);
+  if (const auto* i = std::get_if<std::int64_t>(&value)) return nb::cast(*i);
+  if (const auto* d = std::get_if<double>(&value)) return nb::cast(*d);
+  if (const auto* s = std::get_if<std::string>(&value)) return nb::cast(*s);
+  if (const auto* v = std::get_if<Vec3>(&value))
+    return nb::make_tuple("vector", nb::make_tuple(v->x, v->y, v->z));
+  if (const auto* t = std::get_if<Transform>(&value)) {
+    nb::list rows;
+    for (const auto& row : t->matrix()) rows.append(nb::make_tuple(row[0], row[1], row[2], row[3]));
+    return nb::make_tuple("transform", rows);
+  }
+  if (const auto* s = std::get_if<SpectrumLiteral>(&value)) {
+    if (s->kind == SpectrumLiteral::Kind::value) return nb::cast(s->value);
+    if (s->kind == SpectrumLiteral::Kind::rgb)
+      return nb::make_tuple("rgb", nb::make_tuple(s->rgb[0], s->rgb[1], s->rgb[2]));
+    nb::list pairs;
+    for (std::size_t i = 0; i < s->nm.size(); ++i) pairs.append(nb::make_tuple(s->nm[i], s->values[i]));
+    return nb::make_tuple("spectrum", pairs);
+  }
+  return cast_object(std::get<ObjectPtr>(value));
+}
+
+/// What is written at a path: a value or an object; nothing where nothing is.
+std::optional<nb::object> written(SceneDocument& document, const std::string& path) {
+  const Node* node = document.find(path);
+  if (!node) return {};
+  if (!is_property(*node)) return cast_object(document.object(path));
+  Diagnostics diagnostics;
+  const std::optional<Properties::Value> value = property_value(*node, diagnostics);
+  diagnostics.throw_if_errors();
+  return value ? value_object(*value) : nb::none();
+}
+
+/// Runs a job in a thread of its own, so that the calling one can look after signals and progress.
+class RunningJob {
+public:
+  RunningJob(RenderJob& job) {
+    thread_ = std::thread([this, &job] {
+      try {
+        outcome_ = job.run(stop_, [this](const Progress& p) {
+          const std::lock_guard guard(mutex_);
+          progress_ = p;
+        });
+      } catch (...) {
+        problem_ = std::current_exception();
+      }
+      const std::lock_guard guard(mutex_);
+      done_ = true;
+      changed_.notify_all();
+    });
+  }
+  ~RunningJob() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  void stop() { stop_ = true; }
+  /// Whether it is done, after a while at the latest.
+  bool wait(double seconds) {
+    std::unique_lock guard(mutex_);
+    return changed_.wait_for(guard, std::chrono::duration<double>(seconds), [this] { return done_; });
+  }
+  std::optional<Progress> progress() {
+    const std::lock_guard guard(mutex_);
+    return progress_;
+  }
+  RenderJob::Outcome finish() {
+    thread_.join();
+    if (problem_) std::rethrow_exception(problem_);
+    return outcome_;
+  }
+
+private:
+  std::atomic<bool> stop_{false};
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool done_ = false;
+  std::optional<Progress> progress_;
+  RenderJob::Outcome outcome_ = RenderJob::Outcome::interrupted;
+  std::exception_ptr problem_;
+  std::thread thread_;
+};
+
+const char* name_of(RenderJob::Outcome outcome) {
+  return outcome == RenderJob::Outcome::finished      ? "finished"
+         : outcome == RenderJob::Outcome::interrupted ? "interrupted"
+                                                      : "time limit";
+}
+
+/// Renders what `options` ask for, after what `start` holds already. Returns the picture and how it ended.
+nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& options,
+                 const std::shared_ptr<Picture>& start, const nb::object& progress) {
+  scene->begin_render();
+  struct End {
+    OpenScene& scene;
+    ~End() { scene.end_render(); }
+  } end{*scene};
+  std::optional<RenderJob> job;
+  {
+    const nb::gil_scoped_release release;
+    job.emplace(scene->document().scene(), options);
+    if (start) {
+      if (!start->state)
+        throw Error("start: this picture was not rendered here, so that it can't be continued");
+      RenderState state = *start->state;
+      state.set_range(options.begin, job->state().end);
+      job->resume(std::move(state));
+    }
+  }
+  bool interrupted = false;
+  RenderJob::Outcome outcome;
+  {
+    RunningJob running(*job);
+    for (bool done = false; !done;) {
+      {
+        const nb::gil_scoped_release release;
+        done = running.wait(0.05);
+      }
+      if (PyErr_CheckSignals() != 0) {
+        // A KeyboardInterrupt stops the render and keeps what is done; anything else, and a second one, is
+        // passed on.
+        if (interrupted || !PyErr_ExceptionMatches(PyExc_KeyboardInterrupt)) {
+          nb::python_error problem;
+          running.stop();
+          {
+            const nb::gil_scoped_release release;
+            while (!running.wait(1)) {
+            }
+          }
+          throw problem;
+        }
+        PyErr_Clear();
+        interrupted = true;
+        running.stop();
+      }
+      if (progress.is_none() || interrupted) continue;
+      if (const auto p = running.progress())
+        progress(p->units_done, p->units, p->seconds, p->samples_per_second);
+    }
+    const nb::gil_scoped_release release;
+    outcome = running.finish();
+  }
+  auto picture = std::make_shared<Picture>();
+  {
+    const nb::gil_scoped_release release;
+    picture->state = std::make_shared<const RenderState>(job->state());
+    picture->image = picture->state->picture();
+    for (const InvalidSample& s : job->invalid_samples())
+      picture->invalid.push_back({s.x, s.y, s.sample, s.replicate});
+  }
+  return nb::make_tuple(picture, name_of(interrupted ? RenderJob::Outcome::interrupted : outcome));
+}
+
+}  // namespace
+
+void bind_scene(nb::module_& m) {
+  nb::class_<Array, Object>(m, "Array", "Numbers that stand for a file in a scene.")
+      .def(
+          "__init__",
+          [](Array* self, const nb::ndarray<const double, nb::c_contig, nb::device::cpu>& values) {
+            std::vector<std::size_t> shape;
+            for (std::size_t i = 0; i < values.ndim(); ++i) shape.push_back(values.shape(i));
+            new (self) Array(std::move(shape), {values.data(), values.data() + values.size()});
+          },
+          nb::arg("values"))
+      .def_prop_ro("shape", &Array::shape);
+
+  nb::class_<OpenScene>(m, "OpenScene", "A scene with its objects.")
+      .def_static(
+          "load_file",
+          [](const std::filesystem::path& file, const Defines& defines, const Given& given,
+             const std::string& integrator, const std::string& sampler) {
+            const nb::gil_scoped_release release;
+            return std::make_shared<OpenScene>(file, load_options(defines, given, integrator, sampler));
+          },
+          nb::arg("file"), nb::arg("defines"), nb::arg("given"), nb::arg("integrator"), nb::arg("sampler"))
+      .def_static(
+          "load_string",
+          [](const std::string& text, const std::filesystem::path& file, const Defines& defines,
+             const Given& given, const std::string& integrator, const std::string& sampler) {
+            const nb::gil_scoped_release release;
+            return std::make_shared<OpenScene>(text, file, load_options(defines, given, integrator, sampler));
+          },
+          nb::arg("text"), nb::arg("file"), nb::arg("defines"), nb::arg("given"), nb::arg("integrator"),
+          nb::arg("sampler"))
+      .def("paths", [](OpenScene& s) { return s.document().paths(); })
+      .def(
+          "value",
+          [](OpenScene& s, const std::string& path) -> nb::tuple {
+            const auto value = written(s.document(), path);
+            return nb::make_tuple(value.has_value(), value ? *value : nb::none());
+          },
+          nb::arg("path"), "(whether something is written at the path, its value or object).")
+      .def(
+          "owner",
+          [](OpenScene& s, const std::string& path) {
+            const Node& node = s.document().owner(path);
+            return nb::make_tuple(object_family(node), node.get("type"));
+          },
+          nb::arg("path"), "(family, type) of the object that holds the parameter at a path.")
+      .def(
+          "object",
+          [](OpenScene& s, const std::string& path) { return cast_object(s.document().object(path)); },
+          nb::arg("path"))
+      .def(
+          "set",
+          [](OpenScene& s, const std::vector<std::pair<std::string, std::string>>& changes,
+             const Given& given) {
+            const nb::gil_scoped_release release;
+            s.set(changes, given);
+          },
+          nb::arg("changes"), nb::arg("given"))
+      .def_prop_ro("notes", [](OpenScene& s) { return s.document().scene()->loaded().notes; })
+      .def_prop_ro("hash", [](OpenScene& s) { return s.document().scene()->hash(); })
+      .def_prop_ro("file", [](OpenScene& s) { return s.document().scene()->loaded().file.string(); })
+      .def_prop_ro("sample_count",
+                   [](OpenScene& s) { return s.document().scene()->sensor().sampler().sample_count(); })
+      .def_prop_ro("size",
+                   [](OpenScene& s) {
+                     const Film& film = s.document().scene()->film();
+                     return nb::make_tuple(film.crop_width(), film.crop_height());
+                   })
+      .def_prop_ro("wavelength_range",
+                   [](OpenScene& s) {
+                     const SpectralGrid& grid = s.document().scene()->loaded().context->grid;
+                     return nb::make_tuple(grid.min_nm, grid.max_nm);
+                   })
+      .def_prop_ro("bounds", [](OpenScene& s) -> nb::object {
+        const Bounds3 b = s.document().scene()->bounds();
+        if (b.empty()) return nb::none();
+        return nb::make_tuple(nb::make_tuple(b.lower.x, b.lower.y, b.lower.z),
+                              nb::make_tuple(b.upper.x, b.upper.y, b.upper.z));
+      });
+
+  m.def(
+      "render",
+      [](const std::shared_ptr<OpenScene>& scene, std::int64_t begin, std::optional<std::int64_t> end,
+         std::optional<std::uint64_t> seed, int threads, int replicates, double time_limit_s,
+         const std::shared_ptr<Picture>& start, const nb::object& progress) {
+        RenderOptions options;
+        options.begin = begin, options.end = end, options.seed = seed;
+        options.threads = threads, options.replicates = replicates, options.time_limit_s = time_limit_s;
+        return render(scene, options, start, progress);
+      },
+      nb::arg("scene"), nb::arg("begin"), nb::arg("end").none(), nb::arg("seed").none(), nb::arg("threads"),
+      nb::arg("replicates"), nb::arg("time_limit_s"), nb::arg("start").none(), nb::arg("progress").none());
+
+  m.def(
+      "plugins",
+      [] {
+        nb::list all;
+        for (const PluginInfo& p : Registry::instance().all()) {
+          nb::list parameters;
+          for (const ParameterDoc& d : p.doc.parameters)
+            parameters.append(nb::make_tuple(d.name, d.type, d.unit, d.fallback, d.meaning));
+          all.append(nb::make_tuple(p.family, p.name, p.doc.summary, p.doc.source, parameters));
+        }
+        return all;
+      },
+      "(family, name, summary, source, [(parameter, type, unit, default, meaning)]) of all plug-ins.");
+}
 
 }  // namespace aureole::python

@@ -7,6 +7,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/image.h"
+#include "aureole/instrument/statistics.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/shape.h"
@@ -15,7 +16,6 @@
 #include "harness/bsdf_harness.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
-#include "harness/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -182,7 +182,7 @@ TEST(Mask, IsWhatItsPartsAre) {
              twice = make(mask(0.6, mask(0.5, twosided(kColoured)))),
              inside = make(twosided(mask(0.3, kColoured))), plain = make(twosided(kColoured)),
              half = make(blend(0.3, bsdf("null"), twosided(kColoured)));
-  TestRandom random(5);
+  SeededRandom random(5);
   for (int k = 0; k < 50; ++k) {
     const Vec3 wi = square_to_uniform_sphere(random.next2()), wo = square_to_uniform_sphere(random.next2());
     const BsdfEval expected = plain->eval_pdf(wi, wo, ctx);
@@ -302,7 +302,7 @@ std::vector<SurfacePoint> points_of(const Shape& shape) {
   rtcAttachGeometry(scene, geometry);
   rtcReleaseGeometry(geometry);
   rtcCommitScene(scene);
-  TestRandom random(11);
+  SeededRandom random(11);
   for (int k = 0; k < 40; ++k) {
     const Vec3 from = square_to_uniform_sphere(random.next2()) * 10;
     const Ray ray{from, normalize(shape.bounds().center() - from)};
@@ -387,7 +387,7 @@ double expected_value(const Vec3& n, Vec3 wi, Vec3 wo, bool flip, bool fade) {
 TEST(NormalMap, ValuesOfADiffuseSurface) {
   const Square square;
   const auto picture = raw_picture("normals.png");
-  TestRandom random(8);
+  SeededRandom random(8);
   int flipped = 0, lit = 0;
   for (const bool flip : {false, true})
     for (const bool fade : {false, true}) {
@@ -427,7 +427,7 @@ TEST(NormalMap, FlatPicturesChangeNothing) {
   const auto map = build<Bsdf>(turned("normalmap", "", twosided(bsdf("plastic"))), make_context(), resolve);
   const auto plain = make(twosided(bsdf("plastic")));
   const Square square;
-  TestRandom random(2);
+  SeededRandom random(2);
   for (int k = 0; k < 200; ++k) {
     const SurfacePoint point = square.at(k % 2 ? Vec2{0.25f, 0.25f} : Vec2{0.75f, 0.75f});
     const Vec3 wi = square_to_uniform_sphere(random.next2()), wo = square_to_uniform_sphere(random.next2());
@@ -475,7 +475,7 @@ TEST(BumpMap, ConstantHeightsAndSurfacesWithoutCoordinatesAreFlat) {
 /// What passes is not deflected, faded or lost at a horizon.
 TEST(TurnedFrames, LetLightPass) {
   const Square square;
-  TestRandom random(4);
+  SeededRandom random(4);
   for (const char* type : {"bumpmap", "normalmap"}) {
     const auto b = make(turned(type, "", mask(0.3, twosided(kWhite))));
     EXPECT_TRUE(b->is_passable());

@@ -2,15 +2,17 @@
 // Runs the harness over every registered BSDF, and checks that the harness sees the errors it is there for.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <sstream>
 
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/core/random.h"
+#include "aureole/instrument/statistics.h"
 #include "aureole/math/warp.h"
 #include "aureole/spectrum/refractive_index.h"
 #include "harness/bsdf_harness.h"
 #include "harness/properties_builder.h"
-#include "harness/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -190,8 +192,9 @@ TEST_P(Harness, Passes) {
   HarnessOptions options;
   options.family_size = cases.size();
   options.dump_folder = ::testing::TempDir();
-  for (const std::string& failure : check_bsdf(cases[GetParam()], options)) ADD_FAILURE() << failure;
-  const HarnessFigures& f = last_figures();
+  const HarnessResult result = check_case(cases[GetParam()], options);
+  for (const std::string& failure : result.failures) ADD_FAILURE() << failure;
+  const BsdfCheckResult& f = result.check;
   RecordProperty("smallest_p", text(f.smallest_p));
   RecordProperty("statistical_tests", std::to_string(f.statistical_tests));
   RecordProperty("largest_energy", text(f.largest_energy));
@@ -202,7 +205,21 @@ INSTANTIATE_TEST_SUITE_P(Bsdf, Harness, ::testing::Range(std::size_t(0), all_bsd
                          [](const auto& info) { return all_bsdf_cases()[info.param].name; });
 
 // A harness that never fails would pass every test above: each of these breaks one rule.
-enum class Fault { none, density, value, mass, energy, adjoint, reciprocity, hero, shape, delta_hero };
+enum class Fault {
+  none,
+  density,
+  value,
+  mass,
+  energy,
+  adjoint,
+  reciprocity,
+  hero,
+  shape,
+  delta_hero,
+  grazing,
+  missed_part,
+  noise
+};
 
 class Faulty final : public Bsdf {
 public:
@@ -220,6 +237,10 @@ public:
     // By the cosine at which the light arrives.
     if (fault_ == Fault::reciprocity) value *= ctx.mode == TransportMode::radiance ? wo.z : wi.z;
     if (fault_ == Fault::hero) value[0] *= 1.01f;
+    if (fault_ == Fault::grazing && wo.z < 1e-6f) pdf = std::nanf("");
+    if (fault_ == Fault::missed_part) pdf *= wo.x > 0 ? 0.f : 2.f;
+    if (fault_ == Fault::noise)
+      pdf *= unit_float(std::uint32_t(mix_bits(std::bit_cast<std::uint32_t>(wo.x))));
     return {value, pdf};
   }
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
@@ -230,7 +251,9 @@ public:
       if (fault_ == Fault::delta_hero) s.pdf[1] = 0;
       return s;
     }
-    const Vec3 wo = square_to_cosine_hemisphere(u2);
+    Vec3 wo = square_to_cosine_hemisphere(u2);
+    // A right density of a sampler that never goes to a half of the directions, which have light.
+    if (fault_ == Fault::missed_part) wo.x = -std::abs(wo.x);
     BsdfEval e = eval_pdf(wi, wo, ctx);
     if (fault_ == Fault::value) e.value *= 1.05f;
     return BsdfSample{wo, e.value, e.pdf, Lobe::diffuse | Lobe::reflect};
@@ -242,35 +265,158 @@ private:
   double delta_;
 };
 
-std::vector<std::string> faults(Fault fault) {
-  HarnessOptions options;
-  options.dump_folder = ::testing::TempDir();
+/// The same for arrays alone.
+class FaultyArray final : public Bsdf, public ArrayBsdf {
+public:
+  FaultyArray(const Properties& p) : Bsdf(p), one_(p) {}
+  BsdfEval eval_pdf(const Vec3&, const Vec3&, const BsdfContext&) const override {
+    throw Error("called for one direction");
+  }
+  std::optional<BsdfSample> sample(const Vec3&, float, Vec2, const BsdfContext&) const override {
+    throw Error("called for one direction");
+  }
+  Lobe lobes() const override { return one_.lobes(); }
+  void eval_pdf_all(std::span<const Vec3> wi, std::span<const Vec3> wo, const BsdfContext& ctx,
+                    std::span<BsdfEval> found) const override {
+    for (std::size_t i = 0; i < wi.size(); ++i) found[i] = one_.eval_pdf(wi[i], wo[i], ctx);
+  }
+  void sample_all(std::span<const Vec3> wi, std::span<const float> u1, std::span<const Vec2> u2,
+                  const BsdfContext& ctx, std::span<std::optional<BsdfSample>> found) const override {
+    for (std::size_t i = 0; i < wi.size(); ++i) found[i] = one_.sample(wi[i], u1[i], u2[i], ctx);
+  }
+
+private:
+  Faulty one_;
+};
+
+Properties faulty(Fault fault) {
+  return read_properties("<bsdf type=\"faulty\"><integer name=\"fault\" value=\"" +
+                         std::to_string(int(fault)) + "\"/></bsdf>");
+}
+BsdfCheckResult check(Fault fault) {
   BsdfCase c;
   c.name = "faulty";
   c.black_below = true;
-  c.bsdf = std::make_shared<Faulty>(read_properties("<bsdf type=\"faulty\"><integer name=\"fault\" value=\"" +
-                                                    std::to_string(int(fault)) + "\"/></bsdf>"));
-  return check_bsdf(c, options);
+  c.bsdf = std::make_shared<Faulty>(faulty(fault));
+  HarnessOptions options;
+  options.dump_folder = ::testing::TempDir();
+  return check_case(c, options).check;
 }
 
-bool says(const std::vector<std::string>& failures, const std::string& text) {
-  for (const std::string& f : failures)
-    if (f.find(text) != std::string::npos) return true;
+bool says(const BsdfCheckResult& result, BsdfRule rule, const std::string& text) {
+  for (const BsdfFinding& f : result.findings)
+    if (f.rule == rule && !f.passed && f.message.find(text) != std::string::npos) return true;
   return false;
 }
 
-TEST(HarnessItself, AcceptsWhatIsRight) { EXPECT_EQ(faults(Fault::none), std::vector<std::string>{}); }
-TEST(HarnessItself, SeesWrongDensity) { EXPECT_TRUE(says(faults(Fault::density), "add up to")); }
-TEST(HarnessItself, SeesWrongShape) { EXPECT_TRUE(says(faults(Fault::shape), "chi-square")); }
-TEST(HarnessItself, SeesWrongValue) { EXPECT_TRUE(says(faults(Fault::value), "is not eval_pdf's")); }
-TEST(HarnessItself, SeesWrongMass) { EXPECT_TRUE(says(faults(Fault::mass), "delta lobe of mass")); }
-TEST(HarnessItself, SeesEnergyGain) { EXPECT_TRUE(says(faults(Fault::energy), "gains energy")); }
-TEST(HarnessItself, SeesWrongMode) { EXPECT_TRUE(says(faults(Fault::adjoint), "importance mode")); }
-TEST(HarnessItself, SeesBrokenReciprocity) {
-  EXPECT_TRUE(says(faults(Fault::reciprocity), "not reciprocal"));
+TEST(HarnessItself, AcceptsWhatIsRight) {
+  const BsdfCheckResult r = check(Fault::none);
+  EXPECT_EQ(r.problems(), std::vector<std::string>{});
+  EXPECT_TRUE(r.passed());
+  EXPECT_FALSE(r.findings.empty());
 }
-TEST(HarnessItself, SeesWrongHero) { EXPECT_TRUE(says(faults(Fault::hero), "value of wavelength")); }
-TEST(HarnessItself, SeesWrongDeltaHero) { EXPECT_TRUE(says(faults(Fault::delta_hero), "as hero")); }
+TEST(HarnessItself, SeesWrongDensity) {
+  EXPECT_TRUE(says(check(Fault::density), BsdfRule::density_integral, "add up to"));
+}
+TEST(HarnessItself, SeesWrongShape) {
+  EXPECT_TRUE(says(check(Fault::shape), BsdfRule::chi_square, "chi-square"));
+}
+TEST(HarnessItself, SeesWrongValue) {
+  EXPECT_TRUE(says(check(Fault::value), BsdfRule::sample, "is not eval_pdf's"));
+}
+TEST(HarnessItself, SeesWrongMass) {
+  EXPECT_TRUE(says(check(Fault::mass), BsdfRule::delta_lobes, "delta lobe of mass"));
+}
+TEST(HarnessItself, SeesEnergyGain) {
+  EXPECT_TRUE(says(check(Fault::energy), BsdfRule::energy, "gains energy"));
+}
+TEST(HarnessItself, SeesWrongMode) {
+  EXPECT_TRUE(says(check(Fault::adjoint), BsdfRule::modes, "importance mode"));
+}
+TEST(HarnessItself, SeesBrokenReciprocity) {
+  EXPECT_TRUE(says(check(Fault::reciprocity), BsdfRule::reciprocity, "not reciprocal"));
+}
+TEST(HarnessItself, SeesWrongHero) {
+  EXPECT_TRUE(says(check(Fault::hero), BsdfRule::wavelengths, "value of wavelength"));
+}
+TEST(HarnessItself, SeesWrongDeltaHero) {
+  EXPECT_TRUE(says(check(Fault::delta_hero), BsdfRule::wavelengths, "as hero"));
+}
+TEST(HarnessItself, SeesNotANumberAtGrazing) {
+  const BsdfCheckResult r = check(Fault::grazing);
+  EXPECT_TRUE(says(r, BsdfRule::finite, "the density nan"));
+  // The bad place has no measure: the rest is right, and is said to be.
+  for (const BsdfFinding& f : r.findings) EXPECT_TRUE(f.passed || f.rule == BsdfRule::finite) << f.message;
+}
+TEST(HarnessItself, SeesAMissedPart) {
+  EXPECT_TRUE(says(check(Fault::missed_part), BsdfRule::sample_energy, "eval has"));
+}
+TEST(HarnessItself, GivesUpOnNoise) {
+  BsdfCheckOptions options;
+  options.samples = 1000;
+  options.black_below = true;
+  options.most_bins = 3000;
+  const BsdfCheckResult r = check_bsdf(Faulty(faulty(Fault::noise)), options);
+  EXPECT_FALSE(r.passed());
+  for (const auto& h : r.histograms) EXPECT_LT(h.bins.size(), 4 * 3000u);
+}
+TEST(HarnessItself, CallsForArrays) {
+  BsdfCheckOptions options;
+  options.samples = 20000;
+  options.black_below = true;
+  const BsdfCheckResult one = check_bsdf(Faulty(faulty(Fault::none)), options);
+  const BsdfCheckResult array = check_bsdf(FaultyArray(faulty(Fault::none)), options);
+  EXPECT_EQ(array.problems(), one.problems());
+  ASSERT_EQ(array.findings.size(), one.findings.size());
+  for (std::size_t i = 0; i < one.findings.size(); ++i)
+    EXPECT_EQ(array.findings[i].figure, one.findings[i].figure);
+}
+TEST(HarnessItself, MayBeBlackBelow) {
+  BsdfCheckOptions options;
+  options.samples = 20000;
+  EXPECT_FALSE(check_bsdf(Faulty(faulty(Fault::none)), options).passed());
+  options.may_be_black_below = true;
+  const BsdfCheckResult r = check_bsdf(Faulty(faulty(Fault::none)), options);
+  EXPECT_TRUE(r.passed());
+  EXPECT_TRUE(r.black_below);
+}
+TEST(HarnessItself, ProgressGrowsAndMayThrow) {
+  BsdfCheckOptions options;
+  options.samples = 20000;
+  options.black_below = true;
+  double last = 0;
+  std::size_t calls = 0;
+  options.progress = [&](double part) {
+    EXPECT_GE(part, last);
+    last = part, ++calls;
+  };
+  check_bsdf(Faulty(faulty(Fault::none)), options);
+  EXPECT_EQ(last, 1);
+  EXPECT_GT(calls, 20u);
+  options.progress = [](double part) {
+    if (part > 0.1) throw std::runtime_error("enough");
+  };
+  EXPECT_THROW(check_bsdf(Faulty(faulty(Fault::none)), options), std::runtime_error);
+}
+TEST(HarnessItself, BoundsEnergiesBetween) {
+  BsdfCheckOptions options;
+  options.samples = 20000;
+  options.black_below = true;
+  options.energy_angles = {0, 40};
+  const BsdfCheckResult r = check_bsdf(Faulty(faulty(Fault::energy)), options);
+  std::size_t between = 0;
+  for (const BsdfFinding& f : r.findings)
+    between += f.rule == BsdfRule::energy && std::abs(f.wi.z - std::cos(40 * kPi / 180)) < 1e-5f && !f.passed;
+  EXPECT_EQ(between, 1u);
+}
+TEST(HarnessItself, RefusesWrongOptions) {
+  BsdfCheckOptions options;
+  options.min_nm = 300, options.max_nm = 830;
+  EXPECT_THROW(check_bsdf(Faulty(faulty(Fault::none)), options), Error);
+  options.min_nm = 360;
+  options.samples = 10;
+  EXPECT_THROW(check_bsdf(Faulty(faulty(Fault::none)), options), Error);
+}
 
 TEST(Statistics, KnownValues) {
   EXPECT_NEAR(chi_square_p_value(18.307, 10), 0.05, 1e-5);

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "aureole/bsdf/microfacet.h"
-#include "harness/sphere_bins.h"
-#include "harness/statistics.h"
+#include "aureole/instrument/sphere_bins.h"
+#include "aureole/instrument/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -84,7 +84,7 @@ TEST(Microfacets, SpectraAgreeWithNumbers) {
 TEST(Microfacets, NormalsFollowTheirDensity) {
   constexpr std::size_t kSamples = 200000;
   const double level = sidak_level(0.01, std::size(kShapes) * 5);
-  TestRandom random(7);
+  SeededRandom random(7);
   for (const Shape& s : kShapes)
     for (const double theta : {0.0, 0.6, 1.3, 1.56, -1.0}) {
       const Microfacets d(s.type, s.u, s.v);

@@ -7,7 +7,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
-#include "tests/harness/statistics.h"
+#include "aureole/instrument/statistics.h"
 #include "tests/scene/load_text.h"
 
 namespace aureole::test {
@@ -16,7 +16,7 @@ namespace {
 Image picture(int width, int height, bool color, double (*value)(double)) {
   Image image{width, height, {"Y"}, {}, false};
   if (color) image.channels = {"R", "G", "B"};
-  testing::TestRandom random(std::uint64_t(width * 1000 + height));
+  SeededRandom random(std::uint64_t(width * 1000 + height));
   for (std::size_t i = 0; i < std::size_t(width * height) * image.channels.size(); ++i)
     image.pixels.push_back(float(value(random.next())));
   return image;

@@ -14,10 +14,10 @@
 #include <set>
 
 #include "aureole/core/image.h"
+#include "aureole/instrument/statistics.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/scene/scene.h"
-#include "tests/harness/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -683,7 +683,7 @@ protected:
 };
 
 TEST_P(EmitterHarness, IrradianceAgreesWithUniformDirections) {
-  TestRandom random(1);
+  SeededRandom random(1);
   for (const Vec3& o : case_.references)
     for (const Vec3& n : {Vec3{0, 0, 1}, normalize(Vec3{1, 0.5f, 0.3f})}) {
       double expected[2] = {};
@@ -727,7 +727,7 @@ TEST_P(EmitterHarness, IrradianceAgreesWithUniformDirections) {
 }
 
 TEST_P(EmitterHarness, SamplesAgreeWithEvalAndDensity) {
-  TestRandom random(2);
+  SeededRandom random(2);
   int disagree = 0, count = 0;
   for (const Vec3& o : case_.references)
     for (std::size_t part = 0; part < emitter_->part_count(); ++part)
@@ -818,7 +818,7 @@ TEST_P(EmitterHarness, DirectionsForANormalFollowTheDensity) {
 }
 
 TEST_P(EmitterHarness, SamplesForANormalAgreeWithEvalAndDensity) {
-  TestRandom random(8);
+  SeededRandom random(8);
   const Vec3 o = case_.references[0];
   int disagree = 0, count = 0;
   for (const Vec3& n : facing_normals()) {
@@ -891,7 +891,7 @@ void EmitterHarness::check_directions(const Vec3& facing, int seed) const {
         }
         mass[bin(d)] += density(o, d, facing) * 4 * M_PI / (rows * fine * columns * fine);
       }
-    TestRandom random(std::uint64_t(seed) + part);
+    SeededRandom random(std::uint64_t(seed) + part);
     const int n = 20000;
     std::vector<int> count(mass.size());
     int found = 0;
@@ -951,7 +951,7 @@ TEST_P(EmitterHarness, PowerAgreesWithQuadrature) {
 }
 
 TEST_P(EmitterHarness, RaysAreValid) {
-  TestRandom random(5);
+  SeededRandom random(5);
   for (std::size_t part = 0; part < emitter_->part_count(); ++part)
     for (int k = 0; k < 5000; ++k) {
       const float ends[] = {0, kOneMinusEpsilon, 0.5f};
@@ -997,7 +997,7 @@ TEST_P(EmitterHarness, RaysAreValid) {
 }
 
 TEST_P(EmitterHarness, RaysCarryThePower) {
-  TestRandom random(6);
+  SeededRandom random(6);
   const int n = 200000;
   const Spectrum expected = power();
   for (int j = 0; j < kWavelengths; j += kWavelengths - 1) {
@@ -1021,7 +1021,7 @@ TEST_P(EmitterHarness, RaysCarryThePower) {
 }
 
 TEST_P(EmitterHarness, RaysFollowTheirDensities) {
-  TestRandom random(7);
+  SeededRandom random(7);
   const int n = 60000;
   for (const bool position : {true, false}) {
     const Bins& bins = position ? case_.positions : case_.directions;
@@ -1058,7 +1058,7 @@ TEST_P(EmitterHarness, RaysFollowTheirDensities) {
 }
 
 TEST_P(EmitterHarness, RaysAndConnectionsLightAReceiverAlike) {
-  TestRandom random(8);
+  SeededRandom random(8);
   const float side = 0.5f;
   double sharpest = 1;
   for (std::size_t reference = 0; reference < 3; ++reference)
@@ -1129,7 +1129,7 @@ TEST_P(EmitterHarness, BacksAreDark) {
   EXPECT_TRUE(is_black(emitter_->eval(p, {1, 0, 0}, w_)));
   EXPECT_FALSE(is_black(emitter_->eval(p, {0.6f, 0, 0.8f}, w_)));
   if (case_.name.starts_with("area_rectangle")) {
-    TestRandom random(4);
+    SeededRandom random(4);
     for (int k = 0; k < 100; ++k)
       EXPECT_FALSE(emitter_->sample_direct({0.1f, 0.2f, 3}, 0, random.next2(), w_));
   }

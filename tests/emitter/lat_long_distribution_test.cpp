@@ -6,8 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "aureole/instrument/statistics.h"
 #include "aureole/math/warp.h"
-#include "tests/harness/statistics.h"
 
 namespace aureole {
 namespace {
@@ -66,7 +66,7 @@ TEST(LatLongDistribution, DensityIsPositiveWhereTheWeightIsAndIntegratesToOne) {
 }
 
 TEST(LatLongDistribution, SamplesHaveTheirDensityAndWeight) {
-  testing::TestRandom random(1);
+  SeededRandom random(1);
   for (const Map& map : kMaps) {
     const std::vector<float> w = weights_of(map);
     const LatLongDistribution distribution(w, kColumns, kRows, Frame::from_normal({0, 0, 1}));
@@ -94,7 +94,7 @@ TEST(LatLongDistribution, FollowsTheCosine) {
     for (int x = 0; x < kColumns; ++x) w.push_back(std::sin(kPi * (float(y) + 0.5f) / float(kRows)));
   const Frame turned = Frame::from_normal(normalize(Vec3{1, 2, -0.5f}));
   const LatLongDistribution distribution(w, kColumns, kRows, turned);
-  testing::TestRandom random(2);
+  SeededRandom random(2);
   for (const Vec3& n : kNormals) {
     if (n == Vec3{}) continue;
     double sum = 0, squares = 0;

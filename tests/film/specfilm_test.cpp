@@ -7,12 +7,12 @@
 
 #include "aureole/film/film.h"
 #include "aureole/film/spectral_bins.h"
+#include "aureole/instrument/statistics.h"
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 #include "tests/harness/properties_builder.h"
-#include "tests/harness/statistics.h"
 #include "tests/render/small_scene.h"
 #include "tests/scene/load_text.h"
 
@@ -54,7 +54,7 @@ std::vector<double> measure(const Film& film, const Radiance& radiance) {
 }
 
 TEST(SpectralBins, FindWhatHoldsAWavelength) {
-  TestRandom random(9);
+  SeededRandom random(9);
   for (const int count : {1, 2, 7, 100, 4000}) {
     std::vector<double> edges{400};
     // From equal to very unequal widths.

@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <fstream>
 
+#include "aureole/instrument/statistics.h"
 #include "aureole/integrator/integrator.h"
 #include "aureole/math/warp.h"
 #include "aureole/scene/scene.h"
-#include "harness/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -92,7 +92,7 @@ struct Answers {
 /// Expects the bits of rays one by one from packets of every size.
 void compare_packets(const RayTracer& tracer, Answers& answers, const auto& is_segment,
                      const auto& is_spline) {
-  TestRandom random(1);
+  SeededRandom random(1);
   for (int k = 0; k < 3000; ++k) {
     const int n = 1 + k % RayPacket::kSize;
     Ray rays[RayPacket::kSize];

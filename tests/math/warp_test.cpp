@@ -6,25 +6,19 @@
 #include <cmath>
 #include <functional>
 
-#include "harness/statistics.h"
+#include "aureole/instrument/statistics.h"
 
 namespace aureole {
 namespace {
 
-using testing::TestRandom;
-
 /// Chi-square of a warp to directions against its density, by the bins of the BSDF harness.
 double direction_p_value(const std::function<Vec3(Vec2)>& warp,
                          const std::function<double(const Vec3&)>& pdf) {
-  testing::SphereBins::Options options;
+  SphereBins::Options options;
   options.tolerance = 1e-7;
-  const testing::SphereBins bins(
-      [&](const Vec3& w) {
-        return testing::SphereBins::Value{pdf(w), {}};
-      },
-      options);
+  const SphereBins bins([&](const Vec3& w) { return SphereBins::Value{pdf(w), {}}; }, options);
   EXPECT_NEAR(bins.mass(), 1, 1e-3);
-  TestRandom random(3);
+  SeededRandom random(3);
   constexpr std::size_t kSamples = 500000;
   std::vector<std::size_t> counts(bins.bins().size());
   for (std::size_t i = 0; i < kSamples; ++i) {
@@ -32,7 +26,7 @@ double direction_p_value(const std::function<Vec3(Vec2)>& warp,
     EXPECT_NEAR(length(w), 1, 1e-6);
     ++counts[bins.find(w)];
   }
-  return testing::chi_square_test(bins, counts, kSamples, 200).p_value;
+  return chi_square_test(bins, counts, kSamples, 200).p_value;
 }
 
 // Eight statistical tests in this file at 1 % together.
@@ -67,7 +61,7 @@ TEST(Warp, NarrowConeKeepsItsDigits) {
 }
 
 TEST(Warp, DiscIsUniform) {
-  TestRandom random(4);
+  SeededRandom random(4);
   constexpr int kRings = 16, kSectors = 16, kSamples = 400000;
   std::vector<double> counts(kRings * kSectors);
   for (int i = 0; i < kSamples; ++i) {
@@ -80,11 +74,11 @@ TEST(Warp, DiscIsUniform) {
   const double expected = double(kSamples) / double(counts.size());
   double statistic = 0;
   for (const double c : counts) statistic += (c - expected) * (c - expected) / expected;
-  EXPECT_GT(testing::chi_square_p_value(statistic, counts.size() - 1), kLevel);
+  EXPECT_GT(chi_square_p_value(statistic, counts.size() - 1), kLevel);
 }
 
 TEST(Warp, TriangleIsUniform) {
-  TestRandom random(5);
+  SeededRandom random(5);
   constexpr int kN = 12, kSamples = 400000;
   std::vector<double> counts(kN * kN);
   for (int i = 0; i < kSamples; ++i) {
@@ -100,7 +94,7 @@ TEST(Warp, TriangleIsUniform) {
       const double expected = 2.0 * kSamples / (kN * kN) * (i + j == kN - 1 ? 0.5 : 1);
       statistic += (counts[i * kN + j] - expected) * (counts[i * kN + j] - expected) / expected;
     }
-  EXPECT_GT(testing::chi_square_p_value(statistic, used - 1), kLevel);
+  EXPECT_GT(chi_square_p_value(statistic, used - 1), kLevel);
 }
 
 TEST(Warp, CosAndSinAreAccurate) {

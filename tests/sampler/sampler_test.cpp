@@ -11,8 +11,8 @@
 #include <set>
 
 #include "aureole/core/random.h"
+#include "aureole/instrument/statistics.h"
 #include "tests/harness/properties_builder.h"
-#include "tests/harness/statistics.h"
 
 namespace aureole::testing {
 namespace {

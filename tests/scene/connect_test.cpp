@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include "aureole/instrument/statistics.h"
 #include "aureole/math/warp.h"
 #include "aureole/scene/scene.h"
-#include "tests/harness/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -48,7 +48,7 @@ struct Found {
 
 /// Connects random points of shape `receiver`, found by rays from `around`, to random points of all emitters;
 /// counts what is blocked though nothing lies between.
-Found connect_all(const Scene& scene, TestRandom& random, std::size_t receiver, const Vec3& around,
+Found connect_all(const Scene& scene, SeededRandom& random, std::size_t receiver, const Vec3& around,
                   float distance, int n) {
   Found found;
   const Wavelengths w = Wavelengths::at(scene.loaded().context->grid, 550.f);
@@ -84,7 +84,7 @@ Found connect_all(const Scene& scene, TestRandom& random, std::size_t receiver, 
 }
 
 TEST(Connect, NothingBlocksItself) {
-  TestRandom random(1);
+  SeededRandom random(1);
   int connections = 0, grazing = 0, within_rounding = 0;
   for (const float offset : {0.f, 1.f, 100.f, 1e4f})
     for (const char* receiver : {"rectangle", "sphere", "cube"})
@@ -112,7 +112,7 @@ TEST(Connect, NothingBlocksItself) {
 }
 
 TEST(Connect, GrazingLights) {
-  TestRandom random(2);
+  SeededRandom random(2);
   int connections = 0, grazing = 0;
   for (const float offset : {0.f, 7.3f, 1e4f}) {
     const Vec3 at{offset, offset, offset};
@@ -152,7 +152,7 @@ TEST(Connect, GrazingLights) {
 }
 
 TEST(Connect, EnvironmentAndPointLights) {
-  TestRandom random(3);
+  SeededRandom random(3);
   int connections = 0;
   for (const float offset : {0.f, 1e4f})
     for (const char* receiver : {"rectangle", "sphere", "cube"}) {
@@ -187,7 +187,7 @@ private:
 };
 
 TEST(Connect, RandomTriangles) {
-  TestRandom random(6);
+  SeededRandom random(6);
   const TriangleFile triangle;
   int connections = 0, within_rounding = 0;
   for (int k = 0; k < 120; ++k) {
@@ -208,7 +208,7 @@ TEST(Connect, RandomTriangles) {
 }
 
 TEST(Connect, OccludersAreFound) {
-  TestRandom random(4);
+  SeededRandom random(4);
   int tests = 0;
   for (const float offset : {0.f, 100.f, 1e4f})
     for (const char* occluder : {"rectangle", "sphere", "cube"}) {
@@ -247,7 +247,7 @@ TEST(Connect, OccludersAreFound) {
 TEST(Connect, ThinGapsAreSeenThroughAndThinOccludersAreNot) {
   // A sheet a ten-thousandth before the light hides it; one just behind it, or just under the floor, does
   // not.
-  TestRandom random(5);
+  SeededRandom random(5);
   for (const float z : {1.9999f, 2.0001f, -0.0001f, 0.0001f}) {
     const auto scene = scene_with(shape("rectangle", "") +
                                   shape("rectangle", rotate({1, 0, 0}, 180) + translate({0, 0, 2}), kLight) +

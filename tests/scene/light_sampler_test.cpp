@@ -8,9 +8,9 @@
 #include <cmath>
 #include <map>
 
+#include "aureole/instrument/statistics.h"
 #include "aureole/math/warp.h"
 #include "aureole/scene/scene.h"
-#include "tests/harness/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -20,13 +20,13 @@ std::string vec(const std::string& name, const Vec3& v) {
          "\" z=\"" + std::to_string(v.z) + "\"/>";
 }
 
-Vec3 in_box(TestRandom& random, float half) {
+Vec3 in_box(SeededRandom& random, float half) {
   const float x = random.next(), y = random.next();
   return Vec3{2 * x - 1, 2 * y - 1, 2 * random.next() - 1} * half;
 }
 
 /// Random lights: rectangles, small spheres, cubes and points.
-std::string random_lights(TestRandom& random, int count, float half) {
+std::string random_lights(SeededRandom& random, int count, float half) {
   std::string text;
   for (int k = 0; k < count; ++k) {
     const Vec3 c = in_box(random, half), axis = square_to_uniform_sphere(random.next2());
@@ -66,7 +66,7 @@ double total_probability(const Scene& s, const Vec3& p, const Vec3& n) {
 }
 
 TEST(LightSampler, ProbabilitiesAddUp) {
-  TestRandom random(1);
+  SeededRandom random(1);
   for (const char* infinite : {"", "<emitter type=\"constant\"/>"})
     for (int lights : {1, 2, 7, 40}) {
       const auto scene = scene_with(random_lights(random, lights, 3) + infinite);
@@ -87,7 +87,7 @@ TEST(LightSampler, ProbabilitiesAddUp) {
 }
 
 TEST(LightSampler, ChoicesHaveTheirProbability) {
-  TestRandom random(2);
+  SeededRandom random(2);
   const auto scene =
       scene_with(random_lights(random, 12, 2) + "<emitter type=\"constant\"/><emitter type=\"constant\"/>");
   for (int k = 0; k < 40; ++k) {
@@ -111,7 +111,7 @@ TEST(LightSampler, ChoicesHaveTheirProbability) {
 }
 
 TEST(LightSampler, NeverZeroWhereALightContributes) {
-  TestRandom random(3);
+  SeededRandom random(3);
   int contributions = 0;
   for (int scenes = 0; scenes < 6; ++scenes) {
     const auto scene = scene_with(random_lights(random, 3 + 10 * scenes, 2));
@@ -138,7 +138,7 @@ TEST(LightSampler, NeverZeroWhereALightContributes) {
 }
 
 TEST(LightSampler, ManyLightsAreCheapAndFollowTheLight) {
-  TestRandom random(4);
+  SeededRandom random(4);
   const auto scene = scene_with(random_lights(random, 1000, 10));
   EXPECT_GT(scene->lights().leaf_count(), 1000u);
   // Second moments of the unoccluded light at a point: of this choice and of one among all alike.
@@ -170,7 +170,7 @@ TEST(LightSampler, ManyLightsAreCheapAndFollowTheLight) {
 }
 
 TEST(LightSampler, ChoiceByPowerHasItsProbability) {
-  TestRandom random(6);
+  SeededRandom random(6);
   const auto scene =
       scene_with(random_lights(random, 12, 2) +
                  "<emitter type=\"constant\"><float name=\"radiance\" value=\"0.01\"/></emitter>"
@@ -215,7 +215,7 @@ TEST(LightSampler, EmptyAndDark) {
 }
 
 TEST(LightSampler, InfiniteLightsShareWithTheTree) {
-  TestRandom random(5);
+  SeededRandom random(5);
   const auto scene =
       scene_with(random_lights(random, 8, 2) + "<emitter type=\"constant\"/><emitter type=\"constant\"/>");
   const auto& infinite = scene->infinite_emitters();
@@ -242,7 +242,7 @@ std::string look(const Vec3& from, const Vec3& to) {
 }
 
 TEST(LightSampler, SpotsAndProjectorsAreNeverLost) {
-  TestRandom random(5);
+  SeededRandom random(5);
   int contributions = 0, dark = 0;
   for (int scenes = 0; scenes < 8; ++scenes) {
     std::string text;

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
+#include "aureole/instrument/statistics.h"
 #include "aureole/sensor/sensor.h"
 #include "aureole/shape/shape.h"
 #include "tests/harness/properties_builder.h"
-#include "tests/harness/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -108,7 +108,7 @@ TEST_P(Connection, IsTheAdjointOfRays) {
   const Film& film = sensor.film();
   const FilmPart part = FilmPart::of(film, 0, 1);
   const Vec3 across = cross(u, v), n = normalize(across);
-  TestRandom random(17);
+  SeededRandom random(17);
   constexpr int kSamples = 600000;
 
   // How much of the film sees the patch.
@@ -152,7 +152,7 @@ TEST_P(Connection, LeadsBackToThePlaceOnTheFilm) {
   if (name.starts_with("irradiance") || name == "batch") return;  // the place or the sensor is a choice
   const Made made = make(xml);
   const FilmPart part = FilmPart::of(made.sensor->film(), 0, 1);
-  TestRandom random(4);
+  SeededRandom random(4);
   int found = 0;
   for (int i = 0; i < 2000; ++i) {
     const Vec2 place = random.next2(), lens = random.next2();

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
+#include "aureole/instrument/statistics.h"
 #include "aureole/sensor/sensor.h"
 #include "tests/harness/properties_builder.h"
-#include "tests/harness/statistics.h"
 
 namespace aureole::testing {
 namespace {
@@ -95,7 +95,7 @@ TEST(ThinLens, CircleOfConfusion) {
                                         number("fov", 30) + film(kWidth, kHeight));
   ASSERT_TRUE(s->uses_lens());
   const double pixels_per_tangent = kWidth / (2 * std::tan(15 * M_PI / 180));
-  TestRandom random(3);
+  SeededRandom random(3);
   for (const double z : {1.0, 2.0, 3.9, 4.0, 8.0, 1000.0}) {
     const Vec3 p{float(0.02 * z), float(-0.01 * z), float(z)};
     const double radius = kRadius * std::abs(1 / z - 1 / kFocus) * pixels_per_tangent;
@@ -132,7 +132,7 @@ TEST(ThinLens, RaysOfAPointMeetInTheFocalPlane) {
                                         "<transform name='to_world'><rotate y='1' angle='30'/><translate "
                                         "x='1' y='2' z='3'/></transform>" +
                                         number("near_clip", 0.5) + film(40, 30));
-  TestRandom random(5);
+  SeededRandom random(5);
   for (const Vec2 at : {Vec2{3, 4}, Vec2{20, 15}, Vec2{39, 1}}) {
     const Vec3 axis{0.5f, 0, std::sqrt(0.75f)}, origin{1, 2, 3};
     Vec3 first;

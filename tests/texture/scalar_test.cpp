@@ -8,17 +8,16 @@
 #include <optional>
 
 #include "aureole/core/image.h"
+#include "aureole/instrument/statistics.h"
 #include "aureole/spectrum/upsampling_fit.h"
 #include "aureole/texture/texture.h"
 #include "harness/properties_builder.h"
-#include "harness/statistics.h"
 
 namespace aureole {
 namespace {
 
 using testing::build;
 using testing::make_context;
-using testing::TestRandom;
 
 SurfacePoint at(Vec2 uv) {
   SurfacePoint point;
@@ -38,7 +37,7 @@ std::string message_of(F&& f) {
 
 /// A picture of `width` x `height` random values in [low, high).
 Image noise(int width, int height, int channels, float low = 0, float high = 1) {
-  TestRandom random(std::uint64_t(100 * width + 10 * height + channels));
+  SeededRandom random(std::uint64_t(100 * width + 10 * height + channels));
   Image image;
   image.width = width, image.height = height;
   image.channels = channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
@@ -88,7 +87,7 @@ TEST_P(Gradient, IsThatOfTheInterpolation) {
   const Mode m = GetParam();
   const auto t = bitmap(noise(5, 3, m.channels), modes(m.wrap, "bilinear") + (m.raw ? kRaw : "") + m.to_uv);
   ASSERT_TRUE(t->has_gradient());
-  TestRandom random(3);
+  SeededRandom random(3);
   int tested = 0;
   double largest = 0;
   for (int k = 0; k < 400; ++k) {

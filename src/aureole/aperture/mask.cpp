@@ -1,29 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // Any shape, as a picture.
-#include <filesystem>
 #include <stdexcept>
 
 #include "aureole/aperture/aperture.h"
 #include "aureole/aperture/length.h"
-#include "aureole/core/image.h"
 #include "aureole/optics/mask_aperture.h"
+#include "aureole/plugin/image_parameter.h"
 
 namespace aureole {
 namespace {
 
 optics::Mask read_mask(const Properties& p, bool invert) {
   constexpr std::size_t kMaxPixels = std::size_t(1) << 25;
-  const std::filesystem::path file = p.get_file("filename");
-  Image image;
-  try {
-    image = read_image(file, nullptr, kMaxPixels);
-  } catch (const Error& problem) {
-    throw p.error("filename", problem.message());
-  }
+  const auto [image, source] = read_image_parameter(p, kMaxPixels);
   const int r = image.channel("R"), g = image.channel("G"), b = image.channel("B"), a = image.channel("A");
   const int y = image.channel_count() == 1 ? 0 : image.channel("Y");
   const bool color = r >= 0 && g >= 0 && b >= 0;
-  if (!color && y < 0) throw p.error("filename", "needs the channels R, G, B or Y");
+  if (!color && y < 0) throw p.error(source, "needs the channels R, G, B or Y");
   optics::Mask mask;
   mask.width = image.width;
   mask.height = image.height;
@@ -46,7 +39,7 @@ public:
     try {
       set_shape(std::make_shared<optics::MaskAperture>(mask, pitch, p.get_bool("centroid", true)));
     } catch (const std::domain_error& problem) {
-      throw p.error("filename", problem.what());
+      throw p.error(p.has("data") ? "data" : "filename", problem.what());
     }
     if (!(shape()->bounding_radius() >= 1e-9 && shape()->bounding_radius() <= 1))
       throw p.error("width", "the mask reaches " + std::to_string(shape()->bounding_radius()) +
@@ -67,12 +60,13 @@ AUREOLE_PLUGIN(
         "the "
         "area.",
         "A. Dutt, V. Rokhlin, Fast Fourier transforms for nonequispaced data, SIAM J. Sci. Comput. 14, 1993",
-        aperture_parameters(
-            {{"filename", "file", "", "required", "EXR, PNG, JPEG, TIFF, HDR, TGA or BMP, values in [0, 1]"},
-             {"width", "length", "", "required", "width of the whole picture; pixels are square"},
-             {"invert", "boolean", "", "false", "black is open"},
-             {"centroid", "boolean", "", "true",
-              "the centroid lies where the scatterer is; false: the centre of the picture"}}),
+        aperture_parameters({image_file_doc("EXR, PNG, JPEG, TIFF, HDR, TGA or BMP, values in [0, 1]"),
+                             image_data_doc(),
+                             {"width", "length", "", "required",
+                              "width of the whole picture; pixels are square"},
+                             {"invert", "boolean", "", "false", "black is open"},
+                             {"centroid", "boolean", "", "true",
+                              "the centroid lies where the scatterer is; false: the centre of the picture"}}),
         {R"(<aperture type="mask">
     <string name="filename" value="letter.png"/> <string name="width" value="12um"/>
     <boolean name="invert" value="true"/> <boolean name="centroid" value="false"/>

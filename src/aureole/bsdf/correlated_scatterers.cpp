@@ -20,7 +20,6 @@
 #include <optional>
 #include <stdexcept>
 
-#include "aureole/aperture/aperture.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/fresnel.h"
 #include "aureole/bsdf/nested.h"
@@ -28,60 +27,19 @@
 #include "aureole/bsdf/scatterer_balance.h"
 #include "aureole/bsdf/scatterer_model.h"
 #include "aureole/bsdf/scatterer_sampler.h"
+#include "aureole/bsdf/scatterer_shapes.h"
 #include "aureole/correlation/correlation.h"
 #include "aureole/math/warp.h"
-#include "aureole/optics/round_aperture.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
 namespace {
 
-/// The scatterers that a layer is made of, and the radius (in metres) of their correlation discs.
-struct LayerShapes {
-  std::vector<optics::Scatterer> scatterers;
-  double correlation_radius, largest;
-};
-
-LayerShapes read_shapes(const Properties& p) {
-  LayerShapes layer;
-  double largest = 0;
-  const auto apertures = p.get_children<Aperture>("aperture");
-  const double radius = p.get_length_m("radius", 0);
-  if (apertures.empty()) {
-    if (!p.has("radius"))
-      throw p.error(
-          "radius",
-          "the parameter \"radius\" is required, a length such as \"5um\", or else nested apertures");
-    layer.scatterers.push_back({std::make_shared<optics::EllipseAperture>(radius, radius), 1, 0, false, {}});
-    largest = radius;
-  } else if (p.has("radius")) {
-    throw p.error("radius", "is for circles only; nested apertures have lengths of their own");
-  }
-  for (const auto& a : apertures) {
-    layer.scatterers.push_back(
-        {a->shape(), a->fraction(), a->rotation(), a->is_randomly_rotated(), a->sizes()});
-    largest = std::max(largest, a->shape()->bounding_radius() * a->sizes().largest());
-  }
-  layer.largest = largest;
-  layer.correlation_radius = p.get_length_m("correlation_radius", largest);
-  if (layer.correlation_radius < largest * (1 - 1e-6))
-    throw p.error("correlation_radius", apertures.empty()
-                                            ? "must not be less than \"radius\""
-                                            : "must not be less than the largest scatterer, whose "
-                                              "circle has a radius of " +
-                                                  std::to_string(largest * 1e6) + "um");
-  if (layer.correlation_radius > largest * 64)
-    throw p.error("correlation_radius",
-                  "must not exceed 64 times " +
-                      std::string(apertures.empty() ? "\"radius\"" : "the largest scatterer"));
-  return layer;
-}
-
 class CorrelatedScatterers final : public Bsdf {
 public:
   explicit CorrelatedScatterers(const Properties& p) : Bsdf(p) {
     discs_ = p.get_choice("scatterer", "apertures", {"apertures", "discs"}) == "discs";
-    LayerShapes shapes = read_shapes(p);
+    LayerShapes shapes = read_layer_shapes(p);
     if (!p.has("area_fraction"))
       throw p.error("area_fraction", "the parameter \"area_fraction\" is required");
     area_fraction_ = ScalarTexture::from(p, "area_fraction", 0, Range{0, optics::kClosestPacking});

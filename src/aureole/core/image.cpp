@@ -104,6 +104,8 @@ void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel p
   write_encoded(file, [&] { return codec::encode_exr(image, pixel, attributes); });
 }
 
+std::vector<char> encode_png(const Image& image) { return codec::encode_png(image); }
+
 void write_png(const std::filesystem::path& file, const Image& image) {
   write_encoded(file, [&] { return codec::encode_png(image); });
 }

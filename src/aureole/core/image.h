@@ -55,6 +55,9 @@ void write_exr(const std::filesystem::path& file, const Image& image, ExrPixel p
 /// Atomic.
 void write_png(const std::filesystem::path& file, const Image& image);
 
+/// The bytes of that file.
+std::vector<char> encode_png(const Image& image);
+
 /// Writes R, G, B (or Y as grey) in Radiance's RGBE format: 8 bits with a common exponent, nothing negative.
 /// Atomic.
 void write_hdr(const std::filesystem::path& file, const Image& image);

@@ -10,6 +10,7 @@
 #include "aureole/emitter/lat_long_distribution.h"
 #include "aureole/emitter/placement.h"
 #include "aureole/math/warp.h"
+#include "aureole/plugin/image_parameter.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/upsampled_color.h"
@@ -91,14 +92,14 @@ private:
   }
 
   void load(const Properties& p) {
-    const Image image = read_image(p.get_file("filename"));
+    const auto [image, source] = read_image_parameter(p);
     if (image.width < 2 || image.height < 3)
-      throw p.error("filename", "an environment map needs at least 2 x 3 pixels");
+      throw p.error(source, "an environment map needs at least 2 x 3 pixels");
     width_ = image.width, height_ = image.height;
     int rgb[3] = {image.channel("R"), image.channel("G"), image.channel("B")};
     if (rgb[0] < 0 || rgb[1] < 0 || rgb[2] < 0) {
       const int y = image.channel("Y");
-      if (y < 0) throw p.error("filename", "the image has neither R, G, B nor Y channels");
+      if (y < 0) throw p.error(source, "the image has neither R, G, B nor Y channels");
       rgb[0] = rgb[1] = rgb[2] = y;
     }
     texels_.resize(size_t(width_) * size_t(height_));
@@ -113,7 +114,7 @@ private:
           c[k] = image.at(x, y, size_t(rgb[k]));
           if (image.srgb_encoded) c[k] = srgb_decode(c[k]);
           if (!std::isfinite(c[k]))
-            throw p.error("filename",
+            throw p.error(source,
                           "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is not finite");
           // Resampled photographs often have slightly negative pixels beside bright ones.
           if (c[k] < 0) c[k] = 0, negative = true;
@@ -125,7 +126,7 @@ private:
         luminance[i] = 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
       }
     }
-    if (negative) p.note("filename", "negative values of the map count as 0");
+    if (negative) p.note(source, "negative values of the map count as 0");
     for (int k = 0; k < 3; ++k) mean_[k] = float(sums[k] / weight_sum);
     build_distribution(luminance);
   }
@@ -220,7 +221,8 @@ AUREOLE_PLUGIN(
         "by D65.",
         "",
         emitter_parameters(
-            {{"filename", "file", "", "required", "EXR, HDR or any other image"},
+            {image_file_doc("EXR, HDR or any other image"),
+             image_data_doc(),
              {"scale", "float", "", "1", "factor of the radiance"},
              {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
              {"mis_compensation", "boolean", "", "false",

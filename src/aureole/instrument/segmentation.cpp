@@ -215,6 +215,9 @@ Segmentation segment(const Micrograph& field, const SegmentationOptions& o) {
   cv::Mat depth = depth_of(inside);
   depth.setTo(0, seen == 0);
   coverage.setTo(0, seen == 0), smooth.setTo(0, seen == 0);
+  // Noise around 0 and 1 cancels in sums; a halo or a glint is neither particle nor ground.
+  const double beyond = std::max(4 * out.noise, 0.02);
+  coverage = cv::min(cv::max(coverage, -beyond), 1 + beyond);
 
   const auto to_vector = [](const cv::Mat& m) {
     return std::vector<float>(m.ptr<float>(), m.ptr<float>() + m.total());

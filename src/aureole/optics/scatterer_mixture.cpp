@@ -9,24 +9,23 @@
 #include <string>
 
 #include "aureole/core/parallel.h"
+#include "aureole/optics/ring_mean.h"
 
 namespace aureole::optics {
 namespace {
 
-/// Ring means of amplitude and intensity of a shape, of radius 1, over w = |q|: midpoints of n equal angles
-/// of half a ring, exact once n passes the highest harmonic, w.
+/// Ring means of amplitude and intensity of a shape; their highest harmonic is |q| times its radius.
 struct ShapeRing {
   double amplitude, intensity;
 };
 ShapeRing shape_ring(const ApertureShape& shape, double q, double radius) {
   const int n = 24 + int(std::ceil(1.2 * q * radius));
   ShapeRing sum{};
-  for (int i = 0; i < n; ++i) {
-    const double angle = std::numbers::pi * (i + 0.5) / n;
-    const std::complex<double> f = shape.transform(q * std::cos(angle), q * std::sin(angle));
+  visit_half_ring(q, n, [&](double qx, double qy) {
+    const std::complex<double> f = shape.transform(qx, qy);
     sum.amplitude += f.real();  // the other half of the ring has its conjugate
     sum.intensity += std::norm(f);
-  }
+  });
   return {sum.amplitude / n, sum.intensity / n};
 }
 
@@ -137,10 +136,9 @@ double ScattererMixture::independent_ring(double u) const {
   std::complex<double> amplitudes[kMostClasses] = {};
   const int n = isotropic_ ? 1 : 24 + int(std::ceil(1.2 * u));
   double intensity = 0;
-  for (int i = 0; i < n; ++i) {
-    const double angle = std::numbers::pi * (i + 0.5) / n;
-    for (const Part& part : parts_) part.add(u * std::cos(angle), u * std::sin(angle), amplitudes, intensity);
-  }
+  visit_half_ring(u, n, [&](double ux, double uy) {
+    for (const Part& part : parts_) part.add(ux, uy, amplitudes, intensity);
+  });
   return intensity / n;
 }
 

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "aureole/core/parallel.h"
+#include "aureole/optics/ring_mean.h"
 
 namespace aureole::optics {
 namespace {
@@ -14,17 +14,6 @@ constexpr int kRadialEnd = 4096;
 
 int radial_end(const ScattererMixture& mixture, const std::optional<IntensityMap>& map) {
   return mixture.is_isotropic() ? kRadialEnd : int(map->extent());
-}
-
-/// Mean of f over half a ring (f(-u) = f(u)) by midpoints.
-template <class F>
-double ring_mean(double u, int points, F&& f) {
-  double sum = 0;
-  for (int i = 0; i < points; ++i) {
-    const double angle = std::numbers::pi * (i + 0.5) / points;
-    sum += f(u * std::cos(angle), u * std::sin(angle));
-  }
-  return sum / points;
 }
 
 /// `RadialFunction` of an expensive f, whose values are made on all cores.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "aureole/optics/aperture_transform.h"
+#include "aureole/optics/ring_mean.h"
 
 namespace aureole::optics {
 namespace {
@@ -21,14 +22,8 @@ void check_percus_yevick(double area_fraction) {
 }
 
 /// Mean over the ring of a function with S(-u) = S(u).
-double ring_mean(const StructureFactor& s, double u) {
-  const int points = 64 + int(4 * u);
-  double sum = 0;
-  for (int i = 0; i < points; ++i) {
-    const double angle = std::numbers::pi * (i + 0.5) / points;
-    sum += s.eval(u * std::cos(angle), u * std::sin(angle));
-  }
-  return sum / points;
+double mean_over_ring(const StructureFactor& s, double u) {
+  return ring_mean(u, 64 + int(4 * u), [&](double x, double y) { return s.eval(x, y); });
 }
 
 }  // namespace
@@ -132,7 +127,7 @@ MappedStructureFactor::MappedStructureFactor(std::vector<float> values, int widt
     values_[i] = values_[n - 1 - i] = 0.5f * (values_[i] + values_[n - 1 - i]);
 }
 
-double MappedStructureFactor::eval(double u) const { return ring_mean(*this, u); }
+double MappedStructureFactor::eval(double u) const { return mean_over_ring(*this, u); }
 
 double MappedStructureFactor::eval(double ux, double uy) const {
   if (!(std::abs(ux) <= extent_ && std::abs(uy) <= extent_)) return 1;
@@ -190,7 +185,7 @@ LatticeStructureFactor::LatticeStructureFactor(Kind kind, double area_fraction, 
 }
 
 double LatticeStructureFactor::eval(double u) const {
-  if (!random_) return ring_mean(*this, u);
+  if (!random_) return mean_over_ring(*this, u);
   u = std::abs(u);
   const double order = std::exp(-u * u * sigma_ * sigma_), l2 = length_ * length_;
   if (order < 1e-12 || shells_.empty() || u > shells_.back().first - 6 / length_) return 1;
@@ -231,7 +226,7 @@ StretchedStructureFactor::StretchedStructureFactor(std::shared_ptr<const Structu
       cosine_(std::cos(angle)),
       sine_(std::sin(angle)) {}
 
-double StretchedStructureFactor::eval(double u) const { return ring_mean(*this, u); }
+double StretchedStructureFactor::eval(double u) const { return mean_over_ring(*this, u); }
 
 double StretchedStructureFactor::eval(double ux, double uy) const {
   const double along = (ux * cosine_ + uy * sine_) * stretch_,

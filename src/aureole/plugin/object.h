@@ -21,6 +21,10 @@ public:
   /// The id in the scene file, or an empty string.
   const std::string& id() const;
 
+protected:
+  /// For an object that takes over parameters without being built anew.
+  void replace_properties(const Properties& properties);
+
 private:
   std::shared_ptr<const Properties> properties_;
 };

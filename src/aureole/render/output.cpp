@@ -44,7 +44,7 @@ void require_format(const Development& development, int replicates, const std::f
                 fmt::format("{}", fmt::join(names, ", ")) + ")");
 }
 
-void write_pictures(const RenderState& s, const std::filesystem::path& file) {
+void write_picture(const RenderState& s, const Image& picture, const std::filesystem::path& file) {
   ExrAttributes a;
   a.strings["aureole:scene"] = s.identity.scene;
   a.strings["aureole:scene_hash"] = fmt::format("{:016x}", s.identity.scene_hash);
@@ -67,16 +67,20 @@ void write_pictures(const RenderState& s, const std::filesystem::path& file) {
   }
   const std::string extension = file.extension();
   if (extension == ".exr")
-    write_exr(file, s.picture(), single ? ExrPixel::half : ExrPixel::float32, a);
+    write_exr(file, picture, single ? ExrPixel::half : ExrPixel::float32, a);
   else if (extension == ".pfm")
-    write_pfm(file, colors_of(s.picture()));
+    write_pfm(file, colors_of(picture));
   else
-    write_hdr(file, colors_of(s.picture()));
+    write_hdr(file, colors_of(picture));
+}
+
+void write_pictures(const RenderState& s, const std::filesystem::path& file) {
+  write_picture(s, s.picture(), file);
   write_preview(s, file);
 }
 
 void write_preview(const RenderState& s, const std::filesystem::path& file) {
-  write_png(png_of(file), s.display_picture());
+  write_png(png_of(file), display_picture(s.rgb_picture()));
 }
 
 void require_writable(const std::filesystem::path& file) {

@@ -17,6 +17,9 @@ void require_format(const Development& development, int replicates, const std::f
 /// the same name beside it.
 void write_pictures(const RenderState& state, const std::filesystem::path& file);
 
+/// The same for a picture that was made of the state before, without the PNG.
+void write_picture(const RenderState& state, const Image& picture, const std::filesystem::path& file);
+
 /// Only the PNG.
 void write_preview(const RenderState& state, const std::filesystem::path& exr_file);
 

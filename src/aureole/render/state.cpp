@@ -262,11 +262,10 @@ Image RenderState::picture() const {
   return image;
 }
 
-Image RenderState::display_picture() const {
+Image RenderState::rgb_picture() const {
   Image image;
   image.width = identity.width, image.height = identity.height;
   image.channels = {"R", "G", "B"};
-  image.srgb_encoded = true;
   image.pixels.resize(std::size_t(image.width) * image.height * 3);
   std::vector<double> measured(std::size_t(identity.measured_channels));
   for (int y = 0; y < image.height; ++y)
@@ -279,14 +278,20 @@ Image RenderState::display_picture() const {
           for (std::size_t k = 0; k < measured.size(); ++k)
             rgb[c] += float(double(development.rgb_rows[c][k]) * measured[k] / double(films.size()));
       }
-      for (std::size_t c = 0; c < 3; ++c) {
-        constexpr float knee = 0.8f;
-        float v = std::max(0.f, rgb[c]);
-        if (v > knee) v = knee + (1 - knee) * (1 - std::exp(-(v - knee) / (1 - knee)));
-        image.at(x, y, c) = srgb_encode(std::min(v, 1.f));
-      }
+      for (std::size_t c = 0; c < 3; ++c) image.at(x, y, c) = rgb[c];
     }
   return image;
+}
+
+Image display_picture(Image rgb) {
+  for (float& value : rgb.pixels) {
+    constexpr float knee = 0.8f;
+    float v = std::max(0.f, value);
+    if (v > knee) v = knee + (1 - knee) * (1 - std::exp(-(v - knee) / (1 - knee)));
+    value = srgb_encode(std::min(v, 1.f));
+  }
+  rgb.srgb_encoded = true;
+  return rgb;
 }
 
 double state_bytes(int width, int height, int measured_channels, int replicates) {

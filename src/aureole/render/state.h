@@ -81,9 +81,12 @@ public:
   /// The mean over replicates and, with two replicates or more, the variance of that mean ("variance.R",
   /// ...).
   Image picture() const;
-  /// Tone-mapped and encoded for display: highlights above 0.8 are compressed, nothing else is changed.
-  Image display_picture() const;
+  /// The same in linear sRGB, however many channels the film has.
+  Image rgb_picture() const;
 };
+
+/// Linear sRGB for display: highlights above 0.8 are compressed, nothing else is changed, then encoded.
+Image display_picture(Image rgb);
 
 /// Memory of a state in bytes.
 double state_bytes(int width, int height, int measured_channels, int replicates);

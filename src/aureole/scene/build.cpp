@@ -149,64 +149,81 @@ private:
   std::unordered_set<const Object*> appended_;
 };
 
-/// What is left of a text once it is read: nodes, and a builder that makes objects of them.
+/// Nodes on their way to objects.
 class Loading {
 public:
-  Loading(const std::filesystem::path& file, const std::optional<std::string>& text,
-          const LoadOptions& options)
-      : owned_(std::make_shared<OwnedContext>()),
-        parsed(parse_scene(file, text, options.defines, owned_->diagnostics)) {
+  Loading(ParsedScene& parsed, std::shared_ptr<OwnedContext> owned)
+      : owned_(std::move(owned)), parsed_(parsed) {
     owned_->context.diagnostics = &owned_->diagnostics;
-    if (parsed.root.tag != "scene") stop_at_errors();
-    upgrade(parsed.root, diagnostics());
-    if (parsed.complete)
-      apply_overrides(parsed.root, options, diagnostics());  // else what it looks for may be missing
     owned_->context.length_unit_m = length_unit(parsed.root, diagnostics());
     references = resolve(parsed, diagnostics());
   }
 
   /// Calls `build` with a builder of objects for `grid`.
   template <class Build>
-  void build(const SpectralGrid& grid, const LoadOptions& options, const Build& build) {
+  void build(const SpectralGrid& grid, const LoadOptions& options, ObjectPool* pool, const Build& build) {
     owned_->context.grid = grid;
-    Builder builder(references, context(), diagnostics(), options.given);
+    if (pool) pool->begin(owned_->context);
+    Builder builder(references, context(), diagnostics(), options.given, pool);
     owned_->context.scene = &builder;
     build(builder);
     owned_->context.scene = nullptr;
     stop_at_errors();
+    builder.adopt();
     references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
   }
 
-  void stop_at_errors() {
-    if (diagnostics().has_errors()) throw ErrorList(in_file_order(diagnostics().errors(), parsed.files));
+  void stop_at_errors() const {
+    if (owned_->diagnostics.has_errors())
+      throw ErrorList(in_file_order(owned_->diagnostics.errors(), parsed_.files));
   }
-  std::vector<std::string> notes() const { return in_file_order(owned_->diagnostics.notes(), parsed.files); }
+  std::vector<std::string> notes() const { return in_file_order(owned_->diagnostics.notes(), parsed_.files); }
   Diagnostics& diagnostics() { return owned_->diagnostics; }
   std::shared_ptr<const BuildContext> context() const { return {owned_, &owned_->context}; }
 
 private:
   std::shared_ptr<OwnedContext> owned_;
+  ParsedScene& parsed_;
 
 public:
-  ParsedScene parsed;
   References references;
 };
 
-LoadedScene load(const std::filesystem::path& file, const std::optional<std::string>& text,
-                 const LoadOptions& options) {
-  Loading loading(file, text, options);
+/// Text -> nodes as they are built from.
+ParsedScene read_nodes(const std::filesystem::path& file, const std::optional<std::string>& text,
+                       const LoadOptions& options, Diagnostics& diagnostics) {
+  ParsedScene parsed = parse_scene(file, text, options.defines, diagnostics);
+  if (parsed.root.tag != "scene" && diagnostics.has_errors())
+    throw ErrorList(in_file_order(diagnostics.errors(), parsed.files));
+  upgrade(parsed.root, diagnostics);
+  if (parsed.complete)
+    apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
+  return parsed;
+}
+
+LoadedScene build_scene(ParsedScene& parsed, const std::shared_ptr<OwnedContext>& owned,
+                        const LoadOptions& options, ObjectPool* pool,
+                        std::unordered_map<const Node*, ObjectPtr>* objects) {
+  Loading loading(parsed, owned);
   LoadedScene scene;
   scene.context = loading.context();
-  scene.file = loading.parsed.files.front()->path;
-  const ParsedScene& parsed = loading.parsed;
-  loading.build(sensor_grid(loading.parsed.root, loading.references, loading.diagnostics()), options,
+  scene.file = parsed.files.front()->path;
+  loading.build(sensor_grid(parsed.root, loading.references, loading.diagnostics()), options, pool,
                 [&](Builder& builder) {
                   SceneAssembly(scene, builder, loading.references, loading.diagnostics())
                       .run(parsed.root, parsed.complete);
+                  if (objects) *objects = builder.built();
                 });
   scene.hash = content_hash(parsed.root, loading.references);
   scene.notes = loading.notes();
   return scene;
+}
+
+LoadedScene load(const std::filesystem::path& file, const std::optional<std::string>& text,
+                 const LoadOptions& options) {
+  const auto owned = std::make_shared<OwnedContext>();
+  ParsedScene parsed = read_nodes(file, text, options, owned->diagnostics);
+  return build_scene(parsed, owned, options, nullptr, nullptr);
 }
 
 }  // namespace
@@ -222,28 +239,46 @@ LoadedScene load_scene_from_string(const std::string& text, const std::filesyste
 
 LoadedObject load_object_from_string(const std::string& text, const std::filesystem::path& pretended_file,
                                      const SpectralGrid& grid, const LoadOptions& options) {
-  Loading loading(pretended_file, text, options);
-  const Node* last = nullptr;
-  for (const Node& child : loading.parsed.root.children)
-    if (!is_property(child) && child.tag != "alias") last = &child;
-  if (!last) {
+  const auto owned = std::make_shared<OwnedContext>();
+  ParsedScene parsed = read_nodes(pretended_file, text, options, owned->diagnostics);
+  Loading loading(parsed, owned);
+  const auto is_object = [](const Node& node) { return !is_property(node) && node.tag != "alias"; };
+  const auto last = std::find_if(parsed.root.children.rbegin(), parsed.root.children.rend(), is_object);
+  if (last == parsed.root.children.rend()) {
     loading.stop_at_errors();
-    throw Error(loading.parsed.root.where, "there is no object");
+    throw Error(parsed.root.where, "there is no object");
   }
   LoadedObject loaded;
-  loading.build(grid, options, [&](Builder& builder) {
-    for (const Node& child : loading.parsed.root.children)
-      if (!is_property(child) && child.tag != "alias") {
-        const Node* target = builder.target(child);
-        const bool known = target && (!object_family(*target).empty() || is_unsupported_object(*target));
-        if (target && !known) loading.diagnostics().error(unknown_element(*target));
-        ObjectPtr object = known ? builder.object(child) : nullptr;
-        if (&child == last && object) loaded.object = object, loaded.family = object_family(*target);
+  loading.build(grid, options, nullptr, [&](Builder& builder) {
+    for (const Node& child : parsed.root.children) {
+      const Node* target = is_object(child) ? builder.target(child) : nullptr;
+      if (!target) continue;
+      if (object_family(*target).empty() && !is_unsupported_object(*target)) {
+        loading.diagnostics().error(unknown_element(*target));
+        continue;
       }
+      ObjectPtr object = builder.object(child);
+      if (&child == &*last) loaded.object = object, loaded.family = object_family(*target);
+    }
   });
   loaded.context = loading.context();
   loaded.notes = loading.notes();
   return loaded;
+}
+
+std::unique_ptr<ParsedScene> open_scene(const std::filesystem::path& file,
+                                        const std::optional<std::string>& text, const LoadOptions& options,
+                                        std::vector<std::string>& notes) {
+  Diagnostics diagnostics;
+  auto parsed = std::make_unique<ParsedScene>(read_nodes(file, text, options, diagnostics));
+  if (diagnostics.has_errors()) throw ErrorList(in_file_order(diagnostics.errors(), parsed->files));
+  notes = in_file_order(diagnostics.notes(), parsed->files);
+  return parsed;
+}
+
+LoadedScene build_opened(ParsedScene& parsed, const LoadOptions& options, ObjectPool& pool,
+                         std::unordered_map<const Node*, ObjectPtr>& objects) {
+  return build_scene(parsed, std::make_shared<OwnedContext>(), options, &pool, &objects);
 }
 
 }  // namespace aureole

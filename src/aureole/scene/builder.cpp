@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/scene/builder.h"
 
+#include <algorithm>
+
 #include "aureole/plugin/registry.h"
 #include "aureole/scene/aliases.h"
 #include "aureole/scene/values.h"
@@ -20,6 +22,8 @@ void report(const Node& node, const Error& e, Diagnostics& diagnostics) {
   // A place without a line is a whole file, which a parameter names: the scene itself, taken for an image.
   for (const SourceFile* f = node.file.get(); f && where.line > 0; f = f->included_by.get())
     in_scene |= f->shown == where.file;
+  for (const Node& child : node.children)  // written by another hand (document.h)
+    in_scene |= where.line > 0 && child.file->shown == where.file;
   if (in_scene)
     diagnostics.error(e);
   else
@@ -47,12 +51,48 @@ ObjectPtr Builder::object(const Node& node) {
   if (!t) return nullptr;
   const auto [slot, is_new] = built_.try_emplace(t, nullptr);
   if (!is_new) return slot->second;
+  const std::string family = object_family(*t);
+  if (pool_)
+    if (ObjectPtr kept = pool_->whole(family, keys_.of(*t))) {
+      built_[t] = kept;
+      for (const Node& child : t->children)  // so that all that is built is known
+        if (!object_family(child).empty() || child.tag == "ref") object(child);
+      return kept;
+    }
+  const std::size_t looks_before = looks_around_;
+  ++depth_;
   ObjectPtr built = construct(*t);
+  --depth_;
+  // What looks around depends on more than the key says. The adopted are added by `adopt`.
+  if (pool_ && built && looks_around_ == looks_before &&
+      std::none_of(adoptions_.begin(), adoptions_.end(), [&](const Adoption& a) { return a.shape == built; }))
+    pool_->add(family, keys_.of(*t), built);
   built_[t] = built;  // `slot` may be invalid by now: construct() adds children
   return built;
 }
 
+ObjectPtr Builder::kept_shape(const Node& node, const Properties& properties) {
+  // Nested ones are part of what their parents were built from.
+  if (!pool_ || depth_ > 1 || object_family(node) != "shape") return nullptr;
+  const ObjectPool::Key key = keys_.of(node);
+  const std::shared_ptr<Shape> shape = pool_->geometry(key);
+  if (!shape) return nullptr;
+  Shape::Children children = Shape::read_children(properties);
+  if (!shape->can_adopt(properties, children)) return nullptr;
+  adoptions_.push_back({shape, properties, std::move(children), key});
+  return shape;
+}
+
+void Builder::adopt() {
+  for (Adoption& a : adoptions_) {
+    a.shape->adopt_children(a.properties, std::move(a.children));
+    pool_->add("shape", a.key, a.shape);
+  }
+  adoptions_.clear();
+}
+
 ObjectPtr Builder::find(std::string_view family, const std::string& id) {
+  ++looks_around_;
   const auto found = references_.ids.find(id);
   return found != references_.ids.end() && object_family(*found->second) == family ? object(*found->second)
                                                                                    : nullptr;
@@ -145,6 +185,7 @@ bool Builder::add_child(const Node& child, Properties& properties) {
 
 ObjectPtr Builder::create(const Node& node, const PluginInfo& plugin, const Properties& properties) {
   try {
+    if (ObjectPtr kept = kept_shape(node, properties)) return kept;
     ObjectPtr object = plugin.create(properties);
     if (!object) throw Error("the plug-in made no object");
     properties.report_unused(diagnostics_);

@@ -10,7 +10,9 @@
 #include <unordered_map>
 
 #include "aureole/plugin/properties.h"
+#include "aureole/scene/object_pool.h"
 #include "aureole/scene/resolve.h"
+#include "aureole/shape/shape.h"
 
 namespace aureole {
 
@@ -18,18 +20,34 @@ struct PluginAlias;
 
 class Builder : public SceneLookup {
 public:
-  /// `given` are the objects that <given key="..."/> stands for.
+  /// `given` are the objects that <given key="..."/> stands for; `pool`, which may be null, holds those of an
+  /// earlier build.
   Builder(const References& references, std::shared_ptr<const BuildContext> context, Diagnostics& diagnostics,
-          const std::map<std::string, ObjectPtr>& given)
-      : references_(references), context_(std::move(context)), diagnostics_(diagnostics), given_(given) {}
+          const std::map<std::string, ObjectPtr>& given, ObjectPool* pool = nullptr)
+      : references_(references),
+        context_(std::move(context)),
+        diagnostics_(diagnostics),
+        given_(given),
+        pool_(pool),
+        keys_(references) {}
+
+  /// Gives shapes that were kept their new children: once nothing can fail any more. Until then they are as
+  /// they were.
+  void adopt();
 
   /// The object of an element or of a <ref> to it. Null where it could not be built; the reasons have been
   /// reported, and only once for all references to it.
   ObjectPtr object(const Node& node);
 
   ObjectPtr find(std::string_view family, const std::string& id) override;
-  void add_file(const std::filesystem::path& file) override { files_.push_back(file); }
+  void add_file(const std::filesystem::path& file) override {
+    files_.push_back(file);
+    ++looks_around_;
+  }
   const std::vector<std::filesystem::path>& files() const { return files_; }
+
+  /// What every element became so far.
+  const std::unordered_map<const Node*, ObjectPtr>& built() const { return built_; }
 
   /// The element itself, or what a <ref> points to, or null.
   const Node* target(const Node& node) const;
@@ -40,6 +58,8 @@ private:
   const PluginInfo* plugin_of(const Node& node, const PluginAlias** alias);
   /// Adds the parameter or child object; false if it has a problem.
   bool add_child(const Node& child, Properties& properties);
+  /// A shape of the pool of the same geometry, which gets its new children by `adopt`, or null.
+  ObjectPtr kept_shape(const Node& node, const Properties& properties);
   ObjectPtr create(const Node& node, const PluginInfo& plugin, const Properties& properties);
   void report_unknown_parameters(const Node& node, const PluginInfo& plugin);
 
@@ -47,6 +67,17 @@ private:
   std::shared_ptr<const BuildContext> context_;
   Diagnostics& diagnostics_;
   const std::map<std::string, ObjectPtr>& given_;
+  ObjectPool* pool_;
+  PoolKeys keys_;
+  struct Adoption {
+    std::shared_ptr<Shape> shape;
+    Properties properties;
+    Shape::Children children;
+    ObjectPool::Key key;
+  };
+  std::vector<Adoption> adoptions_;
+  int depth_ = 0;
+  std::size_t looks_around_ = 0;  ///< how often an object asked for more than its own parameters
   std::unordered_map<const Node*, ObjectPtr> built_;  ///< null for failed ones
   std::vector<std::filesystem::path> files_;
 };

@@ -21,7 +21,8 @@ void require_near(const Object& object, const Bounds3& box) {
 
 }  // namespace
 
-Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.shapes) {
+Scene::Scene(LoadedScene loaded, const Scene* previous)
+    : loaded_(std::move(loaded)), shapes_(loaded_.shapes) {
   sensor_ = std::dynamic_pointer_cast<Sensor>(loaded_.sensor);
   if (!sensor_) throw Error({loaded_.file.string(), 0, 0}, "the scene has no sensor");
   for (const auto& shape : shapes_)
@@ -47,7 +48,8 @@ Scene::Scene(LoadedScene loaded) : loaded_(std::move(loaded)), shapes_(loaded_.s
   for (const auto& shape : shapes_)
     if (shape->sensor()) shape->sensor()->attach(*shape);
   for (const auto& shape : shapes_) any_passable_ |= shape->is_passable();
-  tracer_ = std::make_unique<RayTracer>(shapes_);
+  const bool same_shapes = previous && previous->shapes_ == shapes_;
+  tracer_ = same_shapes ? previous->tracer_ : std::make_shared<const RayTracer>(shapes_);
 
   const Bounds3 box = tracer_->bounds();
   const Vec3 center = box.empty() ? Vec3{} : box.center();

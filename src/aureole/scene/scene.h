@@ -17,7 +17,8 @@ namespace aureole {
 class Scene {
 public:
   /// Attaches emitters to their shapes, builds the ray tracer, the light tree and the density of wavelengths.
-  explicit Scene(LoadedScene loaded);
+  /// The ray tracer of `previous` is kept where both have the same shapes.
+  explicit Scene(LoadedScene loaded, const Scene* previous = nullptr);
 
   /// The nearest surface point along a ray.
   std::optional<SurfacePoint> intersect(const Ray& ray) const {
@@ -73,7 +74,7 @@ private:
   std::vector<ShapePtr> shapes_;
   std::vector<const Emitter*> emitters_, infinite_;
   std::shared_ptr<Sensor> sensor_;
-  std::unique_ptr<RayTracer> tracer_;
+  std::shared_ptr<const RayTracer> tracer_;
   LightSampler lights_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few

@@ -51,13 +51,37 @@ std::vector<const AttributeTexture*> Shape::attribute_textures(const Properties&
   return found;
 }
 
-Shape::Shape(const Properties& properties, Attributes attributes) : Object(properties) {
-  emitter_ = only_child<Emitter>(properties, "emitter");
-  sensor_ = only_child<Sensor>(properties, "sensor");
-  bsdf_ = only_child<Bsdf>(properties, "bsdf");
-  has_default_bsdf_ = !bsdf_;
-  if (!bsdf_) bsdf_ = default_bsdf(properties, emitter_ != nullptr);
+Shape::Children Shape::read_children(const Properties& properties) {
+  Children c;
+  c.emitter = only_child<Emitter>(properties, "emitter");
+  c.sensor = only_child<Sensor>(properties, "sensor");
+  c.bsdf = only_child<Bsdf>(properties, "bsdf");
+  c.default_bsdf = !c.bsdf;
+  if (!c.bsdf) c.bsdf = default_bsdf(properties, c.emitter != nullptr);
+  return c;
+}
+
+bool Shape::can_adopt(const Properties& properties, const Children& children) const {
+  // Patches are made for emitters, attributes are kept for the textures that show them, and materials of a
+  // file take the place of a default.
+  return bsdf_ && !parts() && (emitter_ != nullptr) == (children.emitter != nullptr) &&
+         has_default_bsdf_ == children.default_bsdf && attribute_textures(this->properties()).empty() &&
+         attribute_textures(properties).empty();
+}
+
+void Shape::adopt_children(const Properties& properties, Children children) {
+  replace_properties(properties);
+  take(std::move(children));
+}
+
+void Shape::take(Children children) {
+  bsdf_ = std::move(children.bsdf), emitter_ = std::move(children.emitter);
+  sensor_ = std::move(children.sensor), has_default_bsdf_ = children.default_bsdf;
   ask_bsdf();
+}
+
+Shape::Shape(const Properties& properties, Attributes attributes) : Object(properties) {
+  take(read_children(properties));
   if (attributes == Attributes::none)
     for (const AttributeTexture* t : attribute_textures(properties))
       throw Error(t->properties().where(), "a \"" + properties.type() + "\" has no attribute \"" +

@@ -101,6 +101,20 @@ public:
   /// Solid-angle density with which sample_direct chooses the point `point` of the patch from `reference`.
   virtual float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const = 0;
 
+  /// What other objects a shape holds.
+  struct Children {
+    BsdfPtr bsdf;
+    std::shared_ptr<Emitter> emitter;
+    std::shared_ptr<Sensor> sensor;
+    bool default_bsdf = false;
+  };
+  /// Reads them; throws located Errors.
+  static Children read_children(const Properties& properties);
+  /// Whether the geometry stays as it is with other children.
+  bool can_adopt(const Properties& properties, const Children& children) const;
+  /// Takes over other children, and the properties they came with. Not while anybody traces rays.
+  void adopt_children(const Properties& properties, Children children);
+
   /// What the reader dropped or repaired ("3 degenerate triangles dropped"), for `aureole info` and a note.
   const std::vector<std::string>& remarks() const { return remarks_; }
 
@@ -125,6 +139,7 @@ protected:
 
 private:
   void ask_bsdf();
+  void take(Children children);
 
   BsdfPtr bsdf_;
   std::shared_ptr<Emitter> emitter_;

@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "aureole/core/image.h"
+#include "aureole/plugin/image_parameter.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/tables.h"
 #include "aureole/spectrum/upsampled_color.h"
@@ -177,14 +178,7 @@ private:
   }
 
   void load(const Properties& properties, bool raw) {
-    const Image image = [&] {
-      const std::filesystem::path file = properties.get_file("filename");
-      try {
-        return read_image(file);
-      } catch (const Error& problem) {
-        throw properties.error("filename", problem.message());
-      }
-    }();
+    const auto [image, source] = read_image_parameter(properties);
     width_ = image.width;
     height_ = image.height;
     const int r = image.channel("R"), g = image.channel("G"), b = image.channel("B");
@@ -193,7 +187,7 @@ private:
     if (!color && y < 0) {
       std::string names;
       for (const auto& name : image.channels) names += (names.empty() ? "" : ", ") + name;
-      throw properties.error("filename", "needs the channels R, G, B or Y, but the picture has " + names);
+      throw properties.error(source, "needs the channels R, G, B or Y, but the picture has " + names);
     }
     const bool decode = image.srgb_encoded && !raw;
     std::array<float, 256> decoded;
@@ -201,10 +195,10 @@ private:
     const auto value = [&](int px, int py, int c) {
       const float v = image.at(px, py, std::size_t(c));
       if (!std::isfinite(v) || (v < 0 && !raw))
-        throw properties.error("filename", "the pixel at column " + std::to_string(px) + ", row " +
-                                               std::to_string(py) + " is " + std::to_string(v) +
-                                               "; a texture needs finite values" +
-                                               (raw ? "" : " that are not negative"));
+        throw properties.error(source, "the pixel at column " + std::to_string(px) + ", row " +
+                                           std::to_string(py) + " is " + std::to_string(v) +
+                                           "; a texture needs finite values" +
+                                           (raw ? "" : " that are not negative"));
       if (!decode) return v;
       const float level = v * 255;
       return level <= 255 && level == std::floor(level) ? decoded[int(level)] : srgb_decode(v);
@@ -277,8 +271,8 @@ AUREOLE_PLUGIN(Bitmap, "texture", "bitmap",
                    "W. Jakob, J. Hanika, A low-dimensional function space for efficient spectral upsampling, "
                    "Computer Graphics Forum "
                    "38(2), 2019",
-                   {{"filename", "file", "", "required",
-                     "EXR, PNG, JPEG, TIFF, HDR, TGA or BMP with channels R, G, B or Y"},
+                   {image_file_doc("EXR, PNG, JPEG, TIFF, HDR, TGA or BMP with channels R, G, B or Y"),
+                    image_data_doc(),
                     {"filter_type", "string", "", "bilinear", "bilinear, or nearest for no interpolation"},
                     {"wrap_mode", "string", "", "repeat",
                      "outside uv in [0, 1]: repeat, mirror, or clamp to the edge"},

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Significance tests for the tests' samples.
+// Significance tests of samples.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
-#include <string>
 #include <vector>
 
-#include "harness/sphere_bins.h"
+#include "aureole/instrument/sphere_bins.h"
 
-namespace aureole::testing {
+namespace aureole {
 
 /// The level of each of `tests` tests that together are wrong with probability `family` (Sidak 1967).
 double sidak_level(double family, std::size_t tests);
@@ -25,9 +23,9 @@ double binomial_p_value(std::size_t count, std::size_t trials, double probabilit
 double normal_p_value(double z);
 
 /// Independent uniform numbers in [0, 1), all a function of the seed.
-class TestRandom {
+class SeededRandom {
 public:
-  explicit TestRandom(std::uint64_t seed) : seed_(seed) {}
+  explicit SeededRandom(std::uint64_t seed) : seed_(seed) {}
   float next();
   Vec2 next2() {
     const float x = next();
@@ -48,8 +46,4 @@ struct ChiSquareResult {
 ChiSquareResult chi_square_test(const SphereBins& bins, const std::vector<std::size_t>& counts,
                                 std::size_t trials, double least_expected = 5);
 
-/// Writes a table of bins: direction, size, expected and found counts.
-void dump_histogram(const std::filesystem::path& file, const SphereBins& bins,
-                    const std::vector<std::size_t>& counts, std::size_t trials);
-
-}  // namespace aureole::testing
+}  // namespace aureole

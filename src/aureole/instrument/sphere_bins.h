@@ -6,12 +6,13 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "aureole/math/vec.h"
 #include "aureole/spectrum/spectrum.h"
 
-namespace aureole::testing {
+namespace aureole {
 
 class SphereBins {
 public:
@@ -21,14 +22,17 @@ public:
     Spectrum other;
   };
   using Function = std::function<Value(const Vec3&)>;
+  /// The same for many directions at once.
+  using ArrayFunction = std::function<void(std::span<const Vec3>, std::span<Value>)>;
 
   struct Options {
     double largest_mass = 1.0 / 256;  ///< bins with more are divided
     double tolerance = 1e-6;          ///< of a bin's integrals, absolute
     int least_depth = 3, greatest_depth = 15;
-    std::vector<Vec3> focus;    ///< near these directions bins are divided down to `focus_angle`
-    double focus_angle = 0.02;  ///< [rad]
-    std::vector<Vec3> pilot;    ///< samples that show where narrow lobes are; not those that are tested
+    std::vector<Vec3> focus;          ///< near these directions bins are divided down to `focus_angle`
+    double focus_angle = 0.02;        ///< [rad]
+    std::vector<Vec3> pilot;          ///< samples that show where narrow lobes are; not those that are tested
+    std::size_t most_bins = 4000000;  ///< a function without any smoothness would be divided for ever
   };
 
   struct Bin {
@@ -38,8 +42,10 @@ public:
     double size = 0;  ///< edge on the cube's face, in radians roughly
   };
 
+  SphereBins(const ArrayFunction& f, const Options& options);
   SphereBins(const Function& f, const Options& options);
 
+  /// In the order of the tree, so that neighbours are close together.
   const std::vector<Bin>& bins() const { return bins_; }
   std::size_t find(const Vec3& direction) const;
   double mass() const;
@@ -58,15 +64,20 @@ private:
     double mass = 0;
     std::array<double, kWavelengths> other{};
   };
+  /// A node that may be divided yet, with the samples in it.
+  struct Pending {
+    int node;
+    Cell cell;
+    Integral integral;
+    std::vector<Vec3> pilot;
+  };
   static Vec3 direction(int face, double a, double b);
   static int locate(const Vec3& d, double& a, double& b);
-  Integral integrate(const Cell& cell) const;
-  void refine(int node, const Cell& cell, const Integral& integral, int depth, std::vector<Vec3> pilot);
+  static std::vector<Integral> integrate(const ArrayFunction& f, std::span<const Cell> cells);
+  void number_bins(int node, const std::vector<Bin>& found);
 
-  const Function* f_ = nullptr;
-  const Options* options_ = nullptr;
   std::vector<Node> nodes_;
   std::vector<Bin> bins_;
 };
 
-}  // namespace aureole::testing
+}  // namespace aureole

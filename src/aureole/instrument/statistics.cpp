@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "harness/statistics.h"
+#include "aureole/instrument/statistics.h"
 
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <fstream>
 
 #include "aureole/core/random.h"
 
-namespace aureole::testing {
+namespace aureole {
 
 double sidak_level(double family, std::size_t tests) {
   return -std::expm1(std::log1p(-family) / double(tests));
@@ -30,7 +29,7 @@ double binomial_p_value(std::size_t count, std::size_t trials, double probabilit
 
 double normal_p_value(double z) { return std::erfc(std::abs(z) / std::sqrt(2.0)); }
 
-float TestRandom::next() { return unit_float(std::uint32_t(combine_bits(seed_, counter_++) >> 32)); }
+float SeededRandom::next() { return unit_float(std::uint32_t(combine_bits(seed_, counter_++) >> 32)); }
 
 ChiSquareResult chi_square_test(const SphereBins& bins, const std::vector<std::size_t>& counts,
                                 std::size_t trials, double least_expected) {
@@ -70,15 +69,4 @@ ChiSquareResult chi_square_test(const SphereBins& bins, const std::vector<std::s
   return result;
 }
 
-void dump_histogram(const std::filesystem::path& file, const SphereBins& bins,
-                    const std::vector<std::size_t>& counts, std::size_t trials) {
-  std::ofstream out(file);
-  out << "x,y,z,size,expected,found\n";
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const auto& b = bins.bins()[i];
-    out << b.center.x << ',' << b.center.y << ',' << b.center.z << ',' << b.size << ','
-        << b.mass * double(trials) << ',' << counts[i] << '\n';
-  }
-}
-
-}  // namespace aureole::testing
+}  // namespace aureole

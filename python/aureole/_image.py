@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures: rendered, read from files or made from arrays."""
+from __future__ import annotations
+
+import os
+import re
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _aureole
+from ._arrays import scalar
+from ._errors import Error
+
+FloatArray = npt.NDArray[np.float32]
+
+
+class Image:
+    """A picture of named channels.
+
+    Parameters
+    ----------
+    array : array_like of shape (height, width) or (height, width, channels)
+        Copied. Rows from the top.
+    channels : sequence of str, optional
+        One name per channel; by default Y, RGB or RGBA.
+
+    Attributes
+    ----------
+    array : numpy.ndarray of float32, shape (height, width, channels)
+        A view of the picture's own memory (no copy), read-only. Linear values: for a film of colours linear sRGB, for
+        one of spectral bins the mean spectral radiance in each.
+
+    Examples
+    --------
+    >>> image = aureole.render(scene, spp=64)
+    >>> image.array.mean(axis=(0, 1))        # doctest: +SKIP
+    >>> image.save("picture.exr")
+    """
+
+    def __init__(self, array: Any, channels: Optional[Sequence[str]] = None) -> None:
+        numbers = np.asarray(array)
+        if numbers.dtype.kind not in "fiub":
+            raise TypeError(f"array: expected real numbers, got {numbers.dtype}")
+        if numbers.ndim == 2:
+            numbers = numbers[..., None]
+        if numbers.ndim != 3 or 0 in numbers.shape:
+            raise Error(f"array: expected shape (height, width) or (height, width, channels), got {np.shape(array)}")
+        if channels is None:
+            names = {1: ["Y"], 3: list("RGB"), 4: list("RGBA")}.get(numbers.shape[2])
+            if names is None:
+                raise Error(f"channels: {numbers.shape[2]} channels need names")
+        else:
+            names = [str(c) for c in channels]
+        self._set(_aureole.Picture.from_array(np.ascontiguousarray(numbers, dtype=np.float32), names), "finished")
+
+    @classmethod
+    def _of(cls, picture: _aureole.Picture, outcome: str = "finished") -> "Image":
+        image = cls.__new__(cls)
+        image._set(picture, outcome)
+        return image
+
+    def _set(self, picture: _aureole.Picture, outcome: str) -> None:
+        self._picture = picture
+        self._all: FloatArray = picture.array
+        self._names: List[str] = list(picture.channels)
+        self._outcome = outcome
+        variances = [n for n in self._names if n.startswith("variance.")]
+        self._own = len(self._names) - len(variances)
+
+    # -- pixels ----------------------------------------------------------------------------------------------
+
+    @property
+    def array(self) -> FloatArray:
+        """The channels but variances, float32 of shape (height, width, channels): a view, read-only."""
+        return self._all[..., : self._own]
+
+    @property
+    def channels(self) -> List[str]:
+        """Names of the channels of `array`."""
+        return self._names[: self._own]
+
+    @property
+    def variance(self) -> Optional[FloatArray]:
+        """Variance of the mean over replicates, shaped as `array`; None where one picture was rendered."""
+        return self._all[..., self._own:] if self._own < len(self._names) else None
+
+    @property
+    def wavelengths(self) -> Optional[npt.NDArray[np.float64]]:
+        """Central wavelengths [nm] of the channels of a film of spectral bins, else None."""
+        found = [_bin_wavelength(name) for name in self.channels]
+        numbers = [nm for nm in found if nm is not None]
+        return np.array(numbers) if numbers else None
+
+    @property
+    def height(self) -> int:
+        """Rows."""
+        return int(self._all.shape[0])
+
+    @property
+    def width(self) -> int:
+        """Columns."""
+        return int(self._all.shape[1])
+
+    @property
+    def shape(self) -> Tuple[int, int, int]:
+        """(height, width, channels)."""
+        return (self.height, self.width, self._own)
+
+    def __getitem__(self, channel: Union[str, Sequence[str]]) -> FloatArray:
+        """One channel by name, shape (height, width), or several, shape (height, width, n)."""
+        if isinstance(channel, str):
+            return self._all[..., self._index(channel)]
+        return self._all[..., [self._index(c) for c in channel]]
+
+    def _index(self, channel: Any) -> int:
+        if not isinstance(channel, str):
+            raise TypeError(f"channel: expected a name or a list of names, got {type(channel).__name__}")
+        if channel not in self._names:
+            raise _MissingChannel(f"channel: there is no {channel!r}; there are {', '.join(self._names)}")
+        return self._names.index(channel)
+
+    def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> npt.NDArray[Any]:
+        array = self.array
+        if dtype is not None and np.dtype(dtype) != array.dtype:
+            if copy is False:
+                raise ValueError("a copy is needed for another dtype")
+            return array.astype(dtype)
+        return array.copy() if copy else array
+
+    @property
+    def rgb(self) -> FloatArray:
+        """Linear sRGB, float32 of shape (height, width, 3), whatever channels the film has."""
+        return self._picture.rgb()
+
+    # -- what is known of it ------------------------------------------------------------------------------------
+
+    @property
+    def info(self) -> Dict[str, Any]:
+        """How it was rendered: scene, seed, samples per pixel, seconds, ...; empty where it was not."""
+        return dict(self._picture.facts)
+
+    @property
+    def samples(self) -> int:
+        """Samples that every pixel has; 0 where it was not rendered."""
+        return int(self._picture.facts.get("samples", 0))
+
+    @property
+    def complete(self) -> bool:
+        """False where an interruption or a time limit ended the render before all samples were done."""
+        return self._outcome == "finished"
+
+    @property
+    def invalid_samples(self) -> List[Tuple[int, int, int, int]]:
+        """The first samples that were left out because they were NaN, infinite or negative: (x, y, sample, replicate)."""
+        return [(int(x), int(y), int(s), int(r)) for x, y, s, r in self._picture.invalid]
+
+    # -- showing and keeping --------------------------------------------------------------------------------------
+
+    def tonemap(self, exposure: float = 0.0) -> npt.NDArray[np.uint8]:
+        """The picture for display.
+
+        Parameters
+        ----------
+        exposure : float
+            In stops: radiance is multiplied by 2 to this power.
+
+        Returns
+        -------
+        numpy.ndarray of uint8, shape (height, width, 3)
+            sRGB; highlights above 0.8 are compressed, nothing else is changed.
+        """
+        encoded = self._picture.display(scalar("exposure", exposure, minimum=-200, maximum=200))
+        with np.errstate(invalid="ignore"):
+            return np.nan_to_num(np.minimum(encoded, np.float32(1)) * np.float32(255) + np.float32(0.5)).astype(np.uint8)
+
+    def save(self, path: "str | os.PathLike[str]", exposure: float = 0.0) -> None:
+        """Writes the picture, atomically: the file is there whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            By its ending: .exr (all channels and how it was rendered), .png (as `tonemap`), .hdr or .pfm (R, G, B or Y).
+        exposure : float
+            In stops, for .png alone.
+        """
+        self._picture.save(os.fspath(path), scalar("exposure", exposure, minimum=-200, maximum=200))
+
+    def _repr_png_(self) -> Optional[bytes]:
+        try:
+            png: bytes = self._picture.png(0.0)
+            return png
+        except Error:  # channels that have no colours, as depths have
+            return None
+
+    def __repr__(self) -> str:
+        text = f"<aureole.Image {self.width} x {self.height}, {', '.join(self._names[:6])}"
+        text += ", ..." if len(self._names) > 6 else ""
+        if self.samples:
+            text += f", {self.samples} samples per pixel"
+        return text + ("" if self.complete else f", {self._outcome}") + ">"
+
+
+class _MissingChannel(Error, KeyError):
+    __str__ = Error.__str__
+
+
+def _bin_wavelength(name: str) -> Optional[float]:
+    m = re.fullmatch(r"S\d\.(\d+(?:,\d+)?)nm", name)
+    return float(m[1].replace(",", ".")) if m else None
+
+
+def read_image(path: "str | os.PathLike[str]") -> Image:
+    """Reads EXR, PNG, JPEG, TIFF, PFM, HDR, TGA or BMP, by content.
+
+    8- and 16-bit formats keep their sRGB-encoded values, in [0, 1].
+    """
+    return Image._of(_aureole.Picture.read(os.fspath(path)))
+
+
+__all__ = ["Image", "read_image"]

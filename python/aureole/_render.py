@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rendering: one call for a picture, and refinements of one as they come."""
+from __future__ import annotations
+
+import warnings
+from typing import Any, Callable, Iterator, Optional, Union
+
+from . import _aureole
+from ._arrays import integer, scalar
+from ._errors import Error
+from ._image import Image
+from ._scene import Scene
+
+#: Called with the units of work done, all of them, seconds so far and samples per second.
+Report = Callable[[int, int, float, float], None]
+_BLOCK = 16  # samples of a unit of work: refinements are whole ones
+
+
+class InterruptedWarning(UserWarning):
+    """A render was stopped by Ctrl-C; the picture holds what was done."""
+
+
+def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = None, threads: int = 0, time: float = 0.0,
+           replicates: int = 1, progress: Union[bool, Report] = True, start: Optional[Image] = None) -> Image:
+    """Renders a picture: the same bits as the command line's for the same scene, samples and seed.
+
+    Ctrl-C stops the render and returns what is done (`Image.complete` is then False, and an `InterruptedWarning` is
+    given); a second one raises KeyboardInterrupt. Other Python threads run meanwhile.
+
+    Parameters
+    ----------
+    scene : Scene
+    spp : int, optional
+        Samples per pixel; by default the scene's.
+    seed : int, optional
+        Of the samples; by default the scene's.
+    threads : int
+        0 for all cores; the picture does not depend on it.
+    time : float
+        Ends after the first whole block of 16 samples after this many seconds; 0 for no limit.
+    replicates : int
+        Independently scrambled pictures; with two or more the image has a variance.
+    progress : bool or callable
+        A bar in terminals and notebooks, or a function of (units done, units, seconds, samples per second).
+    start : Image, optional
+        A picture of the same scene and seed to go on with: only missing samples are rendered.
+
+    Returns
+    -------
+    Image
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene: expected a Scene (from load_file, load_string or load_dict), got {type(scene).__name__}")
+    if spp is not None:
+        spp = integer("spp", spp, minimum=1, maximum=2**32)
+    if seed is not None:
+        seed = integer("seed", seed, minimum=0, maximum=2**64 - 1)
+    threads = integer("threads", threads, minimum=0, maximum=4096)
+    replicates = integer("replicates", replicates, minimum=1, maximum=2**20)
+    limit = scalar("time", time, minimum=0)
+    if start is not None and not isinstance(start, Image):
+        raise TypeError(f"start: expected an Image, got {type(start).__name__}")
+    if not isinstance(progress, bool) and not callable(progress):
+        raise TypeError(f"progress: expected True, False or a function, got {type(progress).__name__}")
+    with _Bar(progress) as report:
+        picture, outcome = _aureole.render(scene._open, 0, spp, seed, threads, replicates, limit,
+                                           start._picture if start is not None else None, report)
+    image = Image._of(picture, outcome)
+    if outcome == "interrupted":
+        part = 100 * float(image.info["part"])
+        warnings.warn(f"the render was interrupted at {part:.1f} %: the picture holds what was done "
+                      f"({image.samples} samples in every pixel); go on with render(scene, ..., start=image)",
+                      InterruptedWarning, stacklevel=2)
+    return image
+
+
+def render_iter(scene: Scene, spp: Optional[int] = None, *, step: Optional[int] = None, seed: Optional[int] = None,
+                threads: int = 0, progress: Union[bool, Report] = False) -> Iterator[Image]:
+    """Renders refinements of a picture, each with more samples than the one before; the last equals `render`'s.
+
+    Parameters
+    ----------
+    scene, spp, seed, threads, progress
+        As for `render`.
+    step : int, optional
+        Samples from one picture to the next, a multiple of 16; by default their number doubles from 16.
+
+    Yields
+    ------
+    Image
+
+    Examples
+    --------
+    >>> for image in aureole.render_iter(scene, spp=1024):      # doctest: +SKIP
+    ...     if good_enough(image):
+    ...         break
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene: expected a Scene (from load_file, load_string or load_dict), got {type(scene).__name__}")
+    end = scene.sample_count if spp is None else integer("spp", spp, minimum=1, maximum=2**32)
+    if step is not None:
+        step = integer("step", step, minimum=1)
+        if step % _BLOCK:
+            raise Error(f"step: expected a multiple of {_BLOCK}, got {step}")
+    return _refinements(scene, end, step, seed, threads, progress)
+
+
+def _refinements(scene: Scene, end: int, step: Optional[int], seed: Optional[int], threads: int,
+                 progress: Union[bool, Report]) -> Iterator[Image]:
+    image: Optional[Image] = None
+    samples = 0
+    while samples < end:
+        samples = min(end, samples + (step or max(_BLOCK, samples)))
+        image = render(scene, samples, seed=seed, threads=threads, progress=progress, start=image)
+        yield image
+        if not image.complete:
+            return
+
+
+class _Bar:
+    """A bar while it is entered: tqdm's, which knows terminals and notebooks."""
+
+    def __init__(self, progress: Union[bool, Report]) -> None:
+        self._progress = progress
+        self._bar: Any = None
+
+    def __enter__(self) -> Optional[Report]:
+        if not isinstance(self._progress, bool):
+            return self._progress
+        if not self._progress:
+            return None
+        return self._update
+
+    def _update(self, done: int, units: int, seconds: float, rate: float) -> None:
+        if self._bar is None:
+            from tqdm.auto import tqdm
+
+            self._bar = tqdm(total=units, unit="tile", leave=False, delay=0.5, dynamic_ncols=True)
+        self._bar.set_postfix_str(f"{rate * 1e-6:.2f} Msamples/s", refresh=False)
+        self._bar.update(done - self._bar.n)
+
+    def __exit__(self, *exception: Any) -> None:
+        if self._bar is not None:
+            self._bar.close()
+
+
+__all__ = ["InterruptedWarning", "render", "render_iter"]

@@ -1,0 +1,334 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes: loaded from files, text or dicts, with parameters that can be read and written by path."""
+from __future__ import annotations
+
+import os
+import re
+from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
+
+import numpy as np
+
+from . import _aureole
+from ._dict import SceneText, Transform, object_text, plugins, relocated, scene_text, value_text
+from ._errors import Error, Problem, SceneError
+
+_DICT_FILE = "<dict>"
+_TEXT_FILE = "<string>"
+
+
+class ParameterError(Error, KeyError):
+    """A path that names no parameter of the scene."""
+
+    __str__ = Error.__str__
+
+
+class Scene:
+    """A scene, ready to render, whose parameters can be read and written by path.
+
+    Made by `load_file`, `load_string` or `load_dict`. A path is a chain of names joined by points: the id of an object
+    (or its name or family, where it has no id), then names of parameters and nested objects. References are followed:
+    what they refer to changes for all who refer to it. After a change meshes, their acceleration structure, textures and
+    materials that it does not touch are kept. While a scene is being rendered it can't be changed.
+
+    Examples
+    --------
+    >>> scene = aureole.load_file("scene.xml")                        # doctest: +SKIP
+    >>> scene["glass.bsdf.area_fraction"] = 0.4                       # doctest: +SKIP
+    >>> scene.update({"lamp.emitter.radiance": 2.0, "sensor.fov": 30})  # several changes, one rebuild; doctest: +SKIP
+    """
+
+    def __init__(self, opened: _aureole.OpenScene) -> None:
+        self._open = opened
+
+    # -- parameters ----------------------------------------------------------------------------------------------
+
+    def paths(self) -> List[str]:
+        """Paths of all objects and parameters that the scene states, in its order."""
+        return list(self._open.paths())
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.paths())
+
+    def __contains__(self, path: object) -> bool:
+        try:
+            return isinstance(path, str) and bool(self._open.value(path)[0])
+        except Error:
+            return False
+
+    def __len__(self) -> int:
+        return len(self.paths())
+
+    def __getitem__(self, path: str) -> Any:
+        """The value at a path: a number, string, boolean, array (vector, rgb, spectrum as rows of nm and value), `Transform`
+        or object. Of a parameter that is not stated, its default; None where it has none."""
+        _require_path(path)
+        try:
+            found, value = self._open.value(path)
+            if found:
+                return _value(value)
+            family, kind = self._open.owner(path)
+        except SceneError:
+            raise
+        except Error as e:
+            raise ParameterError(str(e)) from None
+        plugin = plugins().get((family, kind))
+        parameter = plugin.parameters.get(path.rsplit(".", 1)[-1]) if plugin else None
+        return _default(parameter[2], parameter[0]) if parameter else None
+
+    def __setitem__(self, path: str, value: Any) -> None:
+        """Changes a parameter or a nested object (given as a dict or a Python-written BSDF). All or nothing: where the new
+        value is wrong, `SceneError` says why and the scene stays as it was."""
+        self.update({path: value})
+
+    def __delitem__(self, path: str) -> None:
+        """Takes a parameter away, so that its default holds."""
+        _require_path(path)
+        if path not in self:
+            raise ParameterError(f"nothing is stated at {path!r}")
+        self._open.set([(path, "")], {})
+
+    def update(self, changes: "Mapping[str, Any]") -> None:
+        """Several changes at once, with one rebuild.
+
+        Parameters
+        ----------
+        changes : mapping of str to values
+        """
+        texts: List[Tuple[str, str]] = []
+        given: Dict[str, Any] = {}
+        problems: List[Problem] = []
+        for path, value in changes.items():
+            _require_path(path)
+            try:
+                expected = self._expected(path)
+                text = value_text(value, path, expected)
+            except SceneError as e:
+                problems += e.problems
+                continue
+            texts.append((path, text.text.replace("\n", "")))
+            given.update(text.given)
+        if problems:
+            raise SceneError(problems)
+        try:
+            self._open.set(texts, given)
+        except SceneError as e:
+            raise SceneError([_without_column(p) for p in e.problems]) from None
+
+    def _expected(self, path: str) -> Optional[str]:
+        """The type of a parameter in its plug-in's table."""
+        try:
+            self._open.value(path)
+            parent = path.rsplit(".", 1)
+            if len(parent) == 1:
+                return None
+            family, kind = self._open.owner(parent[0])
+        except SceneError:
+            raise
+        except Error as e:
+            raise ParameterError(str(e)) from None
+        plugin = plugins().get((family, kind))
+        parameter = plugin.parameters.get(parent[1]) if plugin else None
+        return parameter[0] if parameter else None
+
+    def parameters(self, prefix: str = "") -> Dict[str, Any]:
+        """Stated parameters (not objects) by path, of the object `prefix` or of the whole scene."""
+        result: Dict[str, Any] = {}
+        for path in self.paths():
+            if prefix and path != prefix and not path.startswith(prefix + "."):
+                continue
+            value = self[path]
+            if not isinstance(value, _aureole.Object):
+                result[path] = value
+        return result
+
+    # -- what is known of it ------------------------------------------------------------------------------------
+
+    @property
+    def notes(self) -> List[str]:
+        """What the reader wants to be known: parameters without effect, replaced plug-ins, ..."""
+        return list(self._open.notes)
+
+    @property
+    def size(self) -> Tuple[int, int]:
+        """(width, height) of the picture in pixels."""
+        w, h = self._open.size
+        return int(w), int(h)
+
+    @property
+    def sample_count(self) -> int:
+        """Samples per pixel where `render` is not told otherwise."""
+        return int(self._open.sample_count)
+
+    @property
+    def wavelength_range(self) -> Tuple[float, float]:
+        """Shortest and longest wavelength [nm] that the sensor sees."""
+        a, b = self._open.wavelength_range
+        return float(a), float(b)
+
+    @property
+    def bounds(self) -> "Optional[np.ndarray[Any, np.dtype[np.float64]]]":
+        """Lower and upper corner of all shapes, shape (2, 3); None for a scene without shapes."""
+        b = self._open.bounds
+        return None if b is None else np.array(b, dtype=np.float64)
+
+    @property
+    def hash(self) -> int:
+        """Changes with the scene's content, as that in the header of pictures."""
+        return int(self._open.hash)
+
+    def __repr__(self) -> str:
+        w, h = self.size
+        return f"<aureole.Scene {self._open.file}, {w} x {h} pixels, {self.sample_count} samples per pixel>"
+
+
+def _require_path(path: Any) -> None:
+    if not isinstance(path, str):
+        raise TypeError(f"path: expected a string, got {type(path).__name__}")
+    if not path:
+        raise ParameterError('path: expected a chain of names such as "glass.bsdf.alpha", got an empty string')
+
+
+def _value(value: Any) -> Any:
+    if isinstance(value, tuple):
+        kind, numbers = value
+        array = np.array(numbers, dtype=np.float64)
+        return Transform(array) if kind == "transform" else array
+    return value
+
+
+def _default(text: str, kind: str) -> Any:
+    """The default as the documentation states it, as a value where it is one."""
+    if text in ("none", "required", ""):
+        return None
+    if kind == "boolean":
+        return text == "true" if text in ("true", "false") else None
+    if kind == "transform":
+        return Transform() if text == "identity" else None
+    try:
+        number = float(text)
+        return int(number) if kind == "integer" else number
+    except ValueError:
+        return text
+
+
+def _without_column(p: Problem) -> Problem:
+    return Problem(p.message, p.file) if p.file.startswith('["') else p
+
+
+def _defines(defines: Mapping[str, Any]) -> List[Tuple[str, str]]:
+    texts = []
+    for name, value in defines.items():
+        if isinstance(value, (bool, np.bool_)):
+            texts.append((name, "true" if value else "false"))
+        elif isinstance(value, (int, float, np.integer, np.floating)):
+            texts.append((name, repr(value.item() if isinstance(value, np.generic) else value)))
+        elif isinstance(value, (str, os.PathLike)):
+            texts.append((name, os.fspath(value)))
+        else:
+            raise TypeError(f"{name}: expected a string, number or boolean, got {type(value).__name__}")
+    return texts
+
+
+def load_file(path: "str | os.PathLike[str]", *, integrator: str = "", sampler: str = "", **defines: Any) -> Scene:
+    """Loads a scene file (Mitsuba's XML, versions 0.6 to 3).
+
+    Parameters
+    ----------
+    path : path-like
+    integrator, sampler : str, optional
+        Plug-ins that replace the scene's, as on the command line.
+    **defines
+        Values for the $names of the file.
+
+    Returns
+    -------
+    Scene
+
+    Raises
+    ------
+    SceneError
+        With every problem of the scene, each with file, line and column.
+    """
+    return Scene(_aureole.OpenScene.load_file(os.fspath(path), _defines(defines), {}, integrator, sampler))
+
+
+def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, integrator: str = "", sampler: str = "",
+                **defines: Any) -> Any:
+    """Loads a scene, or a single object such as ``<bsdf type="diffuse"/>``, from XML text.
+
+    Parameters
+    ----------
+    text : str
+    path : path-like, optional
+        The file that the text is taken for: other files are looked for beside it. By default in the working folder.
+    integrator, sampler, **defines
+        As for `load_file`.
+
+    Returns
+    -------
+    Scene, Bsdf, Emitter, Aperture, Texture or Object
+    """
+    if not isinstance(text, str):
+        raise TypeError(f"text: expected a string, got {type(text).__name__}")
+    file = os.fspath(path) if path is not None else _TEXT_FILE
+    if _root_tag(text) in ("scene", ""):
+        return Scene(_aureole.OpenScene.load_string(text, file, _defines(defines), {}, integrator, sampler))
+    return _object(SceneText(f'<scene version="3.0.0">{text}</scene>', [], {}), file)
+
+
+def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, integrator: str = "",
+              sampler: str = "", wavelengths: "Tuple[float, float]" = (360.0, 830.0)) -> Any:
+    """Loads a scene, or a single object, from nested dicts as Mitsuba has them.
+
+    Each dict has a "type", the name of a plug-in (or "scene", "ref", "rgb", "spectrum"). Other entries are parameters:
+    numbers, strings, booleans, three numbers (vectors; colours where a spectrum is expected), `Transform` or matrices of
+    4 x 4, nested dicts, BSDFs written in Python (objects with eval, pdf and sample), and arrays, for the pixels of a
+    texture ("bitmap" with "data") or the vertices of a mesh ("mesh" with "vertices" and "faces").
+
+    Parameters
+    ----------
+    description : dict
+    family : str, optional
+        Of an object whose type several families have ("rectangle": shape or aperture).
+    integrator, sampler : str, optional
+        Plug-ins that replace the scene's.
+    wavelengths : (float, float)
+        The range [nm] for which an object that stands alone is made; a scene's sensor says its own.
+
+    Returns
+    -------
+    Scene, Bsdf, Emitter, Aperture, Texture or Object
+
+    Examples
+    --------
+    >>> bsdf = aureole.load_dict({"type": "roughconductor", "material": "Au", "alpha": 0.1})
+    """
+    if not isinstance(description, Mapping):
+        raise TypeError(f"description: expected a dict, got {type(description).__name__}")
+    if description.get("type") == "scene":
+        text = scene_text(description)
+        try:
+            return Scene(_aureole.OpenScene.load_string(text.text, _DICT_FILE, [], text.given, integrator, sampler))
+        except SceneError as e:
+            raise relocated(e, _DICT_FILE, text.places) from None
+    text = object_text(description, family)
+    try:
+        return _object(text, _DICT_FILE, wavelengths)
+    except SceneError as e:
+        raise relocated(e, _DICT_FILE, text.places) from None
+
+
+def _object(text: SceneText, file: str, wavelengths: "Tuple[float, float]" = (360.0, 830.0)) -> Any:
+    low, high = (float(w) for w in wavelengths)
+    if not 0 < low < high < float("inf"):
+        raise Error(f"wavelengths: expected two increasing wavelengths in nm, got {wavelengths}")
+    return _aureole.load_object(text.text, file, low, high, text.given)
+
+
+def _root_tag(text: str) -> str:
+    """The name of the first element, or an empty string."""
+    m = re.search(r"<([A-Za-z_][\w.-]*)", re.sub(r"<!--.*?-->|<\?.*?\?>", "", text, flags=re.DOTALL))
+    return m[1] if m else ""
+
+
+__all__ = ["Scene", "ParameterError", "load_file", "load_string", "load_dict"]

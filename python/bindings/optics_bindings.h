@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parts of `bind_optics`.
+#pragma once
+
+#include "bindings.h"
+
+namespace aureole::python {
+
+void bind_apertures(nb::module_& m);
+void bind_correlations(nb::module_& m);  ///< hard discs, structure factors, pair correlation
+
+}  // namespace aureole::python

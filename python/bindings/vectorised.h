@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// Loops over whole arrays: on all cores, without the interpreter's lock, and such that Ctrl-C ends them.
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <complex>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include "aureole/core/error.h"
+#include "aureole/core/parallel.h"
+
+namespace aureole::python {
+
+namespace nb = nanobind;
+using Complex = std::complex<double>;
+
+/// Arrays as the package's Python files hand them over: flat, contiguous, results allocated by the caller.
+/// Results need `.noconvert()`, or a copy would be filled.
+template <class T, int kDimensions = 1>
+using Array = nb::ndarray<T, nb::ndim<kDimensions>, nb::c_contig, nb::device::cpu>;
+using Reals = Array<const double>;
+using Complexes = Array<const Complex>;
+
+inline void require_size(bool right, const char* function) {
+  if (!right) throw Error(std::string(function) + ": the arrays have sizes that do not fit");
+}
+
+/// What the library finds wrong with the argument `name`, as an Error that names it.
+template <class F>
+auto naming(const std::string& name, const F& f) {
+  try {
+    return f();
+  } catch (const std::domain_error& e) {
+    throw Error(name + ": " + e.what());
+  }
+}
+
+/// To be called now and then by loops that have released the interpreter's lock.
+class SignalCheck {
+public:
+  /// True where a signal's handler has raised an exception, which `rethrow` throws.
+  bool raised() {
+    const auto now = std::chrono::steady_clock::now();
+    if (raised_ || now - last_ < std::chrono::milliseconds(50)) return raised_;
+    last_ = now;
+    const nb::gil_scoped_acquire lock;
+    return raised_ = PyErr_CheckSignals() != 0;
+  }
+  void rethrow() const {
+    if (!raised_) return;
+    const nb::gil_scoped_acquire lock;
+    throw nb::python_error();
+  }
+  void operator()() {
+    if (raised()) rethrow();
+  }
+
+private:
+  bool raised_ = false;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Calls body(i) for i in [0, n). The calls must not depend on one another.
+template <class Body>
+void for_each(std::size_t n, const Body& body) {
+  using Clock = std::chrono::steady_clock;
+  const nb::gil_scoped_release release;
+  SignalCheck signals;
+  // Short loops are over before threads would have started.
+  const auto start = Clock::now();
+  std::size_t done = 0;
+  while (done < n) {
+    body(done++);
+    if (done % 16 == 0 && Clock::now() - start > std::chrono::milliseconds(1)) break;
+    if (done < 16 && Clock::now() - start > std::chrono::milliseconds(1)) break;
+  }
+  if (done == n) return;
+  const std::size_t grain = std::clamp<std::size_t>(done / 4, 1, 256);
+  const auto caller = std::this_thread::get_id();
+  std::atomic<std::size_t> next{done};
+  std::atomic<bool> stop{false};
+  const auto most = (n - done + grain - 1) / grain;
+  run_workers(int(std::min<std::size_t>(std::size_t(default_thread_count()), most)), [&](int) {
+    // Signals are handled by the thread that called, the only one that may.
+    const bool handles_signals = std::this_thread::get_id() == caller;
+    while (!stop) {
+      const std::size_t begin = next.fetch_add(grain);
+      if (begin >= n) return;
+      try {
+        for (std::size_t i = begin; i < std::min(n, begin + grain); ++i) body(i);
+      } catch (...) {
+        stop = true;
+        throw;
+      }
+      if (handles_signals && signals.raised()) stop = true;
+    }
+  });
+  signals.rethrow();
+}
+
+}  // namespace aureole::python

@@ -1,0 +1,245 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/document.h"
+
+#include <algorithm>
+#include <optional>
+
+#include "aureole/plugin/registry.h"
+#include "aureole/scene/aliases.h"
+
+namespace aureole {
+
+namespace {
+
+Node* find_id(Node& node, std::string_view id) {
+  if (!object_family(node).empty() && node.get("id") == id) return &node;
+  for (Node& child : node.children)
+    if (Node* found = find_id(child, id)) return found;
+  return nullptr;
+}
+
+Node* follow(Node& root, Node& node) {
+  if (node.tag != "ref") return &node;
+  for (const Node& child : root.children)  // an alias has another name for it
+    if (child.tag == "alias" && child.get("as") == node.get("id")) return find_id(root, child.get("id"));
+  return find_id(root, node.get("id"));
+}
+
+/// Names of a node's children: their own, or their family, numbered from the second on; "" of what is no part
+/// of a path.
+std::vector<std::string> child_names(Node& root, Node& node) {
+  std::vector<std::string> names;
+  for (Node& child : node.children) {
+    std::string name = child.get("name");
+    Node* target = follow(root, child);
+    if (&node == &root && target && child.tag != "ref" && !child.get("id").empty()) name = child.get("id");
+    if (name.empty() && target) name = child.tag == "given" ? "given" : object_family(*target);
+    std::string unique = name;
+    for (int i = 2; !name.empty() && std::find(names.begin(), names.end(), unique) != names.end(); ++i)
+      unique = name + "_" + std::to_string(i);
+    names.push_back(unique);
+  }
+  return names;
+}
+
+const PluginInfo* plugin_of(const Node& node) {
+  const std::string family = object_family(node);
+  if (family.empty()) return nullptr;
+  const PluginAlias* alias = find_alias(family, node.get("type"));
+  return Registry::instance().find(family, alias ? std::string(alias->replacement) : node.get("type"));
+}
+
+void collect_paths(Node& root, Node& node, const std::string& prefix, std::vector<std::string>& paths) {
+  const std::vector<std::string> names = child_names(root, node);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    Node& child = node.children[i];
+    if (names[i].empty() || (child.tag == "ref" && &node == &root)) continue;
+    const std::string path = prefix + names[i];
+    paths.push_back(path);
+    if (!object_family(child).empty()) collect_paths(root, child, path + ".", paths);
+  }
+}
+
+void set_file(Node& node, const SourceFilePtr& file) {
+  node.file = file;
+  for (Node& child : node.children) set_file(child, file);
+}
+
+/// The element of a change, from XML.
+Node parse_element(const std::string& path, const std::string& text, ParsedScene& into,
+                   Diagnostics& diagnostics) {
+  const std::string shown = "[\"" + path + "\"]";
+  ParsedScene parsed =
+      parse_scene(shown, "<scene version=\"3.0.0\">" + text + "</scene>", {}, diagnostics);
+  if (parsed.root.children.size() != 1 && !diagnostics.has_errors())
+    diagnostics.error({shown, 0, 0}, "expected one element");
+  if (parsed.root.children.empty()) return {};
+  // Its files lie beside the scene.
+  const auto file = std::make_shared<SourceFile>();
+  file->path = into.files.front()->path, file->shown = shown;
+  set_file(parsed.root.children.front(), file);
+  return std::move(parsed.root.children.front());
+}
+
+}  // namespace
+
+struct SceneDocument::Place {
+  Node* owner = nullptr;
+  std::size_t child = 0;   ///< index, or the number of children for a parameter that is not written
+  std::string name;        ///< of the parameter
+  Node* target = nullptr;  ///< the child, references followed; null where not written
+};
+
+SceneDocument::SceneDocument(const std::filesystem::path& file, const LoadOptions& options)
+    : options_(options) {
+  std::vector<std::string> notes;
+  parsed_ = open_scene(file, {}, options_, notes);
+  build();
+}
+
+SceneDocument::SceneDocument(const std::string& text, const std::filesystem::path& pretended_file,
+                             const LoadOptions& options)
+    : options_(options) {
+  std::vector<std::string> notes;
+  parsed_ = open_scene(pretended_file, text, options_, notes);
+  build();
+}
+
+SceneDocument::~SceneDocument() = default;
+
+void SceneDocument::build() {
+  std::unordered_map<const Node*, ObjectPtr> objects;
+  LoadedScene loaded = build_opened(*parsed_, options_, pool_, objects);
+  scene_ = std::make_shared<const Scene>(std::move(loaded), scene_.get());
+  objects_ = std::move(objects);
+  pool_.trim();
+}
+
+ObjectPtr SceneDocument::object(const std::string& path) const {
+  const Place at = place(path);
+  const auto found = objects_.find(at.target);
+  return found == objects_.end() ? nullptr : found->second;
+}
+
+std::vector<std::string> SceneDocument::paths() const {
+  std::vector<std::string> paths;
+  collect_paths(parsed_->root, parsed_->root, "", paths);
+  return paths;
+}
+
+SceneDocument::Place SceneDocument::place(const std::string& path) const {
+  Node& root = parsed_->root;
+  Place at{&root, root.children.size(), "", &root};
+  std::string_view rest = path;
+  std::string walked;
+  const auto starts = [&](const std::string& name) {
+    return !name.empty() && (rest == name || (rest.starts_with(name) && rest[name.size()] == '.'));
+  };
+  while (!rest.empty()) {
+    Node& node = *at.target;
+    const std::vector<std::string> names = child_names(root, node);
+    // Names may hold points themselves: the longest that fits.
+    std::size_t best = names.size();
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (starts(names[i]) && (best == names.size() || names[i].size() > names[best].size())) best = i;
+    std::string name;
+    Node* target = nullptr;
+    if (best < names.size()) {
+      name = names[best];
+      target = follow(root, node.children[best]);
+    } else if (&node == &root) {
+      for (std::size_t end = rest.size(); !target && end != std::string_view::npos && end > 0;
+           end = rest.rfind('.', end - 1)) {
+        name = std::string(rest.substr(0, end));
+        target = find_id(root, name);
+      }
+    } else if (const PluginInfo* plugin = plugin_of(node);
+               plugin && (plugin->documents(rest) || plugin->documents("(any name)"))) {
+      return {&node, node.children.size(), std::string(rest), nullptr};
+    }
+    if (!target) {
+      std::vector<std::string> candidates;
+      for (const std::string& n : names)
+        if (!n.empty()) candidates.push_back(n);
+      if (const PluginInfo* plugin = plugin_of(node))
+        for (const std::string& n : plugin->parameter_names())
+          if (std::find(candidates.begin(), candidates.end(), n) == candidates.end()) candidates.push_back(n);
+      std::string hint = did_you_mean(rest, candidates);
+      if (hint.empty() && !candidates.empty()) {
+        hint = "; there are: ";
+        for (std::size_t i = 0; i < candidates.size() && i < 24; ++i) hint += (i ? ", " : "") + candidates[i];
+        if (candidates.size() > 24) hint += ", ...";
+      }
+      throw Error("no parameter \"" + path + "\": " + (walked.empty() ? "the scene" : "\"" + walked + "\"") +
+                  " has no \"" + std::string(rest) + "\"" + hint);
+    }
+    if (best == names.size())
+      best = 0, at.owner = nullptr;  // by id: its parent does not matter
+    else
+      at.owner = &node;
+    at.child = best, at.name = name, at.target = target;
+    walked += (walked.empty() ? "" : ".") + name;
+    rest.remove_prefix(std::min(rest.size(), name.size() + 1));
+  }
+  if (path.empty()) throw Error("the path of a parameter must not be empty");
+  return at;
+}
+
+const Node* SceneDocument::find(const std::string& path) const { return place(path).target; }
+
+const Node& SceneDocument::owner(const std::string& path) const {
+  const Place at = place(path);
+  return at.target && !object_family(*at.target).empty() ? *at.target : *at.owner;
+}
+
+void SceneDocument::set(const std::vector<std::pair<std::string, std::string>>& changes,
+                        const std::map<std::string, ObjectPtr>& given) {
+  const Node before = parsed_->root;
+  const auto given_before = options_.given;
+  for (const auto& [key, object] : given) options_.given[key] = object;
+  try {
+    Diagnostics diagnostics;
+    for (const auto& [path, text] : changes) {
+      Place at = place(path);
+      if (!at.owner) {
+        // By id: what holds it is found by looking.
+        const auto holder = [&](auto& self, Node& node) -> bool {
+          for (std::size_t i = 0; i < node.children.size(); ++i) {
+            if (&node.children[i] == at.target) return at.owner = &node, at.child = i, true;
+            if (self(self, node.children[i])) return true;
+          }
+          return false;
+        };
+        holder(holder, parsed_->root);
+      }
+      std::vector<Node>& siblings = at.owner->children;
+      if (text.empty()) {
+        if (at.child == siblings.size()) continue;
+        siblings.erase(siblings.begin() + std::ptrdiff_t(at.child));
+        continue;
+      }
+      Node element = parse_element(path, text, *parsed_, diagnostics);
+      if (diagnostics.has_errors()) break;
+      if (at.child == siblings.size()) {
+        element.set("name", at.name);
+        siblings.push_back(std::move(element));
+        continue;
+      }
+      // The parameter takes the new value; the name and the id that others know it by stay.
+      Node& old = siblings[at.child];
+      if (const Attribute* name = old.find("name")) element.set("name", name->value);
+      if (const Attribute* id = old.find("id"); id && old.tag != "ref") element.set("id", id->value);
+      old = std::move(element);
+    }
+    diagnostics.throw_if_errors();
+    build();
+  } catch (...) {
+    parsed_->root = before;
+    options_.given = given_before;
+    // Shapes may have taken over children before the scene that holds them failed; and elements have moved.
+    build();
+    throw;
+  }
+}
+
+}  // namespace aureole
