@@ -93,7 +93,7 @@ Verdict render(const std::shared_ptr<const Scene>& scene) {
 
   const std::atomic<bool> stop{false};
   if (job.run(stop) != RenderJob::Outcome::finished) return {Verdict::failed, "the job did not finish", 0};
-  if (!is_finite(state.picture()) || !is_finite(state.display_picture()))
+  if (!is_finite(state.picture()) || !is_finite(display_picture(state.rgb_picture())))
     return {Verdict::failed, "a pixel of the picture is not finite", 0};
   return {Verdict::picture, "", state.invalid_samples};
 }

@@ -118,7 +118,7 @@ TEST(Errors, AllAtOnceInTheOrderOfLines) {
       "<float name='amonut' value='1'/></bsdf>\n"                                   // 6: unknown parameter
       "<bsdf type='test_bsdf' id='late'><float name='amount' value='x'/></bsdf>\n"  // 7: not a number
       "<emitter type='tset_emitter'/>",                                             // 8: unknown plug-in
-      {{{"unused", "1"}}, "", "", {}});
+      {{{"unused", "1"}}, "", "", {}, {}});
   ASSERT_EQ(errors.size(), 6u) << ::testing::PrintToString(errors);
   EXPECT_TRUE(errors[0].starts_with("test.xml: -D unused=1"));
   for (int i = 1; i < 6; ++i)

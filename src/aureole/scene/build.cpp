@@ -196,6 +196,13 @@ ParsedScene read_nodes(const std::filesystem::path& file, const std::optional<st
   if (parsed.root.tag != "scene" && diagnostics.has_errors())
     throw ErrorList(in_file_order(diagnostics.errors(), parsed.files));
   upgrade(parsed.root, diagnostics);
+  return parsed;
+}
+
+/// The same for whole scenes.
+ParsedScene read_scene_nodes(const std::filesystem::path& file, const std::optional<std::string>& text,
+                             const LoadOptions& options, Diagnostics& diagnostics) {
+  ParsedScene parsed = read_nodes(file, text, options, diagnostics);
   if (parsed.complete)
     apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
   return parsed;
@@ -222,7 +229,7 @@ LoadedScene build_scene(ParsedScene& parsed, const std::shared_ptr<OwnedContext>
 LoadedScene load(const std::filesystem::path& file, const std::optional<std::string>& text,
                  const LoadOptions& options) {
   const auto owned = std::make_shared<OwnedContext>();
-  ParsedScene parsed = read_nodes(file, text, options, owned->diagnostics);
+  ParsedScene parsed = read_scene_nodes(file, text, options, owned->diagnostics);
   return build_scene(parsed, owned, options, nullptr, nullptr);
 }
 
@@ -270,7 +277,7 @@ std::unique_ptr<ParsedScene> open_scene(const std::filesystem::path& file,
                                         const std::optional<std::string>& text, const LoadOptions& options,
                                         std::vector<std::string>& notes) {
   Diagnostics diagnostics;
-  auto parsed = std::make_unique<ParsedScene>(read_nodes(file, text, options, diagnostics));
+  auto parsed = std::make_unique<ParsedScene>(read_scene_nodes(file, text, options, diagnostics));
   if (diagnostics.has_errors()) throw ErrorList(in_file_order(diagnostics.errors(), parsed->files));
   notes = in_file_order(diagnostics.notes(), parsed->files);
   return parsed;

@@ -69,8 +69,7 @@ void set_file(Node& node, const SourceFilePtr& file) {
 Node parse_element(const std::string& path, const std::string& text, ParsedScene& into,
                    Diagnostics& diagnostics) {
   const std::string shown = "[\"" + path + "\"]";
-  ParsedScene parsed =
-      parse_scene(shown, "<scene version=\"3.0.0\">" + text + "</scene>", {}, diagnostics);
+  ParsedScene parsed = parse_scene(shown, "<scene version=\"3.0.0\">" + text + "</scene>", {}, diagnostics);
   if (parsed.root.children.size() != 1 && !diagnostics.has_errors())
     diagnostics.error({shown, 0, 0}, "expected one element");
   if (parsed.root.children.empty()) return {};
