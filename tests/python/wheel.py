@@ -83,7 +83,7 @@ def run(*command: object, **options: object) -> "subprocess.CompletedProcess[str
 
 def picture(path: Path) -> bytes:
     """The file without the time that the render took."""
-    data, n = re.subn(rb"(aureole:seconds\0float\0\4\0\0\0)....", rb"\1", path.read_bytes(), flags=re.DOTALL)
+    data, n = re.subn(rb"(aureole:seconds\x00float\x00\x04\x00\x00\x00)....", rb"\1", path.read_bytes(), flags=re.DOTALL)
     assert n == 1, f"{path.name}: no time in the header"
     return data
 
