@@ -111,10 +111,10 @@ def picture(bsdf: Any, lamp: Lamp, lamp_diameter: float, field: float, resolutio
     # Pixels beyond the edges shine into the picture where the lamp is not a point.
     margin = math.ceil(0.5 * lamp_diameter / pixel) if lamp_diameter > 0.5 * pixel else 0
     n = resolution + 2 * margin
-    at = (np.arange(n) - 0.5 * (n - 1)) * pixel
+    at = (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * pixel
     rgb = np.empty((n, n, 3))
     for row in range(n):
-        rgb[row] = radiance(bsdf, at, np.full(n, -at[row]), nm) @ to_rgb
+        rgb[row] = radiance(bsdf, at, np.full(n, -at[row], np.float64), nm) @ to_rgb
     if margin:
         kernel = disc(margin, 0.5 * lamp_diameter / pixel)
         size = n + 2 * margin

@@ -213,10 +213,11 @@ def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optiona
             image.set_clip_path(matplotlib().patches.Polygon(points, transform=ax.transData))
         elif not any(getattr(child, "_aureole_strip", False) for child in ax.child_axes):
             strip = ax.inset_axes((0, 0, 1, 0.035), sharex=ax, zorder=0.5)
-            strip._aureole_strip = True  # type: ignore[attr-defined]
+            setattr(strip, "_aureole_strip", True)
             strip.imshow(colours, extent=(*extent, 0, 1), aspect="auto", interpolation="bilinear")
             strip.axis("off")
-    ax.set_xlim(min(nm[0], line.axes.get_xlim()[0]) if len(ax.lines) > 1 else nm[0], max(nm[-1], line.axes.get_xlim()[1]) if len(ax.lines) > 1 else nm[-1])
+    low_nm, high_nm = ax.get_xlim() if len(ax.lines) > 1 else (nm[0], nm[-1])
+    ax.set_xlim(min(nm[0], low_nm), max(nm[-1], high_nm))
     every = np.concatenate([np.asarray(one.get_ydata(), np.float64) for one in ax.lines])
     low, high = min(0.0, float(every.min())), float(every.max())
     ax.set_ylim(low * 1.05, high * 1.05 if high > 0 else low * -0.05 + 1e-30 if low < 0 else 1)

@@ -16,9 +16,9 @@ PROGRAMS = Path(__file__).parent / "typing"
 def mypy(folder: Path, *arguments: str) -> List[str]:
     package = Path(aureole.__file__).parents[1]
     program = ("import os, sys; os.environ['MYPYPATH'] = sys.argv.pop(1); from mypy.__main__ import console_entry; console_entry()")
-    done = subprocess.run([sys.executable, "-c", program, str(package), "--strict", "--show-error-codes", "--no-error-summary",
-                           "--cache-dir", str(folder / "cache"), *arguments], cwd=folder, stdout=subprocess.PIPE,
-                          stderr=subprocess.STDOUT, text=True)
+    done = subprocess.run([sys.executable, "-c", program, str(package), "--strict", "--config-file", str(PROGRAMS / "mypy.ini"),
+                           "--show-error-codes", "--no-error-summary", "--cache-dir", str(folder / "cache"), *arguments],
+                          cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode in (0, 1), done.stdout
     return [line for line in done.stdout.splitlines() if ": note:" not in line]
 
