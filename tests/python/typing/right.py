@@ -2,6 +2,8 @@
 """Uses of the package that a type checker accepts."""
 from typing import List
 
+import numpy as np
+
 import aureole
 from aureole._aureole import Bsdf, Object, run_command_line
 
@@ -25,3 +27,11 @@ def command(name: str) -> int:
 def name_of(bsdf: Bsdf) -> str:
     thing: Object = bsdf
     return thing.id
+
+
+def brightness(path: str) -> float:
+    scene = aureole.load_file(path, width=32)
+    image: aureole.Image = aureole.render(scene, spp=4, progress=False)
+    for refined in aureole.render_iter(scene, spp=32):
+        image = refined
+    return float(np.asarray(image).mean()) + float(image.rgb[0, 0, 1])

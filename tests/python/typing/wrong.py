@@ -9,6 +9,9 @@ run_command_line("--version", 3)  # error: call-arg
 code: str = run_command_line(["aureole"])  # error: assignment
 aureole.Problem("text", line="3")  # error: arg-type
 aureole.SceneError(3)  # error: arg-type
+aureole.render("scene.xml")  # error: arg-type
+aureole.render(aureole.load_file("scene.xml"), spp="4")  # error: arg-type
+size: int = aureole.load_file("scene.xml").size  # error: assignment
 
 
 def lamp(bsdf: Bsdf) -> Emitter:
