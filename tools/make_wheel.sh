@@ -13,7 +13,7 @@ export CC=${CC:-cc} CXX=${CXX:-c++}
 rm -rf build/wheel
 raw=$(mktemp -d)
 trap 'rm -rf "$raw"' EXIT
-.venv/bin/python -m pip wheel -q --disable-pip-version-check . --no-build-isolation --no-deps -C build-dir=build/wheel -w "$raw"
+.venv/bin/python -m pip wheel -q --disable-pip-version-check . --no-build-isolation --no-deps --config-settings=build-dir=build/wheel -w "$raw"
 .venv/bin/auditwheel repair "$raw"/*.whl -w "$raw/repaired" 2> "$raw/log" || { cat "$raw/log" >&2; exit 1; }
 wheel=$(cd "$raw/repaired" && echo *.whl)
 mv "$raw/repaired/$wheel" "$out/"
