@@ -158,7 +158,7 @@ def mie_phase_function(x: npt.ArrayLike, m: npt.ArrayLike, mu: npt.ArrayLike) ->
     Parameters
     ----------
     x, m, mu : array_like
-        As in `mie_amplitudes`. Spheres of m = 1, which scatter nothing, are an error.
+        As in `mie_amplitudes`. Spheres of m = 1 (to 1e-10), which scatter nothing, are an error.
 
     Returns
     -------
@@ -173,6 +173,7 @@ def mie_phase_function(x: npt.ArrayLike, m: npt.ArrayLike, mu: npt.ArrayLike) ->
     array([0.0597, 0.1194])
     """
     shape, (size, index) = _spheres(x, m)
+    _refuse("m", index, abs(index - 1) < 1e-10, "a sphere that scatters")
     cosine = real("mu", mu, minimum=-1, maximum=1)
     limit_results("x, m and mu", shape, cosine.shape)
     result = np.empty(size.size * cosine.size)
