@@ -142,17 +142,18 @@ class StructureFactor:
         discs : int
             In each simulation, 200 to 5000.
         snapshots : int
-            Of all simulations together, 16 to 20000.
+            Of all simulations together, from 16; discs times snapshots is at most 4e6.
         seed : int
             The same seed gives the same result on any number of cores.
 
         Notes
         -----
-        Takes seconds and cannot be interrupted.
+        Takes seconds (3 on two cores by default, longer above 0.6), in which it cannot be interrupted.
         """
-        return cls(_aureole.simulated_factor(_fraction(area_fraction, 0.68),
-                                             integer("discs", discs, minimum=200, maximum=5000),
-                                             integer("snapshots", snapshots, minimum=16, maximum=20000), _seed(seed)))
+        count, taken = integer("discs", discs, minimum=200, maximum=5000), integer("snapshots", snapshots, minimum=16)
+        if count * taken > 4_000_000:
+            raise Error(f"snapshots: expected at most {4_000_000 // count} for {count} discs, got {taken}")
+        return cls(_aureole.simulated_factor(_fraction(area_fraction, 0.68), count, taken, _seed(seed)))
 
     @classmethod
     def lattice(cls, area_fraction: float, *, kind: str = "hexagonal", jitter: float = 0.1, domain: float = 4.0,
@@ -249,7 +250,7 @@ def hard_disc_pair_correlation(ra: npt.ArrayLike, area_fraction: npt.ArrayLike) 
     Returns
     -------
     numpy.ndarray
-        Of the shape that `ra` and `area_fraction` broadcast to. Numerically exact to about 1e-5 (1e-4 at 0.7). In two
+        Of the shape that `ra` and `area_fraction` broadcast to. Numerically exact to 1e-5 from contact on. In two
         dimensions the model is an approximation that keeps discs apart only roughly: just inside of contact it is not 0
         (0.7 at an area fraction of 0.5), and at contact it is too small (2.78 there, 3.13 by Henderson's equation).
 
@@ -462,11 +463,15 @@ def point_structure_factor(positions: npt.ArrayLike, box: npt.ArrayLike, *, q_ma
         s, error = result = np.empty((2, q.size))
         _aureole.window_structure_factor(points, sides[0], sides[1], q, result)
         return PointStructureFactor(q, s, error, np.maximum(s - 1.96 * error, 0.0), s + 1.96 * error)
+    # What cannot be interrupted: one snapshot takes about a nanosecond for each point and vector.
+    vectors = min(wanted * (bounds.size - 1.0), bounds[-1] ** 2 * sides[0] * sides[1] / (8 * np.pi) + 4 * 1024)
+    if vectors * count > 2**34:
+        raise Error(f"per_ring: expected at most 2^34 for points times wave vectors, got {count} x {vectors:.0f}")
     found = np.empty((3, bounds.size - 1))
     filled = _aureole.ring_structure_factor(points, sides[0], sides[1], np.ascontiguousarray(bounds), wanted, found)
-    q, s, vectors = found[:, :filled]
+    q, s, seen = found[:, :filled]
     # Means of exponentially distributed powers; quantiles of chi^2 by Wilson & Hilferty (1931).
-    freedom = 2 * vectors * len(points)
+    freedom = 2 * seen * len(points)
     low, high = (s / (1 - 2 / (9 * freedom) + z * np.sqrt(2 / (9 * freedom))) ** 3 for z in (1.96, -1.96))
     return PointStructureFactor(q, s, s / np.sqrt(0.5 * freedom), low, high)
 
