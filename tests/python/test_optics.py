@@ -112,7 +112,7 @@ class TestMie:
             optics.mie(1, 1.5 - 0.1j)
 
     @pytest.mark.parametrize("x, m, name", [(0, 1.5, "x"), (1e5 + 1, 1.5, "x"), (-1, 1.5, "x"), (1, 0, "m"), (1, -1.5, "m"),
-                                            (1, 101, "m"), (1, 1j, "m")])
+                                            (1, 101, "m"), (1, 1j, "m"), (1, 1e-300, "m")])
     def test_limits(self, x, m, name):
         for function in (optics.mie, lambda x, m: optics.mie_amplitudes(x, m, 0)):
             with pytest.raises(aureole.Error, match=f"^{name}: expected"):
@@ -254,6 +254,7 @@ class TestStructureFactor:
             optics.StructureFactor("percus_yevick")
         for call, name in ((lambda: optics.structure_factor(1, 0.71), "area_fraction"),
                            (lambda: optics.structure_factor(1, 0.5, model="percus"), "model"),
+                           (lambda: optics.structure_factor(1, 0.5, model=np.ones(3)), "model"),
                            (lambda: optics.structure_factor(1e10, 0.5), "qa"),
                            (lambda: optics.hard_disc_pair_correlation(-1, 0.5), "ra"),
                            (lambda: optics.StructureFactor.table([1, 0], [1, 1]), "qa"),
@@ -418,7 +419,7 @@ class TestHardDiscs:
         assert contact == pytest.approx((1 - 7 * fa / 16) / (1 - fa) ** 2, rel=0.02)
 
     @pytest.mark.parametrize("arguments, name", [
-        ((0, 0.5), "n"), ((10**7, 0.5), "n"), ((5, 0.5), "n"), ((100, 0.7), "area_fraction"), ((100, 0), "area_fraction"),
+        ((0, 0.5), "n"), ((10**7, 0.5), "n"), ((5, 0.5), "n"), ((100, 0.7), "area_fraction"), ((100, 0), "area_fraction"), ((100, 1e-20), "area_fraction"),
         ((100, 0.5, -1), "seed"), ((100, 0.5, 2**64), "seed")])
     def test_wrong(self, arguments, name):
         with pytest.raises(aureole.Error, match=f"^{name}: "):

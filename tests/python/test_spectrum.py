@@ -138,6 +138,7 @@ class TestColour:
         expected = np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.maximum(x, 1e-9) ** (1 / 2.4) - 0.055)
         np.testing.assert_allclose(spectrum.srgb_encode(x), expected, atol=2e-7)
         np.testing.assert_allclose(spectrum.srgb_decode(spectrum.srgb_encode(x)), x, atol=5e-7)
+        assert np.isfinite([spectrum.srgb_encode(1e30), spectrum.srgb_decode(1e15), spectrum.srgb_decode(-1e15)]).all()
         assert spectrum.srgb_encode(0.5) == pytest.approx(0.735357, abs=1e-6)
 
     def test_encoded_is_cut(self):
