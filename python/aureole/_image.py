@@ -179,7 +179,8 @@ class Image:
         """
         encoded = self._picture.display(scalar("exposure", exposure, minimum=-200, maximum=200))
         with np.errstate(invalid="ignore"):
-            return np.nan_to_num(np.minimum(encoded, np.float32(1)) * np.float32(255) + np.float32(0.5)).astype(np.uint8)
+            rounded: FloatArray = np.nan_to_num(np.minimum(encoded, np.float32(1)) * np.float32(255) + np.float32(0.5))
+            return rounded.astype(np.uint8)
 
     def save(self, path: "str | os.PathLike[str]", exposure: float = 0.0) -> None:
         """Writes the picture, atomically: the file is there whole or not at all.
