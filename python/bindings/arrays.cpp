@@ -13,8 +13,8 @@ namespace {
 
 std::string described(nb::handle value, nb::handle array) {
   if (nb::cast<int>(array.attr("ndim")) > 0 || nb::type_check(value))
-    return "an array of " + std::string(nb::str(array.attr("dtype")).c_str());
-  return nb::type_name(value.type()).c_str();
+    return "an array of " + std::string(nb::str(nb::object(array.attr("dtype"))).c_str());
+  return nb::str(nb::object(value.type().attr("__name__"))).c_str();
 }
 
 /// numpy's array of the value with native float32 or float64.
@@ -27,7 +27,7 @@ nb::object float_array(const char* name, nb::handle value) {
   } catch (nb::python_error& e) {
     if (!e.matches(PyExc_ValueError)) throw;
     throw nb::type_error((argument + ": expected an array of real numbers, got a ragged " +
-                          nb::type_name(value.type()).c_str())
+                          nb::str(nb::object(value.type().attr("__name__"))).c_str())
                              .c_str());
   }
   const nb::object dtype = array.attr("dtype");
@@ -48,7 +48,7 @@ Argument::Argument(const char* name, nb::handle value, int components) : name_(n
 
 Argument::Argument(const char* name, nb::handle value, const std::array<double, 3>& constant, int components)
     : name_(name), constant_(constant) {
-  if (value.is_valid() && !value.is_none()) {
+  if (value.is_valid()) {
     read(value, components);
     return;
   }

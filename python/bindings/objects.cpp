@@ -104,7 +104,7 @@ nb::dict parameters_of(const Object& object) {
 std::string short_repr(nb::handle value) {
   std::string text = nb::repr(value).c_str();
   if (nb::hasattr(value, "shape"))
-    text = "<array of shape " + std::string(nb::str(value.attr("shape")).c_str()) + ">";
+    text = "<array of shape " + std::string(nb::str(nb::object(value.attr("shape"))).c_str()) + ">";
   constexpr std::size_t kLongest = 200;
   return text.size() > kLongest ? text.substr(0, kLongest - 3) + "..." : text;
 }
