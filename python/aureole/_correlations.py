@@ -148,7 +148,7 @@ class StructureFactor:
 
         Notes
         -----
-        Takes seconds and cannot be interrupted.
+        Takes seconds. Ctrl-C returns at once, and leaves the simulations to come to their end in the background.
         """
         return cls(_aureole.simulated_factor(_fraction(area_fraction, 0.68),
                                              integer("discs", discs, minimum=200, maximum=5000),

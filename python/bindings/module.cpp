@@ -18,11 +18,12 @@ NB_MODULE(_aureole, m) {
         std::vector<char*> argv;
         for (std::string& a : arguments) argv.push_back(a.data());
         argv.push_back(nullptr);
-        const nb::gil_scoped_release release;
+        const Unlocked release;
         return aureole::run_command_line(int(arguments.size()), argv.data());
       },
       nb::arg("arguments"),
       "Run the command-line program; the first argument is its name. Returns the exit code.");
+  bind_leaving();
   bind_errors(m);
   bind_objects(m);
   bind_python_bsdf(m);

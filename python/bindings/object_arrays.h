@@ -98,7 +98,7 @@ struct PlaceArguments {
 /// that share their directions and place go to one call.
 template <class F>
 void for_places(const PlaceArguments& in, const WavelengthRange& range, double* out, F&& f) {
-  const nb::gil_scoped_release release;
+  const Unlocked release;
   Interrupts interrupts;
   Vec3 a, b;
   Vec2 uv;
