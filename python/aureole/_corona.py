@@ -111,7 +111,7 @@ def picture(bsdf: Any, lamp: Lamp, lamp_diameter: float, field: float, resolutio
     # Pixels beyond the edges shine into the picture where the lamp is not a point.
     margin = math.ceil(0.5 * lamp_diameter / pixel) if lamp_diameter > 0.5 * pixel else 0
     n = resolution + 2 * margin
-    at = (np.arange(n) - 0.5 * (n - 1)) * pixel
+    at: Array = (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * pixel
     rgb = np.empty((n, n, 3))
     for row in range(n):
         rgb[row] = radiance(bsdf, at, np.full(n, -at[row]), nm) @ to_rgb
@@ -131,3 +131,14 @@ def disc(half: int, radius: float) -> Array:
     inside = (at[:, None] ** 2 + at[None, :] ** 2 <= radius**2).astype(np.float64)
     weights = inside.reshape(2 * half + 1, over, 2 * half + 1, over).mean((1, 3))
     return np.asarray(weights / weights.sum())
+
+
+def display(linear: Array) -> Array:
+    """sRGB for the screen of linear values. What it cannot show is mixed with grey of the same luminance, as little as is needed: hues stay,
+    and what is too bright becomes white by way of paler colours."""
+    grey = np.clip(linear @ np.array([0.2126, 0.7152, 0.0722]), 0, 1)[..., None]
+    away = linear - grey
+    with np.errstate(divide="ignore", invalid="ignore"):
+        room = np.where(away > 0, (1 - grey) / away, np.where(away < 0, -grey / away, 1.0))
+    share = np.clip(room.min(-1, keepdims=True), 0, 1)
+    return spectrum.srgb_encode(np.clip(grey + share * away, 0, 1))

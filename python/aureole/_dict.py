@@ -84,11 +84,11 @@ class Writer:
         elif isinstance(value, (bool, np.bool_)):
             self.line(place, f'<boolean{label} value="{"true" if value else "false"}"/>')
         elif isinstance(value, (int, np.integer)):
-            self.number(label, value, place, expected)
+            self.number(label, value, place)
         elif isinstance(value, (float, np.floating)):
-            self.number(label, float(value), place, expected)
+            self.number(label, float(value), place)
         elif isinstance(value, (str, os.PathLike)):
-            self.text(label, os.fspath(value) if isinstance(value, os.PathLike) else value, place, expected)
+            self.text(label, value if isinstance(value, str) else str(os.fspath(value)), place)
         elif isinstance(value, (list, tuple, np.ndarray)) or hasattr(value, "__array__"):
             self.array(name, label, value, place, expected)
         elif value is None:
@@ -96,10 +96,7 @@ class Writer:
         else:
             self.object(label, value, place)
 
-    def number(self, label: str, value: Any, place: str, expected: Optional[str]) -> None:
-        if expected is not None and expected.startswith(("spectrum", "texture")) and isinstance(value, float):
-            self.line(place, f'<float{label} value="{value!r}"/>')
-            return
+    def number(self, label: str, value: Any, place: str) -> None:
         if isinstance(value, float):
             self.line(place, f'<float{label} value="{value!r}"/>')
         elif abs(int(value)) < 2**63:
@@ -107,7 +104,7 @@ class Writer:
         else:
             self.problem(place, f"the integer {value} is too large")
 
-    def text(self, label: str, value: str, place: str, expected: Optional[str]) -> None:
+    def text(self, label: str, value: str, place: str) -> None:
         if any(ord(c) < 32 and c not in "\t\n\r" for c in value) or "\ufffe" in value or "\uffff" in value:
             self.problem(place, "the string has control characters in it")
             return
@@ -147,13 +144,10 @@ class Writer:
             self.line(place, f'<given{label} key="{key}"/>')
 
     def object(self, label: str, value: Any, place: str) -> None:
-        if isinstance(value, Transform):
-            self.line(place, f"<transform{label}>"
-                             f'<matrix value="{_numbers(value.matrix.ravel())}"/></transform>')
-            return
-        description = getattr(value, "_aureole_dict", None)
-        if description is not None:
-            self.entry(label[7:-1] if label else "", description, place, None)
+        matrix = getattr(value, "matrix", None)  # transforms of Mitsuba
+        if matrix is not None and np.shape(matrix) == (4, 4):
+            self.line(place, f'<transform{label}><matrix value="{_numbers(np.array(matrix, dtype=np.float64).ravel())}"/>'
+                             "</transform>")
             return
         if isinstance(value, _aureole.Object):
             self.problem(place, f"this {type(value).__name__} belongs to another scene; give the dict that it is made of")
@@ -222,7 +216,12 @@ class Writer:
                 self.problem(place, f"names of parameters are strings, got {key!r}")
                 continue
             parameter = known.parameters.get(key) if known else None
-            self.entry(key, child, f"{place}.{key}", parameter[0] if parameter else None)
+            if parameter is None and known and isinstance(child, Mapping):
+                # A child under a name of the user's: it is one of those that the plug-in takes.
+                accepted = " ".join(p[0] for p in known.parameters.values())
+                self.mapping(key, child, f"{place}.{key}", accepted)
+            else:
+                self.entry(key, child, f"{place}.{key}", parameter[0] if parameter else None)
         self.line(place, f"</{family}>")
 
     def spectrum(self, kind: str, label: str, value: Mapping[str, Any], place: str) -> None:
@@ -399,8 +398,6 @@ def scene_text(scene: Mapping[str, Any]) -> SceneText:
             if entry.get("type") not in ("ref",) + _SPECTRUM_TYPES:
                 entry.setdefault("id", key)
             writer.mapping("", entry, key, None)
-        elif getattr(value, "_aureole_dict", None) is not None:
-            writer.mapping("", {"id": key, **value._aureole_dict}, key, None)
         else:
             writer.entry(key, value, key, None)
     writer.line("the dict", "</scene>")

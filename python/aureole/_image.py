@@ -88,10 +88,16 @@ class Image:
 
     @property
     def wavelengths(self) -> Optional[npt.NDArray[np.float64]]:
-        """Central wavelengths [nm] of the channels of a film of spectral bins, else None."""
+        """Central wavelengths [nm] of the spectral bins of a film that has them, else None."""
         found = [_bin_wavelength(name) for name in self.channels]
         numbers = [nm for nm in found if nm is not None]
         return np.array(numbers) if numbers else None
+
+    @property
+    def spectra(self) -> Optional[FloatArray]:
+        """The channels of spectral bins, in the order of `wavelengths`, shape (height, width, bins); None without them."""
+        found = [i for i, name in enumerate(self.channels) if _bin_wavelength(name) is not None]
+        return self.array[..., found] if found else None
 
     @property
     def height(self) -> int:
@@ -173,7 +179,8 @@ class Image:
         """
         encoded = self._picture.display(scalar("exposure", exposure, minimum=-200, maximum=200))
         with np.errstate(invalid="ignore"):
-            return np.nan_to_num(np.minimum(encoded, np.float32(1)) * np.float32(255) + np.float32(0.5)).astype(np.uint8)
+            rounded: FloatArray = np.nan_to_num(np.minimum(encoded, np.float32(1)) * np.float32(255) + np.float32(0.5))
+            return rounded.astype(np.uint8)
 
     def save(self, path: "str | os.PathLike[str]", exposure: float = 0.0) -> None:
         """Writes the picture, atomically: the file is there whole or not at all.

@@ -63,7 +63,7 @@ def _albedo(report: "CheckReport", ax: "Axes") -> None:
         ax.axvline(90, color="0.6", lw=0.8)
     ax.set_xticks(range(0, 181, 30) if below else range(0, 91, 15))
     ax.grid(alpha=0.25)
-    ax.legend(fontsize="x-small", frameon=False, ncols=2, loc="lower left")
+    ax.legend(fontsize="x-small", frameon=False, ncol=2, loc="lower left")
 
 
 def pools(histogram: "Histogram") -> Tuple[Array, Array]:
@@ -104,6 +104,11 @@ def _samples(report: "CheckReport", ax: "Axes") -> None:
     ax.set(xscale="log", yscale="log", xlim=(low, high), ylim=(low, high), xlabel="samples expected", ylabel="samples found",
            title=f"samples against density, worst of {len(report.histograms)}:\n{degrees:.0f}° incidence, {worst.wavelength:.0f} nm, "
                  f"p = {worst.p_value:.2g}")
+    ticker = matplotlib().ticker
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(ticker.LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(ticker.StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(ticker.NullFormatter())
     ax.grid(alpha=0.25)
     ax.legend(fontsize="x-small", frameon=False, loc="upper left")
 

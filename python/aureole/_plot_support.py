@@ -38,11 +38,11 @@ def axes_for(ax: Any, *, polar: bool = False) -> Any:
 
 
 def colour_of(wavelength: npt.ArrayLike) -> Array:
-    """sRGB colours (..., 3) of light of single wavelengths in nm, as far as a screen can show them: hues are right, missing
-    saturation is made up by white, and the ends of the visible fade to grey, which stands for the invisible."""
+    """sRGB colours (..., 3) of light of single wavelengths in nm, as near as a screen comes to them (all lie outside of sRGB); the ends
+    of the visible fade to grey, which stands for the invisible."""
     nm = np.asarray(wavelength, np.float64)
     linear = spectrum.xyz_to_srgb(spectrum.observer(nm))
-    linear = linear - np.minimum(linear.min(-1, keepdims=True), 0)
+    linear = np.maximum(linear, 0)
     peak = linear.max(-1, keepdims=True)
     pure = linear / np.where(peak > 0, peak, 1)
     # What the eye sees of it; .9 is reached between 410 and 690 nm.

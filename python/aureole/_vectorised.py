@@ -42,3 +42,10 @@ def last_axis(name: str, array: npt.NDArray[Any], size: int) -> None:
     """Require shape (..., size)."""
     if array.ndim == 0 or array.shape[-1] != size:
         raise Error(f"{name}: expected an array of shape (..., {size}), got shape {array.shape}")
+
+
+def choice(name: str, value: Any, *allowed: str) -> str:
+    """The argument `name` as one of the allowed strings."""
+    if not isinstance(value, str) or value not in allowed:
+        raise Error(f"{name}: expected {' or '.join(repr(a) for a in allowed)}, got {value!r:.60}")
+    return value

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _corona, spectrum as _spectrum
+from . import _corona
 from ._arrays import integer, real, scalar
 from ._errors import Error
 from ._plot_check import check_report
@@ -201,7 +201,8 @@ def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optiona
         raise Error("wavelength: expected two or more increasing numbers in nm")
     filled = flag("fill", fill)
     ax = axes_for(ax)
-    line, = ax.plot(nm, y, color="0.15" if filled else None, lw=1.3, label=label)
+    ends_before = ax.get_xlim() if ax.lines else (nm[0], nm[-1])
+    ax.plot(nm, y, color="0.15" if filled else None, lw=1.3, label=label)
     shown = np.arange(max(nm[0], 380.0), min(nm[-1], 780.0) + 0.5)
     if shown.size > 1:
         colours = colour_of(shown)[None, :, :]
@@ -211,12 +212,12 @@ def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optiona
             image = ax.imshow(colours, extent=(*extent, low, high if high > low else low + 1), aspect="auto", zorder=0.5, interpolation="bilinear")
             points = np.concatenate([[[nm[0], 0.0]], np.stack([nm, y], -1), [[nm[-1], 0.0]]])
             image.set_clip_path(matplotlib().patches.Polygon(points, transform=ax.transData))
-        elif not any(getattr(child, "_aureole_strip", False) for child in ax.child_axes):
+        elif not any(child.get_gid() == "visible" for child in ax.child_axes):
             strip = ax.inset_axes((0, 0, 1, 0.035), sharex=ax, zorder=0.5)
-            strip._aureole_strip = True  # type: ignore[attr-defined]
+            strip.set_gid("visible")
             strip.imshow(colours, extent=(*extent, 0, 1), aspect="auto", interpolation="bilinear")
             strip.axis("off")
-    ax.set_xlim(min(nm[0], line.axes.get_xlim()[0]) if len(ax.lines) > 1 else nm[0], max(nm[-1], line.axes.get_xlim()[1]) if len(ax.lines) > 1 else nm[-1])
+    ax.set_xlim(min(nm[0], ends_before[0]), max(nm[-1], ends_before[1]))
     every = np.concatenate([np.asarray(one.get_ydata(), np.float64) for one in ax.lines])
     low, high = min(0.0, float(every.min())), float(every.max())
     ax.set_ylim(low * 1.05, high * 1.05 if high > 0 else low * -0.05 + 1e-30 if low < 0 else 1)
@@ -363,12 +364,12 @@ def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[floa
     ax = axes_for(ax)
     linear = _corona.picture(instance, lamp, diameter, half, n, nm)
     at = (np.arange(n) - 0.5 * (n - 1)) * 2 * half / n
-    # White is four times the mean luminance of the outer three quarters, where the rings are.
+    # White is six times the mean luminance of the outer three quarters, where the rings are.
     rings = np.hypot(at[:, None], at) > 0.25 * half
     luminance = linear @ np.array([0.2126, 0.7152, 0.0722])
-    white = 4 * float(luminance[rings].mean())
+    white = 6 * float(luminance[rings].mean())
     scaled = linear * (2**stops / white if white > 0 else 0)
-    ax.imshow(_spectrum.srgb_encode(np.clip(scaled, 0, 1)), extent=(-half, half, -half, half), interpolation="bilinear")
+    ax.imshow(_corona.display(scaled), extent=(-half, half, -half, half), interpolation="bilinear")
     ax.set(xlabel="angle from the lamp [degrees]", ylabel="[degrees]")
     ax.set_aspect("equal")
     return ax

@@ -57,6 +57,8 @@ std::pair<double, double> hard_discs(const Reals& radii, double area_fraction, s
   const std::size_t n = radii.size(), snapshots = positions.shape(0);
   require_size(positions.shape(1) == n && positions.shape(2) == 2, "hard_discs");
   require_size(n > 0, "hard_discs");
+  // Boxes of more diameters than an int counts would break the simulation.
+  if (!(area_fraction >= 1e-6)) throw Error("area_fraction: expected at least 1e-6");
   const bool equal =
       std::all_of(radii.data(), radii.data() + n, [&](double r) { return r == radii.data()[0]; });
   const Unlocked release;

@@ -71,26 +71,26 @@ private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Calls body(i) for i in [0, n). The calls must not depend on one another.
+/// Calls body(i) for i in [0, n). The calls must not depend on one another. `signals` is shared by loops that
+/// follow one another, each of which may be too short to look.
 template <class Body>
-void for_each(std::size_t n, const Body& body) {
+void for_each(std::size_t n, const Body& body, SignalCheck& signals) {
   using Clock = std::chrono::steady_clock;
   const Unlocked release;
-  SignalCheck signals;
   // Short loops are over before threads would have started.
   const auto start = Clock::now();
   std::size_t done = 0;
   while (done < n) {
     body(done++);
-    if (done % 16 == 0 && Clock::now() - start > std::chrono::milliseconds(1)) break;
-    if (done < 16 && Clock::now() - start > std::chrono::milliseconds(1)) break;
+    if ((done < 16 || done % 16 == 0) && Clock::now() - start > std::chrono::milliseconds(1)) break;
   }
+  signals();
   if (done == n) return;
   const std::size_t grain = std::clamp<std::size_t>(done / 4, 1, 256);
   const auto caller = std::this_thread::get_id();
   std::atomic<std::size_t> next{done};
   std::atomic<bool> stop{false};
-  const auto most = (n - done + grain - 1) / grain;
+  const std::size_t most = (n - done + grain - 1) / grain;
   run_workers(int(std::min<std::size_t>(std::size_t(default_thread_count()), most)), [&](int) {
     // Signals are handled by the thread that called, the only one that may.
     const bool handles_signals = std::this_thread::get_id() == caller;
@@ -107,6 +107,11 @@ void for_each(std::size_t n, const Body& body) {
     }
   });
   signals.rethrow();
+}
+template <class Body>
+void for_each(std::size_t n, const Body& body) {
+  SignalCheck signals;
+  for_each(n, body, signals);
 }
 
 }  // namespace aureole::python

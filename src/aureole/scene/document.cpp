@@ -194,6 +194,8 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
       at.owner = &node;
     at.child = best, at.name = name, at.target = target;
     walked += (walked.empty() ? "" : ".") + name;
+    if (rest.size() == name.size() + 1)
+      throw Error("no parameter \"" + path + "\": a name is missing at its end");
     rest.remove_prefix(std::min(rest.size(), name.size() + 1));
   }
   if (path.empty()) throw Error("the path of a parameter must not be empty");
