@@ -5,11 +5,12 @@
 
 #include <nanobind/nanobind.h>
 
+#include "unlocked.h"
+
 namespace aureole::python {
 
 namespace nb = nanobind;
 
-#include "unlocked.h"
 void bind_errors(nb::module_& m);
 void bind_objects(nb::module_& m);      ///< plug-in objects over arrays: BSDFs, emitters, apertures, spectra
 void bind_python_bsdf(nb::module_& m);  ///< BSDFs written in Python
