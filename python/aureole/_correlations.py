@@ -149,7 +149,8 @@ class StructureFactor:
 
         Notes
         -----
-        Takes seconds (3 on two cores by default, longer above 0.6), in which it cannot be interrupted.
+        Takes seconds (3 on two cores by default, longer above 0.6). Ctrl-C returns at once, and leaves the simulations to
+        come to their end in the background.
         """
         count, taken = integer("discs", discs, minimum=200, maximum=5000), integer("snapshots", snapshots, minimum=16)
         if count * taken > 4_000_000:

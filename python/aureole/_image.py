@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _aureole
-from ._arrays import scalar
+from ._arrays import file_path, scalar, text
 from ._errors import Error
 
 FloatArray = npt.NDArray[np.float32]
@@ -40,7 +40,10 @@ class Image:
     """
 
     def __init__(self, array: Any, channels: Optional[Sequence[str]] = None) -> None:
-        numbers = np.asarray(array)
+        try:
+            numbers = np.asarray(array)
+        except (ValueError, OverflowError, RecursionError) as e:
+            raise TypeError(f"array: expected an array of real numbers, got a ragged {type(array).__name__}") from e
         if numbers.dtype.kind not in "fiub":
             raise TypeError(f"array: expected real numbers, got {numbers.dtype}")
         if numbers.ndim == 2:
@@ -52,7 +55,9 @@ class Image:
             if names is None:
                 raise Error(f"channels: {numbers.shape[2]} channels need names")
         else:
-            names = [str(c) for c in channels]
+            if not isinstance(channels, (str, Sequence, np.ndarray)) or isinstance(channels, bytes):
+                raise TypeError(f"channels: expected a sequence of names, got {type(channels).__name__}")
+            names = [text("channels", c) for c in channels]
         self._set(_aureole.Picture.from_array(np.ascontiguousarray(numbers, dtype=np.float32), names), "finished")
 
     @classmethod
@@ -118,6 +123,8 @@ class Image:
         """One channel by name, shape (height, width), or several, shape (height, width, n)."""
         if isinstance(channel, str):
             return self._all[..., self._index(channel)]
+        if not isinstance(channel, (Sequence, np.ndarray)):
+            raise TypeError(f"channel: expected a name or a list of names, got {type(channel).__name__}")
         return self._all[..., [self._index(c) for c in channel]]
 
     def _index(self, channel: Any) -> int:
@@ -192,7 +199,7 @@ class Image:
         exposure : float
             In stops, for .png alone.
         """
-        self._picture.save(os.fspath(path), scalar("exposure", exposure, minimum=-200, maximum=200))
+        self._picture.save(file_path("path", path), scalar("exposure", exposure, minimum=-200, maximum=200))
 
     def _repr_png_(self) -> Optional[bytes]:
         try:
@@ -223,7 +230,7 @@ def read_image(path: "str | os.PathLike[str]") -> Image:
 
     8- and 16-bit formats keep their sRGB-encoded values, in [0, 1].
     """
-    return Image._of(_aureole.Picture.read(os.fspath(path)))
+    return Image._of(_aureole.Picture.read(file_path("path", path)))
 
 
 __all__ = ["Image", "read_image"]

@@ -17,6 +17,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/math/vec.h"
+#include "unlocked.h"
 
 namespace aureole::python {
 
@@ -153,6 +154,9 @@ private:
   unsigned calls_ = 0;
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
+
+/// str(value), whatever characters it has.
+std::string text_of(const nb::object& value);
 
 /// "0.25", as short as it can be.
 std::string number_text(double v);

@@ -212,7 +212,7 @@ void bind_check(nb::module_& m) {
         }
         BsdfCheckResult result;
         {
-          const nb::gil_scoped_release release;
+          const Unlocked release;
           result = check_bsdf(*checked, options);
         }
         return converted(result);

@@ -114,7 +114,7 @@ void bind_image(nb::module_& m) {
       .def_static(
           "read",
           [](const std::filesystem::path& file) {
-            const nb::gil_scoped_release release;
+            const Unlocked release;
             auto picture = std::make_shared<Picture>();
             picture->image = in_order_of_colors(read_image(file));
             return picture;
@@ -158,7 +158,7 @@ void bind_image(nb::module_& m) {
       .def(
           "save",
           [](const Picture& p, const std::filesystem::path& file, double exposure) {
-            const nb::gil_scoped_release release;
+            const Unlocked release;
             save(p, file, exposure);
           },
           nb::arg("file"), nb::arg("exposure"));

@@ -120,7 +120,7 @@ inline Wavelengths only(const Wavelengths& w, int k) {
 /// `for_places` for arguments of type T; void: of several types.
 template <class T, class F>
 void for_typed_places(const PlaceArguments& in, const WavelengthRange& range, double* out, F&& f) {
-  const nb::gil_scoped_release release;
+  const Unlocked release;
   Interrupts interrupts;
   Vec3 a, b;
   Vec2 uv;

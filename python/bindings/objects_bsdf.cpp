@@ -66,7 +66,7 @@ nb::object sample(const Bsdf& bsdf, nb::handle wi, nb::handle wavelength, nb::ha
   const Result<bool> valid(shape);
   const Result<std::uint32_t> lobe(shape);
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     SurfacePoint point = flat_point();
     broadcast.for_rows([&](const auto& row) {
@@ -167,7 +167,7 @@ nb::object albedo(const Bsdf& bsdf, nb::handle theta, nb::handle wavelength, nb:
   const WavelengthRange range = range_of(bsdf);
   const Result<double> mean(broadcast.shape()), error(broadcast.shape());
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     SurfacePoint point = flat_point();
     broadcast.for_rows([&](const auto& row) {

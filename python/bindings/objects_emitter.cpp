@@ -69,7 +69,7 @@ nb::object sample_direct(const Emitter& emitter, nb::handle reference, nb::handl
   const Result<double> wo(shape, 3), value(shape), pdf(shape), distance(shape);
   const Result<bool> valid(shape);
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     broadcast.for_rows([&](const auto& row) {
       for (Py_ssize_t i = 0, out = row.out; i < row.count; ++i, out += row.out_step) {

@@ -45,7 +45,7 @@ nb::object eval_scalar(const Texture& texture, nb::handle uv) {
   const Broadcast<1> broadcast({&place}, 1);
   const Result<double> result(broadcast.shape());
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     SurfacePoint point = flat_point();
     broadcast.for_rows([&](const auto& row) {
@@ -66,7 +66,7 @@ nb::object transform(const Aperture& aperture, nb::handle q) {
   const Broadcast<1> broadcast({&vectors}, 1);
   const Result<std::complex<double>> result(broadcast.shape());
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     broadcast.for_rows([&](const auto& row) {
       for (Py_ssize_t i = 0, out = row.out; i < row.count; ++i, out += row.out_step) {

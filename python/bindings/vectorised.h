@@ -16,6 +16,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/parallel.h"
+#include "unlocked.h"
 
 namespace aureole::python {
 
@@ -46,16 +47,18 @@ auto naming(const std::string& name, const F& f) {
 /// To be called now and then by loops that have released the interpreter's lock.
 class SignalCheck {
 public:
-  /// True where a signal's handler has raised an exception, which `rethrow` throws.
+  /// True where a signal's handler has raised an exception, which `rethrow` throws, or the program ends.
   bool raised() {
     const auto now = std::chrono::steady_clock::now();
     if (raised_ || now - last_ < std::chrono::milliseconds(50)) return raised_;
     last_ = now;
+    if (is_leaving()) return raised_ = true;
     const nb::gil_scoped_acquire lock;
     return raised_ = PyErr_CheckSignals() != 0;
   }
   void rethrow() const {
     if (!raised_) return;
+    if (is_leaving()) throw Error("the program ends");  // seen by nobody: the thread stays in ~Unlocked
     const nb::gil_scoped_acquire lock;
     throw nb::python_error();
   }
@@ -73,7 +76,7 @@ private:
 template <class Body>
 void for_each(std::size_t n, const Body& body, SignalCheck& signals) {
   using Clock = std::chrono::steady_clock;
-  const nb::gil_scoped_release release;
+  const Unlocked release;
   // Short loops are over before threads would have started.
   const auto start = Clock::now();
   std::size_t done = 0;
