@@ -252,6 +252,17 @@ def cyclic(kind):
     return value
 
 
+def spin():
+    """Looks at no signals, as a loop in C++ that forgets to ask."""
+    signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGALRM])
+    while True:
+        pass
+
+
+def throw(error):
+    raise error
+
+
 def closed():
     with open(os.devnull) as f:
         pass
@@ -478,6 +489,8 @@ def access(instance, attribute, *value):
 
 def case(number, seed, all_targets):
     """Name of the target, the expression of it, and those of its arguments."""
+    if "AUREOLE_FUZZ_INSTEAD" in os.environ:  # the test of the fuzzer itself
+        return "aureole.render", "(lambda: " + os.environ["AUREOLE_FUZZ_INSTEAD"] + ")", []
     rng = random.Random(f"{seed}:{number}")
     name, call, parameters, objects = all_targets[number % len(all_targets)]
     key = name if not name.startswith("aureole._aureole") else name[8:]
