@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _aureole
 from ._arrays import integer, real, scalar
 from ._errors import Error
-from ._plot_support import as_bsdf
+from ._plot_support import as_bsdf, p_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,8 +47,9 @@ class CheckRecord:
         ``"sample_energy"``, ``"reciprocity"``, ``"modes"``, ``"wavelengths"`` or ``"black"``.
     passed : bool
     figure, expected : float
-        What was measured and what should have been: chi-square and degrees of freedom, frequency and mass of a delta lobe, integral
-        of the density, energy and its bound; else the largest relative deviation, or the number of invalid values, and 0.
+        What was measured and what should have been: chi-square and degrees of freedom, frequency and mass of a delta
+        lobe, integral of the density, energy and its bound; else the largest relative deviation, or the number of
+        invalid values, and 0.
     p_value : float or None
         How probable such a figure is for a right BSDF; None where the test is not a statistical one.
     limit : float
@@ -79,7 +80,8 @@ class CheckRecord:
             return float(np.log(max(self.p_value, 1e-300)) / np.log(self.limit))
         if np.isnan(self.figure):
             return float("inf")
-        difference = max(self.figure - self.expected, 0.0) if self.kind == "energy" and self.passed else abs(self.figure - self.expected)
+        difference = self.figure - self.expected
+        difference = max(difference, 0.0) if self.kind == "energy" and self.passed else abs(difference)
         return difference / self.limit if self.limit > 0 else (0.0 if self.passed else float("inf"))
 
 
@@ -190,10 +192,10 @@ class CheckReport:
             records = [c for c in self.checks if c.kind == kind]
             wrong = sum(not c.passed for c in records)
             if unit == "p":
-                figure = f"p = {worst.p_value:.2g} (least {worst.limit:.1g})"
+                figure = f"p {p_text(worst.p_value)} (least {worst.limit:.1g})"
             elif unit == "energy":
-                figure = f"{worst.figure:.5g} (bound {worst.expected:g})" if worst.passed or worst.figure > worst.expected else \
-                    f"{worst.figure:.5g} (lossless: {worst.expected:g})"
+                gain = worst.passed or worst.figure > worst.expected
+                figure = f"{worst.figure:.5g} ({'bound' if gain else 'lossless:'} {worst.expected:g})"
             elif unit in ("invalid", "samples"):
                 figure = f"{sum(c.figure for c in records):.0f} {unit}" if unit == "invalid" else ""
             elif unit == "difference":
@@ -213,7 +215,8 @@ class CheckReport:
         return f"{self.name}: " + ("passed" if self.passed else f"FAILED ({', '.join(self.failed())})")
 
     def _footer(self) -> str:
-        return (f"{len(self.checks)} tests, {self.statistical_tests} of them statistical ({self.significance:g} false alarms per report); "
+        return (f"{len(self.checks)} tests, {self.statistical_tests} of them statistical "
+                f"({self.significance:g} false alarms per report); "
                 f"{self.samples:,} samples per direction and wavelength")
 
     def __str__(self) -> str:
@@ -240,12 +243,15 @@ class CheckReport:
             + f"<td style='text-align:left;color:{colour[verdict == 'ok']};font-weight:bold'>{verdict}</td>"
             + "".join(f"<td style='text-align:left'>{html.escape(c)}</td>" for c in rest) + "</tr>"
             for kind, verdict, *rest in self._rows())
-        text = (f"<div><p><b style='color:{colour[self.passed]}'>{html.escape(self._headline())}</b></p><table><thead><tr>"
-                + "".join(f"<th style='text-align:left'>{h}</th>" for h in ("check", "verdict", "worst figure", "at", "what it says"))
+        text = (f"<div><p><b style='color:{colour[self.passed]}'>{html.escape(self._headline())}</b></p>"
+                "<table><thead><tr>"
+                + "".join(f"<th style='text-align:left'>{h}</th>"
+                          for h in ("check", "verdict", "worst figure", "at", "what it says"))
                 + f"</tr></thead><tbody>{cells}</tbody></table>")
         if not self.passed:
             text += "<ul>" + "".join(f"<li>{html.escape(p)}</li>" for p in self.problems[:12]) + "</ul>"
-        return text + "".join(f"<p><small>{html.escape(n)}</small></p>" for n in [*self.notes, self._footer()]) + "</div>"
+        return text + "".join(f"<p><small>{html.escape(n)}</small></p>"
+                              for n in [*self.notes, self._footer()]) + "</div>"
 
     def plot(self, axes: "Optional[Sequence[Axes]]" = None) -> "npt.NDArray[Any]":
         """Three plots: albedo over angle, samples against density for the worst direction, reciprocity.
@@ -264,15 +270,17 @@ class CheckReport:
         return plot.check_report(self, axes)
 
 
-def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True, samples: Optional[int] = None, significance: float = 0.01,
-          wavelengths: Any = (360, 830), seed: int = 1, progress: Optional[Callable[[float], Any]] = None, two_sided: Optional[bool] = None,
-          may_fail: bool = True, index_ratio: Optional[float] = None, largest_energy: float = 1, tolerance: float = 2e-3,
+def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True, samples: Optional[int] = None,
+          significance: float = 0.01, wavelengths: Any = (360, 830), seed: int = 1,
+          progress: Optional[Callable[[float], Any]] = None, two_sided: Optional[bool] = None, may_fail: bool = True,
+          index_ratio: Optional[float] = None, largest_energy: float = 1, tolerance: float = 2e-3,
           mode: str = "importance") -> CheckReport:
     """Checks that a BSDF is one, by numbers.
 
-    For directions of incidence at 20, 60 and 85 degrees above and below the surface: samples follow the density (chi-square), densities
-    integrate to one, no energy is gained, samples carry the energy that `eval` has. For random pairs of directions: reciprocity, and
-    that light and importance are transported alike. At grazing directions and at the ends of the random numbers: valid numbers.
+    For directions of incidence at 20, 60 and 85 degrees above and below the surface: samples follow the density
+    (chi-square), densities integrate to one, no energy is gained, samples carry the energy that `eval` has. For random
+    pairs of directions: reciprocity, and that light and importance are transported alike. At grazing directions and at
+    the ends of the random numbers: valid numbers.
 
     Parameters
     ----------
@@ -283,8 +291,8 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
     reciprocal : bool
         False: reciprocity is not tested, for models that are known to lack it.
     samples : int, optional
-        For each direction and each of two wavelengths; at least 1000. Fewer are faster and see less. None: 300,000, or 30,000 for what
-        is written in Python.
+        For each direction and each of two wavelengths; at least 1000. Fewer are faster and see less. None: 300,000, or
+        30,000 for what is written in Python.
     significance : float
         Probability that a right BSDF fails in one of the statistical tests; shared among them (Sidak).
     wavelengths : (float, float) or None
@@ -296,10 +304,11 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
     two_sided : bool, optional
         True: it must reflect or transmit light from below, too; False: it must be black from below; None: either.
     may_fail : bool
-        `sample` may return nothing; the density must then integrate to the part that is sampled. False: that is an error.
+        `sample` may return nothing; the density must then integrate to the part that is sampled. False: that is an
+        error.
     index_ratio : float, optional
-        The refractive index below the surface over that above, by whose square reciprocity differs; None: what samples of the BSDF
-        say.
+        The refractive index below the surface over that above, by whose square reciprocity differs; None: what samples
+        of the BSDF say.
     largest_energy : float
         More than 1 where a model is known to reflect more light than it receives.
     tolerance : float
@@ -319,7 +328,10 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
     """
     instance = as_bsdf(bsdf)
     in_python = instance.type == "python"
+    notes = []
     if samples is None:
+        if in_python:
+            notes.append("written in Python: 30,000 samples instead of 300,000 (`samples`)")
         samples = 30_000 if in_python else 300_000
     samples = integer("samples", samples, minimum=1000, maximum=1_000_000_000)
     significance = scalar("significance", significance, positive=True, maximum=0.5)
@@ -343,11 +355,12 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
         raise Error(f"wavelengths: expected two numbers in nm, the lower one first, got {wavelengths!r}")
 
     data = _aureole.check_bsdf(
-        instance, lossless=bool(lossless), reciprocal=bool(reciprocal), black_below=None if two_sided is None else not two_sided,
-        may_fail=bool(may_fail), radiance=mode == "radiance", samples=samples, significance=significance, tolerance=tolerance,
-        largest_energy=largest_energy, min_nm=float(ends[0]), max_nm=float(ends[1]), index_ratio=index_ratio, angles=list(_ENERGY_ANGLES),
+        instance, lossless=bool(lossless), reciprocal=bool(reciprocal),
+        black_below=None if two_sided is None else not two_sided, may_fail=bool(may_fail), radiance=mode == "radiance",
+        samples=samples, significance=significance, tolerance=tolerance, largest_energy=largest_energy,
+        min_nm=float(ends[0]), max_nm=float(ends[1]), index_ratio=index_ratio, angles=list(_ENERGY_ANGLES),
         most_bins=40_000 if in_python else 1_000_000, seed=seed, progress=progress)
-    return _report(_name_of(bsdf), data, samples, significance, largest_energy, tolerance)
+    return _report(_name_of(bsdf), data, samples, significance, largest_energy, tolerance, notes)
 
 
 def _name_of(bsdf: Any) -> str:
@@ -356,23 +369,27 @@ def _name_of(bsdf: Any) -> str:
     return type(bsdf).__name__
 
 
-def _report(name: str, data: Dict[str, Any], samples: int, significance: float, bound: float, tolerance: float) -> CheckReport:
+def _report(name: str, data: Dict[str, Any], samples: int, significance: float, bound: float, tolerance: float,
+            notes: List[str]) -> CheckReport:
     checks = [
         CheckRecord(kind=f["kind"], passed=f["passed"], figure=f["figure"], expected=f["expected"],
                     p_value=f["p_value"] if f["p_value"] >= 0 else None, limit=f["limit"],
-                    direction=f["direction"] if any(f["direction"]) else None, wavelength=f["wavelength"] or None, message=f["message"])
+                    direction=f["direction"] if any(f["direction"]) else None, wavelength=f["wavelength"] or None,
+                    message=f["message"])
         for f in data["findings"]
     ]
     angles, wavelengths, albedo = _albedo(data)
-    notes = []
+    notes = list(notes)
     if data["black_below"]:
         notes.append("black from below")
     if data["largest_failure"] > 0:
         notes.append(f"up to {data['largest_failure']:.3g} of the samples have no direction (which the densities know)")
     return CheckReport(
-        name=name, checks=checks, angles=angles, wavelengths=wavelengths, albedo=albedo, bound=bound, tolerance=tolerance,
+        name=name, checks=checks, angles=angles, wavelengths=wavelengths, albedo=albedo, bound=bound,
+        tolerance=tolerance,
         histograms=[Histogram(**h) for h in data["histograms"]],
-        pairs={"wi": data["pair_wi"], "wo": data["pair_wo"], "forward": data["pair_forward"], "backward": data["pair_backward"],
+        pairs={"wi": data["pair_wi"], "wo": data["pair_wo"], "forward": data["pair_forward"],
+               "backward": data["pair_backward"],
                "wavelength": data["pair_wavelength"]},
         samples=samples, significance=significance, statistical_tests=data["statistical_tests"], notes=notes)
 

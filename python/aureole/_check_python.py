@@ -27,7 +27,8 @@ class _Lenient(Adapter):
 
 
 class Batch:
-    """What the C++ side calls, with n directions and the m wavelengths of a path; the first wavelength draws directions."""
+    """What the C++ side calls, with n directions and the m wavelengths of a path; the first wavelength draws
+    directions."""
 
     def __init__(self, instance: Any) -> None:
         self.adapter = _Lenient(instance)
@@ -46,8 +47,8 @@ class Batch:
         return np.ascontiguousarray(value).reshape(n, m), np.ascontiguousarray(pdf).reshape(n, m)
 
     def sample(self, wi: Array, u: Array, wavelengths: Array, mode: str) -> Tuple[Array, Array, Array, Array]:
-        """Directions (n, 3), values and densities (n, m), and (n, 3): is there a direction, its lobe, its ratio of indices. As in a
-        render, see `Adapter.sample_hero`."""
+        """Directions (n, 3), values and densities (n, m), and (n, 3): is there a direction, its lobe, its ratio of
+        indices. As in a render, see `Adapter.sample_hero`."""
         n, m = len(wi), len(wavelengths)
         i, random, nm, uv = self._rows(n, m, wavelengths, wi, u)
         s = self.adapter.sample_rows(i, nm, random, uv, mode)
@@ -69,4 +70,4 @@ class Batch:
         unsaid = (first & both) == both
         first = np.where(unsaid, first & ~np.where(same_side, int(Lobe.transmit), int(Lobe.reflect)), first)
         about = np.stack([valid[:, 0], first, s.eta.reshape(n, m)[:, 0]], -1).astype(np.float64)
-        return np.ascontiguousarray(wo[:, 0]), np.ascontiguousarray(value), np.ascontiguousarray(pdf), np.ascontiguousarray(about)
+        return np.ascontiguousarray(wo[:, 0]), value, pdf, about

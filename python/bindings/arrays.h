@@ -24,13 +24,16 @@ namespace aureole::python {
 namespace nb = nanobind;
 using Extents = std::vector<Py_ssize_t>;
 
+/// Null for None, which an argument that may be left out is by default.
+inline nb::handle optional(nb::handle value) { return value.is_none() ? nb::handle() : value; }
+
 /// An argument: real numbers, or vectors of them along the last axis. The numbers lie in the caller's array
 /// where that has float32 or float64, else in a converted copy.
 class Argument {
 public:
   /// Vectors have `components` numbers; 0: plain numbers. Throws TypeError and Error.
   Argument(const char* name, nb::handle value, int components = 0);
-  /// The same; where the value is None (or null) it is `constant`.
+  /// The same; where the handle is null (see `optional`) it is `constant`.
   Argument(const char* name, nb::handle value, const std::array<double, 3>& constant, int components);
   ~Argument();
   Argument(const Argument&) = delete;

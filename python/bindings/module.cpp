@@ -25,11 +25,11 @@ NB_MODULE(_aureole, m) {
       "Run the command-line program; the first argument is its name. Returns the exit code.");
   bind_leaving();
   bind_errors(m);
+  bind_optics(m);  // before what returns its classes
   bind_objects(m);
   bind_python_bsdf(m);
   bind_image(m);
   bind_scene(m);
-  bind_optics(m);
   bind_spectrum(m);
   bind_check(m);
 }

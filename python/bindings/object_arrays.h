@@ -5,6 +5,7 @@
 #include <nanobind/nanobind.h>
 
 #include <cstddef>
+#include <new>
 #include <string>
 #include <type_traits>
 
@@ -62,7 +63,8 @@ inline Spectrum load_wavelengths(const Argument& argument, const char* at, Py_ss
     }
   }
   Spectrum nm;
-  for (int i = 0; i < kWavelengths; ++i) nm[i] = float(argument.number<T>(at + std::min(i, count - 1) * step));
+  for (int i = 0; i < kWavelengths; ++i)
+    nm[i] = float(argument.number<T>(at + std::min(i, count - 1) * step));
   return nm;
 }
 
@@ -111,7 +113,8 @@ struct PlaceArguments {
 
 /// One of 8 wavelengths, 8 times.
 inline Wavelengths only(const Wavelengths& w, int k) {
-  return {w.nm.data()[k], w.pdf, SpectrumMask{} + reinterpret_cast<const int*>(&w.cell)[k], w.fraction.data()[k]};
+  return {w.nm.data()[k], w.pdf, SpectrumMask{} + reinterpret_cast<const int*>(&w.cell)[k],
+          w.fraction.data()[k]};
 }
 
 /// `for_places` for arguments of type T; void: of several types.
@@ -154,7 +157,8 @@ void for_typed_places(const PlaceArguments& in, const WavelengthRange& range, do
           for (int k = 0; k < count; ++k)
             if (!range.holds(nm[k]))
               throw_wavelength(in.wavelength, in.wavelength.number(at_nm + k * step_nm), range, where(3, k));
-        wavelengths = Wavelengths::at(range.grid, nm);
+        // In its place, not assigned: a copy in halves of vectors would make the first look at it wait.
+        new (&wavelengths) Wavelengths(Wavelengths::at(range.grid, nm));
       }
       if (constant) {
         load_place(0);

@@ -309,12 +309,6 @@ void bind_scene(nb::module_& m) {
           },
           nb::arg("path"), "(family, type) of the object that holds the parameter at a path.")
       .def(
-          "object",
-          [](OpenScene& s, const std::string& path) {
-            return cast_object(s.read([&](const auto& d) { return d.object(path); }));
-          },
-          nb::arg("path"))
-      .def(
           "set",
           [](OpenScene& s, const std::vector<std::pair<std::string, std::string>>& changes,
              const Given& given) {

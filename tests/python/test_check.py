@@ -174,7 +174,7 @@ def test_wrong_ones_fail_in_the_right_check(wrong, kinds):
 def test_right_one_in_python():
     report = aureole.check(Lambert(), samples=4000)
     assert report.passed, str(report)
-    assert report.name == "Lambert"
+    assert report.name == "Lambert" and "30,000" not in str(report)
     np.testing.assert_allclose(report.albedo[report.angles < 90], 0.5, atol=1e-5)
     wrapped = aureole.check(aureole.as_bsdf(Lambert()), samples=4000)
     assert [c.figure for c in wrapped.checks] == [c.figure for c in report.checks]
@@ -231,6 +231,12 @@ def test_seed():
     b = aureole.load_dict({"type": "roughconductor", "alpha": 0.3})
     one, same, other = (aureole.check(b, samples=FAST, seed=s) for s in (1, 1, 2))
     assert str(one) == str(same) != str(other)
+
+
+def test_fewer_samples_in_python():
+    report = aureole.check(WrongDensity())
+    assert report.samples == 30_000 and "30,000 samples instead" in str(report)
+    assert "p < 1e-300" in str(report)
 
 
 def test_text():

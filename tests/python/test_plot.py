@@ -155,12 +155,14 @@ def test_first_dark_ring_is_airys():
     """Independent places: each opening makes its own Airy pattern."""
     airy = np.degrees(np.arcsin(3.8317059702 / (2 * np.pi * 8e-6 / 550e-9)))
     given = flat_axes()
-    ax = plot.corona_profile(radius="8um", area_fraction=0.2, correlation="poisson", wavelength=[450, 550], field=6, samples=3001, ax=given)
+    ax = plot.corona_profile(radius="8um", area_fraction=0.2, correlation="poisson", wavelength=[450, 550], field=6,
+                             samples=3001, ax=given)
     assert ax is given
     assert first_minimum(*curves(ax, 3001)[1].T) == pytest.approx(airy, abs=0.004)
     assert first_minimum(*curves(ax, 3001)[0].T) == pytest.approx(airy * 450 / 550, abs=0.004)
     # The picture in light of 550 nm has it in the same place, in each direction.
-    picture = plot.corona(radius="8um", area_fraction=0.2, correlation="poisson", lamp=550, lamp_diameter=0, field=6, resolution=401)
+    picture = plot.corona(radius="8um", area_fraction=0.2, correlation="poisson", lamp=550, lamp_diameter=0, field=6,
+                          resolution=401)
     image = np.asarray(picture.images[0].get_array())
     assert picture.images[0].get_extent() == [-6, 6, -6, 6]
     at = (np.arange(401) - 200) * 12 / 401
@@ -178,7 +180,8 @@ def test_corona_radii():
 def test_corona_is_blue_inside_and_red_outside():
     """Of each ring: red light is diffracted more."""
     given = flat_axes()
-    ax = plot.corona(radius="8um", area_fraction=0.2, correlation="poisson", lamp_diameter=0, field=6, resolution=201, ax=given)
+    ax = plot.corona(radius="8um", area_fraction=0.2, correlation="poisson", lamp_diameter=0, field=6, resolution=201,
+                     ax=given)
     assert ax is given
     row = np.asarray(ax.images[0].get_array())[100, 100:]
     at = np.arange(101) * 12 / 201
@@ -215,7 +218,8 @@ def test_lamps():
     for lamp in ("A", 589, ([400, 500, 600, 700], [0, 1, 1, 0])):
         image = np.asarray(plot.corona(radius="5um", area_fraction=0.4, lamp=lamp, resolution=16).images[0].get_array())
         assert image.max() > 0.3
-    yellow = image = np.asarray(plot.corona(radius="5um", area_fraction=0.4, lamp=589, resolution=16).images[0].get_array())
+    yellow = image = np.asarray(plot.corona(radius="5um", area_fraction=0.4, lamp=589,
+                                            resolution=16).images[0].get_array())
     lit = yellow.max(axis=-1) > 0.1
     assert np.all(image[lit][:, 2] <= image[lit][:, 0])
 
@@ -239,7 +243,8 @@ def test_report():
     axes = report.plot()
     assert len(axes) == 3
     above = report.angles <= 90
-    np.testing.assert_allclose(axes[0].lines[0].get_xydata(), np.stack([report.angles[above], report.albedo[above, 0]], -1))
+    np.testing.assert_allclose(axes[0].lines[0].get_xydata(),
+                               np.stack([report.angles[above], report.albedo[above, 0]], -1))
     bound = [ln for ln in axes[0].lines if ln.get_linestyle() == "--"][0]
     assert list(bound.get_ydata()) == [1, 1]
     worst = min(report.histograms, key=lambda h: h.p_value)
