@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "arrays.h"
 
+#include <algorithm>
+#include <complex>
 #include <cstdint>
 #include <cstdio>
 #include <type_traits>
@@ -52,7 +54,7 @@ Argument::Argument(const char* name, nb::handle value, const std::array<double, 
   }
   data_ = reinterpret_cast<const char*>(constant_.data());
   component_stride_ = sizeof(double);
-  components_ = components;
+  components_ = std::max(components, 1);
 }
 
 void Argument::read(nb::handle value, int components) {
@@ -104,7 +106,7 @@ Result<T>::Result(Extents shape, int components) {
   const char* const dtype = std::is_same_v<T, double>          ? "float64"
                             : std::is_same_v<T, bool>          ? "bool"
                             : std::is_same_v<T, std::uint32_t> ? "uint32"
-                                                               : nullptr;
+                                                               : "complex128";
   array_ = nb::module_::import_("numpy").attr("empty")(nb::tuple(sizes), dtype);
   Py_buffer view;
   if (PyObject_GetBuffer(array_.ptr(), &view, PyBUF_CONTIG) != 0) throw nb::python_error();
@@ -120,6 +122,7 @@ nb::object Result<T>::object() const {
 template class Result<double>;
 template class Result<bool>;
 template class Result<std::uint32_t>;
+template class Result<std::complex<double>>;
 
 void Interrupts::ask() {
   const auto now = std::chrono::steady_clock::now();

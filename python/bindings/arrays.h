@@ -43,6 +43,7 @@ public:
     if (is_double_) return load<double>(p);
     return double(load<float>(p));
   }
+  int components() const { return components_; }
   bool is_double() const { return is_double_; }
   /// As the renderer sees it.
   Vec3 vec3(const char* at) const {

@@ -24,6 +24,9 @@ void bind_textures(nb::module_& m);  ///< and apertures
 /// The place where objects that stand alone are asked: a point of a flat square with the frame x, y, z.
 SurfacePoint flat_point(Vec2 uv = {0.5f, 0.5f});
 
+/// Throws Error for what has values on a shape only.
+void require_standalone(const Object& object);
+
 /// A direction as the renderer wants it. False where it is not a unit vector within 1e-3; what differs by
 /// more than rounding is normalised.
 inline bool make_unit(Vec3& w) {
@@ -62,6 +65,24 @@ inline Spectrum load_wavelengths(const Argument& argument, const char* at, Py_ss
 [[noreturn]] void throw_uv(const Argument& a, const char* at, const std::string& where);
 [[noreturn]] void throw_wavelength(const Argument& a, double nm, const WavelengthRange& range,
                                    const std::string& where);
+
+/// Rounding to single precision must not leave [0, 1).
+inline float below_one(float u) { return std::min(u, 0x1.fffffep-1f); }
+
+/// Components of argument `a` of a broadcast, which must lie in [0, 1).
+template <std::size_t N>
+Vec3 read_random(const Argument& argument, const char* at, const Broadcast<N>& broadcast, std::size_t a,
+                 Py_ssize_t out) {
+  Vec3 u;
+  for (int k = 0; k < argument.components(); ++k) {
+    const double x = argument.number(at, k);
+    if (!(x >= 0 && x < 1))
+      throw Error(std::string(argument.name()) + ": expected numbers in [0, 1), got " + number_text(x) +
+                  broadcast.where(a, out));
+    u[k] = below_one(float(x));
+  }
+  return u;
+}
 
 /// The arguments of a function of two directions, a place on the surface and a wavelength. Those that are
 /// None, or that a function does not have, are constants.
