@@ -31,4 +31,5 @@ NB_MODULE(_aureole, m) {
   bind_optics(m);
   bind_spectrum(m);
   bind_check(m);
+  bind_microstructure(m);
 }
