@@ -10,7 +10,7 @@ N ?= 10000
 SEED ?= 1
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes lint install clean
+.PHONY: deps build demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes lint install wheel clean
 
 deps:
 	@tools/install_deps.sh
@@ -70,5 +70,8 @@ lint: build
 install: build
 	cmake --install build/$(PRESET) --prefix $(or $(PREFIX),/usr/local)
 
+wheel: deps
+	@tools/make_wheel.sh dist
+
 clean:
-	rm -rf build out
+	rm -rf build out dist

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that includes run one way: core <- math <- spectrum <- optics <- plugin <- families <- scene <- integrator <- render <- apps.
+"""Checks that includes run one way: core <- math <- spectrum <- optics <- plugin <- families <- scene <- integrator <- render <- apps <- python.
 Plug-ins may include family interfaces (`<family>/<family>.h`), not one another. Prints every arrow that points the wrong way."""
 import os
 import re
@@ -8,20 +8,21 @@ import sys
 
 LAYERS = [["core"], ["math"], ["spectrum"], ["optics", "pigment"], ["plugin"],
           ["shape", "texture", "bsdf", "aperture", "correlation", "phase", "medium", "emitter", "sensor", "film", "filter", "sampler"],
-          ["scene"], ["integrator"], ["render", "instrument"], ["apps", "python"]]
+          ["scene"], ["integrator"], ["render", "instrument"], ["apps"], ["python"]]
 RANK = {name: i for i, layer in enumerate(LAYERS) for name in layer}
+ALONE = {"apps": "apps", "python/bindings": "python"}  # folders without subfolders
 PHYSICS = {"optics", "pigment"}  # never see a renderer type, not even a float Spectrum
 
 root = os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "")
 problems = []
 count = 0
-for base in ("src/aureole", "apps"):
+for base in ("src/aureole", "apps", "python/bindings"):
     for folder, _, files in os.walk(os.path.join(root, base)):
         for name in files:
             if not name.endswith((".h", ".cpp")):
                 continue
             path = os.path.join(folder, name)
-            here = "apps" if base == "apps" else os.path.relpath(path, os.path.join(root, base)).split(os.sep)[0]
+            here = ALONE[base] if base in ALONE else os.path.relpath(path, os.path.join(root, base)).split(os.sep)[0]
             if here not in RANK:
                 problems.append(f"{os.path.relpath(path, root)}: the folder {here} has no place in the order")
                 continue

@@ -50,7 +50,7 @@ def annulus(radius: float, inner_radius: float) -> ApertureShape:
     """
     outer, inner = _length("radius", radius), _length("inner_radius", inner_radius)
     if not inner <= 0.999999 * outer:
-        raise Error(f"inner_radius: expected less than radius ({outer:g}), by a millionth of it at least, got {inner:g}")
+        raise Error(f"inner_radius: expected less than radius, {outer:g} m, by a millionth at least, got {inner:g}")
     return _aureole.annulus_aperture(outer, inner)
 
 
@@ -136,7 +136,8 @@ def polygon(vertices: npt.ArrayLike, holes: Sequence[npt.ArrayLike] = (), *, cen
     if abs(shape.area - expected) > 1e-6 * abs(_signed_area(outer)):
         raise Error("holes: expected rings inside of the outer one that do not overlap")
     if not 1e-9 <= shape.bounding_radius <= 1:
-        raise Error(f"vertices: expected a shape that reaches 1 nm to 1 m from its origin, got {shape.bounding_radius:g} m")
+        raise Error("vertices: expected a shape that reaches 1 nm to 1 m from its origin, got "
+                    f"{shape.bounding_radius:g} m")
     return shape
 
 

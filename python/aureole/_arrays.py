@@ -2,6 +2,7 @@
 """Checking of array arguments: exceptions that name the argument and say what was expected."""
 from __future__ import annotations
 
+import os
 from typing import Any, Optional
 
 import numpy as np
@@ -34,7 +35,7 @@ def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Opt
     """
     try:
         array = np.asarray(value)
-    except ValueError as e:
+    except (ValueError, OverflowError, RecursionError) as e:
         raise TypeError(f"{name}: expected an array of real numbers, got a ragged {type(value).__name__}") from e
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: expected real numbers, got {_described(value, array)}")
@@ -56,7 +57,7 @@ def complex_numbers(name: str, value: Any) -> npt.NDArray[np.complex128]:
     """The argument `name` as an array of finite real or complex numbers."""
     try:
         array = np.asarray(value)
-    except ValueError as e:
+    except (ValueError, OverflowError, RecursionError) as e:
         raise TypeError(f"{name}: expected an array of numbers, got a ragged {type(value).__name__}") from e
     if array.dtype.kind not in "fiuc":
         raise TypeError(f"{name}: expected real or complex numbers, got {_described(value, array)}")
@@ -79,12 +80,54 @@ def scalar(name: str, value: Any, **limits: Any) -> float:
 def integer(name: str, value: Any, *, minimum: Optional[int] = None, maximum: Optional[int] = None) -> int:
     """The argument `name` as one integer."""
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)):
-        raise TypeError(f"{name}: expected an integer, got {_described(value, np.asarray(value))}")
+        got = f"an array of {value.dtype}" if isinstance(value, np.ndarray) else f"{type(value).__name__} {shown(value)}"
+        raise TypeError(f"{name}: expected an integer, got {got}")
     if minimum is not None and value < minimum:
-        raise Error(f"{name}: expected at least {minimum}, got {value}")
+        raise Error(f"{name}: expected at least {minimum}, got {shown(value)}")
     if maximum is not None and value > maximum:
-        raise Error(f"{name}: expected at most {maximum}, got {value}")
+        raise Error(f"{name}: expected at most {maximum}, got {shown(value)}")
     return int(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """The argument `name` as True or False."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name}: expected True or False, got {type(value).__name__} {shown(value)}")
+    return bool(value)
+
+
+def text(name: str, value: Any) -> str:
+    """The argument `name` as a string that can be written as UTF-8."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name}: expected a string, got {type(value).__name__}")
+    try:
+        value.encode("utf-8")
+    except UnicodeEncodeError:
+        raise Error(f"{name}: expected valid Unicode, got {shown(value)}") from None
+    return value
+
+
+def file_path(name: str, value: Any) -> str:
+    """The argument `name` as the path of a file."""
+    try:
+        path = os.fsdecode(value)
+        os.fsencode(path)
+    except TypeError:
+        raise TypeError(f"{name}: expected a path (a string or os.PathLike), got {type(value).__name__}") from None
+    except UnicodeError:
+        raise Error(f"{name}: expected a path in valid Unicode, got {shown(value)}") from None
+    if "\0" in path:
+        raise Error(f"{name}: expected a path without null characters, got {shown(path)}")
+    return path
+
+
+def shown(value: Any) -> str:
+    """What a message shows of a value: it may be huge, or refuse to be shown."""
+    try:
+        written = repr(value)
+    except Exception:  # too deep, too many digits, or the object's own
+        return "that cannot be shown"
+    return written if len(written) < 60 else f"{written[:57]}..."
 
 
 def _refuse_masked(name: str, value: Any) -> None:
@@ -95,7 +138,7 @@ def _refuse_masked(name: str, value: Any) -> None:
 def _described(value: Any, array: npt.NDArray[Any]) -> str:
     if isinstance(value, np.ndarray) or array.ndim > 0:
         return f"an array of {array.dtype}"
-    return f"{type(value).__name__} {value!r}" if len(repr(value)) < 60 else type(value).__name__
+    return f"{type(value).__name__} {shown(value)}"
 
 
 def _where(wrong: npt.NDArray[np.bool_]) -> str:

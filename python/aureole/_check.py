@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _aureole
 from ._arrays import integer, real, scalar
 from ._errors import Error
-from ._plot_support import as_bsdf
+from ._plot_support import as_bsdf, p_text
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -47,8 +47,9 @@ class CheckRecord:
         ``"sample_energy"``, ``"reciprocity"``, ``"modes"``, ``"wavelengths"`` or ``"black"``.
     passed : bool
     figure, expected : float
-        What was measured and what should have been: chi-square and degrees of freedom, frequency and mass of a delta lobe, integral
-        of the density, energy and its bound; else the largest relative deviation, or the number of invalid values, and 0.
+        What was measured and what should have been: chi-square and degrees of freedom, frequency and mass of a delta
+        lobe, integral of the density, energy and its bound; else the largest relative deviation, or the number of
+        invalid values, and 0.
     p_value : float or None
         How probable such a figure is for a right BSDF; None where the test is not a statistical one.
     limit : float
@@ -79,11 +80,12 @@ class CheckRecord:
             return float(np.log(max(self.p_value, 1e-300)) / np.log(self.limit))
         if np.isnan(self.figure):
             return float("inf")
-        difference = max(self.figure - self.expected, 0.0) if self.kind == "energy" and self.passed else abs(self.figure - self.expected)
+        difference = self.figure - self.expected
+        difference = max(difference, 0.0) if self.kind == "energy" and self.passed else abs(difference)
         return difference / self.limit if self.limit > 0 else (0.0 if self.passed else float("inf"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Histogram:
     """Samples counted in bins over the sphere, beside what the density says.
 
@@ -117,7 +119,7 @@ class Histogram:
     pools: int
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class CheckReport:
     """What `check` found.
 
@@ -190,10 +192,10 @@ class CheckReport:
             records = [c for c in self.checks if c.kind == kind]
             wrong = sum(not c.passed for c in records)
             if unit == "p":
-                figure = f"p = {worst.p_value:.2g} (least {worst.limit:.1g})"
+                figure = f"p {p_text(worst.p_value)} (least {worst.limit:.1g})"
             elif unit == "energy":
-                figure = f"{worst.figure:.5g} (bound {worst.expected:g})" if worst.passed or worst.figure > worst.expected else \
-                    f"{worst.figure:.5g} (lossless: {worst.expected:g})"
+                gain = worst.passed or worst.figure > worst.expected
+                figure = f"{worst.figure:.5g} ({'bound' if gain else 'lossless:'} {worst.expected:g})"
             elif unit in ("invalid", "samples"):
                 figure = f"{sum(c.figure for c in records):.0f} {unit}" if unit == "invalid" else ""
             elif unit == "difference":
@@ -201,9 +203,9 @@ class CheckReport:
             else:
                 figure = f"{worst.figure:.1e} (most {worst.limit:.0e})"
             place = ""
-            if worst.direction is not None:
+            if worst.direction is not None and worst.severity > 0:
                 place = f"{np.degrees(np.arccos(np.clip(worst.direction[2], -1, 1))):.0f} deg"
-            if worst.wavelength is not None:
+            if worst.wavelength is not None and worst.severity > 0:
                 place += f"{', ' if place else ''}{worst.wavelength:.0f} nm"
             verdict = "ok" if not wrong else f"FAILED {wrong} of {len(records)}"
             rows.append((kind, verdict, figure, place, meaning))
@@ -213,7 +215,8 @@ class CheckReport:
         return f"{self.name}: " + ("passed" if self.passed else f"FAILED ({', '.join(self.failed())})")
 
     def _footer(self) -> str:
-        return (f"{len(self.checks)} tests, {self.statistical_tests} of them statistical ({self.significance:g} false alarms per report); "
+        return (f"{len(self.checks)} tests, {self.statistical_tests} of them statistical "
+                f"({self.significance:g} false alarms per report); "
                 f"{self.samples:,} samples per direction and wavelength")
 
     def __str__(self) -> str:
@@ -240,12 +243,15 @@ class CheckReport:
             + f"<td style='text-align:left;color:{colour[verdict == 'ok']};font-weight:bold'>{verdict}</td>"
             + "".join(f"<td style='text-align:left'>{html.escape(c)}</td>" for c in rest) + "</tr>"
             for kind, verdict, *rest in self._rows())
-        text = (f"<div><p><b style='color:{colour[self.passed]}'>{html.escape(self._headline())}</b></p><table><thead><tr>"
-                + "".join(f"<th style='text-align:left'>{h}</th>" for h in ("check", "verdict", "worst figure", "at", "what it says"))
+        text = (f"<div><p><b style='color:{colour[self.passed]}'>{html.escape(self._headline())}</b></p>"
+                "<table><thead><tr>"
+                + "".join(f"<th style='text-align:left'>{h}</th>"
+                          for h in ("check", "verdict", "worst figure", "at", "what it says"))
                 + f"</tr></thead><tbody>{cells}</tbody></table>")
         if not self.passed:
             text += "<ul>" + "".join(f"<li>{html.escape(p)}</li>" for p in self.problems[:12]) + "</ul>"
-        return text + "".join(f"<p><small>{html.escape(n)}</small></p>" for n in [*self.notes, self._footer()]) + "</div>"
+        return text + "".join(f"<p><small>{html.escape(n)}</small></p>"
+                              for n in [*self.notes, self._footer()]) + "</div>"
 
     def plot(self, axes: "Optional[Sequence[Axes]]" = None) -> "npt.NDArray[Any]":
         """Three plots: albedo over angle, samples against density for the worst direction, reciprocity.
@@ -264,15 +270,17 @@ class CheckReport:
         return plot.check_report(self, axes)
 
 
-def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True, samples: int = 300_000, significance: float = 0.01,
-          wavelengths: Any = (360, 830), seed: int = 1, progress: Optional[Callable[[float], Any]] = None, two_sided: Optional[bool] = None,
-          may_fail: bool = True, index_ratio: Optional[float] = None, largest_energy: float = 1, tolerance: float = 2e-3,
+def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True, samples: Optional[int] = None,
+          significance: float = 0.01, wavelengths: Any = (360, 830), seed: int = 1,
+          progress: Optional[Callable[[float], Any]] = None, two_sided: Optional[bool] = None, may_fail: bool = True,
+          index_ratio: Optional[float] = None, largest_energy: float = 1, tolerance: float = 2e-3,
           mode: str = "importance") -> CheckReport:
     """Checks that a BSDF is one, by numbers.
 
-    For directions of incidence at 20, 60 and 85 degrees above and below the surface: samples follow the density (chi-square), densities
-    integrate to one, no energy is gained, samples carry the energy that `eval` has. For random pairs of directions: reciprocity, and
-    that light and importance are transported alike. At grazing directions and at the ends of the random numbers: valid numbers.
+    For directions of incidence at 20, 60 and 85 degrees above and below the surface: samples follow the density
+    (chi-square), densities integrate to one, no energy is gained, samples carry the energy that `eval` has. For random
+    pairs of directions: reciprocity, and that light and importance are transported alike. At grazing directions and at
+    the ends of the random numbers: valid numbers.
 
     Parameters
     ----------
@@ -282,12 +290,13 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
         True: losing light is an error, too.
     reciprocal : bool
         False: reciprocity is not tested, for models that are known to lack it.
-    samples : int
-        For each direction and each of two wavelengths; at least 1000. Fewer are faster and see less.
+    samples : int, optional
+        For each direction and each of two wavelengths; at least 1000. Fewer are faster and see less. None: 300,000, or
+        30,000 for what is written in Python.
     significance : float
         Probability that a right BSDF fails in one of the statistical tests; shared among them (Sidak).
-    wavelengths : (float, float)
-        Range in nm; within that for which the BSDF was made.
+    wavelengths : (float, float) or None
+        Range in nm, within that for which the BSDF was made; None: all of it.
     seed : int
         Of the random numbers; the same seed gives the same report.
     progress : callable, optional
@@ -295,10 +304,11 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
     two_sided : bool, optional
         True: it must reflect or transmit light from below, too; False: it must be black from below; None: either.
     may_fail : bool
-        `sample` may return nothing; the density must then integrate to the part that is sampled. False: that is an error.
+        `sample` may return nothing; the density must then integrate to the part that is sampled. False: that is an
+        error.
     index_ratio : float, optional
-        The refractive index below the surface over that above, by whose square reciprocity differs; None: what samples of the BSDF
-        say.
+        The refractive index below the surface over that above, by whose square reciprocity differs; None: what samples
+        of the BSDF say.
     largest_energy : float
         More than 1 where a model is known to reflect more light than it receives.
     tolerance : float
@@ -316,6 +326,13 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
     >>> report = aureole.check(aureole.load_dict({"type": "roughconductor", "alpha": 0.1}))  # doctest: +SKIP
     >>> print(report)  # doctest: +SKIP
     """
+    instance = as_bsdf(bsdf)
+    in_python = instance.type == "python"
+    notes = []
+    if samples is None:
+        if in_python:
+            notes.append("written in Python: 30,000 samples instead of 300,000 (`samples`)")
+        samples = 30_000 if in_python else 300_000
     samples = integer("samples", samples, minimum=1000, maximum=1_000_000_000)
     significance = scalar("significance", significance, positive=True, maximum=0.5)
     tolerance = scalar("tolerance", tolerance, positive=True, maximum=1)
@@ -333,32 +350,22 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
         raise Error(f'mode: expected "importance" or "radiance", got {mode!r}')
     if progress is not None and not callable(progress):
         raise TypeError(f"progress: expected a function of one number, got {type(progress).__name__}")
-    ends = real("wavelengths", wavelengths, positive=True, unit="nm")
-    if ends.shape != (2,) or not ends[0] < ends[1]:
+    ends = np.zeros(2) if wavelengths is None else real("wavelengths", wavelengths, positive=True, unit="nm")
+    if wavelengths is not None and (ends.shape != (2,) or not ends[0] < ends[1]):
         raise Error(f"wavelengths: expected two numbers in nm, the lower one first, got {wavelengths!r}")
 
-    instance = as_bsdf(bsdf)
-    notes, most_bins = _effort(bsdf)
     data = _aureole.check_bsdf(
-        instance, lossless=bool(lossless), reciprocal=bool(reciprocal), black_below=None if two_sided is None else not two_sided,
-        may_fail=bool(may_fail), radiance=mode == "radiance", samples=samples, significance=significance, tolerance=tolerance,
-        largest_energy=largest_energy, min_nm=float(ends[0]), max_nm=float(ends[1]), index_ratio=index_ratio, angles=list(_ENERGY_ANGLES),
-        most_bins=most_bins, seed=seed, progress=progress)
+        instance, lossless=bool(lossless), reciprocal=bool(reciprocal),
+        black_below=None if two_sided is None else not two_sided, may_fail=bool(may_fail), radiance=mode == "radiance",
+        samples=samples, significance=significance, tolerance=tolerance, largest_energy=largest_energy,
+        min_nm=float(ends[0]), max_nm=float(ends[1]), index_ratio=index_ratio, angles=list(_ENERGY_ANGLES),
+        most_bins=40_000 if in_python else 1_000_000, seed=seed, progress=progress)
     return _report(_name_of(bsdf), data, samples, significance, largest_energy, tolerance, notes)
-
-
-def _effort(bsdf: Any) -> Tuple[List[str], int]:
-    """Notes about the check, and where its quadrature gives up."""
-    if isinstance(bsdf, _aureole.Bsdf):
-        return [], 1_000_000
-    # Numbers over numpy arrays cost a hundred times those of compiled code: quadrature of what is not smooth ends earlier.
-    return ["written in Python: quadrature uses fewer bins; fewer `samples` make the check faster"], 60_000
 
 
 def _name_of(bsdf: Any) -> str:
     if isinstance(bsdf, _aureole.Bsdf):
-        type_name = getattr(bsdf, "type", None)
-        return str(type_name) if isinstance(type_name, str) else "bsdf"
+        return f"{bsdf.type} ({bsdf.id})" if bsdf.id else bsdf.type
     return type(bsdf).__name__
 
 
@@ -367,7 +374,8 @@ def _report(name: str, data: Dict[str, Any], samples: int, significance: float, 
     checks = [
         CheckRecord(kind=f["kind"], passed=f["passed"], figure=f["figure"], expected=f["expected"],
                     p_value=f["p_value"] if f["p_value"] >= 0 else None, limit=f["limit"],
-                    direction=f["direction"] if any(f["direction"]) else None, wavelength=f["wavelength"] or None, message=f["message"])
+                    direction=f["direction"] if any(f["direction"]) else None, wavelength=f["wavelength"] or None,
+                    message=f["message"])
         for f in data["findings"]
     ]
     angles, wavelengths, albedo = _albedo(data)
@@ -377,9 +385,11 @@ def _report(name: str, data: Dict[str, Any], samples: int, significance: float, 
     if data["largest_failure"] > 0:
         notes.append(f"up to {data['largest_failure']:.3g} of the samples have no direction (which the densities know)")
     return CheckReport(
-        name=name, checks=checks, angles=angles, wavelengths=wavelengths, albedo=albedo, bound=bound, tolerance=tolerance,
+        name=name, checks=checks, angles=angles, wavelengths=wavelengths, albedo=albedo, bound=bound,
+        tolerance=tolerance,
         histograms=[Histogram(**h) for h in data["histograms"]],
-        pairs={"wi": data["pair_wi"], "wo": data["pair_wo"], "forward": data["pair_forward"], "backward": data["pair_backward"],
+        pairs={"wi": data["pair_wi"], "wo": data["pair_wo"], "forward": data["pair_forward"],
+               "backward": data["pair_backward"],
                "wavelength": data["pair_wavelength"]},
         samples=samples, significance=significance, statistical_tests=data["statistical_tests"], notes=notes)
 

@@ -8,8 +8,16 @@ def main() -> int:
     """Runs the command line of the program with the process's arguments and returns its exit code."""
     from ._aureole import run_command_line
 
-    signal.signal(signal.SIGINT, signal.SIG_DFL)  # the program sets its own handlers
-    return run_command_line(["aureole", *sys.argv[1:]])
+    # As a program finds them: Python catches SIGINT, which the program's own handlers replace where a render can be stopped, and
+    # ignores SIGPIPE.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    arguments = sys.argv[1:]
+    for argument in arguments:
+        if any("\udc80" <= c <= "\udcff" for c in argument):
+            print(f"error: {argument!a}: expected an argument in UTF-8", file=sys.stderr)
+            return 2
+    return run_command_line(["aureole", *arguments])
 
 
 if __name__ == "__main__":

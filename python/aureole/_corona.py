@@ -21,7 +21,8 @@ Lamp = Union[str, float, Tuple[npt.ArrayLike, npt.ArrayLike]]
 def layer(bsdf: Any, radius: Any, area_fraction: Any, correlation: Any, scatterer: Any) -> Tuple[Any, Optional[float]]:
     """The layer that the arguments describe, and the radius in m where it is known."""
     if bsdf is not None:
-        for name, value in (("radius", radius), ("area_fraction", area_fraction), ("correlation", correlation), ("scatterer", scatterer)):
+        for name, value in (("radius", radius), ("area_fraction", area_fraction), ("correlation", correlation),
+                            ("scatterer", scatterer)):
             if value is not None:
                 raise Error(f"{name}: expected either a bsdf or a description of the layer, got both")
         return as_bsdf(bsdf), None
@@ -32,7 +33,8 @@ def layer(bsdf: Any, radius: Any, area_fraction: Any, correlation: Any, scattere
     if isinstance(radius, str):
         parts.append(("string", "radius", radius))
     else:
-        metres = scalar("radius", radius, minimum=1e-8, maximum=1e-2, unit='m (or a string with its unit, such as "5um")')
+        metres = scalar("radius", radius, minimum=1e-8, maximum=1e-2,
+                        unit='m (or a string with its unit, such as "5um")')
         parts.append(("string", "radius", f"{metres!r}m"))
     fraction = scalar("area_fraction", area_fraction, positive=True, maximum=0.9069)
     parts.append(("float", "area_fraction", repr(fraction)))
@@ -67,8 +69,8 @@ def field_of(radius: Optional[float]) -> float:
 
 
 def radiance(bsdf: Any, x: Array, y: Array, wavelengths: Array) -> Array:
-    """Radiance (..., n) seen `x` to the right of and `y` above a lamp (degrees) that gives unit irradiance, behind the layer and square
-    to it."""
+    """Radiance (..., n) seen `x` to the right of and `y` above a lamp (degrees) that gives unit irradiance, behind the
+    layer and square to it."""
     angle = np.radians(np.hypot(x, y))
     along = -np.sinc(angle / np.pi) * math.pi / 180
     # From the layer to the eye, opposite to where it looks; from the layer to the lamp.
@@ -78,7 +80,8 @@ def radiance(bsdf: Any, x: Array, y: Array, wavelengths: Array) -> Array:
 
 
 def lamp_colours(lamp: Any, wavelengths: Array) -> Tuple[Array, Array]:
-    """Wavelengths at which to know the layer, and the matrix (n, 3) that takes values there to linear sRGB; the lamp has Y = 1."""
+    """Wavelengths at which to know the layer, and the matrix (n, 3) that takes values there to linear sRGB; the lamp
+    has Y = 1."""
     if isinstance(lamp, str):
         identity = spectrum.to_xyz(wavelengths, np.eye(wavelengths.size), lamp, outside="nearest")
         return wavelengths, spectrum.xyz_to_srgb(identity)
@@ -91,7 +94,8 @@ def lamp_colours(lamp: Any, wavelengths: Array) -> Tuple[Array, Array]:
                         f"got {type(lamp).__name__}")
     at, power = real("lamp", lamp[0], positive=True, unit="nm"), real("lamp", lamp[1], minimum=0)
     if at.ndim != 1 or at.size < 2 or np.any(np.diff(at) <= 0) or power.shape != at.shape:
-        raise Error(f"lamp: expected increasing wavelengths and as many powers, got shapes {at.shape} and {power.shape}")
+        raise Error("lamp: expected increasing wavelengths and as many powers, "
+                    f"got shapes {at.shape} and {power.shape}")
     # The lamp's own wavelengths, too: it may have lines.
     inside = at[(at > wavelengths[0]) & (at < wavelengths[-1])]
     both = np.unique(np.concatenate([wavelengths, inside]))
@@ -105,13 +109,14 @@ def lamp_colours(lamp: Any, wavelengths: Array) -> Tuple[Array, Array]:
 
 
 def picture(bsdf: Any, lamp: Lamp, lamp_diameter: float, field: float, resolution: int, wavelengths: Array) -> Array:
-    """Linear sRGB (resolution, resolution, 3) of the light around the lamp, first row on top, where the lamp gives unit illuminance."""
+    """Linear sRGB (resolution, resolution, 3) of the light around the lamp, first row on top, where the lamp gives unit
+    illuminance."""
     nm, to_rgb = lamp_colours(lamp, wavelengths)
     pixel = 2 * field / resolution
     # Pixels beyond the edges shine into the picture where the lamp is not a point.
     margin = math.ceil(0.5 * lamp_diameter / pixel) if lamp_diameter > 0.5 * pixel else 0
     n = resolution + 2 * margin
-    at = (np.arange(n) - 0.5 * (n - 1)) * pixel
+    at: Array = (np.arange(n, dtype=np.float64) - 0.5 * (n - 1)) * pixel
     rgb = np.empty((n, n, 3))
     for row in range(n):
         rgb[row] = radiance(bsdf, at, np.full(n, -at[row]), nm) @ to_rgb
@@ -131,3 +136,14 @@ def disc(half: int, radius: float) -> Array:
     inside = (at[:, None] ** 2 + at[None, :] ** 2 <= radius**2).astype(np.float64)
     weights = inside.reshape(2 * half + 1, over, 2 * half + 1, over).mean((1, 3))
     return np.asarray(weights / weights.sum())
+
+
+def display(linear: Array) -> Array:
+    """sRGB for the screen of linear values. What it cannot show is mixed with grey of the same luminance, as little as
+    is needed: hues stay, and what is too bright becomes white by way of paler colours."""
+    grey = np.clip(linear @ np.array([0.2126, 0.7152, 0.0722]), 0, 1)[..., None]
+    away = linear - grey
+    with np.errstate(divide="ignore", invalid="ignore"):
+        room = np.where(away > 0, (1 - grey) / away, np.where(away < 0, -grey / away, 1.0))
+    share = np.clip(room.min(-1, keepdims=True), 0, 1)
+    return spectrum.srgb_encode(np.clip(grey + share * away, 0, 1))

@@ -11,7 +11,7 @@ from . import _aureole
 from ._apertures import _flag
 from ._arrays import integer, real, scalar
 from ._errors import Error
-from ._vectorised import broadcast, last_axis, limit_results, shaped
+from ._vectorised import broadcast, choice, last_axis, limit_results, shaped
 
 Reals = npt.NDArray[np.float64]
 _MOST_QA = 1e4  # means over rings of anisotropic patterns take time and memory with it
@@ -132,7 +132,8 @@ class StructureFactor:
         return cls(_aureole.percus_yevick_factor(_fraction(area_fraction, 0.7)))
 
     @classmethod
-    def simulated(cls, area_fraction: float, *, discs: int = 1500, snapshots: int = 1200, seed: int = 0) -> "StructureFactor":
+    def simulated(cls, area_fraction: float, *, discs: int = 1500, snapshots: int = 1200,
+                  seed: int = 0) -> "StructureFactor":
         """Fluid of equal hard discs, measured in eight simulations and smoothed with the help of theory.
 
         Parameters
@@ -142,17 +143,19 @@ class StructureFactor:
         discs : int
             In each simulation, 200 to 5000.
         snapshots : int
-            Of all simulations together, 16 to 20000.
+            Of all simulations together, from 16; discs times snapshots is at most 4e6.
         seed : int
             The same seed gives the same result on any number of cores.
 
         Notes
         -----
-        Takes seconds and cannot be interrupted.
+        Takes seconds (3 on two cores by default, longer above 0.6). Ctrl-C returns at once, and leaves the simulations to
+        come to their end in the background.
         """
-        return cls(_aureole.simulated_factor(_fraction(area_fraction, 0.68),
-                                             integer("discs", discs, minimum=200, maximum=5000),
-                                             integer("snapshots", snapshots, minimum=16, maximum=20000), _seed(seed)))
+        count, taken = integer("discs", discs, minimum=200, maximum=5000), integer("snapshots", snapshots, minimum=16)
+        if count * taken > 4_000_000:
+            raise Error(f"snapshots: expected at most {4_000_000 // count} for {count} discs, got {taken}")
+        return cls(_aureole.simulated_factor(_fraction(area_fraction, 0.68), count, taken, _seed(seed)))
 
     @classmethod
     def lattice(cls, area_fraction: float, *, kind: str = "hexagonal", jitter: float = 0.1, domain: float = 4.0,
@@ -179,9 +182,9 @@ class StructureFactor:
         ----------
         Guinier, X-ray Diffraction, 1963, chapter 7.
         """
-        if kind not in ("hexagonal", "square"):
-            raise Error(f'kind: expected "hexagonal" or "square", got {kind!r}')
-        return cls(_aureole.lattice_factor(kind == "hexagonal", scalar("area_fraction", area_fraction, positive=True, maximum=1),
+        choice("kind", kind, "hexagonal", "square")
+        fraction = scalar("area_fraction", area_fraction, positive=True, maximum=1)
+        return cls(_aureole.lattice_factor(kind == "hexagonal", fraction,
                                            scalar("jitter", jitter, minimum=0, maximum=1),
                                            scalar("domain", domain, minimum=0.5),
                                            scalar("angle", angle, minimum=-1e3, maximum=1e3),
@@ -212,8 +215,8 @@ def structure_factor(qa: npt.ArrayLike, area_fraction: npt.ArrayLike, *, model: 
     area_fraction : array_like
         Covered part of the plane, in [0, 0.7].
     model : {"percus_yevick", "poisson"}
-        Percus-Yevick form of Rosenfeld ("Free-energy model for the inhomogeneous hard-sphere fluid in D dimensions", 1990,
-        equations 4.4-4.6), or independent positions, 1. `StructureFactor` has more models.
+        Percus-Yevick form of Rosenfeld ("Free-energy model for the inhomogeneous hard-sphere fluid in D dimensions",
+        1990, equations 4.4-4.6), or independent positions, 1. `StructureFactor` has more models.
 
     Returns
     -------
@@ -227,8 +230,7 @@ def structure_factor(qa: npt.ArrayLike, area_fraction: npt.ArrayLike, *, model: 
     array([1.    , 0.6627, 0.0833])
     """
     u, fraction = real("qa", qa, minimum=-1e9, maximum=1e9), _fractions(area_fraction)
-    if model not in ("percus_yevick", "poisson"):
-        raise Error(f'model: expected "percus_yevick" or "poisson", got {model!r}')
+    choice("model", model, "percus_yevick", "poisson")
     shape, (flat_u, flat_fraction) = broadcast(qa=u, area_fraction=fraction)
     result = np.ones(flat_u.size)
     if model == "percus_yevick":
@@ -249,7 +251,7 @@ def hard_disc_pair_correlation(ra: npt.ArrayLike, area_fraction: npt.ArrayLike) 
     Returns
     -------
     numpy.ndarray
-        Of the shape that `ra` and `area_fraction` broadcast to. Numerically exact to about 1e-5 (1e-4 at 0.7). In two
+        Of the shape that `ra` and `area_fraction` broadcast to. Numerically exact to 1e-5 from contact on. In two
         dimensions the model is an approximation that keeps discs apart only roughly: just inside of contact it is not 0
         (0.7 at an area fraction of 0.5), and at contact it is too small (2.78 there, 3.13 by Henderson's equation).
 
@@ -275,7 +277,7 @@ def hard_discs(n: int, area_fraction: float, seed: int = 0, *, radius: npt.Array
     n : int
         Number of discs, up to 1e6; the box must be four of the largest diameters wide.
     area_fraction : float
-        Covered part of the plane, above 0, up to 0.68.
+        Covered part of the plane, in [1e-6, 0.68].
     seed : int
         The same seed gives the same discs, bit by bit.
     radius : array_like, shape () or (n,)
@@ -284,8 +286,8 @@ def hard_discs(n: int, area_fraction: float, seed: int = 0, *, radius: npt.Array
         Return so many configurations of one simulation, apart enough for each to be worth its evaluation (not
         independent ones). All together at most 2^27 positions.
     sweeps : float, optional
-        Collisions per disc before the first snapshot. By default enough for the start, a lattice, to be forgotten, which
-        is some 200 for up to 1500 discs and grows with their number: 10^4 discs take a second or so, 10^5 minutes.
+        Collisions per disc before the first snapshot. By default enough for the start, a lattice, to be forgotten:
+        some 200 for up to 1500 discs and more for more: 10^4 discs take a second or so, 10^5 minutes.
 
     Returns
     -------
@@ -303,14 +305,14 @@ def hard_discs(n: int, area_fraction: float, seed: int = 0, *, radius: npt.Array
     ((400, 2), array([50.133, 50.133]))
     """
     count = integer("n", n, minimum=1, maximum=10**6)
-    fraction = scalar("area_fraction", area_fraction, positive=True, maximum=0.68)
+    fraction = scalar("area_fraction", area_fraction, minimum=1e-6, maximum=0.68)
     radii = real("radius", radius, positive=True, minimum=1e-100, maximum=1e100)
     if radii.shape not in ((), (count,)):
         raise Error(f"radius: expected one number or an array of shape ({count},), got shape {radii.shape}")
     mixed = radii.ndim == 1 and bool(np.any(radii != radii[0]))
     unit = float(np.max(radii))
     if mixed and (count > 20000 or unit > 100 * float(np.min(radii))):
-        raise Error("radius: expected at most 20000 discs, whose radii differ by a factor of 100 at most, or equal radii")
+        raise Error("radius: expected equal radii, or at most 20000 that differ by a factor of 100 at most")
     taken = 1 if snapshots is None else integer("snapshots", snapshots, minimum=1)
     if taken * count > 2**27:
         raise Error(f"snapshots: expected at most 2^27 positions in all, got {taken} x {count}")
@@ -319,7 +321,8 @@ def hard_discs(n: int, area_fraction: float, seed: int = 0, *, radius: npt.Array
     positions = np.empty((taken, count, 2))
     box, pressure = _aureole.hard_discs(np.ascontiguousarray(relative), fraction, _seed(seed), first, -1.0, positions)
     positions *= unit
-    return HardDiscs(positions[0] if snapshots is None else positions, unit * relative, np.full(2, unit * box), pressure)
+    taken_out = positions[0] if snapshots is None else positions
+    return HardDiscs(taken_out, unit * relative, np.full(2, unit * box), pressure)
 
 
 def pair_correlation(positions: npt.ArrayLike, box: npt.ArrayLike, *, r_max: Optional[float] = None, bins: int = 60,
@@ -344,8 +347,10 @@ def pair_correlation(positions: npt.ArrayLike, box: npt.ArrayLike, *, r_max: Opt
         the translational edge correction of Ohser & Stoyan ("On the second-order and orientation analysis of planar
         stationary point processes", 1981).
     tiles : int
-        The error is by jackknife: each of tiles x tiles parts of each field is left out once, as the first points of
-        pairs (after Loh, "A valid and fast spatial bootstrap for correlation functions", 2008). 2 to 32.
+        The error comes from the differences between tiles x tiles parts of each field, as the first points of pairs
+        (after Loh, "A valid and fast spatial bootstrap for correlation functions", 2008), less what their numbers of
+        points explain. 3 to 32. For distances near to the size of a part it is some 40 % too large, where points are
+        independent.
 
     Returns
     -------
@@ -373,29 +378,35 @@ def pair_correlation(positions: npt.ArrayLike, box: npt.ArrayLike, *, r_max: Opt
         bounds = np.linspace(0, end, integer("bins", bins, minimum=1, maximum=10000) + 1)
         if not np.all(np.diff(bounds) > 0):
             raise Error(f"r_max: expected bins that can be told apart, got {end:g}")
-    side = integer("tiles", tiles, minimum=2, maximum=32)
-    sums = np.empty((len(points), side * side, bounds.size - 1))
-    limit_results("positions, tiles and bins", sums.shape, (1024,) if sums[0].size > 2**18 else ())
-    expected = np.empty((len(points), side * side))
+    side = integer("tiles", tiles, minimum=3, maximum=32)
+    limit_results("positions, tiles and bins", (max(64, len(points)), side * side, bounds.size - 1))
+    sums, members = np.empty((len(points), side * side, bounds.size - 1)), np.empty((len(points), side * side))
     area = float(sides[0] * sides[1])
-    for field, pairs, weight in zip(points, sums, expected):
+    for field, pairs, number in zip(points, sums, members):
         _aureole.count_pairs(field, sides[0], sides[1], bool(periodic), np.ascontiguousarray(bounds), side, pairs)
         tile = np.clip((field / sides * side).astype(int), 0, side - 1)
-        weight[:] = np.bincount(tile[:, 1] * side + tile[:, 0], minlength=side * side) * (count - 1) / area**2
+        number[:] = np.bincount(tile[:, 1] * side + tile[:, 0], minlength=side * side)
     ring = np.pi * np.diff(bounds**2)
-    pairs, weight = sums.reshape(-1, ring.size), expected.reshape(-1)
-    g = pairs.sum(axis=0) / (weight.sum() * ring)
-    without = (pairs.sum(axis=0) - pairs) / ((weight.sum() - weight)[:, None] * ring)
-    parts = len(weight)
-    error = np.sqrt(((without - without.mean(axis=0)) ** 2).sum(axis=0) * (parts - 1) / parts)
-    reach = _student(parts - 1) * error
-    empty = 3.69 / (0.5 * weight.sum() * area * ring)  # exp(-3.69) = .025
+    parts, number = sums.reshape(-1, ring.size), members.reshape(-1)
+    expected = number.sum() * (count - 1) / area**2 * ring
+    all_pairs = parts.sum(axis=0)
+    g = all_pairs / expected
+    # What a part adds to g beyond its mean, less what its number of points explains: more points have more neighbours,
+    # but in all parts together there are as many as there are.
+    influence = parts / expected - g / len(number)
+    excess = (number - number.mean())[:, None]
+    if np.any(excess):
+        influence = influence - excess * (excess * influence).sum(axis=0) / (excess**2).sum()
+    freedom = len(number) - 2
+    error = np.sqrt(len(number) / freedom * (influence**2).sum(axis=0))
+    reach = _student(freedom) * error
+    empty = 3.69 / (0.5 * expected * area)  # exp(-3.69) = .025
     high = np.where(g > 0, g + reach, empty)
     return PairCorrelation(0.5 * (bounds[1:] + bounds[:-1]), g, error, np.maximum(g - reach, 0.0), high)
 
 
-def point_structure_factor(positions: npt.ArrayLike, box: npt.ArrayLike, *, q_max: Optional[float] = None, rings: int = 60,
-                           edges: Optional[npt.ArrayLike] = None, periodic: bool = True,
+def point_structure_factor(positions: npt.ArrayLike, box: npt.ArrayLike, *, q_max: Optional[float] = None,
+                           rings: int = 60, edges: Optional[npt.ArrayLike] = None, periodic: bool = True,
                            per_ring: int = 200) -> PointStructureFactor:
     """Structure factor of points, mean over directions, with confidence intervals.
 
@@ -414,8 +425,8 @@ def point_structure_factor(positions: npt.ArrayLike, box: npt.ArrayLike, *, q_ma
         Increasing edges of rings in place of `q_max` and `rings`.
     periodic : bool
         The box repeats: S is taken on its own wave vectors. Otherwise it is a window on a larger pattern: points are
-        weighted by a taper (Hann) against side lobes, which sees S with a resolution of about 12/side, and S is taken at
-        the middles of rings, from 4 pi/(shorter side) on.
+        weighted by a taper (Hann) against side lobes, which sees S with a resolution of about 12/side, and S is taken
+        at the middles of rings, from 4 pi/(shorter side) on.
     per_ring : int
         Wave vectors of a ring of a periodic box, at most.
 
@@ -455,11 +466,15 @@ def point_structure_factor(positions: npt.ArrayLike, box: npt.ArrayLike, *, q_ma
         s, error = result = np.empty((2, q.size))
         _aureole.window_structure_factor(points, sides[0], sides[1], q, result)
         return PointStructureFactor(q, s, error, np.maximum(s - 1.96 * error, 0.0), s + 1.96 * error)
+    # What cannot be interrupted: one snapshot takes about a nanosecond for each point and vector.
+    vectors = min(wanted * (bounds.size - 1.0), bounds[-1] ** 2 * sides[0] * sides[1] / (8 * np.pi) + 4 * 1024)
+    if vectors * count > 2**34:
+        raise Error(f"per_ring: expected at most 2^34 for points times wave vectors, got {count} x {vectors:.0f}")
     found = np.empty((3, bounds.size - 1))
     filled = _aureole.ring_structure_factor(points, sides[0], sides[1], np.ascontiguousarray(bounds), wanted, found)
-    q, s, vectors = found[:, :filled]
+    q, s, seen = found[:, :filled]
     # Means of exponentially distributed powers; quantiles of chi^2 by Wilson & Hilferty (1931).
-    freedom = 2 * vectors * len(points)
+    freedom = 2 * seen * len(points)
     low, high = (s / (1 - 2 / (9 * freedom) + z * np.sqrt(2 / (9 * freedom))) ** 3 for z in (1.96, -1.96))
     return PointStructureFactor(q, s, s / np.sqrt(0.5 * freedom), low, high)
 
@@ -498,7 +513,7 @@ def _points(positions: Any, box: Any, periodic: bool) -> Tuple[Reals, Reals]:
         raise Error(f"box: expected one number or two, got shape {sides.shape}")
     sides = np.ascontiguousarray(np.broadcast_to(sides, (2,)))
     if sides.max() > 1e6 * sides.min():
-        raise Error(f"box: expected sides that differ by a factor of a million at most, got {sides[0]:g} x {sides[1]:g}")
+        raise Error(f"box: expected sides that differ by a factor of 10^6 at most, got {sides[0]:g} x {sides[1]:g}")
     points = real("positions", positions)
     last_axis("positions", points, 2)
     if points.ndim not in (2, 3) or points.shape[-2] < 2 or points.size == 0:

@@ -14,8 +14,10 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 
 from . import _aureole
+from ._arrays import real, scalar, shown
 from ._errors import Error, Problem, SceneError
 
+_NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 #: Entries that say what a dict is instead of being a parameter.
 _SPECIAL = ("type", "id", "family")
 _SPECTRUM_TYPES = ("rgb", "spectrum")
@@ -66,6 +68,9 @@ class Writer:
         self.problems.append(Problem(message, place))
 
     def line(self, place: str, text: str) -> None:
+        if _NOT_XML.search(text):
+            self.problem(place, "a name or string has characters that XML cannot hold")
+            return
         self.lines.append(text)
         self.places.append(place)
 
@@ -84,11 +89,11 @@ class Writer:
         elif isinstance(value, (bool, np.bool_)):
             self.line(place, f'<boolean{label} value="{"true" if value else "false"}"/>')
         elif isinstance(value, (int, np.integer)):
-            self.number(label, value, place, expected)
+            self.number(label, value, place)
         elif isinstance(value, (float, np.floating)):
-            self.number(label, float(value), place, expected)
+            self.number(label, float(value), place)
         elif isinstance(value, (str, os.PathLike)):
-            self.text(label, os.fspath(value) if isinstance(value, os.PathLike) else value, place, expected)
+            self.text(label, value if isinstance(value, str) else str(os.fspath(value)), place)
         elif isinstance(value, (list, tuple, np.ndarray)) or hasattr(value, "__array__"):
             self.array(name, label, value, place, expected)
         elif value is None:
@@ -96,18 +101,15 @@ class Writer:
         else:
             self.object(label, value, place)
 
-    def number(self, label: str, value: Any, place: str, expected: Optional[str]) -> None:
-        if expected is not None and expected.startswith(("spectrum", "texture")) and isinstance(value, float):
-            self.line(place, f'<float{label} value="{value!r}"/>')
-            return
+    def number(self, label: str, value: Any, place: str) -> None:
         if isinstance(value, float):
             self.line(place, f'<float{label} value="{value!r}"/>')
         elif abs(int(value)) < 2**63:
             self.line(place, f'<integer{label} value="{int(value)}"/>')
         else:
-            self.problem(place, f"the integer {value} is too large")
+            self.problem(place, f"the integer {shown(value)} is too large")
 
-    def text(self, label: str, value: str, place: str, expected: Optional[str]) -> None:
+    def text(self, label: str, value: str, place: str) -> None:
         if any(ord(c) < 32 and c not in "\t\n\r" for c in value) or "\ufffe" in value or "\uffff" in value:
             self.problem(place, "the string has control characters in it")
             return
@@ -121,7 +123,7 @@ class Writer:
     def array(self, name: str, label: str, value: Any, place: str, expected: Optional[str]) -> None:
         try:
             numbers = np.asarray(value)
-        except ValueError:
+        except (ValueError, OverflowError, RecursionError):
             self.problem(place, "the list is ragged: expected numbers in a regular array")
             return
         if numbers.dtype.kind not in "fiub":
@@ -147,13 +149,10 @@ class Writer:
             self.line(place, f'<given{label} key="{key}"/>')
 
     def object(self, label: str, value: Any, place: str) -> None:
-        if isinstance(value, Transform):
-            self.line(place, f"<transform{label}>"
-                             f'<matrix value="{_numbers(value.matrix.ravel())}"/></transform>')
-            return
-        description = getattr(value, "_aureole_dict", None)
-        if description is not None:
-            self.entry(label[7:-1] if label else "", description, place, None)
+        matrix = getattr(value, "matrix", None)  # transforms of Mitsuba
+        if matrix is not None and np.shape(matrix) == (4, 4):
+            self.line(place, f'<transform{label}><matrix value="{_numbers(np.array(matrix, dtype=np.float64).ravel())}"/>'
+                             "</transform>")
             return
         if isinstance(value, _aureole.Object):
             self.problem(place, f"this {type(value).__name__} belongs to another scene; give the dict that it is made of")
@@ -219,10 +218,15 @@ class Writer:
             if key in _SPECIAL:
                 continue
             if not isinstance(key, str) or not key:
-                self.problem(place, f"names of parameters are strings, got {key!r}")
+                self.problem(place, f"names of parameters are strings, got {shown(key)}")
                 continue
             parameter = known.parameters.get(key) if known else None
-            self.entry(key, child, f"{place}.{key}", parameter[0] if parameter else None)
+            if parameter is None and known and isinstance(child, Mapping):
+                # A child under a name of the user's: it is one of those that the plug-in takes.
+                accepted = " ".join(p[0] for p in known.parameters.values())
+                self.mapping(key, child, f"{place}.{key}", accepted)
+            else:
+                self.entry(key, child, f"{place}.{key}", parameter[0] if parameter else None)
         self.line(place, f"</{family}>")
 
     def spectrum(self, kind: str, label: str, value: Mapping[str, Any], place: str) -> None:
@@ -232,7 +236,7 @@ class Writer:
             return
         try:
             numbers = np.asarray(value["value"], dtype=np.float64)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             self.problem(f"{place}.value", "expected numbers" if kind == "rgb" else
                          "expected a number or (wavelength in nm, value) pairs")
             return
@@ -251,9 +255,9 @@ class Writer:
         """The family of a plug-in of that name; names that several families have are decided by what is expected."""
         given = value.get("family")
         if given is not None:
-            if given in families():
+            if isinstance(given, str) and given in families():
                 return str(given)
-            self.problem(place, f'"family": expected one of {", ".join(families())}, got {given!r}')
+            self.problem(place, f'"family": expected one of {", ".join(families())}, got {shown(given)}')
             return None
         found = [family for family in families() if (family, kind) in plugins()]
         if len(found) > 1 and expected:
@@ -310,11 +314,9 @@ class Transform:
     """
 
     def __init__(self, matrix: Any = None) -> None:
-        m = np.eye(4) if matrix is None else np.array(matrix, dtype=np.float64)
+        m = np.eye(4) if matrix is None else real("matrix", matrix).copy()
         if m.shape != (4, 4):
             raise Error(f"matrix: expected shape (4, 4), got {m.shape}")
-        if not np.isfinite(m).all():
-            raise Error("matrix: expected finite numbers")
         self.matrix = m
 
     @staticmethod
@@ -328,7 +330,7 @@ class Transform:
     def scale(factor: Any) -> "Transform":
         """Scales by one number or three."""
         m = np.eye(4)
-        f = np.asarray(factor, dtype=np.float64)
+        f = real("factor", factor)
         m[[0, 1, 2], [0, 1, 2]] = f if f.ndim == 0 else _vector("factor", f)
         return Transform(m)
 
@@ -341,7 +343,7 @@ class Transform:
             raise Error("axis: expected a vector that is not zero")
         x, y, z = a / length
         k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-        t = math.radians(float(angle))
+        t = math.radians(scalar("angle", angle, unit="degrees"))
         m = np.eye(4)
         m[:3, :3] += math.sin(t) * k + (1 - math.cos(t)) * (k @ k)
         return Transform(m)
@@ -379,9 +381,9 @@ class Transform:
 
 
 def _vector(name: str, value: Any) -> np.ndarray[Any, np.dtype[np.float64]]:
-    v = np.asarray(value, dtype=np.float64)
-    if v.shape != (3,) or not np.isfinite(v).all():
-        raise Error(f"{name}: expected three finite numbers, got {value!r}")
+    v = real(name, value)
+    if v.shape != (3,):
+        raise Error(f"{name}: expected three finite numbers, got an array of shape {v.shape}")
     return v
 
 
@@ -393,14 +395,12 @@ def scene_text(scene: Mapping[str, Any]) -> SceneText:
         if key == "type":
             continue
         if not isinstance(key, str) or not key:
-            writer.problem("the dict", f"names of entries are strings, got {key!r}")
+            writer.problem("the dict", f"names of entries are strings, got {shown(key)}")
         elif isinstance(value, Mapping):
             entry = dict(value)
-            if entry.get("type") not in ("ref",) + _SPECTRUM_TYPES:
+            if not isinstance(entry.get("type"), str) or entry["type"] not in ("ref",) + _SPECTRUM_TYPES:
                 entry.setdefault("id", key)
             writer.mapping("", entry, key, None)
-        elif getattr(value, "_aureole_dict", None) is not None:
-            writer.mapping("", {"id": key, **value._aureole_dict}, key, None)
         else:
             writer.entry(key, value, key, None)
     writer.line("the dict", "</scene>")

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _aureole
-from ._arrays import scalar
+from ._arrays import file_path, scalar, text
 from ._errors import Error
 
 FloatArray = npt.NDArray[np.float32]
@@ -40,7 +40,10 @@ class Image:
     """
 
     def __init__(self, array: Any, channels: Optional[Sequence[str]] = None) -> None:
-        numbers = np.asarray(array)
+        try:
+            numbers = np.asarray(array)
+        except (ValueError, OverflowError, RecursionError) as e:
+            raise TypeError(f"array: expected an array of real numbers, got a ragged {type(array).__name__}") from e
         if numbers.dtype.kind not in "fiub":
             raise TypeError(f"array: expected real numbers, got {numbers.dtype}")
         if numbers.ndim == 2:
@@ -52,7 +55,9 @@ class Image:
             if names is None:
                 raise Error(f"channels: {numbers.shape[2]} channels need names")
         else:
-            names = [str(c) for c in channels]
+            if not isinstance(channels, (str, Sequence, np.ndarray)) or isinstance(channels, bytes):
+                raise TypeError(f"channels: expected a sequence of names, got {type(channels).__name__}")
+            names = [text("channels", c) for c in channels]
         self._set(_aureole.Picture.from_array(np.ascontiguousarray(numbers, dtype=np.float32), names), "finished")
 
     @classmethod
@@ -88,10 +93,16 @@ class Image:
 
     @property
     def wavelengths(self) -> Optional[npt.NDArray[np.float64]]:
-        """Central wavelengths [nm] of the channels of a film of spectral bins, else None."""
+        """Central wavelengths [nm] of the spectral bins of a film that has them, else None."""
         found = [_bin_wavelength(name) for name in self.channels]
         numbers = [nm for nm in found if nm is not None]
         return np.array(numbers) if numbers else None
+
+    @property
+    def spectra(self) -> Optional[FloatArray]:
+        """The channels of spectral bins, in the order of `wavelengths`, shape (height, width, bins); None without them."""
+        found = [i for i, name in enumerate(self.channels) if _bin_wavelength(name) is not None]
+        return self.array[..., found] if found else None
 
     @property
     def height(self) -> int:
@@ -112,6 +123,8 @@ class Image:
         """One channel by name, shape (height, width), or several, shape (height, width, n)."""
         if isinstance(channel, str):
             return self._all[..., self._index(channel)]
+        if not isinstance(channel, (Sequence, np.ndarray)):
+            raise TypeError(f"channel: expected a name or a list of names, got {type(channel).__name__}")
         return self._all[..., [self._index(c) for c in channel]]
 
     def _index(self, channel: Any) -> int:
@@ -173,7 +186,8 @@ class Image:
         """
         encoded = self._picture.display(scalar("exposure", exposure, minimum=-200, maximum=200))
         with np.errstate(invalid="ignore"):
-            return np.nan_to_num(np.minimum(encoded, np.float32(1)) * np.float32(255) + np.float32(0.5)).astype(np.uint8)
+            rounded: FloatArray = np.nan_to_num(np.minimum(encoded, np.float32(1)) * np.float32(255) + np.float32(0.5))
+            return rounded.astype(np.uint8)
 
     def save(self, path: "str | os.PathLike[str]", exposure: float = 0.0) -> None:
         """Writes the picture, atomically: the file is there whole or not at all.
@@ -185,7 +199,7 @@ class Image:
         exposure : float
             In stops, for .png alone.
         """
-        self._picture.save(os.fspath(path), scalar("exposure", exposure, minimum=-200, maximum=200))
+        self._picture.save(file_path("path", path), scalar("exposure", exposure, minimum=-200, maximum=200))
 
     def _repr_png_(self) -> Optional[bytes]:
         try:
@@ -216,7 +230,7 @@ def read_image(path: "str | os.PathLike[str]") -> Image:
 
     8- and 16-bit formats keep their sRGB-encoded values, in [0, 1].
     """
-    return Image._of(_aureole.Picture.read(os.fspath(path)))
+    return Image._of(_aureole.Picture.read(file_path("path", path)))
 
 
 __all__ = ["Image", "read_image"]

@@ -38,11 +38,11 @@ def axes_for(ax: Any, *, polar: bool = False) -> Any:
 
 
 def colour_of(wavelength: npt.ArrayLike) -> Array:
-    """sRGB colours (..., 3) of light of single wavelengths in nm, as far as a screen can show them: hues are right, missing
-    saturation is made up by white, and the ends of the visible fade to grey, which stands for the invisible."""
+    """sRGB colours (..., 3) of light of single wavelengths in nm, as near as a screen comes to them (all lie outside of
+    sRGB); the ends of the visible fade to grey, which stands for the invisible."""
     nm = np.asarray(wavelength, np.float64)
     linear = spectrum.xyz_to_srgb(spectrum.observer(nm))
-    linear = linear - np.minimum(linear.min(-1, keepdims=True), 0)
+    linear = np.maximum(linear, 0)
     peak = linear.max(-1, keepdims=True)
     pure = linear / np.where(peak > 0, peak, 1)
     # What the eye sees of it; .9 is reached between 410 and 690 nm.
@@ -71,7 +71,8 @@ def as_bsdf(bsdf: Any) -> Any:
         return bsdf
     if isinstance(bsdf, type) or not all(callable(getattr(bsdf, name, None)) for name in ("eval", "sample", "pdf")):
         got = f"the class {bsdf.__name__}" if isinstance(bsdf, type) else type(bsdf).__name__
-        raise TypeError(f"bsdf: expected a BSDF of aureole or an instance of a class with eval, sample and pdf, got {got}")
+        raise TypeError("bsdf: expected a BSDF of aureole or an instance of a class with eval, sample and pdf, "
+                        f"got {got}")
     return _aureole.python_bsdf(bsdf)
 
 
@@ -95,3 +96,8 @@ def flag(name: str, value: Any) -> bool:
     if not isinstance(value, (bool, np.bool_)):
         raise TypeError(f"{name}: expected True or False, got {value!r}")
     return bool(value)
+
+
+def p_text(p_value: Optional[float]) -> str:
+    """``= 0.012``, or that it is too small for a number."""
+    return "< 1e-300" if p_value is not None and p_value < 1e-300 else f"= {p_value:.2g}"

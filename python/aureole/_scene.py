@@ -10,6 +10,7 @@ import numpy as np
 
 from . import _aureole
 from ._dict import SceneText, Transform, object_text, plugins, relocated, scene_text, value_text
+from ._arrays import file_path, real, shown, text as checked_text
 from ._errors import Error, Problem, SceneError
 
 _DICT_FILE = "<dict>"
@@ -38,6 +39,8 @@ class Scene:
     """
 
     def __init__(self, opened: _aureole.OpenScene) -> None:
+        if not isinstance(opened, _aureole.OpenScene):
+            raise TypeError(f"opened: scenes are made by load_file, load_string and load_dict, not of {type(opened).__name__}")
         self._open = opened
 
     # -- parameters ----------------------------------------------------------------------------------------------
@@ -51,7 +54,7 @@ class Scene:
 
     def __contains__(self, path: object) -> bool:
         try:
-            return isinstance(path, str) and bool(self._open.value(path)[0])
+            return isinstance(path, str) and bool(self._open.value(checked_text("path", path))[0])
         except Error:
             return False
 
@@ -94,6 +97,8 @@ class Scene:
         ----------
         changes : mapping of str to values
         """
+        if not isinstance(changes, Mapping):
+            raise TypeError(f"changes: expected a dict of paths and values, got {type(changes).__name__}")
         texts: List[Tuple[str, str]] = []
         given: Dict[str, Any] = {}
         problems: List[Problem] = []
@@ -132,6 +137,8 @@ class Scene:
 
     def parameters(self, prefix: str = "") -> Dict[str, Any]:
         """Stated parameters (not objects) by path, of the object `prefix` or of the whole scene."""
+        if not isinstance(prefix, str):
+            raise TypeError(f"prefix: expected a string, got {type(prefix).__name__}")
         result: Dict[str, Any] = {}
         for path in self.paths():
             if prefix and path != prefix and not path.startswith(prefix + "."):
@@ -140,6 +147,11 @@ class Scene:
             if not isinstance(value, _aureole.Object):
                 result[path] = value
         return result
+
+    def xml(self) -> str:
+        """The scene as it is now, as the text of a scene file (Mitsuba 3's XML): references to files are absolute, and
+        includes, defaults and names of older versions are gone. Raises `Error` where arrays or BSDFs of Python are in it."""
+        return str(self._open.xml())
 
     # -- what is known of it ------------------------------------------------------------------------------------
 
@@ -183,8 +195,7 @@ class Scene:
 
 
 def _require_path(path: Any) -> None:
-    if not isinstance(path, str):
-        raise TypeError(f"path: expected a string, got {type(path).__name__}")
+    checked_text("path", path)
     if not path:
         raise ParameterError('path: expected a chain of names such as "glass.bsdf.alpha", got an empty string')
 
@@ -224,7 +235,7 @@ def _defines(defines: Mapping[str, Any]) -> List[Tuple[str, str]]:
         elif isinstance(value, (int, float, np.integer, np.floating)):
             texts.append((name, repr(value.item() if isinstance(value, np.generic) else value)))
         elif isinstance(value, (str, os.PathLike)):
-            texts.append((name, os.fspath(value)))
+            texts.append((name, checked_text(name, value) if isinstance(value, str) else file_path(name, value)))
         else:
             raise TypeError(f"{name}: expected a string, number or boolean, got {type(value).__name__}")
     return texts
@@ -250,7 +261,8 @@ def load_file(path: "str | os.PathLike[str]", *, integrator: str = "", sampler: 
     SceneError
         With every problem of the scene, each with file, line and column.
     """
-    return Scene(_aureole.OpenScene.load_file(os.fspath(path), _defines(defines), {}, integrator, sampler))
+    return Scene(_aureole.OpenScene.load_file(file_path("path", path), _defines(defines), {},
+                                              checked_text("integrator", integrator), checked_text("sampler", sampler)))
 
 
 def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, integrator: str = "", sampler: str = "",
@@ -269,9 +281,8 @@ def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, inte
     -------
     Scene, Bsdf, Emitter, Aperture, Texture or Object
     """
-    if not isinstance(text, str):
-        raise TypeError(f"text: expected a string, got {type(text).__name__}")
-    file = os.fspath(path) if path is not None else _TEXT_FILE
+    checked_text("text", text), checked_text("integrator", integrator), checked_text("sampler", sampler)
+    file = file_path("path", path) if path is not None else _TEXT_FILE
     if _root_tag(text) in ("scene", ""):
         return Scene(_aureole.OpenScene.load_string(text, file, _defines(defines), {}, integrator, sampler))
     return _object(SceneText(f'<scene version="3.0.0">{text}</scene>', [], {}), file)
@@ -306,7 +317,11 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
     """
     if not isinstance(description, Mapping):
         raise TypeError(f"description: expected a dict, got {type(description).__name__}")
-    if description.get("type") == "scene":
+    checked_text("integrator", integrator), checked_text("sampler", sampler)
+    if family is not None:
+        checked_text("family", family)
+    kind = description.get("type")
+    if isinstance(kind, str) and kind == "scene":
         text = scene_text(description)
         try:
             return Scene(_aureole.OpenScene.load_string(text.text, _DICT_FILE, [], text.given, integrator, sampler))
@@ -320,16 +335,30 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
 
 
 def _object(text: SceneText, file: str, wavelengths: "Tuple[float, float]" = (360.0, 830.0)) -> Any:
-    low, high = (float(w) for w in wavelengths)
-    if not 0 < low < high < float("inf"):
-        raise Error(f"wavelengths: expected two increasing wavelengths in nm, got {wavelengths}")
+    ends = real("wavelengths", wavelengths, positive=True, unit="nm")
+    if ends.shape != (2,) or not ends[0] < ends[1]:
+        raise Error(f"wavelengths: expected two increasing wavelengths in nm, got {shown(wavelengths)}")
+    low, high = float(ends[0]), float(ends[1])
     return _aureole.load_object(text.text, file, low, high, text.given)
 
 
 def _root_tag(text: str) -> str:
     """The name of the first element, or an empty string."""
-    m = re.search(r"<([A-Za-z_][\w.-]*)", re.sub(r"<!--.*?-->|<\?.*?\?>", "", text, flags=re.DOTALL))
-    return m[1] if m else ""
+    at = 0
+    while True:
+        at = text.find("<", at)
+        if at < 0:
+            return ""
+        end = {"<!--": "-->", "<?": "?>"}.get("<!--" if text.startswith("<!--", at) else text[at:at + 2])
+        if end is None:
+            m = re.compile(r"<([A-Za-z_][\w.-]*)").match(text, at)
+            if m:
+                return m[1]
+            at += 1
+        else:
+            at = text.find(end, at)
+            if at < 0:
+                return ""
 
 
 __all__ = ["Scene", "ParameterError", "load_file", "load_string", "load_dict"]

@@ -8,6 +8,7 @@ from typing import Any, Tuple
 import numpy as np
 import numpy.typing as npt
 
+from ._arrays import shown
 from ._errors import Error
 
 #: Results of one call, at most: 2 GiB of real numbers. More is a mistaken shape, or better done in parts.
@@ -42,3 +43,10 @@ def last_axis(name: str, array: npt.NDArray[Any], size: int) -> None:
     """Require shape (..., size)."""
     if array.ndim == 0 or array.shape[-1] != size:
         raise Error(f"{name}: expected an array of shape (..., {size}), got shape {array.shape}")
+
+
+def choice(name: str, value: Any, *allowed: str) -> str:
+    """The argument `name` as one of the allowed strings."""
+    if not isinstance(value, str) or value not in allowed:
+        raise Error(f"{name}: expected {' or '.join(repr(a) for a in allowed)}, got {shown(value)}")
+    return value

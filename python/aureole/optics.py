@@ -16,8 +16,9 @@ from . import _aureole
 from ._apertures import annulus, circle, ellipse, mask, ngon, polygon, rectangle, star
 from ._arrays import complex_numbers, real
 from ._aureole import ApertureShape
-from ._correlations import (HardDiscs, PairCorrelation, PointStructureFactor, StructureFactor, hard_disc_pair_correlation,
-                            hard_discs, pair_correlation, point_structure_factor, structure_factor)
+from ._correlations import (HardDiscs, PairCorrelation, PointStructureFactor, StructureFactor,
+                            hard_disc_pair_correlation, hard_discs, pair_correlation, point_structure_factor,
+                            structure_factor)
 from ._errors import Error
 from ._vectorised import broadcast, limit_results, shaped
 
@@ -83,7 +84,7 @@ def mie(x: npt.ArrayLike, m: npt.ArrayLike) -> Mie:
     m : array_like of real or complex numbers
         Index of the sphere over that of the medium, n + i k with k >= 0 where the sphere absorbs (time dependence
         exp(-i omega t)). Values n - i k of the other convention are refused: take `numpy.conj` of them. Re m > 0,
-        |m| <= 100.
+        |m| in [1e-6, 100].
 
     Returns
     -------
@@ -158,7 +159,7 @@ def mie_phase_function(x: npt.ArrayLike, m: npt.ArrayLike, mu: npt.ArrayLike) ->
     Parameters
     ----------
     x, m, mu : array_like
-        As in `mie_amplitudes`. Spheres of m = 1, which scatter nothing, are an error.
+        As in `mie_amplitudes`. Spheres of m = 1 (to 1e-10), which scatter nothing, are an error.
 
     Returns
     -------
@@ -173,6 +174,7 @@ def mie_phase_function(x: npt.ArrayLike, m: npt.ArrayLike, mu: npt.ArrayLike) ->
     array([0.0597, 0.1194])
     """
     shape, (size, index) = _spheres(x, m)
+    _refuse("m", index, abs(index - 1) < 1e-10, "a sphere that scatters")
     cosine = real("mu", mu, minimum=-1, maximum=1)
     limit_results("x, m and mu", shape, cosine.shape)
     result = np.empty(size.size * cosine.size)
@@ -251,7 +253,8 @@ def _spheres(x: Any, m: Any) -> Tuple[Tuple[int, ...], Tuple[npt.NDArray[Any], .
     index = complex_numbers("m", m)
     _refuse("m", index, index.imag < 0, "n + i k with k >= 0 (time dependence exp(-i omega t); numpy.conj turns the "
                                         "other convention into this one)")
-    _refuse("m", index, ~(index.real > 0) | (np.abs(index) > 100), "a positive real part and a modulus up to 100")
+    _refuse("m", index, ~(index.real > 0) | (np.abs(index) < 1e-6) | (np.abs(index) > 100),
+            "a positive real part and a modulus in [1e-6, 100]")
     return broadcast(x=size, m=index)
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Optional
 import numpy as np
 import numpy.typing as npt
 
-from . import _corona, spectrum as _spectrum
+from . import _corona
 from ._arrays import integer, real, scalar
 from ._errors import Error
 from ._plot_check import check_report
@@ -21,14 +21,15 @@ from ._plot_support import as_bsdf, axes_for, colour_of, curve, flag, incident, 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check_report", "corona", "corona_profile", "lobe_map", "lobe_polar", "pair_correlation", "phase_function", "spectrum",
+__all__ = ["check_report", "corona", "corona_profile", "lobe_map", "lobe_polar", "pair_correlation", "phase_function",
+           "spectrum",
            "structure_factor"]
 
 _VISIBLE = np.arange(380.0, 781.0, 5.0)
 
 
-def lobe_polar(bsdf: Any, theta_i: float, wavelength: npt.ArrayLike = 550, *, log: bool = False, decades: float = 4, cosine: bool = True,
-               samples: int = 2881, ax: "Optional[Axes]" = None) -> "Axes":
+def lobe_polar(bsdf: Any, theta_i: float, wavelength: npt.ArrayLike = 550, *, log: bool = False, decades: float = 4,
+               cosine: bool = True, samples: int = 2881, ax: "Optional[Axes]" = None) -> "Axes":
     """Polar plot of a BSDF in the plane of incidence, reflection above and transmission below.
 
     Delta lobes (mirrors, light that passes straight through) have no density and are not shown.
@@ -93,7 +94,8 @@ def lobe_polar(bsdf: Any, theta_i: float, wavelength: npt.ArrayLike = 550, *, lo
     top = polar.get_ylim()[1]
     for side in (-0.5, 0.5):
         ax.plot([side * math.pi] * 2, [polar.get_ylim()[0], top], color="0.25", lw=1.2)
-    ax.annotate("", xy=(0.5, 0.5), xytext=(0.5 + 0.5 * wi[0], 0.5 + 0.5 * wi[2]), xycoords="axes fraction", textcoords="axes fraction",
+    ax.annotate("", xy=(0.5, 0.5), xytext=(0.5 + 0.5 * wi[0], 0.5 + 0.5 * wi[2]), xycoords="axes fraction",
+                textcoords="axes fraction",
                 arrowprops={"arrowstyle": "->", "color": "0.25", "lw": 1.3, "linestyle": "--"})
     what = r"$f\,|\cos\theta_o|$" if with_cosine else "$f$"
     ax.set_title(f"{what} [1/sr] at {degrees:g}° incidence" + (", log" if logarithmic else ""), fontsize="medium")
@@ -101,8 +103,9 @@ def lobe_polar(bsdf: Any, theta_i: float, wavelength: npt.ArrayLike = 550, *, lo
     return ax
 
 
-def lobe_map(bsdf: Any, theta_i: float, wavelength: float = 550, *, side: str = "reflection", log: bool = True, decades: float = 4,
-             cosine: bool = True, phi_i: float = 180, resolution: int = 400, cmap: str = "magma", ax: "Optional[Axes]" = None) -> "Axes":
+def lobe_map(bsdf: Any, theta_i: float, wavelength: float = 550, *, side: str = "reflection", log: bool = True,
+             decades: float = 4, cosine: bool = True, phi_i: float = 180, resolution: int = 400, cmap: str = "magma",
+             ax: "Optional[Axes]" = None) -> "Axes":
     """A BSDF over the hemisphere of outgoing directions, projected onto the surface.
 
     Parameters
@@ -129,8 +132,8 @@ def lobe_map(bsdf: Any, theta_i: float, wavelength: float = 550, *, side: str = 
     Returns
     -------
     matplotlib Axes
-        x and y are components of the outgoing unit vector; circles are 30 and 60 degrees from the normal, the cross is the
-        mirror direction (or the one straight through).
+        x and y are components of the outgoing unit vector; circles are 30 and 60 degrees from the normal, the cross is
+        the mirror direction (or the one straight through).
     """
     instance = as_bsdf(bsdf)
     degrees, _ = incident(theta_i)
@@ -160,13 +163,16 @@ def lobe_map(bsdf: Any, theta_i: float, wavelength: float = 550, *, side: str = 
     turn = np.linspace(0, 2 * math.pi, 361)
     for circle in (30, 60, 90):
         r = math.sin(math.radians(circle))
-        ax.plot(r * np.cos(turn), r * np.sin(turn), color="0.35" if circle == 90 else "0.7", lw=1.2 if circle == 90 else 0.6,
+        ax.plot(r * np.cos(turn), r * np.sin(turn), color="0.35" if circle == 90 else "0.7", lw=1.2 if circle == 90
+                else 0.6,
                 alpha=1 if circle == 90 else 0.7)
         if circle < 90:
-            ax.annotate(f"{circle}°", (r * math.cos(0.9), r * math.sin(0.9)), color="0.85", fontsize="x-small", ha="center", va="center")
+            ax.annotate(f"{circle}°", (r * math.cos(0.9), r * math.sin(0.9)), color="0.85", fontsize="x-small",
+                        ha="center", va="center")
     ax.plot([-wi[0]], [-wi[1]], marker="x", ms=7, mew=1.4, color="#35c8ff", ls="none")
     ax.set_aspect("equal")
-    ax.set(xlim=(-1.03, 1.03), ylim=(-1.03, 1.03), xticks=[-1, 0, 1], yticks=[-1, 0, 1], xlabel=r"$\omega_x$", ylabel=r"$\omega_y$")
+    ax.set(xlim=(-1.03, 1.03), ylim=(-1.03, 1.03), xticks=[-1, 0, 1], yticks=[-1, 0, 1], xlabel=r"$\omega_x$",
+           ylabel=r"$\omega_y$")
     for spine in ax.spines.values():
         spine.set_visible(False)
     ax.set_title(f"{side} of light at {degrees:g}°, {nm:g} nm", fontsize="medium")
@@ -175,8 +181,8 @@ def lobe_map(bsdf: Any, theta_i: float, wavelength: float = 550, *, side: str = 
     return ax
 
 
-def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optional[str] = None, fill: bool = True, unit: str = "",
-             ax: "Optional[Axes]" = None) -> "Axes":
+def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optional[str] = None, fill: bool = True,
+             unit: str = "", ax: "Optional[Axes]" = None) -> "Axes":
     """A spectrum over the colours of its wavelengths.
 
     Parameters
@@ -201,22 +207,24 @@ def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optiona
         raise Error("wavelength: expected two or more increasing numbers in nm")
     filled = flag("fill", fill)
     ax = axes_for(ax)
-    line, = ax.plot(nm, y, color="0.15" if filled else None, lw=1.3, label=label)
+    ends_before = ax.get_xlim() if ax.lines else (nm[0], nm[-1])
+    ax.plot(nm, y, color="0.15" if filled else None, lw=1.3, label=label)
     shown = np.arange(max(nm[0], 380.0), min(nm[-1], 780.0) + 0.5)
     if shown.size > 1:
         colours = colour_of(shown)[None, :, :]
         extent = (shown[0], shown[-1])
         if filled:
             low, high = min(0.0, float(y.min())), max(0.0, float(y.max()))
-            image = ax.imshow(colours, extent=(*extent, low, high if high > low else low + 1), aspect="auto", zorder=0.5, interpolation="bilinear")
+            image = ax.imshow(colours, extent=(*extent, low, high if high > low else low + 1), aspect="auto",
+                              zorder=0.5, interpolation="bilinear")
             points = np.concatenate([[[nm[0], 0.0]], np.stack([nm, y], -1), [[nm[-1], 0.0]]])
             image.set_clip_path(matplotlib().patches.Polygon(points, transform=ax.transData))
-        elif not any(getattr(child, "_aureole_strip", False) for child in ax.child_axes):
+        elif not any(child.get_gid() == "visible" for child in ax.child_axes):
             strip = ax.inset_axes((0, 0, 1, 0.035), sharex=ax, zorder=0.5)
-            strip._aureole_strip = True  # type: ignore[attr-defined]
+            strip.set_gid("visible")
             strip.imshow(colours, extent=(*extent, 0, 1), aspect="auto", interpolation="bilinear")
             strip.axis("off")
-    ax.set_xlim(min(nm[0], line.axes.get_xlim()[0]) if len(ax.lines) > 1 else nm[0], max(nm[-1], line.axes.get_xlim()[1]) if len(ax.lines) > 1 else nm[-1])
+    ax.set_xlim(min(nm[0], ends_before[0]), max(nm[-1], ends_before[1]))
     every = np.concatenate([np.asarray(one.get_ydata(), np.float64) for one in ax.lines])
     low, high = min(0.0, float(every.min())), float(every.max())
     ax.set_ylim(low * 1.05, high * 1.05 if high > 0 else low * -0.05 + 1e-30 if low < 0 else 1)
@@ -229,9 +237,10 @@ def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optiona
     return ax
 
 
-def phase_function(theta: Optional[npt.ArrayLike] = None, values: Optional[npt.ArrayLike] = None, *, x: Optional[float] = None,
-                   m: Optional[complex] = None, polar: bool = True, log: bool = True, decades: float = 6, label: Optional[str] = None,
-                   color: Any = None, ax: "Optional[Axes]" = None) -> "Axes":
+def phase_function(theta: Optional[npt.ArrayLike] = None, values: Optional[npt.ArrayLike] = None, *,
+                   x: Optional[float] = None, m: Optional[complex] = None, polar: bool = True, log: bool = True,
+                   decades: float = 6, label: Optional[str] = None, color: Any = None,
+                   ax: "Optional[Axes]" = None) -> "Axes":
     """A phase function over the angle of scattering: given values, or that of spheres.
 
     Parameters
@@ -273,7 +282,8 @@ def phase_function(theta: Optional[npt.ArrayLike] = None, values: Optional[npt.A
         values = optics.mie_phase_function(size, m, np.cos(np.radians(angles))).reshape(-1)  # type: ignore[arg-type]
     elif theta is None or values is None:
         raise Error(f"{'theta' if theta is None else 'values'}: expected an array, or spheres by x and m")
-    degrees, p, _ = curve("theta", real("theta", theta, minimum=0, maximum=180, unit="degrees"), "values", real("values", values, minimum=0))
+    degrees, p, _ = curve("theta", real("theta", theta, minimum=0, maximum=180, unit="degrees"), "values",
+                          real("values", values, minimum=0))
     span = scalar("decades", decades, positive=True, maximum=300)
     logarithmic = flag("log", log)
     new = ax is None
@@ -294,7 +304,8 @@ def phase_function(theta: Optional[npt.ArrayLike] = None, values: Optional[npt.A
             view.set_rscale("log")
             view.set_rlim(floor, top)
             every = max(1, math.ceil(math.log10(top / floor) / 5))
-            view.set_rticks([10.0**k for k in range(math.ceil(math.log10(floor)), math.floor(math.log10(top)) + 1, every)])
+            view.set_rticks([10.0**k for k in range(math.ceil(math.log10(floor)), math.floor(math.log10(top)) + 1,
+                                                    every)])
         else:
             ax.plot(angles, p, label=label, color=color, lw=1.4)
         view.set_thetagrids(range(0, 360, 30), [f"{min(a, 360 - a)}°" for a in range(0, 360, 30)])
@@ -303,26 +314,30 @@ def phase_function(theta: Optional[npt.ArrayLike] = None, values: Optional[npt.A
         ax.set_title("phase function [1/sr]", fontsize="medium")
     else:
         ax.plot(degrees, p, label=label, color=color, lw=1.4)
-        ax.set(xlim=(0, 180), xticks=range(0, 181, 30), xlabel="scattering angle [degrees]", ylabel="phase function [1/sr]",
+        ax.set(xlim=(0, 180), xticks=range(0, 181, 30), xlabel="scattering angle [degrees]",
+               ylabel="phase function [1/sr]",
                yscale="log" if logarithmic else "linear")
     ax.grid(alpha=0.35)
     if label is not None:
-        ax.legend(frameon=False, fontsize="small", loc="lower left" if polar else "best", bbox_to_anchor=(-0.12, -0.1) if polar else None)
+        ax.legend(frameon=False, fontsize="small", loc="lower left" if polar else "best",
+                  bbox_to_anchor=(-0.12, -0.1) if polar else None)
     return ax
 
 
-def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[float] = None, correlation: Optional[str] = None,
-           scatterer: Optional[str] = None, lamp: Any = "D65", lamp_diameter: float = 0.5, field: Optional[float] = None,
-           exposure: float = 0, resolution: int = 301, wavelengths: npt.ArrayLike = _VISIBLE, ax: "Optional[Axes]" = None) -> "Axes":
+def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[float] = None,
+           correlation: Optional[str] = None, scatterer: Optional[str] = None, lamp: Any = "D65",
+           lamp_diameter: float = 0.5, field: Optional[float] = None, exposure: float = 0, resolution: int = 301,
+           wavelengths: npt.ArrayLike = _VISIBLE, ax: "Optional[Axes]" = None) -> "Axes":
     """The corona of a lamp behind a layer of scatterers, in true colours.
 
-    The lamp is far away and the layer square to the line of sight. Directions are those of the picture; light that passes the layer
-    without being diffracted, the lamp itself, is not shown.
+    The lamp is far away and the layer square to the line of sight. Directions are those of the picture; light that
+    passes the layer without being diffracted, the lamp itself, is not shown.
 
     Parameters
     ----------
     bsdf : aureole.Bsdf, optional
-        The layer, such as ``correlated_scatterers``, or an object with ``eval``, ``sample`` and ``pdf``; or the next four.
+        The layer, such as ``correlated_scatterers``, or an object with ``eval``, ``sample`` and ``pdf``; or the next
+        four.
     radius : str or float
         Of the scatterers: with its unit ("5um"), or in m.
     area_fraction : float
@@ -355,7 +370,8 @@ def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[floa
     >>> ax = aureole.plot.corona(radius="8um", area_fraction=0.5)  # doctest: +SKIP
     """
     instance, metres = _corona.layer(bsdf, radius, area_fraction, correlation, scatterer)
-    half = _corona.field_of(metres) if field is None else scalar("field", field, positive=True, maximum=89, unit="degrees")
+    half = _corona.field_of(metres) if field is None else scalar("field", field, positive=True, maximum=89,
+                                                                 unit="degrees")
     diameter = scalar("lamp_diameter", lamp_diameter, minimum=0, maximum=10, unit="degrees")
     stops = scalar("exposure", exposure, minimum=-60, maximum=60)
     n = integer("resolution", resolution, minimum=8, maximum=4096)
@@ -363,20 +379,21 @@ def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[floa
     ax = axes_for(ax)
     linear = _corona.picture(instance, lamp, diameter, half, n, nm)
     at = (np.arange(n) - 0.5 * (n - 1)) * 2 * half / n
-    # White is four times the mean luminance of the outer three quarters, where the rings are.
+    # White is six times the mean luminance of the outer three quarters, where the rings are.
     rings = np.hypot(at[:, None], at) > 0.25 * half
     luminance = linear @ np.array([0.2126, 0.7152, 0.0722])
-    white = 4 * float(luminance[rings].mean())
+    white = 6 * float(luminance[rings].mean())
     scaled = linear * (2**stops / white if white > 0 else 0)
-    ax.imshow(_spectrum.srgb_encode(np.clip(scaled, 0, 1)), extent=(-half, half, -half, half), interpolation="bilinear")
+    ax.imshow(_corona.display(scaled), extent=(-half, half, -half, half), interpolation="bilinear")
     ax.set(xlabel="angle from the lamp [degrees]", ylabel="[degrees]")
     ax.set_aspect("equal")
     return ax
 
 
-def corona_profile(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[float] = None, correlation: Optional[str] = None,
-                   scatterer: Optional[str] = None, wavelength: npt.ArrayLike = (450, 550, 650), field: Optional[float] = None,
-                   azimuth: float = 0, log: bool = True, samples: int = 2000, ax: "Optional[Axes]" = None) -> "Axes":
+def corona_profile(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[float] = None,
+                   correlation: Optional[str] = None, scatterer: Optional[str] = None,
+                   wavelength: npt.ArrayLike = (450, 550, 650), field: Optional[float] = None, azimuth: float = 0,
+                   log: bool = True, samples: int = 2000, ax: "Optional[Axes]" = None) -> "Axes":
     """Radiance of a corona over the angle from the lamp, for single wavelengths.
 
     Parameters
@@ -386,7 +403,8 @@ def corona_profile(bsdf: Any = None, *, radius: Any = None, area_fraction: Optio
     wavelength : float or array_like of shape (n,)
         In nm; each has a curve in its colour.
     azimuth : float
-        In degrees counter-clockwise from the right, in which direction from the lamp; for layers without circular symmetry.
+        In degrees counter-clockwise from the right, in which direction from the lamp; for layers without circular
+        symmetry.
     log : bool
         Logarithmic radiance.
     samples : int
@@ -399,7 +417,8 @@ def corona_profile(bsdf: Any = None, *, radius: Any = None, area_fraction: Optio
         Radiance in 1/sr, where the lamp is a point that gives unit irradiance behind the layer.
     """
     instance, metres = _corona.layer(bsdf, radius, area_fraction, correlation, scatterer)
-    half = _corona.field_of(metres) if field is None else scalar("field", field, positive=True, maximum=89, unit="degrees")
+    half = _corona.field_of(metres) if field is None else scalar("field", field, positive=True, maximum=89,
+                                                                 unit="degrees")
     nm = wavelengths_of("wavelength", wavelength)
     turn = math.radians(scalar("azimuth", azimuth))
     count = integer("samples", samples, minimum=2, maximum=10_000_000)
@@ -419,8 +438,9 @@ def corona_profile(bsdf: Any = None, *, radius: Any = None, area_fraction: Optio
     return ax
 
 
-def pair_correlation(r: npt.ArrayLike, g: npt.ArrayLike, error: Optional[npt.ArrayLike] = None, *, label: Optional[str] = None,
-                     unit: str = "", color: Any = None, ax: "Optional[Axes]" = None) -> "Axes":
+def pair_correlation(r: npt.ArrayLike, g: npt.ArrayLike, error: Optional[npt.ArrayLike] = None, *,
+                     label: Optional[str] = None, unit: str = "", color: Any = None,
+                     ax: "Optional[Axes]" = None) -> "Axes":
     """The pair correlation function g(r) with its error band.
 
     Parameters
@@ -444,8 +464,9 @@ def pair_correlation(r: npt.ArrayLike, g: npt.ArrayLike, error: Optional[npt.Arr
     return _with_band("r", r, "g", g, error, f"distance r [{unit}]" if unit else "distance r", "g(r)", label, color, ax)
 
 
-def structure_factor(q: npt.ArrayLike, s: npt.ArrayLike, error: Optional[npt.ArrayLike] = None, *, label: Optional[str] = None,
-                     unit: str = "", color: Any = None, ax: "Optional[Axes]" = None) -> "Axes":
+def structure_factor(q: npt.ArrayLike, s: npt.ArrayLike, error: Optional[npt.ArrayLike] = None, *,
+                     label: Optional[str] = None, unit: str = "", color: Any = None,
+                     ax: "Optional[Axes]" = None) -> "Axes":
     """The structure factor S(q) with its error band.
 
     Parameters
@@ -463,17 +484,19 @@ def structure_factor(q: npt.ArrayLike, s: npt.ArrayLike, error: Optional[npt.Arr
     -------
     matplotlib Axes
     """
-    return _with_band("q", q, "s", s, error, f"wave number q [{unit}]" if unit else "wave number q", "S(q)", label, color, ax)
+    return _with_band("q", q, "s", s, error, f"wave number q [{unit}]" if unit else "wave number q", "S(q)", label,
+                      color, ax)
 
 
-def _with_band(x_name: str, x: Any, y_name: str, y: Any, error: Any, x_label: str, y_label: str, label: Optional[str], color: Any,
-               ax: "Optional[Axes]") -> "Axes":
+def _with_band(x_name: str, x: Any, y_name: str, y: Any, error: Any, x_label: str, y_label: str, label: Optional[str],
+               color: Any, ax: "Optional[Axes]") -> "Axes":
     xs, ys, errors = curve(x_name, x, y_name, y, error)
     ax = axes_for(ax)
     first = not ax.lines
     line, = ax.plot(xs, ys, lw=1.4, label=label, color=color)
     if errors is not None:
-        ax.fill_between(xs, ys - errors, ys + errors, color=line.get_color(), alpha=0.25, lw=0, zorder=line.get_zorder() - 0.1)
+        ax.fill_between(xs, ys - errors, ys + errors, color=line.get_color(), alpha=0.25, lw=0,
+                        zorder=line.get_zorder() - 0.1)
     if first:
         ax.axhline(1, color="0.5", lw=0.8, ls="--", zorder=1)
         ax.grid(alpha=0.25)

@@ -13,8 +13,8 @@ namespace {
 
 std::string described(nb::handle value, nb::handle array) {
   if (nb::cast<int>(array.attr("ndim")) > 0 || nb::type_check(value))
-    return "an array of " + std::string(nb::str(array.attr("dtype")).c_str());
-  return nb::type_name(value.type()).c_str();
+    return "an array of " + text_of(array.attr("dtype"));
+  return text_of(nb::type_name(value.type()));
 }
 
 /// numpy's array of the value with native float32 or float64.
@@ -27,13 +27,16 @@ nb::object float_array(const char* name, nb::handle value) {
   } catch (nb::python_error& e) {
     if (!e.matches(PyExc_ValueError)) throw;
     throw nb::type_error((argument + ": expected an array of real numbers, got a ragged " +
-                          nb::type_name(value.type()).c_str())
+                          text_of(nb::type_name(value.type())))
                              .c_str());
   }
   const nb::object dtype = array.attr("dtype");
   const std::string kind = nb::cast<const char*>(dtype.attr("kind"));
   if (kind != "f" && kind != "i" && kind != "u")
     throw nb::type_error((argument + ": expected real numbers, got " + described(value, array)).c_str());
+  if (nb::cast<bool>(numpy.attr("ma").attr("is_masked")(value)))
+    throw nb::type_error(
+        (argument + ": expected an array without masked elements: fill or drop them first").c_str());
   const auto size = nb::cast<int>(dtype.attr("itemsize"));
   const bool native = nb::cast<bool>(dtype.attr("isnative"));
   if (kind == "f" && native && (size == 4 || size == 8)) return array;
@@ -101,6 +104,12 @@ template <class T>
 Result<T>::Result(Extents shape, int components) {
   if (components) shape.push_back(components);
   is_scalar_ = shape.empty();
+  constexpr double kMost = 1 << 28;  // 2 GiB of numbers; more is a mistaken shape, or better done in parts
+  double count = 1;
+  for (const Py_ssize_t n : shape) count *= double(n);
+  if (count > kMost)
+    throw Error("the arguments: expected at most 2^28 results, got the shape " + tuple_text(shape) +
+                ": call it for parts");
   nb::list sizes;
   for (const Py_ssize_t n : shape) sizes.append(n);
   const char* const dtype = std::is_same_v<T, double>          ? "float64"
@@ -128,8 +137,17 @@ void Interrupts::ask() {
   const auto now = std::chrono::steady_clock::now();
   if (now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
+  if (is_leaving()) throw Error("the program ends");  // seen by nobody: the thread stays in ~Unlocked
   const nb::gil_scoped_acquire lock;
   if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+std::string text_of(const nb::object& value) {
+  const auto text = nb::steal<nb::object>(PyObject_Str(value.ptr()));
+  if (!text.is_valid()) throw nb::python_error();
+  const auto bytes = nb::steal<nb::object>(PyUnicode_AsEncodedString(text.ptr(), "utf-8", "backslashreplace"));
+  if (!bytes.is_valid()) throw nb::python_error();
+  return {PyBytes_AS_STRING(bytes.ptr()), std::size_t(PyBytes_GET_SIZE(bytes.ptr()))};
 }
 
 std::string number_text(double v) {

@@ -11,15 +11,21 @@
 #include <cstring>
 #include <initializer_list>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "aureole/core/error.h"
 #include "aureole/math/vec.h"
+#include "unlocked.h"
 
 namespace aureole::python {
 
 namespace nb = nanobind;
 using Extents = std::vector<Py_ssize_t>;
+
+/// Null for None, which an argument that may be left out is by default.
+inline nb::handle optional(nb::handle value) { return value.is_none() ? nb::handle() : value; }
 
 /// An argument: real numbers, or vectors of them along the last axis. The numbers lie in the caller's array
 /// where that has float32 or float64, else in a converted copy.
@@ -27,7 +33,7 @@ class Argument {
 public:
   /// Vectors have `components` numbers; 0: plain numbers. Throws TypeError and Error.
   Argument(const char* name, nb::handle value, int components = 0);
-  /// The same; where the value is None (or null) it is `constant`.
+  /// The same; where the handle is null (see `optional`) it is `constant`.
   Argument(const char* name, nb::handle value, const std::array<double, 3>& constant, int components);
   ~Argument();
   Argument(const Argument&) = delete;
@@ -38,23 +44,29 @@ public:
   const Extents& shape() const { return shape_; }      ///< without the axis of components
   const Extents& strides() const { return strides_; }  ///< in bytes
 
-  double number(const char* at, Py_ssize_t component = 0) const {
-    const char* const p = at + component * component_stride_;
-    if (is_double_) return load<double>(p);
-    return double(load<float>(p));
-  }
   int components() const { return components_; }
   bool is_double() const { return is_double_; }
+  bool is_constant() const { return view_.obj == nullptr; }
+
+  // T is float or double where the type is known to be that; void: it is looked up.
+  template <class T = void>
+  double number(const char* at, Py_ssize_t component = 0) const {
+    const char* const p = at + component * component_stride_;
+    if constexpr (!std::is_void_v<T>) return double(load<T>(p));
+    return is_double_ ? load<double>(p) : double(load<float>(p));
+  }
   /// As the renderer sees it.
+  template <class T = void>
   Vec3 vec3(const char* at) const {
-    if (is_double_) return vec3_of<double>(at);
-    return vec3_of<float>(at);
+    return {float(number<T>(at, 0)), float(number<T>(at, 1)), float(number<T>(at, 2))};
   }
   Vec2 vec2(const char* at) const { return {float(number(at, 0)), float(number(at, 1))}; }
-  /// The same bits up to the sign of zero, in all components.
+  /// The same numbers in all components.
+  template <class T = void>
   bool equal(const char* a, const char* b) const {
+    if (a == b) return true;
     for (int k = 0; k < components_; ++k)
-      if (number(a, k) != number(b, k)) return false;
+      if (number<T>(a, k) != number<T>(b, k)) return false;
     return true;
   }
 
@@ -66,12 +78,6 @@ private:
     std::memcpy(&v, p, sizeof v);
     return v;
   }
-  template <class T>
-  Vec3 vec3_of(const char* at) const {
-    return {float(load<T>(at)), float(load<T>(at + component_stride_)),
-            float(load<T>(at + 2 * component_stride_))};
-  }
-
   const char* name_;
   std::array<double, 3> constant_{};
   Py_buffer view_{};
@@ -149,6 +155,9 @@ private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+/// str(value), whatever characters it has.
+std::string text_of(const nb::object& value);
+
 /// "0.25", as short as it can be.
 std::string number_text(double v);
 
@@ -210,20 +219,29 @@ void Broadcast<N>::for_rows(F&& use) const {
   Row row;
   for (std::size_t a = 0; a < N; ++a) row.at[a] = arguments_[a]->data();
   row.step = axes_.back().step, row.count = axes_.back().count, row.out = 0, row.out_step = axes_.back().out;
-  std::vector<Py_ssize_t> index(axes_.size(), 0);
+  // Rows along the last axis but one follow each other by constant steps; further axes count as an odometer.
+  const Axis one{1, 0, {}};
+  const Axis& rows = axes_.size() > 1 ? axes_[axes_.size() - 2] : one;
+  const std::size_t outer = axes_.size() > 2 ? axes_.size() - 2 : 0;
+  std::vector<Py_ssize_t> index(outer, 0);
+  const auto move = [&row](const Axis& axis, Py_ssize_t by) {
+    for (std::size_t a = 0; a < N; ++a) row.at[a] += by * axis.step[a];
+    row.out += by * axis.out;
+  };
   for (;;) {
-    use(row);
-    std::size_t k = axes_.size() - 1;
+    for (Py_ssize_t i = 0; i < rows.count; ++i) {
+      use(std::as_const(row));
+      move(rows, 1);
+    }
+    move(rows, -rows.count);
+    std::size_t k = outer;
     for (;;) {
       if (k-- == 0) return;
-      const Axis& axis = axes_[k];
-      const bool wraps = ++index[k] == axis.count;
-      const Py_ssize_t by = wraps ? 1 - axis.count : 1;
-      for (std::size_t a = 0; a < N; ++a) row.at[a] += by * axis.step[a];
-      row.out += by * axis.out;
-      if (!wraps) break;
+      if (++index[k] < axes_[k].count) break;
+      move(axes_[k], 1 - axes_[k].count);
       index[k] = 0;
     }
+    move(axes_[k], 1);
   }
 }
 

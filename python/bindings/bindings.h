@@ -5,6 +5,8 @@
 
 #include <nanobind/nanobind.h>
 
+#include "unlocked.h"
+
 namespace aureole::python {
 
 namespace nb = nanobind;

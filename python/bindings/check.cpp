@@ -7,9 +7,12 @@
 #include <nanobind/stl/vector.h>
 
 #include <chrono>
+#include <span>
 
 #include "aureole/instrument/bsdf_check.h"
+#include "aureole/plugin/properties.h"
 #include "bindings.h"
+#include "python_bsdf.h"
 
 namespace aureole::python {
 
@@ -29,6 +32,81 @@ template <class Item>
 nb::object vectors(const std::vector<Item>& items, Vec3 Item::*member) {
   return array({items.size(), 3}, [&](std::size_t i) { return (items[i / 3].*member)[int(i % 3)]; });
 }
+
+/// A BSDF written in Python, called for many directions at once (aureole/_check_python.py).
+class BatchBsdf final : public Bsdf, public ArrayBsdf {
+public:
+  BatchBsdf(const Properties& properties, const nb::object& instance)
+      : Bsdf(properties),
+        batch_(nb::module_::import_("aureole._check_python").attr("Batch")(instance)),
+        lobes_(Lobe(nb::cast<unsigned>(batch_.attr("lobes")))) {}
+
+  Lobe lobes() const override { return lobes_; }
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    BsdfEval found;
+    eval_pdf_all({&wi, 1}, {&wo, 1}, ctx, {&found, 1});
+    return found;
+  }
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
+    std::optional<BsdfSample> found;
+    sample_all({&wi, 1}, {&u1, 1}, {&u2, 1}, ctx, {&found, 1});
+    return found;
+  }
+  void eval_pdf_all(std::span<const Vec3> wi, std::span<const Vec3> wo, const BsdfContext& ctx,
+                    std::span<BsdfEval> found) const override {
+    if (wi.empty()) return;
+    const nb::gil_scoped_acquire lock;
+    const nb::object both =
+        batch_.attr("eval_pdf")(directions(wi), directions(wo), wavelengths(ctx), mode(ctx));
+    const Numbers value(both[0], wi.size(), kWavelengths), pdf(both[1], wi.size(), kWavelengths);
+    for (std::size_t i = 0; i < wi.size(); ++i) found[i] = {value.spectrum(i), pdf.spectrum(i)};
+  }
+  void sample_all(std::span<const Vec3> wi, std::span<const float> u1, std::span<const Vec2> u2,
+                  const BsdfContext& ctx, std::span<std::optional<BsdfSample>> found) const override {
+    if (wi.empty()) return;
+    const nb::gil_scoped_acquire lock;
+    const nb::object u = array({wi.size(), 3}, [&](std::size_t k) {
+      const std::size_t i = k / 3;
+      return double(k % 3 == 0 ? u1[i] : k % 3 == 1 ? u2[i].x : u2[i].y);
+    });
+    const nb::object all = batch_.attr("sample")(directions(wi), u, wavelengths(ctx), mode(ctx));
+    const Numbers wo(all[0], wi.size(), 3), value(all[1], wi.size(), kWavelengths),
+        pdf(all[2], wi.size(), kWavelengths), about(all[3], wi.size(), 3);
+    for (std::size_t i = 0; i < wi.size(); ++i) {
+      found[i].reset();
+      if (about.at(i, 0) == 0) continue;
+      found[i] = BsdfSample{normalize(Vec3{float(wo.at(i, 0)), float(wo.at(i, 1)), float(wo.at(i, 2))}),
+                            value.spectrum(i), pdf.spectrum(i), Lobe(unsigned(about.at(i, 1))),
+                            float(about.at(i, 2))};
+    }
+  }
+
+private:
+  /// An array (rows, columns) that Python returned.
+  struct Numbers {
+    nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu> a;
+    Numbers(nb::handle object, std::size_t rows, std::size_t columns)
+        : a(nb::cast<nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>>(object)) {
+      if (a.shape(0) != rows || a.shape(1) != columns) throw Error("a batch of the wrong shape");
+    }
+    double at(std::size_t row, std::size_t column) const { return a.data()[row * a.shape(1) + column]; }
+    Spectrum spectrum(std::size_t row) const {
+      return make_spectrum([&](int j) { return float(at(row, std::size_t(j))); });
+    }
+  };
+  static nb::object directions(std::span<const Vec3> v) {
+    return array({v.size(), 3}, [&](std::size_t k) { return double(v[k / 3][int(k % 3)]); });
+  }
+  static nb::object wavelengths(const BsdfContext& ctx) {
+    return array({kWavelengths}, [&](std::size_t j) { return double(ctx.wavelengths.nm[int(j)]); });
+  }
+  static const char* mode(const BsdfContext& ctx) {
+    return ctx.mode == TransportMode::radiance ? "radiance" : "importance";
+  }
+
+  nb::object batch_;
+  Lobe lobes_;
+};
 
 nb::dict converted(const BsdfCheckResult& r) {
   nb::list findings, histograms;
@@ -86,7 +164,7 @@ nb::dict converted(const BsdfCheckResult& r) {
 void bind_check(nb::module_& m) {
   m.def(
       "check_bsdf",
-      [](const std::shared_ptr<Bsdf>& bsdf, bool lossless, bool reciprocal, std::optional<bool> black_below,
+      [](const nb::object& bsdf, bool lossless, bool reciprocal, std::optional<bool> black_below,
          bool may_fail, bool radiance, std::size_t samples, double significance, double tolerance,
          double largest_energy, double min_nm, double max_nm, std::optional<double> index_ratio,
          const std::vector<double>& angles, std::size_t most_bins, std::uint64_t seed, nb::object progress) {
@@ -119,10 +197,23 @@ void bind_check(nb::module_& m) {
           if (!progress.is_none()) progress(part);
           next = Clock::now() + std::chrono::milliseconds(50);
         };
+        std::shared_ptr<const Bsdf> checked;
+        const auto batch = [&](const nb::object& instance) {
+          auto context = std::make_shared<BuildContext>();
+          if (max_nm > min_nm) context->grid = SpectralGrid::over(min_nm, max_nm);
+          return std::make_shared<const BatchBsdf>(Properties("python", "", {}, context), instance);
+        };
+        if (!nb::isinstance<Bsdf>(bsdf)) {
+          checked = batch(bsdf);
+        } else {
+          checked = nb::cast<std::shared_ptr<Bsdf>>(bsdf);
+          if (const auto* p = dynamic_cast<const PythonBsdf*>(checked.get()))
+            checked = batch(p->instance().attr("target"));
+        }
         BsdfCheckResult result;
         {
-          const nb::gil_scoped_release release;
-          result = check_bsdf(*bsdf, options);
+          const Unlocked release;
+          result = check_bsdf(*checked, options);
         }
         return converted(result);
       },
@@ -131,6 +222,10 @@ void bind_check(nb::module_& m) {
       nb::arg("significance"), nb::arg("tolerance"), nb::arg("largest_energy"), nb::arg("min_nm"),
       nb::arg("max_nm"), nb::arg("index_ratio").none(), nb::arg("angles"), nb::arg("most_bins"),
       nb::arg("seed"), nb::arg("progress").none(),
+      nb::sig("def check_bsdf(bsdf: object, *, lossless: bool, reciprocal: bool, black_below: bool | None, "
+              "may_fail: bool, radiance: bool, samples: int, significance: float, tolerance: float, "
+              "largest_energy: float, min_nm: float, max_nm: float, index_ratio: float | None, "
+              "angles: list[float], most_bins: int, seed: int, progress: object) -> dict[str, typing.Any]"),
       "What is wrong with a BSDF, and the numbers behind it. See `aureole.check`.");
 }
 

@@ -8,6 +8,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "aureole/core/error.h"
@@ -63,6 +64,20 @@ Image display(const Picture& p, double exposure) {
   return display_picture(std::move(rgb));
 }
 
+/// Files order channels by name; colours come first here, as R, G, B, A.
+Image in_order_of_colors(Image image) {
+  std::vector<std::size_t> from;
+  for (const char* name : {"R", "G", "B", "A"})
+    if (const int c = image.channel(name); c >= 0) from.push_back(std::size_t(c));
+  for (std::size_t c = 0; c < image.channel_count(); ++c)
+    if (std::find(from.begin(), from.end(), c) == from.end()) from.push_back(c);
+  Image ordered = image;
+  for (std::size_t c = 0; c < from.size(); ++c) ordered.channels[c] = image.channels[from[c]];
+  for (std::size_t i = 0; i < image.pixels.size(); i += from.size())
+    for (std::size_t c = 0; c < from.size(); ++c) ordered.pixels[i + c] = image.pixels[i + from[c]];
+  return ordered;
+}
+
 void save(const Picture& p, const std::filesystem::path& file, double exposure) {
   require_writable(file);
   const std::string extension = file.extension();
@@ -99,9 +114,9 @@ void bind_image(nb::module_& m) {
       .def_static(
           "read",
           [](const std::filesystem::path& file) {
-            const nb::gil_scoped_release release;
+            const Unlocked release;
             auto picture = std::make_shared<Picture>();
-            picture->image = read_image(file);
+            picture->image = in_order_of_colors(read_image(file));
             return picture;
           },
           nb::arg("file"))
@@ -143,7 +158,7 @@ void bind_image(nb::module_& m) {
       .def(
           "save",
           [](const Picture& p, const std::filesystem::path& file, double exposure) {
-            const nb::gil_scoped_release release;
+            const Unlocked release;
             save(p, file, exposure);
           },
           nb::arg("file"), nb::arg("exposure"));

@@ -18,17 +18,18 @@ NB_MODULE(_aureole, m) {
         std::vector<char*> argv;
         for (std::string& a : arguments) argv.push_back(a.data());
         argv.push_back(nullptr);
-        const nb::gil_scoped_release release;
+        const Unlocked release;
         return aureole::run_command_line(int(arguments.size()), argv.data());
       },
       nb::arg("arguments"),
       "Run the command-line program; the first argument is its name. Returns the exit code.");
+  bind_leaving();
   bind_errors(m);
+  bind_optics(m);  // before what returns its classes
   bind_objects(m);
   bind_python_bsdf(m);
   bind_image(m);
   bind_scene(m);
-  bind_optics(m);
   bind_spectrum(m);
   bind_check(m);
   bind_microstructure(m);

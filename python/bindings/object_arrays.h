@@ -5,7 +5,9 @@
 #include <nanobind/nanobind.h>
 
 #include <cstddef>
+#include <new>
 #include <string>
+#include <type_traits>
 
 #include "arrays.h"
 #include "aureole/bsdf/bsdf.h"
@@ -48,17 +50,32 @@ struct WavelengthRange {
   bool holds(const Spectrum& nm) const { return !any(~((nm.v >= min_nm) & (nm.v <= max_nm))); }
 };
 
-/// Up to 8 wavelengths from `at` on; the last one is repeated.
+/// Up to 8 wavelengths from `at` on; the last one is repeated. Vectors are not written number by number: to
+/// load them then would wait for the stores.
+template <class T>
 inline Spectrum load_wavelengths(const Argument& argument, const char* at, Py_ssize_t step, int count) {
-  if (count == kWavelengths && argument.is_double() && step == Py_ssize_t(sizeof(double))) {
-    double nm[kWavelengths];
-    std::memcpy(nm, at, sizeof nm);
-    return make_spectrum([&](int i) { return float(nm[i]); });
+  if (count == 1) return float(argument.number<T>(at));
+  if constexpr (!std::is_void_v<T>) {
+    if (count == kWavelengths && step == Py_ssize_t(sizeof(T))) {
+      T __attribute__((vector_size(sizeof(T) * kWavelengths))) nm;
+      std::memcpy(&nm, at, sizeof nm);
+      return Spectrum(__builtin_convertvector(nm, SpectrumVector));
+    }
   }
   Spectrum nm;
-  for (int i = 0; i < count; ++i) nm[i] = float(argument.number(at + i * step));
-  for (int i = count; i < kWavelengths; ++i) nm[i] = nm[count - 1];
+  for (int i = 0; i < kWavelengths; ++i)
+    nm[i] = float(argument.number<T>(at + std::min(i, count - 1) * step));
   return nm;
+}
+
+inline void store(const Spectrum& value, double* to, Py_ssize_t step, int count) {
+  if (count == kWavelengths && step == 1) {
+    const double __attribute__((vector_size(sizeof(double) * kWavelengths))) numbers =
+        __builtin_convertvector(value.v, double __attribute__((vector_size(sizeof(double) * kWavelengths))));
+    std::memcpy(to, &numbers, sizeof numbers);
+    return;
+  }
+  for (int k = 0; k < count; ++k) to[k * step] = double(value[k]);
 }
 
 [[noreturn]] void throw_direction(const Argument& a, const char* at, const std::string& where);
@@ -94,63 +111,98 @@ struct PlaceArguments {
                  nb::handle uv_value, nb::handle wavelength_value);
 };
 
-/// Calls `f(a, b, uv, wavelengths) -> Spectrum` and writes its values to `out`. Elements one after another
-/// that share their directions and place go to one call.
-template <class F>
-void for_places(const PlaceArguments& in, const WavelengthRange& range, double* out, F&& f) {
-  const nb::gil_scoped_release release;
+/// One of 8 wavelengths, 8 times.
+inline Wavelengths only(const Wavelengths& w, int k) {
+  return {w.nm.data()[k], w.pdf, SpectrumMask{} + reinterpret_cast<const int*>(&w.cell)[k],
+          w.fraction.data()[k]};
+}
+
+/// `for_places` for arguments of type T; void: of several types.
+template <class T, class F>
+void for_typed_places(const PlaceArguments& in, const WavelengthRange& range, double* out, F&& f) {
+  const Unlocked release;
   Interrupts interrupts;
   Vec3 a, b;
   Vec2 uv;
   Wavelengths wavelengths = Wavelengths::at(range.grid, range.min_nm);
   const char *last_a = nullptr, *last_b = nullptr, *last_uv = nullptr;
   in.broadcast.for_rows([&](const auto& row) {
-    const bool constant = row.step[0] == 0 && row.step[1] == 0 && row.step[2] == 0;
-    for (Py_ssize_t i = 0; i < row.count;) {
-      const char *const at_a = row.at[0] + i * row.step[0], *const at_b = row.at[1] + i * row.step[1],
-                        *const at_uv = row.at[2] + i * row.step[2],
-                        *const at_nm = row.at[3] + i * row.step[3];
-      double* const to = out + row.out + i * row.out_step;
-      const auto where = [&](std::size_t argument, Py_ssize_t k) {
-        return in.broadcast.where(argument, (to - out) + k * row.out_step);
-      };
+    const char *at_a = row.at[0], *at_b = row.at[1], *at_uv = row.at[2], *at_nm = row.at[3];
+    const Py_ssize_t step_a = row.step[0], step_b = row.step[1], step_uv = row.step[2], step_nm = row.step[3],
+                     out_step = row.out_step;
+    const bool constant = step_a == 0 && step_b == 0 && step_uv == 0;
+    double* to = out + row.out;
+    const auto where = [&](std::size_t argument, Py_ssize_t k) {
+      return in.broadcast.where(argument, (to - out) + k * out_step);
+    };
+    const auto load_place = [&](Py_ssize_t k) {
       if (at_a != last_a) {
-        a = in.a.vec3(last_a = at_a);
-        if (!make_unit(a)) throw_direction(in.a, at_a, where(0, 0));
+        a = in.a.vec3<T>(last_a = at_a);
+        if (!make_unit(a)) throw_direction(in.a, at_a, where(0, k));
       }
       if (at_b != last_b) {
-        b = in.b.vec3(last_b = at_b);
-        if (!make_unit(b)) throw_direction(in.b, at_b, where(1, 0));
+        b = in.b.vec3<T>(last_b = at_b);
+        if (!make_unit(b)) throw_direction(in.b, at_b, where(1, k));
       }
       if (at_uv != last_uv) {
         uv = in.uv.vec2(last_uv = at_uv);
-        if (!is_sane(uv)) throw_uv(in.uv, at_uv, where(2, 0));
+        if (!is_sane(uv)) throw_uv(in.uv, at_uv, where(2, k));
       }
-      const int most = int(std::min<Py_ssize_t>(kWavelengths, row.count - i));
-      int count = constant ? most : 1;
-      if (!constant)
-        while (count < most && in.b.equal(at_b, at_b + count * row.step[1]) &&
-               in.a.equal(at_a, at_a + count * row.step[0]) &&
-               in.uv.equal(at_uv, at_uv + count * row.step[2]))
-          ++count;
-      const Spectrum nm = load_wavelengths(in.wavelength, at_nm, row.step[3], count);
+    };
+    for (Py_ssize_t left = row.count; left > 0; left -= kWavelengths) {
+      const int count = int(std::min<Py_ssize_t>(kWavelengths, left));
+      const Spectrum nm = load_wavelengths<T>(in.wavelength, at_nm, step_nm, count);
       if (any(nm.v != wavelengths.nm.v)) {
         if (!range.holds(nm))
           for (int k = 0; k < count; ++k)
             if (!range.holds(nm[k]))
-              throw_wavelength(in.wavelength, in.wavelength.number(at_nm + k * row.step[3]), range,
-                               where(3, k));
-        wavelengths = Wavelengths::at(range.grid, nm);
+              throw_wavelength(in.wavelength, in.wavelength.number(at_nm + k * step_nm), range, where(3, k));
+        // In its place, not assigned: a copy in halves of vectors would make the first look at it wait.
+        new (&wavelengths) Wavelengths(Wavelengths::at(range.grid, nm));
       }
-      const Spectrum value = f(a, b, uv, wavelengths);
-      if (count == kWavelengths && row.out_step == 1)
-        for (int k = 0; k < kWavelengths; ++k) to[k] = double(value[k]);
-      else
-        for (int k = 0; k < count; ++k) to[k * row.out_step] = double(value[k]);
-      i += count;
+      if (constant) {
+        load_place(0);
+        store(f(a, b, uv, wavelengths), to, out_step, count);
+      } else {
+        for (int k = 0; k < count;) {
+          load_place(k);
+          const int first = k++;
+          const auto move = [&] { at_a += step_a, at_b += step_b, at_uv += step_uv; };
+          for (move(); k < count && in.b.equal<T>(at_b, last_b) && in.a.equal<T>(at_a, last_a) &&
+                       in.uv.equal<void>(at_uv, last_uv);
+               ++k)
+            move();
+          if (k == first + 1) {
+            to[first * out_step] = double(f(a, b, uv, only(wavelengths, first))[0]);
+          } else {
+            const Spectrum value = f(a, b, uv, wavelengths);
+            for (int i = first; i < k; ++i) to[i * out_step] = double(value[i]);
+          }
+        }
+      }
+      at_nm += count * step_nm, to += count * out_step;
       interrupts.check();
     }
   });
+}
+
+/// Calls `f(a, b, uv, wavelengths) -> Spectrum` and writes its values to `out`. Elements one after another
+/// that share their directions and place go to one call.
+template <class F>
+void for_places(const PlaceArguments& in, const WavelengthRange& range, double* out, F&& f) {
+  const auto all = [&](bool is_double) {
+    for (const Argument* a : {&in.a, &in.b, &in.wavelength})
+      if (!a->is_constant() && a->is_double() != is_double) return false;
+    return true;
+  };
+  // The constant of an argument that is not given is of type double.
+  const bool given = !in.a.is_constant() && !in.b.is_constant();
+  if (all(true))
+    for_typed_places<double>(in, range, out, f);
+  else if (given && all(false))
+    for_typed_places<float>(in, range, out, f);
+  else
+    for_typed_places<void>(in, range, out, f);
 }
 
 }  // namespace aureole::python

@@ -102,22 +102,25 @@ nb::dict parameters_of(const Object& object) {
 }
 
 std::string short_repr(nb::handle value) {
-  std::string text = nb::repr(value).c_str();
+  std::string text;
   if (nb::hasattr(value, "shape"))
-    text = "<array of shape " + std::string(nb::str(value.attr("shape")).c_str()) + ">";
+    text = "<array of shape " + text_of(value.attr("shape")) + ">";
+  else
+    text = text_of(nb::repr(value));
   constexpr std::size_t kLongest = 200;
   return text.size() > kLongest ? text.substr(0, kLongest - 3) + "..." : text;
 }
 
 std::string repr_of(nb::handle self) {
+  std::string text = text_of(nb::type_name(self.type()));
+  if (!nb::inst_ready(self)) return "<" + text + " that was not made>";
   const auto& object = nb::cast<const Object&>(self);
-  std::string text = std::string(nb::type_name(self.type()).c_str());
   text = text.substr(text.rfind('.') + 1) + "('" + object.properties().type() + "'";
   if (!object.id().empty()) text += ", id='" + object.id() + "'";
   if (const auto* p = dynamic_cast<const PythonBsdf*>(&object))
     text += ", " + short_repr(p->instance().attr("target"));
   for (const auto& [name, value] : parameters_of(object))
-    text += ", " + std::string(nb::str(name).c_str()) + "=" + short_repr(value);
+    text += ", " + text_of(nb::borrow(name)) + "=" + short_repr(value);
   return text + ")";
 }
 
@@ -194,7 +197,7 @@ spectra dicts as `load_dict` takes them. A child without a name goes by its id, 
         options.given = given;
         LoadedObject loaded;
         {
-          const nb::gil_scoped_release release;
+          const Unlocked release;
           loaded = load_object_from_string(text, file, SpectralGrid::over(min_nm, max_nm), options);
         }
         return cast_object(loaded.object);

@@ -38,7 +38,7 @@ nb::object evaluate(const Bsdf& bsdf, nb::handle wi, nb::handle wo, nb::handle w
   if (const auto* p = dynamic_cast<const PythonBsdf*>(&bsdf))
     return p->instance().attr(Pdf ? "pdf_array" : "eval_array")(wi, wo, wavelength, uv, mode);
   require_standalone(bsdf);
-  const PlaceArguments in("wi", wi, "wo", wo, uv, wavelength);
+  const PlaceArguments in("wi", wi, "wo", wo, optional(uv), wavelength);
   Result<double> result(in.broadcast.shape());
   SurfacePoint point = flat_point();
   for_places(in, range_of(bsdf), result.data(),
@@ -57,7 +57,7 @@ nb::object sample(const Bsdf& bsdf, nb::handle wi, nb::handle wavelength, nb::ha
   if (const auto* p = dynamic_cast<const PythonBsdf*>(&bsdf))
     return p->instance().attr("sample_array")(wi, wavelength, u, uv, mode);
   require_standalone(bsdf);
-  const Argument given("wi", wi, 3), random("u", u, 3), place("uv", uv, {0.5, 0.5, 0}, 2),
+  const Argument given("wi", wi, 3), random("u", u, 3), place("uv", optional(uv), {0.5, 0.5, 0}, 2),
       nm("wavelength", wavelength);
   const Broadcast<4> broadcast({&given, &random, &place, &nm}, 3);
   const WavelengthRange range = range_of(bsdf);
@@ -66,7 +66,7 @@ nb::object sample(const Bsdf& bsdf, nb::handle wi, nb::handle wavelength, nb::ha
   const Result<bool> valid(shape);
   const Result<std::uint32_t> lobe(shape);
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     SurfacePoint point = flat_point();
     broadcast.for_rows([&](const auto& row) {
@@ -161,13 +161,13 @@ nb::object albedo(const Bsdf& bsdf, nb::handle theta, nb::handle wavelength, nb:
     return p->instance().attr("albedo_array")(theta, wavelength, phi, uv, mode, part_name, samples, seed,
                                               return_error);
   require_standalone(bsdf);
-  const Argument polar("theta", theta), azimuth("phi", phi, {0, 0, 0}, 0), place("uv", uv, {0.5, 0.5, 0}, 2),
-      nm("wavelength", wavelength);
+  const Argument polar("theta", theta), azimuth("phi", phi, {0, 0, 0}, 0),
+      place("uv", optional(uv), {0.5, 0.5, 0}, 2), nm("wavelength", wavelength);
   const Broadcast<4> broadcast({&polar, &azimuth, &place, &nm}, 3);
   const WavelengthRange range = range_of(bsdf);
   const Result<double> mean(broadcast.shape()), error(broadcast.shape());
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     SurfacePoint point = flat_point();
     broadcast.for_rows([&](const auto& row) {
@@ -309,26 +309,30 @@ ndarray of float64, shape (...)
 void bind_bsdfs(nb::module_& m) {
   // Twice, for type checkers: the flag decides what is returned.
   const auto bind_albedo = [](nb::class_<Bsdf, Object>& c, const auto&... extra) {
-    c.def("albedo", &albedo, nb::arg("theta"), nb::arg("wavelength"), nb::kw_only(), nb::arg("phi") = 0.0,
-          nb::arg("uv") = nb::none(), nb::arg("mode") = "importance", nb::arg("part") = "all",
-          nb::arg("samples") = 1024, nb::arg("seed") = 0, nb::arg("return_error") = false, extra...);
+    c.def("albedo", &albedo, nb::arg("theta").none(), nb::arg("wavelength").none(), nb::kw_only(),
+          nb::arg("phi").none() = 0.0, nb::arg("uv").none() = nb::none(), nb::arg("mode") = "importance",
+          nb::arg("part") = "all", nb::arg("samples") = 1024, nb::arg("seed") = 0,
+          nb::arg("return_error") = false, extra...);
   };
   nb::class_<Bsdf, Object> bsdf(m, "Bsdf", "How a surface scatters light.");
   bsdf.def_prop_ro(
           "lobes", &lobe_names, nb::sig("def lobes(self) -> tuple[str, ...]"),
           "Names of all that its lobes do: diffuse, glossy, delta, reflect, transmit, through, null.")
-      .def("eval", &evaluate<false>, nb::arg("wi"), nb::arg("wo"), nb::arg("wavelength"), nb::kw_only(),
-           nb::arg("uv") = nb::none(), nb::arg("mode") = "radiance", nb::arg("seed") = 0,
+      .def("eval", &evaluate<false>, nb::arg("wi").none(), nb::arg("wo").none(), nb::arg("wavelength").none(),
+           nb::kw_only(), nb::arg("uv").none() = nb::none(), nb::arg("mode") = "radiance",
+           nb::arg("seed") = 0,
            nb::sig("def eval(self, wi: " ARRAY ", wo: " ARRAY ", wavelength: " ARRAY ", *, uv: " ARRAY
                    " | None = None, mode: str = 'radiance', seed: int = 0) -> " RESULT),
            kEvalDoc)
-      .def("pdf", &evaluate<true>, nb::arg("wi"), nb::arg("wo"), nb::arg("wavelength"), nb::kw_only(),
-           nb::arg("uv") = nb::none(), nb::arg("mode") = "radiance", nb::arg("seed") = 0,
+      .def("pdf", &evaluate<true>, nb::arg("wi").none(), nb::arg("wo").none(), nb::arg("wavelength").none(),
+           nb::kw_only(), nb::arg("uv").none() = nb::none(), nb::arg("mode") = "radiance",
+           nb::arg("seed") = 0,
            nb::sig("def pdf(self, wi: " ARRAY ", wo: " ARRAY ", wavelength: " ARRAY ", *, uv: " ARRAY
                    " | None = None, mode: str = 'radiance', seed: int = 0) -> " RESULT),
            kPdfDoc)
-      .def("sample", &sample, nb::arg("wi"), nb::arg("wavelength"), nb::arg("u"), nb::kw_only(),
-           nb::arg("uv") = nb::none(), nb::arg("mode") = "radiance", nb::arg("seed") = 0,
+      .def("sample", &sample, nb::arg("wi").none(), nb::arg("wavelength").none(), nb::arg("u").none(),
+           nb::kw_only(), nb::arg("uv").none() = nb::none(), nb::arg("mode") = "radiance",
+           nb::arg("seed") = 0,
            nb::sig("def sample(self, wi: " ARRAY ", wavelength: " ARRAY ", u: " ARRAY ", *, uv: " ARRAY
                    " | None = None, mode: str = 'radiance', seed: int = 0) -> aureole._objects.BsdfSample"),
            kSampleDoc);

@@ -30,7 +30,7 @@ nb::object radiance(const Emitter& emitter, nb::handle direction, nb::handle wav
         " emitter has no radiance, since all its light comes from one point or into one direction; use " +
         (emitter.is_infinite() ? "sample_direct" : "intensity or sample_direct"));
   require_standalone(emitter);
-  const PlaceArguments in("direction", direction, "", {}, uv, wavelength);
+  const PlaceArguments in("direction", direction, "", {}, optional(uv), wavelength);
   const Result<double> result(in.broadcast.shape());
   const bool infinite = emitter.is_infinite();
   SurfacePoint point = flat_point();
@@ -69,7 +69,7 @@ nb::object sample_direct(const Emitter& emitter, nb::handle reference, nb::handl
   const Result<double> wo(shape, 3), value(shape), pdf(shape), distance(shape);
   const Result<bool> valid(shape);
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     broadcast.for_rows([&](const auto& row) {
       for (Py_ssize_t i = 0, out = row.out; i < row.count; ++i, out += row.out_step) {
@@ -124,8 +124,8 @@ void bind_emitters(nb::module_& m) {
       .def_prop_ro("is_infinite", &Emitter::is_infinite, "It lies at infinity: an environment, the sun.")
       .def_prop_ro("is_delta", &Emitter::is_delta,
                    "It is a point or shines into one direction, so that no ray meets it by chance.")
-      .def("eval", &radiance, nb::arg("direction"), nb::arg("wavelength"), nb::kw_only(),
-           nb::arg("uv") = nb::none(),
+      .def("eval", &radiance, nb::arg("direction").none(), nb::arg("wavelength").none(), nb::kw_only(),
+           nb::arg("uv").none() = nb::none(),
            nb::sig("def eval(self, direction: " ARRAY ", wavelength: " ARRAY ", *, uv: " ARRAY
                    " | None = None) -> " RESULT),
            R"(Spectral radiance.
@@ -145,7 +145,7 @@ Returns
 ndarray of float64, shape (...)
     [W/(m^2 sr nm)]. Emitters that are points or shine into one direction have none: an `aureole.Error`.
 )")
-      .def("intensity", &intensity, nb::arg("direction"), nb::arg("wavelength"),
+      .def("intensity", &intensity, nb::arg("direction").none(), nb::arg("wavelength").none(),
            nb::sig("def intensity(self, direction: " ARRAY ", wavelength: " ARRAY ") -> " RESULT),
            R"(Spectral radiant intensity of an emitter that is a point [W/(sr nm)].
 
@@ -160,7 +160,8 @@ Returns
 -------
 ndarray of float64, shape (...)
 )")
-      .def("sample_direct", &sample_direct, nb::arg("reference"), nb::arg("wavelength"), nb::arg("u"),
+      .def("sample_direct", &sample_direct, nb::arg("reference").none(), nb::arg("wavelength").none(),
+           nb::arg("u").none(),
            nb::sig("def sample_direct(self, reference: " ARRAY ", wavelength: " ARRAY ", u: " ARRAY
                    ") -> aureole._objects.EmitterSample"),
            R"(Directions from points towards the emitter, and the light that arrives if nothing is in its way.
@@ -179,7 +180,7 @@ Returns
 aureole.EmitterSample
     Arrays `wo`, `radiance`, `pdf`, `distance`, `valid`. Emitters on surfaces are sampled in scenes only.
 )")
-      .def("power", &power, nb::arg("wavelength"),
+      .def("power", &power, nb::arg("wavelength").none(),
            nb::sig("def power(self, wavelength: " ARRAY ") -> " RESULT),
            R"(Spectral power [W/nm].
 

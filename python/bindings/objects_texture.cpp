@@ -18,7 +18,7 @@ WavelengthRange range_of(const Texture& texture) {
 
 nb::object eval(const Texture& texture, nb::handle wavelength, nb::handle uv) {
   require_standalone(texture);
-  const PlaceArguments in("", {}, "", {}, uv, wavelength);
+  const PlaceArguments in("", {}, "", {}, optional(uv), wavelength);
   const Result<double> result(in.broadcast.shape());
   SurfacePoint point = flat_point();
   for_places(in, range_of(texture), result.data(),
@@ -45,7 +45,7 @@ nb::object eval_scalar(const Texture& texture, nb::handle uv) {
   const Broadcast<1> broadcast({&place}, 1);
   const Result<double> result(broadcast.shape());
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     SurfacePoint point = flat_point();
     broadcast.for_rows([&](const auto& row) {
@@ -66,7 +66,7 @@ nb::object transform(const Aperture& aperture, nb::handle q) {
   const Broadcast<1> broadcast({&vectors}, 1);
   const Result<std::complex<double>> result(broadcast.shape());
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     Interrupts interrupts;
     broadcast.for_rows([&](const auto& row) {
       for (Py_ssize_t i = 0, out = row.out; i < row.count; ++i, out += row.out_step) {
@@ -91,7 +91,7 @@ nb::object transform(const Aperture& aperture, nb::handle q) {
 void bind_textures(nb::module_& m) {
   nb::class_<Texture, Object>(m, "Texture", "A spectrum that may vary over a surface.")
       .def_prop_ro("is_constant", &Texture::is_constant, "The value is the same everywhere on a surface.")
-      .def("eval", &eval, nb::arg("wavelength"), nb::kw_only(), nb::arg("uv") = nb::none(),
+      .def("eval", &eval, nb::arg("wavelength").none(), nb::kw_only(), nb::arg("uv").none() = nb::none(),
            nb::sig("def eval(self, wavelength: " ARRAY ", *, uv: " ARRAY " | None = None) -> " RESULT),
            R"(The value of the spectrum.
 
@@ -107,7 +107,8 @@ Returns
 ndarray of float64, shape (...)
     Without a unit for a reflectance, [W/(m^2 sr nm)] and the like for an emission.
 )")
-      .def("mean", &mean, nb::arg("wavelength"), nb::sig("def mean(self, wavelength: " ARRAY ") -> " RESULT),
+      .def("mean", &mean, nb::arg("wavelength").none(),
+           nb::sig("def mean(self, wavelength: " ARRAY ") -> " RESULT),
            R"(The mean over texture coordinates in [0, 1]^2.
 
 Parameters
@@ -120,7 +121,7 @@ Returns
 ndarray of float64, shape (...)
 )")
       .def(
-          "eval_scalar", &eval_scalar, nb::arg("uv"),
+          "eval_scalar", &eval_scalar, nb::arg("uv").none(),
           nb::sig("def eval_scalar(self, uv: " ARRAY ") -> " RESULT),
           R"(The value as one number, as opacities, weights and heights are read: of a colour the luminance, else the mean over the wavelengths.
 
@@ -147,7 +148,7 @@ ndarray of float64, shape (...)
       .def_prop_ro("is_randomly_rotated", &Aperture::is_randomly_rotated,
                    "Every scatterer is turned by a random angle of its own.")
       .def(
-          "transform", &transform, nb::arg("q"),
+          "transform", &transform, nb::arg("q").none(),
           nb::sig("def transform(self, q: " ARRAY ") -> numpy.typing.NDArray[numpy.complex128]"),
           R"(Fourier transform of the unturned shape, F(q) = integral of A(x) exp(-i q.x) over the plane, with F(0) the area.
 

@@ -42,20 +42,24 @@ void for_amplitudes(const Reals& x, const Complexes& m, const Reals& mu, const S
   constexpr double kMostTerms = 5e5;  // about 50 MB
   const std::size_t blocks = (angles + kBlock - 1) / kBlock;
   std::vector<std::optional<Mie>> spheres;
+  SignalCheck signals;
   for (std::size_t first = 0, last; first < n; first = last) {
     double terms = 0;
     for (last = first; last < n && last - first < kMostSpheres && terms < kMostTerms; ++last)
       terms += 64 + x.data()[last];
     spheres.assign(last - first, std::nullopt);
-    for_each(last - first,
-             [&](std::size_t i) { spheres[i].emplace(x.data()[first + i], m.data()[first + i]); });
-    for_each((last - first) * blocks, [&](std::size_t task) {
-      const std::size_t i = task / blocks, begin = task % blocks * kBlock,
-                        size = std::min(kBlock, angles - begin);
-      MieAmplitudes s[kBlock];
-      spheres[i]->amplitudes(std::span(mu.data() + begin, size), std::span(s, size));
-      store(*spheres[i], (first + i) * angles + begin, std::span<const MieAmplitudes>(s, size));
-    });
+    for_each(
+        last - first, [&](std::size_t i) { spheres[i].emplace(x.data()[first + i], m.data()[first + i]); },
+        signals);
+    for_each((last - first) * blocks,
+             [&](std::size_t task) {
+               const std::size_t i = task / blocks, begin = task % blocks * kBlock,
+                                 size = std::min(kBlock, angles - begin);
+               MieAmplitudes s[kBlock];
+               spheres[i]->amplitudes(std::span(mu.data() + begin, size), std::span(s, size));
+               store(*spheres[i], (first + i) * angles + begin, std::span<const MieAmplitudes>(s, size));
+             },
+             signals);
   }
 }
 

@@ -12,6 +12,7 @@
 #include "aureole/optics/mask_aperture.h"
 #include "aureole/optics/polygon_aperture.h"
 #include "aureole/optics/round_aperture.h"
+#include "arrays.h"
 #include "optics_bindings.h"
 #include "vectorised.h"
 
@@ -27,7 +28,7 @@ nb::object transform(const ApertureShape& shape, const nb::object& q) {
   nb::object checked = nb::module_::import_("aureole._arrays").attr("real")("q", q);
   const nb::tuple size = nb::cast<nb::tuple>(checked.attr("shape"));
   if (size.size() == 0 || nb::cast<std::size_t>(size[size.size() - 1]) != 2)
-    throw Error(std::string("q: expected an array of shape (..., 2), got shape ") + nb::str(size).c_str());
+    throw Error(std::string("q: expected an array of shape (..., 2), got shape ") + text_of(size));
   const auto flat = nb::cast<Reals>(numpy.attr("ascontiguousarray")(checked.attr("ravel")()));
   const std::size_t n = flat.size() / 2;
   nb::object result = numpy.attr("empty")(n, "complex128");
@@ -56,7 +57,7 @@ ShapePtr polygon(const Reals& vertices, const Array<const std::int64_t>& sizes, 
       ring.push_back({vertices.data()[2 * at], vertices.data()[2 * at + 1]});
     rings.push_back(std::move(ring));
   }
-  const nb::gil_scoped_release release;
+  const Unlocked release;
   return naming("vertices", [&]() -> ShapePtr {
     const optics::PolygonRegion region = optics::PolygonRegion::even_odd(std::move(rings));
     return std::make_shared<optics::PolygonAperture>(
@@ -69,7 +70,7 @@ ShapePtr mask(const Array<const float, 2>& open, double pixel_size, bool centroi
   optics::Mask m;
   m.width = int(open.shape(1)), m.height = int(open.shape(0));
   m.open.assign(open.data(), open.data() + open.size());
-  const nb::gil_scoped_release release;
+  const Unlocked release;
   return naming(
       "open", [&]() -> ShapePtr { return std::make_shared<optics::MaskAperture>(m, pixel_size, centroid); });
 }

@@ -27,18 +27,26 @@ namespace {
 using optics::StructureFactor;
 using FactorPtr = std::shared_ptr<StructureFactor>;
 
-/// The start of a mixture: discs grow there in a loop that may take long. A signal leaves it behind, in a
-/// thread of its own, to come to its end unseen.
-optics::HardDiscSimulation grown(std::vector<double> radii, double area_fraction, std::uint64_t seed,
-                                 SignalCheck& check) {
-  auto task = std::make_shared<std::packaged_task<optics::HardDiscSimulation()>>(
-      [radii = std::move(radii), area_fraction, seed] {
-        return optics::HardDiscSimulation(radii, area_fraction, seed);
-      });
-  std::future<optics::HardDiscSimulation> result = task->get_future();
+/// What f() returns, which may take long and looks at no signals. A signal leaves it behind, in a thread of
+/// its own, to come to its end unseen.
+template <class F>
+auto abandonable(F f, SignalCheck& check) {
+  using T = decltype(f());
+  auto task = std::make_shared<std::packaged_task<T()>>(std::move(f));
+  std::future<T> result = task->get_future();
   std::thread([task] { (*task)(); }).detach();
   while (result.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) check();
   return result.get();
+}
+
+/// The start of a mixture: discs grow there in a loop that may take long.
+optics::HardDiscSimulation grown(std::vector<double> radii, double area_fraction, std::uint64_t seed,
+                                 SignalCheck& check) {
+  return abandonable(
+      [radii = std::move(radii), area_fraction, seed] {
+        return optics::HardDiscSimulation(radii, area_fraction, seed);
+      },
+      check);
 }
 
 /// Fills `positions` of shape (snapshots, n, 2); returns the side of the box and the pressure over that of an
@@ -49,9 +57,11 @@ std::pair<double, double> hard_discs(const Reals& radii, double area_fraction, s
   const std::size_t n = radii.size(), snapshots = positions.shape(0);
   require_size(positions.shape(1) == n && positions.shape(2) == 2, "hard_discs");
   require_size(n > 0, "hard_discs");
+  // Boxes of more diameters than an int counts would break the simulation.
+  if (!(area_fraction >= 1e-6)) throw Error("area_fraction: expected at least 1e-6");
   const bool equal =
       std::all_of(radii.data(), radii.data() + n, [&](double r) { return r == radii.data()[0]; });
-  const nb::gil_scoped_release release;
+  const Unlocked release;
   SignalCheck check;
   return naming(equal ? "n" : "radius", [&] {
     std::vector<double> all(radii.data(), radii.data() + n);
@@ -85,7 +95,7 @@ std::size_t ring_structure_factor(const Array<const double, 3>& positions, doubl
   const std::size_t n = positions.shape(1), most = result.shape(1);
   require_size(positions.shape(2) == 2 && result.shape(0) == 3 && edges.size() == most + 1,
                "ring_structure_factor");
-  const nb::gil_scoped_release release;
+  const Unlocked release;
   SignalCheck check;
   return naming("edges", [&] {
     optics::RingStructureFactor rings(box_x, box_y, {edges.data(), edges.data() + edges.size()}, per_ring);
@@ -172,7 +182,7 @@ void bind_factors(nb::module_& m) {
       "factor_of_pair_correlation",
       [](const Reals& r, const Reals& g, double area_fraction) -> FactorPtr {
         require_size(r.size() == g.size(), "factor_of_pair_correlation");
-        const nb::gil_scoped_release release;
+        const Unlocked release;
         return naming("ra", [&] {
           return std::make_shared<optics::TabulatedStructureFactor>(
               optics::TabulatedStructureFactor::from_pair_correlation(list(r), list(g), area_fraction));
@@ -182,11 +192,14 @@ void bind_factors(nb::module_& m) {
   m.def(
       "simulated_factor",
       [](double area_fraction, int discs, int snapshots, std::uint64_t seed) -> FactorPtr {
-        const nb::gil_scoped_release release;
+        const Unlocked release;
         optics::HardDiscEnsemble ensemble;
         ensemble.discs = discs, ensemble.snapshots = snapshots, ensemble.seed = seed;
-        return naming("area_fraction", [&] {
-          return std::make_shared<optics::SimulatedStructureFactor>(area_fraction, ensemble);
+        SignalCheck check;
+        return naming("area_fraction", [&]() -> FactorPtr {
+          return abandonable(
+              [=] { return std::make_shared<optics::SimulatedStructureFactor>(area_fraction, ensemble); },
+              check);
         });
       },
       arg("area_fraction"), arg("discs"), arg("snapshots"), arg("seed"));

@@ -80,32 +80,38 @@ void count_pairs(const Array<const double, 2>& positions, double box_x, double b
   const CellList cells(points, {box_x, box_y}, reach, periodic);
   const std::vector<Point>& p = cells.points();
 
-  // Tasks are runs of points, and each adds up on its own, so that sums do not depend on the threads.
-  const std::size_t run = std::max<std::size_t>(64, n / 1024 + 1), tasks = (n + run - 1) / run;
-  const std::size_t parts = std::size_t(tiles) * tiles;
-  std::vector<double> sums(tasks * parts * bins, 0.0);
+  // Tasks are runs of points, short enough for signals to be seen. Each of a batch adds to sums of its own,
+  // so that results do not depend on the threads.
+  const double near = std::min(1.0, 9 * reach * reach / (box_x * box_y)) * double(n);
+  const std::size_t run = std::size_t(std::clamp(3e5 / near, 1.0, 1e4)), tasks = (n + run - 1) / run;
+  const std::size_t parts = std::size_t(tiles) * tiles, batch = kPairCountBatch;
+  std::vector<double> sums(std::min(batch, tasks) * parts * bins, 0.0);
   const auto tile = [tiles](double at, double side) {
     return std::clamp(int(at / side * tiles), 0, tiles - 1);
   };
-  for_each(tasks, [&](std::size_t task) {
-    double* const sum = &sums[task * parts * bins];
-    for (std::size_t i = task * run; i < std::min(n, (task + 1) * run); ++i) {
-      const std::size_t part = std::size_t(tile(p[i].y, box_y)) * tiles + tile(p[i].x, box_x);
-      cells.near(p[i], [&](std::size_t j) {
-        double dx = std::abs(p[i].x - p[j].x), dy = std::abs(p[i].y - p[j].y);
-        if (periodic) dx = std::min(dx, box_x - dx), dy = std::min(dy, box_y - dy);
-        const double squared = dx * dx + dy * dy;
-        if (i == j || squared >= reach * reach) return;
-        const double* const above = std::upper_bound(edge, last, std::sqrt(squared));
-        if (above == edge) return;
-        const double place = periodic ? box_x * box_y : (box_x - dx) * (box_y - dy);
-        sum[part * bins + std::size_t(above - edge) - 1] += 1 / place;
-      });
-    }
-  });
-  for (std::size_t k = 0; k < parts * bins; ++k) result.data()[k] = 0;
-  for (std::size_t task = 0; task < tasks; ++task)
-    for (std::size_t k = 0; k < parts * bins; ++k) result.data()[k] += sums[task * parts * bins + k];
+  SignalCheck signals;
+  for (std::size_t first = 0; first < tasks; first += batch) {
+    const auto work = [&](std::size_t k) {
+      double* const sum = &sums[k * parts * bins];
+      const std::size_t begin = (first + k) * run;
+      for (std::size_t i = begin; i < std::min(n, begin + run); ++i) {
+        const std::size_t part = std::size_t(tile(p[i].y, box_y)) * tiles + tile(p[i].x, box_x);
+        cells.near(p[i], [&](std::size_t j) {
+          double dx = std::abs(p[i].x - p[j].x), dy = std::abs(p[i].y - p[j].y);
+          if (periodic) dx = std::min(dx, box_x - dx), dy = std::min(dy, box_y - dy);
+          const double squared = dx * dx + dy * dy;
+          if (i == j || squared >= reach * reach) return;
+          const double* const above = std::upper_bound(edge, last, std::sqrt(squared));
+          if (above == edge) return;
+          const double place = periodic ? box_x * box_y : (box_x - dx) * (box_y - dy);
+          sum[part * bins + std::size_t(above - edge) - 1] += 1 / place;
+        });
+      }
+    };
+    for_each(std::min(batch, tasks - first), work, signals);
+  }
+  std::fill(result.data(), result.data() + parts * bins, 0.0);
+  for (std::size_t k = 0; k < sums.size(); ++k) result.data()[k % (parts * bins)] += sums[k];
 }
 
 }  // namespace aureole::python

@@ -6,6 +6,9 @@
 
 namespace aureole::python {
 
+/// Memory of `count_pairs` is so many times that of the result.
+inline constexpr std::size_t kPairCountBatch = 64;
+
 /// For the points (n, 2) of a box: result[p][b] is the sum over ordered pairs whose first point is in tile p
 /// of tiles x tiles and whose distance is between edges b and b + 1, of one over the area in which such a
 /// pair can lie: the box where it is `periodic`, else (width - |dx|)(height - |dy|), the translational edge

@@ -90,6 +90,9 @@ std::optional<BsdfSample> PythonBsdf::sample(const Vec3& wi, float u1, Vec2 u2,
   s.value = spectrum("sample", drawn[1]);
   s.pdf = spectrum("sample", drawn[2]);
   s.lobe = Lobe(nb::cast<unsigned>(drawn[3]));
+  // A class says what it does on both sides; a sample is on one.
+  if (has(s.lobe, Lobe::reflect) && has(s.lobe, Lobe::transmit))
+    s.lobe = Lobe(unsigned(s.lobe) & ~unsigned(s.wo.z * wi.z > 0 ? Lobe::transmit : Lobe::reflect));
   s.eta = float(nb::cast<double>(drawn[4]));
   if (!(s.pdf[0] > 0)) return {};  // below the smallest float
   return s;

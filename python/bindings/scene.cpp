@@ -10,6 +10,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -40,26 +41,52 @@ public:
   OpenScene(const OpenScene&) = delete;
   OpenScene& operator=(const OpenScene&) = delete;
 
-  SceneDocument& document() { return document_; }
+  /// Reads the document while no other thread changes it. With Python's lock, which is not held while waiting
+  /// for the document: whoever has that may need Python's lock to go on.
+  template <class F>
+  auto read(const F& f) {
+    const Held held(*this);
+    return f(document_);
+  }
+  std::shared_ptr<const Scene> scene() {
+    return read([](const SceneDocument& d) { return d.scene(); });
+  }
   void set(const std::vector<std::pair<std::string, std::string>>& changes, const Given& given) {
-    const std::lock_guard guard(mutex_);
+    const Held held(*this);
     if (renders_ > 0)
       throw Error("the scene is being rendered: its parameters can't change until that is done");
+    changing_ = true;
+    struct End {
+      bool& changing;
+      ~End() { changing = false; }
+    } end{changing_};
+    const Unlocked unlocked;
     document_.set(changes, given);
   }
-  void begin_render() {
-    const std::lock_guard guard(mutex_);
+  std::shared_ptr<const Scene> begin_render() {
+    const Held held(*this);
     ++renders_;
+    return document_.scene();
   }
-  void end_render() {
-    const std::lock_guard guard(mutex_);
-    --renders_;
-  }
+  void end_render() { --renders_; }
 
 private:
+  struct Held {
+    explicit Held(OpenScene& scene) : lock(scene.mutex_, std::try_to_lock) {
+      if (!lock) {
+        const Unlocked unlocked;
+        lock.lock();
+      }
+      // Only code that runs amid a change in the same thread sees this, such as __del__.
+      if (scene.changing_) throw Error("the scene is being changed: it can't be used until that is done");
+    }
+    std::unique_lock<std::recursive_mutex> lock;
+  };
+
   SceneDocument document_;
-  std::mutex mutex_;
-  int renders_ = 0;
+  std::recursive_mutex mutex_;
+  bool changing_ = false;
+  std::atomic<int> renders_{0};
 };
 
 LoadOptions load_options(const Defines& defines, const Given& given, const std::string& integrator,
@@ -95,15 +122,15 @@ nb::object value_object(const Properties::Value& value) {
   return cast_object(std::get<ObjectPtr>(value));
 }
 
-/// What is written at a path: a value or an object; nothing where nothing is.
-std::optional<nb::object> written(SceneDocument& document, const std::string& path) {
+/// What is written at a path: a value or an object, which may be null; nothing where nothing is.
+std::optional<Properties::Value> written(const SceneDocument& document, const std::string& path) {
   const Node* node = document.find(path);
   if (!node) return {};
-  if (!is_property(*node)) return cast_object(document.object(path));
+  if (!is_property(*node)) return document.object(path);
   Diagnostics diagnostics;
   const std::optional<Properties::Value> value = property_value(*node, diagnostics);
   diagnostics.throw_if_errors();
-  return value ? value_object(*value) : nb::none();
+  return value ? *value : Properties::Value(ObjectPtr());
 }
 
 /// Runs a job in a thread of its own, so that the calling one can look after signals and progress.
@@ -125,8 +152,13 @@ public:
     });
   }
   ~RunningJob() {
+    if (!thread_.joinable()) return;
+    const Unlocked unlocked;  // BSDFs written in Python need the lock to come to an end
+    end();
+  }
+  void end() {
     stop_ = true;
-    if (thread_.joinable()) thread_.join();
+    thread_.join();
   }
   void stop() { stop_ = true; }
   /// Whether it is done, after a while at the latest.
@@ -164,15 +196,15 @@ const char* name_of(RenderJob::Outcome outcome) {
 /// Renders what `options` ask for, after what `start` holds already. Returns the picture and how it ended.
 nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& options,
                  const std::shared_ptr<Picture>& start, const nb::object& progress) {
-  scene->begin_render();
+  const std::shared_ptr<const Scene> built = scene->begin_render();
   struct End {
     OpenScene& scene;
     ~End() { scene.end_render(); }
   } end{*scene};
   std::optional<RenderJob> job;
   {
-    const nb::gil_scoped_release release;
-    job.emplace(scene->document().scene(), options);
+    const Unlocked release;
+    job.emplace(built, options);
     if (start) {
       if (!start->state)
         throw Error("start: this picture was not rendered here, so that it can't be continued");
@@ -187,8 +219,9 @@ nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& o
     RunningJob running(*job);
     for (bool done = false; !done;) {
       {
-        const nb::gil_scoped_release release;
+        const Unlocked release;
         done = running.wait(0.05);
+        if (is_leaving()) running.end();
       }
       if (PyErr_CheckSignals() != 0) {
         // A KeyboardInterrupt stops the render and keeps what is done; anything else, and a second one, is
@@ -197,7 +230,7 @@ nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& o
           nb::python_error problem;
           running.stop();
           {
-            const nb::gil_scoped_release release;
+            const Unlocked release;
             while (!running.wait(1)) {
             }
           }
@@ -211,12 +244,12 @@ nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& o
       if (const auto p = running.progress())
         progress(p->units_done, p->units, p->seconds, p->samples_per_second);
     }
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     outcome = running.finish();
   }
   auto picture = std::make_shared<Picture>();
   {
-    const nb::gil_scoped_release release;
+    const Unlocked release;
     picture->state = std::make_shared<const RenderState>(job->state());
     picture->image = picture->state->picture();
     for (const InvalidSample& s : job->invalid_samples())
@@ -244,7 +277,7 @@ void bind_scene(nb::module_& m) {
           "load_file",
           [](const std::filesystem::path& file, const Defines& defines, const Given& given,
              const std::string& integrator, const std::string& sampler) {
-            const nb::gil_scoped_release release;
+            const Unlocked release;
             return std::make_shared<OpenScene>(file, load_options(defines, given, integrator, sampler));
           },
           nb::arg("file"), nb::arg("defines"), nb::arg("given"), nb::arg("integrator"), nb::arg("sampler"))
@@ -252,55 +285,55 @@ void bind_scene(nb::module_& m) {
           "load_string",
           [](const std::string& text, const std::filesystem::path& file, const Defines& defines,
              const Given& given, const std::string& integrator, const std::string& sampler) {
-            const nb::gil_scoped_release release;
+            const Unlocked release;
             return std::make_shared<OpenScene>(text, file, load_options(defines, given, integrator, sampler));
           },
           nb::arg("text"), nb::arg("file"), nb::arg("defines"), nb::arg("given"), nb::arg("integrator"),
           nb::arg("sampler"))
-      .def("paths", [](OpenScene& s) { return s.document().paths(); })
+      .def("paths", [](OpenScene& s) { return s.read([](const auto& d) { return d.paths(); }); })
       .def(
           "value",
           [](OpenScene& s, const std::string& path) -> nb::tuple {
-            const auto value = written(s.document(), path);
-            return nb::make_tuple(value.has_value(), value ? *value : nb::none());
+            const auto value = s.read([&](const auto& d) { return written(d, path); });
+            return nb::make_tuple(value.has_value(), value ? value_object(*value) : nb::none());
           },
           nb::arg("path"), "(whether something is written at the path, its value or object).")
       .def(
           "owner",
           [](OpenScene& s, const std::string& path) {
-            const Node& node = s.document().owner(path);
-            return nb::make_tuple(object_family(node), node.get("type"));
+            const auto [family, type] = s.read([&](const auto& d) {
+              const Node& node = d.owner(path);
+              return std::pair(std::string(object_family(node)), std::string(node.get("type")));
+            });
+            return nb::make_tuple(family, type);
           },
           nb::arg("path"), "(family, type) of the object that holds the parameter at a path.")
-      .def(
-          "object",
-          [](OpenScene& s, const std::string& path) { return cast_object(s.document().object(path)); },
-          nb::arg("path"))
       .def(
           "set",
           [](OpenScene& s, const std::vector<std::pair<std::string, std::string>>& changes,
              const Given& given) {
-            const nb::gil_scoped_release release;
             s.set(changes, given);
           },
           nb::arg("changes"), nb::arg("given"))
-      .def_prop_ro("notes", [](OpenScene& s) { return s.document().scene()->loaded().notes; })
-      .def_prop_ro("hash", [](OpenScene& s) { return s.document().scene()->hash(); })
-      .def_prop_ro("file", [](OpenScene& s) { return s.document().scene()->loaded().file.string(); })
+      .def("xml", [](OpenScene& s) { return s.read([](const auto& d) { return d.xml(); }); })
+      .def_prop_ro("notes", [](OpenScene& s) { return s.scene()->loaded().notes; })
+      .def_prop_ro("hash", [](OpenScene& s) { return s.scene()->hash(); })
+      .def_prop_ro("file", [](OpenScene& s) { return s.scene()->loaded().file.string(); })
       .def_prop_ro("sample_count",
-                   [](OpenScene& s) { return s.document().scene()->sensor().sampler().sample_count(); })
+                   [](OpenScene& s) { return s.scene()->sensor().sampler().sample_count(); })
       .def_prop_ro("size",
                    [](OpenScene& s) {
-                     const Film& film = s.document().scene()->film();
+                     const auto scene = s.scene();
+                     const Film& film = scene->film();
                      return nb::make_tuple(film.crop_width(), film.crop_height());
                    })
       .def_prop_ro("wavelength_range",
                    [](OpenScene& s) {
-                     const SpectralGrid& grid = s.document().scene()->loaded().context->grid;
+                     const SpectralGrid grid = s.scene()->loaded().context->grid;
                      return nb::make_tuple(grid.min_nm, grid.max_nm);
                    })
       .def_prop_ro("bounds", [](OpenScene& s) -> nb::object {
-        const Bounds3 b = s.document().scene()->bounds();
+        const Bounds3 b = s.scene()->bounds();
         if (b.empty()) return nb::none();
         return nb::make_tuple(nb::make_tuple(b.lower.x, b.lower.y, b.lower.z),
                               nb::make_tuple(b.upper.x, b.upper.y, b.upper.z));
@@ -319,6 +352,15 @@ void bind_scene(nb::module_& m) {
       nb::arg("scene"), nb::arg("begin"), nb::arg("end").none(), nb::arg("seed").none(), nb::arg("threads"),
       nb::arg("replicates"), nb::arg("time_limit_s"), nb::arg("start").none(), nb::arg("progress").none());
 
+  m.def(
+      "did_you_mean",
+      [](const std::string& name, const std::vector<std::string>& names) { return did_you_mean(name, names); },
+      nb::arg("name"), nb::arg("names"),
+        "\"; did you mean ...?\" for a name that is near to one of `names`, else an empty string.");
+  m.def(
+      "is_alias",
+      [](const std::string& family, const std::string& name) { return find_alias(family, name) != nullptr; },
+      nb::arg("family"), nb::arg("name"), "Whether another program's plug-in of that name is read as one of ours.");
   m.def(
       "plugins",
       [] {

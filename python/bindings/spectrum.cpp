@@ -113,10 +113,13 @@ void bind_spectrum(nb::module_& m) {
       "material",
       [](const std::string& name, bool dispersion) {
         const RefractiveIndex index = material(name, dispersion);
-        // Tables that absorb do so at every wavelength.
-        const double low = index.min_nm();
-        return nb::make_tuple(low, index.max_nm(), index.is_dispersive(), index.at(low).imag() > 0,
-                              std::string(index.source()));
+        // Some tables absorb in a part of their range.
+        bool absorbs = false;
+        constexpr int kSamples = 4096;
+        const double low = index.min_nm(), high = index.max_nm();
+        for (int i = 0; index.is_dispersive() && i <= kSamples; ++i)
+          absorbs = absorbs || index.at(low + (high - low) * i / kSamples).imag() > 0;
+        return nb::make_tuple(low, high, index.is_dispersive(), absorbs, std::string(index.source()));
       },
       arg("name"), arg("dispersion"),
       nb::sig("def material(name: str, dispersion: bool) -> tuple[float, float, bool, bool, str]"),

@@ -16,6 +16,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/parallel.h"
+#include "unlocked.h"
 
 namespace aureole::python {
 
@@ -46,16 +47,18 @@ auto naming(const std::string& name, const F& f) {
 /// To be called now and then by loops that have released the interpreter's lock.
 class SignalCheck {
 public:
-  /// True where a signal's handler has raised an exception, which `rethrow` throws.
+  /// True where a signal's handler has raised an exception, which `rethrow` throws, or the program ends.
   bool raised() {
     const auto now = std::chrono::steady_clock::now();
     if (raised_ || now - last_ < std::chrono::milliseconds(50)) return raised_;
     last_ = now;
+    if (is_leaving()) return raised_ = true;
     const nb::gil_scoped_acquire lock;
     return raised_ = PyErr_CheckSignals() != 0;
   }
   void rethrow() const {
     if (!raised_) return;
+    if (is_leaving()) throw Error("the program ends");  // seen by nobody: the thread stays in ~Unlocked
     const nb::gil_scoped_acquire lock;
     throw nb::python_error();
   }
@@ -68,26 +71,26 @@ private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Calls body(i) for i in [0, n). The calls must not depend on one another.
+/// Calls body(i) for i in [0, n). The calls must not depend on one another. `signals` is shared by loops that
+/// follow one another, each of which may be too short to look.
 template <class Body>
-void for_each(std::size_t n, const Body& body) {
+void for_each(std::size_t n, const Body& body, SignalCheck& signals) {
   using Clock = std::chrono::steady_clock;
-  const nb::gil_scoped_release release;
-  SignalCheck signals;
+  const Unlocked release;
   // Short loops are over before threads would have started.
   const auto start = Clock::now();
   std::size_t done = 0;
   while (done < n) {
     body(done++);
-    if (done % 16 == 0 && Clock::now() - start > std::chrono::milliseconds(1)) break;
-    if (done < 16 && Clock::now() - start > std::chrono::milliseconds(1)) break;
+    if ((done < 16 || done % 16 == 0) && Clock::now() - start > std::chrono::milliseconds(1)) break;
   }
+  signals();
   if (done == n) return;
   const std::size_t grain = std::clamp<std::size_t>(done / 4, 1, 256);
   const auto caller = std::this_thread::get_id();
   std::atomic<std::size_t> next{done};
   std::atomic<bool> stop{false};
-  const auto most = (n - done + grain - 1) / grain;
+  const std::size_t most = (n - done + grain - 1) / grain;
   run_workers(int(std::min<std::size_t>(std::size_t(default_thread_count()), most)), [&](int) {
     // Signals are handled by the thread that called, the only one that may.
     const bool handles_signals = std::this_thread::get_id() == caller;
@@ -104,6 +107,11 @@ void for_each(std::size_t n, const Body& body) {
     }
   });
   signals.rethrow();
+}
+template <class Body>
+void for_each(std::size_t n, const Body& body) {
+  SignalCheck signals;
+  for_each(n, body, signals);
 }
 
 }  // namespace aureole::python

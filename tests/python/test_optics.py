@@ -3,6 +3,7 @@
 import doctest
 import signal
 import time
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 
 import numpy as np
@@ -19,8 +20,8 @@ POINTS = np.random.default_rng(5).uniform(0, 10, (50, 2))
 def bessel(order, x):
     """J_order by Bessel's integral; the trapezoidal rule converges as soon as it resolves it."""
     x = np.asarray(x, float)
-    t = (np.arange(4096) + 0.5) * np.pi / 4096
-    return np.cos(order * t - x[..., None] * np.sin(t)).mean(axis=-1)
+    n = int(x.max() / 2) + 40
+    return sum(np.cos(order * t - x * np.sin(t)) for t in (np.arange(n) + 0.5) * np.pi / n) / n
 
 
 def mie_reference(x, m):
@@ -84,8 +85,8 @@ class TestMie:
         mu, weight = np.polynomial.legendre.leggauss(400)
         phase = optics.mie_phase_function(x, m, mu)
         assert phase.shape == (3, 2, 400)
-        np.testing.assert_allclose(2 * np.pi * phase @ weight, 1, rtol=1e-11)
-        np.testing.assert_allclose(2 * np.pi * (phase * mu) @ weight, result.g, rtol=1e-10)
+        np.testing.assert_allclose(2 * np.pi * phase @ weight, 1, rtol=1e-9)
+        np.testing.assert_allclose(2 * np.pi * (phase * mu) @ weight, result.g, rtol=1e-9)
         s1, s2 = optics.mie_amplitudes(x, m, [-1.0, 1.0])
         np.testing.assert_allclose(4 / x**2 * s1[..., 1].real, result.qext, rtol=1e-12)  # optical theorem
         np.testing.assert_allclose(4 / x**2 * abs(s1[..., 0]) ** 2, result.qback, rtol=1e-9)
@@ -111,14 +112,14 @@ class TestMie:
             optics.mie(1, 1.5 - 0.1j)
 
     @pytest.mark.parametrize("x, m, name", [(0, 1.5, "x"), (1e5 + 1, 1.5, "x"), (-1, 1.5, "x"), (1, 0, "m"), (1, -1.5, "m"),
-                                            (1, 101, "m"), (1, 1j, "m")])
+                                            (1, 101, "m"), (1, 1j, "m"), (1, 1e-300, "m")])
     def test_limits(self, x, m, name):
         for function in (optics.mie, lambda x, m: optics.mie_amplitudes(x, m, 0)):
             with pytest.raises(aureole.Error, match=f"^{name}: expected"):
                 function(x, m)
 
     def test_no_scatterer(self):
-        assert optics.mie(1, 1).qext == 0
+        assert 0 <= optics.mie(1, 1).qext < 1e-30
         with pytest.raises(aureole.Error, match="^m: "):
             optics.mie_phase_function(1, [1.5, 1], 0)
 
@@ -200,8 +201,8 @@ class TestStructureFactor:
     @pytest.mark.parametrize("fa", [0.05, 0.3, 0.6])
     def test_is_transform_of_g(self, fa):
         """S'(u) = 1 + 2 Fa integral of (g - 1) J0(u r) r dr, panel by panel between the kinks of g."""
-        nodes, weights = np.polynomial.legendre.leggauss(30)
-        edges = np.concatenate([2 - 2 * np.linspace(1, 0, 9) ** 3, np.arange(2.5, 80.1, 0.5)])
+        nodes, weights = np.polynomial.legendre.leggauss(12)
+        edges = np.concatenate([2 - 2 * np.linspace(1, 0, 9) ** 3, np.arange(2.5, 30.1, 0.5)])
         half = np.diff(edges)[:, None] / 2
         r = (edges[:-1, None] + half + half * nodes).ravel()
         w = (half * weights).ravel()
@@ -226,9 +227,9 @@ class TestStructureFactor:
         np.testing.assert_array_equal(S.poisson()(u), 1)
         np.testing.assert_allclose(S.table([0, 1, 2], [0, 2, 1])([0, 0.5, 1.5, 3]), [0, 1, 1.5, 1])
         r = np.linspace(2, 40, 2000)
-        again = S.from_pair_correlation(r, np.maximum(optics.hard_disc_pair_correlation(r, 0.1), 0), 0.1)
+        again = S.from_pair_correlation(r[::4], optics.hard_disc_pair_correlation(r[::4], 0.1), 0.1)
         np.testing.assert_allclose(again(u), optics.structure_factor(u, 0.1), atol=0.02)
-        np.testing.assert_array_equal(S.simulated(0.01)(0), S.percus_yevick(0.01)(0))
+        assert S.simulated(0.01)(0) == pytest.approx(S.percus_yevick(0.01)(0), abs=1e-6)
 
     def test_lattice(self):
         """The first spot of a hexagonal lattice of touching discs is at 2 pi/(sqrt(3) a); directions repeat after 60 degrees."""
@@ -253,13 +254,15 @@ class TestStructureFactor:
             optics.StructureFactor("percus_yevick")
         for call, name in ((lambda: optics.structure_factor(1, 0.71), "area_fraction"),
                            (lambda: optics.structure_factor(1, 0.5, model="percus"), "model"),
+                           (lambda: optics.structure_factor(1, 0.5, model=np.ones(3)), "model"),
                            (lambda: optics.structure_factor(1e10, 0.5), "qa"),
                            (lambda: optics.hard_disc_pair_correlation(-1, 0.5), "ra"),
                            (lambda: optics.StructureFactor.table([1, 0], [1, 1]), "qa"),
                            (lambda: optics.StructureFactor.table([0, 1], [1, 1, 1]), "s"),
                            (lambda: optics.StructureFactor.from_pair_correlation([0, 1], [1, 1], 0.1), "ra"),
                            (lambda: optics.StructureFactor.poisson()(1e5), "qa"),
-                           (lambda: optics.StructureFactor.simulated(0.5, discs=10), "discs")):
+                           (lambda: optics.StructureFactor.simulated(0.5, discs=10), "discs"),
+                           (lambda: optics.StructureFactor.simulated(0.5, snapshots=10**6), "snapshots")):
             with pytest.raises(aureole.Error, match=f"^{name}: "):
                 call()
 
@@ -416,7 +419,7 @@ class TestHardDiscs:
         assert contact == pytest.approx((1 - 7 * fa / 16) / (1 - fa) ** 2, rel=0.02)
 
     @pytest.mark.parametrize("arguments, name", [
-        ((0, 0.5), "n"), ((10**7, 0.5), "n"), ((5, 0.5), "n"), ((100, 0.7), "area_fraction"), ((100, 0), "area_fraction"),
+        ((0, 0.5), "n"), ((10**7, 0.5), "n"), ((5, 0.5), "n"), ((100, 0.7), "area_fraction"), ((100, 0), "area_fraction"), ((100, 1e-20), "area_fraction"),
         ((100, 0.5, -1), "seed"), ((100, 0.5, 2**64), "seed")])
     def test_wrong(self, arguments, name):
         with pytest.raises(aureole.Error, match=f"^{name}: "):
@@ -517,6 +520,13 @@ class TestPoints:
             with pytest.raises(aureole.Error, match=f"^{name}: "):
                 function(POINTS, 10, **keywords)
 
+    def test_too_much_work(self):
+        points = np.zeros((10**5, 2))
+        with pytest.raises(aureole.Error, match="^per_ring: "):
+            optics.point_structure_factor(points, 1, q_max=6000, per_ring=10**6)
+        with pytest.raises(aureole.Error, match="at most"):
+            optics.pair_correlation(POINTS, 10, bins=10000, tiles=32)
+
     def test_all_points_on_the_edge(self):
         with pytest.raises(aureole.Error):
             optics.point_structure_factor(np.zeros((5, 2)), 1, periodic=False)
@@ -580,13 +590,11 @@ def test_shapes(name):
 
 
 def test_too_many_results():
-    """Broadcast views of few bytes that would have results of terabytes."""
-    huge = np.broadcast_to(1.0, (10**6, 10**6))
+    """Small arguments that would have results of terabytes."""
     for call in (lambda: optics.mie(np.ones((10**5, 1)), np.full(10**5, 1.5)), lambda: optics.fresnel(np.ones((10**5, 1)), np.full(10**5, 1.5)),
                  lambda: optics.mie_amplitudes(np.ones(10**5), 1.5, np.ones(10**5)), lambda: optics.structure_factor(np.ones((10**5, 1)), np.full(10**5, 0.1))):
         with pytest.raises(aureole.Error, match="at most"):
             call()
-    assert huge.shape == (10**6, 10**6)
 
 
 @contextmanager
@@ -616,6 +624,32 @@ def interrupted_after(seconds):
 def test_interrupt(work):
     with interrupted_after(0.3):
         work()
+
+
+def test_interrupt_of_growing_discs():
+    """A mixture that cannot reach its density soon: the start itself takes long."""
+    radius = np.random.default_rng(0).uniform(0.5, 1, 20000)
+    with interrupted_after(0.3):
+        optics.hard_discs(20000, 0.68, radius=radius)
+
+
+def test_threads():
+    """Calls from several threads at once, none of them the main one."""
+    x = np.geomspace(0.1, 300, 2000)
+    expected = optics.mie(x, 1.4).qsca
+    with ThreadPoolExecutor(4) as pool:
+        for result in pool.map(lambda _: optics.mie(x, 1.4).qsca, range(12)):
+            np.testing.assert_array_equal(result, expected)
+
+
+def test_private_functions_check_sizes():
+    """What the package's own code would have to do wrong."""
+    with pytest.raises(aureole.Error):
+        aureole._aureole.mie(np.ones(3), np.ones(2, complex), np.empty((4, 3)))
+    with pytest.raises(TypeError):  # a copy would be filled
+        aureole._aureole.mie(np.ones(3), np.ones(3, complex), np.empty((4, 3), np.float32))
+    with pytest.raises(aureole.Error):
+        aureole._aureole.hard_discs(np.ones(0), 0.5, 0, 1.0, 1.0, np.empty((1, 0, 2)))
 
 
 @pytest.mark.parametrize("module", [optics, _apertures, _correlations])

@@ -90,6 +90,14 @@ std::shared_ptr<const Shape> make_square(const Properties& like) {
   return std::dynamic_pointer_cast<const Shape>(plugin->create(properties));
 }
 
+/// What the spectra of the BSDF are tabulated on.
+SpectralGrid grid_of(const Bsdf& bsdf, const BsdfCheckOptions& options) {
+  if (const auto context = bsdf.properties().shared_context()) return context->grid;
+  // It was not made from a scene, and has none.
+  const bool given = options.min_nm > 0 && options.max_nm > options.min_nm;
+  return given ? SpectralGrid::over(options.min_nm, options.max_nm) : SpectralGrid{};
+}
+
 /// Calls of a BSDF for arrays of directions, whichever way it prefers.
 class Calls {
 public:
@@ -159,7 +167,7 @@ public:
       : options_(options),
         bsdf_(bsdf),
         calls_(bsdf, options),
-        grid_(bsdf.properties().context().grid),
+        grid_(grid_of(bsdf, options)),
         shape_(make_square(bsdf.properties())) {
     min_nm_ = options.min_nm, max_nm_ = options.max_nm;
     if (min_nm_ == 0 && max_nm_ == 0) min_nm_ = grid_.min_nm, max_nm_ = grid_.max_nm;

@@ -102,7 +102,7 @@ void HardDiscSimulation::build_cells(double largest_radius) {
     const double limit = std::ceil(std::sqrt(double(discs_.size())));
     cells_[axis] =
         std::max(4, int(std::min(limit, std::floor(box[axis] / (2 * largest_radius) * (1 - 1e-9)))));
-    cells_[axis] = std::min(cells_[axis], int(box[axis] / (2 * largest_radius * (1 + 1e-9))));
+    cells_[axis] = int(std::min<double>(cells_[axis], box[axis] / (2 * largest_radius * (1 + 1e-9))));
     cell_size_[axis] = box[axis] / cells_[axis];
   }
   const int cells = cells_[0] * cells_[1];

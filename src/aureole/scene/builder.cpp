@@ -151,7 +151,7 @@ ObjectPtr Builder::construct(const Node& node) {
 }
 
 ObjectPtr Builder::given(const Node& node) {
-  if (!check_attributes(node, {"name", "key"}, {}, diagnostics_)) return nullptr;
+  if (!check_attributes(node, {"key"}, {"name"}, diagnostics_)) return nullptr;
   const auto found = given_.find(node.get("key"));
   if (found != given_.end()) return found->second;
   diagnostics_.error(node.where,

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <optional>
+#include <pugixml.hpp>
+#include <sstream>
 
 #include "aureole/plugin/registry.h"
 #include "aureole/scene/aliases.h"
@@ -63,6 +65,19 @@ void collect_paths(Node& root, Node& node, const std::string& prefix, std::vecto
 void set_file(Node& node, const SourceFilePtr& file) {
   node.file = file;
   for (Node& child : node.children) set_file(child, file);
+}
+
+void write_node(const Node& node, pugi::xml_node parent) {
+  if (node.tag == "given")
+    throw Error(node.where, "\"" + node.get("name") +
+                                "\" was given by a program: it cannot be written into a scene file");
+  pugi::xml_node element = parent.append_child(node.tag.c_str());
+  for (const Attribute& a : node.attributes) {
+    std::string text;
+    for (const char c : a.value) text += c == '$' ? std::string("\\$") : std::string(1, c);
+    element.append_attribute(a.name.c_str()) = text.c_str();
+  }
+  for (const Node& child : node.children) write_node(child, element);
 }
 
 /// The element of a change, from XML.
@@ -164,6 +179,7 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
         for (const std::string& n : plugin->parameter_names())
           if (std::find(candidates.begin(), candidates.end(), n) == candidates.end()) candidates.push_back(n);
       std::string hint = did_you_mean(rest, candidates);
+      if (hint.empty()) hint = did_you_mean(rest.substr(0, rest.find('.')), candidates);
       if (hint.empty() && !candidates.empty()) {
         hint = "; there are: ";
         for (std::size_t i = 0; i < candidates.size() && i < 24; ++i) hint += (i ? ", " : "") + candidates[i];
@@ -178,6 +194,8 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
       at.owner = &node;
     at.child = best, at.name = name, at.target = target;
     walked += (walked.empty() ? "" : ".") + name;
+    if (rest.size() == name.size() + 1)
+      throw Error("no parameter \"" + path + "\": a name is missing at its end");
     rest.remove_prefix(std::min(rest.size(), name.size() + 1));
   }
   if (path.empty()) throw Error("the path of a parameter must not be empty");
@@ -189,6 +207,16 @@ const Node* SceneDocument::find(const std::string& path) const { return place(pa
 const Node& SceneDocument::owner(const std::string& path) const {
   const Place at = place(path);
   return at.target && !object_family(*at.target).empty() ? *at.target : *at.owner;
+}
+
+std::string SceneDocument::xml() const {
+  pugi::xml_document document;
+  write_node(parsed_->root, document);
+  document.document_element().remove_attribute("version");
+  document.document_element().prepend_attribute("version") = "3.0.0";
+  std::ostringstream text;
+  document.save(text, "  ", pugi::format_indent | pugi::format_no_declaration, pugi::encoding_utf8);
+  return std::move(text).str();
 }
 
 void SceneDocument::set(const std::vector<std::pair<std::string, std::string>>& changes,

@@ -49,6 +49,10 @@ public:
   void set(const std::vector<std::pair<std::string, std::string>>& changes,
            const std::map<std::string, ObjectPtr>& given = {});
 
+  /// The scene as it is now, as the text of a scene file: upgraded, without <include>, <default> and $names.
+  /// Throws Error where objects that a program gave are in it.
+  std::string xml() const;
+
 private:
   struct Place;
   Place place(const std::string& path) const;

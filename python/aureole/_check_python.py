@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: Apache-2.0
+"""BSDFs written in Python, as `aureole.check` asks them: many directions for each call."""
+from __future__ import annotations
+
+from typing import Any, Tuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ._errors import Error
+from ._objects import Lobe
+from ._python_bsdf import Adapter
+
+Array = npt.NDArray[np.float64]
+
+
+class _Lenient(Adapter):
+    """Lets invalid numbers through: the check is there to find them."""
+
+    def _numbers(self, method: str, what: str, value: Any, n: int) -> Array:
+        array = np.asarray(value)
+        if array.dtype.kind not in "fiu":
+            raise TypeError(f"{self.name}.{method}: {what}: expected real numbers, got {array.dtype}")
+        if array.shape not in ((), (1,), (n,)):
+            raise Error(f"{self.name}.{method}: {what}: expected the shape ({n},), got {array.shape}")
+        return np.array(np.broadcast_to(array.astype(np.float64), (n,)))
+
+
+class Batch:
+    """What the C++ side calls, with n directions and the m wavelengths of a path; the first wavelength draws
+    directions."""
+
+    def __init__(self, instance: Any) -> None:
+        self.adapter = _Lenient(instance)
+        self.lobes = self.adapter.lobes
+
+    @staticmethod
+    def _rows(n: int, m: int, wavelengths: Array, *vectors: Array) -> Tuple[Array, ...]:
+        """Each row of the vectors m times, the wavelengths n times, and texture coordinates."""
+        return (*(np.repeat(v, m, axis=0) for v in vectors), np.tile(wavelengths, n), np.full((n * m, 2), (0.31, 0.64)))
+
+    def eval_pdf(self, wi: Array, wo: Array, wavelengths: Array, mode: str) -> Tuple[Array, Array]:
+        """Values and densities, (n, m)."""
+        n, m = len(wi), len(wavelengths)
+        i, o, nm, uv = self._rows(n, m, wavelengths, wi, wo)
+        value, pdf = self.adapter.eval_pdf_rows(i, o, nm, uv, mode)
+        return np.ascontiguousarray(value).reshape(n, m), np.ascontiguousarray(pdf).reshape(n, m)
+
+    def sample(self, wi: Array, u: Array, wavelengths: Array, mode: str) -> Tuple[Array, Array, Array, Array]:
+        """Directions (n, 3), values and densities (n, m), and (n, 3): is there a direction, its lobe, its ratio of
+        indices. As in a render, see `Adapter.sample_hero`."""
+        n, m = len(wi), len(wavelengths)
+        i, random, nm, uv = self._rows(n, m, wavelengths, wi, u)
+        s = self.adapter.sample_rows(i, nm, random, uv, mode)
+        assert s.valid is not None and s.lobe is not None and s.eta is not None
+        wo = s.wo.reshape(n, m, 3)
+        value, pdf = np.array(s.value).reshape(n, m), np.array(s.pdf).reshape(n, m)
+        valid, lobe = s.valid.reshape(n, m), s.lobe.reshape(n, m)
+        same = valid & (np.abs(wo - wo[:, :1]).max(-1) <= 1e-9) & (lobe == lobe[:, :1])
+        first = lobe[:, 0].astype(np.int64)
+        delta = (first & int(Lobe.delta)) != 0
+        value[delta] = np.where(same[delta], value[delta], 0.0)
+        pdf[delta] = np.where(same[delta], pdf[delta], 0.0)
+        other = np.flatnonzero(~delta & ~same.all(1) & valid[:, 0])
+        if other.size:
+            value[other], pdf[other] = self.eval_pdf(wi[other], wo[other, 0], wavelengths, mode)
+        # Where a class does not say which of its lobes it was, the side does.
+        same_side = wi[:, 2] * wo[:, 0, 2] > 0
+        both = int(Lobe.reflect) | int(Lobe.transmit)
+        unsaid = (first & both) == both
+        first = np.where(unsaid, first & ~np.where(same_side, int(Lobe.transmit), int(Lobe.reflect)), first)
+        about = np.stack([valid[:, 0], first, s.eta.reshape(n, m)[:, 0]], -1).astype(np.float64)
+        return np.ascontiguousarray(wo[:, 0]), value, pdf, about

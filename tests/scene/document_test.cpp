@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scene that is changed must be the one that its text says: every reference scene is edited at random
+// places and compared, bit for bit, with a scene that is read anew from the edited text.
+#include "aureole/scene/document.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "aureole/core/random.h"
+#include "aureole/render/job.h"
+#include "aureole/shape/shape.h"
+#include "harness/paths.h"
+
+namespace aureole {
+namespace {
+
+std::vector<float> pixels_of(const std::shared_ptr<const Scene>& scene) {
+  RenderOptions options;
+  options.end = 2;
+  options.threads = 1;
+  RenderJob job(scene, options);
+  const std::atomic<bool> stop{false};
+  job.run(stop);
+  std::vector<float> pixels = job.state().picture().pixels;
+  for (float& p : pixels)
+    if (std::isnan(p)) p = -1;  // equal to itself
+  return pixels;
+}
+
+/// Another value for a parameter, as an element; empty where this test changes no such one.
+std::string changed(const Node& node, std::mt19937& random) {
+  const auto number = [&](const std::string& text) -> std::string {
+    char* end = nullptr;
+    const double v = std::strtod(text.c_str(), &end);
+    if (end == text.c_str() || *end) return "";
+    const double factors[] = {0.9, 0.5, 1.1, 0.0};
+    return std::to_string(v * factors[random() % 4]);
+  };
+  const std::string value = node.get("value");
+  if (node.tag == "boolean")
+    return "<boolean value=\"" + std::string(value == "true" ? "false" : "true") + "\"/>";
+  if (node.tag == "float" || node.tag == "spectrum") {
+    const std::string v = number(value);
+    return v.empty() ? "" : "<float value=\"" + v + "\"/>";
+  }
+  if (node.tag == "rgb")
+    return "<rgb value=\"" + std::to_string(double(random() % 100) / 100) + ", 0.3, 0.2\"/>";
+  if (node.tag == "transform")
+    return "<transform><rotate x=\"0.3\" y=\"1\" angle=\"" + std::to_string(random() % 90) +
+           "\"/></transform>";
+  if (object_family(node) == "bsdf")
+    return random() % 2 ? "<bsdf type=\"diffuse\"/>"
+                        : "<bsdf type=\"roughconductor\"><float name=\"alpha\" value=\"0.3\"/></bsdf>";
+  return "";
+}
+
+class EditedScene : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EditedScene, IsTheSceneOfItsText) {
+  const std::filesystem::path file = test::source_dir() / "tests/references/scenes" / GetParam();
+  SceneDocument document(file);
+  std::mt19937 random(1);
+  int done = 0, refused = 0;
+  for (int round = 0; round < 16; ++round) {
+    const std::vector<std::string> paths = document.paths();
+    const std::string path = paths[random() % paths.size()];
+    const Node* node = document.find(path);
+    ASSERT_NE(node, nullptr) << path;
+    const std::string element = changed(*node, random);
+    if (element.empty()) continue;
+    const std::string before = document.xml();
+    try {
+      document.set({{path, element}});
+    } catch (const Error&) {
+      // Not all values are allowed. Then nothing has changed.
+      ++refused;
+      EXPECT_EQ(document.xml(), before);
+      if (round % 2) {
+        EXPECT_EQ(pixels_of(document.scene()), pixels_of(SceneDocument(before, file).scene())) << path;
+      }
+      continue;
+    }
+    ++done;
+    const SceneDocument fresh(document.xml(), file);
+    EXPECT_EQ(fresh.xml(), document.xml());
+    ASSERT_EQ(pixels_of(document.scene()), pixels_of(fresh.scene())) << path << " = " << element;
+  }
+  RecordProperty("changes", done);
+  RecordProperty("refused", refused);
+}
+
+std::vector<std::string> reference_scenes() {
+  std::vector<std::string> names;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(test::source_dir() / "tests/references/scenes"))
+    if (entry.path().extension() == ".xml") names.push_back(entry.path().filename());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(References, EditedScene, ::testing::ValuesIn(reference_scenes()),
+                         [](const auto& info) {
+                           std::string name = std::filesystem::path(info.param).stem();
+                           for (char& c : name)
+                             if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
+                           return name;
+                         });
+
+const char* const kScene = R"(<scene version="3.0.0">
+  <integrator type="path"/>
+  <sensor type="perspective" id="camera"><film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/></film></sensor>
+  <bsdf type="diffuse" id="mat.001"><rgb name="reflectance" value="0.2, 0.3, 0.4"/></bsdf>
+  <shape type="sphere" id="ball"><ref id="mat.001"/></shape>
+  <shape type="cube"><bsdf type="twosided" id="inner"><bsdf type="diffuse"/></bsdf></shape>
+  <shape type="rectangle" id="lamp"><emitter type="area"><float name="radiance" value="2"/></emitter></shape>
+</scene>)";
+
+std::string error_of(const std::function<void()>& f) {
+  try {
+    f();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(SceneDocument, FindsParametersByIdNameAndFamily) {
+  SceneDocument d(kScene, "scene.xml");
+  EXPECT_EQ(d.find("mat.001.reflectance")->get("value"), "0.2, 0.3, 0.4");
+  EXPECT_EQ(d.find("ball.bsdf.reflectance"), d.find("mat.001.reflectance"));
+  EXPECT_EQ(d.find("shape.bsdf.bsdf")->get("type"), "diffuse");
+  EXPECT_EQ(d.find("inner.bsdf"), d.find("shape.bsdf.bsdf"));
+  EXPECT_EQ(d.find("camera.film.width")->get("value"), "4");
+  EXPECT_EQ(d.find("camera.fov"), nullptr) << "documented, but not written";
+  EXPECT_EQ(d.owner("camera.fov").get("type"), "perspective");
+}
+
+TEST(SceneDocument, SaysWhatIsWrongWithAPath) {
+  SceneDocument d(kScene, "scene.xml");
+  EXPECT_NE(error_of([&] { d.find("ball.radios"); }).find("did you mean \"radius\""), std::string::npos);
+  EXPECT_NE(error_of([&] { d.find("bal.radius"); }).find("did you mean"), std::string::npos);
+  EXPECT_NE(error_of([&] { d.find(""); }).find("empty"), std::string::npos);
+  EXPECT_NE(error_of([&] { d.find("ball.bsdf.reflectance.value"); }).find("has no \"value\""),
+            std::string::npos);
+  for (const char* path : {".", "..", "ball.", ".ball", "ball..bsdf", "ball.bsdf."})
+    EXPECT_NE(error_of([&] { d.set({{path, "<float value='1'/>"}}); }), "") << path;
+}
+
+TEST(SceneDocument, KeepsGeometryAndWhatItDoesNotTouch) {
+  SceneDocument d(kScene, "scene.xml");
+  const auto shapes = d.scene()->shapes();
+  const RayTracer* tracer = &d.scene()->tracer();
+  const ObjectPtr inner = d.object("inner");
+  d.set({{"mat.001.reflectance", "<rgb value='0.9, 0.1, 0.1'/>"},
+         {"lamp.emitter.radiance", "<float value='3'/>"}});
+  EXPECT_EQ(d.scene()->shapes(), shapes);
+  EXPECT_EQ(&d.scene()->tracer(), tracer);
+  EXPECT_EQ(d.object("inner"), inner);
+  EXPECT_EQ(d.scene()->shapes()[0]->bsdf(), std::dynamic_pointer_cast<const Bsdf>(d.object("mat.001")));
+  d.set({{"ball.radius", "<float value='2'/>"}});
+  EXPECT_NE(d.scene()->shapes()[0], shapes[0]);
+  EXPECT_EQ(d.scene()->shapes()[1], shapes[1]);
+  EXPECT_NE(&d.scene()->tracer(), tracer);
+}
+
+TEST(SceneDocument, IsUnchangedWhereAChangeFails) {
+  SceneDocument d(kScene, "scene.xml");
+  const std::string before = d.xml();
+  const std::vector<float> picture = pixels_of(d.scene());
+  const std::vector<std::vector<std::pair<std::string, std::string>>> bad = {
+      {{"ball.radius", "<float value='2'/>"}, {"ball.radiu", "<float value='2'/>"}},
+      {{"mat.001.reflectance", "<float value='0.5'/>"}, {"mat.001.reflectance", "<float value='7'/>"}},
+      {{"ball.radius", "<float value='2'"}},
+      {{"ball.radius", "<float value='2'/><float value='3'/>"}},
+      {{"camera", ""}},
+      {{"mat.001", ""}},
+      {{"ball.bsdf", "<ref id='nobody'/>"}},
+      {{"mat.001", "<bsdf type='mask'><ref id='mat.001'/></bsdf>"}},
+      {{"lamp.emitter.radiance", "<float value='1e38'/>"}, {"ball.radius", "<float value='1e30'/>"}},
+  };
+  for (const auto& changes : bad) {
+    EXPECT_NE(error_of([&] { d.set(changes); }), "") << changes.back().first;
+    EXPECT_EQ(d.xml(), before);
+    EXPECT_EQ(pixels_of(d.scene()), picture);
+  }
+}
+
+TEST(SceneDocument, ErrorsNameThePath) {
+  SceneDocument d(kScene, "scene.xml");
+  const std::string error = error_of([&] { d.set({{"ball.radius", "<float value='-2'/>"}}); });
+  EXPECT_TRUE(error.starts_with("[\"ball.radius\"]:")) << error;
+}
+
+TEST(SceneDocument, TakesGivenObjects) {
+  SceneDocument d(kScene, "scene.xml");
+  const ObjectPtr given = d.object("inner");
+  d.set({{"ball.bsdf", "<given key='k'/>"}}, {{"k", given}});
+  EXPECT_EQ(d.scene()->shapes()[0]->bsdf(), std::dynamic_pointer_cast<const Bsdf>(given));
+  EXPECT_NE(error_of([&] { (void)d.xml(); }).find("given by a program"), std::string::npos);
+  EXPECT_NE(error_of([&] {
+              d.set({{"ball.bsdf", "<given key='unknown'/>"}});
+            }).find("knows no"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace aureole
