@@ -2,12 +2,12 @@
 """`microstructure`: scatterers found in microscope pictures, their statistics, and the material they make."""
 from __future__ import annotations
 
+import dataclasses
 import os
 import re
 import xml.etree.ElementTree as ElementTree
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple, Union
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -18,9 +18,6 @@ from ._correlations import PairCorrelation, PointStructureFactor
 from ._errors import Error
 from ._image import Image
 from .spectrum import srgb_decode
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 Reals = npt.NDArray[np.float64]
 _UNITS = {"nm": 1e-9, "um": 1e-6, "µm": 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
@@ -39,10 +36,14 @@ class Estimate(NamedTuple):
     def __format__(self, spec: str) -> str:
         return f"{self.value:{spec or '.4g'}} [{self.low:{spec or '.4g'}}, {self.high:{spec or '.4g'}}]"
 
-    __str__ = __repr__ = lambda self: format(self, "")
+    def __repr__(self) -> str:
+        return format(self, "")
+
+    def __str__(self) -> str:
+        return format(self, "")
 
 
-@dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True)
 class Particles:
     """A table with a row for each particle: arrays of shape (n,). Lengths in m, x to the right and y down from the picture's upper left corner.
 
@@ -77,13 +78,13 @@ class Particles:
     cut: npt.NDArray[np.bool_]
     touching: npt.NDArray[np.bool_]
     weight: Reals
-    outline: List[Reals] = field(repr=False)
+    outline: List[Reals] = dataclasses.field(repr=False)
 
     def __len__(self) -> int:
         return len(self.x)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclasses.dataclass(frozen=True, repr=False)
 class Microstructure:
     """What `microstructure` found. Lengths in m.
 
