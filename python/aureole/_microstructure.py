@@ -45,7 +45,8 @@ class Estimate(NamedTuple):
 
 @dataclasses.dataclass(frozen=True)
 class Particles:
-    """A table with a row for each particle: arrays of shape (n,). Lengths in m, x to the right and y down from the picture's upper left corner.
+    """A table with a row for each particle: arrays of shape (n,). Lengths in m, x to the right and y down from the
+    picture's upper left corner.
 
     Attributes
     ----------
@@ -58,7 +59,8 @@ class Particles:
     circularity : numpy.ndarray
         4 pi area/perimeter^2 of the outline; 1 for a circle.
     aspect, angle : numpy.ndarray
-        Of the ellipse with the same second moments: long over short axis, and the long one's angle from x towards y in degrees.
+        Of the ellipse with the same second moments: long over short axis, and the long one's angle from x towards y
+        in degrees.
     cut, touching : numpy.ndarray of bool
         The frame cuts it; it shares a boundary with another one.
     weight : numpy.ndarray
@@ -111,7 +113,8 @@ class Microstructure:
     overlays : list of Image
         The pictures with outlines (green whole, orange cut) and centres.
     fields : list of dict
-        What is known of each picture: pixel_size, seen (area in m^2), whole, cut, too_small, bright, noise, blur (in pixels).
+        What is known of each picture: pixel_size, seen (area in m^2), whole, cut, too_small, bright, noise, blur (in
+        pixels).
     notes : list of str
         What is doubtful.
     scene_text : str
@@ -144,8 +147,8 @@ class Microstructure:
         Parameters
         ----------
         folder : path-like, optional
-            Where `save` wrote, for shapes that are not round: their outline is a file there. Without it they are an error; sizes are then
-            given as a mixture of circles.
+            Where `save` wrote, for shapes that are not round: their outline is a file there. Without it they are an
+            error; sizes are then given as a mixture of circles.
 
         Returns
         -------
@@ -167,10 +170,12 @@ class Microstructure:
                     result["aperture"] = self._dict_of(child, folder)
             elif name in ("filename", "size_histogram"):
                 if folder is None:
-                    raise Error("folder: these particles are not round, and their outline is a file: expected the folder that save() wrote")
+                    raise Error("folder: these particles are not round, and their outline is a file: expected the "
+                                "folder that save() wrote")
                 result[name] = str(folder / text)
             else:
-                result[name] = float(text) if child.tag == "float" else text == "true" if child.tag == "boolean" else text
+                numbers = {"float": float, "boolean": lambda t: t == "true"}
+                result[name] = numbers.get(child.tag, str)(text)
         return result
 
     def _circles(self) -> Dict[str, Any]:
@@ -178,11 +183,12 @@ class Microstructure:
         rows = [line.split() for line in self._result.size_histogram.splitlines() if not line.startswith("#")]
         sizes, counts = np.array(rows, dtype=np.float64).T
         parts = counts / counts.sum()
-        return {f"size_{k}": {"type": "circle", "radius": f"{size * self.mean_radius.value * 1e6:.7g}um", "fraction": float(part)}
-                for k, (size, part) in enumerate(zip(sizes, parts))}
+        radii = sizes * self.mean_radius.value * 1e6
+        return {f"size_{k}": {"type": "circle", "radius": f"{radius:.7g}um", "fraction": float(part)}
+                for k, (radius, part) in enumerate(zip(radii, parts))}
 
     def save(self, folder: "str | os.PathLike[str]") -> None:
-        """Writes what the command ``aureole microstructure`` writes: result.json, scene.xml, particles.csv, plots, overlays."""
+        """Writes what the command ``aureole microstructure`` writes: result.json, scene.xml, particles.csv, plots."""
         self._result.save(os.fspath(folder))
 
     def plot(self, axes: "Any" = None) -> "npt.NDArray[Any]":
@@ -221,24 +227,28 @@ class Microstructure:
         return result
 
     def __repr__(self) -> str:
-        um = [Estimate(*(v * 1e6 for v in e)) for e in (self.correlation_radius, self.mean_radius, self.radius_deviation)]
-        rows = [("particles", f"{sum(f['whole'] for f in self.fields)} whole, {sum(f['cut'] for f in self.fields)} cut, "
-                              f"in {len(self.fields)} picture{'s' if len(self.fields) > 1 else ''}"),
+        lengths = (self.correlation_radius, self.mean_radius, self.radius_deviation)
+        um = [Estimate(*(v * 1e6 for v in e)) for e in lengths]
+        whole, cut = (sum(f[key] for f in self.fields) for key in ("whole", "cut"))
+        shape = f"{'' if self.round else 'not '}round (circularity {self.circularity:.3f}, aspect {self.aspect:.3f})"
+        pictures = f"{len(self.fields)} picture{'s' if len(self.fields) > 1 else ''}"
+        rows = [("particles", f"{whole} whole, {cut} cut, in {pictures}"),
                 ("area fraction", f"{self.area_fraction}"), ("covered fraction", f"{self.covered_fraction}"),
-                ("correlation radius", f"{um[0]} um"), ("mean radius", f"{um[1]} um"), ("deviation of radii", f"{um[2]} um"),
-                ("shape", f"{'round' if self.round else 'not round'} (circularity {self.circularity:.3f}, aspect {self.aspect:.3f})")]
+                ("correlation radius", f"{um[0]} um"), ("mean radius", f"{um[1]} um"),
+                ("deviation of radii", f"{um[2]} um"), ("shape", shape)]
         rows += [("note", n) for n in self.notes]
         return "\n".join(f"{name:20}{text}" for name, text in rows)
 
 
-def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *, mask: Any = None, polarity: str = "auto",
-                   background: str = "auto", background_scale: float = 0, denoise: str = "auto", smooth: float = 0,
-                   fill_holes: bool = False, min_radius: float = 2, correlation_radius: "Union[float, str, None]" = None,
-                   encoding: str = "linear", resamples: int = 300, seed: int = 1, overlays: bool = True) -> Microstructure:
+def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *, mask: Any = None,
+                   polarity: str = "auto", background: str = "auto", background_scale: float = 0,
+                   denoise: str = "auto", smooth: float = 0, fill_holes: bool = False, min_radius: float = 2,
+                   correlation_radius: "Union[float, str, None]" = None, encoding: str = "linear",
+                   resamples: int = 300, seed: int = 1, overlays: bool = True) -> Microstructure:
     """Finds the scatterers in pictures of one sample and measures what a layer of them needs.
 
-    Light that is uneven is evened out, particles that touch are divided, those that the frame cuts are accounted for. See "From pictures
-    to a material" in the documentation for the rules.
+    Light that is uneven is evened out, particles that touch are divided, those that the frame cuts are accounted for.
+    See "From pictures to a material" in the documentation for the rules.
 
     Parameters
     ----------
@@ -251,7 +261,8 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
     polarity : {"auto", "dark", "bright"}
         Of the particles.
     background : {"auto", "morphology", "none"}
-        How uneven light is found: smooth levels of particles and of ground; opening and closing over `background_scale` pixels; not at all.
+        How uneven light is found: smooth levels of particles and of ground; opening and closing over
+        `background_scale` pixels; not at all.
     background_scale : float
         In pixels, larger than particles; 0: by their size.
     denoise : {"auto", "none", "gaussian", "median"}
@@ -292,17 +303,21 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
     scale = scalar("background_scale", background_scale, minimum=0, maximum=1e5, unit="pixels")
     way = _choice("background", background, ("auto", "morphology", "none"))
     if way == 1 and scale == 0:
-        raise Error('background_scale: expected a length in pixels larger than the particles for background="morphology", got 0')
+        raise Error('background_scale: expected a length in pixels larger than the particles for '
+                    'background="morphology", got 0')
     for name, flag in (("fill_holes", fill_holes), ("overlays", overlays)):
         if not isinstance(flag, (bool, np.bool_)):
             raise TypeError(f"{name}: expected True or False, got {flag!r}")
-    fields = [_field(f"images[{k}]" if len(given) > 1 else "images", one, pixel, m, srgb) for k, (one, m) in enumerate(zip(given, masks))]
+    names = [f"images[{k}]" if len(given) > 1 else "images" for k in range(len(given))]
+    fields = [_field(name, one, pixel, its_mask, srgb) for name, one, its_mask in zip(names, given, masks)]
     try:
         result = _aureole.analyse_microstructure(
             fields, _choice("polarity", polarity, ("auto", "dark", "bright")), way, scale,
-            _choice("denoise", denoise, ("auto", "none", "gaussian", "median")), scalar("smooth", smooth, minimum=0, maximum=20, unit="pixels"),
-            bool(fill_holes), scalar("min_radius", min_radius, minimum=0.5, maximum=1e4, unit="pixels"), radius,
-            integer("resamples", resamples, minimum=20, maximum=100_000), integer("seed", seed, minimum=0, maximum=2**64 - 1), srgb, bool(overlays))
+            _choice("denoise", denoise, ("auto", "none", "gaussian", "median")),
+            scalar("smooth", smooth, minimum=0, maximum=20, unit="pixels"), bool(fill_holes),
+            scalar("min_radius", min_radius, minimum=0.5, maximum=1e4, unit="pixels"), radius,
+            integer("resamples", resamples, minimum=20, maximum=100_000),
+            integer("seed", seed, minimum=0, maximum=2**64 - 1), srgb, bool(overlays))
     except Error as e:
         raise type(e)(_python_names(str(e))) from None
     return _described(result)
@@ -310,18 +325,21 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
 
 def _described(result: Any) -> Microstructure:
     numbers = result.numbers
-    estimates = {name: Estimate(*value) for name, value in numbers.items() if isinstance(value, tuple) and isinstance(value[0], float)}
+    estimates = {name: Estimate(*value) for name, value in numbers.items()
+                 if isinstance(value, tuple) and isinstance(value[0], float)}
     a = estimates["correlation_radius"].value
     r, g, g_error = (np.array(v, dtype=np.float64) for v in numbers["pair_correlation"])
     u, s, s_error = (np.array(v, dtype=np.float64) for v in numbers["structure_factor"])
     table = {name: np.array(values) for name, values in result.particles.items() if name != "outline"}
     outlines = [np.array(line, dtype=np.float64).reshape(-1, 2) for line in result.particles["outline"]]
     return Microstructure(
-        **estimates, radius_quantiles={q: Estimate(*v) for q, v in numbers["radius_quantiles"].items()}, round=numbers["round"],
-        circularity=numbers["circularity"], aspect=numbers["aspect"], particles=Particles(**table, outline=outlines),
+        **estimates, radius_quantiles={q: Estimate(*v) for q, v in numbers["radius_quantiles"].items()},
+        round=numbers["round"], circularity=numbers["circularity"], aspect=numbers["aspect"],
+        particles=Particles(**table, outline=outlines),
         pair_correlation=PairCorrelation(r * a, g, g_error, np.maximum(g - 1.96 * g_error, 0), g + 1.96 * g_error),
         structure_factor=PointStructureFactor(u / a, s, s_error, np.maximum(s - 1.96 * s_error, 0), s + 1.96 * s_error),
-        overlays=[Image._of(p) for p in result.overlays], fields=numbers["fields"], notes=[_python_names(n) for n in numbers["notes"]],
+        overlays=[Image._of(p) for p in result.overlays], fields=numbers["fields"],
+        notes=[_python_names(n) for n in numbers["notes"]],
         scene_text=result.scene_text, _result=result)
 
 
@@ -337,12 +355,14 @@ def _field(name: str, value: Any, pixel: float, mask: Any, srgb: bool) -> Any:
     if mask is not None:
         seen = np.asarray(mask)
         if seen.ndim != 2 or seen.dtype.kind not in "b":
-            raise TypeError(f"mask: expected booleans of shape (height, width), got an array of {seen.dtype} of shape {seen.shape}")
+            raise TypeError(f"mask: expected booleans of shape (height, width), got an array of {seen.dtype} of shape "
+                            f"{seen.shape}")
         seen = np.ascontiguousarray(seen, dtype=np.uint8)
     if isinstance(value, (str, os.PathLike)):
         return _aureole.MicrographField.file(os.fspath(value), pixel, seen)
     if pixel == 0:
-        raise Error(f"pixel_size: expected the side of a pixel in m, or with its unit such as \"0.2um\", for {name}, which is no file")
+        raise Error(f'pixel_size: expected the side of a pixel in m, or with its unit such as "0.2um", for {name}, '
+                    "which is no file")
     numbers = np.asarray(value)
     # Booleans are a picture that is segmented already.
     grey = real(name, numbers.astype(np.float64) if numbers.dtype.kind == "b" else numbers)

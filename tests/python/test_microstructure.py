@@ -91,6 +91,25 @@ def test_sizes_become_classes_without_files():
     assert isinstance(aureole.load_dict(found.material()), aureole.Bsdf)
 
 
+def test_aligned_shapes_keep_their_direction(tmp_path):
+    """Ellipses of 2 : 1, their long axes 30 degrees counter-clockwise of x as the picture shows them."""
+    n, angle = 420, np.radians(30)
+    y, x = np.mgrid[0:n, 0:n] + 0.5
+    grey = np.full((n, n), 0.8)
+    for cx, cy in optics.hard_discs(64, 0.35, seed=4, radius=20).positions:
+        along, across = (x - cx) * np.cos(angle) - (y - cy) * np.sin(angle), (x - cx) * np.sin(angle) + (y - cy) * np.cos(angle)
+        grey -= 0.5 * np.clip(0.5 + 10 * (1 - np.hypot(along / 17, across / 8.5)), 0, 1)
+    found = aureole.microstructure(grey, "0.5um")
+    found.save(tmp_path / "found")
+    aperture = found.material(tmp_path / "found")["aperture"]
+    assert aperture["rotation"] % 180 == pytest.approx(30, abs=1) and "random_rotation" not in aperture
+    # The layer spreads light most across the long axes.
+    layer = aureole.load_dict(found.material(tmp_path / "found"))
+    phi, t = np.radians(np.arange(0, 180, 10)), np.radians(2.5)
+    wi = np.stack([np.sin(t) * np.cos(phi), np.sin(t) * np.sin(phi), np.full(phi.shape, np.cos(t))], -1)
+    assert 10 * int(np.argmax(layer.eval(wi, [0, 0, -1], 550))) in (110, 120, 130)
+
+
 def test_fields_are_pooled(discs, picture):
     other = picture_of(discs, origin=(2, 30))
     two = aureole.microstructure([picture, other], "400nm", overlays=False)
