@@ -116,6 +116,8 @@ def file_path(name: str, value: Any) -> str:
         raise TypeError(f"{name}: expected a path (a string or os.PathLike), got {type(value).__name__}") from None
     except UnicodeError:
         raise Error(f"{name}: expected a path in valid Unicode, got {shown(value)}") from None
+    if not path:
+        raise Error(f"{name}: expected a path, got an empty string")
     if "\0" in path:
         raise Error(f"{name}: expected a path without null characters, got {shown(path)}")
     return path
