@@ -289,3 +289,12 @@ def test_text_of_a_changed_scene():
     scene["quad"] = {"type": "mesh", "vertices": np.eye(3), "faces": [[0, 1, 2]]}
     with pytest.raises(aureole.Error, match="given by a program"):
         scene.xml()
+
+
+def test_names_of_the_file_that_are_arguments_too(tmp_path):
+    file = tmp_path / "scene.xml"
+    file.write_text(XML.replace('integrator type="path"', 'integrator type="$integrator"')
+                    .replace("<integrator", '<default name="integrator" value="path"/><integrator'))
+    assert aureole.load_file(file)["integrator"].type == "path"
+    assert aureole.load_file(file, integrator_="volpath")["integrator"].type == "path"  # what stands for volpath
+    assert aureole.load_file(file, integrator="ptracer")["integrator"].type == "ptracer"
