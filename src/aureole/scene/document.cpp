@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 #include <pugixml.hpp>
+#include <set>
 #include <sstream>
 
 #include "aureole/plugin/registry.h"
