@@ -17,6 +17,7 @@ from ._arrays import integer, real, scalar, text
 from ._errors import Error
 from ._plot_check import check_report
 from ._plot_support import as_bsdf, axes_for, colour_of, curve, flag, incident, matplotlib, wavelengths_of
+from ._vectorised import choice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -144,8 +145,7 @@ def lobe_map(bsdf: Any, theta_i: float, wavelength: float = 550, *, side: str = 
     n = integer("resolution", resolution, minimum=2, maximum=8192)
     span = scalar("decades", decades, positive=True, maximum=30)
     logarithmic, with_cosine = flag("log", log), flag("cosine", cosine)
-    if side not in ("reflection", "transmission"):
-        raise Error(f'side: expected "reflection" or "transmission", got {side!r}')
+    choice("side", side, "reflection", "transmission")
     ax = axes_for(ax)
     at = (np.arange(n) + 0.5) * 2 / n - 1
     x, y = np.meshgrid(at, at)

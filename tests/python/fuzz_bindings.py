@@ -526,7 +526,7 @@ def case(number, seed, all_targets):
             arguments.pop(k)
         else:
             arguments.append(f"{rng.choice(['extra', 'seed', 'ax', 'uv'])}={rng.choice(wrong)}")
-    if not parameters and rng.random() < 0.3:
+    if not parameters and not name.endswith("__") and rng.random() < 0.3:
         arguments.append(rng.choice(wrong))
     if call.endswith(", "):
         call = call[:-2]
