@@ -122,8 +122,7 @@ inline Wavelengths only(const Wavelengths& w, int k) {
 /// `for_places` for a part of the elements and arguments of type T; void: of several types.
 template <class T, class F>
 void for_typed_places(const PlaceArguments& in, const Broadcast<4>& part, const WavelengthRange& range,
-                      double* out, F f) {
-  Interrupts interrupts;
+                      double* out, F f, Interrupts& interrupts) {
   Vec3 a, b;
   Vec2 uv;
   Wavelengths wavelengths = Wavelengths::at(range.grid, range.min_nm);
@@ -207,14 +206,15 @@ void for_places(const PlaceArguments& in, const WavelengthRange& range, double* 
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
   const auto work = [&](int) {
+    Interrupts interrupts;  // one for all parts, each of which is too short to ask
     try {
       for (std::size_t i; !failed && (i = next++) < parts.size();)
         if (doubles)
-          for_typed_places<double>(in, parts[i], range, out, f);
+          for_typed_places<double>(in, parts[i], range, out, f, interrupts);
         else if (floats)
-          for_typed_places<float>(in, parts[i], range, out, f);
+          for_typed_places<float>(in, parts[i], range, out, f, interrupts);
         else
-          for_typed_places<void>(in, parts[i], range, out, f);
+          for_typed_places<void>(in, parts[i], range, out, f, interrupts);
     } catch (...) {
       failed = true;
       throw;

@@ -126,7 +126,7 @@ nb::object value_object(const Properties::Value& value) {
 std::optional<Properties::Value> written(const SceneDocument& document, const std::string& path) {
   const Node* node = document.find(path);
   if (!node) return {};
-  if (!is_property(*node)) return document.object(path);
+  if (node->tag == "given" || !is_property(*node)) return document.object(path);
   Diagnostics diagnostics;
   const std::optional<Properties::Value> value = property_value(*node, diagnostics);
   diagnostics.throw_if_errors();
