@@ -142,10 +142,14 @@ class Image:
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> npt.NDArray[Any]:
         array = self.array
-        if dtype is not None and np.dtype(dtype) != array.dtype:
+        try:
+            wanted = array.dtype if dtype is None else np.dtype(dtype)
+        except (TypeError, ValueError) as e:
+            raise TypeError(f"dtype: {e}") from None
+        if wanted != array.dtype:
             if copy is False:
-                raise ValueError("a copy is needed for another dtype")
-            return array.astype(dtype)
+                raise ValueError("copy: another dtype needs a copy")
+            return array.astype(wanted)
         return array.copy() if copy else array
 
     @property
