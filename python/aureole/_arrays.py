@@ -37,6 +37,7 @@ def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Opt
         array = np.asarray(value)
     except (ValueError, OverflowError, RecursionError) as e:
         raise TypeError(f"{name}: expected an array of real numbers, got a ragged {type(value).__name__}") from e
+    _refuse_axes(name, array)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: expected real numbers, got {_described(value, array)}")
     _refuse_masked(name, value)
@@ -59,6 +60,7 @@ def complex_numbers(name: str, value: Any) -> npt.NDArray[np.complex128]:
         array = np.asarray(value)
     except (ValueError, OverflowError, RecursionError) as e:
         raise TypeError(f"{name}: expected an array of numbers, got a ragged {type(value).__name__}") from e
+    _refuse_axes(name, array)
     if array.dtype.kind not in "fiuc":
         raise TypeError(f"{name}: expected real or complex numbers, got {_described(value, array)}")
     _refuse_masked(name, value)
@@ -116,6 +118,8 @@ def file_path(name: str, value: Any) -> str:
         raise TypeError(f"{name}: expected a path (a string or os.PathLike), got {type(value).__name__}") from None
     except UnicodeError:
         raise Error(f"{name}: expected a path in valid Unicode, got {shown(value)}") from None
+    if not path:
+        raise Error(f"{name}: expected a path, got an empty string")
     if "\0" in path:
         raise Error(f"{name}: expected a path without null characters, got {shown(path)}")
     return path
@@ -128,6 +132,11 @@ def shown(value: Any) -> str:
     except Exception:  # too deep, too many digits, or the object's own
         return "that cannot be shown"
     return written if len(written) < 60 else f"{written[:57]}..."
+
+
+def _refuse_axes(name: str, array: npt.NDArray[Any]) -> None:
+    if array.ndim > 16:  # numpy's own limits are 32 here and 64 there
+        raise Error(f"{name}: expected at most 16 axes, got {array.ndim}")
 
 
 def _refuse_masked(name: str, value: Any) -> None:

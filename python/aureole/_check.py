@@ -10,8 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _aureole
-from ._arrays import integer, real, scalar
+from ._arrays import flag, integer, real, scalar, shown, text
 from ._errors import Error
+from ._vectorised import choice
 from ._plot_support import as_bsdf, p_text
 
 if TYPE_CHECKING:
@@ -180,6 +181,7 @@ class CheckReport:
 
     def worst(self, kind: str) -> Optional[CheckRecord]:
         """The record of `kind` that is nearest to failing or failed most; None where nothing of the kind was tested."""
+        text("kind", kind)
         records = [c for c in self.checks if c.kind == kind]
         return max(records, key=lambda c: (not c.passed, c.severity)) if records else None
 
@@ -341,13 +343,11 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
     if index_ratio is not None:
         index_ratio = scalar("index_ratio", index_ratio, positive=True)
     for name, value in (("lossless", lossless), ("two_sided", two_sided)):
-        if value not in (None, True, False):
-            raise TypeError(f"{name}: expected True, False or None, got {value!r}")
+        if value is not None and not isinstance(value, (bool, np.bool_)):
+            raise TypeError(f"{name}: expected True, False or None, got {type(value).__name__} {shown(value)}")
     for name, value in (("reciprocal", reciprocal), ("may_fail", may_fail)):
-        if value not in (True, False):
-            raise TypeError(f"{name}: expected True or False, got {value!r}")
-    if mode not in ("importance", "radiance"):
-        raise Error(f'mode: expected "importance" or "radiance", got {mode!r}')
+        flag(name, value)
+    choice("mode", mode, "importance", "radiance")
     if progress is not None and not callable(progress):
         raise TypeError(f"progress: expected a function of one number, got {type(progress).__name__}")
     ends = np.zeros(2) if wavelengths is None else real("wavelengths", wavelengths, positive=True, unit="nm")

@@ -71,8 +71,14 @@ class Image:
         self._all: FloatArray = picture.array
         self._names: List[str] = list(picture.channels)
         self._outcome = outcome
-        variances = [n for n in self._names if n.startswith("variance.")]
-        self._own = len(self._names) - len(variances)
+        own = [n for n in self._names if not n.startswith("variance.")]
+        self._own = len(own)
+        # Files hold channels in the order of the alphabet, in which variances may differ from what they are of.
+        order = own + [f"variance.{n}" for n in own]
+        if len(self._names) > len(own) > 0 and self._names != order and sorted(self._names) == sorted(order):
+            self._all = self._all[..., [self._names.index(n) for n in order]]
+            self._all.flags.writeable = False
+            self._names = order
 
     # -- pixels ----------------------------------------------------------------------------------------------
 

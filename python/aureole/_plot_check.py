@@ -32,6 +32,10 @@ def check_report(report: "CheckReport", axes: "Optional[Sequence[Axes]]" = None)
     -------
     numpy.ndarray of 3 matplotlib Axes
     """
+    from ._check import CheckReport
+
+    if not isinstance(report, CheckReport):
+        raise TypeError(f"report: expected a CheckReport (from aureole.check), got {type(report).__name__}")
     mpl = matplotlib()
     if axes is None:
         figure, made = mpl.pyplot.subplots(1, 3, figsize=(13, 4.2), layout="constrained")

@@ -133,7 +133,9 @@ class _Bar:
 
     def _update(self, done: int, units: int, seconds: float, rate: float) -> None:
         if self._bar is None:
-            from tqdm.auto import tqdm
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # a notebook without ipywidgets has a bar of text, which is well
+                from tqdm.auto import tqdm
 
             self._bar = tqdm(total=units, unit="tile", leave=False, delay=0.5, dynamic_ncols=True)
         self._bar.set_postfix_str(f"{rate * 1e-6:.2f} Msamples/s", refresh=False)

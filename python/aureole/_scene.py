@@ -231,6 +231,8 @@ def _without_column(p: Problem) -> Problem:
 def _defines(defines: Mapping[str, Any]) -> List[Tuple[str, str]]:
     texts = []
     for name, value in defines.items():
+        if name in ("integrator_", "sampler_", "path_", "text_"):
+            name = name[:-1]
         if isinstance(value, (bool, np.bool_)):
             texts.append((name, "true" if value else "false"))
         elif isinstance(value, (int, float, np.integer, np.floating)):
@@ -251,7 +253,8 @@ def load_file(path: "str | os.PathLike[str]", *, integrator: str = "", sampler: 
     integrator, sampler : str, optional
         Plug-ins that replace the scene's, as on the command line.
     **defines
-        Values for the $names of the file.
+        Values for the $names of the file. A $name that is an argument's ("integrator") is given with an underscore behind
+        it ("integrator_").
 
     Returns
     -------

@@ -13,10 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _corona
-from ._arrays import integer, real, scalar
+from ._arrays import integer, real, scalar, text
 from ._errors import Error
 from ._plot_check import check_report
 from ._plot_support import as_bsdf, axes_for, colour_of, curve, flag, incident, matplotlib, wavelengths_of
+from ._vectorised import choice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -144,8 +145,7 @@ def lobe_map(bsdf: Any, theta_i: float, wavelength: float = 550, *, side: str = 
     n = integer("resolution", resolution, minimum=2, maximum=8192)
     span = scalar("decades", decades, positive=True, maximum=30)
     logarithmic, with_cosine = flag("log", log), flag("cosine", cosine)
-    if side not in ("reflection", "transmission"):
-        raise Error(f'side: expected "reflection" or "transmission", got {side!r}')
+    choice("side", side, "reflection", "transmission")
     ax = axes_for(ax)
     at = (np.arange(n) + 0.5) * 2 / n - 1
     x, y = np.meshgrid(at, at)
@@ -229,7 +229,7 @@ def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optiona
     low, high = min(0.0, float(every.min())), float(every.max())
     ax.set_ylim(low * 1.05, high * 1.05 if high > 0 else low * -0.05 + 1e-30 if low < 0 else 1)
     ax.set_xlabel("wavelength [nm]")
-    if unit:
+    if text("unit", unit):
         ax.set_ylabel(f"[{unit}]")
     ax.grid(alpha=0.25)
     if label is not None:
@@ -370,7 +370,7 @@ def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[floa
     >>> ax = aureole.plot.corona(radius="8um", area_fraction=0.5)  # doctest: +SKIP
     """
     instance, metres = _corona.layer(bsdf, radius, area_fraction, correlation, scatterer)
-    half = _corona.field_of(metres) if field is None else scalar("field", field, positive=True, maximum=89,
+    half = _corona.field_of(metres) if field is None else scalar("field", field, minimum=1e-6, maximum=89,
                                                                  unit="degrees")
     diameter = scalar("lamp_diameter", lamp_diameter, minimum=0, maximum=10, unit="degrees")
     stops = scalar("exposure", exposure, minimum=-60, maximum=60)
@@ -417,7 +417,7 @@ def corona_profile(bsdf: Any = None, *, radius: Any = None, area_fraction: Optio
         Radiance in 1/sr, where the lamp is a point that gives unit irradiance behind the layer.
     """
     instance, metres = _corona.layer(bsdf, radius, area_fraction, correlation, scatterer)
-    half = _corona.field_of(metres) if field is None else scalar("field", field, positive=True, maximum=89,
+    half = _corona.field_of(metres) if field is None else scalar("field", field, minimum=1e-6, maximum=89,
                                                                  unit="degrees")
     nm = wavelengths_of("wavelength", wavelength)
     turn = math.radians(scalar("azimuth", azimuth))
@@ -461,7 +461,7 @@ def pair_correlation(r: npt.ArrayLike, g: npt.ArrayLike, error: Optional[npt.Arr
     -------
     matplotlib Axes
     """
-    return _with_band("r", r, "g", g, error, f"distance r [{unit}]" if unit else "distance r", "g(r)", label, color, ax)
+    return _with_band("r", r, "g", g, error, f"distance r [{unit}]" if text("unit", unit) else "distance r", "g(r)", label, color, ax)
 
 
 def structure_factor(q: npt.ArrayLike, s: npt.ArrayLike, error: Optional[npt.ArrayLike] = None, *,
@@ -484,7 +484,7 @@ def structure_factor(q: npt.ArrayLike, s: npt.ArrayLike, error: Optional[npt.Arr
     -------
     matplotlib Axes
     """
-    return _with_band("q", q, "s", s, error, f"wave number q [{unit}]" if unit else "wave number q", "S(q)", label,
+    return _with_band("q", q, "s", s, error, f"wave number q [{unit}]" if text("unit", unit) else "wave number q", "S(q)", label,
                       color, ax)
 
 

@@ -5,6 +5,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -106,6 +107,9 @@ public:
   /// Calls `use(const Row&)` for all elements.
   template <class F>
   void for_rows(F&& use) const;
+  /// The same elements in parts of about `size` or more, in order, whose sizes are multiples of `multiple`
+  /// where only one axis is left.
+  std::vector<Broadcast> parts(Py_ssize_t size, Py_ssize_t multiple) const;
 
   /// " at index (0, 2)" in the array of argument `a` for element `out` of the result; nothing for a scalar.
   std::string where(std::size_t a, Py_ssize_t out) const;
@@ -121,6 +125,8 @@ private:
   Extents shape_;
   std::vector<Axis> axes_;  ///< the last one is innermost; never empty
   bool empty_ = false;
+  std::array<Py_ssize_t, N> start_{};  ///< of the first element in each argument [bytes]
+  Py_ssize_t start_out_ = 0;
 };
 
 /// "(3, 4)" as Python writes a shape or an index.
@@ -217,8 +223,9 @@ template <class F>
 void Broadcast<N>::for_rows(F&& use) const {
   if (empty_) return;
   Row row;
-  for (std::size_t a = 0; a < N; ++a) row.at[a] = arguments_[a]->data();
-  row.step = axes_.back().step, row.count = axes_.back().count, row.out = 0, row.out_step = axes_.back().out;
+  for (std::size_t a = 0; a < N; ++a) row.at[a] = arguments_[a]->data() + start_[a];
+  row.step = axes_.back().step, row.count = axes_.back().count, row.out = start_out_,
+  row.out_step = axes_.back().out;
   // Rows along the last axis but one follow each other by constant steps; further axes count as an odometer.
   const Axis one{1, 0, {}};
   const Axis& rows = axes_.size() > 1 ? axes_[axes_.size() - 2] : one;
@@ -243,6 +250,30 @@ void Broadcast<N>::for_rows(F&& use) const {
     }
     move(axes_[k], 1);
   }
+}
+
+template <std::size_t N>
+std::vector<Broadcast<N>> Broadcast<N>::parts(Py_ssize_t size, Py_ssize_t multiple) const {
+  if (empty_) return {};
+  Py_ssize_t total = 1;
+  std::size_t longest = 0;
+  for (std::size_t k = 0; k < axes_.size(); ++k) {
+    total *= axes_[k].count;
+    if (axes_[k].count > axes_[longest].count) longest = k;
+  }
+  const Axis& axis = axes_[longest];
+  const Py_ssize_t wanted = std::clamp<Py_ssize_t>(total / size, 1, axis.count);
+  Py_ssize_t length = (axis.count + wanted - 1) / wanted;
+  if (longest + 1 == axes_.size()) length = (length + multiple - 1) / multiple * multiple;
+  std::vector<Broadcast> found;
+  for (Py_ssize_t begin = 0; begin < axis.count; begin += length) {
+    Broadcast part = *this;
+    part.axes_[longest].count = std::min(length, axis.count - begin);
+    for (std::size_t a = 0; a < N; ++a) part.start_[a] += begin * axis.step[a];
+    part.start_out_ += begin * axis.out;
+    found.push_back(std::move(part));
+  }
+  return found;
 }
 
 template <std::size_t N>

@@ -9,6 +9,7 @@
 #include <chrono>
 #include <span>
 
+#include "aureole/core/error.h"
 #include "aureole/instrument/bsdf_check.h"
 #include "aureole/plugin/properties.h"
 #include "bindings.h"
@@ -192,6 +193,7 @@ void bind_check(nb::module_& m) {
         Clock::time_point next = Clock::now();
         options.progress = [&](double part) {
           if (part < 1 && Clock::now() < next) return;
+          if (is_leaving()) throw Error("the program ends");  // seen by nobody: the thread stays in ~Unlocked
           const nb::gil_scoped_acquire acquire;
           if (PyErr_CheckSignals() != 0) throw nb::python_error();
           if (!progress.is_none()) progress(part);

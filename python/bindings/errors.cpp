@@ -2,6 +2,7 @@
 // Exceptions: wrong input is `aureole.Error`, a ValueError; a bad scene is `aureole.SceneError`, which holds
 // every problem.
 #include <string_view>
+#include <system_error>
 
 #include "aureole/core/error.h"
 #include "bindings.h"
@@ -37,6 +38,8 @@ void bind_errors(nb::module_& m) {
       for (const std::string& message : e.errors()) problems.append(decoded(message));
       raise("SceneError", problems);
     } catch (const Error& e) {
+      raise("Error", decoded(e.what()));
+    } catch (const std::system_error& e) {  // of files, and of threads that cannot be had
       raise("Error", decoded(e.what()));
     }
   });

@@ -4,6 +4,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <atomic>
 #include <cstddef>
 #include <new>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "arrays.h"
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/core/parallel.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/shape/surface_point.h"
@@ -117,16 +119,15 @@ inline Wavelengths only(const Wavelengths& w, int k) {
           w.fraction.data()[k]};
 }
 
-/// `for_places` for arguments of type T; void: of several types.
+/// `for_places` for a part of the elements and arguments of type T; void: of several types.
 template <class T, class F>
-void for_typed_places(const PlaceArguments& in, const WavelengthRange& range, double* out, F&& f) {
-  const Unlocked release;
-  Interrupts interrupts;
+void for_typed_places(const PlaceArguments& in, const Broadcast<4>& part, const WavelengthRange& range,
+                      double* out, F f, Interrupts& interrupts) {
   Vec3 a, b;
   Vec2 uv;
   Wavelengths wavelengths = Wavelengths::at(range.grid, range.min_nm);
   const char *last_a = nullptr, *last_b = nullptr, *last_uv = nullptr;
-  in.broadcast.for_rows([&](const auto& row) {
+  part.for_rows([&](const auto& row) {
     const char *at_a = row.at[0], *at_b = row.at[1], *at_uv = row.at[2], *at_nm = row.at[3];
     const Py_ssize_t step_a = row.step[0], step_b = row.step[1], step_uv = row.step[2], step_nm = row.step[3],
                      out_step = row.out_step;
@@ -187,9 +188,10 @@ void for_typed_places(const PlaceArguments& in, const WavelengthRange& range, do
 }
 
 /// Calls `f(a, b, uv, wavelengths) -> Spectrum` and writes its values to `out`. Elements one after another
-/// that share their directions and place go to one call.
+/// that share their directions and place go to one call. Large arrays are shared out to all cores: each part
+/// has a copy of `f`.
 template <class F>
-void for_places(const PlaceArguments& in, const WavelengthRange& range, double* out, F&& f) {
+void for_places(const PlaceArguments& in, const WavelengthRange& range, double* out, const F& f) {
   const auto all = [&](bool is_double) {
     for (const Argument* a : {&in.a, &in.b, &in.wavelength})
       if (!a->is_constant() && a->is_double() != is_double) return false;
@@ -197,12 +199,32 @@ void for_places(const PlaceArguments& in, const WavelengthRange& range, double* 
   };
   // The constant of an argument that is not given is of type double.
   const bool given = !in.a.is_constant() && !in.b.is_constant();
-  if (all(true))
-    for_typed_places<double>(in, range, out, f);
-  else if (given && all(false))
-    for_typed_places<float>(in, range, out, f);
+  const bool doubles = all(true), floats = given && all(false);
+  const Unlocked release;
+  constexpr Py_ssize_t kPart = 1 << 13;
+  const std::vector<Broadcast<4>> parts = in.broadcast.parts(kPart, kWavelengths);
+  std::atomic<std::size_t> next{0};
+  std::atomic<bool> failed{false};
+  const auto work = [&](int) {
+    Interrupts interrupts;  // one for all parts, each of which is too short to ask
+    try {
+      for (std::size_t i; !failed && (i = next++) < parts.size();)
+        if (doubles)
+          for_typed_places<double>(in, parts[i], range, out, f, interrupts);
+        else if (floats)
+          for_typed_places<float>(in, parts[i], range, out, f, interrupts);
+        else
+          for_typed_places<void>(in, parts[i], range, out, f, interrupts);
+    } catch (...) {
+      failed = true;
+      throw;
+    }
+  };
+  const int threads = int(std::min<std::size_t>(parts.size(), std::size_t(default_thread_count())));
+  if (threads < 2)
+    work(0);
   else
-    for_typed_places<void>(in, range, out, f);
+    run_workers(threads, work);
 }
 
 }  // namespace aureole::python

@@ -40,9 +40,8 @@ nb::object evaluate(const Bsdf& bsdf, nb::handle wi, nb::handle wo, nb::handle w
   require_standalone(bsdf);
   const PlaceArguments in("wi", wi, "wo", wo, optional(uv), wavelength);
   Result<double> result(in.broadcast.shape());
-  SurfacePoint point = flat_point();
   for_places(in, range_of(bsdf), result.data(),
-             [&](const Vec3& i, const Vec3& o, Vec2 at, const Wavelengths& w) {
+             [&, point = flat_point()](const Vec3& i, const Vec3& o, Vec2 at, const Wavelengths& w) mutable {
                point.uv = at;
                const BsdfContext ctx{w, point, transport, key};
                return Pdf ? bsdf.eval_pdf(i, o, ctx).pdf : bsdf.eval(i, o, ctx);

@@ -33,9 +33,8 @@ nb::object radiance(const Emitter& emitter, nb::handle direction, nb::handle wav
   const PlaceArguments in("direction", direction, "", {}, optional(uv), wavelength);
   const Result<double> result(in.broadcast.shape());
   const bool infinite = emitter.is_infinite();
-  SurfacePoint point = flat_point();
   for_places(in, range_of(emitter), result.data(),
-             [&](const Vec3& d, const Vec3&, Vec2 at, const Wavelengths& w) {
+             [&, point = flat_point()](const Vec3& d, const Vec3&, Vec2 at, const Wavelengths& w) mutable {
                point.uv = at;
                return infinite ? emitter.eval_escaped(d, w) : emitter.eval(point, d, w);
              });

@@ -20,9 +20,8 @@ nb::object eval(const Texture& texture, nb::handle wavelength, nb::handle uv) {
   require_standalone(texture);
   const PlaceArguments in("", {}, "", {}, optional(uv), wavelength);
   const Result<double> result(in.broadcast.shape());
-  SurfacePoint point = flat_point();
   for_places(in, range_of(texture), result.data(),
-             [&](const Vec3&, const Vec3&, Vec2 at, const Wavelengths& w) {
+             [&, point = flat_point()](const Vec3&, const Vec3&, Vec2 at, const Wavelengths& w) mutable {
                point.uv = at;
                return texture.eval(point, w);
              });
@@ -142,6 +141,10 @@ ndarray of float64, shape (...)
       .def_prop_ro(
           "bounding_radius", [](const Aperture& a) { return a.shape()->bounding_radius(); },
           "Radius of the smallest circle about the origin that holds the shape [m].")
+      .def_prop_ro(
+          "shape",
+          [](const Aperture& a) { return std::const_pointer_cast<optics::ApertureShape>(a.shape()); },
+          "The unturned shape, as those of `aureole.optics`.")
       .def_prop_ro("fraction", &Aperture::fraction, "Its part of the number of scatterers of a layer.")
       .def_prop_ro("rotation", &Aperture::rotation,
                    "Angle that every scatterer is turned by, counter-clockwise [rad].")

@@ -8,11 +8,11 @@
 #include <memory>
 #include <vector>
 
+#include "arrays.h"
 #include "aureole/optics/aperture_shape.h"
 #include "aureole/optics/mask_aperture.h"
 #include "aureole/optics/polygon_aperture.h"
 #include "aureole/optics/round_aperture.h"
-#include "arrays.h"
 #include "optics_bindings.h"
 #include "vectorised.h"
 

@@ -42,11 +42,9 @@ auto abandonable(F f, SignalCheck& check) {
 /// The start of a mixture: discs grow there in a loop that may take long.
 optics::HardDiscSimulation grown(std::vector<double> radii, double area_fraction, std::uint64_t seed,
                                  SignalCheck& check) {
-  return abandonable(
-      [radii = std::move(radii), area_fraction, seed] {
-        return optics::HardDiscSimulation(radii, area_fraction, seed);
-      },
-      check);
+  return abandonable([radii = std::move(radii), area_fraction,
+                      seed] { return optics::HardDiscSimulation(radii, area_fraction, seed); },
+                     check);
 }
 
 /// Fills `positions` of shape (snapshots, n, 2); returns the side of the box and the pressure over that of an

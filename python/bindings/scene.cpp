@@ -126,7 +126,7 @@ nb::object value_object(const Properties::Value& value) {
 std::optional<Properties::Value> written(const SceneDocument& document, const std::string& path) {
   const Node* node = document.find(path);
   if (!node) return {};
-  if (!is_property(*node)) return document.object(path);
+  if (node->tag == "given" || !is_property(*node)) return document.object(path);
   Diagnostics diagnostics;
   const std::optional<Properties::Value> value = property_value(*node, diagnostics);
   diagnostics.throw_if_errors();
@@ -311,16 +311,13 @@ void bind_scene(nb::module_& m) {
       .def(
           "set",
           [](OpenScene& s, const std::vector<std::pair<std::string, std::string>>& changes,
-             const Given& given) {
-            s.set(changes, given);
-          },
+             const Given& given) { s.set(changes, given); },
           nb::arg("changes"), nb::arg("given"))
       .def("xml", [](OpenScene& s) { return s.read([](const auto& d) { return d.xml(); }); })
       .def_prop_ro("notes", [](OpenScene& s) { return s.scene()->loaded().notes; })
       .def_prop_ro("hash", [](OpenScene& s) { return s.scene()->hash(); })
       .def_prop_ro("file", [](OpenScene& s) { return s.scene()->loaded().file.string(); })
-      .def_prop_ro("sample_count",
-                   [](OpenScene& s) { return s.scene()->sensor().sampler().sample_count(); })
+      .def_prop_ro("sample_count", [](OpenScene& s) { return s.scene()->sensor().sampler().sample_count(); })
       .def_prop_ro("size",
                    [](OpenScene& s) {
                      const auto scene = s.scene();
@@ -354,13 +351,16 @@ void bind_scene(nb::module_& m) {
 
   m.def(
       "did_you_mean",
-      [](const std::string& name, const std::vector<std::string>& names) { return did_you_mean(name, names); },
+      [](const std::string& name, const std::vector<std::string>& names) {
+        return did_you_mean(name, names);
+      },
       nb::arg("name"), nb::arg("names"),
-        "\"; did you mean ...?\" for a name that is near to one of `names`, else an empty string.");
+      "\"; did you mean ...?\" for a name that is near to one of `names`, else an empty string.");
   m.def(
       "is_alias",
       [](const std::string& family, const std::string& name) { return find_alias(family, name) != nullptr; },
-      nb::arg("family"), nb::arg("name"), "Whether another program's plug-in of that name is read as one of ours.");
+      nb::arg("family"), nb::arg("name"),
+      "Whether another program's plug-in of that name is read as one of ours.");
   m.def(
       "plugins",
       [] {

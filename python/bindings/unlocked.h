@@ -10,9 +10,9 @@ namespace nb = nanobind;
 
 /// Python's lock is released for a scope.
 ///
-/// As nb::gil_scoped_release, but for daemon threads at the end of the program: Python ends a thread that asks
-/// for the lock then by unwinding it (before 3.14), which aborts the process in C++. Such a thread stays in the
-/// destructor instead until the process is gone.
+/// As nb::gil_scoped_release, but for daemon threads at the end of the program: Python ends a thread that
+/// asks for the lock then by unwinding it (before 3.14), which aborts the process in C++. Such a thread stays
+/// in the destructor instead until the process is gone.
 class Unlocked {
 public:
   Unlocked();

@@ -341,3 +341,29 @@ def test_apertures():
     assert (circle.fraction, circle.rotation, circle.is_randomly_rotated) == (1, 0, False)
     with pytest.raises(aureole.Error, match="q: expected finite"):
         circle.transform((np.nan, 0))
+
+
+def test_the_shape_of_an_aperture():
+    aperture = aureole.load_dict({"type": "ngon", "sides": 6, "radius": "4um"})
+    shape = aperture.shape
+    q = np.linspace(0, 3e6, 40).reshape(-1, 2)
+    np.testing.assert_array_equal(shape.transform(q), aperture.transform(q))
+    assert shape.area == aperture.area
+
+
+def test_large_arrays_are_shared_out_and_stay_the_same():
+    random = np.random.default_rng(3)
+    bsdf = aureole.load_dict({"type": "roughconductor", "alpha": 0.2})
+    n = 50_001
+    z, phi = random.random((2, n)), 2 * np.pi * random.random((2, n))
+    r = np.sqrt(1 - z * z)
+    wi, wo = np.stack([r * np.cos(phi), r * np.sin(phi), z], axis=-1)
+    nm = 400 + 300 * random.random(n)
+    whole = bsdf.eval(wi, wo, nm)
+    pieces = np.concatenate([bsdf.eval(wi[i:i + 97], wo[i:i + 97], nm[i:i + 97]) for i in range(0, n, 97)])
+    np.testing.assert_array_equal(whole, pieces)
+    table = bsdf.eval(wi[:3000, None], wo[:3000, None], nm[:17])
+    np.testing.assert_array_equal(table, np.stack([bsdf.eval(wi[:3000], wo[:3000], x) for x in nm[:17]], axis=-1))
+    wo[40_000, 1] = np.nan
+    with pytest.raises(aureole.Error, match="wo.*40000"):
+        bsdf.eval(wi, wo, nm)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <pugixml.hpp>
+#include <set>
 #include <sstream>
 
 #include "aureole/plugin/registry.h"
@@ -60,6 +61,12 @@ void collect_paths(Node& root, Node& node, const std::string& prefix, std::vecto
     paths.push_back(path);
     if (!object_family(child).empty()) collect_paths(root, child, path + ".", paths);
   }
+}
+
+/// Of the objects of a program that the elements stand for.
+void collect_keys(const Node& node, std::set<std::string>& keys) {
+  if (node.tag == "given") keys.insert(node.get("key"));
+  for (const Node& child : node.children) collect_keys(child, keys);
 }
 
 void set_file(Node& node, const SourceFilePtr& file) {
@@ -131,6 +138,10 @@ void SceneDocument::build() {
 
 ObjectPtr SceneDocument::object(const std::string& path) const {
   const Place at = place(path);
+  if (at.target && at.target->tag == "given") {
+    const auto given = options_.given.find(at.target->get("key"));
+    return given == options_.given.end() ? nullptr : given->second;
+  }
   const auto found = objects_.find(at.target);
   return found == objects_.end() ? nullptr : found->second;
 }
@@ -260,6 +271,9 @@ void SceneDocument::set(const std::vector<std::pair<std::string, std::string>>& 
     }
     diagnostics.throw_if_errors();
     build();
+    std::set<std::string> keys;
+    collect_keys(parsed_->root, keys);
+    std::erase_if(options_.given, [&](const auto& entry) { return !keys.contains(entry.first); });
   } catch (...) {
     parsed_->root = before;
     options_.given = given_before;

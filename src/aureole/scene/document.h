@@ -45,7 +45,7 @@ public:
 
   /// A new element for each path, as XML without a name ("<float value='.4'/>"); empty text removes what is
   /// there. All or nothing: throws ErrorList and leaves everything as it was. `given` adds to
-  /// LoadOptions::given.
+  /// LoadOptions::given, from which goes what nothing refers to any more.
   void set(const std::vector<std::pair<std::string, std::string>>& changes,
            const std::map<std::string, ObjectPtr>& given = {});
 
