@@ -190,7 +190,9 @@ class Scene:
 
     def __repr__(self) -> str:
         w, h = self.size
-        return f"<aureole.Scene {self._open.file}, {w} x {h} pixels, {self.sample_count} samples per pixel>"
+        file = os.path.basename(self._open.file)  # texts and dicts are taken for files of the working folder
+        file = file if file in (_TEXT_FILE, _DICT_FILE) else self._open.file
+        return f"<aureole.Scene {file}, {w} x {h} pixels, {self.sample_count} samples per pixel>"
 
 
 def _require_path(path: Any) -> None:

@@ -19,5 +19,6 @@ void bind_image(nb::module_& m);        ///< pictures
 void bind_optics(nb::module_& m);       ///< physics without a renderer
 void bind_spectrum(nb::module_& m);     ///< observer, illuminants, colour, refractive indices
 void bind_check(nb::module_& m);        ///< the harness for BSDFs
+void bind_microstructure(nb::module_& m);  ///< scatterers found in microscope pictures
 
 }  // namespace aureole::python

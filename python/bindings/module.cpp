@@ -32,4 +32,5 @@ NB_MODULE(_aureole, m) {
   bind_scene(m);
   bind_spectrum(m);
   bind_check(m);
+  bind_microstructure(m);
 }

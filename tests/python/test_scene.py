@@ -298,3 +298,17 @@ def test_names_of_the_file_that_are_arguments_too(tmp_path):
     assert aureole.load_file(file)["integrator"].type == "path"
     assert aureole.load_file(file, integrator_="volpath")["integrator"].type == "path"  # what stands for volpath
     assert aureole.load_file(file, integrator="ptracer")["integrator"].type == "ptracer"
+
+
+def test_every_parameter_of_a_mesh_of_arrays(small_scene):
+    quad = small_scene["quad"]
+    normals = np.tile([0.0, 0.6, 0.8], (4, 1))
+    quad.update(normals=normals, to_world=aureole.Transform.translate([0, 0, 0.1]), flip_normals=False, face_normals=False,
+                emitter={"type": "area", "radiance": 0.5})
+    smooth = pixels(aureole.load_dict(small_scene))
+    quad["face_normals"] = True
+    assert np.isfinite(smooth).all() and np.isfinite(pixels(aureole.load_dict(small_scene))).all()
+    for name, wrong in (("normals", np.zeros((3, 3))), ("uvs", np.zeros((4, 3))), ("faces", np.array([[0, 1, 0.5]])),
+                        ("faces", np.array([[0, 1, -1]])), ("faces", np.zeros((0, 2))), ("vertices", np.zeros(4))):
+        found = problems_of(lambda: aureole.load_dict({**small_scene, "quad": {**quad, name: wrong}}))
+        assert found[0].file == f"quad.{name}", found

@@ -81,6 +81,11 @@ struct Mode {
   bool raw;
 };
 
+/// For the names of tests: a struct is printed as its bytes otherwise, pointers and all.
+void PrintTo(const Mode& m, std::ostream* out) {
+  *out << m.wrap << (*m.to_uv ? ", to_uv, " : ", ") << m.channels << (m.raw ? " raw channels" : " channels");
+}
+
 class Gradient : public ::testing::TestWithParam<Mode> {};
 
 TEST_P(Gradient, IsThatOfTheInterpolation) {

@@ -56,7 +56,10 @@ struct Microstructure {
   bool round = true;
   double circularity = 1, aspect = 1, alignment = 0;  ///< medians; |mean of exp(2i angle)|
   int symmetry = 0;                                   ///< strongest harmonic of outlines that are not round
-  Outline mean_outline, typical_outline;              ///< about their centroids, metres, y up
+  /// Degrees from x counter-clockwise, y up, from mean_outline's place to that of aligned particles.
+  double orientation = 0;
+  Outline mean_outline, typical_outline;  ///< about their centroids, metres, y up; the mean one with its
+                                          ///< strongest harmonic's maximum on the x axis
 
   struct Curve {
     std::vector<double> x, value, error;  ///< standard errors

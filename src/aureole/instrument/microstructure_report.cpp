@@ -52,11 +52,8 @@ Json result(const Microstructure& m) {
   for (size_t i = 0; i < m.quantiles.size(); ++i)
     r["quantiles_um"][fmt::format("{:.2f}", kQuantiles[i])] = json(m.quantiles[i], 1e-6);
   j["radius"] = r;
-  j["shape"] = {{"round", m.round},
-                {"circularity", m.circularity},
-                {"aspect", m.aspect},
-                {"alignment", m.alignment},
-                {"symmetry", m.symmetry}};
+  j["shape"] = {{"round", m.round},         {"circularity", m.circularity},     {"aspect", m.aspect},
+                {"alignment", m.alignment}, {"orientation_deg", m.orientation}, {"symmetry", m.symmetry}};
   Json fields = Json::array();
   for (const FieldReport& f : m.fields)
     fields.push_back({{"name", f.name},
@@ -205,7 +202,10 @@ std::string scene_snippet(const Microstructure& m) {
     for (const auto& p : m.mean_outline) left = std::min(left, p[0]), right = std::max(right, p[0]);
     out += "    <aperture type=\"polygon\">\n        <string name=\"filename\" value=\"apertures.svg\"/>\n";
     out += fmt::format("        <string name=\"width\" value=\"{:.5g}um\"/>\n", (right - left) * um);
-    if (m.alignment < 0.5) out += "        <boolean name=\"random_rotation\" value=\"true\"/>\n";
+    if (m.alignment < 0.5)
+      out += "        <boolean name=\"random_rotation\" value=\"true\"/>\n";
+    else
+      out += fmt::format("        <float name=\"rotation\" value=\"{:.1f}\"/>\n", m.orientation);
     if (spread) out += "        <string name=\"size_histogram\" value=\"sizes.txt\"/>\n";
     out += "    </aperture>\n";
   }

@@ -82,8 +82,11 @@ void classify_shapes(Microstructure& m) {
   const double median_radius = std::sqrt(median(area) / M_PI);
   if (!outlines.empty()) {
     std::vector<double> mean(kAngles, 0);
+    std::complex<double> phases = 0;
     for (const auto& r : outlines) {
-      const double turn = std::arg(harmonic(r, m.symmetry)) / m.symmetry * kAngles / (2 * M_PI);
+      const std::complex<double> strongest = harmonic(r, m.symmetry);
+      phases += std::polar(1.0, -std::arg(strongest));
+      const double turn = std::arg(strongest) / m.symmetry * kAngles / (2 * M_PI);
       for (int k = 0; k < kAngles; ++k) {
         // r(angle) has its harmonic's maximum at -arg/m of the transform.
         const double at = k - turn, low = std::floor(at);
@@ -92,6 +95,7 @@ void classify_shapes(Microstructure& m) {
             (value(low) + (at - low) * (value(low + 1) - value(low))) / double(outlines.size());
       }
     }
+    m.orientation = std::arg(phases) / m.symmetry * 180 / M_PI;
     double area_of = 0;
     for (int k = 0; k < kAngles; ++k)
       area_of += 0.5 * mean[size_t(k)] * mean[size_t((k + 1) % kAngles)] * std::sin(2 * M_PI / kAngles);

@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The notebooks run from top to bottom, in a fresh kernel of this interpreter. What they claim they assert themselves."""
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+nbformat = pytest.importorskip("nbformat")
+nbclient = pytest.importorskip("nbclient")
+pytest.importorskip("ipykernel")
+pytest.importorskip("matplotlib")
+
+from jupyter_client import AsyncKernelManager  # noqa: E402
+from jupyter_client.kernelspec import KernelSpec  # noqa: E402
+
+import aureole  # noqa: E402
+
+NOTEBOOKS = Path(__file__).resolve().parents[2] / "notebooks"
+NAMES = sorted(path.stem for path in NOTEBOOKS.glob("*.ipynb"))
+
+
+def test_there_are_notebooks():
+    assert NAMES == ["corona", "is_my_bsdf_right", "microscope", "mitsuba_scene"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_is_stored_without_outputs(name):
+    notebook = nbformat.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
+    nbformat.validate(notebook)
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert all(not cell.outputs and cell.execution_count is None for cell in code), "strip it: jupyter nbconvert --clear-output --inplace"
+    assert any(line.startswith("assert ") for line in code[-1].source.splitlines()), "the last cell asserts what the notebook claims"
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_runs(name, tmp_path):
+    notebook = nbformat.read(NOTEBOOKS / f"{name}.ipynb", as_version=4)
+    # The kernel of this interpreter, whatever kernels are installed under that name.
+    manager = AsyncKernelManager()
+    manager._kernel_spec = KernelSpec(argv=[sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"],
+                                      display_name="this Python", language="python")
+    environment = dict(os.environ)
+    package = str(Path(aureole.__file__).resolve().parents[1]) if "PYTHONPATH" not in os.environ else os.environ["PYTHONPATH"]
+    environment["PYTHONPATH"] = os.pathsep.join(os.path.abspath(p) for p in package.split(os.pathsep) if p)
+    environment.pop("MPLBACKEND", None)  # the kernel's own shows plots
+    for folder in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR", "MPLCONFIGDIR"):
+        (tmp_path / folder).mkdir()
+        environment[folder] = str(tmp_path / folder)
+    client = nbclient.NotebookClient(notebook, km=manager, timeout=300, resources={"metadata": {"path": str(NOTEBOOKS)}})
+    client.execute(env=environment)  # raises what a cell raises
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert not [o for cell in code for o in cell.outputs if o.output_type == "error"]
+    assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
+    warned = [o.text for cell in code for o in cell.outputs if o.output_type == "stream" and "Warning" in o.text]
+    assert not warned
+    # A plot that is made is seen: nothing goes to a window or a file instead.
+    pictures = sum("image/png" in o.get("data", {}) for cell in code for o in cell.outputs)
+    assert pictures >= (1 if name == "mitsuba_scene" else 4)
