@@ -401,6 +401,8 @@ def scene_text(scene: Mapping[str, Any]) -> SceneText:
             if not isinstance(entry.get("type"), str) or entry["type"] not in ("ref",) + _SPECTRUM_TYPES:
                 entry.setdefault("id", key)
             writer.mapping("", entry, key, None)
+        elif callable(getattr(value, "eval", None)):  # a BSDF of Python, for references
+            writer.object(f" id={_attribute(key)}", value, key)
         else:
             writer.entry(key, value, key, None)
     writer.line("the dict", "</scene>")

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _aureole
-from ._arrays import file_path, scalar, text
+from ._arrays import file_path, scalar, shown, text
 from ._errors import Error
 
 FloatArray = npt.NDArray[np.float32]
@@ -142,14 +142,15 @@ class Image:
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> npt.NDArray[Any]:
         array = self.array
-        try:
-            wanted = array.dtype if dtype is None else np.dtype(dtype)
-        except (TypeError, ValueError) as e:
-            raise TypeError(f"dtype: {e}") from None
-        if wanted != array.dtype:
+        if dtype is not None:
+            try:
+                dtype = np.dtype(dtype)
+            except (TypeError, ValueError, RecursionError):
+                raise TypeError(f"dtype: expected a dtype of numpy, got {type(dtype).__name__} {shown(dtype)}") from None
+        if dtype is not None and dtype != array.dtype:
             if copy is False:
-                raise ValueError("copy: another dtype needs a copy")
-            return array.astype(wanted)
+                raise ValueError("copy: a copy is needed for another dtype")
+            return array.astype(dtype)
         return array.copy() if copy else array
 
     @property

@@ -88,8 +88,9 @@ struct Result {
 
 Result analyse(const std::vector<const Field*>& fields, const MicrostructureOptions& options, bool srgb,
                bool overlays) {
-  const nb::gil_scoped_release release;
+  const Unlocked release;
   const auto read = [&](size_t i) {
+    if (is_leaving()) throw Error("the program ends");  // seen by nobody: the thread stays in ~Unlocked
     {
       const nb::gil_scoped_acquire lock;
       if (PyErr_CheckSignals() != 0) throw nb::python_error();

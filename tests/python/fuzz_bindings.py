@@ -568,7 +568,7 @@ def verdict(name, parameters, named, error):
         text = str(error)
         if private or isinstance(error, (KeyError, IndexError)):
             return ""
-        known = {p for p, _ in parameters} | {"matrix", "transform", "path", "instance", "unhashable", "subscript", "data type", "dtype"} | set(named)
+        known = {p for p, _ in parameters} | {"matrix", "transform", "path", "instance", "unhashable", "subscript", "data type", "dtype", "Lambert"} | set(named)
         if any(re.search(rf"\b{re.escape(k)}\b", text) for k in known) or any(p in text for p in _PYTHONS[:-1]):
             return ""
         if "incompatible function arguments" in text and private:

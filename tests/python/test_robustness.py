@@ -274,6 +274,22 @@ def test_children_of_the_process_render(method):
     assert child.exitcode == 0
 
 
+def test_a_child_renders_whatever_its_parent_did_at_the_fork():
+    code, out, err = program("""
+        threading.Thread(target=lambda: aureole.render(make(ENDLESS), progress=False), daemon=True).start()
+        time.sleep(0.5)
+        for _ in range(5):
+            child = os.fork()
+            if child == 0:
+                signal.alarm(30)
+                aureole.render(make(32, 48), progress=False)
+                optics.mie(np.full(200, 5e4), 1.5)
+                os._exit(7)
+            print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+    """)
+    assert (code, out) == (0, "7\n" * 5), err
+
+
 def test_what_a_change_drops_is_freed():
     """Arrays and BSDFs that a program gave are kept by the scene as long as it shows them."""
     import weakref

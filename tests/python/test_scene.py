@@ -312,3 +312,30 @@ def test_every_parameter_of_a_mesh_of_arrays(small_scene):
                         ("faces", np.array([[0, 1, -1]])), ("faces", np.zeros((0, 2))), ("vertices", np.zeros(4))):
         found = problems_of(lambda: aureole.load_dict({**small_scene, "quad": {**quad, name: wrong}}))
         assert found[0].file == f"quad.{name}", found
+
+
+def test_a_bsdf_of_python_that_others_refer_to(small_scene):
+    class Half(aureole.PythonBsdf):
+        lobes = ("diffuse", "reflect")
+
+        def eval(self, wi, wo, wavelength):
+            return np.where((wi[:, 2] > 0) & (wo[:, 2] > 0), 0.5 / np.pi * wo[:, 2], 0)
+
+    small_scene["paint"] = Half()
+    small_scene["quad"]["bsdf"] = {"type": "ref", "id": "paint"}
+    small_scene["camera"]["film"].update(width=8, height=6)
+    scene = aureole.load_dict(small_scene)
+    mean = pixels(scene, 16).mean()
+    scene["quad.bsdf"] = {"type": "diffuse", "reflectance": 0.5}
+    assert abs(mean / pixels(scene, 16).mean() - 1) < 0.05
+    assert "paint" in scene.paths()
+
+
+def test_many_objects_are_found_quickly(small_scene):
+    for i in range(5000):
+        small_scene[f"ball{i}"] = {"type": "sphere", "radius": 0.001, "center": [i * 0.01, 0, -3],
+                                   "bsdf": {"type": "ref", "id": "paint"}}
+    small_scene["paint"] = {"type": "diffuse"}
+    scene = aureole.load_dict(small_scene)
+    assert _seconds(scene.paths) < 2 and len(scene) > 20000
+    assert _seconds(lambda: scene["ball4999.radius"]) < 1

@@ -9,12 +9,29 @@
 #include <vector>
 
 #ifndef AUREOLE_STD_THREADS
+#include <pthread.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 #endif
 
 namespace aureole {
+
+namespace {
+
+#ifndef AUREOLE_STD_THREADS
+/// A child of a fork has none of oneTBB's threads, and what they held when it was made: it takes its own.
+std::atomic<bool> is_forked{false};
+[[maybe_unused]] const int registered = pthread_atfork(nullptr, nullptr, [] { is_forked = true; });
+#endif
+
+void run_std_threads(int threads, const std::function<void(int)>& worker) {
+  std::vector<std::thread> pool;
+  for (int i = 0; i < threads; ++i) pool.emplace_back(worker, i);
+  for (auto& t : pool) t.join();
+}
+
+}  // namespace
 
 int default_thread_count() { return std::max(1, int(std::thread::hardware_concurrency())); }
 
@@ -30,10 +47,13 @@ void run_workers(int threads, const std::function<void(int)>& worker) {
     }
   };
 #ifdef AUREOLE_STD_THREADS
-  std::vector<std::thread> pool;
-  for (int i = 0; i < threads; ++i) pool.emplace_back(guarded, i);
-  for (auto& t : pool) t.join();
+  run_std_threads(threads, guarded);
 #else
+  if (is_forked) {
+    run_std_threads(threads, guarded);
+    if (first) std::rethrow_exception(first);
+    return;
+  }
   // More threads than cores are allowed on request: the determinism tests use them.
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                             size_t(std::max(threads, default_thread_count())));

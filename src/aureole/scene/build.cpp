@@ -77,6 +77,10 @@ private:
       return;
     }
     if (child.tag == "alias") return;
+    if (child.tag == "given") {  // for references to it
+      builder_.object(child);
+      return;
+    }
     const Node* node = builder_.target(child);
     if (!node) return;  // a bad <ref>, reported
     const std::string family = object_family(*node);

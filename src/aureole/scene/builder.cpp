@@ -51,6 +51,7 @@ ObjectPtr Builder::object(const Node& node) {
   if (!t) return nullptr;
   const auto [slot, is_new] = built_.try_emplace(t, nullptr);
   if (!is_new) return slot->second;
+  if (t->tag == "given") return built_[t] = given(*t);
   const std::string family = object_family(*t);
   if (pool_)
     if (ObjectPtr kept = pool_->whole(family, keys_.of(*t))) {
@@ -151,7 +152,7 @@ ObjectPtr Builder::construct(const Node& node) {
 }
 
 ObjectPtr Builder::given(const Node& node) {
-  if (!check_attributes(node, {"key"}, {"name"}, diagnostics_)) return nullptr;
+  if (!check_attributes(node, {"key"}, {"name", "id"}, diagnostics_)) return nullptr;
   const auto found = given_.find(node.get("key"));
   if (found != given_.end()) return found->second;
   diagnostics_.error(node.where,
@@ -165,7 +166,7 @@ bool Builder::add_child(const Node& child, Properties& properties) {
   if (!object_family(child).empty() || child.tag == "ref" || is_unsupported_object(child)) {
     if (ObjectPtr object = this->object(child)) value = std::move(object);
   } else if (child.tag == "given") {
-    if (ObjectPtr object = given(child)) value = std::move(object);
+    if (ObjectPtr object = this->object(child)) value = std::move(object);
   } else if (child.tag == "alias") {
     return true;  // done by resolve()
   } else if (is_property(child)) {

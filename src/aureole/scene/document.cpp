@@ -6,6 +6,8 @@
 #include <pugixml.hpp>
 #include <set>
 #include <sstream>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "aureole/plugin/registry.h"
 #include "aureole/scene/aliases.h"
@@ -14,32 +16,48 @@ namespace aureole {
 
 namespace {
 
-Node* find_id(Node& node, std::string_view id) {
-  if (!object_family(node).empty() && node.get("id") == id) return &node;
-  for (Node& child : node.children)
-    if (Node* found = find_id(child, id)) return found;
-  return nullptr;
-}
+/// What the ids of a scene stand for.
+class Ids {
+public:
+  explicit Ids(Node& root) : root_(root) {
+    collect(root);
+    for (const Node& child : root.children)  // an alias is another name
+      if (child.tag == "alias")
+        if (Node* target = find(child.get("id"))) nodes_.emplace(child.get("as"), target);
+  }
+  Node& root() const { return root_; }
+  Node* find(const std::string& id) const {
+    const auto found = nodes_.find(id);
+    return found == nodes_.end() ? nullptr : found->second;
+  }
+  /// The node itself, or what a <ref> refers to, or null.
+  Node* follow(Node& node) const { return node.tag == "ref" ? find(node.get("id")) : &node; }
 
-Node* follow(Node& root, Node& node) {
-  if (node.tag != "ref") return &node;
-  for (const Node& child : root.children)  // an alias has another name for it
-    if (child.tag == "alias" && child.get("as") == node.get("id")) return find_id(root, child.get("id"));
-  return find_id(root, node.get("id"));
-}
+private:
+  void collect(Node& node) {
+    if (!object_family(node).empty() || node.tag == "given")
+      if (const Attribute* id = node.find("id")) nodes_.emplace(id->value, &node);
+    for (Node& child : node.children) collect(child);
+  }
+  Node& root_;
+  std::unordered_map<std::string, Node*> nodes_;
+};
 
 /// Names of a node's children: their own, or their family, numbered from the second on; "" of what is no part
 /// of a path.
-std::vector<std::string> child_names(Node& root, Node& node) {
+std::vector<std::string> child_names(const Ids& ids, Node& node) {
   std::vector<std::string> names;
+  std::unordered_set<std::string> taken;
+  std::unordered_map<std::string, int> last;  // number given to a name
   for (Node& child : node.children) {
     std::string name = child.get("name");
-    Node* target = follow(root, child);
-    if (&node == &root && target && child.tag != "ref" && !child.get("id").empty()) name = child.get("id");
+    Node* target = ids.follow(child);
+    if (&node == &ids.root() && target && child.tag != "ref" && !child.get("id").empty())
+      name = child.get("id");
     if (name.empty() && target) name = child.tag == "given" ? "given" : object_family(*target);
     std::string unique = name;
-    for (int i = 2; !name.empty() && std::find(names.begin(), names.end(), unique) != names.end(); ++i)
-      unique = name + "_" + std::to_string(i);
+    while (!name.empty() && !taken.insert(unique).second)
+      unique = name + "_" + std::to_string(++last.try_emplace(name, 1).first->second);
     names.push_back(unique);
   }
   return names;
@@ -52,14 +70,14 @@ const PluginInfo* plugin_of(const Node& node) {
   return Registry::instance().find(family, alias ? std::string(alias->replacement) : node.get("type"));
 }
 
-void collect_paths(Node& root, Node& node, const std::string& prefix, std::vector<std::string>& paths) {
-  const std::vector<std::string> names = child_names(root, node);
+void collect_paths(const Ids& ids, Node& node, const std::string& prefix, std::vector<std::string>& paths) {
+  const std::vector<std::string> names = child_names(ids, node);
   for (std::size_t i = 0; i < names.size(); ++i) {
     Node& child = node.children[i];
-    if (names[i].empty() || (child.tag == "ref" && &node == &root)) continue;
+    if (names[i].empty() || (child.tag == "ref" && &node == &ids.root())) continue;
     const std::string path = prefix + names[i];
     paths.push_back(path);
-    if (!object_family(child).empty()) collect_paths(root, child, path + ".", paths);
+    if (!object_family(child).empty()) collect_paths(ids, child, path + ".", paths);
   }
 }
 
@@ -148,12 +166,13 @@ ObjectPtr SceneDocument::object(const std::string& path) const {
 
 std::vector<std::string> SceneDocument::paths() const {
   std::vector<std::string> paths;
-  collect_paths(parsed_->root, parsed_->root, "", paths);
+  collect_paths(Ids(parsed_->root), parsed_->root, "", paths);
   return paths;
 }
 
 SceneDocument::Place SceneDocument::place(const std::string& path) const {
   Node& root = parsed_->root;
+  const Ids ids(root);
   Place at{&root, root.children.size(), "", &root};
   std::string_view rest = path;
   std::string walked;
@@ -162,7 +181,7 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
   };
   while (!rest.empty()) {
     Node& node = *at.target;
-    const std::vector<std::string> names = child_names(root, node);
+    const std::vector<std::string> names = child_names(ids, node);
     // Names may hold points themselves: the longest that fits.
     std::size_t best = names.size();
     for (std::size_t i = 0; i < names.size(); ++i)
@@ -171,12 +190,12 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
     Node* target = nullptr;
     if (best < names.size()) {
       name = names[best];
-      target = follow(root, node.children[best]);
+      target = ids.follow(node.children[best]);
     } else if (&node == &root) {
       for (std::size_t end = rest.size(); !target && end != std::string_view::npos && end > 0;
            end = rest.rfind('.', end - 1)) {
         name = std::string(rest.substr(0, end));
-        target = find_id(root, name);
+        target = ids.find(name);
       }
     } else if (const PluginInfo* plugin = plugin_of(node);
                plugin && (plugin->documents(rest) || plugin->documents("(any name)"))) {

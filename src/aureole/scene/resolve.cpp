@@ -65,7 +65,7 @@ private:
 
   void collect_ids(const Node& node, bool is_root) {
     const Attribute* id = node.find("id");
-    const bool is_object = !object_family(node).empty() || is_unsupported_object(node);
+    const bool is_object = !object_family(node).empty() || is_unsupported_object(node) || node.tag == "given";
     if (id && is_object && !is_root && !id->failed) add_id(id->value, &node, id->where, node);
     for (const Node& child : node.children) collect_ids(child, false);
   }
