@@ -201,7 +201,7 @@ void for_places(const PlaceArguments& in, const WavelengthRange& range, double* 
   const bool given = !in.a.is_constant() && !in.b.is_constant();
   const bool doubles = all(true), floats = given && all(false);
   const Unlocked release;
-  constexpr Py_ssize_t kPart = 1 << 13;
+  constexpr Py_ssize_t kPart = 1 << 14;
   const std::vector<Broadcast<4>> parts = in.broadcast.parts(kPart, kWavelengths);
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
