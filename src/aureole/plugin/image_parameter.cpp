@@ -42,7 +42,7 @@ ImageParameter read_image_parameter(const Properties& p, std::size_t max_pixels)
   try {
     return {read_image(file, nullptr, max_pixels), "filename"};
   } catch (const Error& problem) {
-    throw p.error("filename", problem.message());
+    throw p.error("filename", problem.what());
   }
 }
 
