@@ -133,15 +133,6 @@ template class Result<bool>;
 template class Result<std::uint32_t>;
 template class Result<std::complex<double>>;
 
-void Interrupts::ask() {
-  const auto now = std::chrono::steady_clock::now();
-  if (now - last_ < std::chrono::milliseconds(100)) return;
-  last_ = now;
-  if (is_leaving()) throw Error("the program ends");  // seen by nobody: the thread stays in ~Unlocked
-  const nb::gil_scoped_acquire lock;
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
 std::string text_of(const nb::object& value) {
   const auto text = nb::steal<nb::object>(PyObject_Str(value.ptr()));
   if (!text.is_valid()) throw nb::python_error();

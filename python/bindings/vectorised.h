@@ -44,33 +44,6 @@ auto naming(const std::string& name, const F& f) {
   }
 }
 
-/// To be called now and then by loops that have released the interpreter's lock.
-class SignalCheck {
-public:
-  /// True where a signal's handler has raised an exception, which `rethrow` throws, or the program ends.
-  bool raised() {
-    const auto now = std::chrono::steady_clock::now();
-    if (raised_ || now - last_ < std::chrono::milliseconds(50)) return raised_;
-    last_ = now;
-    if (is_leaving()) return raised_ = true;
-    const nb::gil_scoped_acquire lock;
-    return raised_ = PyErr_CheckSignals() != 0;
-  }
-  void rethrow() const {
-    if (!raised_) return;
-    if (is_leaving()) throw Error("the program ends");  // seen by nobody: the thread stays in ~Unlocked
-    const nb::gil_scoped_acquire lock;
-    throw nb::python_error();
-  }
-  void operator()() {
-    if (raised()) rethrow();
-  }
-
-private:
-  bool raised_ = false;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 /// Calls body(i) for i in [0, n). The calls must not depend on one another. `signals` is shared by loops that
 /// follow one another, each of which may be too short to look.
 template <class Body>
