@@ -35,9 +35,20 @@ using Given = std::map<std::string, ObjectPtr>;
 /// A scene, and how many renders look at it: it can't be changed meanwhile.
 class OpenScene {
 public:
-  OpenScene(const std::filesystem::path& file, const LoadOptions& options) : document_(file, options) {}
+  OpenScene(const std::filesystem::path& file, const LoadOptions& options) : document_(file, options) {
+    guard_properties();
+  }
   OpenScene(const std::string& text, const std::filesystem::path& file, const LoadOptions& options)
-      : document_(text, file, options) {}
+      : document_(text, file, options) {
+    guard_properties();
+  }
+  /// Properties are read with Python's lock.
+  void guard_properties() {
+    document_.set_exclusive([](const std::function<void()>& f) {
+      const nb::gil_scoped_acquire lock;
+      f();
+    });
+  }
   OpenScene(const OpenScene&) = delete;
   OpenScene& operator=(const OpenScene&) = delete;
 

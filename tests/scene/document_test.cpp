@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <random>
 
 #include "aureole/core/random.h"
@@ -202,6 +203,95 @@ TEST(SceneDocument, TakesGivenObjects) {
               d.set({{"ball.bsdf", "<given key='unknown'/>"}});
             }).find("knows no"),
             std::string::npos);
+}
+
+TEST(SceneDocument, SensorsOnShapesChange) {
+  SceneDocument d(R"(<scene version="3.0.0"><integrator type="path"/>
+    <shape type="sphere" id="ball"><sensor type="irradiancemeter" id="meter">
+      <sampler type="independent"><integer name="sample_count" value="3"/></sampler></sensor></shape></scene>)",
+                  "scene.xml");
+  EXPECT_EQ(d.scene()->sensor().sampler().sample_count(), 3);
+  d.set({{"meter.sampler.sample_count", "<integer value='7'/>"}});
+  EXPECT_EQ(d.scene()->sensor().sampler().sample_count(), 7);
+  EXPECT_NE(error_of([&] { d.set({{"meter", ""}}); }).find("no <sensor>"), std::string::npos);
+  EXPECT_EQ(d.scene()->sensor().sampler().sample_count(), 7);
+}
+
+TEST(SceneDocument, ShapesMayBeginToShine) {
+  SceneDocument d(kScene, "scene.xml");
+  const auto emitter = [](const char* radiance) {
+    return std::string("<shape type='rectangle'><bsdf type='conductor'/>") + radiance + "</shape>";
+  };
+  for (const char* lamp : {"", "<emitter type='area'><float name='radiance' value='2'/></emitter>", ""}) {
+    d.set({{"lamp", emitter(lamp)}});
+    EXPECT_EQ(d.scene()->shapes()[2]->emitter() != nullptr, *lamp != 0);
+    EXPECT_EQ(d.scene()->shapes()[2]->bsdf()->properties().type(), "conductor");
+    EXPECT_EQ(pixels_of(d.scene()), pixels_of(SceneDocument(d.xml(), "scene.xml").scene()));
+  }
+}
+
+TEST(SceneDocument, ShapesOfGroupsStayTheirs) {
+  SceneDocument d(R"(<scene version="3.0.0"><integrator type="path"/><sensor type="perspective"/>
+    <shape type="sphere"><bsdf type="diffuse"/></shape>
+    <shape type="shapegroup" id="group"><shape type="sphere"><bsdf type="conductor"/></shape></shape>
+    <shape type="instance"><ref id="group"/></shape></scene>)",
+                  "scene.xml");
+  for (const char* reflectance : {"0.1", "0.2", "0.3", "0.4"}) {
+    d.set({{"shape.bsdf.reflectance", std::string("<float value='") + reflectance + "'/>"}});
+    EXPECT_EQ(d.scene()->shapes()[0]->bsdf(), std::dynamic_pointer_cast<const Bsdf>(d.object("shape.bsdf")));
+    const auto nested = std::dynamic_pointer_cast<Shape>(d.object("group.shape"));
+    ASSERT_NE(nested, nullptr);
+    EXPECT_EQ(nested->bsdf()->properties().type(), "conductor");
+  }
+}
+
+TEST(SceneDocument, InstancesFollowMaterialsOfFiles) {
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() / "aureole-document-test";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "two.obj")
+      << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl wood\nf 1 2 3\nusemtl iron\nf 2 4 3\n";
+  const std::string text = R"(<scene version="3.0.0"><integrator type="path"/>
+    <sensor type="perspective"><transform name="to_world"><lookat origin="0.5, 0.5, 2" target="0.5, 0.5, 0" up="0, 1, 0"/></transform>
+      <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film></sensor>
+    <emitter type="constant"/>
+    <bsdf type="diffuse" id="wood"><float name="reflectance" value="0.2"/></bsdf><bsdf type="diffuse" id="iron"/>
+    <shape type="shapegroup" id="group"><shape type="obj"><string name="filename" value="two.obj"/></shape></shape>
+    <shape type="instance"><ref id="group"/></shape></scene>)";
+  SceneDocument d(text, folder / "scene.xml");
+  d.set({{"wood.reflectance", "<float value='0.9'/>"}});
+  EXPECT_EQ(pixels_of(d.scene()), pixels_of(SceneDocument(d.xml(), folder / "scene.xml").scene()));
+  // A file that is gone for a moment costs nothing.
+  std::filesystem::rename(folder / "two.obj", folder / "away.obj");
+  const auto scene = d.scene();
+  EXPECT_NE(error_of([&] {
+              d.set({{"wood.reflectance", "<float value='0.5'/>"}});
+            }).find("no such file"),
+            std::string::npos);
+  EXPECT_EQ(d.scene(), scene);
+  std::filesystem::rename(folder / "away.obj", folder / "two.obj");
+  d.set({{"wood.reflectance", "<float value='0.5'/>"}});
+  EXPECT_EQ(pixels_of(d.scene()), pixels_of(SceneDocument(d.xml(), folder / "scene.xml").scene()));
+  std::filesystem::remove_all(folder);
+}
+
+TEST(SceneDocument, ARemovedIntegratorIsTheDefaultOne) {
+  SceneDocument d(kScene, "scene.xml");
+  d.set({{"integrator", "<integrator type='direct'/>"}});
+  EXPECT_EQ(d.scene()->integrator_object()->properties().type(), "direct");
+  d.set({{"integrator", ""}});
+  ASSERT_NE(d.scene()->integrator_object(), nullptr);
+  EXPECT_EQ(d.scene()->integrator_object()->properties().type(), "path");
+}
+
+TEST(SceneDocument, NotesStay) {
+  SceneDocument d(R"(<scene version="0.6.0"><integrator type="path"/><sensor type="perspective"/>
+    <shape type="sphere" id="ball"><float name="silhouette_sampling_weight" value="2"/></shape>
+    <emitter type="sky"/></scene>)",
+                  "scene.xml");
+  const std::vector<std::string> notes = d.scene()->loaded().notes;
+  EXPECT_GE(notes.size(), 2u) << ::testing::PrintToString(notes);
+  d.set({{"sensor.fov", "<float value='30'/>"}});
+  EXPECT_EQ(d.scene()->loaded().notes, notes);
 }
 
 }  // namespace

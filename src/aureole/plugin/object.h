@@ -23,7 +23,7 @@ public:
 
 protected:
   /// For an object that takes over parameters without being built anew.
-  void replace_properties(const Properties& properties);
+  void exchange_properties(std::shared_ptr<const Properties>& other) { properties_.swap(other); }
 
 private:
   std::shared_ptr<const Properties> properties_;

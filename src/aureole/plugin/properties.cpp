@@ -45,9 +45,6 @@ std::string describe(const Properties::Value& v) {
 
 Object::Object(const Properties& properties) : properties_(std::make_shared<Properties>(properties)) {}
 Object::~Object() = default;
-void Object::replace_properties(const Properties& properties) {
-  properties_ = std::make_shared<Properties>(properties);
-}
 const std::string& Object::id() const { return properties_->id(); }
 
 Properties::Properties(std::string type, std::string id, SourceLocation where,

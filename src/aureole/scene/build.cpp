@@ -9,6 +9,7 @@
 #include "aureole/emitter/emitter.h"
 #include "aureole/scene/aliases.h"
 #include "aureole/scene/builder.h"
+#include "aureole/scene/opened_scene.h"
 #include "aureole/scene/order.h"
 #include "aureole/scene/overrides.h"
 #include "aureole/scene/sensor_grid.h"
@@ -167,13 +168,14 @@ public:
   template <class Build>
   void build(const SpectralGrid& grid, const LoadOptions& options, ObjectPool* pool, const Build& build) {
     owned_->context.grid = grid;
+    if (pool && !pool->empty()) stop_at_errors();  // the grid may be none: the pool would be emptied for it
     if (pool) pool->begin(owned_->context);
     Builder builder(references, context(), diagnostics(), options.given, pool);
     owned_->context.scene = &builder;
     build(builder);
     owned_->context.scene = nullptr;
     stop_at_errors();
-    builder.adopt();
+    adoptions = builder.take_adoptions();
     references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
   }
 
@@ -191,6 +193,7 @@ private:
 
 public:
   References references;
+  std::vector<Adoption> adoptions;
 };
 
 /// Text -> nodes as they are built from.
@@ -213,8 +216,7 @@ ParsedScene read_scene_nodes(const std::filesystem::path& file, const std::optio
 }
 
 LoadedScene build_scene(ParsedScene& parsed, const std::shared_ptr<OwnedContext>& owned,
-                        const LoadOptions& options, ObjectPool* pool,
-                        std::unordered_map<const Node*, ObjectPtr>* objects) {
+                        const LoadOptions& options, ObjectPool* pool, OpenedScene* opened) {
   Loading loading(parsed, owned);
   LoadedScene scene;
   scene.context = loading.context();
@@ -223,10 +225,11 @@ LoadedScene build_scene(ParsedScene& parsed, const std::shared_ptr<OwnedContext>
                 [&](Builder& builder) {
                   SceneAssembly(scene, builder, loading.references, loading.diagnostics())
                       .run(parsed.root, parsed.complete);
-                  if (objects) *objects = builder.built();
+                  if (opened) opened->objects = builder.built();
                 });
   scene.hash = content_hash(parsed.root, loading.references);
   scene.notes = loading.notes();
+  if (opened) opened->adoptions = std::move(loading.adoptions);
   return scene;
 }
 
@@ -287,9 +290,16 @@ std::unique_ptr<ParsedScene> open_scene(const std::filesystem::path& file,
   return parsed;
 }
 
-LoadedScene build_opened(ParsedScene& parsed, const LoadOptions& options, ObjectPool& pool,
-                         std::unordered_map<const Node*, ObjectPtr>& objects) {
-  return build_scene(parsed, std::make_shared<OwnedContext>(), options, &pool, &objects);
+OpenedScene build_opened(ParsedScene& parsed, const LoadOptions& options, ObjectPool& pool) {
+  OpenedScene opened;
+  opened.scene = build_scene(parsed, std::make_shared<OwnedContext>(), options, &pool, &opened);
+  return opened;
+}
+
+void complete(ParsedScene& parsed) {
+  Diagnostics diagnostics;
+  apply_overrides(parsed.root, {}, diagnostics);
+  if (diagnostics.has_errors()) throw ErrorList(in_file_order(diagnostics.errors(), parsed.files));
 }
 
 }  // namespace aureole

@@ -8,7 +8,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -60,19 +59,5 @@ struct LoadedObject {
 /// `grid`. Throws as `load_scene` does.
 LoadedObject load_object_from_string(const std::string& text, const std::filesystem::path& pretended_file,
                                      const SpectralGrid& grid, const LoadOptions& options = {});
-
-struct Node;
-struct ParsedScene;
-class ObjectPool;
-
-/// For a scene that stays open (document.h): the nodes of a file or of `text`, and the notes so far.
-std::unique_ptr<ParsedScene> open_scene(const std::filesystem::path& file,
-                                        const std::optional<std::string>& text, const LoadOptions& options,
-                                        std::vector<std::string>& notes);
-/// Builds the objects of such a scene, with those of `pool` where nothing has changed. Where it throws,
-/// the objects of the pool are as they were.
-/// `objects` receives what every element became.
-LoadedScene build_opened(ParsedScene& parsed, const LoadOptions& options, ObjectPool& pool,
-                         std::unordered_map<const Node*, ObjectPtr>& objects);
 
 }  // namespace aureole

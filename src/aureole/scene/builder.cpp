@@ -6,6 +6,7 @@
 #include "aureole/plugin/registry.h"
 #include "aureole/scene/aliases.h"
 #include "aureole/scene/values.h"
+#include "aureole/texture/texture.h"
 
 namespace aureole {
 
@@ -50,25 +51,31 @@ ObjectPtr Builder::object(const Node& node) {
   const Node* t = target(node);
   if (!t) return nullptr;
   const auto [slot, is_new] = built_.try_emplace(t, nullptr);
-  if (!is_new) return slot->second;
+  if (!is_new) {
+    if (lookers_.contains(t)) ++looks_around_;
+    return slot->second;
+  }
   if (t->tag == "given") return built_[t] = given(*t);
   const std::string family = object_family(*t);
-  if (pool_)
-    if (ObjectPtr kept = pool_->whole(family, keys_.of(*t))) {
-      built_[t] = kept;
-      for (const Node& child : t->children)  // so that all that is built is known
-        if (!object_family(child).empty() || child.tag == "ref") object(child);
-      return kept;
-    }
+  const bool nested = depth_ > 0;
   const std::size_t looks_before = looks_around_;
   ++depth_;
-  ObjectPtr built = construct(*t);
+  ObjectPtr kept = pool_ ? pool_->whole(family, keys_.of(*t), nested) : nullptr;
+  if (kept)
+    for (const Node& child : t->children)  // so that all that is built is known
+      if (!object_family(child).empty() || child.tag == "ref") object(child);
+  ObjectPtr built = kept ? kept : construct(*t);
   --depth_;
-  // What looks around depends on more than the key says. The adopted are added by `adopt`.
-  if (pool_ && built && looks_around_ == looks_before &&
-      std::none_of(adoptions_.begin(), adoptions_.end(), [&](const Adoption& a) { return a.shape == built; }))
-    pool_->add(family, keys_.of(*t), built);
   built_[t] = built;  // `slot` may be invalid by now: construct() adds children
+  // A mesh tells such a texture what it shows: another one would add to that.
+  if (dynamic_cast<const AttributeTexture*>(built.get())) ++looks_around_;
+  if (looks_around_ != looks_before) lookers_.insert(t);
+  // What looks around depends on more than the key says.
+  const bool is_new_object =
+      built && !kept &&
+      std::none_of(adoptions_.begin(), adoptions_.end(), [&](const Adoption& a) { return a.shape == built; });
+  if (pool_ && is_new_object && looks_around_ == looks_before)
+    pool_->add(family, keys_.of(*t), built, nested);
   return built;
 }
 
@@ -78,18 +85,12 @@ ObjectPtr Builder::kept_shape(const Node& node, const Properties& properties) {
   const ObjectPool::Key key = keys_.of(node);
   const std::shared_ptr<Shape> shape = pool_->geometry(key);
   if (!shape) return nullptr;
-  Shape::Children children = Shape::read_children(properties);
-  if (!shape->can_adopt(properties, children)) return nullptr;
-  adoptions_.push_back({shape, properties, std::move(children), key});
+  // A copy, since children are read once.
+  const auto own = std::make_shared<const Properties>(properties);
+  Shape::Children children = Shape::read_children(*own);
+  if (!shape->can_adopt(*own, children)) return nullptr;
+  adoptions_.push_back({shape, own, std::move(children), key});
   return shape;
-}
-
-void Builder::adopt() {
-  for (Adoption& a : adoptions_) {
-    a.shape->adopt_children(a.properties, std::move(a.children));
-    pool_->add("shape", a.key, a.shape);
-  }
-  adoptions_.clear();
 }
 
 ObjectPtr Builder::find(std::string_view family, const std::string& id) {

@@ -8,8 +8,12 @@
 #include <optional>
 #include <string>
 #include <unordered_map>
+#include <unordered_set>
+#include <utility>
+#include <vector>
 
 #include "aureole/plugin/properties.h"
+#include "aureole/scene/adoption.h"
 #include "aureole/scene/object_pool.h"
 #include "aureole/scene/resolve.h"
 #include "aureole/shape/shape.h"
@@ -31,9 +35,8 @@ public:
         pool_(pool),
         keys_(references) {}
 
-  /// Gives shapes that were kept their new children: once nothing can fail any more. Until then they are as
-  /// they were.
-  void adopt();
+  /// Shapes that were kept and are to get other children, once nothing can fail any more.
+  std::vector<Adoption> take_adoptions() { return std::move(adoptions_); }
 
   /// The object of an element or of a <ref> to it. Null where it could not be built; the reasons have been
   /// reported, and only once for all references to it.
@@ -58,7 +61,7 @@ private:
   const PluginInfo* plugin_of(const Node& node, const PluginAlias** alias);
   /// Adds the parameter or child object; false if it has a problem.
   bool add_child(const Node& child, Properties& properties);
-  /// A shape of the pool of the same geometry, which gets its new children by `adopt`, or null.
+  /// A shape of the pool of the same geometry, to be adopted, or null.
   ObjectPtr kept_shape(const Node& node, const Properties& properties);
   ObjectPtr create(const Node& node, const PluginInfo& plugin, const Properties& properties);
   void report_unknown_parameters(const Node& node, const PluginInfo& plugin);
@@ -69,15 +72,10 @@ private:
   const std::map<std::string, ObjectPtr>& given_;
   ObjectPool* pool_;
   PoolKeys keys_;
-  struct Adoption {
-    std::shared_ptr<Shape> shape;
-    Properties properties;
-    Shape::Children children;
-    ObjectPool::Key key;
-  };
   std::vector<Adoption> adoptions_;
   int depth_ = 0;
-  std::size_t looks_around_ = 0;  ///< how often an object asked for more than its own parameters
+  std::size_t looks_around_ = 0;             ///< how often an object asked for more than its own parameters
+  std::unordered_set<const Node*> lookers_;  ///< elements whose objects did
   std::unordered_map<const Node*, ObjectPtr> built_;  ///< null for failed ones
   std::vector<std::filesystem::path> files_;
 };

@@ -131,26 +131,37 @@ struct SceneDocument::Place {
 
 SceneDocument::SceneDocument(const std::filesystem::path& file, const LoadOptions& options)
     : options_(options) {
-  std::vector<std::string> notes;
-  parsed_ = open_scene(file, {}, options_, notes);
+  parsed_ = open_scene(file, {}, options_, notes_);
   build();
 }
 
 SceneDocument::SceneDocument(const std::string& text, const std::filesystem::path& pretended_file,
                              const LoadOptions& options)
     : options_(options) {
-  std::vector<std::string> notes;
-  parsed_ = open_scene(pretended_file, text, options_, notes);
+  parsed_ = open_scene(pretended_file, text, options_, notes_);
   build();
 }
 
 SceneDocument::~SceneDocument() = default;
 
 void SceneDocument::build() {
-  std::unordered_map<const Node*, ObjectPtr> objects;
-  LoadedScene loaded = build_opened(*parsed_, options_, pool_, objects);
-  scene_ = std::make_shared<const Scene>(std::move(loaded), scene_.get());
-  objects_ = std::move(objects);
+  OpenedScene opened = build_opened(*parsed_, options_, pool_);
+  std::vector<std::string> notes = notes_;
+  for (const std::string& note : opened.scene.notes)
+    if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+  opened.scene.notes = notes;
+  const auto adopt = [&] {
+    for (Adoption& a : opened.adoptions) a.exchange(pool_);
+  };
+  exclusive_(adopt);
+  try {
+    scene_ = std::make_shared<const Scene>(std::move(opened.scene), scene_.get());
+  } catch (...) {
+    exclusive_(adopt);  // back
+    throw;
+  }
+  notes_ = scene_->loaded().notes;
+  objects_ = std::move(opened.objects);
   pool_.trim();
 }
 
@@ -251,7 +262,9 @@ std::string SceneDocument::xml() const {
 
 void SceneDocument::set(const std::vector<std::pair<std::string, std::string>>& changes,
                         const std::map<std::string, ObjectPtr>& given) {
-  const Node before = parsed_->root;
+  // The nodes that are kept stay where they are: objects are known by them.
+  Node before = std::move(parsed_->root);
+  parsed_->root = before;
   const auto given_before = options_.given;
   for (const auto& [key, object] : given) options_.given[key] = object;
   try {
@@ -289,15 +302,14 @@ void SceneDocument::set(const std::vector<std::pair<std::string, std::string>>& 
       old = std::move(element);
     }
     diagnostics.throw_if_errors();
+    complete(*parsed_);
     build();
     std::set<std::string> keys;
     collect_keys(parsed_->root, keys);
     std::erase_if(options_.given, [&](const auto& entry) { return !keys.contains(entry.first); });
   } catch (...) {
-    parsed_->root = before;
+    parsed_->root = std::move(before);
     options_.given = given_before;
-    // Shapes may have taken over children before the scene that holds them failed; and elements have moved.
-    build();
     throw;
   }
 }

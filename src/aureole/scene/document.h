@@ -8,6 +8,7 @@
 // refers to changes for all who refer to it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 
 #include "aureole/scene/build.h"
 #include "aureole/scene/object_pool.h"
+#include "aureole/scene/opened_scene.h"
 #include "aureole/scene/scene.h"
 
 namespace aureole {
@@ -53,6 +55,10 @@ public:
   /// Throws Error where objects that a program gave are in it.
   std::string xml() const;
 
+  /// `run` calls a function while nobody reads properties of shapes: called with the moment in which shapes
+  /// get other children.
+  void set_exclusive(std::function<void(const std::function<void()>&)> run) { exclusive_ = std::move(run); }
+
 private:
   struct Place;
   Place place(const std::string& path) const;
@@ -63,6 +69,8 @@ private:
   ObjectPool pool_;
   std::unordered_map<const Node*, ObjectPtr> objects_;
   std::shared_ptr<const Scene> scene_;
+  std::vector<std::string> notes_;  ///< of all builds: a kept object says its own once
+  std::function<void(const std::function<void()>&)> exclusive_ = [](const auto& f) { f(); };
 };
 
 }  // namespace aureole

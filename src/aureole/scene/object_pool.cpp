@@ -2,6 +2,7 @@
 #include "aureole/scene/object_pool.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "aureole/shape/shape.h"
 
@@ -21,14 +22,15 @@ void ObjectPool::begin(const BuildContext& context) {
   for (Entry& e : shapes_) e.taken = false;
 }
 
-ObjectPtr ObjectPool::whole(const std::string& family, const Key& key) {
+ObjectPtr ObjectPool::whole(const std::string& family, const Key& key, bool nested) {
   if (keeps(family)) {
     const auto found = objects_.find(key.whole);
     return found == objects_.end() ? nullptr : found->second;
   }
   if (family != "shape") return nullptr;
   for (Entry& e : shapes_)
-    if (!e.taken && e.key.whole == key.whole && !e.shape->emitter() && !e.shape->sensor()) {
+    if (!e.taken && e.nested == nested && e.key.whole == key.whole && !e.shape->emitter() &&
+        !e.shape->sensor()) {
       e.taken = true;
       return e.shape;
     }
@@ -38,19 +40,24 @@ ObjectPtr ObjectPool::whole(const std::string& family, const Key& key) {
 std::shared_ptr<Shape> ObjectPool::geometry(const Key& key) {
   Entry* best = nullptr;
   for (Entry& e : shapes_)
-    if (!e.taken && e.key.geometry == key.geometry && (!best || e.key.whole == key.whole)) best = &e;
+    if (!e.taken && !e.nested && e.key.geometry == key.geometry && (!best || e.key.whole == key.whole))
+      best = &e;
   if (!best) return nullptr;
   best->taken = true;
   return best->shape;
 }
 
-void ObjectPool::add(const std::string& family, const Key& key, const ObjectPtr& object) {
+void ObjectPool::add(const std::string& family, const Key& key, const ObjectPtr& object, bool nested) {
   if (keeps(family)) objects_.emplace(key.whole, object);
   if (family != "shape") return;
-  const auto shape = std::dynamic_pointer_cast<Shape>(object);
-  if (!shape) return;
-  std::erase_if(shapes_, [&](const Entry& e) { return e.shape == shape; });
-  shapes_.push_back({key, shape, true});
+  if (const auto shape = std::dynamic_pointer_cast<Shape>(object))
+    shapes_.push_back({key, shape, nested, true});
+}
+
+ObjectPool::Key ObjectPool::rekey(const Shape& shape, const Key& key) {
+  for (Entry& e : shapes_)
+    if (e.shape.get() == &shape) return std::exchange(e.key, key);
+  return key;
 }
 
 void ObjectPool::trim() {

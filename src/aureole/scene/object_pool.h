@@ -28,11 +28,14 @@ public:
   void begin(const BuildContext& context);
   /// An object made from an equal element, or null. Emitters, sensors and what belongs to them depend on
   /// their scene and are never kept; a shape is given out once.
-  ObjectPtr whole(const std::string& family, const Key& key);
-  /// A shape of the same geometry, or null.
+  /// `nested`: within another object, where a shape is a part of what that was built from.
+  ObjectPtr whole(const std::string& family, const Key& key, bool nested);
+  /// A shape of the same geometry that is not nested, or null.
   std::shared_ptr<Shape> geometry(const Key& key);
-  /// Keeps a new object, or a shape under the new key that it has after it took over children.
-  void add(const std::string& family, const Key& key, const ObjectPtr& object);
+  void add(const std::string& family, const Key& key, const ObjectPtr& object, bool nested);
+  /// The new key of a shape that took over children; returns the old one.
+  Key rekey(const Shape& shape, const Key& key);
+  bool empty() const { return objects_.empty() && shapes_.empty(); }
   /// Drops what nobody else holds.
   void trim();
 
@@ -40,7 +43,7 @@ private:
   struct Entry {
     Key key;
     std::shared_ptr<Shape> shape;
-    bool taken = false;
+    bool nested = false, taken = false;
   };
   std::unordered_map<std::uint64_t, ObjectPtr> objects_;
   std::vector<Entry> shapes_;

@@ -63,15 +63,18 @@ Shape::Children Shape::read_children(const Properties& properties) {
 
 bool Shape::can_adopt(const Properties& properties, const Children& children) const {
   // Patches are made for emitters, attributes are kept for the textures that show them, and materials of a
-  // file take the place of a default.
-  return bsdf_ && !parts() && (emitter_ != nullptr) == (children.emitter != nullptr) &&
+  // file take the place of a default. A sensor is the scene's while it is put together.
+  return bsdf_ && !parts() && !sensor_ && !children.sensor &&
+         (emitter_ != nullptr) == (children.emitter != nullptr) &&
          has_default_bsdf_ == children.default_bsdf && attribute_textures(this->properties()).empty() &&
          attribute_textures(properties).empty();
 }
 
-void Shape::adopt_children(const Properties& properties, Children children) {
-  replace_properties(properties);
+void Shape::exchange_children(std::shared_ptr<const Properties>& properties, Children& children) {
+  exchange_properties(properties);
+  Children own{std::move(bsdf_), std::move(emitter_), std::move(sensor_), has_default_bsdf_};
   take(std::move(children));
+  children = std::move(own);
 }
 
 void Shape::take(Children children) {

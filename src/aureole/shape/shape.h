@@ -112,8 +112,8 @@ public:
   static Children read_children(const Properties& properties);
   /// Whether the geometry stays as it is with other children.
   bool can_adopt(const Properties& properties, const Children& children) const;
-  /// Takes over other children, and the properties they came with. Not while anybody traces rays.
-  void adopt_children(const Properties& properties, Children children);
+  /// Exchanges its children, and the properties they came with, for others. Not while anybody traces rays.
+  void exchange_children(std::shared_ptr<const Properties>& properties, Children& children);
 
   /// What the reader dropped or repaired ("3 degenerate triangles dropped"), for `aureole info` and a note.
   const std::vector<std::string>& remarks() const { return remarks_; }
