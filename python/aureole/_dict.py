@@ -93,9 +93,10 @@ class Writer:
         elif isinstance(value, (float, np.floating)):
             self.number(label, float(value), place)
         elif isinstance(value, (str, os.PathLike)):
-            self.text(label, value if isinstance(value, str) else str(os.fspath(value)), place)
+            text = value if isinstance(value, str) else str(os.fspath(value))
+            self.line(place, f"<string{label} value={_attribute(text)}/>")
         elif isinstance(value, (list, tuple, np.ndarray)) or hasattr(value, "__array__"):
-            self.array(name, label, value, place, expected)
+            self.array(label, value, place, expected)
         elif value is None:
             self.problem(place, "None is no value; leave the entry out for the default")
         else:
@@ -109,18 +110,17 @@ class Writer:
         else:
             self.problem(place, f"the integer {shown(value)} is too large")
 
-    def text(self, label: str, value: str, place: str) -> None:
-        if any(ord(c) < 32 and c not in "\t\n\r" for c in value) or "\ufffe" in value or "\uffff" in value:
-            self.problem(place, "the string has control characters in it")
-            return
-        try:
-            value.encode("utf-8")
-        except UnicodeEncodeError:
-            self.problem(place, "the string is not valid Unicode")
-            return
-        self.line(place, f"<string{label} value={_attribute(value)}/>")
+    def transform(self, label: str, matrix: Any, place: str) -> None:
+        """An element for a matrix of shape (4, 4)."""
+        values = _numbers(np.asarray(matrix, dtype=np.float64).ravel())
+        self.line(place, f'<transform{label}><matrix value="{values}"/></transform>')
 
-    def array(self, name: str, label: str, value: Any, place: str, expected: Optional[str]) -> None:
+    def give(self, label: str, key: str, value: Any, place: str) -> None:
+        """An element that stands for an object of this program."""
+        self.given[key] = value
+        self.line(place, f'<given{label} key="{key}"/>')
+
+    def array(self, label: str, value: Any, place: str, expected: Optional[str]) -> None:
         try:
             numbers = np.asarray(value)
         except (ValueError, OverflowError, RecursionError):
@@ -133,26 +133,23 @@ class Writer:
             if numbers.shape != (4, 4):
                 self.problem(place, f"a transform is a matrix of 4 x 4 numbers, got shape {numbers.shape}")
                 return
-            self.line(place, f"<transform{label}>"
-                             f'<matrix value="{_numbers(numbers.astype(np.float64).ravel())}"/></transform>')
+            self.transform(label, numbers, place)
         elif expected != "array" and numbers.shape == (3,):
             if expected is not None and expected.split()[0] in ("spectrum", "texture"):
                 self.line(place, f'<rgb{label} value="{_numbers(numbers)}"/>')
             else:
                 self.line(place, f'<vector{label} value="{_numbers(numbers)}"/>')
-        elif expected not in (None, "array") and numbers.ndim == 1 and expected == "string":
+        elif expected == "string" and numbers.ndim == 1:
             self.line(place, f'<string{label} value="{_numbers(numbers)}"/>')
         else:
             data = np.ascontiguousarray(numbers, dtype=np.float64)
             key = "array-" + hashlib.sha256(str(data.shape).encode() + data.tobytes()).hexdigest()
-            self.given[key] = _aureole.Array(data)
-            self.line(place, f'<given{label} key="{key}"/>')
+            self.give(label, key, _aureole.Array(data), place)
 
     def object(self, label: str, value: Any, place: str) -> None:
         matrix = getattr(value, "matrix", None)  # transforms of Mitsuba
         if matrix is not None and np.shape(matrix) == (4, 4):
-            self.line(place, f'<transform{label}><matrix value="{_numbers(np.array(matrix, dtype=np.float64).ravel())}"/>'
-                             "</transform>")
+            self.transform(label, matrix, place)
             return
         if isinstance(value, _aureole.Object):
             self.problem(place, f"this {type(value).__name__} belongs to another scene; give the dict that it is made of")
@@ -163,9 +160,7 @@ class Writer:
             except (Error, TypeError, AttributeError) as e:
                 self.problem(place, str(e))
                 return
-            key = f"python-{next(_serial)}"
-            self.given[key] = wrapped
-            self.line(place, f'<given{label} key="{key}"/>')
+            self.give(label, f"python-{next(_serial)}", wrapped, place)
             return
         self.problem(place, f"{type(value).__name__} is no value of a scene: expected a number, string, boolean, list, "
                             "array, transform, dict or an object with eval, pdf and sample")
@@ -269,13 +264,13 @@ class Writer:
         if not found:
             self.problem(place, f'unknown type "{kind}"{_aureole.did_you_mean(kind, [n for _, n in plugins()])}')
             return None
-        return sorted(found, key=_PREFERENCE)[0]
+        return sorted(found, key=_preference)[0]
 
 
 _serial = iter(range(1, 2**62))
 
 
-def _PREFERENCE(family: str) -> int:
+def _preference(family: str) -> int:
     order = ("shape", "bsdf", "emitter", "sensor", "integrator", "texture", "film", "sampler", "rfilter")
     return order.index(family) if family in order else len(order)
 
