@@ -199,6 +199,9 @@ TEST(SceneDocument, TakesGivenObjects) {
   d.set({{"ball.bsdf", "<given key='k'/>"}}, {{"k", given}});
   EXPECT_EQ(d.scene()->shapes()[0]->bsdf(), std::dynamic_pointer_cast<const Bsdf>(given));
   EXPECT_NE(error_of([&] { (void)d.xml(); }).find("given by a program"), std::string::npos);
+  d.set({{"inner", "<given key='k'/>"}});  // nested, found by its id alone
+  EXPECT_EQ(d.owner("inner").get("id"), "");
+  EXPECT_EQ(d.object("inner"), given);
   EXPECT_NE(error_of([&] {
               d.set({{"ball.bsdf", "<given key='unknown'/>"}});
             }).find("knows no"),

@@ -23,24 +23,33 @@ public:
     collect(root);
     for (const Node& child : root.children)  // an alias is another name
       if (child.tag == "alias")
-        if (Node* target = find(child.get("id"))) nodes_.emplace(child.get("as"), target);
+        if (const Held held = find(child.get("id")); held.node) held_.emplace(child.get("as"), held);
   }
   Node& root() const { return root_; }
-  Node* find(const std::string& id) const {
-    const auto found = nodes_.find(id);
-    return found == nodes_.end() ? nullptr : found->second;
+  /// A node, and where it is; null where no id says so.
+  struct Held {
+    Node* node = nullptr;
+    Node* parent = nullptr;
+    std::size_t child = 0;  ///< index among the parent's children
+  };
+  Held find(const std::string& id) const {
+    const auto found = held_.find(id);
+    return found == held_.end() ? Held{} : found->second;
   }
   /// The node itself, or what a <ref> refers to, or null.
-  Node* follow(Node& node) const { return node.tag == "ref" ? find(node.get("id")) : &node; }
+  Node* follow(Node& node) const { return node.tag == "ref" ? find(node.get("id")).node : &node; }
 
 private:
-  void collect(Node& node) {
-    if (!object_family(node).empty() || node.tag == "given")
-      if (const Attribute* id = node.find("id")) nodes_.emplace(id->value, &node);
-    for (Node& child : node.children) collect(child);
+  void collect(Node& parent) {
+    for (std::size_t i = 0; i < parent.children.size(); ++i) {
+      Node& node = parent.children[i];
+      if (!object_family(node).empty() || node.tag == "given")
+        if (const Attribute* id = node.find("id")) held_.emplace(id->value, Held{&node, &parent, i});
+      collect(node);
+    }
   }
   Node& root_;
-  std::unordered_map<std::string, Node*> nodes_;
+  std::unordered_map<std::string, Held> held_;
 };
 
 /// Names of a node's children: their own, or their family, numbered from the second on; "" of what is no part
@@ -198,7 +207,7 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
     for (std::size_t i = 0; i < names.size(); ++i)
       if (starts(names[i]) && (best == names.size() || names[i].size() > names[best].size())) best = i;
     std::string name;
-    Node* target = nullptr;
+    Node *target = nullptr, *owner = &node;
     if (best < names.size()) {
       name = names[best];
       target = ids.follow(node.children[best]);
@@ -206,7 +215,8 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
       for (std::size_t end = rest.size(); !target && end != std::string_view::npos && end > 0;
            end = rest.rfind('.', end - 1)) {
         name = std::string(rest.substr(0, end));
-        target = ids.find(name);
+        const Ids::Held held = ids.find(name);
+        target = held.node, owner = held.parent, best = held.child;
       }
     } else if (const PluginInfo* plugin = plugin_of(node);
                plugin && (plugin->documents(rest) || plugin->documents("(any name)"))) {
@@ -229,11 +239,7 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
       throw Error("no parameter \"" + path + "\": " + (walked.empty() ? "the scene" : "\"" + walked + "\"") +
                   " has no \"" + std::string(rest) + "\"" + hint);
     }
-    if (best == names.size())
-      best = 0, at.owner = nullptr;  // by id: its parent does not matter
-    else
-      at.owner = &node;
-    at.child = best, at.name = name, at.target = target;
+    at = {owner, best, name, target};
     walked += (walked.empty() ? "" : ".") + name;
     if (rest.size() == name.size() + 1)
       throw Error("no parameter \"" + path + "\": a name is missing at its end");
@@ -271,17 +277,6 @@ void SceneDocument::set(const std::vector<std::pair<std::string, std::string>>& 
     Diagnostics diagnostics;
     for (const auto& [path, text] : changes) {
       Place at = place(path);
-      if (!at.owner) {
-        // By id: what holds it is found by looking.
-        const auto holder = [&](auto& self, Node& node) -> bool {
-          for (std::size_t i = 0; i < node.children.size(); ++i) {
-            if (&node.children[i] == at.target) return at.owner = &node, at.child = i, true;
-            if (self(self, node.children[i])) return true;
-          }
-          return false;
-        };
-        holder(holder, parsed_->root);
-      }
       std::vector<Node>& siblings = at.owner->children;
       if (text.empty()) {
         if (at.child == siblings.size()) continue;
