@@ -13,7 +13,7 @@ import OpenEXR
 
 ROOT = Path(__file__).resolve().parents[1]
 MITSUBA_SAMPLERS = ("independent", "stratified", "multijitter", "orthogonal", "ldsampler")
-AUREOLE_SAMPLERS = ("sobol", "independent")
+AUREOLE_SAMPLERS = ("sobol", "sobol, absolute", "sobol, display", "sobol, relative", "independent")
 COLUMNS = ("program", "sampler", "spp", "seconds", "Msamples/s", "mean", "variance", "relRMSE", "efficiency",
            "by pixel")
 
@@ -30,7 +30,7 @@ class Scene:
 @dataclass(frozen=True)
 class Contender:
     program: str  # "aureole", or Mitsuba's variant
-    sampler: str
+    sampler: str  # aureole's may name the error that adaptive sampling makes small: "sobol, display"
 
     @property
     def label(self):
@@ -103,8 +103,9 @@ class Mitsuba:
 
 def render_aureole(a, scene, sampler, spp, seed, output):
     picture = output.with_suffix(".exr")
+    points, _, error = sampler.partition(", ")
     command = [a.aureole, "render", scene.file, "-o", picture, "--spp", str(spp), "--seed", str(seed), "--sampler",
-               sampler, "--threads", str(a.threads), "--checkpoint", "1e9", "--restart", "--quiet"]
+               points, "--adaptive", error or "none", "--threads", str(a.threads), "--checkpoint", "1e9", "--restart", "--quiet"]
     for name, value in scene.defines:
         command += ["-D", f"{name}={value}"]
     r = subprocess.run(command, capture_output=True, text=True)

@@ -14,6 +14,7 @@
 #include "aureole/core/units.h"
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
+#include "aureole/render/sample_density.h"
 #include "commands.h"
 
 namespace aureole {
@@ -26,7 +27,7 @@ extern "C" void request_stop(int) {
 }
 
 struct Arguments {
-  std::string scene, output, samples, sampler, integrator, pixel;
+  std::string scene, output, samples, sampler, integrator, pixel, adaptive;
   std::vector<std::string> defines;
   std::int64_t spp = -1, seed = -1;
   int threads = 0, replicates = 1;
@@ -196,6 +197,7 @@ int render(const Arguments& a) {
     options.keep_state = true;
   }
   if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
+  if (!a.adaptive.empty()) options.adaptive = adaptive_error(a.adaptive);
   options.threads = a.threads;
   options.replicates = a.replicates;
   options.time_limit_s = a.time_s;
@@ -259,10 +261,12 @@ int render(const Arguments& a) {
                  s.replicate ? fmt::format(" (replicate {})", s.replicate) : "");
   }
   if (!a.quiet) {
+    const double mean = mean_density(state.density);
     const double rate = double(state.samples_everywhere()) * state.identity.width * state.identity.height *
                         state.identity.replicates;
-    fmt::print(stderr, "{} samples per pixel in {:.2f} s ({:.2f} Msamples/s)\n", state.samples_everywhere(),
-               state.seconds, rate / std::max(1e-9, state.seconds) * 1e-6);
+    fmt::print(stderr, "{} samples per pixel{} in {:.2f} s ({:.2f} Msamples/s)\n", state.samples_everywhere(),
+               state.density.empty() ? "" : fmt::format(", {:.2f} times as many on average,", mean),
+               state.seconds, rate * mean / std::max(1e-9, state.seconds) * 1e-6);
     fmt::print("{}\n{}\n", output.string(), std::filesystem::path(output).replace_extension(".png").string());
   }
   if (state.invalid_samples > 0 && state.invalid_samples >= std::uint64_t(state.samples_everywhere()) *
@@ -298,6 +302,8 @@ void add_render_command(CLI::App& app, CommandResult& result) {
   c->add_option("--replicates", a->replicates,
                 "render R independently scrambled pictures; store their mean and its variance");
   c->add_option("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
+  c->add_option("--adaptive", a->adaptive,
+                "more samples where noise is, --spp on average: absolute, display or relative error; none");
   c->add_option("--integrator", a->integrator,
                 "replace the scene's integrator: path, direct, ptracer, depth, ...");
   c->add_option("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");

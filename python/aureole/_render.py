@@ -21,7 +21,8 @@ class InterruptedWarning(UserWarning):
 
 
 def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = None, threads: int = 0, time: float = 0.0,
-           replicates: int = 1, progress: Union[bool, Report] = True, start: Optional[Image] = None) -> Image:
+           replicates: int = 1, adaptive: Optional[str] = None, progress: Union[bool, Report] = True,
+           start: Optional[Image] = None) -> Image:
     """Renders a picture: the same bits as the command line's for the same scene, samples and seed.
 
     Ctrl-C stops the render and returns what is done (`Image.complete` is then False, and an `InterruptedWarning` is
@@ -40,6 +41,9 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
         Ends after the first whole block of 16 samples after this many seconds; 0 for no limit.
     replicates : int
         Independently scrambled pictures; with two or more the image has a variance.
+    adaptive : {"none", "absolute", "display", "relative"}, optional
+        Pixels take half to 4 times as many samples, more where noise is, `spp` on average: for small squared errors of
+        the picture, of the picture as a display shows it, or in units of each pixel's brightness. By default the scene's.
     progress : bool or callable
         A bar in terminals and notebooks, or a function of (units done, units, seconds, samples per second).
     start : Image, optional
@@ -58,12 +62,14 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
     threads = integer("threads", threads, minimum=0, maximum=4096)
     replicates = integer("replicates", replicates, minimum=1, maximum=2**20)
     limit = scalar("time", time, minimum=0)
+    if adaptive is not None and not isinstance(adaptive, str):
+        raise TypeError(f"adaptive: expected a string, got {type(adaptive).__name__}")
     if start is not None and not isinstance(start, Image):
         raise TypeError(f"start: expected an Image, got {type(start).__name__}")
     if not isinstance(progress, bool) and not callable(progress):
         raise TypeError(f"progress: expected True, False or a function, got {type(progress).__name__}")
     with _Bar(progress) as report:
-        picture, outcome = _aureole.render(scene._open, 0, spp, seed, threads, replicates, limit,
+        picture, outcome = _aureole.render(scene._open, 0, spp, seed, threads, replicates, limit, adaptive,
                                            start._picture if start is not None else None, report)
     image = Image._of(picture, outcome)
     if outcome == "interrupted":
@@ -75,12 +81,12 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
 
 
 def render_iter(scene: Scene, spp: Optional[int] = None, *, step: Optional[int] = None, seed: Optional[int] = None,
-                threads: int = 0, progress: Union[bool, Report] = False) -> Iterator[Image]:
+                threads: int = 0, adaptive: Optional[str] = None, progress: Union[bool, Report] = False) -> Iterator[Image]:
     """Renders refinements of a picture, each with more samples than the one before; the last equals `render`'s.
 
     Parameters
     ----------
-    scene, spp, seed, threads, progress
+    scene, spp, seed, threads, adaptive, progress
         As for `render`.
     step : int, optional
         Samples from one picture to the next, a multiple of 16; by default their number doubles from 16.
@@ -102,16 +108,16 @@ def render_iter(scene: Scene, spp: Optional[int] = None, *, step: Optional[int] 
         step = integer("step", step, minimum=1)
         if step % _BLOCK:
             raise Error(f"step: expected a multiple of {_BLOCK}, got {step}")
-    return _refinements(scene, end, step, seed, threads, progress)
+    return _refinements(scene, end, step, seed, threads, adaptive, progress)
 
 
 def _refinements(scene: Scene, end: int, step: Optional[int], seed: Optional[int], threads: int,
-                 progress: Union[bool, Report]) -> Iterator[Image]:
+                 adaptive: Optional[str], progress: Union[bool, Report]) -> Iterator[Image]:
     image: Optional[Image] = None
     samples = 0
     while samples < end:
         samples = min(end, samples + (step or max(_BLOCK, samples)))
-        image = render(scene, samples, seed=seed, threads=threads, progress=progress, start=image)
+        image = render(scene, samples, seed=seed, threads=threads, adaptive=adaptive, progress=progress, start=image)
         yield image
         if not image.complete:
             return

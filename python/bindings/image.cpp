@@ -134,6 +134,7 @@ void bind_image(nb::module_& m) {
                      d["scene_hash"] = s.identity.scene_hash;
                      d["seed"] = s.identity.seed;
                      d["sampler"] = s.identity.sampler;
+                     d["adaptive"] = s.identity.adaptive;
                      d["integrator"] = s.identity.integrator;
                      d["version"] = s.identity.version;
                      d["replicates"] = s.identity.replicates;

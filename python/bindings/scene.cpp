@@ -351,14 +351,17 @@ void bind_scene(nb::module_& m) {
       "render",
       [](const std::shared_ptr<OpenScene>& scene, std::int64_t begin, std::optional<std::int64_t> end,
          std::optional<std::uint64_t> seed, int threads, int replicates, double time_limit_s,
-         const std::shared_ptr<Picture>& start, const nb::object& progress) {
+         const std::optional<std::string>& adaptive, const std::shared_ptr<Picture>& start,
+         const nb::object& progress) {
         RenderOptions options;
+        if (adaptive) options.adaptive = adaptive_error(*adaptive);
         options.begin = begin, options.end = end, options.seed = seed;
         options.threads = threads, options.replicates = replicates, options.time_limit_s = time_limit_s;
         return render(scene, options, start, progress);
       },
       nb::arg("scene"), nb::arg("begin"), nb::arg("end").none(), nb::arg("seed").none(), nb::arg("threads"),
-      nb::arg("replicates"), nb::arg("time_limit_s"), nb::arg("start").none(), nb::arg("progress").none());
+      nb::arg("replicates"), nb::arg("time_limit_s"), nb::arg("adaptive").none(), nb::arg("start").none(),
+      nb::arg("progress").none());
 
   m.def(
       "did_you_mean",

@@ -91,6 +91,15 @@ def test_refinements(scene):
     assert np.array_equal(more.array, aureole.render(scene, 128, progress=False).array)
     with pytest.raises(aureole.Error, match="step"):
         aureole.render_iter(scene, 64, step=10)
+    adaptive = list(aureole.render_iter(scene, 64, adaptive="absolute"))
+    assert adaptive[-1].info["adaptive"] == "absolute" and images[0].info["adaptive"] == "none"
+    assert np.array_equal(adaptive[-1].array, aureole.render(scene, 64, adaptive="absolute", progress=False).array)
+    with pytest.raises(aureole.Error, match="adaptive"):
+        aureole.render(scene, 128, adaptive="display", start=adaptive[-1], progress=False)
+    with pytest.raises(aureole.Error, match="absolute, display, relative"):
+        aureole.render(scene, 16, adaptive="some", progress=False)
+    with pytest.raises(TypeError, match="adaptive"):
+        aureole.render(scene, 16, adaptive=True, progress=False)
     scene["ball.radius"] = 0.5
     with pytest.raises(aureole.Error, match="another picture"):
         aureole.render(scene, 128, start=images[2], progress=False)

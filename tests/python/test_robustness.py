@@ -467,7 +467,8 @@ def scene_file(request, tmp_path, repository):
 @pytest.mark.parametrize("options, arguments", [
     (["--spp", "16"], {"spp": 16}), (["--spp", "32", "--seed", "7"], {"spp": 32, "seed": 7}),
     (["--spp", "16", "--replicates", "3"], {"spp": 16, "replicates": 3}),
-], ids=["spp", "seed", "replicates"])
+    (["--spp", "16", "--adaptive", "display"], {"spp": 16, "adaptive": "display"}),
+], ids=["spp", "seed", "replicates", "adaptive"])
 def test_the_bits_of_the_command_line(binary, scene_file, tmp_path, options, arguments):
     expected = _by_command(binary, scene_file, tmp_path / "command.exr", *options, "--threads", "2")
     scene = aureole.load_file(scene_file)

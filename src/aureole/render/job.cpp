@@ -12,7 +12,7 @@
 
 #include "aureole/core/parallel.h"
 #include "aureole/core/version.h"
-#include "aureole/render/camera_sample.h"
+#include "aureole/render/camera_unit.h"
 #include "aureole/render/splat_unit.h"
 
 namespace aureole {
@@ -69,9 +69,9 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
       filter_(scene_->film().filter()),
       lock_(std::make_shared<Lock>()) {
   const Object* integrator = scene_->integrator_object().get();
-  integrator_ = dynamic_cast<const RadianceIntegrator*>(integrator);
+  const auto* path_tracer = dynamic_cast<const RadianceIntegrator*>(integrator);
   const auto* light_tracer = dynamic_cast<const SplatIntegrator*>(integrator);
-  if (!integrator_ && !light_tracer) throw Error("the scene has no integrator");
+  if (!path_tracer && !light_tracer) throw Error("the scene has no integrator");
   const Film& film = scene_->film();
   const Sampler& sampler = scene_->sensor().sampler();
   const std::int64_t end = options_.end.value_or(sampler.sample_count());
@@ -88,13 +88,22 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   // The samplers' index has 32 bits.
   if (end > std::int64_t(1) << 32)
     throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options_.begin, end));
-  seed_ = options_.seed.value_or(sampler.seed());
-  if (light_tracer) splats_ = std::make_shared<SplatRenderer>(*scene_, *light_tracer, filter_, seed_);
+  const std::uint64_t seed = options_.seed.value_or(sampler.seed());
+  const AdaptiveError adaptive = options_.adaptive.value_or(sampler.adaptive());
+  if (adaptive != AdaptiveError::none) {
+    if (light_tracer)
+      throw Error(integrator->properties().where(),
+                  fmt::format("paths of \"{}\" start at emitters: they can't be adaptive to pixels",
+                              integrator->properties().type()));
+    if (end > (std::int64_t(1) << 32) >> kMaxDensityExponent)
+      throw Error(fmt::format("samples {}:{}: at most 2^{} samples per pixel where they are adaptive",
+                              options_.begin, end, 32 - kMaxDensityExponent));
+  }
 
   // A copy is needed to save or show it; a byte per work unit keeps account.
   const double units = double(film.crop_width() / kTileSize + 2) * (film.crop_height() / kTileSize + 2) *
                        options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
-  const std::vector<std::string> aovs = integrator_ ? integrator_->aov_names() : std::vector<std::string>();
+  const std::vector<std::string> aovs = path_tracer ? path_tracer->aov_names() : std::vector<std::string>();
   const int channels = film.measured_channels() + int(aovs.size());
   const double needed =
       2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates));
@@ -115,13 +124,18 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   id.sampler = sampler.properties().type();
   id.integrator = integrator->properties().type();
   id.scene_hash = scene_->hash();
-  id.seed = seed_;
+  id.adaptive = name_of(adaptive);
+  id.seed = seed;
   id.wavelengths = kWavelengths;
   id.width = film.crop_width(), id.height = film.crop_height();
   id.border = film.sample_border() ? filter_.border() : 0;
   id.measured_channels = channels;
   id.replicates = options_.replicates;
   state_ = RenderState(std::move(id), development_of(film, aovs), options_.begin, end);
+  if (light_tracer)
+    splats_ = std::make_shared<SplatRenderer>(*scene_, *light_tracer, filter_, seed);
+  else
+    camera_ = std::make_shared<CameraRenderer>(*scene_, *path_tracer, filter_, seed, channels);
 }
 
 void RenderJob::resume(RenderState state) {
@@ -132,27 +146,10 @@ void RenderJob::resume(RenderState state) {
   wrote_state_ = true;
 }
 
-void RenderJob::camera_path(int x, int y, std::uint64_t key, std::int64_t index, CameraPath& path,
-                            Sample& sample) const {
+void RenderJob::keep_invalid(const InvalidSample& s) {
   const Film& film = scene_->film();
-  const SensorRay camera = begin_camera_sample(*scene_, key, x + film.crop_x(), y + film.crop_y(), index,
-                                               path.samples, path.wavelengths, sample.position);
-  sample.position = sample.position - Vec2{float(film.crop_x()), float(film.crop_y())};
-  path.ray = camera.ray;
-  sample.weight = camera.weight;
-}
-
-std::uint64_t RenderJob::key_of(int x, int y, int replicate) const {
-  return pixel_key(seed_, replicate, x + scene_->film().crop_x(), y + scene_->film().crop_y());
-}
-
-void RenderJob::measure(const CameraPath& path, Sample& sample, float* measured) const {
-  sample.alpha = path.result.alpha;
-  sample.valid = is_valid_radiance(path.result.estimate);
-  if (!sample.valid) return;
-  scene_->film().measure(path.result.estimate * sample.weight, path.wavelengths, measured);
-  for (int c = 0; c < state_.identity.measured_channels; ++c)
-    sample.valid &= std::abs(measured[c]) < kFixedLimit;
+  if (invalid_.size() < 16)
+    invalid_.push_back({s.x + film.crop_x(), s.y + film.crop_y(), s.replicate, s.sample});
 }
 
 void RenderJob::render_light_unit(std::int64_t unit) {
@@ -165,74 +162,42 @@ void RenderJob::render_light_unit(std::int64_t unit) {
     const std::lock_guard guard(lock_->mutex);
     state_.done[size_t(unit)] = 1;
     state_.invalid_samples += result.invalid.size();
-    for (const auto& s : result.invalid)
-      if (invalid_.size() < 16)
-        invalid_.push_back(
-            {s.x + scene_->film().crop_x(), s.y + scene_->film().crop_y(), result.replicate, s.sample});
+    for (const auto& s : result.invalid) keep_invalid({s.x, s.y, result.replicate, s.sample});
     adding.lock();
   }
   splats_->add(result, state_.films);
 }
 
-void RenderJob::render_unit(std::int64_t unit, std::vector<float>& sums) {
+void RenderJob::render_unit(std::int64_t unit, CameraUnit& result) {
   if (splats_) return render_light_unit(unit);
-  const auto [replicate, x0, y0, x1, y1, first, last] = state_.unit(unit);
-  const int border = filter_.border(), channels = state_.identity.measured_channels, stride = channels + 2;
-  const int width = x1 - x0 + 2 * border, height = y1 - y0 + 2 * border;
-  sums.assign(size_t(width) * size_t(height) * size_t(stride), 0.f);
-  std::vector<InvalidSample> invalid;
-  std::vector<float> measured(size_t(channels * kSampleBlock), 0.f);
-  float wx[FilterTable::kMaxReach], wy[FilterTable::kMaxReach];
-  const int reach = 2 * border + 1;
-  const int film_channels = scene_->film().measured_channels();
-  CameraPath paths[kSampleBlock];
-  Sample samples[kSampleBlock];
-  static_assert(kSampleBlock <= RadianceIntegrator::kTogether);
-  const int count = int(last - first);
-  for (int y = y0; y < y1; ++y)
-    for (int x = x0; x < x1; ++x) {
-      const std::uint64_t key = key_of(x, y, replicate);
-      for (int i = 0; i < count; ++i) {
-        camera_path(x, y, key, first + i, paths[i], samples[i]);
-        paths[i].aovs = &measured[size_t(i * channels + film_channels)];
-      }
-      integrator_->radiance_of(*scene_, std::span(paths, size_t(count)));
-      for (int i = 0; i < count; ++i) {
-        Sample& s = samples[i];
-        const float* values = &measured[size_t(i * channels)];
-        measure(paths[i], s, &measured[size_t(i * channels)]);
-        if (!s.valid) {
-          invalid.push_back({x + scene_->film().crop_x(), y + scene_->film().crop_y(), replicate, first + i});
-          continue;
-        }
-        if (border == 0) {
-          float* p = &sums[(size_t(y - y0) * size_t(width) + size_t(x - x0)) * size_t(stride)];
-          for (int c = 0; c < channels; ++c) p[c] += values[c];
-          p[channels] += s.alpha;
-          p[channels + 1] += 1;
-          continue;
-        }
-        for (int k = 0; k < reach; ++k) {
-          wx[k] = filter_.eval(float(x - border + k) + 0.5f - s.position.x);
-          wy[k] = filter_.eval(float(y - border + k) + 0.5f - s.position.y);
-        }
-        for (int j = 0; j < reach; ++j) {
-          float* p = &sums[(size_t(y - y0 + j) * size_t(width) + size_t(x - x0)) * size_t(stride)];
-          for (int k = 0; k < reach; ++k, p += stride) {
-            const float weight = wx[k] * wy[j];
-            for (int c = 0; c < channels; ++c) p[c] += weight * values[c];
-            p[channels] += weight * s.alpha;
-            p[channels + 1] += weight;
-          }
-        }
-      }
-    }
+  camera_->trace(state_, unit, result);
   const std::lock_guard guard(lock_->mutex);
-  state_.films[size_t(replicate)].add(x0 - border, y0 - border, width, height, sums.data());
+  state_.films[size_t(result.replicate)].add(result.x0, result.y0, result.width, result.height,
+                                             result.sums.data());
   state_.done[size_t(unit)] = 1;
-  state_.invalid_samples += invalid.size();
-  for (const auto& s : invalid)
-    if (invalid_.size() < 16) invalid_.push_back(s);
+  state_.invalid_samples += result.invalid.size();
+  for (const auto& s : result.invalid) keep_invalid({s.x, s.y, result.replicate, s.sample});
+}
+
+void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
+                               const std::function<void()>& tile_done) {
+  const int border = state_.identity.border;
+  const int width = state_.identity.width + 2 * border, height = state_.identity.height + 2 * border;
+  std::vector<PixelNoise> noise(size_t(width) * size_t(height));
+  std::atomic<std::int64_t> next{0};
+  run_workers(threads, [&](int thread) {
+    while (!stop.load(std::memory_order_relaxed)) {
+      const std::int64_t tile = next.fetch_add(1);
+      if (tile >= state_.tiles()) return;
+      camera_->trace_pilot(state_, tile, noise);
+      if (thread == 0) tile_done();
+    }
+  });
+  if (stop) return;
+  std::vector<std::int8_t> density =
+      sample_densities(width, height, noise, adaptive_error(state_.identity.adaptive));
+  const std::lock_guard guard(lock_->mutex);
+  state_.density = std::move(density);
 }
 
 RenderState RenderJob::snapshot() const {
@@ -252,25 +217,46 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
       double(state_.identity.width) * state_.identity.height * kSampleBlock / double(state_.tiles());
   const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
 
+  std::int64_t pilot_units = 0;
+  if (state_.identity.adaptive != "none" && state_.density.empty() && done_at_start < units) {
+    pilot_units = state_.tiles();
+    // Only one thread counts.
+    std::int64_t tiles = 0;
+    double last_report = now_s();
+    find_densities(threads, stop, [&] {
+      ++tiles;
+      const double t = now_s();
+      if (!report || t - last_report <= 0.2) return;
+      last_report = t;
+      const std::int64_t traced = std::min(pilot_units, tiles * threads);
+      report({done_at_start + traced, units + pilot_units, t - start,
+              double(traced) * samples_per_unit * kPilotSamples / kSampleBlock / (t - start)});
+    });
+  }
+  // Progress counts them as if they were units.
+  const auto report_units = [&](std::int64_t finished, double seconds) {
+    report({done_at_start + finished + pilot_units, units + pilot_units, seconds,
+            double(finished) * samples_per_unit / std::max(1e-9, seconds)});
+  };
+
   std::atomic<std::int64_t> next{0}, finished{0};
   std::atomic<bool> failed{false};
   std::int64_t limit = units;
   const auto work = [&](int thread) {
-    std::vector<float> sums;
+    CameraUnit buffers;
     double last_report = now_s();
     try {
       while (!stop.load(std::memory_order_relaxed) && !failed.load(std::memory_order_relaxed)) {
         const std::int64_t unit = next.fetch_add(1);
         if (unit >= limit) return;
         if (state_.done[size_t(unit)]) continue;
-        render_unit(unit, sums);
+        render_unit(unit, buffers);
         ++finished;
         if (thread != 0) continue;
         const double t = now_s();
         if (report && t - last_report > 0.2) {
           last_report = t;
-          report({done_at_start + finished, units, t - start,
-                  double(finished) * samples_per_unit / (t - start)});
+          report_units(finished, t - start);
         }
         if (!options_.state_file.empty() && t - last_checkpoint > options_.checkpoint_interval_s) {
           checkpoint(spent_before + t - start);
@@ -299,9 +285,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
   }
   const double seconds = now_s() - start;
   const bool complete = state_.units_done() == units;
-  if (report)
-    report({done_at_start + finished, units, seconds,
-            double(finished) * samples_per_unit / std::max(1e-9, seconds)});
+  if (report) report_units(finished, seconds);
   if (!options_.state_file.empty() && (!complete || options_.keep_state)) {
     checkpoint(spent_before + seconds);
   } else {
@@ -342,16 +326,7 @@ std::optional<std::vector<float>> RenderJob::replay(int x, int y, std::int64_t s
     if (!splats_->trace_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, path, log)) return {};
     return path.measured;
   }
-  std::vector<float> measured(size_t(state_.identity.measured_channels));
-  Sample s;
-  CameraPath path;
-  x -= film.crop_x(), y -= film.crop_y();
-  camera_path(x, y, key_of(x, y, replicate), sample, path, s);
-  path.result = integrator_->radiance(*scene_, path.ray, path.wavelengths, path.samples, log,
-                                      measured.data() + film.measured_channels());
-  measure(path, s, measured.data());
-  if (!s.valid) return {};
-  return measured;
+  return camera_->replay(x - film.crop_x(), y - film.crop_y(), sample, replicate, log);
 }
 
 }  // namespace aureole

@@ -22,8 +22,9 @@ struct RenderOptions {
   std::int64_t begin = 0;
   std::optional<std::int64_t> end;  ///< samples per pixel; default: the scene's sample_count
   std::optional<std::uint64_t> seed;
-  int threads = 0;          ///< 0: all cores
-  int replicates = 1;       ///< independently scrambled renders, for variances
+  std::optional<AdaptiveError> adaptive;  ///< default: the sampler's
+  int threads = 0;                        ///< 0: all cores
+  int replicates = 1;                     ///< independently scrambled renders, for variances
   double time_limit_s = 0;  ///< 0: none; else ends after the first whole block that every pixel has
   double checkpoint_interval_s = 30;
   std::filesystem::path state_file;  ///< empty: no checkpoints
@@ -41,6 +42,8 @@ struct Progress {
   double seconds, samples_per_second;
 };
 
+struct CameraUnit;
+class CameraRenderer;
 struct SplatUnit;
 class SplatRenderer;
 
@@ -78,30 +81,19 @@ public:
                                            const PathLog& log) const;
 
 private:
-  struct Sample {
-    Vec2 position;  ///< relative to the crop's corner
-    float weight;   ///< of the sensor
-    float alpha;
-    bool valid;
-  };
-  /// A sample's ray, wavelengths and random numbers; fills position and weight.
-  void camera_path(int x, int y, std::uint64_t key, std::int64_t index, CameraPath& path,
-                   Sample& sample) const;
-  std::uint64_t key_of(int x, int y, int replicate) const;
-  /// `measured` receives the numbers of the film; those of the integrator are there already. Fills the rest
-  /// of sample.
-  void measure(const CameraPath& path, Sample& sample, float* measured) const;
-  void render_unit(std::int64_t unit, std::vector<float>& sums);
+  /// Sets the densities of adaptive sampling; leaves them where `stop` ends it.
+  void find_densities(int threads, const std::atomic<bool>& stop, const std::function<void()>& tile_done);
+  void render_unit(std::int64_t unit, CameraUnit& result);
   void render_light_unit(std::int64_t unit);
+  void keep_invalid(const InvalidSample& sample);
   void checkpoint(double seconds);
 
   std::shared_ptr<const Scene> scene_;
-  const RadianceIntegrator* integrator_;         ///< or
-  std::shared_ptr<const SplatRenderer> splats_;  ///< for paths from the emitters
+  std::shared_ptr<const CameraRenderer> camera_;  ///< or
+  std::shared_ptr<const SplatRenderer> splats_;   ///< for paths from the emitters
   RenderOptions options_;
   FilterTable filter_;
   RenderState state_;
-  std::uint64_t seed_;
   bool wrote_state_ = false;
   std::string checkpoint_problem_;
   std::vector<InvalidSample> invalid_;

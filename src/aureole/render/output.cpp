@@ -53,6 +53,7 @@ void write_picture(const RenderState& s, const Image& picture, const std::filesy
   a.strings["aureole:sampler"] = s.identity.sampler;
   a.strings["aureole:integrator"] = s.identity.integrator;
   a.strings["aureole:samples"] = fmt::format("{}:{}", s.begin, s.end);
+  a.strings["aureole:adaptive"] = s.identity.adaptive;
   a.integers["aureole:spp"] = int(s.samples_everywhere());
   a.integers["aureole:replicates"] = s.identity.replicates;
   a.integers["aureole:wavelengths"] = s.identity.wavelengths;

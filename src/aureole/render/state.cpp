@@ -7,12 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
+#include "aureole/render/sample_density.h"
 
 namespace aureole {
 
 namespace {
 
-constexpr char kMagic[] = "aureole-state-1\n";
+constexpr char kMagic[] = "aureole-state-2\n";
 constexpr std::size_t kMagicSize = sizeof kMagic - 1;
 
 std::uint64_t checksum(const char* p, std::size_t n) {
@@ -34,6 +35,8 @@ nlohmann::json header_of(const RenderState& s) {
           {"version", i.version},
           {"sampler", i.sampler},
           {"integrator", i.integrator},
+          {"adaptive", i.adaptive},
+          {"density_size", s.density.size()},
           {"scene_hash", i.scene_hash},
           {"seed", i.seed},
           {"wavelengths", i.wavelengths},
@@ -63,6 +66,7 @@ std::string PictureIdentity::difference(const PictureIdentity& o) const {
   if (seed != o.seed) return "seed (" + std::to_string(seed) + " and " + std::to_string(o.seed) + ")";
   if (sampler != o.sampler) return "sampler (" + sampler + " and " + o.sampler + ")";
   if (integrator != o.integrator) return "integrator (" + integrator + " and " + o.integrator + ")";
+  if (adaptive != o.adaptive) return "adaptive sampling (" + adaptive + " and " + o.adaptive + ")";
   if (replicates != o.replicates) return "number of replicates";
   if (wavelengths != o.wavelengths) return "number of wavelengths per path";
   return "";
@@ -140,13 +144,14 @@ void RenderState::merge(const RenderState& other) {
   for (std::size_t r = 0; r < films.size(); ++r) films[r].add(b.films[r]);
   invalid_samples += b.invalid_samples;
   seconds += b.seconds;
+  if (density.empty()) density = std::move(b.density);
 }
 
 void RenderState::save(const std::filesystem::path& file) const {
   const std::string header =
       header_of(*this).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   std::vector<char> bytes;
-  std::size_t size = kMagicSize + 8 + header.size() + done.size() + 8;
+  std::size_t size = kMagicSize + 8 + header.size() + done.size() + density.size() + 8;
   for (const auto& f : films) size += f.data().size() * sizeof(Fixed);
   bytes.reserve(size);
   const auto append = [&](const void* p, std::size_t n) {
@@ -157,6 +162,7 @@ void RenderState::save(const std::filesystem::path& file) const {
   append(&header_size, 8);
   append(header.data(), header.size());
   append(done.data(), done.size());
+  append(density.data(), density.size());
   for (const auto& f : films) append(f.data().data(), f.data().size() * sizeof(Fixed));
   const std::uint64_t sum = checksum(bytes.data(), bytes.size());
   append(&sum, 8);
@@ -185,7 +191,7 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     RenderState s;
     PictureIdentity id;
     id.scene = j.at("scene"), id.version = j.at("version"), id.sampler = j.at("sampler"),
-    id.integrator = j.at("integrator");
+    id.integrator = j.at("integrator"), id.adaptive = j.at("adaptive");
     id.scene_hash = j.at("scene_hash"), id.seed = j.at("seed"), id.wavelengths = j.at("wavelengths");
     id.width = j.at("width"), id.height = j.at("height"), id.border = j.at("border");
     id.measured_channels = j.at("measured_channels"), id.replicates = j.at("replicates");
@@ -197,11 +203,19 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     s = RenderState(id, d, j.at("begin"), j.at("end"));
     s.invalid_samples = j.at("invalid_samples"), s.seconds = j.at("seconds");
     p += header_size;
-    std::size_t needed = s.done.size();
+    const std::size_t density_size = j.at("density_size");
+    const std::size_t pixels = std::size_t(id.width + 2 * id.border) * std::size_t(id.height + 2 * id.border);
+    if (density_size != 0 && density_size != pixels) throw broken;
+    s.density.resize(density_size);
+    std::size_t needed = s.done.size() + density_size;
     for (auto& f : s.films) needed += f.data().size() * sizeof(Fixed);
     if (needed != std::size_t(bytes.data() + bytes.size() - 8 - p)) throw broken;
     std::memcpy(s.done.data(), p, s.done.size());
     p += s.done.size();
+    if (density_size > 0) std::memcpy(s.density.data(), p, density_size);
+    p += density_size;
+    for (const std::int8_t e : s.density)
+      if (e < kMinDensityExponent || e > kMaxDensityExponent) throw broken;
     for (auto& f : s.films) {
       std::memcpy(f.data().data(), p, f.data().size() * sizeof(Fixed));
       p += f.data().size() * sizeof(Fixed);

@@ -19,6 +19,7 @@ inline constexpr int kSampleBlock = 16;  ///< samples of a work unit, aligned
 /// Which picture a state belongs to. Two states can be merged or resumed only where all of this agrees.
 struct PictureIdentity {
   std::string scene, version, sampler, integrator;
+  std::string adaptive = "none";
   std::uint64_t scene_hash = 0, seed = 0;
   int wavelengths = 0;
   int width = 0, height = 0, border = 0, measured_channels = 0, replicates = 1;
@@ -52,6 +53,9 @@ public:
   std::int64_t begin = 0, end = 0;  ///< samples asked for; `begin` is a multiple of kSampleBlock
   std::vector<FilmBuffer> films;    ///< one per replicate
   std::vector<std::uint8_t> done;   ///< per unit
+  /// Of adaptive sampling, per pixel with those of the border, row by row: log2 of the samples per sample of
+  /// the picture. Empty where all pixels take as many, and until the pilot is done.
+  std::vector<std::int8_t> density;
   std::uint64_t invalid_samples = 0;
   double seconds = 0;  ///< wall time spent
 
@@ -62,6 +66,12 @@ public:
   std::int64_t units_per_block() const { return tiles() * identity.replicates; }
   std::int64_t units() const { return blocks() * units_per_block(); }
   std::int64_t units_done() const;
+  int density_exponent(int x, int y) const {
+    if (density.empty()) return 0;
+    const int border = identity.border;
+    return density[std::size_t(y + border) * std::size_t(identity.width + 2 * border) +
+                   std::size_t(x + border)];
+  }
   /// Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
   WorkUnit unit(std::int64_t index) const;
   /// Samples that every pixel has; partly done blocks do not count.

@@ -3,6 +3,7 @@
 #include "aureole/core/random.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sampler/sampler.h"
+#include "aureole/sampler/sampler_docs.h"
 
 namespace aureole {
 namespace {
@@ -26,9 +27,9 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Independent uniform random numbers. `sobol` converges faster on almost every scene.",
         "",
-        {{"sample_count", "integer", "", "4", "samples per pixel"},
-         {"seed", "integer", "", "0", "chooses another independent set of samples"}},
-        {R"(<sampler type="independent"><integer name="sample_count" value="64"/><integer name="seed" value="1"/></sampler>)"}});
+        sampler_parameters(),
+        {R"(<sampler type="independent"><integer name="sample_count" value="64"/><integer name="seed" value="1"/>
+    <string name="adaptive" value="display"/></sampler>)"}});
 
 }  // namespace
 }  // namespace aureole

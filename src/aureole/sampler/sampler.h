@@ -4,12 +4,24 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "aureole/math/vec.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
 
 namespace aureole {
+
+/// What adaptive sampling makes small: the sum over pixels of squared errors, in units of nothing, of the
+/// square root of the pixel's brightness (as an error is seen on a display), or of the brightness. Near
+/// black, of a tenth of the picture's mean. `none`: all pixels take as many samples.
+enum class AdaptiveError { none, absolute, display, relative };
+/// Their names, in order.
+const std::vector<std::string>& adaptive_error_names();
+/// Throws Error for another name.
+AdaptiveError adaptive_error(const std::string& name);
+std::string name_of(AdaptiveError error);
 
 class Sampler : public Object {
 public:
@@ -22,6 +34,7 @@ public:
 
   std::int64_t sample_count() const { return sample_count_; }
   std::uint64_t seed() const { return seed_; }
+  AdaptiveError adaptive() const { return adaptive_; }
 
 protected:
   void read_common(const Properties& properties);
@@ -29,6 +42,7 @@ protected:
 private:
   std::int64_t sample_count_ = 4;
   std::uint64_t seed_ = 0;
+  AdaptiveError adaptive_ = AdaptiveError::none;
 };
 
 /// The coordinates of one sample of one pixel, by dimension. Holds the block of dimensions used last.

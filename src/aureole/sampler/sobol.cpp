@@ -12,6 +12,7 @@
 #include "aureole/core/random.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sampler/sampler.h"
+#include "aureole/sampler/sampler_docs.h"
 
 namespace aureole {
 namespace {
@@ -145,9 +146,9 @@ AUREOLE_PLUGIN(
         "have the lowest error.",
         "Directions: Joe & Kuo 2008. Scrambling: Owen 1995, by hash as in Laine & Karras 2011 and Burley "
         "2020.",
-        {{"sample_count", "integer", "", "4", "samples per pixel"},
-         {"seed", "integer", "", "0", "chooses another independent scrambling"}},
-        {R"(<sampler type="sobol"><integer name="sample_count" value="64"/><integer name="seed" value="1"/></sampler>)"}});
+        sampler_parameters(),
+        {R"(<sampler type="sobol"><integer name="sample_count" value="64"/><integer name="seed" value="1"/>
+    <string name="adaptive" value="display"/></sampler>)"}});
 
 }  // namespace
 }  // namespace aureole

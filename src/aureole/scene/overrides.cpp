@@ -42,7 +42,7 @@ void override_sampler(Node& sampler, const std::string& type, Diagnostics& diagn
   sampler.set("type", type);
   std::erase_if(sampler.children, [](const Node& child) {
     const std::string name = child.get("name");
-    return name != "sample_count" && name != "seed";
+    return name != "sample_count" && name != "seed" && name != "adaptive";
   });
 }
 

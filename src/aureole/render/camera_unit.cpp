@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/render/camera_unit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/render/camera_sample.h"
+
+namespace aureole {
+
+/// Paths that are followed together, of one pixel or several.
+class CameraRenderer::Batch {
+public:
+  explicit Batch(const CameraRenderer& renderer)
+      : renderer_(renderer), measured_(size_t(renderer.channels_ * kSize), 0.f) {
+    for (int i = 0; i < kSize; ++i) paths_[i].aovs = values(i) + renderer.scene_->film().measured_channels();
+  }
+
+  /// Appends a path, and traces all where that makes the batch full: then calls `use(sample, measured)` for
+  /// each.
+  template <class Use>
+  void add(const SampleId& id, std::uint64_t key, const Use& use) {
+    renderer_.begin(id, key, paths_[count_], samples_[count_]);
+    if (++count_ == kSize) trace(use);
+  }
+  /// Traces the paths that are left.
+  template <class Use>
+  void trace(const Use& use) {
+    renderer_.integrator_->radiance_of(*renderer_.scene_, std::span(paths_, size_t(count_)));
+    for (int i = 0; i < count_; ++i) {
+      renderer_.measure(paths_[i], samples_[i], values(i));
+      use(std::as_const(samples_[i]), const_cast<const float*>(values(i)));
+    }
+    count_ = 0;
+  }
+
+private:
+  static constexpr int kSize = RadianceIntegrator::kTogether;
+  float* values(int i) { return &measured_[size_t(i * renderer_.channels_)]; }
+
+  const CameraRenderer& renderer_;
+  CameraPath paths_[kSize];
+  Sample samples_[kSize];
+  std::vector<float> measured_;
+  int count_ = 0;
+};
+
+CameraRenderer::CameraRenderer(const Scene& scene, const RadianceIntegrator& integrator,
+                               const FilterTable& filter, std::uint64_t seed, int measured_channels)
+    : scene_(&scene), integrator_(&integrator), filter_(filter), seed_(seed), channels_(measured_channels) {}
+
+std::uint64_t CameraRenderer::key_of(int x, int y, int replicate) const {
+  return pixel_key(seed_, replicate, x + scene_->film().crop_x(), y + scene_->film().crop_y());
+}
+
+void CameraRenderer::begin(const SampleId& id, std::uint64_t key, CameraPath& path, Sample& sample) const {
+  const Film& film = scene_->film();
+  sample.id = id;
+  const SensorRay camera = begin_camera_sample(*scene_, key, id.x + film.crop_x(), id.y + film.crop_y(),
+                                               id.index, path.samples, path.wavelengths, sample.position);
+  sample.position = sample.position - Vec2{float(film.crop_x()), float(film.crop_y())};
+  path.ray = camera.ray;
+  sample.sensor_weight = camera.weight;
+}
+
+void CameraRenderer::measure(const CameraPath& path, Sample& sample, float* measured) const {
+  sample.alpha = path.result.alpha;
+  sample.valid = is_valid_radiance(path.result.estimate);
+  if (!sample.valid) return;
+  scene_->film().measure(path.result.estimate * sample.sensor_weight, path.wavelengths, measured);
+  for (int c = 0; c < channels_; ++c) sample.valid &= std::abs(measured[c]) < kFixedLimit;
+}
+
+void CameraRenderer::trace(const RenderState& layout, std::int64_t index, CameraUnit& result) const {
+  const WorkUnit u = layout.unit(index);
+  const int border = filter_.border(), reach = 2 * border + 1, stride = channels_ + 2;
+  result.replicate = u.replicate;
+  result.x0 = u.x0 - border, result.y0 = u.y0 - border;
+  result.width = u.x1 - u.x0 + 2 * border, result.height = u.y1 - u.y0 + 2 * border;
+  result.sums.assign(size_t(result.width) * size_t(result.height) * size_t(stride), 0.f);
+  result.invalid.clear();
+  const auto pixel = [&](int x, int y) {
+    return &result.sums[(size_t(y - result.y0) * size_t(result.width) + size_t(x - result.x0)) *
+                        size_t(stride)];
+  };
+  const auto put = [&](float* p, float weight, const float* values, float alpha) {
+    for (int c = 0; c < channels_; ++c) p[c] += weight * values[c];
+    p[channels_] += weight * alpha;
+    p[channels_ + 1] += weight;
+  };
+  const auto use = [&](const Sample& s, const float* values) {
+    if (!s.valid) {
+      result.invalid.push_back({s.id.x, s.id.y, s.id.index});
+      return;
+    }
+    if (border == 0) return put(pixel(s.id.x, s.id.y), s.id.weight, values, s.alpha);
+    float wx[FilterTable::kMaxReach], wy[FilterTable::kMaxReach];
+    for (int k = 0; k < reach; ++k) {
+      wx[k] = filter_.eval(float(s.id.x - border + k) + 0.5f - s.position.x);
+      wy[k] = filter_.eval(float(s.id.y - border + k) + 0.5f - s.position.y) * s.id.weight;
+    }
+    for (int j = 0; j < reach; ++j) {
+      float* p = pixel(s.id.x - border, s.id.y - border + j);
+      for (int k = 0; k < reach; ++k, p += stride) put(p, wx[k] * wy[j], values, s.alpha);
+    }
+  };
+  Batch batch(*this);
+  for (int y = u.y0; y < u.y1; ++y)
+    for (int x = u.x0; x < u.x1; ++x) {
+      const std::uint64_t key = key_of(x, y, u.replicate);
+      const int density = layout.density_exponent(x, y);
+      const std::int64_t first = samples_up_to(u.first, density), last = samples_up_to(u.last, density);
+      // All pixels weigh the same, whatever their density: else the filter would favour the dense ones.
+      const float weight = float(u.last - u.first) / float(last - first);
+      for (std::int64_t i = first; i < last; ++i) batch.add({x, y, i, weight}, key, use);
+    }
+  batch.trace(use);
+}
+
+void CameraRenderer::trace_pilot(const RenderState& layout, std::int64_t tile,
+                                 std::span<PixelNoise> noise) const {
+  const WorkUnit u = layout.unit(tile);
+  const int border = layout.identity.border, width = layout.identity.width + 2 * border;
+  const Film& film = scene_->film();
+  constexpr int kNoReplicate = -1;  // its random numbers are those of no picture
+  struct Sums {
+    double value[3] = {}, square[3] = {};
+    int n = 0;
+  };
+  std::vector<Sums> sums(size_t(u.x1 - u.x0) * size_t(u.y1 - u.y0));
+  std::vector<double> channels(size_t(film.measured_channels()));
+  const auto at = [&](int x, int y) { return size_t(y - u.y0) * size_t(u.x1 - u.x0) + size_t(x - u.x0); };
+  const auto use = [&](const Sample& s, const float* values) {
+    if (!s.valid) return;
+    std::copy(values, values + channels.size(), channels.begin());
+    float rgb[3];
+    film.develop_rgb(channels.data(), rgb);
+    Sums& p = sums[at(s.id.x, s.id.y)];
+    for (int c = 0; c < 3; ++c) p.value[c] += rgb[c], p.square[c] += double(rgb[c]) * rgb[c];
+    ++p.n;
+  };
+  Batch batch(*this);
+  for (int y = u.y0; y < u.y1; ++y)
+    for (int x = u.x0; x < u.x1; ++x)
+      for (int i = 0; i < kPilotSamples; ++i) batch.add({x, y, i, 1.f}, key_of(x, y, kNoReplicate), use);
+  batch.trace(use);
+  for (int y = u.y0; y < u.y1; ++y)
+    for (int x = u.x0; x < u.x1; ++x) {
+      const Sums& p = sums[at(x, y)];
+      PixelNoise& result = noise[size_t(y + border) * size_t(width) + size_t(x + border)];
+      result = {};
+      if (p.n < 2) continue;
+      for (int c = 0; c < 3; ++c) {
+        result.mean += float(p.value[c] / p.n / 3);
+        result.variance += float(std::max(0.0, p.square[c] - p.value[c] * p.value[c] / p.n) / (p.n - 1) / 3);
+      }
+    }
+}
+
+std::optional<std::vector<float>> CameraRenderer::replay(int x, int y, std::int64_t index, int replicate,
+                                                         const PathLog& log) const {
+  std::vector<float> measured(static_cast<size_t>(channels_));
+  CameraPath path;
+  Sample sample;
+  begin({x, y, index, 1.f}, key_of(x, y, replicate), path, sample);
+  path.result = integrator_->radiance(*scene_, path.ray, path.wavelengths, path.samples, log,
+                                      measured.data() + scene_->film().measured_channels());
+  measure(path, sample, measured.data());
+  if (!sample.valid) return {};
+  return measured;
+}
+
+}  // namespace aureole

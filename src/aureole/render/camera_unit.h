@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Work units of paths from the sensor. A sample belongs to a pixel, and the reconstruction filter gives it to
+// those around, too.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "aureole/integrator/integrator.h"
+#include "aureole/render/sample_density.h"
+#include "aureole/render/state.h"
+
+namespace aureole {
+
+/// What the paths of one unit leave on the film. Buffers are kept between units.
+struct CameraUnit {
+  struct Invalid {
+    int x, y;  ///< relative to the crop's corner
+    std::int64_t sample;
+  };
+  int replicate = 0;
+  int x0 = 0, y0 = 0, width = 0, height = 0;  ///< the pixels reached, relative to the crop's corner
+  std::vector<float> sums;                    ///< as FilmBuffer::add takes them
+  std::vector<Invalid> invalid;
+};
+
+class CameraRenderer {
+public:
+  /// `measured_channels` are those of the film and then those of the integrator.
+  CameraRenderer(const Scene& scene, const RadianceIntegrator& integrator, const FilterTable& filter,
+                 std::uint64_t seed, int measured_channels);
+
+  /// Traces the paths of a unit of `layout`.
+  void trace(const RenderState& layout, std::int64_t unit, CameraUnit& result) const;
+  /// Traces kPilotSamples of each pixel of a tile of `layout`, which are in no picture. `noise` is of all
+  /// pixels of the layout, row by row.
+  void trace_pilot(const RenderState& layout, std::int64_t tile, std::span<PixelNoise> noise) const;
+  /// Traces one path and logs its vertices; returns its measured channels, nothing where one is invalid.
+  /// Pixel coordinates are relative to the crop's corner.
+  std::optional<std::vector<float>> replay(int x, int y, std::int64_t sample, int replicate,
+                                           const PathLog& log) const;
+
+private:
+  /// Which sample of which pixel, relative to the crop's corner.
+  struct SampleId {
+    int x, y;
+    std::int64_t index;
+    float weight;  ///< on the film, beside the filter's
+  };
+  struct Sample {
+    SampleId id;
+    Vec2 position;        ///< relative to the crop's corner
+    float sensor_weight;  ///< of the radiance
+    float alpha;
+    bool valid;
+  };
+  class Batch;
+
+  std::uint64_t key_of(int x, int y, int replicate) const;
+  void begin(const SampleId& id, std::uint64_t key, CameraPath& path, Sample& sample) const;
+  /// `measured` receives the numbers of the film; those of the integrator are there already. Fills the rest
+  /// of sample.
+  void measure(const CameraPath& path, Sample& sample, float* measured) const;
+
+  const Scene* scene_;
+  const RadianceIntegrator* integrator_;
+  FilterTable filter_;
+  std::uint64_t seed_;
+  int channels_;
+};
+
+}  // namespace aureole
