@@ -68,6 +68,24 @@ TEST(SampleDensity, UnitsOfTheError) {
   EXPECT_LT(ratio(8, levels * levels, AdaptiveError::relative), 0);
 }
 
+TEST(SampleDensity, APixelsOwnSamplesDoNotCount) {
+  std::vector<PixelNoise> pixels;
+  for (int i = 0; i < 40 * 40; ++i) pixels.push_back({1 + .01f * float(i % 7), 1 + float(i % 13)});
+  for (const AdaptiveError error : kErrors) {
+    const auto before = sample_densities(40, 40, pixels, error);
+    for (const int at : {0, 39, 5 * 40 + 20, 39 * 40 + 39}) {
+      auto changed = pixels;
+      changed[size_t(at)].variance = 1e3f;
+      const auto after = sample_densities(40, 40, changed, error);
+      // All others share what is left.
+      EXPECT_LE(after[size_t(at)], before[size_t(at)]);
+      EXPECT_NE(after, before) << "its neighbours have more";
+    }
+  }
+  EXPECT_EQ(sample_densities(1, 1, std::vector<PixelNoise>{{1, 1}}, AdaptiveError::display),
+            std::vector<std::int8_t>{0});
+}
+
 TEST(SampleDensity, EveryPixelHasSamplesAndWholeBlocksAreExact) {
   for (int e = kMinDensityExponent; e <= kMaxDensityExponent; ++e) {
     EXPECT_EQ(samples_up_to(0, e), 0);
@@ -192,6 +210,15 @@ TEST(Adaptive, InterruptedAnywhereAndResumed) {
     EXPECT_EQ(job.run(stop), RenderJob::Outcome::interrupted);
     EXPECT_TRUE(job.state().density.empty());
     EXPECT_EQ(job.state().units_done(), 0);
+  }
+  {
+    // With the densities but without the pilot's samples, which are traced again.
+    RenderJob job(small_scene(), options);
+    RenderState state = job.state();
+    state.density = whole.density;
+    job.resume(state);
+    EXPECT_EQ(job.run(kGo), RenderJob::Outcome::finished);
+    EXPECT_TRUE(same_bits(whole, job.state()));
   }
   options.time_limit_s = 1e-6;
   RenderJob part(small_scene(), options);

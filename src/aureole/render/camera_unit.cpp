@@ -8,41 +8,66 @@
 
 namespace aureole {
 
-/// Paths that are followed together, of one pixel or several.
+namespace {
+
+/// Beyond, samples of the pilot are traced again rather than kept.
+constexpr double kMostPilotBytes = double(512 << 20);
+
+}  // namespace
+
+/// Samples in the order in which they count; their paths are followed together, be they of one pixel or of
+/// several.
 class CameraRenderer::Batch {
 public:
   explicit Batch(const CameraRenderer& renderer)
-      : renderer_(renderer), measured_(size_t(renderer.channels_ * kSize), 0.f) {
-    for (int i = 0; i < kSize; ++i) paths_[i].aovs = values(i) + renderer.scene_->film().measured_channels();
+      : renderer_(renderer), measured_(size_t(renderer.channels_ * kPaths), 0.f) {
+    for (int i = 0; i < kPaths; ++i) paths_[i].aovs = values(i) + renderer.scene_->film().measured_channels();
   }
 
-  /// Appends a path, and traces all where that makes the batch full: then calls `use(sample, measured)` for
-  /// each.
+  /// Appends a sample to be traced. What makes the batch full finishes it: calls `use(sample, measured)` for
+  /// each in order.
   template <class Use>
   void add(const SampleId& id, std::uint64_t key, const Use& use) {
-    renderer_.begin(id, key, paths_[count_], samples_[count_]);
-    if (++count_ == kSize) trace(use);
+    Entry& e = entries_[count_++];
+    e.sample.id = id, e.path = path_count_, e.values = values(path_count_);
+    weights_[path_count_] = renderer_.begin(key, paths_[path_count_], e.sample);
+    ++path_count_;
+    if (path_count_ == kPaths || count_ == kEntries) finish(use);
   }
-  /// Traces the paths that are left.
+  /// Appends a sample of the pilot.
   template <class Use>
-  void trace(const Use& use) {
-    renderer_.integrator_->radiance_of(*renderer_.scene_, std::span(paths_, size_t(count_)));
+  void add_traced(const SampleId& id, const float* record, const Use& use) {
+    const float* rest = record + renderer_.channels_;
+    entries_[count_++] = {{id, {rest[0], rest[1]}, rest[2], rest[3] != 0}, -1, record};
+    if (count_ == kEntries) finish(use);
+  }
+  /// Traces what is left.
+  template <class Use>
+  void finish(const Use& use) {
+    renderer_.integrator_->radiance_of(*renderer_.scene_, std::span(paths_, size_t(path_count_)));
     for (int i = 0; i < count_; ++i) {
-      renderer_.measure(paths_[i], samples_[i], values(i));
-      use(std::as_const(samples_[i]), const_cast<const float*>(values(i)));
+      Entry& e = entries_[i];
+      if (e.path >= 0) renderer_.measure(paths_[e.path], weights_[e.path], e.sample, values(e.path));
+      use(std::as_const(e.sample), e.values);
     }
-    count_ = 0;
+    count_ = path_count_ = 0;
   }
 
 private:
-  static constexpr int kSize = RadianceIntegrator::kTogether;
-  float* values(int i) { return &measured_[size_t(i * renderer_.channels_)]; }
+  static constexpr int kPaths = RadianceIntegrator::kTogether, kEntries = 4 * kPaths;
+  struct Entry {
+    Sample sample;
+    int path;  ///< -1: traced before
+    const float* values;
+  };
+  float* values(int path) { return &measured_[size_t(path * renderer_.channels_)]; }
 
   const CameraRenderer& renderer_;
-  CameraPath paths_[kSize];
-  Sample samples_[kSize];
+  CameraPath paths_[kPaths];
+  float weights_[kPaths];
+  Entry entries_[kEntries];
   std::vector<float> measured_;
-  int count_ = 0;
+  int count_ = 0, path_count_ = 0;
 };
 
 CameraRenderer::CameraRenderer(const Scene& scene, const RadianceIntegrator& integrator,
@@ -53,25 +78,27 @@ std::uint64_t CameraRenderer::key_of(int x, int y, int replicate) const {
   return pixel_key(seed_, replicate, x + scene_->film().crop_x(), y + scene_->film().crop_y());
 }
 
-void CameraRenderer::begin(const SampleId& id, std::uint64_t key, CameraPath& path, Sample& sample) const {
+float CameraRenderer::begin(std::uint64_t key, CameraPath& path, Sample& sample) const {
   const Film& film = scene_->film();
-  sample.id = id;
+  const SampleId& id = sample.id;
   const SensorRay camera = begin_camera_sample(*scene_, key, id.x + film.crop_x(), id.y + film.crop_y(),
                                                id.index, path.samples, path.wavelengths, sample.position);
   sample.position = sample.position - Vec2{float(film.crop_x()), float(film.crop_y())};
   path.ray = camera.ray;
-  sample.sensor_weight = camera.weight;
+  return camera.weight;
 }
 
-void CameraRenderer::measure(const CameraPath& path, Sample& sample, float* measured) const {
+void CameraRenderer::measure(const CameraPath& path, float sensor_weight, Sample& sample,
+                             float* measured) const {
   sample.alpha = path.result.alpha;
   sample.valid = is_valid_radiance(path.result.estimate);
   if (!sample.valid) return;
-  scene_->film().measure(path.result.estimate * sample.sensor_weight, path.wavelengths, measured);
+  scene_->film().measure(path.result.estimate * sensor_weight, path.wavelengths, measured);
   for (int c = 0; c < channels_; ++c) sample.valid &= std::abs(measured[c]) < kFixedLimit;
 }
 
-void CameraRenderer::trace(const RenderState& layout, std::int64_t index, CameraUnit& result) const {
+void CameraRenderer::trace(const RenderState& layout, std::int64_t index, const Pilot* pilot,
+                           CameraUnit& result) const {
   const WorkUnit u = layout.unit(index);
   const int border = filter_.border(), reach = 2 * border + 1, stride = channels_ + 2;
   result.replicate = u.replicate;
@@ -112,17 +139,40 @@ void CameraRenderer::trace(const RenderState& layout, std::int64_t index, Camera
       const std::int64_t first = samples_up_to(u.first, density), last = samples_up_to(u.last, density);
       // All pixels weigh the same, whatever their density: else the filter would favour the dense ones.
       const float weight = float(u.last - u.first) / float(last - first);
-      for (std::int64_t i = first; i < last; ++i) batch.add({x, y, i, weight}, key, use);
+      std::int64_t i = first;
+      if (pilot && !pilot->samples.empty() && u.replicate == 0) {
+        const float* records = &pilot->samples[pilot_record(layout, x, y)];
+        for (; i < std::min<std::int64_t>(last, kPilotSamples); ++i)
+          batch.add_traced({x, y, i, weight}, records + size_t(i) * record_size(channels_), use);
+      }
+      for (; i < last; ++i) batch.add({x, y, i, weight}, key, use);
     }
-  batch.trace(use);
+  batch.finish(use);
 }
 
-void CameraRenderer::trace_pilot(const RenderState& layout, std::int64_t tile,
-                                 std::span<PixelNoise> noise) const {
+double CameraRenderer::pilot_bytes(double pixels, int measured_channels) {
+  const double samples = pixels * kPilotSamples * double(record_size(measured_channels) * sizeof(float));
+  return pixels * sizeof(PixelNoise) + (samples <= kMostPilotBytes ? samples : 0);
+}
+
+size_t CameraRenderer::pilot_record(const RenderState& layout, int x, int y) const {
+  return layout.pixel_index(x, y) * kPilotSamples * record_size(channels_);
+}
+
+Pilot CameraRenderer::make_pilot(const RenderState& layout) const {
+  Pilot pilot;
+  const size_t pixels = layout.sampled_pixels();
+  pilot.noise.resize(pixels);
+  // A part that begins later has none of them.
+  if (layout.begin == 0 && pilot_bytes(double(pixels), channels_) > double(pixels * sizeof(PixelNoise)))
+    pilot.samples.resize(pixels * kPilotSamples * record_size(channels_));
+  return pilot;
+}
+
+void CameraRenderer::trace_pilot(const RenderState& layout, std::int64_t tile, Pilot& pilot) const {
+  static_assert(kPilotSamples <= samples_up_to(kSampleBlock, kMinDensityExponent));
   const WorkUnit u = layout.unit(tile);
-  const int border = layout.identity.border, width = layout.identity.width + 2 * border;
   const Film& film = scene_->film();
-  constexpr int kNoReplicate = -1;  // its random numbers are those of no picture
   struct Sums {
     double value[3] = {}, square[3] = {};
     int n = 0;
@@ -131,6 +181,12 @@ void CameraRenderer::trace_pilot(const RenderState& layout, std::int64_t tile,
   std::vector<double> channels(size_t(film.measured_channels()));
   const auto at = [&](int x, int y) { return size_t(y - u.y0) * size_t(u.x1 - u.x0) + size_t(x - u.x0); };
   const auto use = [&](const Sample& s, const float* values) {
+    if (!pilot.samples.empty()) {
+      float* record =
+          &pilot.samples[pilot_record(layout, s.id.x, s.id.y) + size_t(s.id.index) * record_size(channels_)];
+      record = std::copy(values, values + channels_, record);
+      record[0] = s.position.x, record[1] = s.position.y, record[2] = s.alpha, record[3] = s.valid;
+    }
     if (!s.valid) return;
     std::copy(values, values + channels.size(), channels.begin());
     float rgb[3];
@@ -141,14 +197,15 @@ void CameraRenderer::trace_pilot(const RenderState& layout, std::int64_t tile,
   };
   Batch batch(*this);
   for (int y = u.y0; y < u.y1; ++y)
-    for (int x = u.x0; x < u.x1; ++x)
-      for (int i = 0; i < kPilotSamples; ++i) batch.add({x, y, i, 1.f}, key_of(x, y, kNoReplicate), use);
-  batch.trace(use);
+    for (int x = u.x0; x < u.x1; ++x) {
+      const std::uint64_t key = key_of(x, y, 0);
+      for (int i = 0; i < kPilotSamples; ++i) batch.add({x, y, i, 1.f}, key, use);
+    }
+  batch.finish(use);
   for (int y = u.y0; y < u.y1; ++y)
     for (int x = u.x0; x < u.x1; ++x) {
       const Sums& p = sums[at(x, y)];
-      PixelNoise& result = noise[size_t(y + border) * size_t(width) + size_t(x + border)];
-      result = {};
+      PixelNoise& result = pilot.noise[layout.pixel_index(x, y)];
       if (p.n < 2) continue;
       for (int c = 0; c < 3; ++c) {
         result.mean += float(p.value[c] / p.n / 3);
@@ -162,10 +219,11 @@ std::optional<std::vector<float>> CameraRenderer::replay(int x, int y, std::int6
   std::vector<float> measured(static_cast<size_t>(channels_));
   CameraPath path;
   Sample sample;
-  begin({x, y, index, 1.f}, key_of(x, y, replicate), path, sample);
+  sample.id = {x, y, index, 1.f};
+  const float weight = begin(key_of(x, y, replicate), path, sample);
   path.result = integrator_->radiance(*scene_, path.ray, path.wavelengths, path.samples, log,
                                       measured.data() + scene_->film().measured_channels());
-  measure(path, sample, measured.data());
+  measure(path, weight, sample, measured.data());
   if (!sample.valid) return {};
   return measured;
 }

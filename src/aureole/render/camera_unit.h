@@ -26,17 +26,28 @@ struct CameraUnit {
   std::vector<Invalid> invalid;
 };
 
+/// The first kPilotSamples of each pixel of replicate 0.
+struct Pilot {
+  std::vector<PixelNoise> noise;  ///< of all pixels with those of the border, row by row
+  /// Their numbers, so that they need not be traced again; empty where they would need too much memory.
+  std::vector<float> samples;
+};
+
 class CameraRenderer {
 public:
   /// `measured_channels` are those of the film and then those of the integrator.
   CameraRenderer(const Scene& scene, const RadianceIntegrator& integrator, const FilterTable& filter,
                  std::uint64_t seed, int measured_channels);
 
-  /// Traces the paths of a unit of `layout`.
-  void trace(const RenderState& layout, std::int64_t unit, CameraUnit& result) const;
-  /// Traces kPilotSamples of each pixel of a tile of `layout`, which are in no picture. `noise` is of all
-  /// pixels of the layout, row by row.
-  void trace_pilot(const RenderState& layout, std::int64_t tile, std::span<PixelNoise> noise) const;
+  /// Traces the paths of a unit of `layout`, but for those of `pilot`, which may be null: the numbers are the
+  /// same bit for bit.
+  void trace(const RenderState& layout, std::int64_t unit, const Pilot* pilot, CameraUnit& result) const;
+  /// Room for the pilot of all pixels.
+  Pilot make_pilot(const RenderState& layout) const;
+  /// Bytes of that room.
+  static double pilot_bytes(double pixels, int measured_channels);
+  /// Traces the pilot of the pixels of a tile.
+  void trace_pilot(const RenderState& layout, std::int64_t tile, Pilot& pilot) const;
   /// Traces one path and logs its vertices; returns its measured channels, nothing where one is invalid.
   /// Pixel coordinates are relative to the crop's corner.
   std::optional<std::vector<float>> replay(int x, int y, std::int64_t sample, int replicate,
@@ -51,18 +62,22 @@ private:
   };
   struct Sample {
     SampleId id;
-    Vec2 position;        ///< relative to the crop's corner
-    float sensor_weight;  ///< of the radiance
+    Vec2 position;  ///< relative to the crop's corner
     float alpha;
     bool valid;
   };
   class Batch;
 
   std::uint64_t key_of(int x, int y, int replicate) const;
-  void begin(const SampleId& id, std::uint64_t key, CameraPath& path, Sample& sample) const;
+  /// Fills the path and the sample's position; returns the sensor's weight of the radiance.
+  float begin(std::uint64_t key, CameraPath& path, Sample& sample) const;
   /// `measured` receives the numbers of the film; those of the integrator are there already. Fills the rest
   /// of sample.
-  void measure(const CameraPath& path, Sample& sample, float* measured) const;
+  void measure(const CameraPath& path, float sensor_weight, Sample& sample, float* measured) const;
+  /// Numbers of a sample of the pilot.
+  static size_t record_size(int measured_channels) { return size_t(measured_channels) + 4; }
+  /// Those of a pixel's first sample.
+  size_t pilot_record(const RenderState& layout, int x, int y) const;
 
   const Scene* scene_;
   const RadianceIntegrator* integrator_;

@@ -105,8 +105,11 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
                        options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
   const std::vector<std::string> aovs = path_tracer ? path_tracer->aov_names() : std::vector<std::string>();
   const int channels = film.measured_channels() + int(aovs.size());
+  const int outside = film.sample_border() ? filter_.border() : 0;
+  const double sampled = double(film.crop_width() + 2 * outside) * (film.crop_height() + 2 * outside);
   const double needed =
-      2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates));
+      2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates)) +
+      (adaptive != AdaptiveError::none ? CameraRenderer::pilot_bytes(sampled, channels) : 0);
   const double available = available_memory_bytes();
   if (needed > 0.8 * available)
     throw Error(
@@ -128,7 +131,7 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   id.seed = seed;
   id.wavelengths = kWavelengths;
   id.width = film.crop_width(), id.height = film.crop_height();
-  id.border = film.sample_border() ? filter_.border() : 0;
+  id.border = outside;
   id.measured_channels = channels;
   id.replicates = options_.replicates;
   state_ = RenderState(std::move(id), development_of(film, aovs), options_.begin, end);
@@ -170,34 +173,41 @@ void RenderJob::render_light_unit(std::int64_t unit) {
 
 void RenderJob::render_unit(std::int64_t unit, CameraUnit& result) {
   if (splats_) return render_light_unit(unit);
-  camera_->trace(state_, unit, result);
+  const bool in_pilot = pilot_tiles_left_ > 0 && unit < state_.tiles();
+  camera_->trace(state_, unit, in_pilot ? pilot_.get() : nullptr, result);
   const std::lock_guard guard(lock_->mutex);
   state_.films[size_t(result.replicate)].add(result.x0, result.y0, result.width, result.height,
                                              result.sums.data());
   state_.done[size_t(unit)] = 1;
   state_.invalid_samples += result.invalid.size();
   for (const auto& s : result.invalid) keep_invalid({s.x, s.y, result.replicate, s.sample});
+  if (in_pilot && --pilot_tiles_left_ == 0) pilot_.reset();
 }
 
 void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
                                const std::function<void()>& tile_done) {
   const int border = state_.identity.border;
   const int width = state_.identity.width + 2 * border, height = state_.identity.height + 2 * border;
-  std::vector<PixelNoise> noise(size_t(width) * size_t(height));
+  const auto pilot = std::make_shared<Pilot>(camera_->make_pilot(state_));
   std::atomic<std::int64_t> next{0};
   run_workers(threads, [&](int thread) {
     while (!stop.load(std::memory_order_relaxed)) {
       const std::int64_t tile = next.fetch_add(1);
       if (tile >= state_.tiles()) return;
-      camera_->trace_pilot(state_, tile, noise);
+      camera_->trace_pilot(state_, tile, *pilot);
       if (thread == 0) tile_done();
     }
   });
   if (stop) return;
   std::vector<std::int8_t> density =
-      sample_densities(width, height, noise, adaptive_error(state_.identity.adaptive));
+      sample_densities(width, height, pilot->noise, adaptive_error(state_.identity.adaptive));
   const std::lock_guard guard(lock_->mutex);
   state_.density = std::move(density);
+  // Its samples are those of the first units, which are the tiles of replicate 0.
+  if (state_.begin == 0)
+    pilot_tiles_left_ =
+        std::count(state_.done.begin(), state_.done.begin() + state_.tiles(), std::uint8_t(0));
+  if (pilot_tiles_left_ > 0) pilot_ = pilot;
 }
 
 RenderState RenderJob::snapshot() const {

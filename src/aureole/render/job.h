@@ -43,6 +43,7 @@ struct Progress {
 };
 
 struct CameraUnit;
+struct Pilot;
 class CameraRenderer;
 struct SplatUnit;
 class SplatRenderer;
@@ -94,6 +95,8 @@ private:
   RenderOptions options_;
   FilterTable filter_;
   RenderState state_;
+  std::shared_ptr<const Pilot> pilot_;  ///< while units that hold its samples are to be rendered
+  std::atomic<std::int64_t> pilot_tiles_left_{0};
   bool wrote_state_ = false;
   std::string checkpoint_problem_;
   std::vector<InvalidSample> invalid_;

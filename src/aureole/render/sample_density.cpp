@@ -16,26 +16,30 @@ constexpr int kStepsPerOctave = 16;  ///< noise is sorted into classes of this w
 constexpr int kClasses =
     32 * kStepsPerOctave;  ///< below the noisiest pixel; what is beyond counts as the last
 
-/// Averages over windows that end at the borders of the picture.
-std::vector<double> smoothed(int width, int height, std::span<const PixelNoise> pixels,
-                             float PixelNoise::*value) {
-  const auto average = [](int n, const auto& get, const auto& set) {
-    for (int i = 0; i < n; ++i) {
-      const int from = std::max(0, i - kReach), to = std::min(n - 1, i + kReach);
-      double sum = 0;
-      for (int k = from; k <= to; ++k) sum += get(k);
-      set(i, sum / (to - from + 1));
-    }
-  };
+/// Averages over the pixels around each one, in windows that end at the borders of the picture.
+std::vector<double> around(int width, int height, std::span<const PixelNoise> pixels,
+                           float PixelNoise::*value) {
   const auto at = [width](int x, int y) { return size_t(y) * size_t(width) + size_t(x); };
+  const auto window = [](int i, int n) {
+    return std::pair(std::max(0, i - kReach), std::min(n - 1, i + kReach));
+  };
   std::vector<double> rows(pixels.size()), result(pixels.size());
   for (int y = 0; y < height; ++y)
-    average(
-        width, [&](int x) { return double(pixels[at(x, y)].*value); },
-        [&](int x, double v) { rows[at(x, y)] = v; });
-  for (int x = 0; x < width; ++x)
-    average(
-        height, [&](int y) { return rows[at(x, y)]; }, [&](int y, double v) { result[at(x, y)] = v; });
+    for (int x = 0; x < width; ++x) {
+      const auto [from, to] = window(x, width);
+      for (int k = from; k <= to; ++k) rows[at(x, y)] += double(pixels[at(k, y)].*value);
+    }
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const auto [left, right] = window(x, width);
+      const auto [top, bottom] = window(y, height);
+      const int count = (right - left + 1) * (bottom - top + 1) - 1;
+      // Without subtracting: of a value that is much larger than the others nothing may be left.
+      double sum = 0;
+      for (int k = top; k <= bottom; ++k) sum += k == y ? 0 : rows[at(x, k)];
+      for (int k = left; k <= right; ++k) sum += k == x ? 0 : double(pixels[at(k, y)].*value);
+      result[at(x, y)] = count > 0 ? sum / count : 0;
+    }
   return result;
 }
 
@@ -49,8 +53,8 @@ int exponent_of(int noise_class, int top) {
 
 std::vector<std::int8_t> sample_densities(int width, int height, std::span<const PixelNoise> pixels,
                                           AdaptiveError error) {
-  std::vector<double> noise = smoothed(width, height, pixels, &PixelNoise::variance);
-  const std::vector<double> mean = smoothed(width, height, pixels, &PixelNoise::mean);
+  std::vector<double> noise = around(width, height, pixels, &PixelNoise::variance);
+  const std::vector<double> mean = around(width, height, pixels, &PixelNoise::mean);
   double picture_mean = 0;
   for (double m : mean) picture_mean += std::abs(m) / double(mean.size());
   // Where next to nothing is seen an error is next to nothing, too.

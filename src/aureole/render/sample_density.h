@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Adaptive sampling: how many samples each pixel takes for every sample per pixel of the picture. The numbers
-// come from a pilot whose samples are not part of the picture, so that the picture stays unbiased, and are
-// fixed before it begins, so that parts, checkpoints and merges work as they do without. May change: the
-// window, the bounds.
+// come from a pilot, the first samples of all pixels, and are fixed before the picture begins, so that parts,
+// checkpoints and merges work as they do without. A pixel's number depends on its neighbours' samples and not
+// on its own, so that the picture stays unbiased. May change: the window, the bounds.
 #pragma once
 
 #include <cstdint>
@@ -13,11 +13,11 @@
 
 namespace aureole {
 
-/// Samples per pixel of the pilot.
-inline constexpr int kPilotSamples = 4;
-
 /// Densities are powers of two, so that a pixel always has whole nets of its sampler.
 inline constexpr int kMinDensityExponent = -1, kMaxDensityExponent = 2;
+
+/// Samples per pixel of the pilot: no more than every pixel has in a block.
+inline constexpr int kPilotSamples = 8;
 
 /// What a pixel's own samples say: linear sRGB, averaged over the three channels.
 struct PixelNoise {
@@ -34,7 +34,7 @@ constexpr std::int64_t samples_up_to(std::int64_t n, int exponent) {
 /// Exponents of the densities of all pixels, row by row. A pixel's density is proportional to variance^.4, in
 /// the units of `error`, which makes the sum of squared errors that fall as n^-1.5 least for a number of
 /// samples; then rounded to a power of two. They add up to at most one per pixel. Noise and brightness are
-/// averages over 7 x 7 pixels.
+/// averages over the 7 x 7 pixels around, without the pixel itself.
 std::vector<std::int8_t> sample_densities(int width, int height, std::span<const PixelNoise> pixels,
                                           AdaptiveError error);
 

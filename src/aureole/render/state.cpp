@@ -204,8 +204,7 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     s.invalid_samples = j.at("invalid_samples"), s.seconds = j.at("seconds");
     p += header_size;
     const std::size_t density_size = j.at("density_size");
-    const std::size_t pixels = std::size_t(id.width + 2 * id.border) * std::size_t(id.height + 2 * id.border);
-    if (density_size != 0 && density_size != pixels) throw broken;
+    if (density_size != 0 && density_size != s.sampled_pixels()) throw broken;
     s.density.resize(density_size);
     std::size_t needed = s.done.size() + density_size;
     for (auto& f : s.films) needed += f.data().size() * sizeof(Fixed);

@@ -66,12 +66,16 @@ public:
   std::int64_t units_per_block() const { return tiles() * identity.replicates; }
   std::int64_t units() const { return blocks() * units_per_block(); }
   std::int64_t units_done() const;
-  int density_exponent(int x, int y) const {
-    if (density.empty()) return 0;
+  /// Pixels that have samples, with those of the border, and the place of one among them, row by row.
+  std::size_t sampled_pixels() const {
     const int border = identity.border;
-    return density[std::size_t(y + border) * std::size_t(identity.width + 2 * border) +
-                   std::size_t(x + border)];
+    return std::size_t(identity.width + 2 * border) * std::size_t(identity.height + 2 * border);
   }
+  std::size_t pixel_index(int x, int y) const {
+    const int border = identity.border;
+    return std::size_t(y + border) * std::size_t(identity.width + 2 * border) + std::size_t(x + border);
+  }
+  int density_exponent(int x, int y) const { return density.empty() ? 0 : density[pixel_index(x, y)]; }
   /// Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
   WorkUnit unit(std::int64_t index) const;
   /// Samples that every pixel has; partly done blocks do not count.

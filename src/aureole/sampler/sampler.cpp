@@ -38,8 +38,8 @@ std::vector<ParameterDoc> sampler_parameters() {
       {"adaptive", "string", "", "none",
        "none; absolute, display or relative: pixels take half to 4 times as many samples, more where "
        "noise is, so that squared errors of the picture are small, in units of 1, of the square root of the "
-       "brightness (as seen on a display) or of the brightness. `sample_count` is the mean; a pilot of "
-       "4 samples per pixel that finds the noise is not in the picture, which stays unbiased"}};
+       "brightness (as seen on a display) or of the brightness. `sample_count` is the mean. The first 8 samples "
+       "of all pixels find the noise; the picture stays unbiased"}};
 }
 
 }  // namespace aureole
