@@ -234,10 +234,12 @@ def ratios(asked, score, which, name):
 
 
 def same_picture(scene, asked, means, noise, weight):
-    """The programs' mean pictures must agree: the RMS difference beyond that of the noise, relative as in relRMSE."""
+    """The programs' mean pictures must agree: the RMS difference beyond that of the noise, relative as in relRMSE.
+
+    Without adaptive ones, whose random numbers are those of the sampler's own pictures."""
     pooled, square = [], 0.0
     for mine in (True, False):
-        own = [c for c in means if (c.program == "aureole") == mine]
+        own = [c for c in means if (c.program == "aureole") == mine and ", " not in c.sampler]
         pooled.append(np.mean([means[c] for c in own], axis=0))
         square += sum(noise[c] for c in own) / len(own) ** 2
     beyond = np.sqrt(max(0.0, (weight * (pooled[0] - pooled[1]) ** 2).mean() - square))

@@ -93,7 +93,9 @@ private:
     for (int tick = 1; !done_; ++tick) {
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
       try {
-        if (tick % 20 == 0) write_preview(job_.snapshot(), output_);
+        if (tick % 20 != 0) continue;
+        const RenderState state = job_.snapshot();
+        if (state.units_done() > 0) write_preview(state, output_);
       } catch (const std::exception& e) {
         fmt::print(stderr, "\nnote: no more previews: {}\n", e.what());
         return;
@@ -135,6 +137,10 @@ int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, c
   const PathLog log =
       verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog();
   if (job.traces_light()) return replay_light_paths(job, scene, int(x), int(y), options.begin, end, log);
+  if (job.state().identity.adaptive != "none")
+    fmt::print(
+        "samples are numbered by pixel: in an adaptive picture this one may have half or up to 4 times as "
+        "many\n");
   std::vector<double> sum;
   std::int64_t valid = 0;
   for (std::int64_t i = options.begin; i < end; ++i) {
@@ -197,7 +203,7 @@ int render(const Arguments& a) {
     options.keep_state = true;
   }
   if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
-  if (!a.adaptive.empty()) options.adaptive = adaptive_error(a.adaptive);
+  if (!a.adaptive.empty()) options.adaptive = adaptive_target(a.adaptive);
   options.threads = a.threads;
   options.replicates = a.replicates;
   options.time_limit_s = a.time_s;
@@ -244,6 +250,10 @@ int render(const Arguments& a) {
     if (a.preview) preview.emplace(job, output);
     outcome = job.run(stop_requested, [&](const Progress& p) { line.show(p); });
   }
+  if (job.state().units_done() == 0) {
+    fmt::print(stderr, "interrupted before anything was done: no picture is written\n");
+    return 1;
+  }
   write_pictures(job.state(), output);
   job.remove_state();
   if (!job.checkpoint_problem().empty())
@@ -264,8 +274,11 @@ int render(const Arguments& a) {
     const double mean = mean_density(state.density);
     const double rate = double(state.samples_everywhere()) * state.identity.width * state.identity.height *
                         state.identity.replicates;
-    fmt::print(stderr, "{} samples per pixel{} in {:.2f} s ({:.2f} Msamples/s)\n", state.samples_everywhere(),
-               state.density.empty() ? "" : fmt::format(", {:.2f} times as many on average,", mean),
+    const std::int64_t samples = state.samples_everywhere();
+    fmt::print(stderr, "{} in {:.2f} s ({:.2f} Msamples/s)\n",
+               state.density.empty()
+                   ? fmt::format("{} samples per pixel", samples)
+                   : fmt::format("{:.2f} samples per pixel on average", double(samples) * mean),
                state.seconds, rate * mean / std::max(1e-9, state.seconds) * 1e-6);
     fmt::print("{}\n{}\n", output.string(), std::filesystem::path(output).replace_extension(".png").string());
   }
@@ -302,8 +315,10 @@ void add_render_command(CLI::App& app, CommandResult& result) {
   c->add_option("--replicates", a->replicates,
                 "render R independently scrambled pictures; store their mean and its variance");
   c->add_option("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
-  c->add_option("--adaptive", a->adaptive,
-                "more samples where noise is, --spp on average: absolute, display or relative error; none");
+  c->add_option(
+       "--adaptive", a->adaptive,
+       "more samples where noise is, at most --spp on average: for absolute, display or relative error")
+      ->check(CLI::IsMember(adaptive_target_names()));
   c->add_option("--integrator", a->integrator,
                 "replace the scene's integrator: path, direct, ptracer, depth, ...");
   c->add_option("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");

@@ -42,7 +42,7 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
     replicates : int
         Independently scrambled pictures; with two or more the image has a variance.
     adaptive : {"none", "absolute", "display", "relative"}, optional
-        Pixels take half to 4 times as many samples, more where noise is, `spp` on average: for small squared errors of
+        Pixels take half to 4 times as many samples, more where noise is, at most `spp` on average: for small squared errors of
         the picture, of the picture as a display shows it, or in units of each pixel's brightness. By default the scene's.
     progress : bool or callable
         A bar in terminals and notebooks, or a function of (units done, units, seconds, samples per second).

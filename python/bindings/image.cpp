@@ -13,6 +13,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/render/output.h"
+#include "aureole/render/sample_density.h"
 #include "bindings.h"
 #include "picture.h"
 
@@ -135,6 +136,7 @@ void bind_image(nb::module_& m) {
                      d["seed"] = s.identity.seed;
                      d["sampler"] = s.identity.sampler;
                      d["adaptive"] = s.identity.adaptive;
+                     d["mean_density"] = mean_density(s.density);
                      d["integrator"] = s.identity.integrator;
                      d["version"] = s.identity.version;
                      d["replicates"] = s.identity.replicates;

@@ -354,7 +354,7 @@ void bind_scene(nb::module_& m) {
          const std::optional<std::string>& adaptive, const std::shared_ptr<Picture>& start,
          const nb::object& progress) {
         RenderOptions options;
-        if (adaptive) options.adaptive = adaptive_error(*adaptive);
+        if (adaptive) options.adaptive = adaptive_target(*adaptive);
         options.begin = begin, options.end = end, options.seed = seed;
         options.threads = threads, options.replicates = replicates, options.time_limit_s = time_limit_s;
         return render(scene, options, start, progress);

@@ -295,7 +295,7 @@ TEST_F(Cli, BadArguments) {
   refused_arguments({"render", s, "-o", out(), "--samples", "32:16"}, "nothing to render");
   refused_arguments({"render", s, "-o", out(), "--replicates", "0"}, "--replicates");
   refused_arguments({"render", s, "-o", out(), "--sampler", "sobl"}, "sobol");
-  refused_arguments({"render", s, "-o", out(), "--adaptive", "some"}, "absolute, display, relative");
+  refused_arguments({"render", s, "-o", out(), "--adaptive", "some"}, "display");
   refused_arguments({"render", s, "-o", out(), "--adaptive", "display", "--integrator", "ptracer"},
                     "start at emitters");
   refused_arguments({"render", s, "-o", out(), "--integrator", "pth"}, "path");

@@ -16,8 +16,14 @@ namespace aureole::test {
 namespace {
 
 const std::atomic<bool> kGo{false};
-constexpr AdaptiveError kErrors[] = {AdaptiveError::absolute, AdaptiveError::display,
-                                     AdaptiveError::relative};
+constexpr AdaptiveTarget kErrors[] = {AdaptiveTarget::absolute, AdaptiveTarget::display,
+                                      AdaptiveTarget::relative};
+
+std::shared_ptr<const Scene> changed_scene(const std::string& from, const std::string& to) {
+  std::string text = small_scene_text();
+  text.replace(text.find(from), from.size(), to);
+  return std::make_shared<const Scene>(load_scene_from_string(text, "small.xml"));
+}
 
 RenderState rendered(const RenderOptions& options, std::shared_ptr<const Scene> scene = small_scene()) {
   RenderJob job(std::move(scene), options);
@@ -27,7 +33,7 @@ RenderState rendered(const RenderOptions& options, std::shared_ptr<const Scene> 
 
 TEST(SampleDensity, NoiseThatIsTheSameEverywhereChangesNothing) {
   for (const float variance : {0.f, 1e-20f, 1.f, 1e20f})
-    for (const AdaptiveError error : kErrors) {
+    for (const AdaptiveTarget error : kErrors) {
       const std::vector<PixelNoise> pixels(30 * 20, {2.f, variance});
       for (const std::int8_t e : sample_densities(30, 20, pixels, error)) EXPECT_EQ(e, 0);
     }
@@ -38,7 +44,7 @@ TEST(SampleDensity, HardlyMoreSamplesThanAskedForAndHardlyFewer) {
   // Noise over eight decades.
   std::vector<PixelNoise> pixels;
   for (int i = 0; i < 64 * 64; ++i) pixels.push_back({1, float(std::pow(10.0, 8.0 * i / (64 * 64) - 4))});
-  const std::vector<std::int8_t> density = sample_densities(64, 64, pixels, AdaptiveError::absolute);
+  const std::vector<std::int8_t> density = sample_densities(64, 64, pixels, AdaptiveTarget::absolute);
   EXPECT_LE(mean_density(density), 1);
   EXPECT_GT(mean_density(density), 0.9);
   EXPECT_EQ(density.front(), kMinDensityExponent);
@@ -49,7 +55,7 @@ TEST(SampleDensity, HardlyMoreSamplesThanAskedForAndHardlyFewer) {
 TEST(SampleDensity, UnitsOfTheError) {
   // The right half has 16 times the brightness. Noise that is the same in the unit of the error counts as the
   // same; else there are more samples where there is more.
-  const auto ratio = [](float variance_left, float variance_right, AdaptiveError error) {
+  const auto ratio = [](float variance_left, float variance_right, AdaptiveTarget error) {
     std::vector<PixelNoise> pixels;
     for (int y = 0; y < 40; ++y)
       for (int x = 0; x < 40; ++x)
@@ -59,19 +65,19 @@ TEST(SampleDensity, UnitsOfTheError) {
   };
   // Both levels with a tenth of the mean.
   const float levels = (16 + .85f) / (1 + .85f);
-  EXPECT_EQ(ratio(1, 1, AdaptiveError::absolute), 0);
-  EXPECT_EQ(ratio(1, levels, AdaptiveError::display), 0);
-  EXPECT_EQ(ratio(1, levels * levels, AdaptiveError::relative), 0);
-  EXPECT_GT(ratio(1, 8, AdaptiveError::absolute), 0);
-  EXPECT_GT(ratio(1, 8 * levels, AdaptiveError::display), 0);
-  EXPECT_LT(ratio(8, levels, AdaptiveError::display), 0);
-  EXPECT_LT(ratio(8, levels * levels, AdaptiveError::relative), 0);
+  EXPECT_EQ(ratio(1, 1, AdaptiveTarget::absolute), 0);
+  EXPECT_EQ(ratio(1, levels, AdaptiveTarget::display), 0);
+  EXPECT_EQ(ratio(1, levels * levels, AdaptiveTarget::relative), 0);
+  EXPECT_GT(ratio(1, 8, AdaptiveTarget::absolute), 0);
+  EXPECT_GT(ratio(1, 8 * levels, AdaptiveTarget::display), 0);
+  EXPECT_LT(ratio(8, levels, AdaptiveTarget::display), 0);
+  EXPECT_LT(ratio(8, levels * levels, AdaptiveTarget::relative), 0);
 }
 
 TEST(SampleDensity, APixelsOwnSamplesDoNotCount) {
   std::vector<PixelNoise> pixels;
   for (int i = 0; i < 40 * 40; ++i) pixels.push_back({1 + .01f * float(i % 7), 1 + float(i % 13)});
-  for (const AdaptiveError error : kErrors) {
+  for (const AdaptiveTarget error : kErrors) {
     const auto before = sample_densities(40, 40, pixels, error);
     for (const int at : {0, 39, 5 * 40 + 20, 39 * 40 + 39}) {
       auto changed = pixels;
@@ -82,7 +88,7 @@ TEST(SampleDensity, APixelsOwnSamplesDoNotCount) {
       EXPECT_NE(after, before) << "its neighbours have more";
     }
   }
-  EXPECT_EQ(sample_densities(1, 1, std::vector<PixelNoise>{{1, 1}}, AdaptiveError::display),
+  EXPECT_EQ(sample_densities(1, 1, std::vector<PixelNoise>{{1, 1}}, AdaptiveTarget::display),
             std::vector<std::int8_t>{0});
 }
 
@@ -97,18 +103,18 @@ TEST(SampleDensity, EveryPixelHasSamplesAndWholeBlocksAreExact) {
 }
 
 TEST(Adaptive, ThePictureIsThatOfEqualSamples) {
-  // A filter that mixes pixels of different density: they must weigh the same. 11 samples cut a block.
+  // A filter that mixes pixels of different density: they must weigh the same. 23 samples cut a block.
   const std::string border = R"(<boolean name="sample_border" value="true"/>)";
-  for (const AdaptiveError error : kErrors) {
+  for (const AdaptiveTarget error : kErrors) {
     RenderOptions options;
-    options.end = error == AdaptiveError::relative ? 11 : 32;
+    options.end = error == AdaptiveTarget::relative ? 23 : 32;
     options.replicates = 64;
-    options.adaptive = AdaptiveError::none;
+    options.adaptive = AdaptiveTarget::none;
     const Image equal = rendered(options, small_scene(40, 28, border)).picture();
     options.adaptive = error;
     options.seed = 1;
     const RenderState state = rendered(options, small_scene(40, 28, border));
-    EXPECT_EQ(state.density.size(), size_t(44 * 32)) << "the border has densities, too";
+    ASSERT_EQ(state.density.size(), size_t(44 * 32)) << "the border has densities, too";
     EXPECT_LT(*std::min_element(state.density.begin(), state.density.end()), 0);
     EXPECT_GT(*std::max_element(state.density.begin(), state.density.end()), 0);
     const Comparison c = compare_images(state.picture(), equal);
@@ -138,7 +144,7 @@ TEST(Adaptive, SquaredErrorsFall) {
   RenderOptions options;
   options.end = 32;
   options.replicates = 24;
-  const auto error = [&](AdaptiveError adaptive, int power) {
+  const auto error = [&](AdaptiveTarget adaptive, int power) {
     options.adaptive = adaptive;
     const RenderState state = rendered(options, scene);
     EXPECT_LE(mean_density(state.density), 1);
@@ -155,13 +161,14 @@ TEST(Adaptive, SquaredErrorsFall) {
     return sum;
   };
   const struct {
-    AdaptiveError error;
+    AdaptiveTarget error;
     int power;
     double at_most;
-  } cases[] = {
-      {AdaptiveError::absolute, 0, .25}, {AdaptiveError::display, 1, .25}, {AdaptiveError::relative, 2, .4}};
+  } cases[] = {{AdaptiveTarget::absolute, 0, .25},
+               {AdaptiveTarget::display, 1, .25},
+               {AdaptiveTarget::relative, 2, .4}};
   for (const auto& c : cases) {
-    const double ratio = error(c.error, c.power) / error(AdaptiveError::none, c.power);
+    const double ratio = error(c.error, c.power) / error(AdaptiveTarget::none, c.power);
     std::printf("%s: squared error %.3f of that of equal samples\n", name_of(c.error).c_str(), ratio);
     EXPECT_LT(ratio, c.at_most) << name_of(c.error);
   }
@@ -169,7 +176,7 @@ TEST(Adaptive, SquaredErrorsFall) {
 
 TEST(Adaptive, ThreadsDoNotChangeABit) {
   RenderOptions options;
-  options.adaptive = AdaptiveError::display;
+  options.adaptive = AdaptiveTarget::display;
   options.threads = 1;
   const RenderState one = rendered(options);
   for (int threads : {2, 8}) {
@@ -178,13 +185,13 @@ TEST(Adaptive, ThreadsDoNotChangeABit) {
     EXPECT_EQ(one.density, other.density);
     EXPECT_TRUE(same_bits(one, other)) << threads << " threads";
   }
-  options.adaptive = AdaptiveError::none;
+  options.adaptive = AdaptiveTarget::none;
   EXPECT_FALSE(same_bits(one, rendered(options)));
 }
 
 TEST(Adaptive, PartsMergeToTheWhole) {
   RenderOptions options;
-  options.adaptive = AdaptiveError::absolute;
+  options.adaptive = AdaptiveTarget::absolute;
   const RenderState whole = rendered(options);
   options.begin = 16, options.end = 48;
   RenderState sum = rendered(options);
@@ -193,14 +200,14 @@ TEST(Adaptive, PartsMergeToTheWhole) {
   sum.merge(rendered(options));
   EXPECT_TRUE(same_bits(whole, sum));
   options.begin = 48, options.end = 64;
-  options.adaptive = AdaptiveError::none;
+  options.adaptive = AdaptiveTarget::none;
   EXPECT_THROW(sum.merge(rendered(options)), Error);
 }
 
 TEST(Adaptive, InterruptedAnywhereAndResumed) {
   const TemporaryFolder folder;
   RenderOptions options;
-  options.adaptive = AdaptiveError::absolute;
+  options.adaptive = AdaptiveTarget::absolute;
   const RenderState whole = rendered(options);
   options.state_file = folder.path / "job.state";
   {
@@ -210,15 +217,6 @@ TEST(Adaptive, InterruptedAnywhereAndResumed) {
     EXPECT_EQ(job.run(stop), RenderJob::Outcome::interrupted);
     EXPECT_TRUE(job.state().density.empty());
     EXPECT_EQ(job.state().units_done(), 0);
-  }
-  {
-    // With the densities but without the pilot's samples, which are traced again.
-    RenderJob job(small_scene(), options);
-    RenderState state = job.state();
-    state.density = whole.density;
-    job.resume(state);
-    EXPECT_EQ(job.run(kGo), RenderJob::Outcome::finished);
-    EXPECT_TRUE(same_bits(whole, job.state()));
   }
   options.time_limit_s = 1e-6;
   RenderJob part(small_scene(), options);
@@ -232,21 +230,107 @@ TEST(Adaptive, InterruptedAnywhereAndResumed) {
   rest.resume(saved);
   EXPECT_EQ(rest.run(kGo), RenderJob::Outcome::finished);
   EXPECT_TRUE(same_bits(whole, rest.state()));
-  options.adaptive = AdaptiveError::relative;
+  options.adaptive = AdaptiveTarget::relative;
   RenderJob other(small_scene(), options);
   EXPECT_THROW(other.resume(saved), Error);
 }
 
+TEST(Adaptive, ThePilotsSamplesAreTheFirst) {
+  // Kept or, where a job has the densities alone, traced again.
+  const std::string path = R"(<integrator type="path"><integer name="max_depth" value="7"/></integrator>)";
+  const std::string gaussian = R"(<rfilter type="gaussian"/>)";
+  const std::shared_ptr<const Scene> scenes[] = {
+      small_scene(), changed_scene(gaussian, R"(<rfilter type="box"/>)"),
+      changed_scene(gaussian, gaussian + R"(<integer name="crop_offset_x" value="5"/>)"),
+      changed_scene(path, R"(<integrator type="aov"><string name="aovs" value="d:depth,n:sh_normal"/>)" +
+                              path + "</integrator>"),
+      changed_scene(path, R"(<integrator type="moment">)" + path + "</integrator>")};
+  for (size_t i = 0; i < std::size(scenes); ++i) {
+    RenderOptions options;
+    options.adaptive = AdaptiveTarget::display;
+    options.replicates = 2;
+    const RenderState whole = rendered(options, scenes[i]);
+    RenderJob again(scenes[i], options);
+    RenderState state = again.state();
+    state.density = whole.density;
+    again.resume(state);
+    EXPECT_EQ(again.run(kGo), RenderJob::Outcome::finished);
+    EXPECT_TRUE(same_bits(whole, again.state())) << i;
+    // More samples of a picture whose densities are fixed.
+    options.end = 96;
+    RenderJob more(scenes[i], options);
+    more.resume(whole);
+    EXPECT_EQ(more.run(kGo), RenderJob::Outcome::finished);
+    EXPECT_TRUE(same_bits(rendered(options, scenes[i]), more.state())) << i;
+  }
+}
+
+TEST(Adaptive, FewSamplesAreTheSameForAll) {
+  for (const int spp : {1, 4, 15}) {
+    RenderOptions options;
+    options.end = spp;
+    const RenderState equal = rendered(options);
+    options.adaptive = AdaptiveTarget::display;
+    const RenderState state = rendered(options);
+    EXPECT_EQ(state.identity.adaptive, "none");
+    EXPECT_TRUE(same_bits(equal, state));
+  }
+}
+
+TEST(Adaptive, StatesThatContradictThemselvesAreRefused) {
+  const TemporaryFolder folder;
+  const auto loads = [&](const RenderState& state) {
+    state.save(folder.path / "a.state");
+    try {
+      RenderState::load(folder.path / "a.state");
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  };
+  RenderOptions options;
+  options.adaptive = AdaptiveTarget::absolute;
+  options.end = 16;
+  const RenderState good = rendered(options);
+  EXPECT_TRUE(loads(good));
+  RenderState s = good;
+  s.density[3] = kMaxDensityExponent + 1;
+  EXPECT_FALSE(loads(s));
+  s = good;
+  s.density.pop_back();
+  EXPECT_FALSE(loads(s));
+  s = good;
+  s.density.clear();
+  EXPECT_FALSE(loads(s)) << "units are done, with what density?";
+  s = good;
+  s.identity.adaptive = "none";
+  EXPECT_FALSE(loads(s));
+  s.identity.adaptive = "some";
+  EXPECT_FALSE(loads(s));
+  s = good;
+  s.identity.width = 1 << 20, s.identity.height = 1 << 20;
+  EXPECT_FALSE(loads(s)) << "what is not in the file is not allocated";
+
+  options.begin = 16, options.end = 32;
+  RenderState other = rendered(options);
+  std::swap(other.density.front(), *std::max_element(other.density.begin(), other.density.end()));
+  s = good;
+  if (other.density != good.density) {
+    EXPECT_THROW(s.merge(other), Error);
+  } else {
+    ADD_FAILURE() << "the densities are the same";
+  }
+}
+
 TEST(Adaptive, FromTheScene) {
-  std::string text = small_scene_text();
   const std::string count = R"(<integer name="sample_count" value="48"/>)";
-  text.replace(text.find(count), count.size(), count + R"(<string name="adaptive" value="relative"/>)");
-  const auto scene = std::make_shared<const Scene>(load_scene_from_string(text, "small.xml"));
+  const auto scene = changed_scene(count, count + R"(<string name="adaptive" value="relative"/>)");
+  EXPECT_EQ(scene->hash(), small_scene()->hash()) << "as the number of samples, it belongs to the render";
   EXPECT_EQ(RenderJob(scene, {}).state().identity.adaptive, "relative");
   RenderOptions options;
-  options.adaptive = AdaptiveError::none;
+  options.adaptive = AdaptiveTarget::none;
   EXPECT_EQ(RenderJob(scene, options).state().identity.adaptive, "none");
-  EXPECT_THROW(adaptive_error("Display"), Error);
+  EXPECT_THROW(adaptive_target("Display"), Error);
 }
 
 TEST(Adaptive, RefusesPathsFromEmitters) {
@@ -255,7 +339,7 @@ TEST(Adaptive, RefusesPathsFromEmitters) {
   const auto scene =
       std::make_shared<const Scene>(load_scene_from_string(small_scene_text(), "small.xml", load));
   RenderOptions options;
-  options.adaptive = AdaptiveError::display;
+  options.adaptive = AdaptiveTarget::display;
   EXPECT_THROW(RenderJob(scene, options), Error);
   options.adaptive.reset();
   EXPECT_NO_THROW(RenderJob(scene, options));

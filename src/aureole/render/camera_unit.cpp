@@ -150,9 +150,10 @@ void CameraRenderer::trace(const RenderState& layout, std::int64_t index, const 
   batch.finish(use);
 }
 
-double CameraRenderer::pilot_bytes(double pixels, int measured_channels) {
+double CameraRenderer::pilot_bytes(double pixels, int measured_channels, std::int64_t begin) {
   const double samples = pixels * kPilotSamples * double(record_size(measured_channels) * sizeof(float));
-  return pixels * sizeof(PixelNoise) + (samples <= kMostPilotBytes ? samples : 0);
+  // A part that begins later has none of them.
+  return pixels * sizeof(PixelNoise) + (begin == 0 && samples <= kMostPilotBytes ? samples : 0);
 }
 
 size_t CameraRenderer::pilot_record(const RenderState& layout, int x, int y) const {
@@ -163,8 +164,7 @@ Pilot CameraRenderer::make_pilot(const RenderState& layout) const {
   Pilot pilot;
   const size_t pixels = layout.sampled_pixels();
   pilot.noise.resize(pixels);
-  // A part that begins later has none of them.
-  if (layout.begin == 0 && pilot_bytes(double(pixels), channels_) > double(pixels * sizeof(PixelNoise)))
+  if (pilot_bytes(double(pixels), channels_, layout.begin) > double(pixels * sizeof(PixelNoise)))
     pilot.samples.resize(pixels * kPilotSamples * record_size(channels_));
   return pilot;
 }

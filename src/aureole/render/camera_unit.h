@@ -44,8 +44,8 @@ public:
   void trace(const RenderState& layout, std::int64_t unit, const Pilot* pilot, CameraUnit& result) const;
   /// Room for the pilot of all pixels.
   Pilot make_pilot(const RenderState& layout) const;
-  /// Bytes of that room.
-  static double pilot_bytes(double pixels, int measured_channels);
+  /// Bytes of that room for a picture whose samples start at `begin`.
+  static double pilot_bytes(double pixels, int measured_channels, std::int64_t begin);
   /// Traces the pilot of the pixels of a tile.
   void trace_pilot(const RenderState& layout, std::int64_t tile, Pilot& pilot) const;
   /// Traces one path and logs its vertices; returns its measured channels, nothing where one is invalid.

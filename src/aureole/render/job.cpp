@@ -89,12 +89,16 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   if (end > std::int64_t(1) << 32)
     throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options_.begin, end));
   const std::uint64_t seed = options_.seed.value_or(sampler.seed());
-  const AdaptiveError adaptive = options_.adaptive.value_or(sampler.adaptive());
-  if (adaptive != AdaptiveError::none) {
+  AdaptiveTarget adaptive = options_.adaptive.value_or(sampler.adaptive());
+  // Less than a block is less than twice the pilot.
+  if (end - options_.begin < kSampleBlock) adaptive = AdaptiveTarget::none;
+  if (adaptive != AdaptiveTarget::none) {
     if (light_tracer)
-      throw Error(integrator->properties().where(),
-                  fmt::format("paths of \"{}\" start at emitters: they can't be adaptive to pixels",
-                              integrator->properties().type()));
+      throw Error(
+          integrator->properties().where(),
+          fmt::format("paths of \"{}\" start at emitters: they can't be adaptive to pixels (\"adaptive\" "
+                      "of the sampler, or --adaptive, must be none)",
+                      integrator->properties().type()));
     if (end > (std::int64_t(1) << 32) >> kMaxDensityExponent)
       throw Error(fmt::format("samples {}:{}: at most 2^{} samples per pixel where they are adaptive",
                               options_.begin, end, 32 - kMaxDensityExponent));
@@ -109,7 +113,9 @@ RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& op
   const double sampled = double(film.crop_width() + 2 * outside) * (film.crop_height() + 2 * outside);
   const double needed =
       2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates)) +
-      (adaptive != AdaptiveError::none ? CameraRenderer::pilot_bytes(sampled, channels) : 0);
+      (adaptive != AdaptiveTarget::none
+           ? CameraRenderer::pilot_bytes(sampled, channels, options_.begin) + density_bytes(sampled)
+           : 0);
   const double available = available_memory_bytes();
   if (needed > 0.8 * available)
     throw Error(
@@ -146,6 +152,8 @@ void RenderJob::resume(RenderState state) {
     throw Error("the saved state belongs to another picture: they differ in their " + d);
   state.set_range(state_.begin, state_.end);
   state_ = std::move(state);
+  pilot_.reset();
+  pilot_tiles_left_ = 0;
   wrote_state_ = true;
 }
 
@@ -185,22 +193,30 @@ void RenderJob::render_unit(std::int64_t unit, CameraUnit& result) {
 }
 
 void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
-                               const std::function<void()>& tile_done) {
+                               const std::function<void(std::int64_t)>& report) {
   const int border = state_.identity.border;
   const int width = state_.identity.width + 2 * border, height = state_.identity.height + 2 * border;
   const auto pilot = std::make_shared<Pilot>(camera_->make_pilot(state_));
-  std::atomic<std::int64_t> next{0};
+  std::atomic<std::int64_t> next{0}, traced{0};
+  std::atomic<bool> failed{false};
   run_workers(threads, [&](int thread) {
-    while (!stop.load(std::memory_order_relaxed)) {
-      const std::int64_t tile = next.fetch_add(1);
-      if (tile >= state_.tiles()) return;
-      camera_->trace_pilot(state_, tile, *pilot);
-      if (thread == 0) tile_done();
+    try {
+      while (!stop.load(std::memory_order_relaxed) && !failed.load(std::memory_order_relaxed)) {
+        const std::int64_t tile = next.fetch_add(1);
+        if (tile >= state_.tiles()) return;
+        camera_->trace_pilot(state_, tile, *pilot);
+        ++traced;
+        if (thread == 0) report(traced);
+      }
+    } catch (...) {
+      failed = true;
+      throw;
     }
   });
-  if (stop) return;
+  report(traced);
+  if (traced < state_.tiles()) return;
   std::vector<std::int8_t> density =
-      sample_densities(width, height, pilot->noise, adaptive_error(state_.identity.adaptive));
+      sample_densities(width, height, pilot->noise, adaptive_target(state_.identity.adaptive));
   const std::lock_guard guard(lock_->mutex);
   state_.density = std::move(density);
   // Its samples are those of the first units, which are the tiles of replicate 0.
@@ -227,27 +243,26 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
       double(state_.identity.width) * state_.identity.height * kSampleBlock / double(state_.tiles());
   const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
 
-  std::int64_t pilot_units = 0;
-  if (state_.identity.adaptive != "none" && state_.density.empty() && done_at_start < units) {
-    pilot_units = state_.tiles();
-    // Only one thread counts.
-    std::int64_t tiles = 0;
+  // Tiles of the pilot count as units, though they have fewer samples.
+  const bool with_pilot =
+      state_.identity.adaptive != "none" && state_.density.empty() && done_at_start < units;
+  const std::int64_t all_units = units + (with_pilot ? state_.tiles() : 0);
+  std::int64_t traced = 0;
+  const auto report_units = [&](std::int64_t finished, double seconds) {
+    const double blocks = double(finished) + double(traced) * kPilotSamples / kSampleBlock;
+    report({done_at_start + traced + finished, all_units, seconds,
+            blocks * samples_per_unit / std::max(1e-9, seconds)});
+  };
+  if (with_pilot) {
     double last_report = now_s();
-    find_densities(threads, stop, [&] {
-      ++tiles;
+    find_densities(threads, stop, [&](std::int64_t tiles) {
+      traced = tiles;
       const double t = now_s();
       if (!report || t - last_report <= 0.2) return;
       last_report = t;
-      const std::int64_t traced = std::min(pilot_units, tiles * threads);
-      report({done_at_start + traced, units + pilot_units, t - start,
-              double(traced) * samples_per_unit * kPilotSamples / kSampleBlock / (t - start)});
+      report_units(0, t - start);
     });
   }
-  // Progress counts them as if they were units.
-  const auto report_units = [&](std::int64_t finished, double seconds) {
-    report({done_at_start + finished + pilot_units, units + pilot_units, seconds,
-            double(finished) * samples_per_unit / std::max(1e-9, seconds)});
-  };
 
   std::atomic<std::int64_t> next{0}, finished{0};
   std::atomic<bool> failed{false};

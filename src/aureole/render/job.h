@@ -22,16 +22,16 @@ struct RenderOptions {
   std::int64_t begin = 0;
   std::optional<std::int64_t> end;  ///< samples per pixel; default: the scene's sample_count
   std::optional<std::uint64_t> seed;
-  std::optional<AdaptiveError> adaptive;  ///< default: the sampler's
-  int threads = 0;                        ///< 0: all cores
-  int replicates = 1;                     ///< independently scrambled renders, for variances
+  std::optional<AdaptiveTarget> adaptive;  ///< default: the sampler's
+  int threads = 0;                         ///< 0: all cores
+  int replicates = 1;                      ///< independently scrambled renders, for variances
   double time_limit_s = 0;  ///< 0: none; else ends after the first whole block that every pixel has
   double checkpoint_interval_s = 30;
   std::filesystem::path state_file;  ///< empty: no checkpoints
   bool keep_state = false;           ///< keep the state file of a finished job
 };
 
-/// Invalid radiance estimate of one sample, for --pixel to replay.
+/// Invalid radiance estimate of one sample, numbered among those of its pixel, for --pixel to replay.
 struct InvalidSample {
   int x, y, replicate;
   std::int64_t sample;
@@ -82,8 +82,10 @@ public:
                                            const PathLog& log) const;
 
 private:
-  /// Sets the densities of adaptive sampling; leaves them where `stop` ends it.
-  void find_densities(int threads, const std::atomic<bool>& stop, const std::function<void()>& tile_done);
+  /// Sets the densities of adaptive sampling; leaves them where `stop` ends it. `report` is called from one
+  /// thread with the tiles traced, at last with all of them.
+  void find_densities(int threads, const std::atomic<bool>& stop,
+                      const std::function<void(std::int64_t)>& report);
   void render_unit(std::int64_t unit, CameraUnit& result);
   void render_light_unit(std::int64_t unit);
   void keep_invalid(const InvalidSample& sample);

@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "aureole/core/error.h"
+#include "aureole/render/sample_density.h"
 
 namespace aureole {
 
@@ -54,6 +55,7 @@ void write_picture(const RenderState& s, const Image& picture, const std::filesy
   a.strings["aureole:integrator"] = s.identity.integrator;
   a.strings["aureole:samples"] = fmt::format("{}:{}", s.begin, s.end);
   a.strings["aureole:adaptive"] = s.identity.adaptive;
+  a.floats["aureole:mean_density"] = float(mean_density(s.density));
   a.integers["aureole:spp"] = int(s.samples_everywhere());
   a.integers["aureole:replicates"] = s.identity.replicates;
   a.integers["aureole:wavelengths"] = s.identity.wavelengths;

@@ -52,7 +52,7 @@ int exponent_of(int noise_class, int top) {
 }  // namespace
 
 std::vector<std::int8_t> sample_densities(int width, int height, std::span<const PixelNoise> pixels,
-                                          AdaptiveError error) {
+                                          AdaptiveTarget error) {
   std::vector<double> noise = around(width, height, pixels, &PixelNoise::variance);
   const std::vector<double> mean = around(width, height, pixels, &PixelNoise::mean);
   double picture_mean = 0;
@@ -63,8 +63,8 @@ std::vector<std::int8_t> sample_densities(int width, int height, std::span<const
   for (size_t i = 0; i < noise.size(); ++i) {
     const double level = std::abs(mean[i]) + dark;
     noise[i] = std::max(0.0, noise[i]);
-    if (error == AdaptiveError::display && level > 0) noise[i] /= level;
-    if (error == AdaptiveError::relative && level > 0) noise[i] /= level * level;
+    if (error == AdaptiveTarget::display && level > 0) noise[i] /= level;
+    if (error == AdaptiveTarget::relative && level > 0) noise[i] /= level * level;
     noise[i] = std::pow(noise[i], kPower);
     most = std::max(most, noise[i]);
   }

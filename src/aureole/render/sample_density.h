@@ -16,7 +16,7 @@ namespace aureole {
 /// Densities are powers of two, so that a pixel always has whole nets of its sampler.
 inline constexpr int kMinDensityExponent = -1, kMaxDensityExponent = 2;
 
-/// Samples per pixel of the pilot: no more than every pixel has in a block.
+/// Samples per pixel of the pilot: no more than every pixel has in a whole block.
 inline constexpr int kPilotSamples = 8;
 
 /// What a pixel's own samples say: linear sRGB, averaged over the three channels.
@@ -27,6 +27,7 @@ struct PixelNoise {
 
 /// Samples of a pixel of density 2^exponent among the first `n` samples per pixel of the picture. Never 0
 /// but for n = 0.
+/// Whole blocks are exact; of a part of one a pixel has up to one sample more.
 constexpr std::int64_t samples_up_to(std::int64_t n, int exponent) {
   return exponent >= 0 ? n << exponent : (n + (std::int64_t(1) << -exponent) - 1) >> -exponent;
 }
@@ -36,7 +37,10 @@ constexpr std::int64_t samples_up_to(std::int64_t n, int exponent) {
 /// samples; then rounded to a power of two. They add up to at most one per pixel. Noise and brightness are
 /// averages over the 7 x 7 pixels around, without the pixel itself.
 std::vector<std::int8_t> sample_densities(int width, int height, std::span<const PixelNoise> pixels,
-                                          AdaptiveError error);
+                                          AdaptiveTarget error);
+
+/// Bytes that it takes meanwhile.
+constexpr double density_bytes(double pixels) { return 40 * pixels; }
 
 /// The mean density; 1 for an empty list.
 double mean_density(std::span<const std::int8_t> exponents);

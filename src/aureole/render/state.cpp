@@ -131,6 +131,10 @@ void RenderState::set_range(std::int64_t new_begin, std::int64_t new_end) {
 void RenderState::merge(const RenderState& other) {
   if (const std::string d = identity.difference(other.identity); !d.empty())
     throw Error("these states belong to different pictures: they differ in their " + d);
+  if (!density.empty() && !other.density.empty() && density != other.density)
+    throw Error(
+        "these states spread adaptive samples differently over the pixels: they were rendered by different "
+        "machines");
   RenderState b = other;
   const std::int64_t first = std::min(begin, b.begin), last = std::max(end, b.end);
   set_range(first, last);
@@ -200,10 +204,24 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     d.rows = j.at("rows").get<std::vector<std::vector<float>>>();
     d.rgb_rows = j.at("rgb_rows").get<std::vector<std::vector<float>>>();
     d.half = j.at("half");
-    s = RenderState(id, d, j.at("begin"), j.at("end"));
+    const std::int64_t begin = j.at("begin"), end = j.at("end");
+    const std::size_t density_size = j.at("density_size");
+    // Nothing is allocated before it is known to be in the file.
+    const auto within = [](double x, double least, double most) { return x >= least && x <= most; };
+    if (!within(id.width, 1, 1 << 20) || !within(id.height, 1, 1 << 20) || !within(id.border, 0, 64) ||
+        !within(id.measured_channels, 1, 1 << 20) || !within(id.replicates, 1, 1 << 30) ||
+        !within(double(begin), 0, double(end)) || !within(double(end), 0, 0x1p33))
+      throw broken;
+    const double left = double(bytes.data() + bytes.size() - 8 - p) - double(header_size);
+    const double tiles =
+        (double(id.width) + 2 * id.border) * (double(id.height) + 2 * id.border) / (kTileSize * kTileSize);
+    if (state_bytes(id.width, id.height, id.measured_channels, id.replicates) +
+            tiles * id.replicates * double(end - begin) / kSampleBlock + double(density_size) >
+        left)
+      throw broken;
+    s = RenderState(id, d, begin, end);
     s.invalid_samples = j.at("invalid_samples"), s.seconds = j.at("seconds");
     p += header_size;
-    const std::size_t density_size = j.at("density_size");
     if (density_size != 0 && density_size != s.sampled_pixels()) throw broken;
     s.density.resize(density_size);
     std::size_t needed = s.done.size() + density_size;
@@ -215,6 +233,10 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     p += density_size;
     for (const std::int8_t e : s.density)
       if (e < kMinDensityExponent || e > kMaxDensityExponent) throw broken;
+    const auto& targets = adaptive_target_names();
+    const bool known = std::find(targets.begin(), targets.end(), id.adaptive) != targets.end();
+    if (!known || (density_size > 0 && id.adaptive == "none")) throw broken;
+    if (density_size == 0 && id.adaptive != "none" && s.units_done() > 0) throw broken;
     for (auto& f : s.films) {
       std::memcpy(f.data().data(), p, f.data().size() * sizeof(Fixed));
       p += f.data().size() * sizeof(Fixed);

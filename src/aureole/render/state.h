@@ -78,7 +78,7 @@ public:
   int density_exponent(int x, int y) const { return density.empty() ? 0 : density[pixel_index(x, y)]; }
   /// Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
   WorkUnit unit(std::int64_t index) const;
-  /// Samples that every pixel has; partly done blocks do not count.
+  /// Samples that every pixel has, by its density where they are adaptive; partly done blocks do not count.
   std::int64_t samples_everywhere() const;
 
   /// Changes the samples asked for, keeping the units done. Throws Error where a block done was cut short at

@@ -10,36 +10,38 @@
 
 namespace aureole {
 
-const std::vector<std::string>& adaptive_error_names() {
+const std::vector<std::string>& adaptive_target_names() {
   static const std::vector<std::string> names{"none", "absolute", "display", "relative"};
   return names;
 }
 
-AdaptiveError adaptive_error(const std::string& name) {
-  const auto& names = adaptive_error_names();
+AdaptiveTarget adaptive_target(const std::string& name) {
+  const auto& names = adaptive_target_names();
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end())
-    throw Error(fmt::format("adaptive: \"{}\" is none of {}", name, fmt::join(names, ", ")));
-  return AdaptiveError(found - names.begin());
+    throw Error(fmt::format("adaptive: expected one of {}, got \"{}\"", fmt::join(names, ", "), name));
+  return AdaptiveTarget(found - names.begin());
 }
 
-std::string name_of(AdaptiveError error) { return adaptive_error_names()[size_t(error)]; }
+std::string name_of(AdaptiveTarget error) { return adaptive_target_names()[size_t(error)]; }
 
 void Sampler::read_common(const Properties& properties) {
   sample_count_ = properties.get_int("sample_count", 4, {1, 4294967295.0});
   seed_ = std::uint64_t(properties.get_int("seed", 0, Range::non_negative()));
-  adaptive_ = adaptive_error(properties.get_choice("adaptive", "none", adaptive_error_names()));
+  adaptive_ = adaptive_target(properties.get_choice("adaptive", "none", adaptive_target_names()));
 }
 
 std::vector<ParameterDoc> sampler_parameters() {
-  return {
-      {"sample_count", "integer", "", "4", "samples per pixel"},
-      {"seed", "integer", "", "0", "chooses another independent set of samples"},
-      {"adaptive", "string", "", "none",
-       "none; absolute, display or relative: pixels take half to 4 times as many samples, more where "
-       "noise is, so that squared errors of the picture are small, in units of 1, of the square root of the "
-       "brightness (as seen on a display) or of the brightness. `sample_count` is the mean. The first 8 samples "
-       "of all pixels find the noise; the picture stays unbiased"}};
+  return {{"sample_count", "integer", "", "4", "samples per pixel"},
+          {"seed", "integer", "", "0", "chooses another independent set of samples"},
+          {"adaptive", "string", "", "none",
+           "none; absolute, display or relative: pixels take half to 4 times as many samples, more where "
+           "noise is, "
+           "at most `sample_count` on average, so that squared errors of the picture are small, in units of "
+           "1, of the "
+           "square root of the brightness (as seen on a display) or of the brightness. The first 8 samples "
+           "of all "
+           "pixels find the noise. With fewer than 16 samples per pixel it has no effect"}};
 }
 
 }  // namespace aureole

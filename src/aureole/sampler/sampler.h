@@ -16,12 +16,12 @@ namespace aureole {
 /// What adaptive sampling makes small: the sum over pixels of squared errors, in units of nothing, of the
 /// square root of the pixel's brightness (as an error is seen on a display), or of the brightness. Near
 /// black, of a tenth of the picture's mean. `none`: all pixels take as many samples.
-enum class AdaptiveError { none, absolute, display, relative };
+enum class AdaptiveTarget { none, absolute, display, relative };
 /// Their names, in order.
-const std::vector<std::string>& adaptive_error_names();
+const std::vector<std::string>& adaptive_target_names();
 /// Throws Error for another name.
-AdaptiveError adaptive_error(const std::string& name);
-std::string name_of(AdaptiveError error);
+AdaptiveTarget adaptive_target(const std::string& name);
+std::string name_of(AdaptiveTarget error);
 
 class Sampler : public Object {
 public:
@@ -34,7 +34,7 @@ public:
 
   std::int64_t sample_count() const { return sample_count_; }
   std::uint64_t seed() const { return seed_; }
-  AdaptiveError adaptive() const { return adaptive_; }
+  AdaptiveTarget adaptive() const { return adaptive_; }
 
 protected:
   void read_common(const Properties& properties);
@@ -42,7 +42,7 @@ protected:
 private:
   std::int64_t sample_count_ = 4;
   std::uint64_t seed_ = 0;
-  AdaptiveError adaptive_ = AdaptiveError::none;
+  AdaptiveTarget adaptive_ = AdaptiveTarget::none;
 };
 
 /// The coordinates of one sample of one pixel, by dimension. Holds the block of dimensions used last.

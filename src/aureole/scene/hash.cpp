@@ -66,7 +66,7 @@ void add_node(const Node& node, Hash& hash) {
   }
   for (const Node& child : node.children) {
     const std::string name = child.get("name");
-    if (node.tag == "sampler" && (name == "sample_count" || name == "seed")) continue;
+    if (node.tag == "sampler" && (name == "sample_count" || name == "seed" || name == "adaptive")) continue;
     add_node(child, hash);
   }
   hash.text("/");
