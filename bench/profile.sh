@@ -35,7 +35,7 @@ awk '
       return "light sampling"
     if (s ~ /Mesh|Sphere|Ball|Cube|Rectangle|Patch|surface_point|ball_/) return "surface points of shapes"
     if (s ~ /Integrator|Scene::|RayTracer|__wrap/) return "integrator, with ray set-up"
-    if (s ~ /RenderJob|Film|Filter|Sensor/) return "camera, film, job"
+    if (s ~ /RenderJob|CameraRenderer|Film|Filter|Sensor|LensCamera|Camera::/) return "camera, film, job"
     return "other"
   }
   FNR == 1 { ++columns; file[columns] = FILENAME; sub(/.*\//, "", file[columns]); sub(/\.txt/, "", file[columns]) }

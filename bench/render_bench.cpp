@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Times whole renders: seconds, samples and rays per second, or (--replicates) the efficiency.
 //
-// Rays are counted between the renderer and Embree: the linker sends the two calls here first (--wrap in
+// Rays are counted between the renderer and Embree: the linker sends its calls here first (--wrap in
 // CMakeLists.txt), so the renderer knows nothing of it. A count is an increment of a thread's own number.
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
@@ -49,6 +49,24 @@ void __wrap_rtcOccluded1(RTCScene scene, RTCIntersectContext* context, RTCRay* r
   ++counter().occlusion;
   __real_rtcOccluded1(scene, context, ray);
 }
+
+// Packets: the rays that are valid.
+#define AUREOLE_COUNT_PACKETS(LANES)                                                              \
+  void __real_rtcIntersect##LANES(const int*, RTCScene, RTCIntersectContext*, RTCRayHit##LANES*); \
+  void __real_rtcOccluded##LANES(const int*, RTCScene, RTCIntersectContext*, RTCRay##LANES*);     \
+  void __wrap_rtcIntersect##LANES(const int* valid, RTCScene scene, RTCIntersectContext* context, \
+                                  RTCRayHit##LANES* rays) {                                       \
+    for (int i = 0; i < LANES; ++i) counter().nearest += valid[i] != 0;                           \
+    __real_rtcIntersect##LANES(valid, scene, context, rays);                                      \
+  }                                                                                               \
+  void __wrap_rtcOccluded##LANES(const int* valid, RTCScene scene, RTCIntersectContext* context,  \
+                                 RTCRay##LANES* rays) {                                           \
+    for (int i = 0; i < LANES; ++i) counter().occlusion += valid[i] != 0;                         \
+    __real_rtcOccluded##LANES(valid, scene, context, rays);                                       \
+  }
+AUREOLE_COUNT_PACKETS(8)
+AUREOLE_COUNT_PACKETS(16)
+#undef AUREOLE_COUNT_PACKETS
 }
 
 namespace aureole {

@@ -38,6 +38,7 @@ echo "== Single functions: CPU nanoseconds per call, least of 5 runs; pdf is eva
     /^"/ && !/_(mean|median|stddev|cv)"/ {
       line = $0; match(line, /^"[^"]*"/); name = substr(line, 2, RLENGTH - 2); rest = substr(line, RLENGTH + 2)
       split(rest, f, ",")
+      if (f[3] == "") next  # skipped
       if (!(name in least)) { order[++n] = name; least[name] = f[3] }
       if (f[3] < least[name]) least[name] = f[3]
     }
