@@ -264,5 +264,34 @@ TEST(Connect, ThinGapsAreSeenThroughAndThinOccludersAreNot) {
   }
 }
 
+TEST(Visibility, ALightOnAPassableSurfaceEndsTheConnection) {
+  // A point light at the pole of a sphere that half of the light passes, and connections from around it. That
+  // they end is the test: once past the light, they went back and forth through the surface.
+  const auto scene = std::make_shared<const Scene>(load_scene_from_string(R"(<scene version="3.0.0">
+<integrator type="path"/>
+<sensor type="perspective"><film type="hdrfilm"/></sensor>
+<shape type="sphere"><point name="center" x="0" y="0" z="1"/>
+  <bsdf type="mask"><float name="opacity" value="0.5"/><bsdf type="diffuse"/></bsdf></shape>
+<emitter type="point"/>
+</scene>)",
+                                                                          "pole.xml"));
+  const Wavelengths w = scene->wavelengths().sample(0.3f, 0.4f);
+  int ended = 0;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j) {
+      SurfacePoint from;
+      from.p = {float(i) * 0.1f - 1.95f, float(j) * 0.1f - 1.95f, i % 2 ? 3.f : -1.f};
+      from.ng = {0, 0, i % 2 ? -1.f : 1.f};
+      const auto direct = scene->emitters().front()->sample_direct(from.p, 0, {0.5f, 0.5f}, w);
+      ASSERT_TRUE(direct.has_value());
+      const Spectrum passed = scene->connect(from, *direct, w);
+      // Once or twice through the sphere, or not at all where rounding puts the light before the surface.
+      const float p = passed[0];
+      EXPECT_TRUE(p == 1 || p == 0.5f || p == 0.25f || p == 0.125f) << p;
+      ++ended;
+    }
+  EXPECT_EQ(ended, 1600);
+}
+
 }  // namespace
 }  // namespace aureole::testing

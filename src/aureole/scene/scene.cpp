@@ -123,7 +123,10 @@ Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const 
     if (!(through_emitters && hit->shape->emitter())) passed *= null_transmittance(*hit, to.wo, w);
     if (is_black(passed)) return 0.f;
     ray.o = offset_origin(*hit, to.wo);
-    if (!to.infinite) ray.d = target - ray.o;
+    if (to.infinite) continue;
+    ray.d = target - ray.o;
+    // Beyond a surface that the target lies on, too; the way back would meet it again and again.
+    if (!(dot(ray.d, to.wo) > 0)) break;
   }
   return passed;
 }
