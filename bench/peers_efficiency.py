@@ -33,6 +33,10 @@ class Contender:
     sampler: str  # aureole's may name the error that adaptive sampling makes small: "sobol, display"
 
     @property
+    def is_adaptive(self):
+        return ", " in self.sampler
+
+    @property
     def label(self):
         return {"aureole": "aureole", "llvm_ad_spectral": "Mitsuba"}.get(self.program, "Mitsuba, scalar")
 
@@ -105,7 +109,8 @@ def render_aureole(a, scene, sampler, spp, seed, output):
     picture = output.with_suffix(".exr")
     points, _, error = sampler.partition(", ")
     command = [a.aureole, "render", scene.file, "-o", picture, "--spp", str(spp), "--seed", str(seed), "--sampler",
-               points, "--adaptive", error or "none", "--threads", str(a.threads), "--checkpoint", "1e9", "--restart", "--quiet"]
+               points, "--adaptive", error or "none", "--threads", str(a.threads), "--checkpoint", "1e9", "--restart",
+               "--quiet"]
     for name, value in scene.defines:
         command += ["-D", f"{name}={value}"]
     r = subprocess.run(command, capture_output=True, text=True)
@@ -239,7 +244,7 @@ def same_picture(scene, asked, means, noise, weight):
     Without adaptive ones, whose random numbers are those of the sampler's own pictures."""
     pooled, square = [], 0.0
     for mine in (True, False):
-        own = [c for c in means if (c.program == "aureole") == mine and ", " not in c.sampler]
+        own = [c for c in means if (c.program == "aureole") == mine and not c.is_adaptive]
         pooled.append(np.mean([means[c] for c in own], axis=0))
         square += sum(noise[c] for c in own) / len(own) ** 2
     beyond = np.sqrt(max(0.0, (weight * (pooled[0] - pooled[1]) ** 2).mean() - square))

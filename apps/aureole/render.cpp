@@ -272,9 +272,9 @@ int render(const Arguments& a) {
   }
   if (!a.quiet) {
     const double mean = mean_density(state.density);
-    const double rate = double(state.samples_everywhere()) * state.identity.width * state.identity.height *
-                        state.identity.replicates;
     const std::int64_t samples = state.samples_everywhere();
+    const double rate =
+        double(samples) * state.identity.width * state.identity.height * state.identity.replicates;
     fmt::print(stderr, "{} in {:.2f} s ({:.2f} Msamples/s)\n",
                state.density.empty()
                    ? fmt::format("{} samples per pixel", samples)

@@ -117,7 +117,7 @@ void CameraRenderer::trace(const RenderState& layout, std::int64_t index, const 
   };
   const auto use = [&](const Sample& s, const float* values) {
     if (!s.valid) {
-      result.invalid.push_back({s.id.x, s.id.y, s.id.index});
+      result.invalid.push_back({s.id.x, s.id.y, u.replicate, s.id.index});
       return;
     }
     if (border == 0) return put(pixel(s.id.x, s.id.y), s.id.weight, values, s.alpha);
@@ -150,10 +150,14 @@ void CameraRenderer::trace(const RenderState& layout, std::int64_t index, const 
   batch.finish(use);
 }
 
-double CameraRenderer::pilot_bytes(double pixels, int measured_channels, std::int64_t begin) {
-  const double samples = pixels * kPilotSamples * double(record_size(measured_channels) * sizeof(float));
+double CameraRenderer::kept_numbers(double pixels, int measured_channels, std::int64_t begin) {
+  const double numbers = pixels * kPilotSamples * double(record_size(measured_channels));
   // A part that begins later has none of them.
-  return pixels * sizeof(PixelNoise) + (begin == 0 && samples <= kMostPilotBytes ? samples : 0);
+  return begin == 0 && numbers * sizeof(float) <= kMostPilotBytes ? numbers : 0;
+}
+
+double CameraRenderer::pilot_bytes(double pixels, int measured_channels, std::int64_t begin) {
+  return pixels * sizeof(PixelNoise) + kept_numbers(pixels, measured_channels, begin) * sizeof(float);
 }
 
 size_t CameraRenderer::pilot_record(const RenderState& layout, int x, int y) const {
@@ -164,8 +168,7 @@ Pilot CameraRenderer::make_pilot(const RenderState& layout) const {
   Pilot pilot;
   const size_t pixels = layout.sampled_pixels();
   pilot.noise.resize(pixels);
-  if (pilot_bytes(double(pixels), channels_, layout.begin) > double(pixels * sizeof(PixelNoise)))
-    pilot.samples.resize(pixels * kPilotSamples * record_size(channels_));
+  pilot.samples.resize(size_t(kept_numbers(double(pixels), channels_, layout.begin)));
   return pilot;
 }
 

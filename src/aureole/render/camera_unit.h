@@ -16,14 +16,10 @@ namespace aureole {
 
 /// What the paths of one unit leave on the film. Buffers are kept between units.
 struct CameraUnit {
-  struct Invalid {
-    int x, y;  ///< relative to the crop's corner
-    std::int64_t sample;
-  };
   int replicate = 0;
   int x0 = 0, y0 = 0, width = 0, height = 0;  ///< the pixels reached, relative to the crop's corner
   std::vector<float> sums;                    ///< as FilmBuffer::add takes them
-  std::vector<Invalid> invalid;
+  std::vector<InvalidSample> invalid;         ///< relative to the crop's corner
 };
 
 /// The first kPilotSamples of each pixel of replicate 0.
@@ -74,6 +70,8 @@ private:
   /// `measured` receives the numbers of the film; those of the integrator are there already. Fills the rest
   /// of sample.
   void measure(const CameraPath& path, float sensor_weight, Sample& sample, float* measured) const;
+  /// Numbers of the pilot that are kept.
+  static double kept_numbers(double pixels, int measured_channels, std::int64_t begin);
   /// Numbers of a sample of the pilot.
   static size_t record_size(int measured_channels) { return size_t(measured_channels) + 4; }
   /// Those of a pixel's first sample.

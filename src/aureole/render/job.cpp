@@ -157,10 +157,13 @@ void RenderJob::resume(RenderState state) {
   wrote_state_ = true;
 }
 
-void RenderJob::keep_invalid(const InvalidSample& s) {
+void RenderJob::count_as_done(std::int64_t unit, const std::vector<InvalidSample>& invalid) {
   const Film& film = scene_->film();
-  if (invalid_.size() < 16)
-    invalid_.push_back({s.x + film.crop_x(), s.y + film.crop_y(), s.replicate, s.sample});
+  state_.done[size_t(unit)] = 1;
+  state_.invalid_samples += invalid.size();
+  for (const InvalidSample& s : invalid)
+    if (invalid_.size() < 16)
+      invalid_.push_back({s.x + film.crop_x(), s.y + film.crop_y(), s.replicate, s.sample});
 }
 
 void RenderJob::render_light_unit(std::int64_t unit) {
@@ -171,9 +174,7 @@ void RenderJob::render_light_unit(std::int64_t unit) {
     // Counted as done before it is added, and not looked at before it is: who looks holds both locks, and
     // while he waits for the second nobody begins to add.
     const std::lock_guard guard(lock_->mutex);
-    state_.done[size_t(unit)] = 1;
-    state_.invalid_samples += result.invalid.size();
-    for (const auto& s : result.invalid) keep_invalid({s.x, s.y, result.replicate, s.sample});
+    count_as_done(unit, result.invalid);
     adding.lock();
   }
   splats_->add(result, state_.films);
@@ -186,16 +187,12 @@ void RenderJob::render_unit(std::int64_t unit, CameraUnit& result) {
   const std::lock_guard guard(lock_->mutex);
   state_.films[size_t(result.replicate)].add(result.x0, result.y0, result.width, result.height,
                                              result.sums.data());
-  state_.done[size_t(unit)] = 1;
-  state_.invalid_samples += result.invalid.size();
-  for (const auto& s : result.invalid) keep_invalid({s.x, s.y, result.replicate, s.sample});
+  count_as_done(unit, result.invalid);
   if (in_pilot && --pilot_tiles_left_ == 0) pilot_.reset();
 }
 
 void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
                                const std::function<void(std::int64_t)>& report) {
-  const int border = state_.identity.border;
-  const int width = state_.identity.width + 2 * border, height = state_.identity.height + 2 * border;
   const auto pilot = std::make_shared<Pilot>(camera_->make_pilot(state_));
   std::atomic<std::int64_t> next{0}, traced{0};
   std::atomic<bool> failed{false};
@@ -216,7 +213,8 @@ void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
   report(traced);
   if (traced < state_.tiles()) return;
   std::vector<std::int8_t> density =
-      sample_densities(width, height, pilot->noise, adaptive_target(state_.identity.adaptive));
+      sample_densities(state_.sampled_width(), state_.sampled_height(), pilot->noise,
+                       adaptive_target(state_.identity.adaptive));
   const std::lock_guard guard(lock_->mutex);
   state_.density = std::move(density);
   // Its samples are those of the first units, which are the tiles of replicate 0.

@@ -31,12 +31,6 @@ struct RenderOptions {
   bool keep_state = false;           ///< keep the state file of a finished job
 };
 
-/// Invalid radiance estimate of one sample, numbered among those of its pixel, for --pixel to replay.
-struct InvalidSample {
-  int x, y, replicate;
-  std::int64_t sample;
-};
-
 struct Progress {
   std::int64_t units_done, units;
   double seconds, samples_per_second;
@@ -88,7 +82,8 @@ private:
                       const std::function<void(std::int64_t)>& report);
   void render_unit(std::int64_t unit, CameraUnit& result);
   void render_light_unit(std::int64_t unit);
-  void keep_invalid(const InvalidSample& sample);
+  /// Notes that a unit is done. While `lock_` is held.
+  void count_as_done(std::int64_t unit, const std::vector<InvalidSample>& invalid);
   void checkpoint(double seconds);
 
   std::shared_ptr<const Scene> scene_;

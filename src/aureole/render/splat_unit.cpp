@@ -94,7 +94,8 @@ void SplatRenderer::trace(const RenderState& layout, std::int64_t index, SplatUn
   for (int y = u.y0; y < u.y1; ++y)
     for (int x = u.x0; x < u.x1; ++x)
       for (std::int64_t i = u.first; i < u.last; ++i)
-        if (!trace_path(x, y, i, u.replicate, result, no_log)) result.invalid.push_back({x, y, i});
+        if (!trace_path(x, y, i, u.replicate, result, no_log))
+          result.invalid.push_back({x, y, u.replicate, i});
   sort_into_bands(result);
 }
 

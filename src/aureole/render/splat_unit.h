@@ -19,14 +19,10 @@ namespace aureole {
 
 /// What the paths of one unit leave on the film. Buffers are kept between units.
 struct SplatUnit {
-  struct Invalid {
-    int x, y;  ///< relative to the crop's corner
-    std::int64_t sample;
-  };
   int replicate = 0;
-  std::vector<Vec2> positions;  ///< relative to the crop's corner
-  std::vector<float> measured;  ///< the film's channels of each
-  std::vector<Invalid> invalid;
+  std::vector<Vec2> positions;         ///< relative to the crop's corner
+  std::vector<float> measured;         ///< the film's channels of each
+  std::vector<InvalidSample> invalid;  ///< relative to the crop's corner
   std::vector<Splat> path;
   std::vector<std::uint32_t> band_begin, in_band;  ///< splats that reach each band of rows
 };

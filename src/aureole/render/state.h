@@ -36,6 +36,12 @@ struct Development {
   bool half = true;
 };
 
+/// Invalid radiance estimate of one sample, numbered among those of its pixel, for --pixel to replay.
+struct InvalidSample {
+  int x, y, replicate;
+  std::int64_t sample;
+};
+
 /// A tile of pixels, relative to the crop's corner, times a block of samples.
 struct WorkUnit {
   int replicate, x0, y0, x1, y1;
@@ -59,21 +65,20 @@ public:
   std::uint64_t invalid_samples = 0;
   double seconds = 0;  ///< wall time spent
 
-  int tiles_x() const { return (identity.width + 2 * identity.border + kTileSize - 1) / kTileSize; }
-  int tiles_y() const { return (identity.height + 2 * identity.border + kTileSize - 1) / kTileSize; }
+  /// Pixels that have samples: with those of the border.
+  int sampled_width() const { return identity.width + 2 * identity.border; }
+  int sampled_height() const { return identity.height + 2 * identity.border; }
+  int tiles_x() const { return (sampled_width() + kTileSize - 1) / kTileSize; }
+  int tiles_y() const { return (sampled_height() + kTileSize - 1) / kTileSize; }
   std::int64_t tiles() const { return std::int64_t(tiles_x()) * tiles_y(); }
   std::int64_t blocks() const { return (end - begin + kSampleBlock - 1) / kSampleBlock; }
   std::int64_t units_per_block() const { return tiles() * identity.replicates; }
   std::int64_t units() const { return blocks() * units_per_block(); }
   std::int64_t units_done() const;
-  /// Pixels that have samples, with those of the border, and the place of one among them, row by row.
-  std::size_t sampled_pixels() const {
-    const int border = identity.border;
-    return std::size_t(identity.width + 2 * border) * std::size_t(identity.height + 2 * border);
-  }
+  std::size_t sampled_pixels() const { return std::size_t(sampled_width()) * std::size_t(sampled_height()); }
+  /// The place of one among them, row by row.
   std::size_t pixel_index(int x, int y) const {
-    const int border = identity.border;
-    return std::size_t(y + border) * std::size_t(identity.width + 2 * border) + std::size_t(x + border);
+    return std::size_t(y + identity.border) * std::size_t(sampled_width()) + std::size_t(x + identity.border);
   }
   int density_exponent(int x, int y) const { return density.empty() ? 0 : density[pixel_index(x, y)]; }
   /// Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.

@@ -44,4 +44,9 @@ std::vector<ParameterDoc> sampler_parameters() {
            "pixels find the noise. With fewer than 16 samples per pixel it has no effect"}};
 }
 
+bool is_sampler_parameter(std::string_view name) {
+  static const std::vector<ParameterDoc> shared = sampler_parameters();
+  return std::any_of(shared.begin(), shared.end(), [&](const ParameterDoc& p) { return p.name == name; });
+}
+
 }  // namespace aureole

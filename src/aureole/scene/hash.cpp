@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "aureole/sampler/sampler_docs.h"
 #include "aureole/scene/object_pool.h"
 #include "aureole/scene/resolve.h"
 #include "aureole/scene/values.h"
@@ -65,8 +66,7 @@ void add_node(const Node& node, Hash& hash) {
       for (std::string_view word : split_list(a->value)) hash.text(word);
   }
   for (const Node& child : node.children) {
-    const std::string name = child.get("name");
-    if (node.tag == "sampler" && (name == "sample_count" || name == "seed" || name == "adaptive")) continue;
+    if (node.tag == "sampler" && is_sampler_parameter(child.get("name"))) continue;
     add_node(child, hash);
   }
   hash.text("/");

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "aureole/plugin/registry.h"
+#include "aureole/sampler/sampler_docs.h"
 #include "aureole/scene/aliases.h"
 #include "aureole/scene/sensor_grid.h"
 
@@ -40,10 +41,7 @@ const PluginInfo* chosen_plugin(const std::string& family, const std::string& na
 void override_sampler(Node& sampler, const std::string& type, Diagnostics& diagnostics) {
   if (!chosen_plugin("sampler", type, diagnostics)) return;
   sampler.set("type", type);
-  std::erase_if(sampler.children, [](const Node& child) {
-    const std::string name = child.get("name");
-    return name != "sample_count" && name != "seed" && name != "adaptive";
-  });
+  std::erase_if(sampler.children, [](const Node& child) { return !is_sampler_parameter(child.get("name")); });
 }
 
 void set_sample_count(Node& sampler, std::int64_t count) {
