@@ -10,7 +10,7 @@ N ?= 10000
 SEED ?= 1
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes lint install wheel clean
+.PHONY: deps build program demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes lint install wheel clean
 
 deps:
 	@tools/install_deps.sh
@@ -20,7 +20,14 @@ build: deps
 	@rm -f build-configure.log
 	cmake --build --preset $(PRESET) -j $(JOBS)
 
-demo: build
+# Compiles the program alone, without tests and Python module.
+program:
+	@tools/install_deps.sh program
+	@test -f build/$(PRESET)/build.ninja || cmake --preset $(PRESET) -DAUREOLE_PYTHON=OFF -DBUILD_TESTING=OFF > build-configure.log 2>&1 || { cat build-configure.log; exit 1; }
+	@rm -f build-configure.log
+	cmake --build --preset $(PRESET) -j $(JOBS) --target aureole
+
+demo: program
 	@mkdir -p $(dir $(DEMO_OUT))
 	$(BIN) render scenes/condensation/condensation.xml -o $(DEMO_OUT).exr --restart $(DEMO_ARGS)
 	@echo "The picture is $(abspath $(DEMO_OUT).png)"

@@ -1,12 +1,15 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs from Debian's packages what is missing, and makes the virtual environment .venv for the Python module. Does nothing,
-# quickly, where all is there.
+# install_deps.sh [program]: installs from Debian's packages what is missing: for the program alone, or also for the tests, the benchmarks
+# and the Python module, whose virtual environment .venv it makes. Does nothing, quickly, where all is there.
 set -euo pipefail
-packages=(g++ cmake ninja-build pkg-config ccache clang-format python3 python3-dev python3-venv
+packages=(g++ cmake ninja-build pkg-config ccache
   libembree-dev libtbb-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev libtiff-dev libstb-dev zlib1g-dev
-  libpugixml-dev nlohmann-json3-dev libcli11-dev libfmt-dev libboost-math1.81-dev libgtest-dev libbenchmark-dev
+  libpugixml-dev nlohmann-json3-dev libcli11-dev libfmt-dev libboost-math1.81-dev
   libpolyclipping-dev libkissfft-dev libopencv-core-dev libopencv-imgproc-dev)
+if [[ "${1:-}" != program ]]; then
+  packages+=(clang-format python3 python3-dev python3-venv libgtest-dev libbenchmark-dev)
+fi
 missing=()
 for p in "${packages[@]}"; do
   dpkg-query -W -f '${db:Status-Status}\n' "$p" 2>/dev/null | grep -qx installed || missing+=("$p")
@@ -19,6 +22,8 @@ if ((${#missing[@]})); then
   $sudo apt-get update -qq
   $sudo apt-get install -y -qq --no-install-recommends "${missing[@]}" > /dev/null
 fi
+
+if [[ "${1:-}" == program ]]; then exit 0; fi
 
 # The virtual environment: made of nothing where it is broken, half made or of another Python; brought up to date where only the
 # requirements have changed. The stamp is written last. A link is somebody's own environment and stays as it is.

@@ -1,49 +1,83 @@
 // SPDX-License-Identifier: Apache-2.0
+// The command line: what the subcommands declare, handed to CLI11.
 #include "command_line.h"
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 
 #include "aureole/core/error.h"
 #include "aureole/core/version.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 
+class CommandLine {
+public:
+  CommandLine() : app_("aureole: a spectral renderer and toolkit for material appearance", "aureole") {
+    app_.set_version_flag("--version", std::string("aureole ") + kVersion);
+    app_.require_subcommand(1);
+    for (const Command& command : commands()) add(command);
+  }
+
+  int run(int argc, char** argv) {
+    try {
+      app_.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+      return app_.exit(e) == 0 ? 0 : 2;
+    }
+    return exit_code_;
+  }
+
+private:
+  void add(const Command& command) {
+    CLI::App* sub = app_.add_subcommand(command.name, command.help);
+    const auto& options = declared_.emplace_back(std::make_unique<CommandOptions>());
+    const std::function<int()> action = command.declare(*options);
+    for (const auto& option : options->all()) add(*sub, *option);
+    sub->callback([this, action] { exit_code_ = action(); });
+  }
+
+  static void add(CLI::App& sub, const CommandOption& o) {
+    CLI::Option* option = std::visit([&](auto* target) { return add(sub, o, *target); }, o.target_);
+    option->required(o.required_);
+    if (o.shows_default_) option->capture_default_str();
+    if (o.separator_) option->delimiter(o.separator_);
+    if (o.values_) option->expected(o.values_);
+    if (o.values_each_time_) option->type_size(o.values_each_time_);
+    if (!o.choices_.empty()) option->check(CLI::IsMember(o.choices_));
+    // A list of an option's values ends after each: what follows may be an argument given by its place.
+    if (o.values_each_time_ == 1) option->allow_extra_args(false);
+  }
+  static CLI::Option* add(CLI::App& sub, const CommandOption& o, bool& target) {
+    return sub.add_flag(o.names_, target, o.help_);
+  }
+  template <class T>
+  static CLI::Option* add(CLI::App& sub, const CommandOption& o, T& target) {
+    CLI::Option* option = sub.add_option(o.names_, target, o.help_);
+    if constexpr (std::is_arithmetic_v<T>)
+      if (o.min_ < o.max_) option->check(CLI::Range(T(o.min_), T(o.max_)));
+    return option;
+  }
+
+  CLI::App app_;
+  std::vector<std::unique_ptr<CommandOptions>> declared_;
+  int exit_code_ = 0;
+};
+
 int run_command_line(int argc, char** argv) {
-  CLI::App app("aureole: a spectral renderer and toolkit for material appearance", "aureole");
-  app.set_version_flag("--version", std::string("aureole ") + kVersion);
-  app.require_subcommand(1);
-  CommandResult result;
-  add_render_command(app, result);
-  add_info_command(app, result);
-  add_compare_command(app, result);
-  add_merge_command(app, result);
-  add_list_command(app, result);
-  add_docs_command(app, result);
-  add_layer_command(app, result);
-  add_rings_command(app, result);
-  add_droplet_size_command(app, result);
-  add_microstructure_command(app, result);
-  add_gallery_command(app, result);
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
+    return CommandLine().run(argc, argv);
   } catch (const ErrorList& list) {
     for (const auto& line : list.errors()) std::fprintf(stderr, "error: %s\n", line.c_str());
-    return 2;
   } catch (const Error& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
-    return 2;
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "error: not enough memory\n");
-    return 2;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
-    return 2;
   }
-  return result.exit_code;
+  return 2;
 }
 
 }  // namespace aureole

@@ -5,7 +5,7 @@
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
 #include "aureole/render/statistics.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -43,17 +43,18 @@ int compare(const std::string& a_file, const std::string& b_file, const std::str
   return c.z->passes ? 0 : 1;
 }
 
-}  // namespace
-
-void add_compare_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand(
-      "compare", "Compare two pictures: RMSE, relMSE, largest difference, z-test where variances are stored");
+std::function<int()> declare(CommandOptions& options) {
   auto a = std::make_shared<std::string>(), b = std::make_shared<std::string>(),
        map = std::make_shared<std::string>();
-  c->add_option("a", *a, "picture")->required();
-  c->add_option("b", *b, "reference")->required();
-  c->add_option("--z-map", *map, "write the z-values as a PNG (blue -4, white 0, red +4)");
-  c->callback([=, &result] { result.exit_code = compare(*a, *b, *map); });
+  options.add("a", *a, "picture").required();
+  options.add("b", *b, "reference").required();
+  options.add("--z-map", *map, "write the z-values as a PNG (blue -4, white 0, red +4)");
+  return [=] { return compare(*a, *b, *map); };
 }
 
+AUREOLE_COMMAND("compare",
+                "Compare two pictures: RMSE, relMSE, largest difference, z-test where variances are stored",
+                declare);
+
+}  // namespace
 }  // namespace aureole

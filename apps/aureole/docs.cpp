@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "aureole/plugin/registry.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -36,11 +36,11 @@ int docs() {
   return 0;
 }
 
-}  // namespace
-
-void add_docs_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand("docs", "Print the plug-in reference in Markdown");
-  c->callback([&result] { result.exit_code = docs(); });
+std::function<int()> declare(CommandOptions&) {
+  return [] { return docs(); };
 }
 
+AUREOLE_COMMAND("docs", "Print the plug-in reference in Markdown", declare);
+
+}  // namespace
 }  // namespace aureole

@@ -14,7 +14,7 @@
 #include "aureole/core/units.h"
 #include "aureole/instrument/corona_fit.h"
 #include "aureole/instrument/svg_plot.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -162,45 +162,41 @@ int droplet_size(const Options& o) {
   return 0;
 }
 
-}  // namespace
-
-void add_droplet_size_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand("droplet-size",
-                                   "Fit radius and area fraction of scatterers to the rings of a corona");
+std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<Options>();
-  c->add_option("photo", o->photo, "picture with the lamp: EXR, or PNG, JPEG, TIFF (sRGB)");
-  c->add_option("--pixel-angle", o->pixel_angle,
-                "angle of a pixel in the middle of the picture, such as 0.01deg");
-  c->add_option("--fov", o->fov, "horizontal field of view in degrees, instead of --pixel-angle");
-  c->add_option("--center", o->center, "x,y of the lamp in pixels (default: the brightest white spot)")
-      ->delimiter(',')
-      ->expected(2);
-  c->add_option("--lamp", o->lamp, "CIE name, file of wavelengths and powers, or a wavelength")
-      ->capture_default_str();
-  c->add_option("--lamp-angle", o->lamp_angle,
-                "diameter as which the lamp is seen, such as 0.15deg (default: a point)");
-  c->add_option("--lamp-distance", o->lamp_distance, "from the camera along its axis (default: far away)");
-  c->add_option("--pane-distance", o->pane_distance,
-                "from the camera along its axis (default: at the camera)");
-  c->add_option("--substrate", o->substrate,
-                "none, or thindielectric: the reflection of a pane is divided out")
-      ->capture_default_str();
-  c->add_option("--index", o->index, "refractive index of that pane")->capture_default_str();
-  c->add_option("--inner", o->inner,
-                "angle from which on there is corona, not lamp (default: 5 pixels from its edge)");
-  c->add_option("--azimuths", o->azimuths,
-                "look only at these directions from the lamp, degrees, 0 right, 90 up")
-      ->expected(2);
-  c->add_option("--mask", o->masks, "leave out a disc of the picture, x y radius in pixels; may be repeated")
-      ->type_size(3);
-  c->add_option(
-      "--angles", o->angles,
-      "instead of a photo: angles of extrema, such as 2.79:max:G,4.2deg:min:G (colours R, G, B, Y)");
-  c->add_option("--angle-error", o->angle_error, "standard error of those angles")->capture_default_str();
-  c->add_option("--area-fraction", o->area_fraction, "do not fit it (with --angles)");
-  c->add_option("-o,--output", o->output, "JSON file of the result");
-  c->add_option("--plot", o->plot, "SVG of the measured and the fitted profile");
-  c->callback([=, &result] { result.exit_code = droplet_size(*o); });
+  options.add("photo", o->photo, "picture with the lamp: EXR, or PNG, JPEG, TIFF (sRGB)");
+  options.add("--pixel-angle", o->pixel_angle,
+              "angle of a pixel in the middle of the picture, such as 0.01deg");
+  options.add("--fov", o->fov, "horizontal field of view in degrees, instead of --pixel-angle");
+  options.add("--center", o->center, "x,y of the lamp in pixels (default: the brightest white spot)")
+      .separated_by(',')
+      .takes(2);
+  options.add("--lamp", o->lamp, "CIE name, file of wavelengths and powers, or a wavelength").shows_default();
+  options.add("--lamp-angle", o->lamp_angle,
+              "diameter as which the lamp is seen, such as 0.15deg (default: a point)");
+  options.add("--lamp-distance", o->lamp_distance, "from the camera along its axis (default: far away)");
+  options.add("--pane-distance", o->pane_distance, "from the camera along its axis (default: at the camera)");
+  options.add("--substrate", o->substrate, "none, or thindielectric: the reflection of a pane is divided out")
+      .shows_default();
+  options.add("--index", o->index, "refractive index of that pane").shows_default();
+  options.add("--inner", o->inner,
+              "angle from which on there is corona, not lamp (default: 5 pixels from its edge)");
+  options
+      .add("--azimuths", o->azimuths, "look only at these directions from the lamp, degrees, 0 right, 90 up")
+      .takes(2);
+  options.add("--mask", o->masks, "leave out a disc of the picture, x y radius in pixels; may be repeated")
+      .takes_each_time(3);
+  options.add("--angles", o->angles,
+              "instead of a photo: angles of extrema, such as 2.79:max:G,4.2deg:min:G (colours R, G, B, Y)");
+  options.add("--angle-error", o->angle_error, "standard error of those angles").shows_default();
+  options.add("--area-fraction", o->area_fraction, "do not fit it (with --angles)");
+  options.add("-o,--output", o->output, "JSON file of the result");
+  options.add("--plot", o->plot, "SVG of the measured and the fitted profile");
+  return [=] { return droplet_size(*o); };
 }
 
+AUREOLE_COMMAND("droplet-size", "Fit radius and area fraction of scatterers to the rings of a corona",
+                declare);
+
+}  // namespace
 }  // namespace aureole

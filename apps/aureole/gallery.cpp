@@ -13,7 +13,7 @@
 #include "aureole/core/version.h"
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"
-#include "commands.h"
+#include "command.h"
 #include "gallery_page.h"
 #include "gallery_picture.h"
 #include "gallery_plots.h"
@@ -280,21 +280,21 @@ int gallery(const Arguments& a) {
   return run.run();
 }
 
-}  // namespace
-
-void add_gallery_command(CLI::App& app, CommandResult& result) {
+std::function<int()> declare(CommandOptions& options) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand(
-      "gallery", "Render the figures of scenes/NAME/gallery.json and write a page that shows them");
-  c->add_option("name", a->name, "folder of scenes, such as corona")->required();
-  c->add_option("--size", a->size, "preview (minutes) or full (an hour)")->capture_default_str();
-  c->add_option("-o,--output", a->output, "folder of the page (default: gallery-NAME)");
-  c->add_option("--only", a->only, "figures, separated by commas, such as fig08,fig09")->delimiter(',');
-  c->add_option("--scenes", a->scenes, "where the folder of scenes is")->capture_default_str();
-  c->add_option("--threads", a->threads, "number of threads (default: all cores)");
-  c->add_flag("--again", a->again, "render also what is done already");
-  c->add_flag("-q,--quiet", a->quiet, "print errors only");
-  c->callback([a, &result] { result.exit_code = gallery(*a); });
+  options.add("name", a->name, "folder of scenes, such as corona").required();
+  options.add("--size", a->size, "preview (minutes) or full (an hour)").shows_default();
+  options.add("-o,--output", a->output, "folder of the page (default: gallery-NAME)");
+  options.add("--only", a->only, "figures, separated by commas, such as fig08,fig09").separated_by(',');
+  options.add("--scenes", a->scenes, "where the folder of scenes is").shows_default();
+  options.add("--threads", a->threads, "number of threads (default: all cores)");
+  options.add("--again", a->again, "render also what is done already");
+  options.add("-q,--quiet", a->quiet, "print errors only");
+  return [a] { return gallery(*a); };
 }
 
+AUREOLE_COMMAND("gallery", "Render the figures of scenes/NAME/gallery.json and write a page that shows them",
+                declare);
+
+}  // namespace
 }  // namespace aureole

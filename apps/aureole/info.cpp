@@ -6,7 +6,7 @@
 
 #include "aureole/render/state.h"
 #include "aureole/scene/scene.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -54,15 +54,15 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
   return 0;
 }
 
-}  // namespace
-
-void add_info_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand("info", "Say what a scene holds");
+std::function<int()> declare(CommandOptions& options) {
   auto file = std::make_shared<std::string>();
   auto defines = std::make_shared<std::vector<std::string>>();
-  c->add_option("scene", *file, "scene file")->required();
-  c->add_option("-D,--define", *defines, "set a $name of the scene")->allow_extra_args(false);
-  c->callback([=, &result] { result.exit_code = info(*file, *defines); });
+  options.add("scene", *file, "scene file").required();
+  options.add("-D,--define", *defines, "set a $name of the scene").takes_each_time(1);
+  return [=] { return info(*file, *defines); };
 }
 
+AUREOLE_COMMAND("info", "Say what a scene holds", declare);
+
+}  // namespace
 }  // namespace aureole

@@ -21,7 +21,7 @@
 #include "aureole/scene/scene.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -185,29 +185,27 @@ int layer(const LayerOptions& options) {
   return 0;
 }
 
-}  // namespace
-
-void add_layer_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand(
-      "layer", "Say what a BSDF transmits, reflects and scatters, by wavelength and in CIE terms");
+std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<LayerOptions>();
-  c->add_option("target", o->target, "scene.xml#id: id of a BSDF or a shape")->required();
-  c->add_option("-D,--define", o->defines, "set a $name of the scene: -D name=value");
-  c->add_option("--angle", o->angle,
-                "of the light to the normal in degrees, beyond 90 from below (default 0)")
-      ->check(CLI::Range(0.0, 180.0));
-  c->add_option("--azimuth", o->azimuth, "of the light in degrees from the u axis");
-  c->add_option("--step", o->step, "nm between wavelengths, at most (default 20)")
-      ->check(CLI::Range(0.01, 1e9));
-  c->add_option("--illuminant", o->illuminant, "lamp of the CIE figures (default D65)");
-  c->add_option("--haze-angle", o->haze_angle, "degrees beyond which light counts as haze (default 2.5)")
-      ->check(CLI::Range(0.01, 90.0));
-  c->add_option("--samples", o->samples, "per wavelength (default 65536)")->check(CLI::Range(64, 1 << 26));
-  c->add_option("--at", o->at, "u,v of the point on the surface, for textured layers (default 0.5,0.5)")
-      ->delimiter(',')
-      ->expected(2);
-  c->add_option("--json", o->json, "also write the figures to this file");
-  c->callback([o, &result] { result.exit_code = layer(*o); });
+  options.add("target", o->target, "scene.xml#id: id of a BSDF or a shape").required();
+  options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value");
+  options.add("--angle", o->angle, "of the light to the normal in degrees, beyond 90 from below (default 0)")
+      .between(0.0, 180.0);
+  options.add("--azimuth", o->azimuth, "of the light in degrees from the u axis");
+  options.add("--step", o->step, "nm between wavelengths, at most (default 20)").between(0.01, 1e9);
+  options.add("--illuminant", o->illuminant, "lamp of the CIE figures (default D65)");
+  options.add("--haze-angle", o->haze_angle, "degrees beyond which light counts as haze (default 2.5)")
+      .between(0.01, 90.0);
+  options.add("--samples", o->samples, "per wavelength (default 65536)").between(64, 1 << 26);
+  options.add("--at", o->at, "u,v of the point on the surface, for textured layers (default 0.5,0.5)")
+      .separated_by(',')
+      .takes(2);
+  options.add("--json", o->json, "also write the figures to this file");
+  return [o] { return layer(*o); };
 }
 
+AUREOLE_COMMAND("layer", "Say what a BSDF transmits, reflects and scatters, by wavelength and in CIE terms",
+                declare);
+
+}  // namespace
 }  // namespace aureole

@@ -4,7 +4,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/plugin/registry.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -27,13 +27,13 @@ int list(const std::string& kind) {
   return 0;
 }
 
-}  // namespace
-
-void add_list_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand("list", "List the plug-ins, of one kind or all");
+std::function<int()> declare(CommandOptions& options) {
   auto kind = std::make_shared<std::string>();
-  c->add_option("kind", *kind, "bsdf, emitter, film, ...");
-  c->callback([=, &result] { result.exit_code = list(*kind); });
+  options.add("kind", *kind, "bsdf, emitter, film, ...");
+  return [=] { return list(*kind); };
 }
 
+AUREOLE_COMMAND("list", "List the plug-ins, of one kind or all", declare);
+
+}  // namespace
 }  // namespace aureole

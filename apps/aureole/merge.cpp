@@ -5,7 +5,7 @@
 #include "aureole/core/error.h"
 #include "aureole/render/output.h"
 #include "aureole/render/state.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -39,16 +39,15 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
   return 0;
 }
 
-}  // namespace
-
-void add_merge_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c =
-      app.add_subcommand("merge", "Merge the .state files of parts rendered with --samples into one picture");
+std::function<int()> declare(CommandOptions& options) {
   auto files = std::make_shared<std::vector<std::string>>();
   auto output = std::make_shared<std::string>();
-  c->add_option("states", *files, "state files")->required();
-  c->add_option("-o,--output", *output, "output .exr")->required();
-  c->callback([=, &result] { result.exit_code = merge(*files, *output); });
+  options.add("states", *files, "state files").required();
+  options.add("-o,--output", *output, "output .exr").required();
+  return [=] { return merge(*files, *output); };
 }
 
+AUREOLE_COMMAND("merge", "Merge the .state files of parts rendered with --samples into one picture", declare);
+
+}  // namespace
 }  // namespace aureole

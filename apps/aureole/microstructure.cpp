@@ -15,7 +15,7 @@
 #include "aureole/core/error.h"
 #include "aureole/core/units.h"
 #include "aureole/instrument/microstructure_report.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -147,41 +147,38 @@ int microstructure(const Options& o) {
   return 0;
 }
 
-}  // namespace
-
-void add_microstructure_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c = app.add_subcommand(
-      "microstructure",
-      "Find the scatterers in microscope pictures and write their statistics as a material");
+std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<Options>();
-  c->add_option("images", o->images, "fields of view of one sample: PNG, TIFF, ...")->required();
-  c->add_option("-o,--output", o->output, "folder to write; replaced if it holds an earlier result")
-      ->required();
-  c->add_option("--pixel-size", o->pixel_size,
-                "side of a pixel, such as 0.2um (default: what the TIFF says)");
-  c->add_option("--polarity", o->polarity, "auto, dark or bright particles")->capture_default_str();
-  c->add_option("--background", o->background,
-                "uneven light: auto (smooth levels of particles and ground), morphology, none")
-      ->capture_default_str();
-  c->add_option("--background-scale", o->background_scale,
-                "pixels, larger than particles (default: by their size)");
-  c->add_option("--denoise", o->denoise, "auto, none, gaussian or median")->capture_default_str();
-  c->add_option("--smooth", o->smooth, "standard deviation of the Gaussian, pixels (default: by the noise)");
-  c->add_flag("--fill-holes", o->fill_holes, "particles with a middle like the ground are whole");
-  c->add_option("--min-radius", o->min_radius, "smaller ones are dirt, pixels")->capture_default_str();
-  c->add_option("--mask", o->masks, "image whose black pixels are left out; one, or one for each image")
-      ->type_size(1)
-      ->allow_extra_args(false);
-  c->add_option("--exclude", o->excludes, "x,y,width,height in pixels to leave out; may be repeated")
-      ->type_size(1)
-      ->allow_extra_args(false);
-  c->add_option("--correlation-radius", o->correlation_radius,
-                "half the smallest distance of two centres (default: from the pair correlation)");
-  c->add_option("--encoding", o->encoding, "linear (grey values are light) or srgb")->capture_default_str();
-  c->add_flag("--no-overlays", o->no_overlays, "do not write pictures of what was found");
-  c->add_option("--resamples", o->resamples, "of the bootstrap")->capture_default_str();
-  c->add_option("--seed", o->seed, "of the bootstrap")->capture_default_str();
-  c->callback([=, &result] { result.exit_code = microstructure(*o); });
+  options.add("images", o->images, "fields of view of one sample: PNG, TIFF, ...").required();
+  options.add("-o,--output", o->output, "folder to write; replaced if it holds an earlier result").required();
+  options.add("--pixel-size", o->pixel_size, "side of a pixel, such as 0.2um (default: what the TIFF says)");
+  options.add("--polarity", o->polarity, "auto, dark or bright particles").shows_default();
+  options
+      .add("--background", o->background,
+           "uneven light: auto (smooth levels of particles and ground), morphology, none")
+      .shows_default();
+  options.add("--background-scale", o->background_scale,
+              "pixels, larger than particles (default: by their size)");
+  options.add("--denoise", o->denoise, "auto, none, gaussian or median").shows_default();
+  options.add("--smooth", o->smooth, "standard deviation of the Gaussian, pixels (default: by the noise)");
+  options.add("--fill-holes", o->fill_holes, "particles with a middle like the ground are whole");
+  options.add("--min-radius", o->min_radius, "smaller ones are dirt, pixels").shows_default();
+  options.add("--mask", o->masks, "image whose black pixels are left out; one, or one for each image")
+      .takes_each_time(1);
+  options.add("--exclude", o->excludes, "x,y,width,height in pixels to leave out; may be repeated")
+      .takes_each_time(1);
+  options.add("--correlation-radius", o->correlation_radius,
+              "half the smallest distance of two centres (default: from the pair correlation)");
+  options.add("--encoding", o->encoding, "linear (grey values are light) or srgb").shows_default();
+  options.add("--no-overlays", o->no_overlays, "do not write pictures of what was found");
+  options.add("--resamples", o->resamples, "of the bootstrap").shows_default();
+  options.add("--seed", o->seed, "of the bootstrap").shows_default();
+  return [=] { return microstructure(*o); };
 }
 
+AUREOLE_COMMAND("microstructure",
+                "Find the scatterers in microscope pictures and write their statistics as a material",
+                declare);
+
+}  // namespace
 }  // namespace aureole

@@ -15,7 +15,7 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "aureole/render/sample_density.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -297,37 +297,36 @@ int render(const Arguments& a) {
   return 0;
 }
 
-}  // namespace
-
-void add_render_command(CLI::App& app, CommandResult& result) {
+std::function<int()> declare(CommandOptions& options) {
   auto a = std::make_shared<Arguments>();
-  CLI::App* c = app.add_subcommand("render", "Render a scene file to an EXR and a PNG");
-  c->add_option("scene", a->scene, "scene file (Mitsuba XML)")->required();
-  c->add_option("-o,--output", a->output, "output .exr, .hdr or .pfm (default: beside the scene)");
-  c->add_option("-D,--define", a->defines, "set a $name of the scene: -D name=value")
-      ->allow_extra_args(false);
-  c->add_option("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
-  c->add_option("--seed", a->seed, "seed of the samples (default: the scene's)");
-  c->add_option("--threads", a->threads, "threads (default: all cores); the picture does not depend on it");
-  c->add_option("--time", a->time_s, "stop after this many seconds, on whole sample blocks");
-  c->add_option("--samples", a->samples,
-                "render only samples A:B of the picture, to be merged; A a multiple of 16");
-  c->add_option("--replicates", a->replicates,
-                "render R independently scrambled pictures; store their mean and its variance");
-  c->add_option("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
-  c->add_option(
-       "--adaptive", a->adaptive,
-       "more samples where noise is, at most --spp on average: for absolute, display or relative error")
-      ->check(CLI::IsMember(adaptive_target_names()));
-  c->add_option("--integrator", a->integrator,
-                "replace the scene's integrator: path, direct, ptracer, depth, ...");
-  c->add_option("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");
-  c->add_option("--pixel", a->pixel, "replay one pixel, x,y, and print what happens");
-  c->add_flag("--resume", a->resume, "continue from the checkpoint of the same command");
-  c->add_flag("--restart", a->restart, "begin anew where a checkpoint of an earlier job is in the way");
-  c->add_flag("--preview", a->preview, "refresh the PNG while rendering");
-  c->add_flag("-q,--quiet", a->quiet, "print errors only");
-  c->callback([a, &result] { result.exit_code = render(*a); });
+  options.add("scene", a->scene, "scene file (Mitsuba XML)").required();
+  options.add("-o,--output", a->output, "output .exr, .hdr or .pfm (default: beside the scene)");
+  options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  options.add("--spp", a->spp, "samples per pixel (default: the scene's sample_count)");
+  options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
+  options.add("--threads", a->threads, "threads (default: all cores); the picture does not depend on it");
+  options.add("--time", a->time_s, "stop after this many seconds, on whole sample blocks");
+  options.add("--samples", a->samples,
+              "render only samples A:B of the picture, to be merged; A a multiple of 16");
+  options.add("--replicates", a->replicates,
+              "render R independently scrambled pictures; store their mean and its variance");
+  options.add("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
+  options
+      .add("--adaptive", a->adaptive,
+           "more samples where noise is, at most --spp on average: for absolute, display or relative error")
+      .one_of(adaptive_target_names());
+  options.add("--integrator", a->integrator,
+              "replace the scene's integrator: path, direct, ptracer, depth, ...");
+  options.add("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");
+  options.add("--pixel", a->pixel, "replay one pixel, x,y, and print what happens");
+  options.add("--resume", a->resume, "continue from the checkpoint of the same command");
+  options.add("--restart", a->restart, "begin anew where a checkpoint of an earlier job is in the way");
+  options.add("--preview", a->preview, "refresh the PNG while rendering");
+  options.add("-q,--quiet", a->quiet, "print errors only");
+  return [a] { return render(*a); };
 }
 
+AUREOLE_COMMAND("render", "Render a scene file to an EXR and a PNG", declare);
+
+}  // namespace
 }  // namespace aureole

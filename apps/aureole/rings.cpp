@@ -22,7 +22,7 @@
 #include "aureole/core/units.h"
 #include "aureole/instrument/corona.h"
 #include "aureole/optics/scatterer_layer.h"
-#include "commands.h"
+#include "command.h"
 
 namespace aureole {
 namespace {
@@ -157,31 +157,29 @@ int rings(const RingsOptions& o) {
   return complete ? 0 : 1;
 }
 
-}  // namespace
-
-void add_rings_command(CLI::App& app, CommandResult& result) {
-  CLI::App* c =
-      app.add_subcommand("rings", "Measure the rings of a corona in a picture and compare them with theory");
+std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<RingsOptions>();
-  c->add_option("picture", o->picture, "EXR with the channels R, G, B; the lamp must not be clipped")
-      ->required();
-  c->add_option("--at", o->at, "pixel of the lamp, x y (default: the brightest white one)")->expected(2);
-  c->add_option("--azimuths", o->azimuths,
-                "look only at these directions from the lamp, degrees, 0 right, 90 up")
-      ->expected(2);
-  c->add_option("--mask", o->masks, "leave out a disc of the picture, x y radius in pixels; may be repeated")
-      ->type_size(3);
-  c->add_option("--fov", o->fov, "horizontal field of view, degrees")->capture_default_str();
-  c->add_option("--illuminant", o->illuminant, "CIE name of the lamp's spectrum")->capture_default_str();
-  c->add_option("--radius", o->radius, "radius of the circles")->capture_default_str();
-  c->add_option("--correlation-radius", o->correlation_radius, "of the hard discs (default: radius)");
-  c->add_option("--area-fraction", o->area_fraction, "covered by the hard discs")->capture_default_str();
-  c->add_option("--pane-distance", o->pane_distance, "from the camera along its axis")->capture_default_str();
-  c->add_option("--lamp-distance", o->lamp_distance, "from the camera along its axis")->capture_default_str();
-  c->add_option("--lamp-diameter", o->lamp_diameter, "of a round lamp")->capture_default_str();
-  c->add_option("--smooth", o->smooth, "half the width of the fit that finds extrema, degrees")
-      ->capture_default_str();
-  c->callback([=, &result] { result.exit_code = rings(*o); });
+  options.add("picture", o->picture, "EXR with the channels R, G, B; the lamp must not be clipped")
+      .required();
+  options.add("--at", o->at, "pixel of the lamp, x y (default: the brightest white one)").takes(2);
+  options
+      .add("--azimuths", o->azimuths, "look only at these directions from the lamp, degrees, 0 right, 90 up")
+      .takes(2);
+  options.add("--mask", o->masks, "leave out a disc of the picture, x y radius in pixels; may be repeated")
+      .takes_each_time(3);
+  options.add("--fov", o->fov, "horizontal field of view, degrees").shows_default();
+  options.add("--illuminant", o->illuminant, "CIE name of the lamp's spectrum").shows_default();
+  options.add("--radius", o->radius, "radius of the circles").shows_default();
+  options.add("--correlation-radius", o->correlation_radius, "of the hard discs (default: radius)");
+  options.add("--area-fraction", o->area_fraction, "covered by the hard discs").shows_default();
+  options.add("--pane-distance", o->pane_distance, "from the camera along its axis").shows_default();
+  options.add("--lamp-distance", o->lamp_distance, "from the camera along its axis").shows_default();
+  options.add("--lamp-diameter", o->lamp_diameter, "of a round lamp").shows_default();
+  options.add("--smooth", o->smooth, "half the width of the fit that finds extrema, degrees").shows_default();
+  return [=] { return rings(*o); };
 }
 
+AUREOLE_COMMAND("rings", "Measure the rings of a corona in a picture and compare them with theory", declare);
+
+}  // namespace
 }  // namespace aureole

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -25,7 +26,7 @@ struct Arguments {
   std::int64_t single = -1;
   int jobs = 2;
   std::size_t most_failures = 100;
-  std::filesystem::path folder = "fuzz";
+  std::filesystem::path folder = "fuzz", corpus_folder;
   bool self_test = false, check_corpus = false;
 };
 
@@ -67,6 +68,19 @@ int check_corpus(const Corpus& corpus, const Arguments& a) {
   }
   fmt::print("{} of {} scenes do not become a picture\n", bad, corpus.scenes().size());
   return bad > 0;
+}
+
+/// Every scene in a folder of its own, for tools/picture_hashes.py.
+int write_corpus(const Corpus& corpus, const std::filesystem::path& folder) {
+  std::map<std::string, int> times;  // names repeat: an example may be wrapped in two ways
+  for (const BaseScene& scene : corpus.scenes()) {
+    std::string name = scene.name;
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c == '/' || c == ' '; }, '_');
+    if (const int n = ++times[name]; n > 1) name += fmt::format("_{}", n);
+    write_case(Case{scene.name, {}, scene.files, {}}, std::filesystem::absolute(folder / name));
+  }
+  return 0;
 }
 
 int fuzz(const Corpus& corpus, const Arguments& a) {
@@ -120,10 +134,12 @@ int main(int argc, char** argv) {
   app.add_option("--folder", a.folder, "for the files of cases that fail (default fuzz)");
   app.add_option("--most-failures", a.most_failures, "stop after so many (default 100)");
   app.add_flag("--check-corpus", a.check_corpus, "load the scenes without changing them");
+  app.add_option("--write-corpus", a.corpus_folder, "write the unchanged scenes into this folder");
   app.add_flag("--self-test", a.self_test, "plant a crash, a hang, ... and look whether they are found");
   CLI11_PARSE(app, argc, argv);
   if (a.self_test) return self_test(a.folder);
   const Corpus corpus(aureole::test::source_dir());
+  if (!a.corpus_folder.empty()) return write_corpus(corpus, a.corpus_folder);
   if (a.check_corpus) return check_corpus(corpus, a);
   return a.single >= 0 ? replay(corpus, a) : fuzz(corpus, a);
 }

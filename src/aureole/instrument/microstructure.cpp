@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "aureole/core/error.h"
@@ -19,7 +20,7 @@
 namespace aureole {
 namespace {
 
-constexpr double kPi = M_PI;
+constexpr double kPiDouble = std::numbers::pi;
 constexpr int kPairBins = 100;
 constexpr double kPairStep = 0.1, kLargestU = 15;
 
@@ -142,8 +143,8 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   m.density = estimate(density, [&](const BlockSample& s) { return s.density * relative; });
   const auto radius_of = [&](const BlockSample& s) { return m.correlation_radius_given ? a : 0.5 * s.onset; };
   m.correlation_radius = m.correlation_radius_given ? Estimate{a, a, a} : estimate(a, radius_of);
-  m.area_fraction = estimate(density * kPi * a * a, [&](const BlockSample& s) {
-    return s.density * relative * kPi * radius_of(s) * radius_of(s);
+  m.area_fraction = estimate(density * kPiDouble * a * a, [&](const BlockSample& s) {
+    return s.density * relative * kPiDouble * radius_of(s) * radius_of(s);
   });
   m.mean_radius = estimate(whole_sample.sizes.mean, [](const BlockSample& s) { return s.sizes.mean; });
   m.deviation =
@@ -160,7 +161,7 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   }
   double side = INFINITY;
   for (const PointField& f : points) side = std::min({side, f.columns * f.cell_x, f.rows * f.cell_y});
-  const double step = std::max(0.1, 2 * kPi * a / side);
+  const double step = std::max(0.1, 2 * kPiDouble * a / side);
   if (step < 1) {
     const RingMeans rings = structure_factor_of(points, step / a, int(kLargestU / step));
     for (const double q : rings.q) m.structure_factor.x.push_back(q * a);
