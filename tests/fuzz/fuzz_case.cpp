@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fuzz_case.h"
 
+#include <fmt/format.h>
+
 #include <fstream>
 #include <sstream>
 
@@ -122,7 +124,7 @@ Case make_case(const Corpus& corpus, std::uint64_t seed, std::uint64_t index) {
   if (damages) mutate_file(random, c);
   if (!random.is_gentle() && random.chance(0.15)) {
     c.files[kMainFile] = std::make_shared<std::string>(mutate_text(*c.files[kMainFile], random));
-    c.mutations.push_back(std::string(kMainFile) + ": changed as text");
+    c.mutations.push_back(fmt::format("{}: changed as text", kMainFile));
   }
   choose_options(random, c);
   return c;

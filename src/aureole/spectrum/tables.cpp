@@ -19,7 +19,7 @@ struct IlluminantRecord {
 #include "aureole/spectrum/data/illuminants.inc"
 
 /// 300, 305, ... 830 nm: every illuminant's wavelengths are a part of it.
-constexpr auto kWavelengths = [] {
+constexpr auto kTabulatedNm = [] {
   std::array<double, 107> nm{};
   for (std::size_t i = 0; i < nm.size(); ++i) nm[i] = 300.0 + kIlluminantStep * static_cast<double>(i);
   return nm;
@@ -76,8 +76,8 @@ std::optional<TabulatedSpectrum> find_illuminant(std::string_view name) {
     full = "FL" + full.substr(1);
   for (const IlluminantRecord& record : kIlluminants) {
     if (!equal_ignoring_case(record.name, full)) continue;
-    const auto first = static_cast<std::size_t>((record.start_nm - kWavelengths.front()) / kIlluminantStep);
-    return TabulatedSpectrum{std::span(kWavelengths).subspan(first, record.values.size()), record.values};
+    const auto first = static_cast<std::size_t>((record.start_nm - kTabulatedNm.front()) / kIlluminantStep);
+    return TabulatedSpectrum{std::span(kTabulatedNm).subspan(first, record.values.size()), record.values};
   }
   return std::nullopt;
 }

@@ -8,8 +8,8 @@
 namespace aureole {
 namespace {
 
-using Vec3 = std::array<double, 3>;
-using Mat3 = std::array<Vec3, 3>;
+using Triple = std::array<double, 3>;
+using Mat3 = std::array<Triple, 3>;
 
 constexpr double kCentre = 595.0, kHalfWidth = 235.0;  // nm: 360-830
 constexpr std::size_t kSize = 471;
@@ -18,19 +18,19 @@ constexpr std::size_t kSize = 471;
 /// worse.
 constexpr double kMaxCoefficient = 5000.0;
 
-Vec3 multiply(const Mat3& m, const Vec3& v) {
-  Vec3 r;
+Triple multiply(const Mat3& m, const Triple& v) {
+  Triple r;
   for (int i = 0; i < 3; ++i) r[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
   return r;
 }
 
 /// Solves m x = v by Cramer's rule.
-Vec3 solve(const Mat3& m, const Vec3& v) {
-  const auto det = [](const Vec3& a, const Vec3& b, const Vec3& c) {
+Triple solve(const Mat3& m, const Triple& v) {
+  const auto det = [](const Triple& a, const Triple& b, const Triple& c) {
     return a[0] * (b[1] * c[2] - b[2] * c[1]) - b[0] * (a[1] * c[2] - a[2] * c[1]) +
            c[0] * (a[1] * b[2] - a[2] * b[1]);
   };
-  const Vec3 a{m[0][0], m[1][0], m[2][0]}, b{m[0][1], m[1][1], m[2][1]}, c{m[0][2], m[1][2], m[2][2]};
+  const Triple a{m[0][0], m[1][0], m[2][0]}, b{m[0][1], m[1][1], m[2][1]}, c{m[0][2], m[1][2], m[2][2]};
   const double d = det(a, b, c);
   return {det(v, b, c) / d, det(a, v, c) / d, det(a, b, v) / d};
 }
@@ -40,7 +40,7 @@ Vec3 solve(const Mat3& m, const Vec3& v) {
 struct Colorimetry {
   struct Node {
     double t;
-    Vec3 weight;
+    Triple weight;
   };
   std::array<Node, kSize> nodes;
   Mat3 from_srgb;
@@ -48,7 +48,7 @@ struct Colorimetry {
   Colorimetry() {
     const Observer& observer = cie_1931_observer();
     const TabulatedSpectrum d65 = *find_illuminant("D65");
-    const Vec3 white = cie_tristimulus(d65);
+    const Triple white = cie_tristimulus(d65);
     for (std::size_t i = 0; i < kSize; ++i) {
       const double nm = observer.start_nm + static_cast<double>(i) * observer.step_nm;
       const double power = d65.at(nm) * observer.step_nm * (i == 0 || i + 1 == kSize ? 0.5 : 1.0);
@@ -65,7 +65,7 @@ struct Colorimetry {
       primaries[1][j] = 1.0;
       primaries[2][j] = (1.0 - x - y) / y;
     }
-    const Vec3 luminance = solve(primaries, {white[0] / white[1], 1.0, white[2] / white[1]});
+    const Triple luminance = solve(primaries, {white[0] / white[1], 1.0, white[2] / white[1]});
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) from_srgb[i][j] = primaries[i][j] * luminance[j] * white[1] / white[i];
   }
@@ -79,11 +79,11 @@ const Colorimetry& colorimetry() {
 /// CIELAB of tristimulus values relative to the white, and the derivative of its nonlinearity (CIE
 /// 15:2004, 8.2.1).
 struct Lab {
-  Vec3 lab, slope;
+  Triple lab, slope;
 
-  explicit Lab(const Vec3& xyz) {
+  explicit Lab(const Triple& xyz) {
     constexpr double kDelta = 6.0 / 29.0;
-    Vec3 f;
+    Triple f;
     for (int i = 0; i < 3; ++i) {
       if (xyz[i] > kDelta * kDelta * kDelta) {
         f[i] = std::cbrt(xyz[i]);
@@ -97,14 +97,16 @@ struct Lab {
   }
 
   /// L*, a*, b* without the -16 of L*, which differences and derivatives do not see.
-  static Vec3 combine(const Vec3& f) { return {116.0 * f[1], 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2])}; }
+  static Triple combine(const Triple& f) {
+    return {116.0 * f[1], 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2])};
+  }
 };
 
-double squared(const Vec3& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+double squared(const Triple& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
 /// Tristimulus values of a spectrum relative to the white, and their derivatives: jacobian[i][j] = d xyz_i /
 /// d c_j.
-void integrate(const Vec3& c, Vec3& xyz, Mat3& jacobian) {
+void integrate(const Triple& c, Triple& xyz, Mat3& jacobian) {
   xyz = {};
   jacobian = {};
   for (const Colorimetry::Node& node : colorimetry().nodes) {
@@ -140,36 +142,36 @@ SigmoidPolynomial FitCoefficients::polynomial() const {
 double refine_fit(const Rgb& linear_rgb, FitCoefficients& start) {
   constexpr int kMaxSteps = 60;
   constexpr double kConverged = 1e-14;  // squared Delta E
-  const Vec3 target = Lab(multiply(colorimetry().from_srgb, linear_rgb)).lab;
+  const Triple target = Lab(multiply(colorimetry().from_srgb, linear_rgb)).lab;
 
-  Vec3& c = start.c;
-  Vec3 xyz;
+  Triple& c = start.c;
+  Triple xyz;
   Mat3 dxyz;
   integrate(c, xyz, dxyz);
   double damping = 0.0;
   const auto residual_at = [&target](const Lab& lab) {
-    return Vec3{lab.lab[0] - target[0], lab.lab[1] - target[1], lab.lab[2] - target[2]};
+    return Triple{lab.lab[0] - target[0], lab.lab[1] - target[1], lab.lab[2] - target[2]};
   };
   Lab lab(xyz);
-  Vec3 residual = residual_at(lab);
+  Triple residual = residual_at(lab);
   double error = squared(residual);
   for (int step = 0; step < kMaxSteps && error > kConverged; ++step) {
     Mat3 j;
     for (int col = 0; col < 3; ++col) {
-      const Vec3 f = Lab::combine(
+      const Triple f = Lab::combine(
           {lab.slope[0] * dxyz[0][col], lab.slope[1] * dxyz[1][col], lab.slope[2] * dxyz[2][col]});
       for (int row = 0; row < 3; ++row) j[row][col] = f[row];
     }
     // Normal equations with Levenberg-Marquardt damping of the diagonal.
     Mat3 normal;
-    Vec3 gradient;
+    Triple gradient;
     for (int p = 0; p < 3; ++p) {
       gradient[p] = j[0][p] * residual[0] + j[1][p] * residual[1] + j[2][p] * residual[2];
       for (int q = 0; q < 3; ++q) normal[p][q] = j[0][p] * j[0][q] + j[1][p] * j[1][q] + j[2][p] * j[2][q];
     }
     for (int p = 0; p < 3; ++p) normal[p][p] *= 1.0 + damping;
-    const Vec3 move = damping > 0 ? solve(normal, gradient) : solve(j, residual);
-    Vec3 next;
+    const Triple move = damping > 0 ? solve(normal, gradient) : solve(j, residual);
+    Triple next;
     bool usable = true;
     for (int p = 0; p < 3; ++p) {
       next[p] = c[p] - move[p];
@@ -177,11 +179,11 @@ double refine_fit(const Rgb& linear_rgb, FitCoefficients& start) {
     }
     bool better = false;
     if (usable) {
-      Vec3 next_xyz;
+      Triple next_xyz;
       Mat3 next_dxyz;
       integrate(next, next_xyz, next_dxyz);
       const Lab next_lab(next_xyz);
-      const Vec3 next_residual = residual_at(next_lab);
+      const Triple next_residual = residual_at(next_lab);
       const double next_error = squared(next_residual);
       if (next_error < error) {
         better = true;
@@ -225,7 +227,7 @@ SigmoidPolynomial fit_srgb(const Rgb& linear_rgb) {
 }
 
 Rgb srgb_of_reflectance(const SigmoidPolynomial& spectrum) {
-  Vec3 xyz{};
+  Triple xyz{};
   for (const Colorimetry::Node& node : colorimetry().nodes) {
     const double s = spectrum.at(static_cast<float>(kCentre + kHalfWidth * node.t));
     for (int i = 0; i < 3; ++i) xyz[i] += node.weight[i] * s;
@@ -234,8 +236,8 @@ Rgb srgb_of_reflectance(const SigmoidPolynomial& spectrum) {
 }
 
 double delta_e(const Rgb& linear_a, const Rgb& linear_b) {
-  const Vec3 a = Lab(multiply(colorimetry().from_srgb, linear_a)).lab;
-  const Vec3 b = Lab(multiply(colorimetry().from_srgb, linear_b)).lab;
+  const Triple a = Lab(multiply(colorimetry().from_srgb, linear_a)).lab;
+  const Triple b = Lab(multiply(colorimetry().from_srgb, linear_b)).lab;
   return std::sqrt(squared({a[0] - b[0], a[1] - b[1], a[2] - b[2]}));
 }
 
