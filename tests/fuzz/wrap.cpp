@@ -99,10 +99,12 @@ std::vector<std::string> wrap_example(const std::string& family, const std::stri
     if (!has_film) scenes.push_back(scene(kIntegrator + changed(example, nullptr, kOnePixel) + objects));
     return scenes;
   }
-  if (family == "aperture" || family == "correlation")
-    return {usual(kLight + ball(R"(<bsdf type="correlated_scatterers"><string name="radius" value="5um"/>)"
-                                R"(<float name="area_fraction" value="0.4"/>)" +
-                                example + "</bsdf>"))};
+  if (family == "aperture" || family == "correlation") {
+    // The radius is that of a circle where there is no aperture.
+    const char* radius = family == "aperture" ? "" : R"(<string name="radius" value="5um"/>)";
+    return {usual(kLight + ball(std::string(R"(<bsdf type="correlated_scatterers">)") + radius +
+                                R"(<float name="area_fraction" value="0.4"/>)" + example + "</bsdf>"))};
+  }
   if (family == "medium")
     return {usual(kLight + ball("<bsdf type=\"dielectric\"/>" + changed(example, "interior")))};
   return {usual(kLight + example)};
