@@ -21,7 +21,7 @@ namespace {
 using testing::build;
 using testing::make_context;
 
-constexpr int kInputs = 1024;  // pre-drawn and reused: they stay in the first caches
+constexpr int kInputs = 1024;  // drawn in advance and reused, so that they stay in the L1 and L2 caches
 
 /// Reproducible numbers in [0, 1).
 class Random {
@@ -46,7 +46,7 @@ Wavelengths draw_wavelengths(const SpectralGrid& grid, float u) {
                          }));
 }
 
-/// What a path hands to a BSDF, for both sides of the surface.
+/// Arguments of BSDF calls, for both sides of the surface.
 struct BsdfInputs {
   explicit BsdfInputs(const SpectralGrid& grid) {
     Random random;
@@ -65,14 +65,14 @@ struct BsdfInputs {
   std::vector<Wavelengths> wavelengths;
 };
 
-/// The part of the time that one wavelength of a path has.
+/// The time per wavelength of a path.
 void count_per_wavelength(benchmark::State& state) {
   state.counters["per_wavelength"] = benchmark::Counter(
       double(state.iterations()) * kWavelengths, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
 
-/// What paths ask of a layer: half of the directions as lights lie, half as the BSDF samples them; all cross
-/// the surface, none is answered by the side alone.
+/// Typical arguments for a layer: half of the directions cosine-distributed, as towards lights, half sampled
+/// from the BSDF. All pairs cross the surface, so that no early test of sides applies.
 BsdfInputs crossing_inputs(const Bsdf& bsdf, const SpectralGrid& grid) {
   BsdfInputs in(grid);
   const SurfacePoint point;
@@ -192,13 +192,15 @@ void bench_wavelengths(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(distribution.sample(random.next()));
 }
 
+ModelPart build_part(const std::string& xml) { return build<Model>(xml)->parts().at(0); }
+
 /// A room with 27 spheres or cubes: rays start inside it and meet something.
-std::vector<ShapePtr> room_of(const std::string& type) {
-  std::vector<ShapePtr> shapes;
-  shapes.push_back(build<Shape>(
+std::vector<ModelPart> room_of(const std::string& type) {
+  std::vector<ModelPart> shapes;
+  shapes.push_back(build_part(
       R"(<shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale value="4"/></transform></shape>)"));
   for (int i = 0; i < 27; ++i)
-    shapes.push_back(build<Shape>(
+    shapes.push_back(build_part(
         "<shape type=\"" + type + "\"><transform name=\"to_world\"><scale value=\"0.5\"/><translate x=\"" +
         std::to_string(2 * (i % 3) - 2) + "\" y=\"" + std::to_string(2 * (i / 3 % 3) - 2) + "\" z=\"" +
         std::to_string(2 * (i / 9) - 2) + "\"/></transform></shape>"));
@@ -206,7 +208,7 @@ std::vector<ShapePtr> room_of(const std::string& type) {
 }
 
 void bench_rays(benchmark::State& state, const std::string& type, bool occlusion) {
-  const std::vector<ShapePtr> shapes = room_of(type);
+  const std::vector<ModelPart> shapes = room_of(type);
   const RayTracer tracer(shapes);
   Random random;
   std::vector<Ray> rays;

@@ -122,7 +122,7 @@ def choose_processors(threads):
 
 
 class Progress:
-    """What is done and how long the rest takes. Work of one kind takes time in proportion to its size."""
+    """Progress and the estimated time left. Work of one kind takes time in proportion to its size."""
 
     def __init__(self, items):
         self.left, self.rates, self.all = {}, {}, [0.0, 0.0]

@@ -101,7 +101,7 @@ struct Measurement {
   RenderState state;
 };
 
-Measurement measure(const std::shared_ptr<const Scene>& scene, const RenderOptions& options) {
+Measurement measure(const LoadedScene& scene, const RenderOptions& options) {
   RenderJob job(scene, options);
   const std::atomic<bool> stop{false};
   const RayCounter before = rays_so_far();
@@ -148,9 +148,7 @@ Efficiency efficiency_of(const RenderState& state) {
   return e;
 }
 
-std::shared_ptr<const Scene> load(const Options& o) {
-  return std::make_shared<const Scene>(load_scene(o.scene, o.load));
-}
+LoadedScene load(const Options& o) { return load_scene(o.scene, o.load); }
 
 void print_speed(const Options& o) {
   const auto scene = load(o);

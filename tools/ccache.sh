@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
 # ccache.sh CCACHE SOURCE_FOLDER COMPILER ARGUMENTS...: the compiler behind a compiler cache that knows paths below the source folder
-# relative to it, so that it serves every checkout, and that knows a precompiled header (more than 100 MB) by a checksum made once
-# beside it: hashing the header for each file would take a third of the compiler's own time.
+# relative to it, so that it serves every checkout. A precompiled header is known by a checksum beside it, of the text of all the headers
+# in it: the compiler never writes the same bytes twice, and hashing its 100 MB for each file would take a third of the compiler's time.
 export CCACHE_BASEDIR="$2" CCACHE_PCH_EXTSUM=1
 export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
 ccache=$1
@@ -12,7 +12,14 @@ case " $* " in
   *" -x c++-header "*) ;;
   *) exit 0 ;;
 esac
+header='' dependencies=''
 while [ $# -gt 1 ]; do
-  if [ "$1" = -o ]; then sha256sum < "$2" > "$2.sum"; fi
+  case $1 in
+    -o) header=$2 ;;
+    -MF) dependencies=$2 ;;
+  esac
   shift
 done
+[ -n "$header" ] && [ -f "$dependencies" ] || exit 0
+# "target: header \ header ...", without the generated header, which names all others by their paths.
+sed -e 's/^[^:]*://' -e 's/\\$//' "$dependencies" | tr -s ' ' '\n' | grep -v -e '^$' -e cmake_pch | xargs cat | sha256sum > "$header.sum"

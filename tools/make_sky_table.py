@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Write src/aureole/optics/data/hosek_wilkie.bin, the spectral data of the sky and sun models of Hosek & Wilkie.
+"""Write src/aureole/optics/sky/data/hosek_wilkie.bin, the spectral data of the sky and sun models of Hosek & Wilkie.
 
     python tools/make_sky_table.py FILE [output file]
 
 FILE is data/sunsky/sunsky_datasets.bin of the PyPI package `mitsuba`, which holds the data of
-http://cgg.mff.cuni.cz/projects/SkylightModelling/ under their licence, src/aureole/optics/data/LICENSE.hosek_wilkie.
+http://cgg.mff.cuni.cz/projects/SkylightModelling/ under their licence, src/aureole/optics/sky/data/LICENSE.hosek_wilkie.
 The output is float32, little-endian:
 sky  [turbidity 1..10][albedo 0, 1][control point 0..5][channel 0..10][A ... I of the formula, radiance]
 sun  [turbidity 1..10][segment of elevation 0..44][channel 0..10][coefficient of x^0 ... x^3]
@@ -46,7 +46,7 @@ def main():
     sky = np.concatenate([tensors["sky_params_spec"], tensors["sky_rad_spec"][..., None]], -1)
     sun, limb = tensors["sun_rad_spec"], tensors["sun_ld_spec"]
     assert sky.shape == (10, 2, 6, 11, 10) and sun.shape == (10, 45, 11, 4) and limb.shape == (11, 6)
-    out = sys.argv[2] if len(sys.argv) == 3 else ROOT / "src/aureole/optics/data/hosek_wilkie.bin"
+    out = sys.argv[2] if len(sys.argv) == 3 else ROOT / "src/aureole/optics/sky/data/hosek_wilkie.bin"
     pathlib.Path(out).write_bytes(b"".join(a.astype("<f4").tobytes() for a in (sky, sun, limb)))
 
 

@@ -14,7 +14,7 @@
 
 namespace aureole {
 
-/// An option or, where its name has no dash, an argument given by its place.
+/// An option or, where its name has no dash, a positional argument.
 class CommandOption {
 public:
   /// Where the value goes; it is left as it is where the option is not given. A bool is a flag without a
@@ -28,9 +28,9 @@ public:
   CommandOption& required() { return required_ = true, *this; }
   /// The help shows the value that the target has now as the default.
   CommandOption& shows_default() { return shows_default_ = true, *this; }
-  /// So many values in all.
+  /// The total number of values.
   CommandOption& takes(int values) { return values_ = values, *this; }
-  /// So many values each time that the option is given.
+  /// The number of values each time that the option is given.
   CommandOption& takes_each_time(int values) { return values_each_time_ = values, *this; }
   /// The values may stand in one word.
   CommandOption& separated_by(char separator) { return separator_ = separator, *this; }
@@ -50,7 +50,7 @@ private:
 
 class CommandOptions {
 public:
-  /// `names` is "-o,--output", or "scene" for an argument given by its place.
+  /// `names` is "-o,--output", or "scene" for a positional argument.
   template <class T>
   CommandOption& add(std::string names, T& target, std::string help) {
     return *options_.emplace_back(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line: what the subcommands declare, handed to CLI11.
+// The command line: passes the options that the subcommands declare to CLI11.
 #include "command_line.h"
 
 #include <CLI/CLI.hpp>
@@ -46,7 +46,7 @@ private:
     if (o.values_) option->expected(o.values_);
     if (o.values_each_time_) option->type_size(o.values_each_time_);
     if (!o.choices_.empty()) option->check(CLI::IsMember(o.choices_));
-    // A list of an option's values ends after each: what follows may be an argument given by its place.
+    // Each use of an option takes one value, since the next word may be a positional argument.
     if (o.values_each_time_ == 1) option->allow_extra_args(false);
   }
   static CLI::Option* add(CLI::App& sub, const CommandOption& o, bool& target) {

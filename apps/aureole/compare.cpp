@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole compare: how far apart two pictures are, and whether more than their noise explains.
+// aureole compare: the difference of two pictures, and whether it exceeds their noise.
 #include <fmt/format.h>
 
 #include "aureole/core/error.h"

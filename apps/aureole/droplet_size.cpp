@@ -12,8 +12,8 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/units.h"
-#include "aureole/instrument/corona_fit.h"
-#include "aureole/instrument/svg_plot.h"
+#include "aureole/instrument/corona/corona_fit.h"
+#include "aureole/instrument/report/svg_plot.h"
 #include "command.h"
 
 namespace aureole {

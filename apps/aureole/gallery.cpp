@@ -14,9 +14,9 @@
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"
 #include "command.h"
-#include "gallery_page.h"
-#include "gallery_picture.h"
-#include "gallery_plots.h"
+#include "gallery/gallery_page.h"
+#include "gallery/gallery_picture.h"
+#include "gallery/gallery_plots.h"
 
 namespace aureole {
 namespace {
@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 std::atomic<bool> stop_requested{false};
 extern "C" void request_gallery_stop(int) {
-  // A second Ctrl-C means now.
+  // A second Ctrl-C ends the program at once.
   if (stop_requested.exchange(true)) _exit(130);
 }
 
@@ -165,7 +165,7 @@ private:
 
   fs::path exr(const GalleryPicture& p) const { return folder_ / "exr" / (p.name + ".exr"); }
 
-  /// A picture of these inputs is there: of this size, or of the full one where a preview is asked for.
+  /// Whether a picture of these inputs exists in this size, or in full size where a preview is asked for.
   bool is_done(const GalleryPicture& p, bool any_size) const {
     const auto at = results_.pictures.find(p.name);
     if (at == results_.pictures.end() || !fs::exists(exr(p)) || !fs::exists(folder_ / (p.name + ".png")))
@@ -174,7 +174,7 @@ private:
     try {
       return at->second.key == picture_key(p, at->second.size);
     } catch (const Error&) {
-      return false;  // of a figure that is not asked for
+      return false;  // belongs to a figure that was not requested
     }
   }
   static std::string plot_key(const GalleryPlot& p) {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole info: what a scene holds.
+// aureole info: lists the content of a scene.
 #include <fmt/format.h>
 
 #include <map>
 
+#include "aureole/loading/load.h"
 #include "aureole/render/state.h"
-#include "aureole/scene/scene.h"
 #include "command.h"
 
 namespace aureole {
@@ -14,10 +14,11 @@ namespace {
 int info(const std::string& file, const std::vector<std::string>& defines) {
   LoadOptions load;
   load.defines = split_defines(defines);
-  const Scene scene(load_scene(file, load));
-  for (const auto& note : scene.loaded().notes) fmt::print(stderr, "note: {}\n", note);
+  const LoadedScene loaded = load_scene(file, load);
+  const Scene& scene = *loaded.scene;
+  for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
   const Film& film = scene.film();
-  fmt::print("scene        {} (hash {:016x})\n", scene.loaded().file.string(), scene.hash());
+  fmt::print("scene        {} (hash {:016x})\n", loaded.file.string(), loaded.hash);
   fmt::print("film         {} {} x {}, rendered part {} x {} at ({}, {}), channels {}\n",
              film.properties().type(), film.width(), film.height(), film.crop_width(), film.crop_height(),
              film.crop_x(), film.crop_y(), fmt::join(film.channel_names(), ", "));
@@ -27,28 +28,29 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
   fmt::print("wavelengths  {:g} to {:g} nm, {} per path\n", grid.min_nm, grid.max_nm, kWavelengths);
   fmt::print("sensor       {}, sampler {} with {} samples\n", scene.sensor().properties().type(),
              scene.sensor().sampler().properties().type(), scene.sensor().sampler().sample_count());
-  fmt::print("integrator   {}\n", scene.integrator_object()->properties().type());
+  fmt::print("integrator   {}\n", loaded.integrator->properties().type());
   const Bounds3 b = scene.bounds();
   if (!b.empty())
     fmt::print("bounds       ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})\n", b.lower.x, b.lower.y, b.lower.z,
                b.upper.x, b.upper.y, b.upper.z);
+  const std::vector<ModelPart>& parts = scene.parts().surfaces;
   std::size_t primitives = 0;
-  for (const auto& s : scene.shapes()) primitives += s->primitive_count();
-  fmt::print("shapes       {} with {} primitives\n", scene.shapes().size(), primitives);
+  for (const ModelPart& part : parts) primitives += part.primitive_count();
+  fmt::print("shapes       {} with {} primitives\n", parts.size(), primitives);
   std::size_t instances = 0;
-  for (const auto& s : scene.shapes()) {
-    if (!s->bsdf()) {
+  for (const ModelPart& part : parts) {
+    if (part.instance) {
       ++instances;
       continue;
     }
-    fmt::print("  {:<12} {:<24} {:>9} primitives  bsdf {}{}\n", s->properties().type(),
-               s->id().empty() ? "-" : s->id(), s->primitive_count(), s->bsdf()->properties().type(),
-               s->emitter() ? "  emits" : "");
-    for (const auto& r : s->remarks()) fmt::print("    {}\n", r);
+    fmt::print("  {:<12} {:<24} {:>9} primitives  bsdf {}{}\n", part.element->type(),
+               part.element->id().empty() ? "-" : part.element->id(), part.primitive_count(),
+               part.bsdf->properties().type(), part.emitter ? "  emits" : "");
+    for (const auto& r : part.remarks) fmt::print("    {}\n", r);
   }
   if (instances) fmt::print("  {} instances of groups\n", instances);
   std::map<std::string, int> emitters;
-  for (const auto* e : scene.emitters()) ++emitters[e->properties().type()];
+  for (const Light& e : scene.emitters()) ++emitters[e.properties().type()];
   fmt::print("emitters     {}\n", scene.emitters().size());
   for (const auto& [type, count] : emitters) fmt::print("  {} x {}\n", count, type);
   return 0;

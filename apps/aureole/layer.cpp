@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole layer: what an engineer asks of a sheet, a pane or a layer of a scene: how much light it transmits
-// and reflects, directly and diffusely, by wavelength and as seen by the CIE observer; its haze; what it
-// loses. Measured from the BSDF alone, by its own samples, so that it works for any.
+// aureole layer: optical data of a sheet, a pane or a layer of a scene: how much light it transmits and
+// reflects, directly and diffusely, by wavelength and as seen by the CIE observer; its haze; its losses.
+// Measured from the BSDF's own samples, so that it works for any BSDF.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@
 #include "aureole/core/image.h"
 #include "aureole/core/parallel.h"
 #include "aureole/instrument/light_budget.h"
-#include "aureole/scene/scene.h"
+#include "aureole/loading/load.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 #include "command.h"
@@ -34,25 +34,32 @@ struct LayerOptions {
   int samples = 1 << 16;
 };
 
-/// Calls `visit` for an object and all that are nested in it.
-void walk(const ObjectPtr& object, const std::function<void(const ObjectPtr&)>& visit) {
-  visit(object);
-  for (const auto& e : object->properties().entries())
-    if (const auto* nested = std::get_if<ObjectPtr>(&e.value); nested && *nested) walk(*nested, visit);
+/// Calls `visit` for all objects among the parameters and nested in those.
+void walk(const Properties& properties, const std::function<void(const ObjectPtr&)>& visit) {
+  for (const auto& e : properties.entries())
+    if (const auto* nested = std::get_if<ObjectPtr>(&e.value); nested && *nested) {
+      visit(*nested);
+      walk((*nested)->properties(), visit);
+    }
 }
 
 /// The BSDF with that id, or of the shape with that id.
 std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& file, const std::string& id) {
   std::shared_ptr<const Bsdf> found;
   std::vector<std::string> known;
-  for (const ShapePtr& shape : scene.shapes())
-    walk(std::const_pointer_cast<Shape>(std::shared_ptr<const Shape>(shape)), [&](const ObjectPtr& o) {
-      const auto s = std::dynamic_pointer_cast<const Shape>(o);
-      const auto b = s ? s->bsdf() : std::dynamic_pointer_cast<const Bsdf>(o);
-      if (!b || o->id().empty()) return;
-      if (o->id() == id) found = b;
-      if (std::find(known.begin(), known.end(), o->id()) == known.end()) known.push_back(o->id());
+  const auto offer = [&](const std::string& its_id, const std::shared_ptr<const Bsdf>& bsdf) {
+    if (!bsdf || its_id.empty()) return;
+    if (its_id == id) found = bsdf;
+    if (std::find(known.begin(), known.end(), its_id) == known.end()) known.push_back(its_id);
+  };
+  for (const ModelPart& part : scene.parts().surfaces) {
+    offer(part.element->id(), part.bsdf);
+    walk(*part.element, [&](const ObjectPtr& o) {
+      const auto model = std::dynamic_pointer_cast<const Model>(o);
+      const bool has_parts = model && !model->parts().empty();
+      offer(o->id(), has_parts ? model->parts()[0].bsdf : std::dynamic_pointer_cast<const Bsdf>(o));
     });
+  }
   if (found) return found;
   std::string all;
   for (const std::string& k : known) all += (all.empty() ? "" : ", ") + k;
@@ -61,7 +68,7 @@ std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& fil
                                 (all.empty() ? "; none of this scene has an id" : "; there are " + all));
 }
 
-/// X, Y, Z of what a fraction by wavelength leaves of the lamp, Y of the lamp itself being 1.
+/// X, Y, Z of the lamp times a spectral fraction, relative to the lamp's Y.
 std::array<double, 3> tristimulus(const std::vector<LightBudget>& rows, const SampledSpectrum& lamp,
                                   const SpectralGrid& grid,
                                   const std::function<double(const LightBudget&)>& fraction) {
@@ -100,7 +107,8 @@ int layer(const LayerOptions& options) {
   const std::string file = options.target.substr(0, mark);
   LoadOptions load;
   load.defines = split_defines(options.defines);
-  const Scene scene(load_scene(file, load));
+  const std::shared_ptr<const Scene> loaded = load_scene(file, load).scene;
+  const Scene& scene = *loaded;
   const auto bsdf = find_bsdf(scene, file, mark == std::string::npos ? "" : options.target.substr(mark + 1));
   const SpectralGrid grid = scene.wavelengths().grid();
   const auto table = find_illuminant(options.illuminant);

@@ -22,7 +22,7 @@ namespace {
 
 std::atomic<bool> stop_requested{false};
 extern "C" void request_stop(int) {
-  // A second Ctrl-C means now.
+  // A second Ctrl-C ends the program at once.
   if (stop_requested.exchange(true)) _exit(130);
 }
 
@@ -108,53 +108,61 @@ private:
   std::thread thread_;
 };
 
-int replay_light_paths(const RenderJob& job, const Scene& scene, int x, int y, std::int64_t begin,
-                       std::int64_t end, const PathLog& log) {
-  fmt::print(
-      "paths of \"{}\" start at emitters and belong to no pixel: these are the paths that are counted as "
-      "samples of pixel ({}, {}), wherever they go\n",
-      scene.integrator_object()->properties().type(), x, y);
-  const size_t channels = size_t(scene.film().measured_channels());
-  for (std::int64_t i = begin; i < end; ++i) {
-    if (log) fmt::print("path {}\n", i);
-    const auto measured = job.replay(x, y, i, 0, log);
-    if (!measured)
-      fmt::print("path {}: INVALID (NaN, infinite or negative radiance)\n", i);
-    else if (log)
-      fmt::print("  {} splats on the film\n", measured->size() / channels);
+/// Traces samples [begin, end) of a pixel again, as the job does; prints the events of each if there are few.
+template <class Use>
+void replay_samples(const RenderJob& job, int x, int y, std::int64_t begin, std::int64_t end,
+                    const char* name, const Use& use) {
+  const auto check = [&](std::int64_t i, const ReplayedSample& s) {
+    if (!s.valid) fmt::print("{} {}: INVALID (NaN, infinite or negative radiance)\n", name, i);
+    if (s.valid) use(s);
+  };
+  if (end - begin <= kSampleBlock) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      fmt::print("{} {}\n", name, i);
+      check(i, job.replay(x, y, i, 0, [](const std::string& line) { fmt::print("{}\n", line); }));
+    }
+    return;
   }
-  return 0;
+  for (std::int64_t first = begin; first < end; first += kSampleBlock) {
+    const auto samples = job.replay_block(x, y, first, std::min(first + kSampleBlock, end), 0);
+    for (size_t k = 0; k < samples.size(); ++k) check(first + std::int64_t(k), samples[k]);
+  }
 }
 
-int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, const RenderOptions& options) {
+int replay_pixel(const RenderJob& job, const Film& film, const Arguments& a, const RenderOptions& options) {
   const auto [x, y] = parse_pair(a.pixel, ',', "--pixel");
-  const Film& film = scene.film();
   if (x < film.crop_x() || y < film.crop_y() || x >= film.crop_x() + film.crop_width() ||
       y >= film.crop_y() + film.crop_height())
     throw Error(fmt::format("--pixel {}: outside the film ({} x {})", a.pixel, film.width(), film.height()));
-  const std::int64_t end = options.end.value_or(scene.sensor().sampler().sample_count());
-  const bool verbose = end - options.begin <= 16;
-  const PathLog log =
-      verbose ? PathLog([](const std::string& line) { fmt::print("{}\n", line); }) : PathLog();
-  if (job.traces_light()) return replay_light_paths(job, scene, int(x), int(y), options.begin, end, log);
+  const std::int64_t begin = options.begin, end = job.state().end;
+  const bool verbose = end - begin <= kSampleBlock;
+  const size_t channels = size_t(film.measured_channels());
+  const auto print_splats = [&](const ReplayedSample& s) {
+    fmt::print("  {} splats on the film\n", s.splatted.size() / channels);
+  };
+  if (job.integrator().leaves() == Integrator::Leaves::film) {
+    fmt::print(
+        "paths of \"{}\" start at emitters and belong to no pixel: these are the paths that are counted as "
+        "samples of pixel ({}, {}), wherever they go\n",
+        job.integrator().properties().type(), x, y);
+    replay_samples(job, int(x), int(y), begin, end, "path", [&](const ReplayedSample& s) {
+      if (verbose) print_splats(s);
+    });
+    return 0;
+  }
   if (job.state().identity.adaptive != "none")
     fmt::print(
         "samples are numbered by pixel: in an adaptive picture this one may have half or up to 4 times as "
         "many\n");
   std::vector<double> sum;
   std::int64_t valid = 0;
-  for (std::int64_t i = options.begin; i < end; ++i) {
-    if (verbose) fmt::print("sample {}\n", i);
-    const auto measured = job.replay(int(x), int(y), i, 0, log);
-    if (!measured) {
-      fmt::print("sample {}: INVALID (NaN, infinite or negative radiance)\n", i);
-      continue;
-    }
-    sum.resize(measured->size());
-    for (size_t c = 0; c < measured->size(); ++c) sum[c] += (*measured)[c];
+  replay_samples(job, int(x), int(y), begin, end, "sample", [&](const ReplayedSample& s) {
+    sum.resize(s.measured.size());
+    for (size_t c = 0; c < s.measured.size(); ++c) sum[c] += s.measured[c];
     ++valid;
-    if (verbose) fmt::print("  measured {:.7g}\n", fmt::join(*measured, ", "));
-  }
+    if (verbose) fmt::print("  measured {:.7g}\n", fmt::join(s.measured, ", "));
+    if (verbose && !s.splatted.empty()) print_splats(s);
+  });
   for (double& s : sum) s /= double(std::max<std::int64_t>(1, valid));
   fmt::print("pixel ({}, {}): mean of {} samples {:.7g}{}\n", x, y, valid, fmt::join(sum, ", "),
              film.properties().type() != "hdrfilm" || film.measured_channels() != 3 ? ""
@@ -163,11 +171,7 @@ int replay_pixel(const RenderJob& job, const Scene& scene, const Arguments& a, c
   return 0;
 }
 
-int render(const Arguments& a) {
-  LoadOptions load;
-  load.defines = split_defines(a.defines);
-  load.sampler = a.sampler;
-  load.integrator = a.integrator;
+void check_numbers(const Arguments& a) {
   if (a.spp == 0 || a.spp < -1)
     throw Error(fmt::format("--spp {}: at least one sample per pixel is needed", a.spp));
   if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
@@ -176,23 +180,23 @@ int render(const Arguments& a) {
     throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
+}
 
-  // What stands in the way of the files is said before a large scene is read, where they have names.
-  const auto require_files = [&](const std::filesystem::path& output) {
-    for (const char* extension : {".exr", ".hdr", ".rgbe", ".pfm"})
-      if (output.extension() == extension) {
-        if (!a.pixel.empty()) return;
-        require_writable(output);
-        require_writable(std::filesystem::path(output).replace_extension(".png"));
-        require_writable(std::filesystem::path(output).replace_extension(".state"));
-        return;
-      }
-    throw Error("-o " + output.string() +
-                ": the output is an .exr, .hdr or .pfm file (a .png is written beside it)");
-  };
-  std::filesystem::path output = a.output;
-  if (!output.empty()) require_files(output);
+/// Throws Error where the pictures of a job can't be written; replaying a pixel writes none.
+void require_output(const Arguments& a, const std::filesystem::path& output) {
+  for (const char* extension : {".exr", ".hdr", ".rgbe", ".pfm"})
+    if (output.extension() == extension) {
+      if (!a.pixel.empty()) return;
+      require_writable(output);
+      require_writable(std::filesystem::path(output).replace_extension(".png"));
+      require_writable(std::filesystem::path(output).replace_extension(".state"));
+      return;
+    }
+  throw Error("-o " + output.string() +
+              ": the output is an .exr, .hdr or .pfm file (a .png is written beside it)");
+}
 
+RenderOptions render_options(const Arguments& a) {
   RenderOptions options;
   if (a.spp > 0) options.end = a.spp;
   if (!a.samples.empty() && a.spp > 0) throw Error("give either --spp or --samples");
@@ -208,78 +212,77 @@ int render(const Arguments& a) {
   options.replicates = a.replicates;
   options.time_limit_s = a.time_s;
   options.checkpoint_interval_s = a.checkpoint_s;
+  return options;
+}
 
-  const auto scene = std::make_shared<const Scene>(load_scene(a.scene, load));
-  if (output.empty()) {
-    output = std::filesystem::path(a.scene).replace_extension(scene->film().file_extension());
-    require_files(output);
-  }
-  options.state_file = std::filesystem::path(output).replace_extension(".state");
-  if (!a.quiet)
-    for (const auto& note : scene->loaded().notes) fmt::print(stderr, "note: {}\n", note);
-  if (!a.quiet)
-    for (const auto& shape : scene->shapes())
-      for (const auto& remark : shape->remarks())
-        fmt::print(stderr, "note: {}: {}\n", shape->properties().where().str(), remark);
-  RenderJob job(scene, options);
-  require_format(job.state().development, a.replicates, output);
-  if (!a.pixel.empty()) return replay_pixel(job, *scene, a, options);
+void print_notes(const LoadedScene& loaded) {
+  for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const ModelPart& part : loaded.scene->parts().surfaces)
+    for (const auto& remark : part.remarks)
+      fmt::print(stderr, "note: {}: {}\n", part.element->where().str(), remark);
+}
 
-  if (!a.resume && !a.restart && std::filesystem::exists(options.state_file))
-    throw Error({options.state_file.string(), 0, 0},
+/// Continues an earlier job's samples if requested. Throws Error if they exist and it is not.
+void take_up(const Arguments& a, const std::filesystem::path& state_file, RenderJob& job) {
+  const bool exists = std::filesystem::exists(state_file);
+  if (!a.resume && !a.restart && exists)
+    throw Error({state_file.string(), 0, 0},
                 "holds the samples of an earlier job: --resume continues it, --restart discards it");
-  if (a.resume) {
-    if (std::filesystem::exists(options.state_file)) {
-      job.resume(RenderState::load(options.state_file));
-      if (!a.quiet)
-        fmt::print(stderr, "resuming: {:.1f} % done\n",
-                   100.0 * double(job.state().units_done()) / double(job.state().units()));
-    } else if (!a.quiet) {
-      fmt::print(stderr, "note: there is no {} to resume from: starting at the beginning\n",
-                 options.state_file.string());
-    }
+  if (!a.resume) return;
+  if (exists) {
+    job.resume(RenderState::load(state_file));
+    if (!a.quiet)
+      fmt::print(stderr, "resuming: {:.1f} % done\n",
+                 100.0 * double(job.state().units_done()) / double(job.state().units()));
+  } else if (!a.quiet) {
+    fmt::print(stderr, "note: there is no {} to resume from: starting at the beginning\n",
+               state_file.string());
   }
+}
 
+RenderJob::Outcome run(const Arguments& a, const std::filesystem::path& output, RenderJob& job) {
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);
   std::signal(SIGHUP, request_stop);
-  RenderJob::Outcome outcome;
-  {
-    ProgressLine line(a.quiet);
-    std::optional<Preview> preview;
-    if (a.preview) preview.emplace(job, output);
-    outcome = job.run(stop_requested, [&](const Progress& p) { line.show(p); });
-  }
-  if (job.state().units_done() == 0) {
-    fmt::print(stderr, "interrupted before anything was done: no picture is written\n");
-    return 1;
-  }
-  write_pictures(job.state(), output);
-  job.remove_state();
+  ProgressLine line(a.quiet);
+  std::optional<Preview> preview;
+  if (a.preview) preview.emplace(job, output);
+  return job.run(stop_requested, [&](const Progress& p) { line.show(p); });
+}
+
+void print_invalid_samples(const RenderJob& job) {
+  if (job.state().invalid_samples == 0) return;
+  fmt::print(stderr,
+             "note: {} samples were invalid (NaN, infinite, negative or beyond 2^60) and left out; the "
+             "first ones:\n",
+             job.state().invalid_samples);
+  for (const auto& s : job.invalid_samples())
+    fmt::print(stderr, "  --pixel {},{} --samples {}:{}{}\n", s.x, s.y,
+               s.sample / kSampleBlock * kSampleBlock, s.sample + 1,
+               s.replicate ? fmt::format(" (replicate {})", s.replicate) : "");
+}
+
+void print_speed(const RenderState& state) {
+  const double mean = mean_density(state.density);
+  const std::int64_t samples = state.samples_everywhere();
+  const double rate =
+      double(samples) * state.identity.width * state.identity.height * state.identity.replicates;
+  fmt::print(stderr, "{} in {:.2f} s ({:.2f} Msamples/s)\n",
+             state.density.empty()
+                 ? fmt::format("{} samples per pixel", samples)
+                 : fmt::format("{:.2f} samples per pixel on average", double(samples) * mean),
+             state.seconds, rate * mean / std::max(1e-9, state.seconds) * 1e-6);
+}
+
+/// Says how the job ended; returns the exit code.
+int report(const Arguments& a, const std::filesystem::path& output, const RenderJob& job,
+           RenderJob::Outcome outcome) {
   if (!job.checkpoint_problem().empty())
     fmt::print(stderr, "note: no checkpoint: {}\n", job.checkpoint_problem());
-
   const RenderState& state = job.state();
-  if (state.invalid_samples > 0) {
-    fmt::print(stderr,
-               "note: {} samples were invalid (NaN, infinite, negative or beyond 2^60) and left out; the "
-               "first ones:\n",
-               state.invalid_samples);
-    for (const auto& s : job.invalid_samples())
-      fmt::print(stderr, "  --pixel {},{} --samples {}:{}{}\n", s.x, s.y,
-                 s.sample / kSampleBlock * kSampleBlock, s.sample + 1,
-                 s.replicate ? fmt::format(" (replicate {})", s.replicate) : "");
-  }
+  print_invalid_samples(job);
   if (!a.quiet) {
-    const double mean = mean_density(state.density);
-    const std::int64_t samples = state.samples_everywhere();
-    const double rate =
-        double(samples) * state.identity.width * state.identity.height * state.identity.replicates;
-    fmt::print(stderr, "{} in {:.2f} s ({:.2f} Msamples/s)\n",
-               state.density.empty()
-                   ? fmt::format("{} samples per pixel", samples)
-                   : fmt::format("{:.2f} samples per pixel on average", double(samples) * mean),
-               state.seconds, rate * mean / std::max(1e-9, state.seconds) * 1e-6);
+    print_speed(state);
     fmt::print("{}\n{}\n", output.string(), std::filesystem::path(output).replace_extension(".png").string());
   }
   if (state.invalid_samples > 0 && state.invalid_samples >= std::uint64_t(state.samples_everywhere()) *
@@ -295,6 +298,38 @@ int render(const Arguments& a) {
     return 1;
   }
   return 0;
+}
+
+int render(const Arguments& a) {
+  check_numbers(a);
+  // Output files that cannot be written are reported before a large scene is read.
+  std::filesystem::path output = a.output;
+  if (!output.empty()) require_output(a, output);
+  RenderOptions options = render_options(a);
+  LoadOptions load;
+  load.defines = split_defines(a.defines);
+  load.sampler = a.sampler;
+  load.integrator = a.integrator;
+  const LoadedScene loaded = load_scene(a.scene, load);
+  if (output.empty()) {
+    output = std::filesystem::path(a.scene).replace_extension(loaded.scene->film().file_extension());
+    require_output(a, output);
+  }
+  options.state_file = std::filesystem::path(output).replace_extension(".state");
+  if (!a.quiet) print_notes(loaded);
+  RenderJob job(loaded, options);
+  require_format(job.state().development, a.replicates, output);
+  if (!a.pixel.empty()) return replay_pixel(job, loaded.scene->film(), a, options);
+
+  take_up(a, options.state_file, job);
+  const RenderJob::Outcome outcome = run(a, output, job);
+  if (job.state().units_done() == 0) {
+    fmt::print(stderr, "interrupted before anything was done: no picture is written\n");
+    return 1;
+  }
+  write_pictures(job.state(), output);
+  job.remove_state();
+  return report(a, output, job, outcome);
 }
 
 std::function<int()> declare(CommandOptions& options) {

@@ -20,8 +20,8 @@
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
 #include "aureole/core/units.h"
-#include "aureole/instrument/corona.h"
-#include "aureole/optics/scatterer_layer.h"
+#include "aureole/instrument/corona/corona.h"
+#include "aureole/optics/layer/scatterer_layer.h"
 #include "command.h"
 
 namespace aureole {
@@ -83,7 +83,7 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
       const Direction v = unit({lamp_direction.x + t * (c * right.x + s * up.x),
                                 lamp_direction.y + t * (c * right.y + s * up.y),
                                 lamp_direction.z + t * (c * right.z + s * up.z)});
-      // Only what the picture shows.
+      // Only angles inside the picture.
       const double px = camera.center_x + v.x / v.z / camera.tangent_per_pixel;
       const double py = camera.center_y - v.y / v.z / camera.tangent_per_pixel;
       if (px < 0 || py < 0 || px >= width || py >= height) continue;

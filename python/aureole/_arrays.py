@@ -126,7 +126,7 @@ def file_path(name: str, value: Any) -> str:
 
 
 def shown(value: Any) -> str:
-    """What a message shows of a value: it may be huge, or refuse to be shown."""
+    """A value as text for an error message; long ones are cut, and repr() may raise."""
     try:
         written = repr(value)
     except Exception:  # too deep, too many digits, or the object's own

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 
-# What is checked, in the order of the report: kind, what it says, what its worst figure is.
+# The tests in the order of the report: kind, statement, name of the worst figure.
 _KINDS: Tuple[Tuple[str, str, str], ...] = (
     ("finite", "valid numbers everywhere, at grazing and at the ends of random numbers, too", "invalid"),
     ("sample", "sample returns unit directions and the numbers of eval and pdf", "deviation"),
@@ -122,12 +122,12 @@ class Histogram:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class CheckReport:
-    """What `check` found.
+    """Result of `check`.
 
     Attributes
     ----------
     name : str
-        What was checked.
+        Name of the object that was checked.
     checks : list of CheckRecord
         All tests.
     angles : numpy.ndarray (n,)

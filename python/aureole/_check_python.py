@@ -27,8 +27,8 @@ class _Lenient(Adapter):
 
 
 class Batch:
-    """What the C++ side calls, with n directions and the m wavelengths of a path; the first wavelength draws
-    directions."""
+    """Called by C++ with n directions and the m wavelengths of a path; directions are sampled for the first
+    wavelength."""
 
     def __init__(self, instance: Any) -> None:
         self.adapter = _Lenient(instance)

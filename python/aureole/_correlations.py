@@ -18,7 +18,7 @@ _MOST_QA = 1e4  # means over rings of anisotropic patterns take time and memory 
 
 
 class HardDiscs(NamedTuple):
-    """What `hard_discs` returns.
+    """Result of `hard_discs`.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class HardDiscs(NamedTuple):
 
 
 class PairCorrelation(NamedTuple):
-    """What `pair_correlation` returns: arrays with one element for each bin.
+    """Result of `pair_correlation`: arrays with one element for each bin.
 
     Attributes
     ----------
@@ -60,7 +60,7 @@ class PairCorrelation(NamedTuple):
 
 
 class PointStructureFactor(NamedTuple):
-    """What `point_structure_factor` returns: arrays with one element for each ring of wave vectors.
+    """Result of `point_structure_factor`: arrays with one element for each ring of wave vectors.
 
     Attributes
     ----------
@@ -391,8 +391,8 @@ def pair_correlation(positions: npt.ArrayLike, box: npt.ArrayLike, *, r_max: Opt
     expected = number.sum() * (count - 1) / area**2 * ring
     all_pairs = parts.sum(axis=0)
     g = all_pairs / expected
-    # What a part adds to g beyond its mean, less what its number of points explains: more points have more neighbours,
-    # but in all parts together there are as many as there are.
+    # Influence of each part of the window on g, regressed on the part's number of points: parts with more points have
+    # more pairs, but the total number of points is given.
     influence = parts / expected - g / len(number)
     excess = (number - number.mean())[:, None]
     if np.any(excess):
@@ -466,7 +466,7 @@ def point_structure_factor(positions: npt.ArrayLike, box: npt.ArrayLike, *, q_ma
         s, error = result = np.empty((2, q.size))
         _aureole.window_structure_factor(points, sides[0], sides[1], q, result)
         return PointStructureFactor(q, s, error, np.maximum(s - 1.96 * error, 0.0), s + 1.96 * error)
-    # What cannot be interrupted: one snapshot takes about a nanosecond for each point and vector.
+    # A snapshot cannot be interrupted, so its size is limited: it takes about a nanosecond per point and vector.
     vectors = min(wanted * (bounds.size - 1.0), bounds[-1] ** 2 * sides[0] * sides[1] / (8 * np.pi) + 4 * 1024)
     if vectors * count > 2**34:
         raise Error(f"per_ring: expected at most 2^34 for points times wave vectors, got {count} x {vectors:.0f}")

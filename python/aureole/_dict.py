@@ -24,7 +24,7 @@ _SPECTRUM_TYPES = ("rgb", "spectrum")
 
 
 class Plugin(NamedTuple):
-    """What a plug-in says about itself; `parameters` maps names to (type, unit, default, meaning)."""
+    """Documentation of a plug-in; `parameters` maps names to (type, unit, default, meaning)."""
 
     family: str
     name: str

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from . import _aureole
 from ._arrays import integer, real, scalar
 from ._correlations import PairCorrelation, PointStructureFactor
+from ._dict import plugins
 from ._errors import Error
 from ._image import Image
 from .spectrum import srgb_decode
@@ -88,7 +89,7 @@ class Particles:
 
 @dataclasses.dataclass(frozen=True, repr=False)
 class Microstructure:
-    """What `microstructure` found. Lengths in m.
+    """Result of `microstructure`. Lengths in m.
 
     Attributes
     ----------
@@ -161,6 +162,7 @@ class Microstructure:
 
     def _dict_of(self, element: ElementTree.Element, folder: Optional[Path]) -> Dict[str, Any]:
         result: Dict[str, Any] = {"type": element.attrib["type"]}
+        parameters = plugins()[element.tag, element.attrib["type"]].parameters
         for child in element:
             name, text = child.attrib.get("name", ""), child.attrib.get("value", "")
             if child.tag == "aperture":
@@ -168,7 +170,7 @@ class Microstructure:
                     result.update(self._circles())
                 else:
                     result["aperture"] = self._dict_of(child, folder)
-            elif name in ("filename", "size_histogram"):
+            elif name in parameters and parameters[name][0] == "file":
                 if folder is None:
                     raise Error("folder: these particles are not round, and their outline is a file: expected the "
                                 "folder that save() wrote")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What functions of plug-in objects return."""
+"""Return types of functions of plug-in objects."""
 from __future__ import annotations
 
 import enum
@@ -13,7 +13,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 class Lobe(enum.IntFlag):
-    """What a lobe of a BSDF does; a lobe has several of these flags."""
+    """Kind of a lobe of a BSDF; flags that can be combined."""
 
     none = 0
     diffuse = 1

@@ -82,7 +82,7 @@ def as_bsdf(bsdf: Any) -> Bsdf:
 
 
 class Adapter:
-    """What C++ calls: hands arrays to the methods of an object and checks what comes back.
+    """Called by C++: passes arrays to the methods of an object and checks the results.
 
     Messages name the class and the method.
     """
@@ -182,7 +182,7 @@ class Adapter:
             valid = np.asarray(valid)
             if valid.dtype != np.bool_ or valid.shape != (n,):
                 raise Error(f"{where}: valid: expected booleans of the shape ({n},), got {valid.dtype} of the shape {valid.shape}")
-        # What is not valid may hold anything.
+        # Entries that are not valid may hold any numbers.
         exists = np.ones(n, np.bool_) if valid is None else valid
         if valid is None and pdf is not None:
             exists = self._numbers("sample", "pdf", pdf, n) > 0

@@ -29,7 +29,8 @@ class Scene:
     Made by `load_file`, `load_string` or `load_dict`. A path is a chain of names joined by points: the id of an object
     (or its name or family, where it has no id), then names of parameters and nested objects. References are followed:
     what they refer to changes for all who refer to it. After a change meshes, their acceleration structure, textures and
-    materials that it does not touch are kept. While a scene is being rendered it can't be changed.
+    materials that it does not touch are kept. A render goes on with the scene as it was when it
+    began, whatever changes meanwhile.
 
     Examples
     --------
@@ -157,7 +158,7 @@ class Scene:
 
     @property
     def notes(self) -> List[str]:
-        """What the reader wants to be known: parameters without effect, replaced plug-ins, ..."""
+        """Notes of the scene reader: parameters without effect, replaced plug-ins, ..."""
         return list(self._open.notes)
 
     @property

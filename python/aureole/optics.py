@@ -32,7 +32,7 @@ Complexes = npt.NDArray[np.complex128]
 
 
 class Mie(NamedTuple):
-    """What `mie` returns: arrays of one shape. Efficiencies are cross sections over pi radius^2.
+    """Result of `mie`: arrays of one shape. Efficiencies are cross sections over pi radius^2.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class Mie(NamedTuple):
 
 
 class Fresnel(NamedTuple):
-    """What `fresnel` returns: arrays of one shape.
+    """Result of `fresnel`: arrays of one shape.
 
     Attributes
     ----------

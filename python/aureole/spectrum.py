@@ -23,7 +23,7 @@ Reals = npt.NDArray[np.float64]
 
 
 class Material(NamedTuple):
-    """What `material` returns.
+    """Result of `material`.
 
     Attributes
     ----------

@@ -104,7 +104,7 @@ template <class T>
 Result<T>::Result(Extents shape, int components) {
   if (components) shape.push_back(components);
   is_scalar_ = shape.empty();
-  constexpr double kMost = 1 << 28;  // 2 GiB of numbers; more is a mistaken shape, or better done in parts
+  constexpr double kMost = 1 << 28;  // 2 GiB of numbers; larger results are probably a mistake in the shapes
   double count = 1;
   for (const Py_ssize_t n : shape) count *= double(n);
   if (count > kMost)

@@ -24,7 +24,7 @@ namespace aureole::python {
 namespace nb = nanobind;
 using Extents = std::vector<Py_ssize_t>;
 
-/// Null for None, which an argument that may be left out is by default.
+/// Null for None, the default of optional arguments.
 inline nb::handle optional(nb::handle value) { return value.is_none() ? nb::handle() : value; }
 
 /// An argument: real numbers, or vectors of them along the last axis. The numbers lie in the caller's array
@@ -55,13 +55,13 @@ public:
     if constexpr (!std::is_void_v<T>) return double(load<T>(p));
     return is_double_ ? load<double>(p) : double(load<float>(p));
   }
-  /// As the renderer sees it.
+  /// Rounded to single precision, as the renderer uses it.
   template <class T = void>
   Vec3 vec3(const char* at) const {
     return {float(number<T>(at, 0)), float(number<T>(at, 1)), float(number<T>(at, 2))};
   }
   Vec2 vec2(const char* at) const { return {float(number(at, 0)), float(number(at, 1))}; }
-  /// The same numbers in all components.
+  /// A vector with all components equal.
   template <class T = void>
   bool equal(const char* a, const char* b) const {
     if (a == b) return true;

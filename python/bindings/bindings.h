@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the files of the Python module share. Each file binds one part of the library in a function that is
+// Shared by the files of the Python module. Each file binds one part of the library in a function that is
 // declared here and called by module.cpp.
 #pragma once
 

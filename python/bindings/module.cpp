@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The module `aureole._aureole`: what of the library Python sees. The package's Python files are the face
-// that users import.
+// The module `aureole._aureole`, private to the package, whose Python files are the public interface.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -25,7 +24,7 @@ NB_MODULE(_aureole, m) {
       "Run the command-line program; the first argument is its name. Returns the exit code.");
   bind_leaving();
   bind_errors(m);
-  bind_optics(m);  // before what returns its classes
+  bind_optics(m);  // before functions that return its classes
   bind_objects(m);
   bind_python_bsdf(m);
   bind_image(m);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the bindings of plug-in objects over arrays share.
+// Shared by the bindings that evaluate plug-in objects over arrays.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -25,10 +25,10 @@ void bind_bsdfs(nb::module_& m);
 void bind_emitters(nb::module_& m);
 void bind_textures(nb::module_& m);  ///< and apertures
 
-/// The place where objects that stand alone are asked: a point of a flat square with the frame x, y, z.
+/// The surface point for evaluating single objects: on a flat square with the frame x, y, z.
 SurfacePoint flat_point(Vec2 uv = {0.5f, 0.5f});
 
-/// Throws Error for what has values on a shape only.
+/// Throws Error for objects that have values on a shape only.
 void require_standalone(const Object& object);
 
 /// A direction as the renderer wants it. False where it is not a unit vector within 1e-3; what differs by
@@ -43,7 +43,7 @@ inline bool make_unit(Vec3& w) {
 /// Texture coordinates that a texture may be asked for.
 inline bool is_sane(Vec2 uv) { return std::abs(uv.x) <= 1e6f && std::abs(uv.y) <= 1e6f; }
 
-/// The wavelengths that an object knows.
+/// The range of wavelengths that an object has data for.
 struct WavelengthRange {
   SpectralGrid grid;
   float min_nm, max_nm;
@@ -158,7 +158,7 @@ void for_typed_places(const PlaceArguments& in, const Broadcast<4>& part, const 
           for (int k = 0; k < count; ++k)
             if (!range.holds(nm[k]))
               throw_wavelength(in.wavelength, in.wavelength.number(at_nm + k * step_nm), range, where(3, k));
-        // In its place, not assigned: a copy in halves of vectors would make the first look at it wait.
+        // Constructed in place: an assignment by half vectors would stall the first load (store forwarding).
         new (&wavelengths) Wavelengths(Wavelengths::at(range.grid, nm));
       }
       if (constant) {
@@ -206,7 +206,7 @@ void for_places(const PlaceArguments& in, const WavelengthRange& range, double* 
   std::atomic<std::size_t> next{0};
   std::atomic<bool> failed{false};
   const auto work = [&](int) {
-    Interrupts interrupts;  // one for all parts, each of which is too short to ask
+    Interrupts interrupts;  // one for all parts, since each is too short to check by itself
     try {
       for (std::size_t i; !failed && (i = next++) < parts.size();)
         if (doubles)

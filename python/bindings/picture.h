@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture as Python holds it: pixels, and, where it was rendered here, what a render continues from.
+// A picture as Python holds it: pixels and, if it was rendered here, the state to continue from.
 #pragma once
 
 #include <array>

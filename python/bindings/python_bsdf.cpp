@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A BSDF that is a class written in Python: every question of the renderer is a call with arrays of 8 rows,
-// one per wavelength. Threads of the renderer take Python's lock for it; an exception of the class travels
-// through the renderer as it is.
+// A BSDF that is a class written in Python: every evaluation is a call with arrays of 8 rows, one per
+// wavelength. Threads of the renderer take Python's lock for it; an exception of the class travels through
+// the renderer as it is.
 #include "python_bsdf.h"
 
 #include <nanobind/stl/shared_ptr.h>
@@ -71,7 +71,7 @@ BsdfEval PythonBsdf::eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext&
   return {spectrum("eval", both[0]), spectrum("pdf", both[1])};
 }
 
-Weight PythonBsdf::eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
+Spectrum PythonBsdf::eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
   const nb::gil_scoped_acquire lock;
   return spectrum("eval", adapter_.attr("eval_rows")(rows(wi), rows(wo), numbers(ctx.wavelengths.nm),
                                                      rows(ctx.point.uv), name_of(ctx.mode)));

@@ -19,7 +19,7 @@ public:
   const nb::object& instance() const { return adapter_; }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override;
-  Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override;
+  Spectrum eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override;
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override;
   Lobe lobes() const override { return lobes_; }
   bool needs_choice() const override { return true; }

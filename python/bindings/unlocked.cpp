@@ -22,8 +22,8 @@ std::thread::id leaver;  ///< the thread that ends the program, which may go on;
 void leave() {
   leaver = std::this_thread::get_id();
   leaving = true;
-  if (unlocked_scopes > 0) nb::set_leak_warnings(false);  // threads that stay hold what they have
-  // Others may need Python's lock to come to their end.
+  if (unlocked_scopes > 0) nb::set_leak_warnings(false);  // blocked threads keep their objects
+  // Other threads may need Python's lock to finish.
   PyThreadState* const state = PyEval_SaveThread();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (unlocked_scopes > 0 && std::chrono::steady_clock::now() < deadline)

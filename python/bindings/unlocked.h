@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work without Python's lock, which has to end well where the program ends meanwhile.
+// Work without Python's lock that may still run when the program ends.
 #pragma once
 
 #include <nanobind/nanobind.h>
@@ -28,7 +28,7 @@ private:
   PyThreadState* state_;
 };
 
-/// The program ends, and what the calling thread does is not wanted any more: loops are to stop.
+/// Whether the program is ending, so that loops of other threads must stop.
 bool is_leaving();
 
 /// To be called now and then by loops that have released the interpreter's lock.
@@ -58,7 +58,7 @@ private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Makes the end of the program wait, for a while, until no thread is in an `Unlocked` scope.
+/// Makes the end of the program wait, for a limited time, until no thread is in an `Unlocked` scope.
 void bind_leaving();
 
 }  // namespace aureole::python

@@ -34,7 +34,7 @@ inline void require_size(bool right, const char* function) {
   if (!right) throw Error(std::string(function) + ": the arrays have sizes that do not fit");
 }
 
-/// What the library finds wrong with the argument `name`, as an Error that names it.
+/// Calls f and turns the library's std::domain_error into an Error that names the argument `name`.
 template <class F>
 auto naming(const std::string& name, const F& f) {
   try {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plug-ins: what their parameters make, and what they refuse.
+// The plug-ins: the shapes that their parameters make, and the parameters that they refuse.
 #include "aureole/aperture/aperture.h"
 
 #include <gtest/gtest.h>
@@ -13,11 +13,11 @@
 #include <numbers>
 
 #include "aureole/core/image.h"
-#include "aureole/optics/round_aperture.h"
+#include "aureole/optics/aperture/round_aperture.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
-#include "optics/polygon_test_support.h"
-#include "scene/load_text.h"
+#include "loading/load_text.h"
+#include "optics/aperture/polygon_test_support.h"
 
 namespace aureole {
 namespace {
@@ -215,7 +215,7 @@ TEST(SvgApertures, CurvesAreFlattenedToTheTolerance) {
         R"X(<rect width="6" height="6" rx="3"/>)X", R"X(<rect width="6" height="6" ry="9"/>)X"})
     EXPECT_LT(difference(*from_svg(arcs), circle, 4e-6), off) << arcs;
   EXPECT_LT(difference(*from_svg(R"X(<path d="M-6 0A6 3 0 1 0 6 0 3 6 90 0 0-6 0"/>)X"), ellipse, 4e-6), off);
-  // Rounded corners: the area says it all.
+  // Rounded corners, checked by the area.
   EXPECT_NEAR(from_svg(R"X(<rect width="8" height="4" rx="1"/>)X")->area(), (32 - 4 + M_PI) * 1e-12, 1e-14);
   // Segments of parabolas and a cubic, whose areas are known: 2/3 of the triangle's, 3/5 for the cubic.
   EXPECT_NEAR(from_svg(R"X(<path d="M0 0Q4 6 8 0z"/>)X")->area(), 2.0 / 3 * 24e-12, 1e-14);
@@ -327,8 +327,7 @@ TEST(Apertures, PolygonErrors) {
   };
   expect(message("0,0 2,2 2,0 0,2"),
          "parameter \"vertices\" of \"polygon\": the polygon ring 1 touches or crosses itself: edge 1 from "
-         "(0, 0) to (2, "
-         "2) meets edge 3 from (2, 0) to (0, 2)");
+         "(0, 0) to (2, 2) meets edge 3 from (2, 0) to (0, 2)");
   expect(message(""), "the polygon has no vertices");
   expect(message("0,0 1,1"), "ring 1 has fewer than 3 different vertices");
   expect(message("0,0 1,0 2"), "\"2\" is not a vertex: write x,y");

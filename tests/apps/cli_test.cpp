@@ -13,8 +13,8 @@
 
 #include "aureole/core/image.h"
 #include "harness/paths.h"
+#include "loading/load_text.h"
 #include "render/small_scene.h"
-#include "scene/load_text.h"
 
 namespace aureole::test {
 namespace {
@@ -140,7 +140,7 @@ TEST_F(Cli, ResumesToTheSameBitsAfterKill) {
   const std::string whole = (folder.path / "whole.exr").string();
   ASSERT_EQ(run({"render", s, "-o", whole, "--samples", "0:160"}).exit_code, 0);
   const auto state = folder.path / "out.state";
-  // Kill it for good shortly after its first checkpoint appears.
+  // SIGKILL shortly after the first checkpoint appears.
   const pid_t pid =
       start({"render", s, "-o", out(), "--spp", "160", "--checkpoint", "0.05", "--threads", "1"},
             folder.path / "killed.txt");

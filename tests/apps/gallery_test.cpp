@@ -14,8 +14,8 @@
 
 #include "aureole/core/image.h"
 #include "harness/paths.h"
+#include "loading/load_text.h"
 #include "render/small_scene.h"
-#include "scene/load_text.h"
 
 namespace aureole::test {
 namespace {
@@ -67,10 +67,11 @@ TEST(CoronaGallery, EverySceneLoadsWithEveryValue) {
         LoadOptions options;
         options.defines = defines;
         EXPECT_NO_THROW({
-          const Scene scene(load_scene(folder / table.at("scene").get<std::string>(), options));
-          EXPECT_EQ(scene.film().width(), 12) << "the scene does not take its size from $width";
-          EXPECT_EQ(scene.film().height(), 8);
-          EXPECT_TRUE(scene.loaded().notes.empty()) << scene.loaded().notes.front();
+          const LoadedScene loaded = load_scene(folder / table.at("scene").get<std::string>(), options);
+          const Film& film = loaded.scene->film();
+          EXPECT_EQ(film.width(), 12) << "the scene does not take its size from $width";
+          EXPECT_EQ(film.height(), 8);
+          EXPECT_TRUE(loaded.notes.empty()) << loaded.notes.front();
         }) << ids.back();
         ++scenes;
       }
@@ -144,7 +145,7 @@ protected:
   fs::path out() const { return folder.path / "page"; }
   std::string page() const { return content(out() / "index.html"); }
 
-  /// Whole, and all it shows is beside it.
+  /// The page is complete, and all files that it refers to exist.
   void expect_good_page() const {
     const std::string text = page();
     EXPECT_TRUE(text.starts_with("<!doctype html>"));
@@ -209,7 +210,7 @@ TEST_F(GalleryCommand, MakesAPageAndKeepsWhatIsDone) {
   EXPECT_EQ(fs::last_write_time(exr), old);
   EXPECT_EQ(Json::parse(content(out() / "results.json")), results);
 
-  // Unless it is asked for, or the scene changes, which shows on the page at once.
+  // Rendered again only with --again, or if the scene changes, which the page shows at once.
   o = run({"--again", "--only", "one"});
   EXPECT_EQ(o.exit_code, 0) << o.output;
   EXPECT_NE(fs::last_write_time(exr), old);
@@ -299,7 +300,7 @@ TEST_F(GalleryCommand, APictureThatWasStoppedGoesOn) {
   ASSERT_EQ(o.exit_code, 0) << o.output;
   EXPECT_EQ(read_image(out() / "exr" / "one.exr").pixels, pieces.pixels);
 
-  // What is left of another picture is in nobody's way.
+  // A damaged state file left by another run does not stop the gallery.
   folder.write("page/exr/one.state", "damaged");
   o = run({"--only", "one", "--again"});
   EXPECT_EQ(o.exit_code, 0) << o.output;
@@ -344,7 +345,7 @@ TEST_F(GalleryCommand, MistakesInTheFileAreErrorsWithTheirLine) {
             f[0]["renders"][0]["defines"] = {{"fov", Json::array()}};
           }),
           "text or a number");
-  // What a scene says wrong is found before anything is rendered.
+  // Errors in a scene are found before anything is rendered.
   refused(changed([](Json& f) { f[0]["renders"][0]["defines"] = {{"fow", 3}}; }), "fow");
 }
 

@@ -10,10 +10,10 @@
 
 #include "aureole/core/image.h"
 #include "harness/paths.h"
-#include "instrument/disc_pictures.h"
-#include "instrument/write_tiff.h"
+#include "instrument/microscopy/disc_pictures.h"
+#include "instrument/microscopy/write_tiff.h"
+#include "loading/load_text.h"
 #include "render/small_scene.h"
-#include "scene/load_text.h"
 
 namespace aureole::test {
 namespace {
@@ -153,7 +153,7 @@ TEST_F(InstrumentCli, MicrostructureOfTiffs) {
   const std::string before = content(folder.path / "out/result.json");
   EXPECT_EQ(run({"microstructure", "a.tif", "missing.tif", "-o", "out"}), 2);
   EXPECT_EQ(content(folder.path / "out/result.json"), before);
-  // The same again is the same, to the last digit.
+  // A second run gives the same result to the last digit.
   ASSERT_EQ(run({"microstructure", "a.tif", "-o", "again"}), 0) << output;
   EXPECT_EQ(content(folder.path / "again/result.json"), before);
 }

@@ -7,10 +7,10 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/image.h"
-#include "aureole/instrument/statistics.h"
+#include "aureole/instrument/check/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/shape.h"
+#include "aureole/shape/model.h"
 #include "aureole/spectrum/refractive_index.h"
 #include "aureole/texture/texture.h"
 #include "harness/bsdf_harness.h"
@@ -32,7 +32,7 @@ BsdfCase make_case(std::string name, std::string xml, const std::function<void(B
 void lossless(BsdfCase& c) { c.lossless = true; }
 void lossless_one_sided(BsdfCase& c) { c.black_below = c.lossless = true; }
 void one_sided(BsdfCase& c) { c.black_below = true; }
-/// The nested BSDF is black from below; what passes is not.
+/// The nested BSDF is black from below; the open part is not.
 void may_fail(BsdfCase& c) { c.may_fail = true; }
 
 std::string bsdf(const std::string& type, const std::string& content = "") {
@@ -153,7 +153,7 @@ const Wavelengths kFlat = Wavelengths::at(SpectralGrid{}, 555);
 
 /// A point of a square of the world's frame.
 struct Square {
-  std::shared_ptr<const Shape> shape = build<Shape>(R"(<shape type="rectangle"/>)");
+  std::shared_ptr<const Shape> shape = build<Model>(R"(<shape type="rectangle"/>)")->shape();
   SurfacePoint at(Vec2 uv) const {
     SurfacePoint point;
     point.uv = uv;
@@ -196,7 +196,7 @@ TEST(Mask, IsWhatItsPartsAre) {
     }
   }
   EXPECT_EQ(plain->null_transmittance({0, 0, 1}, ctx)[0], 0);
-  // What a constant opacity makes impossible is no lobe.
+  // A lobe that a constant opacity makes impossible is not among the lobes.
   EXPECT_FALSE(make(mask(1, kColoured))->is_passable());
   EXPECT_FALSE(make(mask(0, kColoured))->is_smooth());
   EXPECT_FALSE(make(blend(0, kColoured, bsdf("null")))->is_passable());
@@ -229,7 +229,7 @@ TEST(Blend, WeightIsThatOfTheSecond) {
 }
 
 /// Mitsuba 3.9.1 adds the density of the diffuse part to the probability of the mirror's direction, so that a
-/// mirror blended with something black loses light. The share of each is what is reflected.
+/// mirror blended with something black loses light. Each lobe has to reflect its share.
 TEST(Blend, DeltaLobesAreLeftAlone) {
   const Square square;
   const SurfacePoint point = square.at({0.3f, 0.4f});
@@ -244,7 +244,7 @@ TEST(Blend, DeltaLobesAreLeftAlone) {
   EXPECT_NEAR(reflected, 0.25, 1e-5);
 }
 
-/// What a nested BSDF is told about the surface.
+/// Records the arguments that a nested BSDF receives.
 class Recorder final : public Bsdf {
 public:
   using Bsdf::Bsdf;
@@ -332,7 +332,7 @@ const char* const kShapes[] = {
 TEST(BumpMap, NormalIsThatOfTheDisplacedSurface) {
   int tested = 0;
   for (const char* xml : kShapes) {
-    const auto shape = build<Shape>(xml);
+    const auto shape = build<Model>(xml)->shape();
     const auto height =
         raw_picture("heights.png",
                     R"(<transform name="to_uv"><rotate z="1" angle="20"/><scale x="2" y="1"/></transform>)");
@@ -359,7 +359,7 @@ TEST(BumpMap, NormalIsThatOfTheDisplacedSurface) {
 
 TEST(NormalMap, NormalIsThatOfThePicture) {
   for (const char* xml : kShapes) {
-    const auto shape = build<Shape>(xml);
+    const auto shape = build<Model>(xml)->shape();
     const auto picture = raw_picture("normals.png");
     const auto [recorder, map] = record("normalmap", picture);
     for (const SurfacePoint& point : points_of(*shape)) {
@@ -452,18 +452,11 @@ TEST(BumpMap, ConstantHeightsAndSurfacesWithoutCoordinatesAreFlat) {
   public:
     using Shape::Shape;
     RTCGeometry make_geometry(RTCDevice) const override { return nullptr; }
-    SurfacePoint surface_point(const ShapeHit&, const Ray&) const override { return {}; }
+    SurfacePoint surface_point(const ShapeHit&, const Ray&, bool) const override { return {}; }
     SurfaceDerivatives own_derivatives(const SurfacePoint&) const override { return {}; }
     Bounds3 bounds() const override { return {}; }
     std::size_t primitive_count() const override { return 1; }
-    std::size_t patch_count() const override { return 1; }
-    std::size_t patch_of_primitive(std::uint32_t) const override { return 0; }
-    float patch_area(std::size_t) const override { return 0; }
-    Bounds3 patch_bounds(std::size_t) const override { return {}; }
-    std::pair<Vec3, float> patch_normals(std::size_t) const override { return {}; }
-    std::optional<ShapeSample> sample_direct(const Vec3&, std::size_t, Vec2) const override { return {}; }
-    std::optional<ShapeSample> sample_area(std::size_t, Vec2) const override { return {}; }
-    float pdf_direct(const Vec3&, std::size_t, const SurfacePoint&) const override { return 0; }
+    std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse) const override { return nullptr; }
   };
   const Degenerate shape(Properties("degenerate", "", {}, make_context()));
   point.shape = &shape;
@@ -472,7 +465,7 @@ TEST(BumpMap, ConstantHeightsAndSurfacesWithoutCoordinatesAreFlat) {
   expect_near(bump.recorder->seen.n, {0, 0, 1}, 0);
 }
 
-/// What passes is not deflected, faded or lost at a horizon.
+/// Light that passes as if nothing were there is not deflected, faded or lost at a horizon.
 TEST(TurnedFrames, LetLightPass) {
   const Square square;
   SeededRandom random(4);

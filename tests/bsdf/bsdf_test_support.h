@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tests of single BSDFs share: a setting to evaluate them in, directions by angles, and energies.
+// Helpers of the tests of single BSDFs: a setting to evaluate them in, directions by angles, and energies.
 #pragma once
 
 #include <gtest/gtest.h>

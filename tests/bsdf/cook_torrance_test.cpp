@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/optics/fresnel.h"
+#include "aureole/optics/interface/fresnel_equations.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/bsdf_harness.h"
 

@@ -12,7 +12,7 @@
 #include <random>
 
 #include "aureole/core/image.h"
-#include "aureole/shape/shape.h"
+#include "aureole/shape/model.h"
 #include "aureole/texture/texture.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/properties_builder.h"
@@ -79,11 +79,13 @@ struct Square {
     out << "f 1/1 2/2 3/3\nf 1/1 3/3 4/4\n";
     out.close();
     // Any map asks for the tangent, which the default BSDF would not.
-    shape = build<Shape>(
-        R"(<shape type="obj"><string name="filename" value="square.obj"/><boolean name="flip_tex_coords" value="false"/><bsdf type="normalmap"><texture
+    shape =
+        build<Model>(
+            R"(<shape type="obj"><string name="filename" value="square.obj"/><boolean name="flip_tex_coords" value="false"/><bsdf type="normalmap"><texture
            name="normalmap" type="bitmap"><string name="filename" value="tilts.exr"/><boolean name="raw"
            value="true"/></texture><bsdf type="diffuse"/></bsdf></shape>)",
-        make_context(), temporary);
+            make_context(), temporary)
+            ->shape();
   }
 };
 
@@ -133,7 +135,6 @@ struct Difference {
 template <class Normal>
 void compare(const Bsdf& map, const Bsdf& layer, const Square& square, Normal&& turned_normal,
              Difference& d) {
-  ASSERT_TRUE(square.shape->needs_tangent());
   std::mt19937 random(7);
   std::uniform_real_distribution<float> uniform(0, 1);
   Setting setting;
@@ -173,7 +174,7 @@ void compare(const Bsdf& map, const Bsdf& layer, const Square& square, Normal&& 
       d.other += std::abs(double(other.value[j]) - e), d.sum += e;
     }
     ++d.values;
-    // What the map samples has the same values.
+    // Samples of the map have the same values.
     const auto sampled = map.sample(wi, uniform(random), {uniform(random), uniform(random)}, ctx);
     if (!sampled || sampled->is_delta()) continue;
     const Double3 world = to_double(setting.point.shading.to_world(sampled->wo));

@@ -5,83 +5,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
 #include <numbers>
 #include <random>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
-#include "aureole/bsdf/bsdf.h"
-#include "aureole/optics/fresnel.h"
-#include "aureole/optics/scatterer_layer.h"
-#include "harness/properties_builder.h"
+#include "bsdf/layer_cases.h"
 
 namespace aureole {
 namespace {
 
+using namespace testing::layer_cases;
 constexpr double kPi = std::numbers::pi;
 using Mode = TransportMode;
-
-const Spectrum kLambdas =
-    make_spectrum([](int i) { return 400.f + 350.f / kWavelengths * (float(i) + 0.3f); });
-
-struct LayerCase {
-  std::string scatterer = "apertures", substrate = "none", radius = "5um", correlation_radius = "5um";
-  double area_fraction = 0.5;
-  std::string extra = "";
-
-  std::shared_ptr<Bsdf> build() const {
-    std::string xml = R"(<bsdf type="correlated_scatterers"><string name="scatterer" value=")" + scatterer +
-                      R"("/><string name="substrate" value=")" + substrate +
-                      R"("/><string name="radius" value=")" + radius +
-                      R"("/><string name="correlation_radius" value=")" + correlation_radius +
-                      R"("/><float name="area_fraction" value=")" + std::to_string(area_fraction) +
-                      R"("/><float name="ext_ior" value="1"/>)";
-    if (substrate != "none") xml += R"(<float name="int_ior" value="1.5"/>)";
-    return testing::build<Bsdf>(xml + extra + "</bsdf>");
-  }
-  double a() const { return std::stod(correlation_radius) * 1e-6; }
-  double b() const { return std::stod(radius) * 1e-6; }
-  /// Made once for each of the few layers: its total is an integral.
-  const optics::ScattererLayer& layer() const {
-    static std::map<std::tuple<double, double, double>, optics::ScattererLayer> layers;
-    return layers.try_emplace({b(), a(), area_fraction}, b(), a(), area_fraction).first->second;
-  }
-  double index(double z) const { return substrate == "dielectric" && z < 0 ? 1.5 : 1; }
-  /// Of a direction with transverse index p = n sin, from the side with index n; one beyond the critical
-  /// angle.
-  double reflectance(double p, double n) const {
-    if (substrate == "none") return 0;
-    const double cosine = std::sqrt(1 - p * p / (n * n));
-    return substrate == "dielectric" ? optics::fresnel_reflectance(cosine, n, 2.5 - n)
-                                     : optics::thin_slab_reflectance(cosine, 1, 1.5);
-  }
-};
-
-std::string text(const char* name, const std::string& value) {
-  return std::string("<string name=\"") + name + "\" value=\"" + value + "\"/>";
-}
-
-class Context {
-public:
-  explicit Context(Mode mode = Mode::radiance, const Spectrum& nm = kLambdas)
-      : wavelengths_(Wavelengths::at(SpectralGrid{}, nm)), ctx{wavelengths_, point_, mode, 0} {}
-
-private:
-  SurfacePoint point_;
-  Wavelengths wavelengths_;
-
-public:
-  BsdfContext ctx;
-};
-
-Vec3 direction(double degrees, double azimuth_degrees = 0) {
-  const double t = degrees * kPi / 180, f = azimuth_degrees * kPi / 180;
-  return {float(std::sin(t) * std::cos(f)), float(std::sin(t) * std::sin(f)), float(std::cos(t))};
-}
 
 /// f |cos theta_o| of the diffracted lobe by the formulas of the source with O = `obliquity`.
 double expected_value(const LayerCase& s, const Vec3& wi, const Vec3& wo, double nm, Mode mode,
@@ -166,32 +103,8 @@ TEST(CorrelatedScatterers, ObliquityAtPoints) {
         }
 }
 
-/// Integral over the whole sphere of a function of wo, in polar coordinates of q around the specular
+/// Fr (1 - Fr) minus the power of evanescent waves, computed without the BSDF over |q| and the arc of real
 /// directions.
-double integrate(const LayerCase& s, const Vec3& wi, double nm, const std::function<double(const Vec3&)>& f) {
-  const double k = 2 * kPi / (nm * 1e-9), n_i = s.index(wi.z), phase = k * s.a();
-  const double u_max = phase * (1.5 + n_i);
-  const int rings = std::max(1000, int(u_max * 12)), azimuths = 240;
-  double sum = 0;
-  for (int i = 0; i < rings; ++i) {
-    const double u = (i + 0.5) * u_max / rings,
-                 area = u * (u_max / rings) * 2 * kPi / azimuths / (phase * phase);
-    for (int m = 0; m < azimuths; ++m) {
-      const double phi = 2 * kPi * (m + 0.5 * (i % 2)) / azimuths;
-      const double x = u / phase * std::cos(phi) - n_i * wi.x, y = u / phase * std::sin(phi) - n_i * wi.y;
-      for (double side : {1., -1.}) {
-        const double n = s.index(side), c2 = 1 - (x * x + y * y) / (n * n);
-        if (c2 <= 1e-9) continue;
-        const double z = std::sqrt(c2);
-        sum += f({float(x / n), float(y / n), float(side * z)}) * area / (n * n * z);
-      }
-    }
-  }
-  return sum;
-}
-
-/// Fr (1 - Fr) minus what falls on evanescent waves and on the share of directions that do not exist: without
-/// the BSDF, over |q| and the arc of real directions.
 double expected_energy(const LayerCase& s, const Vec3& wi, double nm) {
   const double phase = 2 * kPi / (nm * 1e-9) * s.a(), n_i = s.index(wi.z), n_t = s.index(-wi.z);
   const double p = n_i * std::hypot(wi.x, wi.y), root_i = std::sqrt(s.reflectance(p, n_i));
@@ -354,7 +267,8 @@ TEST(CorrelatedScatterers, BlockedLightGoesToTheNestedBsdf) {
 }
 
 TEST(CorrelatedScatterers, Babinet) {
-  // Discs and apertures of the same size and places diffract alike; only what keeps its direction differs.
+  // Discs and apertures of the same size and places diffract alike; only the light that keeps its direction
+  // differs.
   for (const char* substrate : {"none", "dielectric"}) {
     const LayerCase a{.substrate = substrate, .area_fraction = 0.4};
     LayerCase d = a;
@@ -366,155 +280,6 @@ TEST(CorrelatedScatterers, Babinet) {
       const Spectrum x = apertures->eval(wi, wo, c.ctx), y = discs->eval(wi, wo, c.ctx);
       for (int j = 0; j < kWavelengths; ++j) EXPECT_EQ(x[j], y[j]);
     }
-  }
-}
-
-/// Chi-square of samples against the density over bins of (u, azimuth of q) on either side.
-void check_distribution(const LayerCase& s, double degrees, unsigned seed) {
-  const auto bsdf = s.build();
-  const Vec3 wi = direction(degrees, 15);
-  const Context c;
-  const double phase = 2 * kPi / (kLambdas[0] * 1e-9) * s.a(), n_i = s.index(wi.z);
-  const int rings = 40, azimuths = 8, bins = 2 * rings * azimuths, samples = 200000;
-  const double u_end = phase * (1.5 + n_i);
-  // Narrow rings in the middle and wide ones outside.
-  const auto ring_of = [&](double u) { return std::min(rings - 1, int(rings * std::sqrt(u / u_end))); };
-  const auto bin_of = [&](const Vec3& wo) {
-    const double n = s.index(wo.z), x = n * wo.x + n_i * wi.x, y = n * wo.y + n_i * wi.y;
-    double f = std::atan2(y, x) / (2 * kPi);
-    f -= std::floor(f);
-    return ((wo.z > 0 ? rings : 0) + ring_of(phase * std::hypot(x, y))) * azimuths +
-           std::min(int(f * azimuths), azimuths - 1);
-  };
-  std::vector<double> expected(bins, 0.0), observed(bins, 0.0);
-  double mass = 0;
-  mass = integrate(s, wi, kLambdas[0], [&](const Vec3&) { return 0.0; });
-  const int fine = std::max(1600, int(u_end * 40)), around = 160;
-  for (int i = 0; i < fine; ++i) {
-    const double u = (i + 0.5) * u_end / fine, area = u * (u_end / fine) * 2 * kPi / around / (phase * phase);
-    for (int m = 0; m < around; ++m) {
-      const double f = 2 * kPi * (m + 0.5) / around;
-      const double x = u / phase * std::cos(f) - n_i * wi.x, y = u / phase * std::sin(f) - n_i * wi.y;
-      for (double side : {1., -1.}) {
-        const double n = s.index(side), c2 = 1 - (x * x + y * y) / (n * n);
-        if (c2 <= 1e-9) continue;
-        const Vec3 wo{float(x / n), float(y / n), float(side * std::sqrt(c2))};
-        const double p = bsdf->pdf(wi, wo, c.ctx)[0] * area / (n * n * std::sqrt(c2));
-        expected[bin_of(wo)] += p;
-        mass += p;
-      }
-    }
-  }
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform;
-  int kept = 0;
-  const auto below_one = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
-  for (int i = 0; i < samples; ++i) {
-    const auto x = bsdf->sample(wi, below_one(), {below_one(), below_one()}, c.ctx);
-    if (!x || x->is_delta()) continue;
-    ++kept;
-    ++observed[bin_of(x->wo)];
-    const BsdfEval e = bsdf->eval_pdf(wi, x->wo, c.ctx);
-    for (int j = 0; j < kWavelengths; ++j) {
-      ASSERT_EQ(e.value[j], x->value[j]);
-      ASSERT_EQ(e.pdf[j], x->pdf[j]);
-    }
-  }
-  EXPECT_NEAR(double(kept) / samples, mass, 5 * std::sqrt(mass / samples) + 2e-3) << s.substrate << degrees;
-  double chi2 = 0, pooled_expected = 0, pooled_observed = 0;
-  int freedom = 0;
-  const auto add = [&](double e, double o) {
-    // The quadrature's own error is some 0.5 % of a bin.
-    chi2 += (o - e) * (o - e) / (e + 2.5e-5 * e * e);
-    ++freedom;
-  };
-  for (int i = 0; i < bins; ++i) {
-    const double e = expected[i] * samples;
-    if (e < 20)
-      pooled_expected += e, pooled_observed += observed[i];
-    else
-      add(e, observed[i]);
-  }
-  if (pooled_expected > 20) add(pooled_expected, pooled_observed);
-  // Wilson and Hilferty's approximation of the chi-square distribution, at five sigma.
-  const double v = 2.0 / (9 * freedom), z = (std::cbrt(chi2 / freedom) - (1 - v)) / std::sqrt(v);
-  EXPECT_LT(z, 5) << s.substrate << " " << s.extra << " " << degrees << ": chi2 " << chi2 << " for "
-                  << freedom;
-}
-
-TEST(CorrelatedScatterers, SamplesFollowTheirDensity) {
-  unsigned seed = 1;
-  for (const char* extra : {"product", "factors"})
-    for (const char* substrate : {"none", "thindielectric", "dielectric"})
-      for (double degrees : {0., 70., 125., 155.}) {
-        if (substrate != std::string("dielectric") && degrees > 90) continue;
-        check_distribution({.substrate = substrate,
-                            .radius = "1.6um",
-                            .correlation_radius = "2um",
-                            .extra = text("sampling", extra)},
-                           degrees, seed++);
-      }
-}
-
-TEST(CorrelatedScatterers, ProductSamplesHaveOneWeight) {
-  std::mt19937 random(5);
-  std::uniform_real_distribution<float> uniform;
-  for (const char* substrate : {"none", "thindielectric", "dielectric"}) {
-    const LayerCase s{.substrate = substrate};
-    const auto bsdf = s.build();
-    const Context c(Mode::importance);
-    const Vec3 wi = direction(40);
-    std::vector<double> weights;
-    for (int i = 0; i < 4000; ++i) {
-      const auto x = bsdf->sample(wi, 0.999f * uniform(random),
-                                  {0.999f * uniform(random), 0.999f * uniform(random)}, c.ctx);
-      if (!x || x->is_delta()) continue;
-      weights.push_back(x->value[0] / x->pdf[0]);
-    }
-    // The intensity is cubic in its cells and the density linear: they differ where it bends much.
-    std::sort(weights.begin(), weights.end());
-    const std::size_t n = weights.size();
-    ASSERT_GT(n, 800u);
-    const double median = weights[n / 2];
-    EXPECT_LT(weights[n * 9 / 10] / weights[n / 10], 1.001);
-    EXPECT_LT(weights.back() / median, 1.05);
-    std::printf("%-14s weights/median: %.6f (10 %%) %.6f (90 %%), largest %.4f\n", substrate,
-                weights[n / 10] / median, weights[n * 9 / 10] / median, weights.back() / median);
-  }
-}
-
-TEST(CorrelatedScatterers, FactorsGiveTheSameIntegrals) {
-  // The power sent to each of several zones around the specular direction, estimated by either way of
-  // sampling.
-  const LayerCase product{.substrate = "thindielectric", .radius = "2um", .correlation_radius = "2um"};
-  LayerCase factors = product;
-  factors.extra = text("sampling", "factors");
-  const Vec3 wi = direction(30);
-  const Context c;
-  const int samples = 400000, zones = 6;
-  std::vector<double> mean[2], square[2];
-  int which = 0;
-  for (const LayerCase& s : {product, factors}) {
-    const auto bsdf = s.build();
-    std::mt19937 random(11);
-    std::uniform_real_distribution<double> uniform;
-    const auto draw = [&] { return std::min(float(uniform(random)), 0x1.fffffep-1f); };
-    mean[which].assign(zones, 0), square[which].assign(zones, 0);
-    for (int i = 0; i < samples; ++i) {
-      const auto x = bsdf->sample(wi, draw(), {draw(), draw()}, c.ctx);
-      if (!x || x->is_delta()) continue;
-      const double q = std::hypot(x->wo.x + wi.x, x->wo.y + wi.y);
-      const int zone = (x->wo.z > 0 ? 3 : 0) + (q < 0.08 ? 0 : q < 0.2 ? 1 : 2);
-      const double w = x->value[0] / x->pdf[0];
-      mean[which][zone] += w / samples, square[which][zone] += w * w / samples;
-    }
-    ++which;
-  }
-  for (int z = 0; z < zones; ++z) {
-    const double variance =
-        (square[0][z] - mean[0][z] * mean[0][z] + square[1][z] - mean[1][z] * mean[1][z]) / samples;
-    EXPECT_NEAR(mean[0][z], mean[1][z], 5 * std::sqrt(variance)) << z;
-    EXPECT_GT(mean[0][z], 0);
   }
 }
 

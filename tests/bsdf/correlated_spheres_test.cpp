@@ -14,10 +14,10 @@
 #include <vector>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/sphere_tables.h"
-#include "aureole/optics/mie.h"
-#include "aureole/optics/sphere_layer.h"
-#include "aureole/optics/structure_factor.h"
+#include "aureole/bsdf/spheres/sphere_tables.h"
+#include "aureole/optics/arrangement/structure_factor.h"
+#include "aureole/optics/layer/coherent_layer.h"
+#include "aureole/optics/particle/mie.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/bsdf_harness.h"
 #include "harness/properties_builder.h"
@@ -166,7 +166,7 @@ double diffuse_energy(const Bsdf& bsdf, const Vec3& wi, const Setting& s, double
   return sum;
 }
 
-/// What the delta lobes carry: reflected, transmitted.
+/// The energies of the delta lobes: reflected, transmitted.
 std::pair<double, double> delta_energies(const Bsdf& bsdf, const Vec3& wi, const Setting& s) {
   double reflected = 0, transmitted = 0;
   if (const auto x = bsdf.sample(wi, 0, {0.3f, 0.3f}, s.context()); x && x->is_delta()) {
@@ -238,8 +238,9 @@ TEST(CorrelatedSpheres, IsReciprocal) {
 
 TEST(CorrelatedSpheres, ForwardLobesOfDiscsAndSpheres) {
   // Figure 6 of the source: light along the normal, 550 nm, area fraction .3, here droplets of water (1.33).
-  // Opaque discs of the same radius diffract alike where the sphere is large. What a clear sphere lets
-  // through interferes with what it diffracts, so that it comes there later than an inky one.
+  // Opaque discs of the same radius diffract alike where the sphere is large. The light that a clear
+  // sphere lets through interferes with the light that it diffracts, so that it agrees with a disc only at
+  // larger sizes than an absorbing sphere does.
   const Setting s;
   std::printf("largest difference of the normalised lobes for q a < 3, in %% of the peak\n");
   std::printf("%8s %8s %12s %12s %12s\n", "a [um]", "k a", "1.33 + .05i", "n = 1.33", "n = 1.5");

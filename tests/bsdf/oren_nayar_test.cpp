@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/scene/build.h"
+#include "aureole/loading/load.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/bsdf_harness.h"
 

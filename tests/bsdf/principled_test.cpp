@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "aureole/bsdf/ggx.h"
+#include "aureole/bsdf/microfacet/ggx.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/bsdf_harness.h"
 
@@ -288,7 +288,7 @@ TEST(Principled, TintNeedsNoVisibleLight) {
   }
 }
 
-/// A texture for a number means at each point what the number there would; Mitsuba 3.9.1 exchanges the
+/// A texture in place of a number acts at each point as its number there would; Mitsuba 3.9.1 exchanges the
 /// colours of a checkerboard where it is asked for numbers.
 TEST(Principled, TexturesOfNumbers) {
   const auto textured = bsdf_of("principled", R"(<texture type="checkerboard" name="metallic">

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The smooth BSDFs against values of Mitsuba 3.9.1 (scalar_spectral; wi at azimuth 0.2, wo at 2.5), and what
-// their errors say.
+// The smooth BSDFs against values of Mitsuba 3.9.1 (scalar_spectral; wi at azimuth 0.2, wo at 2.5), and the
+// texts of their errors.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// PFM and Radiance HDR: what is written is read back; damaged files are errors.
+// PFM and Radiance HDR: pictures survive writing and reading; damaged files are errors.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
-#include "aureole/instrument/statistics.h"
-#include "tests/scene/load_text.h"
+#include "aureole/instrument/check/significance.h"
+#include "tests/loading/load_text.h"
 
 namespace aureole::test {
 namespace {

@@ -54,7 +54,7 @@ TEST(SimulatedCorrelation, InterpolatesBetweenNodes) {
     EXPECT_EQ(nodes.back(), most);
     EXPECT_TRUE(std::is_sorted(nodes.begin(), nodes.end()));
     EXPECT_LE(nodes.size(), 18u);
-    // Theory, which has no noise, shows what 1/S' piecewise linear in Fa/(1 - Fa) costs.
+    // The error of 1/S' piecewise linear in Fa/(1 - Fa), for the theory, which has no noise.
     double worst = 0;
     for (size_t i = 0; i + 1 < nodes.size(); ++i)
       for (double u = 0; u < 15; u += 0.05) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// file_format: what a film asks for, which pictures .hdr and .pfm can hold, and the files that come out.
+// file_format: the format that a film asks for, the pictures that .hdr and .pfm can hold, and the files.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
@@ -8,8 +8,8 @@
 #include "aureole/render/output.h"
 #include "tests/harness/paths.h"
 #include "tests/harness/properties_builder.h"
+#include "tests/loading/load_text.h"
 #include "tests/render/small_scene.h"
-#include "tests/scene/load_text.h"
 
 namespace aureole::test {
 namespace {
@@ -96,7 +96,8 @@ TEST(FileFormat, TheProgramWritesThem) {
         EXPECT_NEAR(hdr.at(x, y, size_t(hdr.channel(name))), std::max(v, 0.f), largest / 255);
       }
   EXPECT_TRUE(std::filesystem::exists(folder.path / "pfm.png"));
-  // What the user says counts more; what cannot be done is said before rendering.
+  // The name given by the user decides the format; formats that cannot hold the picture are refused before
+  // rendering.
   const std::string out = (folder.path / "named.exr").string();
   EXPECT_EQ(run(with("pfm") + " -o " + out), 0);
   EXPECT_EQ(read_image(out).pixels, exr.pixels);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// hdrfilm: what it measures of known spectra, its pixel formats, and its errors.
+// hdrfilm: its measurements of known spectra, its pixel formats, and its errors.
 #include "aureole/film/film.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ private:
 
 using std::string_literals::operator""s;
 
-/// What the film measures of a spectral radiance, by the sum over many equidistant wavelengths.
+/// The measured numbers of a spectral radiance, by the sum over many equidistant wavelengths.
 std::vector<double> measure(const Film& film, double (*radiance)(double)) {
   const SpectralGrid grid = film.properties().context().grid;
   const int rounds = 4 * 470;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// specfilm: what bins and named responses measure of known spectra, names and preview, ranges of a scene,
+// specfilm: measurements of known spectra by bins and named responses, names and preview, ranges of a scene,
 // errors, and a render of a hundred bins.
 #include <gtest/gtest.h>
 
@@ -7,14 +7,14 @@
 
 #include "aureole/film/film.h"
 #include "aureole/film/spectral_bins.h"
-#include "aureole/instrument/statistics.h"
+#include "aureole/instrument/check/significance.h"
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 #include "tests/harness/properties_builder.h"
+#include "tests/loading/load_text.h"
 #include "tests/render/small_scene.h"
-#include "tests/scene/load_text.h"
 
 namespace aureole::testing {
 namespace {
@@ -33,7 +33,7 @@ std::string error(const std::string& content, double min_nm = 360, double max_nm
   }
 }
 
-/// What the film measures of a spectral radiance, by the sum over many equidistant wavelengths.
+/// The measured numbers of a spectral radiance, by the sum over many equidistant wavelengths.
 template <class Radiance>
 std::vector<double> measure(const Film& film, const Radiance& radiance) {
   const SpectralGrid grid = film.properties().context().grid;
@@ -237,8 +237,8 @@ TEST(SpecFilm, SetsTheRangeOfTheScene) {
                      "<scene version='3.0.0'><integrator type='path'/><sensor type='perspective'><film "
                      "type='specfilm'>" +
                          film + "</film></sensor><emitter type='constant'/></scene>");
-    const Scene scene(load_scene(file));
-    const SpectralGrid& g = scene.wavelengths().grid();
+    const auto scene = load_scene(file).scene;
+    const SpectralGrid& g = scene->wavelengths().grid();
     return std::pair{g.min_nm, g.max_nm};
   };
   const std::string regular =
@@ -252,6 +252,7 @@ TEST(SpecFilm, SetsTheRangeOfTheScene) {
   EXPECT_EQ(range("<spectrum name='a' value='500:0, 600:1'/><spectrum name='b' filename='band.spd'/>"),
             P(500, 1400));
   EXPECT_EQ(range(regular), P(900, 950));
+  EXPECT_EQ(range(regular + "<rfilter type='box'/>"), P(900, 950)) << "a filter has no wavelengths";
   EXPECT_EQ(range(regular + irregular), P(100, 950));
   EXPECT_EQ(range("<spectrum name='a' value='1'/>"), P(360, 830));
   EXPECT_EQ(range("<integer name='bins' value='4'/>"), P(360, 830));
@@ -260,14 +261,14 @@ TEST(SpecFilm, SetsTheRangeOfTheScene) {
             P(400, 500));
 }
 
-std::shared_ptr<const Scene> scene_with_film(const std::string& film) {
+LoadedScene scene_with_film(const std::string& film) {
   std::string text = test::small_scene_text(24, 16);
   const auto begin = text.find("<film "), end = text.find("</film>");
   text.replace(begin, end + 7 - begin,
                film +
                    "<integer name='width' value='24'/><integer name='height' value='16'/><string "
                    "name='component_format' value='float32'/></film>");
-  return std::make_shared<const Scene>(load_scene_from_string(text, "bins.xml"));
+  return load_scene_from_string(text, "bins.xml");
 }
 Image render(const std::string& film, std::uint64_t seed, RenderState* state = nullptr) {
   RenderOptions options;
@@ -284,16 +285,16 @@ TEST(SpecFilm, AHundredBinsAddUpToTheColour) {
   const Image bins = render("<film type='specfilm'><integer name='bins' value='100'/>", 1, &state);
   ASSERT_EQ(bins.channels.size(), 2 * 103u);
   const Image rgb = render("<film type='hdrfilm'>", 2);
-  // Bins of 4.7 nm are fine enough for this scene's spectra: what is left is within 2e-3.
+  // Bins of 4.7 nm are fine enough for this scene's spectra: the difference is within 2e-3.
   const Comparison c = compare_images(bins, rgb, 2e-3);
   ASSERT_TRUE(c.z);
   EXPECT_EQ(c.channels, (std::vector<std::string>{"R", "G", "B"}));
   EXPECT_TRUE(c.z->passes) << c.z->mean_square << " " << c.z->outside << " " << c.z->mean_relative;
   // And as many responses as bins are the same measurement times the bins' width.
   const Image bands = render(
-      "<film type='specfilm'><float name='wavelength_min' value='360'/><float "
-      "name='wavelength_max' value='830'/><spectrum name='S0.595,00nm' "
-      "value='548:0, 548.001:0.0106383, 641.999:0.0106383, 642:0'/>",
+      "<film type='specfilm'><float name='wavelength_min' value='360'/><float name='wavelength_max' "
+      "value='830'/><spectrum name='S0.595,00nm' value='548:0, 548.001:0.0106383, 641.999:0.0106383, "
+      "642:0'/>",
       3);
   const Image five = render("<film type='specfilm'><integer name='bins' value='5'/>", 4);
   const Comparison d = compare_images(bands, five, 2e-3);
@@ -301,7 +302,7 @@ TEST(SpecFilm, AHundredBinsAddUpToTheColour) {
   EXPECT_EQ(d.channels, std::vector<std::string>{"S0.595,00nm"});
   EXPECT_TRUE(d.z->passes) << d.z->mean_square << " " << d.z->outside << " " << d.z->mean_relative;
 
-  // The file says what it is.
+  // The file's metadata.
   const TemporaryFolder folder;
   write_pictures(state, folder.path / "bins.exr");
   ExrAttributes attributes;

@@ -24,7 +24,7 @@ std::string number(const std::string& name, double value) {
 double bc_spline(double x, double b, double c) {
   x = std::abs(x);
   const double b_spline = x < 1 ? 2.0 / 3 - x * x + x * x * x / 2 : x < 2 ? std::pow(2 - x, 3) / 6 : 0;
-  // The cardinal cubic with a = -1/2 (Catmull-Rom) and what changes per unit of `a` (Keys 1981).
+  // The cardinal cubic with a = -1/2 (Catmull-Rom) and its derivative by `a` (Keys 1981).
   const auto keys = [&](double a) {
     return x < 1   ? (a + 2) * x * x * x - (a + 3) * x * x + 1
            : x < 2 ? a * (x * x * x - 5 * x * x + 8 * x - 4)

@@ -160,7 +160,7 @@ void Corpus::add_examples() {
       Files used;
       const std::string example = with_data_files(p->doc.examples[i], data_, used);
       examples_[p->family].push_back(example);
-      for (const std::string& text : wrap_example(p->family, p->name, example)) {
+      for (const std::string& text : wrap_example(*p, example)) {
         BaseScene scene{"example " + std::to_string(i) + " of " + p->family + " " + p->name, used};
         scene.files[kMainFile] = std::make_shared<std::string>(prepare(text, "", scene.files));
         scenes_.push_back(std::move(scene));

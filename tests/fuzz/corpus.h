@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the fuzzer starts from: every scene of the repository, every example in the documentation of a
-// registered plug-in wrapped into a scene, and every file found beside the scenes. New ones are found by
-// themselves.
+// The fuzzer's corpus: every scene of the repository, every example in the documentation of a registered
+// plug-in wrapped into a scene, and every file found beside the scenes. New ones are included automatically.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "random.h"
+#include "fuzz_random.h"
 
 namespace aureole::fuzz {
 
@@ -18,7 +17,7 @@ using Bytes = std::shared_ptr<const std::string>;
 /// Name -> content of the files of a case, which all lie in one folder.
 using Files = std::map<std::string, Bytes>;
 
-/// Files larger than this are left out: what is slow to read finds few errors.
+/// Larger files are left out: slow cases find few errors.
 inline constexpr std::size_t kLargestFile = 200 << 10;
 inline constexpr char kMainFile[] = "scene.xml";
 

@@ -8,7 +8,7 @@
 
 #include "mutate_bytes.h"
 #include "mutate_scene.h"
-#include "values.h"
+#include "scene_values.h"
 
 namespace aureole::fuzz {
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "aureole/scene/build.h"
+#include "aureole/loading/load.h"
 #include "corpus.h"
 
 namespace aureole::fuzz {

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "values.h"
+#include "scene_values.h"
 
 namespace aureole::fuzz {
 
@@ -182,7 +182,7 @@ std::string deflated(const std::string& s) {
   return out;
 }
 
-/// What the zlib stream at `offset` holds and the offset behind it.
+/// Inflates the zlib stream at `offset`; `end` is the offset behind it.
 std::string inflated(const std::string& s, std::size_t offset, std::size_t& end) {
   std::string out(1 << 20, 0);
   z_stream z{};

@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "random.h"
+#include "fuzz_random.h"
 
 namespace aureole::fuzz {
 

@@ -10,7 +10,7 @@
 
 namespace aureole::fuzz {
 
-/// What a change may use. `files` are the other files of the case; a change may add some.
+/// The data that a mutation works on. `files` are the other files of the case; a change may add some.
 struct SceneEdit {
   const Corpus& corpus;
   Random& random;

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "mutate_scene.h"
-#include "values.h"
+#include "scene_values.h"
 
 namespace aureole::fuzz {
 

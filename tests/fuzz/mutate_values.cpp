@@ -4,18 +4,19 @@
 #include <cctype>
 #include <cstring>
 
+#include "aureole/loading/node.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/scene/node.h"
 #include "mutate_scene.h"
-#include "values.h"
+#include "scene_values.h"
+#include "wrap.h"
 
 namespace aureole::fuzz {
 
 namespace {
 
 std::string family_of(pugi::xml_node node) {
-  const std::string tag = node.name();
-  return tag == "spectrum" ? "texture" : tag;
+  const FamilyInfo* family = Registry::instance().family_of_element(node.name(), true);
+  return family ? family->name : node.name();
 }
 
 bool change_value(SceneEdit& e) {
@@ -96,10 +97,6 @@ bool other_property_tag(SceneEdit& e) {
 
 const ParameterDoc* any_parameter(const PluginInfo& plugin, Random& random) {
   return plugin.doc.parameters.empty() ? nullptr : &random.pick(plugin.doc.parameters);
-}
-
-const PluginInfo* plugin_of(pugi::xml_node node) {
-  return Registry::instance().find(family_of(node), node.attribute("type").value());
 }
 
 /// The parameter's name becomes another one of the same plug-in or of any.

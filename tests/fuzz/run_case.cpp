@@ -26,7 +26,7 @@ double cpu_seconds() {
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-/// "file:line" at the start; what the command line asked for has no place in a file.
+/// "file:line" at the start; errors about the command line have no location in a file.
 bool is_located(const std::string& error) {
   if (error.starts_with("--") || error.find(": -D ") != std::string::npos) return true;
   if (!error.starts_with("/")) return false;  // the scene was given by an absolute path
@@ -64,27 +64,28 @@ bool is_finite(const Image& image) {
   return true;
 }
 
-Verdict render(const std::shared_ptr<const Scene>& scene) {
-  const Film& film = scene->film();
+Verdict render(const LoadedScene& loaded) {
+  const Film& film = loaded.scene->film();
   RenderOptions options;
   options.threads = 1;
-  options.end = std::min<std::int64_t>(scene->sensor().sampler().sample_count(), 2);
+  options.end = std::min<std::int64_t>(loaded.scene->sensor().sampler().sample_count(), 2);
   const double bytes = state_bytes(film.crop_width(), film.crop_height(), film.measured_channels() + 16, 1);
   if (bytes > kImpossibleBytes) {
-    const RenderJob job(scene, options);
+    const RenderJob job(loaded, options);
     return {Verdict::failed, "a film for which there is no memory was accepted", 0};
   }
   if (bytes > kLargestFilmBytes) return {Verdict::too_large, "", 0};
 
-  RenderJob job(scene, options);
+  RenderJob job(loaded, options);
   const double start = cpu_seconds();
   constexpr int kSamples = 6;
   for (int i = 0; i < kSamples; ++i) {
     const int x = film.crop_x() + int(std::int64_t(film.crop_width()) * i / kSamples);
     const int y = film.crop_y() + int(std::int64_t(film.crop_height()) * i / kSamples);
-    (void)job.replay(x, y, i, 0, [](const std::string&) {});
+    (void)job.replay(x, y, i % *options.end, 0, [](const std::string&) {});
   }
-  const double per_sample = (cpu_seconds() - start) / kSamples;
+  // A sample is replayed with the others of its pixel.
+  const double per_sample = (cpu_seconds() - start) / double(kSamples * *options.end);
   const RenderState& state = job.state();
   const double samples = (state.identity.width + 2.0 * state.identity.border) *
                          (state.identity.height + 2.0 * state.identity.border) * double(*options.end);
@@ -110,8 +111,7 @@ std::string type_of(const std::exception& e) {
 
 Verdict run_case(const Case& c, const std::filesystem::path& folder) {
   try {
-    const auto scene = std::make_shared<const Scene>(load_scene(folder / kMainFile, c.options));
-    return render(scene);
+    return render(load_scene(folder / kMainFile, c.options));
   } catch (const ErrorList& list) {
     return judge(list.errors());
   } catch (const Error& e) {

@@ -94,7 +94,7 @@ std::string jpeg(int components, bool progressive) {
   return out;
 }
 
-/// What `write(path)` writes into a temporary file.
+/// The bytes that `write(path)` writes to a file.
 template <class Write>
 std::string written(const Write& write) {
   std::string path = (std::filesystem::temp_directory_path() / "aureole-seed-XXXXXX").string();

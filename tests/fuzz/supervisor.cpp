@@ -33,7 +33,7 @@ struct Range {
   bool again = false;  ///< only to search for leaks: the cases have been counted
 };
 
-/// What a child tells its parent, in shared memory: it survives the child.
+/// Progress of a child process, in memory shared with its parent, which survives the child.
 struct Progress {
   std::atomic<std::uint64_t> index, invalid_samples, first_invalid, slowest;
   std::atomic<double> cpu_at_start, slowest_seconds;
@@ -81,7 +81,8 @@ double own_cpu_seconds() {
 [[noreturn]] void run_child(const Child& c, const Supervisor::Run& run) {
   const int log = open(c.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   dup2(log, 1), dup2(log, 2);
-  // Sanitizers reserve terabytes of addresses: there the parent's look at resident memory has to do.
+  // Sanitizers reserve terabytes of address space: with them only the parent's check of resident memory
+  // applies.
   const rlimit address_space{rlim_t(8) << 30, rlim_t(8) << 30};
   if (!kSanitized) setrlimit(RLIMIT_AS, &address_space);
   const rlimit no_core{0, 0};

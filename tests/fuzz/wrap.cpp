@@ -2,10 +2,7 @@
 #include "wrap.h"
 
 #include <filesystem>
-#include <pugixml.hpp>
 #include <sstream>
-
-#include "aureole/scene/aliases.h"
 
 namespace aureole::fuzz {
 
@@ -58,8 +55,12 @@ std::string with_data_files(const std::string& example,
                             const std::vector<std::pair<std::string, Bytes>>& data, Files& used) {
   pugi::xml_document document;
   if (!document.load_string(example.c_str())) return example;
-  for (const pugi::xpath_node found : document.select_nodes(
-           "//string[@name='filename' or @name='size_histogram']/@value | //spectrum/@filename")) {
+  for (const pugi::xpath_node found : document.select_nodes("//string/@value | //spectrum/@filename")) {
+    const pugi::xml_node parameter = found.parent();
+    const PluginInfo* plugin = plugin_of(parameter.parent());
+    const bool names_file = std::string_view(found.attribute().name()) == "filename" ||
+                            (plugin && plugin->names_file(parameter.attribute("name").value()));
+    if (!names_file) continue;
     const std::string ending = std::filesystem::path(found.attribute().value()).extension().string();
     for (const auto& [name, bytes] : data) {
       if (!name.ends_with(ending)) continue;
@@ -73,13 +74,18 @@ std::string with_data_files(const std::string& example,
   return out.str();
 }
 
-std::vector<std::string> wrap_example(const std::string& family, const std::string& name,
-                                      const std::string& example) {
+const PluginInfo* plugin_of(pugi::xml_node node) {
+  const FamilyInfo* family = Registry::instance().family_of_element(node.name(), true);
+  return family ? Registry::instance().find(family->name, node.attribute("type").value()) : nullptr;
+}
+
+std::vector<std::string> wrap_example(const PluginInfo& plugin, const std::string& example) {
+  const std::string& family = plugin.family;
   if (family == "bsdf") return {usual(kLight + ball(example))};
   if (family == "texture")
     return {usual(kLight + ball("<bsdf type=\"diffuse\">" + changed(example, "reflectance") + "</bsdf>")),
             usual(ball("<emitter type=\"area\">" + changed(example, "radiance") + "</emitter>"))};
-  if (family == "emitter") return {usual(is_surface_emitter(name) ? ball(example) : ball("") + example)};
+  if (family == "emitter") return {usual(plugin.doc.needs_shape ? ball(example) : ball("") + example)};
   if (family == "shape") return {usual(kLight + example)};
   if (family == "integrator") return {scene(example + sensor() + kFloor + ball("") + kLight)};
   if (family == "film") return {scene(kIntegrator + sensor(example) + kFloor + kLight)};
@@ -93,7 +99,7 @@ std::vector<std::string> wrap_example(const std::string& family, const std::stri
   if (family == "sensor") {
     const bool has_film = example.find("<film") != std::string::npos;
     const std::string objects = kFloor + ball("") + kLight;
-    if (name == "irradiancemeter") return {scene(kIntegrator + std::string(kFloor) + kLight + ball(example))};
+    if (plugin.doc.needs_shape) return {scene(kIntegrator + std::string(kFloor) + kLight + ball(example))};
     std::vector<std::string> scenes = {
         scene(kIntegrator + changed(example, nullptr, has_film ? "" : kFilm) + objects)};
     if (!has_film) scenes.push_back(scene(kIntegrator + changed(example, nullptr, kOnePixel) + objects));

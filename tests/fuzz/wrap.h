@@ -2,9 +2,11 @@
 // Scenes around single plug-ins: the examples of their documentation, and images.
 #pragma once
 
+#include <pugixml.hpp>
 #include <string>
 #include <vector>
 
+#include "aureole/plugin/registry.h"
 #include "corpus.h"
 
 namespace aureole::fuzz {
@@ -14,8 +16,10 @@ std::string with_data_files(const std::string& example,
                             const std::vector<std::pair<std::string, Bytes>>& data, Files& used);
 
 /// Complete scenes that use the example: two for a texture, which may be a reflectance or an emission.
-std::vector<std::string> wrap_example(const std::string& family, const std::string& name,
-                                      const std::string& example);
+std::vector<std::string> wrap_example(const PluginInfo& plugin, const std::string& example);
+
+/// The plug-in of an object element, or null.
+const PluginInfo* plugin_of(pugi::xml_node node);
 
 /// A scene with the picture as a texture and as an environment.
 std::string wrap_image(const std::string& file);

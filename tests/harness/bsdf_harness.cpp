@@ -24,7 +24,7 @@ std::vector<Entry>& entries() {
 }
 
 /// Writes a table of bins: direction, size, expected and found counts.
-void dump(const BsdfCheckResult::Histogram& h, const std::filesystem::path& file) {
+void dump(const CheckResult::Histogram& h, const std::filesystem::path& file) {
   std::ofstream out(file);
   out << "x,y,z,size,expected,found\n";
   for (const auto& b : h.bins)
@@ -35,7 +35,7 @@ void dump(const BsdfCheckResult::Histogram& h, const std::filesystem::path& file
 }  // namespace
 
 HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
-  BsdfCheckOptions options = c;
+  CheckOptions options = c;
   options.reciprocal = c.not_reciprocal.empty();
   options.significance = harness.family_significance;
   options.family_size = harness.family_size;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cases over which `check_bsdf` runs: all registered BSDFs (tests/bsdf/harness_test.cpp). A plug-in's own
+// The cases over which `check_bsdf` runs: all registered BSDFs (tests/bsdf/bsdf_harness_test.cpp). A plug-in's own
 // test file adds parameter sets by `BsdfCases`.
 #pragma once
 
@@ -9,17 +9,17 @@
 #include <string>
 #include <vector>
 
-#include "aureole/instrument/bsdf_check.h"
+#include "aureole/instrument/check/bsdf_check.h"
 
 namespace aureole::testing {
 
-/// One BSDF and what is to be expected of it.
-struct BsdfCase : BsdfCheckOptions {
+/// One BSDF and the expectations that it is tested against.
+struct BsdfCase : CheckOptions {
   BsdfCase() { min_nm = 360, max_nm = 830; }
 
   std::string name;  ///< letters, digits and underscores
   std::string xml;
-  std::shared_ptr<const Bsdf> bsdf;  ///< instead of xml, for what is not registered
+  std::shared_ptr<const Bsdf> bsdf;  ///< instead of xml, for a class that is not registered
   std::string not_reciprocal;        ///< the reason, where reciprocity is not to be tested
   /// The reason, where a model reflects more light than it receives; `largest_energy` says how much.
   std::string gains_energy;
@@ -32,10 +32,10 @@ struct HarnessOptions {
   std::uint64_t seed = 1;
 };
 
-/// What one case was found to do wrong, in sentences (empty where all is well), and the numbers behind it.
+/// The faults of one case, in sentences (empty where there are none), and the numbers behind them.
 struct HarnessResult {
   std::vector<std::string> failures;
-  BsdfCheckResult check;
+  CheckResult check;
 };
 HarnessResult check_case(const BsdfCase& c, const HarnessOptions& options);
 
@@ -46,7 +46,7 @@ public:
   BsdfCases(std::string plugin, std::function<void(BsdfCase&)> adapt, std::vector<BsdfCase> extra);
 };
 
-/// All cases: the examples of every registered BSDF, and what was added.
+/// All cases: the examples of every registered BSDF, and those that were added.
 std::vector<BsdfCase> all_bsdf_cases();
 
 }  // namespace aureole::testing

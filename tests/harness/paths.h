@@ -11,8 +11,8 @@ namespace aureole::test {
 const std::filesystem::path& source_dir();
 const std::filesystem::path& aureole_binary();
 
-/// What a file name in an example of the documentation stands for: the file of the reference scenes that is
-/// called so, or else any with the same extension.
+/// The file that a file name in an example of the documentation stands for: the one of the reference scenes
+/// that has this name, or else any with the same extension.
 std::filesystem::path example_file(const std::string& name);
 
 }  // namespace aureole::test

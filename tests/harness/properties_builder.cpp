@@ -5,6 +5,7 @@
 
 #include "aureole/core/units.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/shape/model.h"
 
 namespace aureole::testing {
 
@@ -65,9 +66,16 @@ Transform transform(const pugi::xml_node& node) {
 ObjectPtr build_node(const pugi::xml_node& node, const std::shared_ptr<const BuildContext>& context,
                      const FileResolver& resolve);
 
+const PluginInfo* plugin_of(const pugi::xml_node& node) {
+  const FamilyInfo* family =
+      Registry::instance().family_of_element(node.name(), !node.attribute("type").empty());
+  return family ? Registry::instance().find(family->name, node.attribute("type").as_string()) : nullptr;
+}
+
 Properties read_node(const pugi::xml_node& node, const PluginInfo* plugin,
                      const std::shared_ptr<const BuildContext>& context, const FileResolver& resolve) {
   const SourceLocation where{"snippet", 1, int(node.offset_debug())};
+  const PluginInfo* described = plugin ? plugin : plugin_of(node);
   Properties p(node.attribute("type").as_string(), node.attribute("id").as_string(), where, context, plugin);
   for (const pugi::xml_node child : node.children()) {
     const std::string name = child.attribute("name").as_string(),
@@ -81,9 +89,7 @@ Properties read_node(const pugi::xml_node& node, const PluginInfo* plugin,
     else if (kind == "boolean")
       p.add(name, value == "true", at);
     else if (kind == "string")
-      p.add(name,
-            (name == "filename" || name == "size_histogram") && resolve ? resolve(value).string() : value,
-            at);
+      p.add(name, resolve && described && described->names_file(name) ? resolve(value).string() : value, at);
     else if (kind == "rgb") {
       SpectrumLiteral s;
       s.kind = SpectrumLiteral::Kind::rgb;
@@ -108,12 +114,11 @@ Properties read_node(const pugi::xml_node& node, const PluginInfo* plugin,
 
 ObjectPtr build_node(const pugi::xml_node& node, const std::shared_ptr<const BuildContext>& context,
                      const FileResolver& resolve) {
-  const std::string tag = node.name(), family = tag == "spectrum" ? "texture" : tag;
-  const std::string type = node.attribute("type").as_string();
-  const PluginInfo* plugin = Registry::instance().find(family, type);
-  if (!plugin) throw Error("unknown " + family + " \"" + type + "\"");
+  const PluginInfo* plugin = plugin_of(node);
+  if (!plugin)
+    throw Error("unknown " + std::string(node.name()) + " \"" + node.attribute("type").as_string() + "\"");
   const Properties p = read_node(node, plugin, context, resolve);
-  ObjectPtr object = plugin->create(p);
+  ObjectPtr object = make_element(*plugin, p);
   Diagnostics unused;
   p.report_unused(unused);
   unused.throw_if_errors();

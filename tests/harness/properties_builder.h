@@ -17,7 +17,7 @@ namespace aureole::testing {
 std::shared_ptr<const BuildContext> make_context(double min_nm = 360, double max_nm = 830,
                                                  Diagnostics* diagnostics = nullptr);
 
-/// What a `filename` in a snippet stands for.
+/// Finds the file that a `filename` in a snippet stands for.
 using FileResolver = std::function<std::filesystem::path(const std::string&)>;
 
 /// The parameters in `xml`, for classes that are not registered.

@@ -7,8 +7,8 @@
 
 #include <cmath>
 
-#include "aureole/optics/fresnel.h"
-#include "aureole/optics/scatterer_layer.h"
+#include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/optics/layer/scatterer_layer.h"
 #include "harness/properties_builder.h"
 
 namespace aureole {

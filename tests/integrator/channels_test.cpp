@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "aureole/render/job.h"
-#include "scene/load_text.h"
+#include "loading/load_text.h"
 
 namespace aureole::test {
 namespace {
@@ -35,7 +35,7 @@ const std::string kBallAndWall = R"(
 RenderState rendered(const std::string& text, int replicates = 1) {
   RenderOptions options;
   options.replicates = replicates;
-  RenderJob job(std::make_shared<const Scene>(load_scene_from_string(text, "aov.xml")), options);
+  RenderJob job(load_scene_from_string(text, "aov.xml"), options);
   const std::atomic<bool> go{false};
   job.run(go);
   EXPECT_EQ(job.state().invalid_samples, 0u);

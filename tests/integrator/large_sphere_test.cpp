@@ -13,7 +13,7 @@ namespace {
 RenderState rendered(const std::string& text, int spp, int replicates, std::uint64_t seed = 0) {
   RenderOptions options;
   options.end = spp, options.replicates = replicates, options.seed = seed;
-  RenderJob job(std::make_shared<const Scene>(load_scene_from_string(text, "ball.xml")), options);
+  RenderJob job(load_scene_from_string(text, "ball.xml"), options);
   const std::atomic<bool> go{false};
   job.run(go);
   return job.state();

@@ -43,8 +43,8 @@ struct Picture {
 };
 
 Picture render(const std::string& content, std::uint64_t seed = 0) {
-  const auto scene = std::make_shared<const Scene>(
-      load_scene_from_string("<scene version=\"3.0.0\">" + content + "</scene>", "null_test.xml"));
+  const auto scene =
+      load_scene_from_string("<scene version=\"3.0.0\">" + content + "</scene>", "null_test.xml");
   RenderOptions options;
   options.replicates = kReplicates;
   options.threads = 1;

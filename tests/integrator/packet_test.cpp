@@ -7,9 +7,12 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <span>
+#include <vector>
 
-#include "aureole/instrument/statistics.h"
+#include "aureole/instrument/check/significance.h"
 #include "aureole/integrator/integrator.h"
+#include "aureole/loading/load.h"
 #include "aureole/math/warp.h"
 #include "aureole/scene/scene.h"
 
@@ -17,10 +20,9 @@ namespace aureole::testing {
 namespace {
 
 /// Triangles, spheres, glass, a mask of half opacity and two lamps.
-std::shared_ptr<const Scene> mixed_scene(const std::string& integrator) {
-  return std::make_shared<const Scene>(
-      load_scene_from_string(R"(<scene version="3.0.0">)" + integrator +
-                                 R"(<sensor type="perspective"><sampler type="sobol"/>
+LoadedScene mixed_scene(const std::string& integrator) {
+  return load_scene_from_string(R"(<scene version="3.0.0">)" + integrator +
+                                    R"(<sensor type="perspective"><sampler type="sobol"/>
             <transform name="to_world"><lookat origin="0, 1, 3.6" target="0, 0, 0" up="0, 1, 0"/></transform></sensor>
           <shape type="cube"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/>
             <bsdf type="diffuse"><rgb name="reflectance" value=".7, .5, .3"/></bsdf></shape>
@@ -30,20 +32,20 @@ std::shared_ptr<const Scene> mixed_scene(const std::string& integrator) {
             <bsdf type="mask"><float name="opacity" value=".5"/><bsdf type="twosided"><bsdf type="diffuse"/></bsdf></bsdf></shape>
           <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="90"/><translate y="3.5"/></transform><emitter type="area"/></shape>
           <emitter type="point"><point name="position" value="2, 2, 2"/></emitter></scene>)",
-                             "packets.xml"));
+                                "packets.xml");
 }
 
 bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 /// A group of every kind of shape and another within it, five times: moved, turned and stretched, mirrored,
 /// flat and overlapping.
-std::shared_ptr<const Scene> instanced_scene(const std::string& others) {
+LoadedScene instanced_scene(const std::string& others) {
   const std::string file =
       (std::filesystem::temp_directory_path() / ("aureole-packets-" + std::to_string(::getpid()) + ".txt"))
           .string();
   std::ofstream(file) << "-1 -.8 0 .2\n-.4 -.6 .2 .3\n.3 -.9 .1 .25\n1 -.7 0 .2\n";
   const std::string name = R"(<string name="filename" value=")" + file + R"("/>)";
-  auto scene = std::make_shared<const Scene>(load_scene_from_string(
+  auto scene = load_scene_from_string(
       R"(<scene version="3.0.0"><sensor type="perspective"/>
           <shape type="shapegroup" id="inner">
             <shape type="sphere"><point name="center" value=".2, .9, .1"/><float name="radius" value=".3"/></shape>
@@ -72,7 +74,7 @@ std::shared_ptr<const Scene> instanced_scene(const std::string& others) {
           <shape type="instance"><ref id="group"/><transform name="to_world"><rotate y="1" angle="10"/><translate x="-1.4" y=".1"/></transform></shape>
           )" +
           others + "</scene>",
-      "instances.xml"));
+      "instances.xml");
   std::filesystem::remove(file);
   return scene;
 }
@@ -144,7 +146,7 @@ void compare_packets(const RayTracer& tracer, Answers& answers, const auto& is_s
 TEST(Packets, RayTracerAnswersAsOneByOne) {
   Answers answers;
   const auto no = [](const RayTracer::Hit&) { return false; };
-  compare_packets(mixed_scene("")->tracer(), answers, no, no);
+  compare_packets(mixed_scene("").scene->tracer(), answers, no, no);
   EXPECT_GT(answers.met, 20000);
   EXPECT_GT(answers.blocked, 20000);
 }
@@ -157,7 +159,7 @@ TEST(Packets, InstancesAnswerAsOneByOne) {
           <shape type="cube"><transform name="to_world"><scale value="4"/></transform><boolean name="flip_normals" value="true"/></shape>)"}) {
     Answers answers;
     compare_packets(
-        instanced_scene(others)->tracer(), answers,
+        instanced_scene(others).scene->tracer(), answers,
         [](const RayTracer::Hit& hit) { return hit.geometry == 4; },
         [](const RayTracer::Hit& hit) { return hit.geometry == 5; });
     EXPECT_GT(answers.met, 15000);
@@ -169,16 +171,29 @@ TEST(Packets, InstancesAnswerAsOneByOne) {
 
 class LockStep : public ::testing::TestWithParam<const char*> {};
 
+/// The splats of one path of a batch.
+std::vector<Splat> splats_of(int path, const std::vector<Splat>& splats) {
+  std::vector<Splat> own;
+  for (const Splat& s : splats)
+    if (s.path == path) own.push_back(s);
+  return own;
+}
+
+bool same_bits(const Spectrum& a, const Spectrum& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
 TEST_P(LockStep, PathsAsOneByOne) {
-  const auto scene = mixed_scene(GetParam());
-  const auto& integrator = dynamic_cast<const RadianceIntegrator&>(*scene->integrator_object());
+  const LoadedScene loaded = mixed_scene(GetParam());
+  const auto& scene = loaded.scene;
+  const Integrator& integrator = *loaded.integrator;
   const Sampler& sampler = scene->sensor().sampler();
+  const size_t channels = integrator.aov_names().size();
   int lit = 0;
   for (std::uint64_t pixel = 0; pixel < 400; ++pixel) {
-    const size_t n = 1 + pixel % RadianceIntegrator::kTogether;
-    std::vector<CameraPath> paths(n);
+    const size_t n = 1 + pixel % kBatch;
+    std::vector<Path> paths(n);
+    std::vector<float> together(n * channels), alone(channels);
     for (size_t i = 0; i < n; ++i) {
-      CameraPath& p = paths[i];
+      Path& p = paths[i];
       p.samples = SampleStream(sampler, pixel * 0x9e3779b97f4a7c15u, std::uint32_t(i));
       p.wavelengths = scene->wavelengths().sample(p.samples.get1(2));
       p.ray =
@@ -186,19 +201,33 @@ TEST_P(LockStep, PathsAsOneByOne) {
               .sample_ray({768.f * float(pixel) / 400 + 40 * p.samples.get1(0), 576 * p.samples.get1(1)}, {})
               .ray;
       p.samples.set_first(SampleStream::camera_dimensions(false));
+      p.aovs = together.data() + i * channels;
     }
-    std::vector<CameraPath> copies = paths;
-    integrator.radiance_of(*scene, paths);
+    const std::vector<Path> copies = paths;
+    std::vector<Splat> splats;
+    integrator.trace(*scene, paths, splats, {});
     for (size_t i = 0; i < n; ++i) {
-      const RadianceEstimate one =
-          integrator.radiance(*scene, copies[i].ray, copies[i].wavelengths, copies[i].samples, {}, nullptr);
-      for (int j = 0; j < kWavelengths; ++j)
-        ASSERT_TRUE(same_bits(one.estimate[j], paths[i].result.estimate[j])) << "pixel " << pixel;
-      ASSERT_EQ(one.alpha, paths[i].result.alpha);
-      lit += !is_black(one.estimate);
+      Path one = copies[i];
+      one.aovs = alone.data();
+      std::vector<Splat> expected;
+      int lines = 0;
+      const PathLog log = [&](const std::string&) { ++lines; };
+      integrator.trace(*scene, std::span(&one, 1), expected, BatchLog(log, 0));
+      ASSERT_TRUE(same_bits(one.result.estimate, paths[i].result.estimate)) << "pixel " << pixel;
+      ASSERT_EQ(one.result.alpha, paths[i].result.alpha);
+      for (size_t c = 0; c < channels; ++c) ASSERT_TRUE(same_bits(alone[c], together[i * channels + c]));
+      const std::vector<Splat> own = splats_of(int(i), splats);
+      ASSERT_EQ(own.size(), expected.size());
+      for (size_t k = 0; k < own.size(); ++k) {
+        ASSERT_TRUE(same_bits(own[k].estimate, expected[k].estimate));
+        ASSERT_TRUE(same_bits(own[k].film.x, expected[k].film.x) &&
+                    same_bits(own[k].film.y, expected[k].film.y));
+      }
+      lit += !is_black(one.result.estimate) || !own.empty();
     }
   }
-  EXPECT_GT(lit, 400);  // glass in front shows no direct light
+  // Glass in front shows no direct light, and is passed by no connection with the sensor.
+  EXPECT_GT(lit, integrator.leaves() == Integrator::Leaves::film ? 300 : 400);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -206,7 +235,12 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(R"(<integrator type="path"/>)",
                       R"(<integrator type="path"><integer name="max_depth" value="4"/></integrator>)",
                       R"(<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>)",
-                      R"(<integrator type="direct"/>)"),
+                      R"(<integrator type="direct"/>)", R"(<integrator type="ptracer"/>)",
+                      R"(<integrator type="depth"/>)",
+                      R"(<integrator type="moment"><integrator type="aov">
+                           <string name="aovs" value="p:position, a:albedo"/>
+                           <integrator type="direct"><integer name="shading_samples" value="2"/></integrator>
+                         </integrator></integrator>)"),
     [](const auto& info) { return "Integrator" + std::to_string(info.index); });
 
 }  // namespace

@@ -39,8 +39,8 @@ std::string diffuse(double reflectance) {
 
 /// Renders; the channel is Y, or the only one of a uniform response.
 Picture render(const std::string& content) {
-  const auto scene = std::make_shared<const Scene>(
-      load_scene_from_string("<scene version=\"3.0.0\">" + content + "</scene>", "path_test.xml"));
+  const auto scene =
+      load_scene_from_string("<scene version=\"3.0.0\">" + content + "</scene>", "path_test.xml");
   RenderOptions options;
   options.replicates = kReplicates;
   options.threads = 2;
@@ -206,7 +206,7 @@ TEST(PathIntegrator, SphereLightOverAPlane) {
       path() + sensor("origin=\"0, 3, 1\" target=\"0, 0, 0\" up=\"0, 0, 1\"", 0.05, 2, 256) +
       R"(<shape type="rectangle"><transform name="to_world"><scale value="10"/></transform>)" + diffuse(0.5) +
       R"(</shape><shape type="sphere"><point name="center" x="0" y="0" z="3"/><float name="radius" value="1"/><emitter type="area"/></shape>)");
-  // What the plane sends up to the black lamp is lost: direct light is all.
+  // Light that the plane reflects to the black lamp is absorbed: only direct light remains.
   expect_mean(p, 0.5 / 9, 2e-3);
 }
 
@@ -256,7 +256,7 @@ TEST(PathIntegrator, DispersionIsUnbiasedAgainstNarrowBands) {
     const double z = (wide.mean[i] - mean) / std::sqrt(variance);
     EXPECT_LT(std::abs(z), 6) << "pixel " << i << ": " << wide.mean[i] << " and " << mean;
     z2 += z * z, ++lit;
-    // The ends of the spectrum, each relative to its emission, do not make the same picture.
+    // Dispersion: red and blue, each relative to its emission, must give different pictures.
     const double blue = narrow[0].mean[i] / 1.333, red = narrow[5].mean[i] / 2.1667;
     const double sigma = std::hypot(narrow[0].error[i] / 1.333, narrow[5].error[i] / 2.1667);
     moved += std::abs(blue - red) > 6 * sigma + 0.02;

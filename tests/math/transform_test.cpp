@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Transforms by what they do to points, directions and normals.
+// Transforms by their effect on points, directions and normals.
 #include "aureole/math/transform.h"
 
 #include <gtest/gtest.h>

@@ -6,7 +6,8 @@
 #include <cmath>
 #include <functional>
 
-#include "aureole/instrument/statistics.h"
+#include "aureole/instrument/check/direction_bins.h"
+#include "aureole/instrument/check/significance.h"
 
 namespace aureole {
 namespace {
@@ -14,9 +15,9 @@ namespace {
 /// Chi-square of a warp to directions against its density, by the bins of the BSDF harness.
 double direction_p_value(const std::function<Vec3(Vec2)>& warp,
                          const std::function<double(const Vec3&)>& pdf) {
-  SphereBins::Options options;
+  DirectionBins::Options options;
   options.tolerance = 1e-7;
-  const SphereBins bins([&](const Vec3& w) { return SphereBins::Value{pdf(w), {}}; }, options);
+  const DirectionBins bins([&](const Vec3& w) { return DirectionBins::Value{pdf(w), {}}; }, options);
   EXPECT_NEAR(bins.mass(), 1, 1e-3);
   SeededRandom random(3);
   constexpr std::size_t kSamples = 500000;
@@ -26,7 +27,7 @@ double direction_p_value(const std::function<Vec3(Vec2)>& warp,
     EXPECT_NEAR(length(w), 1, 1e-6);
     ++counts[bins.find(w)];
   }
-  return chi_square_test(bins, counts, kSamples, 200).p_value;
+  return chi_square_test(bins.masses(), counts, kSamples, 200).p_value;
 }
 
 // Eight statistical tests in this file at 1 % together.
@@ -127,7 +128,7 @@ TEST(Warp, EdgesOfTheSquareStayInside) {
 }
 
 TEST(Warp, NeighboursStayNeighbours) {
-  // Low distortion is what keeps stratification: a step in the square is a step of bounded length.
+  // Low distortion keeps stratification: a step in the square is a step of bounded length.
   constexpr float kStep = 1e-3f;
   for (float x = 0.01f; x < 0.98f; x += 0.01f)
     for (float y = 0.01f; y < 0.98f; y += 0.01f)

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "aureole/plugin/registry.h"
+#include "aureole/shape/model.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 
@@ -55,7 +56,7 @@ TEST(Documentation, EveryParameterIsReadByAnExample) {
         EXPECT_EQ(written.type(), p.name);
         Properties properties(p.name, "", {}, context, &p);
         for (const auto& e : written.entries()) properties.add(e.name, e.value, e.where);
-        p.create(properties);
+        make_element(p, properties);
         properties.report_unused(diagnostics);
         read.insert(properties.queried().begin(), properties.queried().end());
       } catch (const std::exception& e) {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What the tests of the Python package share."""
+"""Shared by the tests of the Python package."""
 from pathlib import Path
 from typing import Any, Dict
 

@@ -44,7 +44,7 @@ FOLDER = pathlib.Path(tempfile.gettempdir()) / f"aureole-fuzz-{os.getuid()}"
 
 
 class Mine(Exception):
-    """What objects of the fuzzer raise: may come out of any call."""
+    """Raised by objects of the fuzzer; any call may propagate it."""
 
 
 # ---------------------------------------------------------------- valid objects, new ones for each case
@@ -555,7 +555,7 @@ _PYTHONS = ("positional argument", "unexpected keyword", "required argument", "k
 
 
 def verdict(name, parameters, named, error):
-    """What is wrong with an exception; an empty string for nothing."""
+    """The fault of an exception; an empty string if it is a proper one."""
     if isinstance(error, (Mine, aureole.Error, MemoryError, ImportError)):
         text = str(error)
         return "message" if isinstance(error, aureole.Error) and (not text.strip() or "std::" in text or "vector::" in text) else ""

@@ -210,7 +210,7 @@ def test_exceptions_of_a_class_arrive():
 
 
 def test_noise_ends():
-    """What has no smoothness at all would be divided for ever."""
+    """Adaptive subdivision of a density without any smoothness ends."""
     class Noise(Lambert):
         def pdf(self, wi, wo, wavelength):
             return np.where((wi[:, 2] > 0) & (wo[:, 2] > 0), np.modf(np.abs(np.sin(wo[:, 0] * 1e5) * 1e4))[0], 0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The page docs/python.md: its examples run, in order, and what it names exists."""
+"""The pages docs/python.md and docs/optics.md: their examples run, in order, and what the first names exists."""
 import os
 import re
 from pathlib import Path
@@ -10,12 +10,13 @@ import aureole
 
 PAGE = Path(__file__).resolve().parents[2] / "docs/python.md"
 TEXT = PAGE.read_text(encoding="utf-8")
+OPTICS = PAGE.with_name("optics.md")
 
 
-def blocks():
+def blocks(page=TEXT):
     """(line, text) of each block of Python, its lines where they are in the page so that errors point there."""
-    for found in re.finditer(r"^```python\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE):
-        yield TEXT[: found.start(1)].count("\n") + 1, found[1]
+    for found in re.finditer(r"^```python\n(.*?)^```", page, flags=re.DOTALL | re.MULTILINE):
+        yield page[: found.start(1)].count("\n") + 1, found[1]
 
 
 def test_there_are_examples():
@@ -31,10 +32,21 @@ def test_examples_run(tmp_path, monkeypatch):
     names = {"__name__": "docs"}
     for line, text in blocks():
         exec(compile("\n" * (line - 1) + text, str(PAGE), "exec"), names)  # noqa: S102
-    # What the examples promise.
+    # Results that the page states.
     assert (tmp_path / "ball.exr").stat().st_size > 1000 and (tmp_path / "ball.png").stat().st_size > 1000
     assert names["value"].shape == (91, 3)
     assert names["report"].passed
+
+
+def test_optics_examples_have_their_values():
+    names = {"__name__": "docs"}
+    checked = 0
+    for line, text in blocks(OPTICS.read_text(encoding="utf-8")):
+        exec(compile("\n" * (line - 1) + text, str(OPTICS), "exec"), names)  # noqa: S102
+        for expression, value in re.findall(r"^(\S.*?\S) +# ([\d.]+)$", text, flags=re.MULTILINE):
+            assert f"{float(eval(expression, names)):.{len(value.split('.')[1])}f}" == value, expression  # noqa: S307
+            checked += 1
+    assert checked >= 3
 
 
 @pytest.mark.parametrize("name", sorted(set(re.findall(r"`aureole\.([A-Za-z_][\w.]*)", TEXT))))

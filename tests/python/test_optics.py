@@ -643,7 +643,7 @@ def test_threads():
 
 
 def test_private_functions_check_sizes():
-    """What the package's own code would have to do wrong."""
+    """Private functions reject arguments that the package itself never passes."""
     with pytest.raises(aureole.Error):
         aureole._aureole.mie(np.ones(3), np.ones(2, complex), np.empty((4, 3)))
     with pytest.raises(TypeError):  # a copy would be filled

@@ -28,7 +28,7 @@ SCENE = """<scene version="3.0.0">
     <emitter type="area"> <float name="radiance" value="1000"/> </emitter> </shape>
 </scene>
 """
-# What PEP 600 and auditwheel's policy let a wheel of this tag ask of the machine, and no graphics.
+# System libraries that PEP 600 and auditwheel's policy allow a wheel of this tag to need, without those for graphics.
 SYSTEM_LIBRARIES = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libstdc++.so.6", "libz.so.1", "ld-linux-x86-64.so.2"}
 
 

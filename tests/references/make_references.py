@@ -87,7 +87,7 @@ def render(mi, path, overrides, spp, replicates, threads):
     """Names of channels, mean, variance of the mean, samples per pixel, largest studentised deviation per pixel."""
     import drjit
     drjit.set_thread_count(max(2, threads))  # with one, Mitsuba 3.9.1 waits for ever when it reads an EXR
-    # optimize=False: what the file says, without merging meshes (which fails where two differ in flip_normals).
+    # optimize=False: the shapes as in the file, without merging meshes (which fails where two differ in flip_normals).
     scene = mi.load_file(str(path), parallel=False, optimize=False, **dict(o.split("=", 1) for o in overrides))
     drjit.set_thread_count(threads)
     spp = spp or scene.sensors()[0].sampler().sample_count()

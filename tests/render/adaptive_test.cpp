@@ -9,8 +9,8 @@
 
 #include "aureole/render/sample_density.h"
 #include "aureole/render/statistics.h"
+#include "loading/load_text.h"
 #include "render/small_scene.h"
-#include "scene/load_text.h"
 
 namespace aureole::test {
 namespace {
@@ -19,13 +19,13 @@ const std::atomic<bool> kGo{false};
 constexpr AdaptiveTarget kErrors[] = {AdaptiveTarget::absolute, AdaptiveTarget::display,
                                       AdaptiveTarget::relative};
 
-std::shared_ptr<const Scene> changed_scene(const std::string& from, const std::string& to) {
+LoadedScene changed_scene(const std::string& from, const std::string& to) {
   std::string text = small_scene_text();
   text.replace(text.find(from), from.size(), to);
-  return std::make_shared<const Scene>(load_scene_from_string(text, "small.xml"));
+  return load_scene_from_string(text, "small.xml");
 }
 
-RenderState rendered(const RenderOptions& options, std::shared_ptr<const Scene> scene = small_scene()) {
+RenderState rendered(const RenderOptions& options, LoadedScene scene = small_scene()) {
   RenderJob job(std::move(scene), options);
   EXPECT_EQ(job.run(kGo), RenderJob::Outcome::finished);
   return job.state();
@@ -83,7 +83,7 @@ TEST(SampleDensity, APixelsOwnSamplesDoNotCount) {
       auto changed = pixels;
       changed[size_t(at)].variance = 1e3f;
       const auto after = sample_densities(40, 40, changed, error);
-      // All others share what is left.
+      // The others share the remaining samples.
       EXPECT_LE(after[size_t(at)], before[size_t(at)]);
       EXPECT_NE(after, before) << "its neighbours have more";
     }
@@ -127,7 +127,7 @@ TEST(Adaptive, ThePictureIsThatOfEqualSamples) {
 
 TEST(Adaptive, SquaredErrorsFall) {
   // A lamp's sharp edge and its bright surroundings hold the noise.
-  const auto scene = std::make_shared<const Scene>(load_scene_from_string(R"(<scene version="3.0.0">
+  const auto scene = load_scene_from_string(R"(<scene version="3.0.0">
 <integrator type="path"><integer name="max_depth" value="3"/></integrator>
 <sensor type="perspective"><float name="fov" value="45"/>
   <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
@@ -140,7 +140,7 @@ TEST(Adaptive, SquaredErrorsFall) {
 <shape type="rectangle"><transform name="to_world"><scale value=".3"/><rotate x="1" angle="90"/>
   <translate y="2.5" z="1"/></transform><emitter type="area"><rgb name="radiance" value="20"/></emitter></shape>
 </scene>)",
-                                                                          "lamp.xml"));
+                                            "lamp.xml");
   RenderOptions options;
   options.end = 32;
   options.replicates = 24;
@@ -239,7 +239,7 @@ TEST(Adaptive, ThePilotsSamplesAreTheFirst) {
   // Kept or, where a job has the densities alone, traced again.
   const std::string path = R"(<integrator type="path"><integer name="max_depth" value="7"/></integrator>)";
   const std::string gaussian = R"(<rfilter type="gaussian"/>)";
-  const std::shared_ptr<const Scene> scenes[] = {
+  const LoadedScene scenes[] = {
       small_scene(), changed_scene(gaussian, R"(<rfilter type="box"/>)"),
       changed_scene(gaussian, gaussian + R"(<integer name="crop_offset_x" value="5"/>)"),
       changed_scene(path, R"(<integrator type="aov"><string name="aovs" value="d:depth,n:sh_normal"/>)" +
@@ -325,7 +325,7 @@ TEST(Adaptive, StatesThatContradictThemselvesAreRefused) {
 TEST(Adaptive, FromTheScene) {
   const std::string count = R"(<integer name="sample_count" value="48"/>)";
   const auto scene = changed_scene(count, count + R"(<string name="adaptive" value="relative"/>)");
-  EXPECT_EQ(scene->hash(), small_scene()->hash()) << "as the number of samples, it belongs to the render";
+  EXPECT_EQ(scene.hash, small_scene().hash) << "as the number of samples, it belongs to the render";
   EXPECT_EQ(RenderJob(scene, {}).state().identity.adaptive, "relative");
   RenderOptions options;
   options.adaptive = AdaptiveTarget::none;
@@ -336,8 +336,7 @@ TEST(Adaptive, FromTheScene) {
 TEST(Adaptive, RefusesPathsFromEmitters) {
   LoadOptions load;
   load.integrator = "ptracer";
-  const auto scene =
-      std::make_shared<const Scene>(load_scene_from_string(small_scene_text(), "small.xml", load));
+  const auto scene = load_scene_from_string(small_scene_text(), "small.xml", load);
   RenderOptions options;
   options.adaptive = AdaptiveTarget::display;
   EXPECT_THROW(RenderJob(scene, options), Error);

@@ -11,8 +11,8 @@
 #include <numbers>
 #include <string>
 
-#include "aureole/optics/fresnel.h"
-#include "aureole/optics/scatterer_layer.h"
+#include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/optics/layer/scatterer_layer.h"
 #include "aureole/render/job.h"
 
 namespace aureole {
@@ -91,9 +91,7 @@ double predicted(double px, double py, double tilt, const optics::ScattererLayer
 void check(const std::string& sampling, double degrees_of_tilt = 0) {
   const double tilt = degrees_of_tilt * kPi / 180;
   RenderOptions options;
-  RenderJob job(
-      std::make_shared<const Scene>(load_scene_from_string(scene(sampling, degrees_of_tilt), "corona.xml")),
-      options);
+  RenderJob job(load_scene_from_string(scene(sampling, degrees_of_tilt), "corona.xml"), options);
   const std::atomic<bool> stop{false};
   ASSERT_EQ(job.run(stop), RenderJob::Outcome::finished);
   const Image image = job.state().picture();

@@ -74,7 +74,7 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   LoadOptions load;
   load.defines = GetParam().defines;
   load.sampler = "sobol";
-  const auto loaded = std::make_shared<const Scene>(load_scene(scene, load));
+  const auto loaded = load_scene(scene, load);
   const Image reference = read_image(kReferences / (GetParam().name + ".exr"));
 
   // Mitsuba 3.9.1 divides by an integral of ybar of 106.7503 nm, where the CIE's table has 106.857 nm:
@@ -85,7 +85,7 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   // above 1 % of the mean a pixel's mean is not yet normally distributed (rare bright samples), and more are
   // taken. A handful of values has no statistics of its own: they are computed until their noise is below
   // what the tables explain.
-  const bool few = loaded->film().crop_width() * loaded->film().crop_height() < 16;
+  const bool few = loaded.scene->film().crop_width() * loaded.scene->film().crop_height() < 16;
   const double noise_limit = few ? 5e-4 : 0.01;
   const std::int64_t most_samples = few ? 16384 : 256;
   RenderOptions options;

@@ -32,10 +32,8 @@ inline std::string small_scene_text(int width = 40, int height = 28, const std::
 </scene>)";
 }
 
-inline std::shared_ptr<const Scene> small_scene(int width = 40, int height = 28,
-                                                const std::string& extra_film = "") {
-  return std::make_shared<const Scene>(
-      load_scene_from_string(small_scene_text(width, height, extra_film), "small.xml"));
+inline LoadedScene small_scene(int width = 40, int height = 28, const std::string& extra_film = "") {
+  return load_scene_from_string(small_scene_text(width, height, extra_film), "small.xml");
 }
 
 inline bool same_bits(const RenderState& a, const RenderState& b) {

@@ -31,7 +31,7 @@ double mean_radiance(const std::string& below, const std::string& offset) {
   <emitter type="constant"><spectrum name="radiance" value="1"/></emitter>
 </scene>)";
   RenderOptions options;
-  RenderJob job(std::make_shared<const Scene>(load_scene_from_string(scene, "stacked.xml")), options);
+  RenderJob job(load_scene_from_string(scene, "stacked.xml"), options);
   const std::atomic<bool> stop{false};
   EXPECT_EQ(job.run(stop), RenderJob::Outcome::finished);
   const Image image = job.state().picture();

@@ -6,8 +6,8 @@
 #include <fstream>
 #include <random>
 
+#include "loading/load_text.h"
 #include "render/small_scene.h"
-#include "scene/load_text.h"
 
 namespace aureole::test {
 namespace {

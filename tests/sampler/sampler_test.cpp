@@ -11,7 +11,7 @@
 #include <set>
 
 #include "aureole/core/random.h"
-#include "aureole/instrument/statistics.h"
+#include "aureole/instrument/check/significance.h"
 #include "tests/harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -99,7 +99,7 @@ TEST(SobolSampler, FirstTwoDimensionsAreAZeroTwoSequence) {
         EXPECT_EQ(net_quality(points(*sobol, key, 0, 1, k << m, 1u << m)), 0) << "2^" << m << ", block " << k;
 }
 
-// Net qualities are what Owen scrambling leaves unchanged, so they tell the directions behind it. The
+// Owen scrambling leaves the qualities of nets unchanged, so they identify the direction numbers. The
 // references are those of scipy's unscrambled points of Joe & Kuo (make_sobol_qualities.py).
 struct Quality {
   int d0, d1, m4, m6, m8, m10;

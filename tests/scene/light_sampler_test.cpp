@@ -8,7 +8,8 @@
 #include <cmath>
 #include <map>
 
-#include "aureole/instrument/statistics.h"
+#include "aureole/instrument/check/significance.h"
+#include "aureole/loading/load.h"
 #include "aureole/math/warp.h"
 #include "aureole/scene/scene.h"
 
@@ -49,18 +50,19 @@ std::string random_lights(SeededRandom& random, int count, float half) {
   return text;
 }
 
-std::unique_ptr<Scene> scene_with(const std::string& lights) {
-  return std::make_unique<Scene>(
-      load_scene_from_string("<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor "
-                             "type=\"perspective\"><film type=\"hdrfilm\"/></sensor>" +
-                                 lights + "</scene>",
-                             "lights.xml"));
+std::shared_ptr<const Scene> scene_with(const std::string& lights) {
+  return load_scene_from_string(
+             "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor "
+             "type=\"perspective\"><film type=\"hdrfilm\"/></sensor>" +
+                 lights + "</scene>",
+             "lights.xml")
+      .scene;
 }
 
 double total_probability(const Scene& s, const Vec3& p, const Vec3& n) {
   double sum = 0;
-  for (const Emitter* e : s.emitters())
-    for (std::size_t part = 0; part < e->part_count(); ++part)
+  for (const Light& e : s.emitters())
+    for (std::size_t part = 0; part < e.part_count(); ++part)
       sum += double(s.lights().probability(p, n, e, part));
   return sum;
 }
@@ -74,8 +76,8 @@ TEST(LightSampler, ProbabilitiesAddUp) {
         const Vec3 p = in_box(random, k % 2 ? 3.f : 20.f);
         const Vec3 n = k % 3 ? square_to_uniform_sphere(random.next2()) : Vec3{};
         const double total = total_probability(*scene, p, n);
-        // What `choose` leaves open is where it chooses nothing: a branch whose both sides cannot reach the
-        // point.
+        // The probabilities sum to less than 1 where `choose` returns nothing: in a node neither child of
+        // which can reach the point.
         int nothing = 0;
         constexpr int n_choices = 2000;
         for (int i = 0; i < n_choices; ++i)
@@ -93,19 +95,19 @@ TEST(LightSampler, ChoicesHaveTheirProbability) {
   for (int k = 0; k < 40; ++k) {
     const Vec3 p = in_box(random, 3);
     const Vec3 n = k % 3 ? square_to_uniform_sphere(random.next2()) : Vec3{};
-    std::map<std::pair<const Emitter*, std::size_t>, int> count;
+    std::map<std::pair<const Light*, std::size_t>, int> count;
     constexpr int samples = 20000;
     for (int i = 0; i < samples; ++i) {
       const auto c = scene->lights().choose(p, n, (float(i) + 0.5f) / samples);
       if (!c) continue;
-      const float again = scene->lights().probability(p, n, c->emitter, c->part);
+      const float again = scene->lights().probability(p, n, *c->light, c->part);
       ASSERT_NEAR(c->probability, again, 1e-5f * again);
-      ++count[{c->emitter, c->part}];
+      ++count[{c->light, c->part}];
     }
-    for (const Emitter* e : scene->emitters())
-      for (std::size_t part = 0; part < e->part_count(); ++part)
+    for (const Light& e : scene->emitters())
+      for (std::size_t part = 0; part < e.part_count(); ++part)
         // Equidistant numbers: each choice is an interval, its count is exact to one.
-        EXPECT_NEAR(count[std::pair(e, part)], samples * double(scene->lights().probability(p, n, e, part)),
+        EXPECT_NEAR(count[std::pair(&e, part)], samples * double(scene->lights().probability(p, n, e, part)),
                     2);
   }
 }
@@ -115,16 +117,16 @@ TEST(LightSampler, NeverZeroWhereALightContributes) {
   int contributions = 0;
   for (int scenes = 0; scenes < 6; ++scenes) {
     const auto scene = scene_with(random_lights(random, 3 + 10 * scenes, 2));
-    const Wavelengths w = Wavelengths::at(scene->loaded().context->grid, 550.f);
+    const Wavelengths w = Wavelengths::at(scene->wavelengths().grid(), 550.f);
     for (int k = 0; k < 1500; ++k) {
       Vec3 p = in_box(random, 2.5f);
       const Vec3 n = square_to_uniform_sphere(random.next2());
       // Also points that lie on lights.
       if (k % 5 == 0)
         if (const auto hit = scene->intersect({p, n, kInfinity})) p = hit->p;
-      for (const Emitter* e : scene->emitters())
-        for (std::size_t part = 0; part < e->part_count(); ++part) {
-          const auto s = e->sample_direct(p, part, random.next2(), w);
+      for (const Light& e : scene->emitters())
+        for (std::size_t part = 0; part < e.part_count(); ++part) {
+          const auto s = e.sample_direct(p, part, random.next2(), w);
           if (!s || is_black(s->radiance)) continue;
           ++contributions;
           EXPECT_GT(scene->lights().probability(p, {}, e, part), 0) << "scene " << scenes;
@@ -142,15 +144,15 @@ TEST(LightSampler, ManyLightsAreCheapAndFollowTheLight) {
   const auto scene = scene_with(random_lights(random, 1000, 10));
   EXPECT_GT(scene->lights().leaf_count(), 1000u);
   // Second moments of the unoccluded light at a point: of this choice and of one among all alike.
-  const Wavelengths w = Wavelengths::at(scene->loaded().context->grid, 550.f);
+  const Wavelengths w = Wavelengths::at(scene->wavelengths().grid(), 550.f);
   double log_gain = 0;
   constexpr int points = 100;
   for (int k = 0; k < points; ++k) {
     const Vec3 p = in_box(random, 10), n = square_to_uniform_sphere(random.next2());
     double tree = 0, alike = 0;
-    for (const Emitter* e : scene->emitters())
-      for (std::size_t part = 0; part < e->part_count(); ++part) {
-        const auto s = e->sample_direct(p, part, {0.5f, 0.5f}, w);
+    for (const Light& e : scene->emitters())
+      for (std::size_t part = 0; part < e.part_count(); ++part) {
+        const auto s = e.sample_direct(p, part, {0.5f, 0.5f}, w);
         if (!s) continue;
         const double x = double(s->radiance[0]) * std::max(0.f, dot(s->wo, n)) / double(s->pdf);
         if (x == 0) continue;
@@ -175,22 +177,23 @@ TEST(LightSampler, ChoiceByPowerHasItsProbability) {
       scene_with(random_lights(random, 12, 2) +
                  "<emitter type=\"constant\"><float name=\"radiance\" value=\"0.01\"/></emitter>"
                  "<emitter type=\"point\"><float name=\"intensity\" value=\"0\"/></emitter>");
-  std::map<std::pair<const Emitter*, std::size_t>, std::pair<int, float>> found;
+  std::map<std::pair<const Light*, std::size_t>, std::pair<int, float>> found;
   constexpr int samples = 100000;
   for (int i = 0; i < samples; ++i) {
     const auto c = scene->lights().choose_by_power({(float(i) + 0.5f) / samples, 0.5f});
     ASSERT_TRUE(c);
-    auto& [count, probability] = found[{c->emitter, c->part}];
+    auto& [count, probability] = found[{c->light, c->part}];
     ++count, probability = c->probability;
   }
   double total = 0;
   for (const auto& [part, f] : found) {
     EXPECT_NEAR(double(f.first) / samples, f.second, 2.0 / samples);
+    EXPECT_EQ(f.second, scene->lights().probability_by_power(*part.first, part.second));
     total += f.second;
   }
   EXPECT_NEAR(total, 1, 1e-5);
   std::size_t parts = 0;
-  for (const Emitter* e : scene->emitters()) parts += e->part_count();
+  for (const Light& e : scene->emitters()) parts += e.part_count();
   EXPECT_EQ(found.size(), parts - 1) << "all but the one without power";
   EXPECT_TRUE(scene->lights().choose_by_power({0x1.fffffep-1f, 0x1.fffffep-1f}));
   EXPECT_FALSE(scene_with("")->lights().choose_by_power({0.5f, 0.5f}));
@@ -202,7 +205,7 @@ TEST(LightSampler, OneLightIsCertain) {
   const auto c = scene->lights().choose({0, 0, 0}, {0, 0, 1}, 0.7f);
   ASSERT_TRUE(c);
   EXPECT_EQ(c->probability, 1);
-  EXPECT_EQ(c->emitter, scene->emitters()[0]);
+  EXPECT_EQ(c->light, &scene->emitters()[0]);
 }
 
 TEST(LightSampler, EmptyAndDark) {
@@ -222,15 +225,15 @@ TEST(LightSampler, InfiniteLightsShareWithTheTree) {
   ASSERT_EQ(infinite.size(), 2u);
   for (int k = 0; k < 100; ++k) {
     const Vec3 p = in_box(random, 5);
-    const float a = scene->lights().probability(p, {}, infinite[0], 0),
-                b = scene->lights().probability(p, {}, infinite[1], 0);
+    const float a = scene->lights().probability(p, {}, *infinite[0], 0),
+                b = scene->lights().probability(p, {}, *infinite[1], 0);
     EXPECT_EQ(a, b);
     EXPECT_GT(a, 0.1f);
     EXPECT_LT(a + b, 0.9f);
   }
   const auto only = scene_with("<emitter type=\"constant\"/>");
   EXPECT_EQ(only->lights().probability({}, {}, only->emitters()[0], 0), 1);
-  EXPECT_EQ(only->lights().choose({}, {}, 0x1.fffffep-1f)->emitter, only->emitters()[0]);
+  EXPECT_EQ(only->lights().choose({}, {}, 0x1.fffffep-1f)->light, &only->emitters()[0]);
 }
 
 std::string look(const Vec3& from, const Vec3& to) {
@@ -257,18 +260,18 @@ TEST(LightSampler, SpotsAndProjectorsAreNeverLost) {
                           std::to_string(angle * random.next()) + "\"/></emitter>";
     }
     const auto scene = scene_with(text);
-    const Wavelengths w = Wavelengths::at(scene->loaded().context->grid, 550.f);
-    for (const Emitter* e : scene->emitters())
+    const Wavelengths w = Wavelengths::at(scene->wavelengths().grid(), 550.f);
+    for (const Light& e : scene->emitters())
       for (int k = 0; k < 4000; ++k) {
         // Half the points lie along rays that the light sends, also those of narrow cones.
         Vec3 p = in_box(random, 2.5f);
         if (k % 2) {
           const Vec2 a = random.next2(), b = random.next2();
-          const auto r = e->sample_ray(0, a, b, w);
+          const auto r = e.sample_ray(0, a, b, w);
           if (!r) continue;
           p = r->p + r->d * (5 * random.next());
         }
-        const auto s = e->sample_direct(p, 0, {}, w);
+        const auto s = e.sample_direct(p, 0, {}, w);
         if (!s || is_black(s->radiance)) {
           ++dark;
           continue;
@@ -292,7 +295,7 @@ TEST(LightSampler, ASpotCountsByItsIntensity) {
       "<emitter type=\"point\"><point name=\"position\" x=\"-1\" y=\"0\" z=\"3\"/></emitter>"
       "<emitter type=\"spot\">" +
       look({1, 0, 3}, {0, 0, 0}) + "<float name=\"cutoff_angle\" value=\"5\"/></emitter>");
-  const Emitter *point = scene->emitters()[0], *spot = scene->emitters()[1];
+  const Light &point = scene->emitters()[0], &spot = scene->emitters()[1];
   const float a = scene->lights().probability({0, 0, 0}, {}, point, 0),
               b = scene->lights().probability({0, 0, 0}, {}, spot, 0);
   EXPECT_NEAR(a, 0.5f, 0.01f);
@@ -314,32 +317,32 @@ TEST(LightSampler, SamplingWeights) {
                                 weighted("directional", "0.5") + weighted("point", "1") +
                                 weighted("point", "3") + weighted("point", "0") + weighted("constant", "0"));
   const float expected[] = {0.6f, 0.1f, 0.1f, 0.05f, 0.15f, 0, 0};
-  std::map<const Emitter*, int> count;
+  std::map<const Light*, int> count;
   for (int i = 0; i < 10000; ++i) {
     const auto c = scene->lights().choose({1, 2, 3}, {0, 0, 1}, (float(i) + 0.5f) / 10000);
     ASSERT_TRUE(c);
-    ++count[c->emitter];
-    ASSERT_FLOAT_EQ(c->probability, scene->lights().probability({1, 2, 3}, {0, 0, 1}, c->emitter, 0));
+    ++count[c->light];
+    ASSERT_FLOAT_EQ(c->probability, scene->lights().probability({1, 2, 3}, {0, 0, 1}, *c->light, 0));
   }
   for (std::size_t e = 0; e < 7; ++e) {
     EXPECT_NEAR(probability(*scene, e), expected[e], 1e-6f) << e;
-    EXPECT_NEAR(count[scene->emitters()[e]], 10000 * expected[e], 2) << e;
+    EXPECT_NEAR(count[&scene->emitters()[e]], 10000 * expected[e], 2) << e;
   }
-  // What escaping rays see does not depend on the weights, and beams from infinity are not seen.
+  // Escaping rays see emitters whatever their weights, but not beams from infinity.
   EXPECT_EQ(scene->infinite_emitters().size(), 2u);
 
   // Without others, those at infinity share everything.
   const auto suns = scene_with(weighted("directional", "1") + weighted("directional", "3"));
   EXPECT_FLOAT_EQ(probability(*suns, 0), 0.25f);
   EXPECT_FLOAT_EQ(probability(*suns, 1), 0.75f);
-  EXPECT_EQ(suns->lights().choose({}, {}, 0x1.fffffep-1f)->emitter, suns->emitters()[1]);
-  // Light that nothing can be connected to takes no share either.
+  EXPECT_EQ(suns->lights().choose({}, {}, 0x1.fffffep-1f)->light, &suns->emitters()[1]);
+  // Lights without connections take no share either.
   const auto beam = scene_with(weighted("constant", "1") +
                                "<shape type=\"rectangle\"><emitter type=\"directionalarea\"/></shape>");
-  const Emitter* constant = beam->emitters()[1];
+  const Light& constant = beam->emitters()[1];
   EXPECT_EQ(beam->lights().probability({1, 2, 3}, {}, constant, 0), 1);
   for (const float u : {0.f, 0.5f, 0x1.fffffep-1f})
-    EXPECT_EQ(beam->lights().choose({1, 2, 3}, {}, u)->emitter, constant);
+    EXPECT_EQ(beam->lights().choose({1, 2, 3}, {}, u)->light, &constant);
   const auto nothing = scene_with("<shape type=\"rectangle\"><emitter type=\"directionalarea\"/></shape>");
   EXPECT_FALSE(nothing->lights().choose({1, 2, 3}, {}, 0.5f));
 

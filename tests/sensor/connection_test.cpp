@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "aureole/instrument/statistics.h"
-#include "aureole/sensor/sensor.h"
-#include "aureole/shape/shape.h"
+#include "aureole/instrument/check/significance.h"
+#include "aureole/sensor/placed_sensor.h"
+#include "aureole/shape/model.h"
 #include "tests/harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -77,17 +77,15 @@ std::vector<Case> cases() {
 /// The sensor of a snippet, which may be a shape with a sensor on it.
 struct Made {
   std::shared_ptr<Object> root;
-  Sensor* sensor;
+  PlacedSensor placed;
 };
 Made make(const std::string& xml) {
-  Made m{build_object(xml), nullptr};
-  if (auto* shape = dynamic_cast<Shape*>(m.root.get())) {
-    shape->sensor()->attach(*shape);
-    m.sensor = shape->sensor().get();
-  } else {
-    m.sensor = dynamic_cast<Sensor*>(m.root.get());
-  }
-  m.sensor->set_scene_bounds({0.1f, 0.2f, 0.3f}, 1.3f);
+  Made m{build_object(xml), {}};
+  const Vec3 center{0.1f, 0.2f, 0.3f};
+  if (const auto* model = dynamic_cast<const Model*>(m.root.get()))
+    m.placed = PlacedSensor::of(*model->sensor(), model->sensor_area(), center, 1.3f);
+  else
+    m.placed = PlacedSensor::of(dynamic_cast<const Sensor&>(*m.root), nullptr, center, 1.3f);
   return m;
 }
 
@@ -104,7 +102,7 @@ class Connection : public ::testing::TestWithParam<Case> {};
 TEST_P(Connection, IsTheAdjointOfRays) {
   const auto& [name, xml, center, u, v] = GetParam();
   const Made made = make(xml);
-  const Sensor& sensor = *made.sensor;
+  const PlacedSensor& sensor = made.placed;
   const Film& film = sensor.film();
   const FilmPart part = FilmPart::of(film, 0, 1);
   const Vec3 across = cross(u, v), n = normalize(across);
@@ -151,17 +149,17 @@ TEST_P(Connection, LeadsBackToThePlaceOnTheFilm) {
   const auto& [name, xml, center, u, v] = GetParam();
   if (name.starts_with("irradiance") || name == "batch") return;  // the place or the sensor is a choice
   const Made made = make(xml);
-  const FilmPart part = FilmPart::of(made.sensor->film(), 0, 1);
+  const FilmPart part = FilmPart::of(made.placed.film(), 0, 1);
   SeededRandom random(4);
   int found = 0;
   for (int i = 0; i < 2000; ++i) {
     const Vec2 place = random.next2(), lens = random.next2();
     const Vec2 at{part.lower.x + (part.upper.x - part.lower.x) * place.x,
                   part.lower.y + (part.upper.y - part.lower.y) * place.y};
-    const Ray ray = made.sensor->sample_ray(at, lens).ray;
+    const Ray ray = made.placed.sample_ray(at, lens).ray;
     const float far = std::min(ray.t_max, 4.f);
     const Vec3 inside = ray.o + ray.d * (far * (0.01f + 0.98f * random.next()));
-    const auto c = made.sensor->sample_direct(inside, lens);
+    const auto c = made.placed.sample_direct(inside, lens);
     if (!c) continue;  // within rounding of the film's edge
     ++found;
     EXPECT_NEAR(dot(c->wo, ray.d), -1, 1e-5);
@@ -182,15 +180,15 @@ TEST(ConnectionToNothing, IsNotMade) {
       "<sensor type='distant'><point name='target' x='0' y='0' z='0'/></sensor>",
       "<sensor type='distant'><shape name='target' type='sphere'/></sensor>"};
   for (const char* xml : unconnected)
-    EXPECT_FALSE(make(xml).sensor->sample_direct({0, 0, 0.5f}, {0.5f, 0.5f})) << xml;
+    EXPECT_FALSE(make(xml).placed.sample_direct({0, 0, 0.5f}, {0.5f, 0.5f})) << xml;
   // Behind the camera, beside the picture, before and behind the clip planes; at the back of a meter.
   const Made camera = make("<sensor type='perspective'><float name='fov' value='60'/></sensor>");
   for (const Vec3& p : {Vec3{0, 0, -1}, Vec3{5, 0, 1}, Vec3{0, 0, 0.005f}, Vec3{0, 0, 2e4f}})
-    EXPECT_FALSE(camera.sensor->sample_direct(p, {})) << p.z;
-  EXPECT_TRUE(camera.sensor->sample_direct({0, 0, 1}, {}));
+    EXPECT_FALSE(camera.placed.sample_direct(p, {})) << p.z;
+  EXPECT_TRUE(camera.placed.sample_direct({0, 0, 1}, {}));
   const Made meter = make("<shape type='rectangle'><sensor type='irradiancemeter'/></shape>");
-  EXPECT_FALSE(meter.sensor->sample_direct({0, 0, -1}, {0.5f, 0.5f}));
-  EXPECT_TRUE(meter.sensor->sample_direct({0, 0, 1}, {0.5f, 0.5f}));
+  EXPECT_FALSE(meter.placed.sample_direct({0, 0, -1}, {0.5f, 0.5f}));
+  EXPECT_TRUE(meter.placed.sample_direct({0, 0, 1}, {0.5f, 0.5f}));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "aureole/render/job.h"
-#include "tests/scene/load_text.h"
+#include "tests/loading/load_text.h"
 
 namespace aureole::test {
 namespace {
@@ -16,9 +16,9 @@ const std::string kOne =
 const std::string kConstant = "<emitter type='constant'><spectrum name='radiance' value='2'/></emitter>";
 const std::string kBlack = "<bsdf type='diffuse'><float name='reflectance' value='0'/></bsdf>";
 
-std::shared_ptr<const Scene> scene(const std::string& content, const LoadOptions& options = {}) {
-  return std::make_shared<const Scene>(load_scene_from_string(
-      "<scene version='3.0.0'><integrator type='path'/>" + content + "</scene>", "meters.xml", options));
+LoadedScene scene(const std::string& content, const LoadOptions& options = {}) {
+  return load_scene_from_string("<scene version='3.0.0'><integrator type='path'/>" + content + "</scene>",
+                                "meters.xml", options);
 }
 std::vector<double> values(const std::string& content, std::int64_t samples = 4096) {
   RenderOptions options;
@@ -96,13 +96,13 @@ TEST(IrradianceMeter, ReplacesAWideFilter) {
       "<shape type='rectangle'><sensor type='irradiancemeter'><film type='hdrfilm'><integer name='width' "
       "value='1'/><integer name='height' value='1'/><rfilter type='gaussian'/></film></sensor></shape>";
   const auto s = scene(kConstant + wide);
-  EXPECT_EQ(s->film().filter().properties().type(), "box");
-  ASSERT_EQ(s->loaded().notes.size(), 1u);
-  EXPECT_NE(s->loaded().notes[0].find("a box is used"), std::string::npos);
-  // Nobody asked for the gaussian of a film that says nothing, or of no film.
-  EXPECT_TRUE(scene(kConstant + meter("cube"))->loaded().notes.empty());
+  EXPECT_EQ(s.scene->film().filter().properties().type(), "box");
+  ASSERT_EQ(s.notes.size(), 1u);
+  EXPECT_NE(s.notes[0].find("a box is used"), std::string::npos);
+  // No note about the ignored filter if it is only the default of a film, or of a missing film.
+  EXPECT_TRUE(scene(kConstant + meter("cube")).notes.empty());
   const auto bare = scene(kConstant + "<shape type='cube'><sensor type='irradiancemeter'/></shape>");
-  EXPECT_EQ(bare->film().width() * bare->film().height(), 1);
+  EXPECT_EQ(bare.scene->film().width() * bare.scene->film().height(), 1);
 }
 
 TEST(RadianceMeter, FollowsOneRay) {
@@ -192,12 +192,12 @@ TEST(Batch, SensorsFillTheirParts) {
   std::string all;
   for (const auto& c : cameras) all += c + "</sensor>";
   const auto together = scene(kConstant + batch(60, 30, all));
-  ASSERT_TRUE(together->sensor().uses_lens());
+  ASSERT_TRUE(together.scene->sensor().uses_lens());
   for (int i = 0; i < 3; ++i) {
     const auto alone = scene(kConstant + cameras[i] + film20 + "</sensor>");
     for (const Vec2 at : {Vec2{0.5f, 0.25f}, Vec2{10, 15}, Vec2{19.75f, 29.5f}}) {
-      const Ray a = alone->sensor().sample_ray(at, {0.3f, 0.8f}).ray;
-      const Ray b = together->sensor().sample_ray({at.x + 20 * float(i), at.y}, {0.3f, 0.8f}).ray;
+      const Ray a = alone.scene->sensor().sample_ray(at, {0.3f, 0.8f}).ray;
+      const Ray b = together.scene->sensor().sample_ray({at.x + 20 * float(i), at.y}, {0.3f, 0.8f}).ray;
       EXPECT_LT(length(a.d - b.d), 1e-6) << i;
       EXPECT_LT(length(a.o - b.o), 1e-6) << i;
     }
@@ -227,9 +227,9 @@ TEST(Batch, HoldsMetersOfShapes) {
 TEST(Batch, NotesFilmsThatItDoesNotUse) {
   const std::string camera = "<sensor type='perspective'><film type='hdrfilm'/></sensor>";
   const auto s = scene(kConstant + batch(4, 2, camera + "<sensor type='orthographic'/>"));
-  ASSERT_EQ(s->loaded().notes.size(), 1u);
-  EXPECT_NE(s->loaded().notes[0].find("no effect"), std::string::npos);
-  EXPECT_EQ(s->film().width(), 4);
+  ASSERT_EQ(s.notes.size(), 1u);
+  EXPECT_NE(s.notes[0].find("no effect"), std::string::npos);
+  EXPECT_EQ(s.scene->film().width(), 4);
 }
 
 TEST(Batch, Errors) {
@@ -257,18 +257,18 @@ TEST(SceneSensor, MaySitOnAShape) {
   options.sampler = "sobol";
   options.sample_count = 48;
   const auto s = scene(kConstant + shape + "<sensor type='perspective'/>", options);
-  EXPECT_EQ(s->sensor().properties().type(), "irradiancemeter");
-  EXPECT_EQ(s->sensor().sampler().properties().type(), "sobol");
-  EXPECT_EQ(s->sensor().sampler().sample_count(), 48);
-  EXPECT_EQ(s->wavelengths().grid().min_nm, 400);
-  EXPECT_EQ(s->wavelengths().grid().max_nm, 600);
-  ASSERT_EQ(s->loaded().notes.size(), 1u);
-  EXPECT_NE(s->loaded().notes[0].find("only the first sensor"), std::string::npos);
+  EXPECT_EQ(s.scene->sensor().properties().type(), "irradiancemeter");
+  EXPECT_EQ(s.scene->sensor().sampler().properties().type(), "sobol");
+  EXPECT_EQ(s.scene->sensor().sampler().sample_count(), 48);
+  EXPECT_EQ(s.scene->wavelengths().grid().min_nm, 400);
+  EXPECT_EQ(s.scene->wavelengths().grid().max_nm, 600);
+  ASSERT_EQ(s.notes.size(), 1u);
+  EXPECT_NE(s.notes[0].find("only the first sensor"), std::string::npos);
 
   const auto second = scene(kConstant + "<sensor type='perspective'/>" + shape);
-  EXPECT_EQ(second->sensor().properties().type(), "perspective");
-  EXPECT_EQ(second->wavelengths().grid().max_nm, 830);
-  EXPECT_EQ(second->loaded().notes.size(), 1u);
+  EXPECT_EQ(second.scene->sensor().properties().type(), "perspective");
+  EXPECT_EQ(second.scene->wavelengths().grid().max_nm, 830);
+  EXPECT_EQ(second.notes.size(), 1u);
 }
 
 TEST(SceneSensor, Errors) {
@@ -284,7 +284,7 @@ TEST(SceneSensor, Errors) {
             "id='m'/></shape>")
           .find("two shapes"),
       std::string::npos);
-  // Of a shape that fails only its own error is shown.
+  // If a shape fails, its sensor is not reported as missing.
   EXPECT_EQ(
       error("<shape type='sphere'><float name='radius' value='-1'/><sensor type='irradiancemeter'/></shape>")
           .find("no <sensor>"),

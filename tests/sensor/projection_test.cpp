@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "aureole/instrument/statistics.h"
-#include "aureole/sensor/sensor.h"
+#include "aureole/instrument/check/significance.h"
+#include "aureole/sensor/placed_sensor.h"
 #include "tests/harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -15,8 +15,14 @@ std::string film(int width, int height, const std::string& rest = "") {
   return "<film type='hdrfilm'><integer name='width' value='" + std::to_string(width) +
          "'/><integer name='height' value='" + std::to_string(height) + "'/>" + rest + "</film>";
 }
-std::shared_ptr<Sensor> sensor(const std::string& type, const std::string& rest) {
-  return build<Sensor>("<sensor type='" + type + "'>" + rest + "</sensor>");
+/// A sensor in a scene of radius one around the origin.
+struct Placed : PlacedSensor {
+  std::shared_ptr<const Sensor> kept;
+};
+std::shared_ptr<const Placed> sensor(const std::string& type, const std::string& rest) {
+  const std::shared_ptr<const Sensor> made =
+      build<Sensor>("<sensor type='" + type + "'>" + rest + "</sensor>");
+  return std::make_shared<const Placed>(Placed{PlacedSensor::of(*made, nullptr, {}, 1), made});
 }
 std::string error(const std::string& type, const std::string& rest) {
   try {
@@ -31,7 +37,7 @@ std::string number(const char* name, double v) {
 }
 
 /// Angle in degrees between the rays of two places on the film.
-double angle(const Sensor& s, Vec2 a, Vec2 b) {
+double angle(const PlacedSensor& s, Vec2 a, Vec2 b) {
   const Vec3 d = s.sample_ray(a, {0.5f, 0.5f}).ray.d, e = s.sample_ray(b, {0.5f, 0.5f}).ray.d;
   return 2 * std::atan2(double(length(d - e)), double(length(d + e))) * 180 / M_PI;
 }
@@ -45,13 +51,13 @@ TEST(Projection, FieldsOfView) {
       return sensor(type,
                     lens + number("fov", 50) + "<string name='fov_axis' value='" + axis + "'/>" + film(w, h));
     };
-    const auto across = [](const Sensor& s, int w, int h) {
+    const auto across = [](const PlacedSensor& s, int w, int h) {
       return angle(s, {0, float(h) / 2}, {float(w), float(h) / 2});
     };
-    const auto along = [](const Sensor& s, int w, int h) {
+    const auto along = [](const PlacedSensor& s, int w, int h) {
       return angle(s, {float(w) / 2, 0}, {float(w) / 2, float(h)});
     };
-    const auto diagonal = [](const Sensor& s, int w, int h) {
+    const auto diagonal = [](const PlacedSensor& s, int w, int h) {
       return angle(s, {0, 0}, {float(w), float(h)});
     };
     EXPECT_NEAR(across(*with("x", 80, 20), 80, 20), 50, 1e-3);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/shape/double3.h"
+#include "aureole/shape/geometry/double3.h"
 #include "shape_test_support.h"
 
 namespace aureole {
@@ -106,12 +106,12 @@ TEST(Disk, HitsAreExactAndLeaveWithoutMeetingThemselves) {
 }
 
 TEST(Disk, AreaUnderAnyTransform) {
-  EXPECT_NEAR(ShapeBuilder("disk").build()->patch_area(0), kPi, 1e-6f);
-  EXPECT_NEAR(ShapeBuilder("disk").to_world(Transform::scale(2, 3, 7)).build()->patch_area(0), 6 * kPi,
-              1e-5f);
+  EXPECT_NEAR(ShapeBuilder("disk").build_sampler()->patch_area(0), kPi, 1e-6f);
+  EXPECT_NEAR(ShapeBuilder("disk").to_world(Transform::scale(2, 3, 7)).build_sampler()->patch_area(0),
+              6 * kPi, 1e-5f);
   Transform::Matrix m = Transform().matrix();
   m[0][1] = 0.8;  // a shear in the plane keeps the area
-  EXPECT_NEAR(ShapeBuilder("disk").to_world(Transform(m)).build()->patch_area(0), kPi, 1e-6f);
+  EXPECT_NEAR(ShapeBuilder("disk").to_world(Transform(m)).build_sampler()->patch_area(0), kPi, 1e-6f);
 }
 
 }  // namespace

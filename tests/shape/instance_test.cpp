@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Instances against the same shapes placed at load, groups within groups, and what scenes make of them.
+#include "aureole/loading/load.h"
 #include "aureole/scene/ray_tracer.h"
 #include "aureole/scene/scene.h"
-#include "aureole/shape/double3.h"
-#include "aureole/shape/mesh.h"
-#include "aureole/shape/shape_group.h"
+#include "aureole/shape/geometry/double3.h"
+#include "aureole/shape/geometry/shape_group.h"
+#include "aureole/shape/mesh/mesh.h"
 #include "shape_test_support.h"
 
 namespace aureole {
@@ -13,13 +14,22 @@ namespace {
 using test::Random;
 using test::ShapeBuilder;
 
-ShapeBuilder group_of(const std::vector<ShapePtr>& shapes) {
+using ModelPtr = std::shared_ptr<Model>;
+
+ModelPtr model_of(const ShapePtr& shape) { return std::make_shared<test::GivenModel>(shape); }
+ModelPtr group_of(const std::vector<ModelPtr>& models) {
   ShapeBuilder b("shapegroup");
-  for (const ShapePtr& s : shapes) b.set("", ObjectPtr(s));
-  return b;
+  for (const ModelPtr& m : models) b.set("", ObjectPtr(m));
+  return b.build_model();
 }
-ShapePtr instance_of(const ShapePtr& group, const Transform& t) {
-  return ShapeBuilder("instance").set("", ObjectPtr(group)).to_world(t).build();
+ModelPtr instance_of(const ModelPtr& group, const Transform& t) {
+  return ShapeBuilder("instance").set("", ObjectPtr(group)).to_world(t).build_model();
+}
+/// The point of a hit on one of the parts, with a tangent.
+SurfacePoint point_of(const std::vector<ModelPart>& parts, const RayTracer::Hit& hit, const Ray& ray) {
+  const ModelPart& part = parts[hit.shape];
+  if (!part.instance) return part.shape->surface_point(hit, ray, true);
+  return part.instance->surface_point(*part.instance->list().shapes[hit.geometry], hit, ray, true);
 }
 
 Transform random_transform(Random& random, bool mirrored) {
@@ -60,12 +70,12 @@ TEST(Instance, IsTheShapePlacedAtLoad) {
   for (const bool mirrored : {false, true})
     for (int n = 0; n < 20; ++n) {
       const Transform t = random_transform(random, mirrored);
-      const ShapePtr placed[1] = {bump(t)};
-      const ShapePtr instanced[1] = {instance_of(group_of({bump({})}).build(), t)};
+      const std::vector<ModelPart> placed = {test::part_of(bump(t))};
+      const std::vector<ModelPart> instanced = instance_of(group_of({model_of(bump({}))}), t)->parts();
       const RayTracer a(placed), b(instanced);
       for (int i = 0; i < 3; ++i) {
-        EXPECT_LE(instanced[0]->bounds().lower[i], placed[0]->bounds().lower[i] + 1e-5f);
-        EXPECT_GE(instanced[0]->bounds().upper[i], placed[0]->bounds().upper[i] - 1e-5f);
+        EXPECT_LE(instanced[0].bounds().lower[i], placed[0].bounds().lower[i] + 1e-5f);
+        EXPECT_GE(instanced[0].bounds().upper[i], placed[0].bounds().upper[i] - 1e-5f);
       }
       int hits = 0, differ = 0;
       for (int i = 0; i < 1000; ++i) {
@@ -76,7 +86,7 @@ TEST(Instance, IsTheShapePlacedAtLoad) {
         differ += bool(ha) != bool(hb);
         EXPECT_EQ(bool(hb), b.occluded(ray));
         if (!ha || !hb || std::abs(ha.t - hb.t) > 1e-3f) continue;
-        const SurfacePoint pa = placed[0]->surface_point(ha, ray), pb = instanced[0]->surface_point(hb, ray);
+        const SurfacePoint pa = point_of(placed, ha, ray), pb = point_of(instanced, hb, ray);
         const Vec2 b = pa.barycentric;
         const bool at_edge = std::min({b.x, b.y, 1 - b.x - b.y}) < 0.01f;  // either triangle may be met
         if (at_edge || std::abs(dot(pa.ng, ray.d)) < 0.02f) continue;
@@ -88,7 +98,7 @@ TEST(Instance, IsTheShapePlacedAtLoad) {
         EXPECT_GT(dot(pa.shading.s, pb.shading.s), 0.999f);
         EXPECT_NEAR(pa.uv.x, pb.uv.x, 2e-4f);
         EXPECT_NEAR(pa.uv.y, pb.uv.y, 2e-4f);
-        EXPECT_EQ(pb.instance, instanced[0].get());
+        EXPECT_EQ(pb.instance, instanced[0].instance.get());
         ASSERT_NE(pb.shape, nullptr);
         EXPECT_EQ(pb.shape->properties().type(), "bump");
         const SurfaceDerivatives da = pa.shape->derivatives(pa), db = pb.shape->derivatives(pb);
@@ -117,8 +127,8 @@ TEST(Instance, RaysLeaveWithoutMeetingTheInstanceAgain) {
     const ShapePtr shape = n % 4 == 0   ? ShapeBuilder("disk").to_world(in_group).build()
                            : n % 4 == 1 ? ShapeBuilder("sphere").to_world(in_group).build()
                                         : ShapeBuilder("rectangle").to_world(in_group).build();
-    const ShapePtr shapes[1] = {instance_of(group_of({shape}).build(), t)};
-    const RayTracer tracer(shapes);
+    const std::vector<ModelPart> parts = instance_of(group_of({model_of(shape)}), t)->parts();
+    const RayTracer tracer(parts);
     const Transform all = t * in_group;
     for (int i = 0; i < 200; ++i) {
       const Vec3 target = all.point({random.uniform(-0.6f, 0.6f), random.uniform(-0.6f, 0.6f), 0});
@@ -126,7 +136,7 @@ TEST(Instance, RaysLeaveWithoutMeetingTheInstanceAgain) {
       const Ray ray{o, normalize(target - o)};
       const auto hit = tracer.intersect(ray);
       if (!hit) continue;
-      const SurfacePoint p = shapes[0]->surface_point(hit, ray);
+      const SurfacePoint p = point_of(parts, hit, ray);
       ++hits;
       Vec3 d = random.direction();
       if (i % 2) d = normalize(d - p.ng * (dot(d, p.ng) * (1 - std::pow(10.f, random.uniform(-4, 0)))));
@@ -154,7 +164,8 @@ TEST(Instance, EveryKindOfShape) {
   std::filesystem::remove(file);
   for (const ShapePtr& shape : kinds) {
     const Transform t = random_transform(random, false), back = t.inverse();
-    const ShapePtr alone[1] = {shape}, instanced[1] = {instance_of(group_of({shape}).build(), t)};
+    const std::vector<ModelPart> alone = {test::part_of(shape)},
+                                 instanced = instance_of(group_of({model_of(shape)}), t)->parts();
     const RayTracer a(alone), b(instanced);
     int hits = 0, differ = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -164,7 +175,7 @@ TEST(Instance, EveryKindOfShape) {
       differ += bool(ha) != bool(hb) || (ha && std::abs(ha.t - hb.t) > 1e-3f);
       if (!ha || !hb || std::abs(ha.t - hb.t) > 1e-3f) continue;
       ++hits;
-      const SurfacePoint pa = shape->surface_point(ha, local), pb = instanced[0]->surface_point(hb, ray);
+      const SurfacePoint pa = point_of(alone, ha, local), pb = point_of(instanced, hb, ray);
       if (std::abs(dot(pa.ng, d)) < 0.05f) continue;
       EXPECT_LT(length(back.point(pb.p) - pa.p), 1e-3f) << shape->properties().type();
       EXPECT_GT(dot(pb.ng, normalize(t.normal(pa.ng))), 0.999f) << shape->properties().type();
@@ -177,10 +188,14 @@ TEST(Instance, EveryKindOfShape) {
 
 TEST(Instance, FindsTheShapeOfTheGroup) {
   std::vector<ShapePtr> shapes;
-  for (int i = 0; i < 20; ++i)
+  std::vector<ModelPtr> models;
+  for (int i = 0; i < 20; ++i) {
     shapes.push_back(ShapeBuilder("sphere").set("radius", 0.4).set("center", Vec3{float(i), 0, 0}).build());
-  const ShapePtr group = group_of(shapes).build();
-  const ShapePtr instances[2] = {instance_of(group, {}), instance_of(group, Transform::translate(0, 5, 0))};
+    models.push_back(model_of(shapes.back()));
+  }
+  const ModelPtr group = group_of(models);
+  const std::vector<ModelPart> instances = {instance_of(group, {})->parts().at(0),
+                                            instance_of(group, Transform::translate(0, 5, 0))->parts().at(0)};
   const RayTracer tracer(instances);
   for (int y = 0; y < 2; ++y)
     for (int i = 0; i < 20; ++i) {
@@ -188,17 +203,19 @@ TEST(Instance, FindsTheShapeOfTheGroup) {
       const auto hit = tracer.intersect(ray);
       ASSERT_TRUE(hit);
       ASSERT_EQ(hit.shape, unsigned(y));
-      const SurfacePoint p = instances[hit.shape]->surface_point(hit, ray);
+      const SurfacePoint p = point_of(instances, hit, ray);
       EXPECT_EQ(p.shape, shapes[std::size_t(i)].get());
-      EXPECT_EQ(p.instance, instances[y].get());
+      EXPECT_EQ(p.instance, instances[std::size_t(y)].instance.get());
     }
   // One copy of the shapes, shared.
-  EXPECT_EQ(instances[0]->primitive_count(), 20u);
-  EXPECT_LT(instances[0]->memory_bytes() + instances[1]->memory_bytes(), group->memory_bytes() + 4000);
+  EXPECT_EQ(instances[0].primitive_count(), 20u);
+  EXPECT_EQ(&instances[0].instance->list(), &instances[1].instance->list());
+  EXPECT_LT(2 * sizeof(Instance), 4000u);
 }
 
 TEST(Instance, TwoScenesAtOnceAndLaterOnes) {
-  const ShapePtr shapes[1] = {instance_of(group_of({ShapeBuilder("sphere").build()}).build(), {})};
+  const std::vector<ModelPart> shapes =
+      instance_of(group_of({ShapeBuilder("sphere").build_model()}), {})->parts();
   auto first = std::make_unique<RayTracer>(shapes);
   const RayTracer second(shapes);
   const Ray ray{{0, 0, 5}, {0, 0, -1}};
@@ -209,51 +226,45 @@ TEST(Instance, TwoScenesAtOnceAndLaterOnes) {
 }
 
 TEST(Instance, GroupsWithinGroupsAreTakenApart) {
-  const ShapePtr leaf = group_of({ShapeBuilder("sphere").build()}).build();
-  const ShapePtr pair = group_of({instance_of(leaf, Transform::translate(-2, 0, 0)),
+  const ModelPtr leaf = group_of({ShapeBuilder("sphere").build_model()});
+  const ModelPtr pair = group_of({instance_of(leaf, Transform::translate(-2, 0, 0)),
                                   instance_of(leaf, Transform::translate(2, 0, 0)),
-                                  group_of({ShapeBuilder("disk").build()}).build()})
-                            .build();
-  const ShapePtr quad = group_of({instance_of(pair, Transform::translate(0, 10, 0)),
-                                  instance_of(pair, Transform::rotate(0, 0, 1, 90))})
-                            .build();
-  const ShapePtr top = instance_of(quad, Transform::scale(2, 2, 2));
-  ASSERT_TRUE(top->parts());
-  EXPECT_EQ(top->parts()->size(), 6u);
-  const RayTracer tracer(*top->parts());
+                                  group_of({ShapeBuilder("disk").build_model()})});
+  const ModelPtr quad = group_of(
+      {instance_of(pair, Transform::translate(0, 10, 0)), instance_of(pair, Transform::rotate(0, 0, 1, 90))});
+  const ModelPtr top = instance_of(quad, Transform::scale(2, 2, 2));
+  EXPECT_EQ(top->parts().size(), 6u);
+  const RayTracer tracer(top->parts());
   for (const Vec3& p : {Vec3{-4, 20, 0}, {4, 20, 0}, {0, 20, 0}, {0, -4, 0}, {0, 4, 0}, {0, 0, 0}})
     EXPECT_TRUE(tracer.intersect({{p.x, p.y, 50}, {0, 0, -1}})) << p.x << " " << p.y;
   EXPECT_FALSE(tracer.intersect({{-4, 0, 50}, {0, 0, -1}}));
 }
 
 TEST(Instance, ErrorsAreLocated) {
-  const auto lamp = ShapeBuilder("sphere").emitting().build();
-  const std::string shining = test::build_error(group_of({lamp}));
+  const ModelPtr lamp = ShapeBuilder("sphere").emitting().build_model();
+  const std::string shining = test::build_error(ShapeBuilder("shapegroup").set("", ObjectPtr(lamp)));
   EXPECT_NE(shining.find("cannot be an emitter"), std::string::npos) << shining;
   EXPECT_NE(test::build_error(ShapeBuilder("instance")).find("scene.xml:7:3"), std::string::npos);
-  const ShapePtr g = group_of({ShapeBuilder("sphere").build()}).build();
+  const ModelPtr g = group_of({ShapeBuilder("sphere").build_model()});
   EXPECT_NE(test::build_error(ShapeBuilder("instance").set("", ObjectPtr(g)).set("", ObjectPtr(g))), "");
   const std::string tiny = test::build_error(
       ShapeBuilder("instance").set("", ObjectPtr(g)).to_world(Transform::scale(1e-30, 1, 1)));
   EXPECT_NE(tiny.find("scene.xml:8:5"), std::string::npos) << tiny;
 }
 
-/// Lets light through.
-class Open final : public Bsdf {
-public:
-  using Bsdf::Bsdf;
-  BsdfEval eval_pdf(const Vec3&, const Vec3&, const BsdfContext&) const override { return {}; }
-  std::optional<BsdfSample> sample(const Vec3&, float, Vec2, const BsdfContext&) const override { return {}; }
-  Lobe lobes() const override { return Lobe::null; }
-};
-
-TEST(Instance, IsPassableWhereOneOfItsShapesIs) {
-  const ShapePtr closed = ShapeBuilder("sphere").build();
-  const ShapePtr open = ShapeBuilder("disk")
-                            .set("", ObjectPtr(std::make_shared<Open>(Properties("open", "", {}, nullptr))))
-                            .build();
-  EXPECT_FALSE(instance_of(group_of({closed}).build(), {})->is_passable());
-  EXPECT_TRUE(instance_of(group_of({closed, open}).build(), {})->is_passable());
+TEST(InstanceScene, IsPassableWhereOneOfItsShapesIs) {
+  const auto binary = [](const std::string& shapes) {
+    return load_scene_from_string(
+               R"(<scene version="3.0.0"><integrator type="path"/><sensor type="perspective"/>
+<emitter type="constant"/><shape type="instance"><shape type="shapegroup">)" +
+                   shapes + "</shape></shape></scene>",
+               "test.xml")
+        .scene->has_binary_visibility();
+  };
+  const std::string closed = R"(<shape type="sphere"/>)",
+                    open = R"(<shape type="disk"><bsdf type="null"/></shape>)";
+  EXPECT_TRUE(binary(closed));
+  EXPECT_FALSE(binary(closed + open));
 }
 
 TEST(InstanceScene, GroupsAreNotRendered) {
@@ -267,7 +278,7 @@ TEST(InstanceScene, GroupsAreNotRendered) {
   const std::string group =
       R"(<shape type="shapegroup" id="g"><shape type="sphere"><float name="radius" value="2"/></shape><shape type="cube"/></shape>)";
   const LoadedScene unused = load(group);
-  EXPECT_EQ(unused.shapes.size(), 0u);
+  EXPECT_EQ(unused.scene->parts().surfaces.size(), 0u);
   EXPECT_EQ(std::count_if(
                 unused.notes.begin(), unused.notes.end(),
                 [](const std::string& n) { return n.find("shapegroup is rendered") != std::string::npos; }),
@@ -275,18 +286,19 @@ TEST(InstanceScene, GroupsAreNotRendered) {
   const LoadedScene two =
       load(group + R"(<shape type="instance"><ref id="g"/></shape><shape type="instance"><ref id="g"/>
 <transform name="to_world"><translate x="5"/></transform></shape>)");
-  EXPECT_EQ(two.shapes.size(), 2u);
+  EXPECT_EQ(two.scene->parts().surfaces.size(), 2u);
   for (const std::string& note : two.notes) EXPECT_EQ(note.find("rendered"), std::string::npos) << note;
-  const Scene scene(two);
+  const Scene& scene = *two.scene;
   const auto hit = scene.intersect({{5, 0, 9}, {0, 0, -1}});
   ASSERT_TRUE(hit);
   EXPECT_NEAR(hit->p.z, 2, 1e-5f);
   EXPECT_EQ(hit->shape->properties().type(), "sphere");
   EXPECT_FALSE(scene.intersect({{2.5f, 0, 9}, {0, 0, -1}}));
   // An empty group, and one that nobody uses, are no errors.
-  EXPECT_EQ(
-      load(R"(<shape type="shapegroup" id="e"/><shape type="instance"><ref id="e"/></shape>)").shapes.size(),
-      0u);
+  EXPECT_EQ(load(R"(<shape type="shapegroup" id="e"/><shape type="instance"><ref id="e"/></shape>)")
+                .scene->parts()
+                .surfaces.size(),
+            0u);
   EXPECT_THROW(
       load(R"(<shape type="shapegroup"><shape type="sphere"><emitter type="area"/></shape></shape>)"), Error);
   EXPECT_THROW(load(group + R"(<shape type="instance"><ref id="g"/><bsdf type="diffuse"/></shape>)"), Error);

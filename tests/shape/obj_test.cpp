@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/shape/mesh.h"
+#include "aureole/shape/mesh/mesh.h"
 #include "shape_test_support.h"
 
 namespace aureole {
@@ -83,16 +83,20 @@ TEST_F(ObjTest, WhatMayBeMissing) {
 }
 
 TEST_F(ObjTest, WhatIsRead) {
-  const Mesh& m = mesh(
+  const std::string text =
       "# comment\r\n\r\nmtllib a.mtl\r\no thing\r\ng part\r\ns off\r\nusemtl red\r\n  v\t0 0 0 1.0\r\nv +1 0 "
       "0\r\nv 1e0 1.0E+0 -0\r\n"
-      "f 1 \\\r\n 2 3\r\nusemtl blue\r\nf 1 2\r\nl 1 2\r\n");
+      "f 1 \\\r\n 2 3\r\nusemtl blue\r\nf 1 2\r\nl 1 2\r\n";
+  const Mesh& m = mesh(text);
   EXPECT_EQ(m.primitive_count(), 1u);
-  ASSERT_EQ(m.remarks().size(), 3u);
+  ASSERT_EQ(m.remarks().size(), 2u);
   EXPECT_NE(m.remarks()[0].find("fewer than three"), std::string::npos);
   EXPECT_NE(m.remarks()[1].find("\"l\""), std::string::npos);
-  EXPECT_NE(m.remarks()[2].find("\"red\""), std::string::npos);  // and no face is blue
-  EXPECT_EQ(m.parts(), nullptr);
+  const auto model = builder(text).build_model();
+  ASSERT_EQ(model->parts().size(), 1u);
+  const auto& remarks = model->parts()[0].remarks;
+  ASSERT_EQ(remarks.size(), 3u);
+  EXPECT_NE(remarks[2].find("\"red\""), std::string::npos);  // and no face is blue
 }
 
 TEST_F(ObjTest, ErrorsNameTheParameterAndTheLine) {

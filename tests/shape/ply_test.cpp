@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "aureole/shape/mesh.h"
+#include "aureole/shape/mesh/mesh.h"
 #include "shape_test_support.h"
 
 namespace aureole {

@@ -3,7 +3,7 @@
 
 #include <cstring>
 
-#include "aureole/shape/mesh.h"
+#include "aureole/shape/mesh/mesh.h"
 #include "shape_test_support.h"
 
 namespace aureole {
@@ -147,7 +147,7 @@ TEST_F(SerializedTest, DamageNeverCrashes) {
     bad[random() % bad.size()] = char(random());
     error(bad, i % 2);
   }
-  // Also damage under the compression, which no checksum sees.
+  // Damage before compression, which no checksum detects.
   for (int i = 0; i < 6000; ++i) {
     std::string m = contents<float>(4, kNormals, 1);
     m[random() % m.size()] = char(random());

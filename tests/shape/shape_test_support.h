@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the shape tests share: shapes from parameters, emitters that do nothing, rays, temporary files.
+// Shared by the shape tests: shapes from parameters, emitters that do nothing, rays, temporary files.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -12,26 +12,44 @@
 
 #include "aureole/emitter/emitter.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/shape.h"
+#include "aureole/shape/model.h"
 
 namespace aureole::test {
 
-/// An emitter that only makes its shape prepare patches.
+/// An emitter that only sits on its shape.
 class DarkEmitter final : public Emitter {
 public:
   using Emitter::Emitter;
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3&, std::size_t, Vec2,
                                             const Wavelengths&) const override {
     return std::nullopt;
   }
-  std::optional<EmittedRay> sample_ray(std::size_t, Vec2, Vec2, const Wavelengths&) const override {
+  std::optional<EmittedRay> sample_ray(const Light&, std::size_t, Vec2, Vec2,
+                                       const Wavelengths&) const override {
     return std::nullopt;
   }
-  SampledSpectrum power_spectrum() const override { return {}; }
-  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3&) const override { return {}; }
+  SampledSpectrum power_spectrum(const Light&) const override { return {}; }
+  EmissionBounds emission_bounds(const Light&, std::size_t) const override { return {}; }
 };
 
-/// Builds a shape: ShapeBuilder("sphere").set("radius", 2.0).emitting().build().
+inline ObjectPtr make_dark_emitter() {
+  static const PluginInfo plugin{
+      "emitter", "dark", {.parameters = {{"sampling_weight", "", "", "", ""}}, .needs_shape = true}, nullptr};
+  return std::make_shared<DarkEmitter>(Properties("dark", "", {}, nullptr, &plugin));
+}
+
+/// The area sampler of a shape; it keeps the shape alive.
+inline std::shared_ptr<const AreaSampler> sampler_of(const ShapePtr& shape, AreaUse use = AreaUse::emitter) {
+  struct Kept {
+    ShapePtr shape;
+    std::shared_ptr<const AreaSampler> sampler;
+  };
+  const auto kept = std::make_shared<const Kept>(Kept{shape, shape->make_area_sampler(use)});
+  return {kept, kept->sampler.get()};
+}
+
+/// Builds a shape: ShapeBuilder("sphere").set("radius", 2.0).build().
 class ShapeBuilder {
 public:
   explicit ShapeBuilder(const std::string& name)
@@ -42,15 +60,32 @@ public:
     return *this;
   }
   ShapeBuilder& to_world(const Transform& t) { return set("to_world", t); }
-  ShapeBuilder& emitting() {
-    const Properties p("dark", "", {}, nullptr);
-    return set("", ObjectPtr(std::make_shared<DarkEmitter>(p)));
+  ShapeBuilder& emitting() { return set("", make_dark_emitter()); }
+  /// The geometry alone.
+  ShapePtr build() const { return std::dynamic_pointer_cast<const Shape>(info_->create(properties_)); }
+  /// Its area sampler for an emitter.
+  std::shared_ptr<const AreaSampler> build_sampler() const { return sampler_of(build()); }
+  /// With all that hangs on it.
+  std::shared_ptr<Model> build_model() const {
+    return std::dynamic_pointer_cast<Model>(make_element(*info_, properties_));
   }
-  ShapePtr build() const { return std::dynamic_pointer_cast<Shape>(info_->create(properties_)); }
 
 private:
   const PluginInfo* info_;
   Properties properties_;
+};
+
+/// A shape as a part of a scene, without what hangs on it.
+inline ModelPart part_of(const ShapePtr& shape) {
+  ModelPart part;
+  part.shape = shape, part.element = shape->shared_properties();
+  return part;
+}
+
+/// A model of any shape, made without its parameters.
+class GivenModel final : public Model {
+public:
+  explicit GivenModel(const ShapePtr& shape) : Model(shape->properties()) { parts_ = {part_of(shape)}; }
 };
 
 /// An Embree scene of one shape.
@@ -82,9 +117,8 @@ public:
     rtcInitIntersectContext(&context);
     rtcIntersect1(scene_, &context, &r);
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-    const unsigned geometry = r.hit.instID[0] == RTC_INVALID_GEOMETRY_ID ? 0 : r.hit.geomID;
     return Hit{r.ray.tfar, r.hit.u, r.hit.v, r.hit.primID,
-               shape_.surface_point({geometry, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar}, ray)};
+               shape_.surface_point({0, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar}, ray)};
   }
   bool occluded(const Ray& ray) const {
     RTCRayHit r = query(ray);
@@ -150,7 +184,7 @@ protected:
 /// The error that building gives, or an empty string.
 inline std::string build_error(const ShapeBuilder& builder) {
   try {
-    builder.build();
+    builder.build_model();
     return "";
   } catch (const Error& e) {
     return e.what();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/shape/double3.h"
+#include "aureole/shape/geometry/double3.h"
 #include "shape_test_support.h"
 
 namespace aureole {
@@ -41,7 +41,7 @@ TEST(Sphere, Placement) {
                          .build();
   EXPECT_NEAR(shape->bounds().lower.x, 11, 1e-5f);
   EXPECT_NEAR(shape->bounds().upper.z, 7, 1e-5f);
-  EXPECT_NEAR(shape->patch_area(0), 4 * kPi, 1e-5f);
+  EXPECT_NEAR(test::sampler_of(shape)->patch_area(0), 4 * kPi, 1e-5f);
 }
 
 TEST(Sphere, WrongParametersAreLocatedErrors) {
@@ -143,7 +143,7 @@ TEST(Sphere, PacketsAgreeWithSingleRays) {
 TEST(Sphere, PointsOnTheSurfaceSeeTheFarSide) {
   // Reference points on a shining sphere itself: the density is that of all directions and samples are
   // visible from inside.
-  const auto shape = ShapeBuilder("sphere").set("flip_normals", true).emitting().build();
+  const auto shape = ShapeBuilder("sphere").set("flip_normals", true).build_sampler();
   Random random(7);
   double mean = 0;
   constexpr int kSamples = 20000;

@@ -43,7 +43,7 @@ SampledSpectrum lines(std::initializer_list<std::pair<double, double>> centers_a
   });
 }
 
-/// Half response, half response times light: what is best for single wavelengths.
+/// Half response, half response times light: the best density for single wavelengths.
 WavelengthDistribution sharp(const SampledSpectrum& light) {
   const SampledSpectrum densities[2] = {response(), product(response(), light)};
   const float weights[2] = {0.5f, 0.5f};
@@ -123,7 +123,7 @@ TEST(WavelengthChoice, EveryScaleAndNoLight) {
     EXPECT_GT(chosen({}).pdf(nm), 0);
     EXPECT_GT(chosen({SampledSpectrum::constant(kGrid, 0)}).pdf(nm), 0);
   }
-  // What the film does not see is no light.
+  // Light that the film does not see has no part in the choice.
   const SampledSpectrum unseen = lines({{829.9, 0.01}});
   EXPECT_GT(chosen({unseen, faint}).pdf(550), 0);
 }

@@ -319,8 +319,8 @@ INSTANTIATE_TEST_SUITE_P(Ranges, Distribution,
                            return "From" + std::to_string(int(info.param.low)) + "nm";
                          });
 
-// A toy problem: L(lambda) = integral over [0, 1] of f(x, lambda). Two techniques; what they can reach
-// depends on the wavelength: the first has no density at all left of `start(lambda)`, the second is a density
+// A toy problem: L(lambda) = integral over [0, 1] of f(x, lambda). Two techniques, whose supports
+// depend on the wavelength: the first has no density at all left of `start(lambda)`, the second is a density
 // with a slope that depends on the wavelength, and none beyond an end for long waves. Together they cover all
 // x for every wavelength.
 struct Toy {
@@ -359,7 +359,7 @@ TEST(PathDensity, IsUnbiasedForEveryWavelength) {
       };
       const Spectrum f = make_spectrum([&](int i) { return float(Toy::f(x, double(w.nm[i]))); });
       const PathDensity density;
-      const Spectrum c = density.contribution(f, densities(technique), densities(1 - technique), w);
+      const Spectrum c = density.connected(Weight(f), 1.f, densities(technique), densities(1 - technique), w);
       for (int i = 0; i < kWavelengths; ++i) {
         ASSERT_TRUE(std::isfinite(c[i]));
         estimate[std::clamp(int((w.nm[i] - 400) / 25), 0, kBands - 1)] += double(c[i]);
@@ -376,8 +376,8 @@ TEST(PathDensity, IsUnbiasedForEveryWavelength) {
   }
 }
 
-// Two events, the first of which separates wavelengths: what went elsewhere has zero value and density there,
-// and the other way around some wavelengths have values but a density of zero for the hero's choice.
+// Two events, the first of which separates wavelengths: those that went elsewhere have zero value and density
+// there, and the other way around some wavelengths have values but a density of zero for the hero's choice.
 TEST(PathDensity, ChainOfEventsIsUnbiasedAndZerosPersist) {
   const SpectralGrid grid = SpectralGrid::over(400, 700);
   const SampledSpectrum spectra[] = {SampledSpectrum::constant(grid, 1)};
@@ -398,18 +398,20 @@ TEST(PathDensity, ChainOfEventsIsUnbiasedAndZerosPersist) {
     const auto nm = [&](int i) { return double(w.nm[i]); };
     PathDensity path;
     const bool left = uniform(random) < left_mass(nm(0));
-    path.extend(make_spectrum([&](int i) { return float(value(left, nm(i))); }),
-                make_spectrum([&](int i) { return float(left ? left_mass(nm(i)) : 1 - left_mass(nm(i))); }));
+    path.extend(Weight(make_spectrum([&](int i) { return float(value(left, nm(i))); })),
+                make_spectrum([&](int i) { return float(left ? left_mass(nm(i)) : 1 - left_mass(nm(i))); }),
+                true);
     ASSERT_FLOAT_EQ(path.ratio[0], 1.f);
     for (int i = 0; i < kWavelengths; ++i)
       if (left && nm(i) > 550) {
         ASSERT_EQ(path.ratio[i], 0.f);
-        ASSERT_EQ(path.beta[i], 0.f);
+        ASSERT_EQ(path.beta.of(1.f)[i], 0.f);
       }
     // Invert the CDF x (1 - a) + a x^2 of the second event.
     const double a = slope(nm(0)), u = uniform(random);
     const double x = 2 * u / (1 - a + std::sqrt((1 - a) * (1 - a) + 4 * a * u));
-    path.extend(float(x * x), make_spectrum([&](int i) { return float(1 + slope(nm(i)) * (2 * x - 1)); }));
+    path.extend(Weight(float(x * x)),
+                make_spectrum([&](int i) { return float(1 + slope(nm(i)) * (2 * x - 1)); }), false);
     if (left) {
       for (int i = 0; i < kWavelengths; ++i)
         if (nm(i) > 550) {
@@ -443,12 +445,12 @@ TEST(PathDensity, ThroughputForRouletteIsHeroSymmetric) {
   const Spectrum p[2] = {make_spectrum([](int i) { return 0.5f + 0.3f * float(i % 3); }),
                          make_spectrum([](int i) { return 2.f - 0.2f * float(i); })};
   PathDensity first;
-  for (int e = 0; e < 2; ++e) first.extend(f[e], p[e]);
+  for (int e = 0; e < 2; ++e) first.extend(Weight(f[e]), p[e], false);
   for (int hero = 1; hero < kWavelengths; ++hero) {
     PathDensity other;
     for (int e = 0; e < 2; ++e)
-      other.extend(make_spectrum([&](int i) { return f[e][(i + hero) % kWavelengths]; }),
-                   make_spectrum([&](int i) { return p[e][(i + hero) % kWavelengths]; }));
+      other.extend(Weight(make_spectrum([&](int i) { return f[e][(i + hero) % kWavelengths]; })),
+                   make_spectrum([&](int i) { return p[e][(i + hero) % kWavelengths]; }), false);
     EXPECT_NEAR(other.hero_symmetric_throughput(), first.hero_symmetric_throughput(),
                 1e-5 * first.hero_symmetric_throughput());
   }

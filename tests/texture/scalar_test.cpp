@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What textures say beside spectra: numbers, gradients and raw RGB.
+// The other outputs of textures: numbers, gradients and raw RGB.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "aureole/core/image.h"
-#include "aureole/instrument/statistics.h"
+#include "aureole/instrument/check/significance.h"
 #include "aureole/spectrum/upsampling_fit.h"
 #include "aureole/texture/texture.h"
 #include "harness/properties_builder.h"

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A ring-shaped aperture.
 #include "aureole/aperture/aperture.h"
-#include "aureole/aperture/length.h"
-#include "aureole/optics/round_aperture.h"
+#include "aureole/optics/aperture/round_aperture.h"
 
 namespace aureole {
 namespace {
@@ -20,15 +19,15 @@ public:
 };
 
 AUREOLE_PLUGIN(Annulus, "aperture", "annulus",
-               PluginDoc{"The ring between two circles of one centre.",
-                         "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.6.2",
-                         aperture_parameters({{"radius", "length", "", "required", "outer radius"},
-                                              {"inner_radius", "length", "", "required",
-                                               "radius of the part left out, below radius"}}),
-                         {R"(<aperture type="annulus">
+               PluginDoc{
+                   "The ring between two circles of one centre.",
+                   "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.6.2",
+                   {{"radius", "length", "", "required", "outer radius"},
+                    {"inner_radius", "length", "", "required", "radius of the part left out, below radius"}},
+                   {R"(<aperture type="annulus">
     <string name="radius" value="5um"/> <string name="inner_radius" value="4um"/>
 </aperture>)",
-                          R"(<aperture type="annulus">
+                    R"(<aperture type="annulus">
     <string name="radius" value="4um"/> <string name="inner_radius" value="1um"/>
     <float name="rotation" value="0"/> <boolean name="random_rotation" value="true"/>
     <float name="fraction" value="0.5"/> <string name="size_histogram" value="sizes.csv"/>

@@ -34,17 +34,23 @@ Aperture::Aperture(const Properties& p)
       random_rotation_(p.get_bool("random_rotation", false)),
       sizes_(read_sizes(p)) {}
 
-std::vector<ParameterDoc> aperture_parameters(std::vector<ParameterDoc> own) {
-  own.insert(
-      own.end(),
-      {{"fraction", "float", "", "1", "part of the layer's scatterers that have this shape, in (0, 1]"},
-       {"rotation", "float", "degrees", "0", "turns the shape counter-clockwise"},
-       {"random_rotation", "boolean", "", "false", "every scatterer is turned by its own random angle"},
-       {"size_spread", "float", "", "0",
-        "standard deviation of the logarithm of the sizes (log-normal, median 1, cut at 3 of them)"},
-       {"size_histogram", "file", "", "none",
-        "text with two columns, relative size and count: measured sizes instead of a spread"}});
-  return own;
+AUREOLE_FAMILY(FamilyInfo{
+    .name = "aperture",
+    .parameters =
+        {{"fraction", "float", "", "1", "part of the layer's scatterers that have this shape, in (0, 1]"},
+         {"rotation", "float", "degrees", "0", "turns the shape counter-clockwise"},
+         {"random_rotation", "boolean", "", "false", "every scatterer is turned by its own random angle"},
+         {"size_spread", "float", "", "0",
+          "standard deviation of the logarithm of the sizes (log-normal, median 1, cut at 3 of them)"},
+         {"size_histogram", "file", "", "none",
+          "text with two columns, relative size and count: measured sizes instead of a spread"}},
+    .is_reusable = true});
+
+double get_aperture_length_m(const Properties& p, const std::string& name) {
+  const double length = p.get_length_m(name, 0);
+  if (!p.has(name)) throw p.error(name, "needs the parameter \"" + name + "\", a length such as \"5um\"");
+  if (!(length >= 1e-9 && length <= 1)) throw p.error(name, "must be between 1nm and 1m");
+  return length;
 }
 
 }  // namespace aureole

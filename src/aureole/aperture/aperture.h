@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The aperture family: shapes of openings, or of opaque discs, in a layer of scatterers. A plug-in makes its
-// shape in metres; what all have in common, their part in a mixture, rotation and spread of sizes, is here.
+// shape in metres; the common parameters, the part in a mixture, rotation and spread of sizes, are here.
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
-#include "aureole/optics/aperture_shape.h"
-#include "aureole/optics/size_distribution.h"
+#include "aureole/optics/aperture/aperture_shape.h"
+#include "aureole/optics/particle/size_distribution.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/plugin/registry.h"
 
@@ -40,7 +41,8 @@ private:
   optics::SizeDistribution sizes_;
 };
 
-/// Rows of the parameter table that all apertures share, after those of the plug-in.
-std::vector<ParameterDoc> aperture_parameters(std::vector<ParameterDoc> own);
+/// The required length `name` in metres. Apertures are between 1 nm and 1 m: their areas stay normal numbers in
+/// single precision, and other lengths are mistaken units.
+double get_aperture_length_m(const Properties& p, const std::string& name);
 
 }  // namespace aureole

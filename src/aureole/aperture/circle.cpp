@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A circular aperture: Airy's pattern.
 #include "aureole/aperture/aperture.h"
-#include "aureole/aperture/length.h"
-#include "aureole/optics/round_aperture.h"
+#include "aureole/optics/aperture/round_aperture.h"
 
 namespace aureole {
 namespace {
@@ -18,7 +17,7 @@ public:
 AUREOLE_PLUGIN(Circle, "aperture", "circle",
                PluginDoc{"A circle. Its transform is 2 J1(u)/u, Airy's pattern.",
                          "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.5.2",
-                         aperture_parameters({{"radius", "length", "", "required", "radius, such as 5um"}}),
+                         {{"radius", "length", "", "required", "radius, such as 5um"}},
                          {R"(<aperture type="circle">
     <string name="radius" value="5um"/>
 </aperture>)",

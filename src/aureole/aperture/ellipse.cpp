@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // An elliptic aperture: Airy's pattern, stretched.
 #include "aureole/aperture/aperture.h"
-#include "aureole/aperture/length.h"
-#include "aureole/optics/round_aperture.h"
+#include "aureole/optics/aperture/round_aperture.h"
 
 namespace aureole {
 namespace {
@@ -16,16 +15,15 @@ public:
 };
 
 AUREOLE_PLUGIN(Ellipse, "aperture", "ellipse",
-               PluginDoc{
-                   "An ellipse, such as a circle seen at an angle.",
-                   "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.5.2, stretched",
-                   aperture_parameters({{"radius_x", "length", "", "required", "half the axis along x"},
-                                        {"radius_y", "length", "", "required", "half the axis along y"}}),
-                   {R"(<aperture type="ellipse">
+               PluginDoc{"An ellipse, such as a circle seen at an angle.",
+                         "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.5.2, stretched",
+                         {{"radius_x", "length", "", "required", "half the axis along x"},
+                          {"radius_y", "length", "", "required", "half the axis along y"}},
+                         {R"(<aperture type="ellipse">
     <string name="radius_x" value="5um"/> <string name="radius_y" value="2um"/>
     <float name="rotation" value="30"/>
 </aperture>)",
-                    R"(<aperture type="ellipse">
+                          R"(<aperture type="ellipse">
     <string name="radius_x" value="3um"/> <string name="radius_y" value="2um"/>
     <float name="fraction" value="0.5"/> <boolean name="random_rotation" value="true"/>
     <string name="size_histogram" value="sizes.csv"/>

@@ -4,8 +4,7 @@
 #include <numbers>
 
 #include "aureole/aperture/aperture.h"
-#include "aureole/aperture/length.h"
-#include "aureole/optics/polygon_aperture.h"
+#include "aureole/optics/aperture/polygon_aperture.h"
 
 namespace aureole {
 namespace {
@@ -27,14 +26,13 @@ public:
 AUREOLE_PLUGIN(
     Ngon, "aperture", "ngon",
     PluginDoc{
-        "A regular polygon with a corner on the y axis, such as the iris of a lens. Its diffraction has "
-        "a streak across every side: as many as sides where these are parallel in pairs, twice "
-        "as many where the number is odd.",
+        "A regular polygon with a corner on the y axis, such as the iris of a lens. Its diffraction has a "
+        "streak across every side: as many as sides where these are parallel in pairs, twice as many where "
+        "the number is odd.",
         "S.-W. Lee, R. Mittra, Fourier transform of a polygonal shape function and its application in "
         "electromagnetics, IEEE Trans. Antennas Propag. 31, 1983",
-        aperture_parameters({{"sides", "integer", "", "6", "number of sides, 3 to 1000"},
-                             {"radius", "length", "", "required",
-                              "distance of the corners from the centre"}}),
+        {{"sides", "integer", "", "6", "number of sides, 3 to 1000"},
+         {"radius", "length", "", "required", "distance of the corners from the centre"}},
         {R"(<aperture type="ngon">
     <integer name="sides" value="6"/> <string name="radius" value="5um"/>
     <float name="rotation" value="30"/>

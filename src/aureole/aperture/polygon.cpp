@@ -5,10 +5,9 @@
 #include <stdexcept>
 
 #include "aureole/aperture/aperture.h"
-#include "aureole/aperture/length.h"
-#include "aureole/aperture/svg.h"
+#include "aureole/aperture/svg/svg.h"
 #include "aureole/core/units.h"
-#include "aureole/optics/polygon_aperture.h"
+#include "aureole/optics/aperture/polygon_aperture.h"
 
 namespace aureole {
 namespace {
@@ -76,21 +75,16 @@ AUREOLE_PLUGIN(
         "A shape with straight edges, of any number of rings, which may run either way. Open is what an odd "
         "number of rings surround: a ring in a ring is a hole, and rings that overlap leave out what they "
         "share. A ring must not touch itself. An SVG file gives the outlines of all its shapes (path, "
-        "polygon, "
-        "polyline, rect, circle, ellipse; fill and stroke do not matter), in which curves become polygons, "
-        "by "
-        "1e-4 of the picture's size at most. At most 10000 vertices.",
+        "polygon, polyline, rect, circle, ellipse; fill and stroke do not matter), in which curves become "
+        "polygons, by 1e-4 of the picture's size at most. At most 10000 vertices.",
         "S.-W. Lee, R. Mittra, Fourier transform of a polygonal shape function and its application in "
         "electromagnetics, IEEE Trans. Antennas Propag. 31, 1983",
-        aperture_parameters(
-            {{"vertices", "string", "", "none",
-              "x,y of the vertices, with blanks between them; ; ends a ring"},
-             {"unit", "length", "", "required with vertices", "length of 1 in vertices, such as 1um"},
-             {"filename", "file", "", "none", "an SVG file, instead of vertices"},
-             {"width", "length", "", "required with filename",
-              "width of the bounding box of the file's shapes"},
-             {"centroid", "boolean", "", "true",
-              "the centroid lies where the scatterer is; false: the origin of the vertices or of the file"}}),
+        {{"vertices", "string", "", "none", "x,y of the vertices, with blanks between them; ; ends a ring"},
+         {"unit", "length", "", "required with vertices", "length of 1 in vertices, such as 1um"},
+         {"filename", "file", "", "none", "an SVG file, instead of vertices"},
+         {"width", "length", "", "required with filename", "width of the bounding box of the file's shapes"},
+         {"centroid", "boolean", "", "true",
+          "the centroid lies where the scatterer is; false: the origin of the vertices or of the file"}},
         {R"(<aperture type="polygon">
     <string name="vertices" value="-4,-3 4,-3 0,4; -1,-1 1,-1 0,1"/> <string name="unit" value="1um"/>
     <float name="rotation" value="90"/>

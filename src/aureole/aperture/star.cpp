@@ -4,8 +4,7 @@
 #include <numbers>
 
 #include "aureole/aperture/aperture.h"
-#include "aureole/aperture/length.h"
-#include "aureole/optics/polygon_aperture.h"
+#include "aureole/optics/aperture/polygon_aperture.h"
 
 namespace aureole {
 namespace {
@@ -32,10 +31,10 @@ AUREOLE_PLUGIN(
         "a stopped-down lens.",
         "S.-W. Lee, R. Mittra, Fourier transform of a polygonal shape function and its application in "
         "electromagnetics, IEEE Trans. Antennas Propag. 31, 1983",
-        aperture_parameters({{"points", "integer", "", "5", "number of points, 3 to 1000"},
-                             {"radius", "length", "", "required", "distance of the points from the centre"},
-                             {"inner_ratio", "float", "", "0.5",
-                              "distance of the inner corners, relative to radius, in [0.001, 1]"}}),
+        {{"points", "integer", "", "5", "number of points, 3 to 1000"},
+         {"radius", "length", "", "required", "distance of the points from the centre"},
+         {"inner_ratio", "float", "", "0.5",
+          "distance of the inner corners, relative to radius, in [0.001, 1]"}},
         {R"(<aperture type="star">
     <integer name="points" value="6"/> <string name="radius" value="5um"/>
     <float name="inner_ratio" value="0.4"/> <boolean name="random_rotation" value="true"/>

@@ -2,7 +2,7 @@
 // A linear blend of two BSDFs, f = (1 - w) f_0 + w f_1.
 #include <algorithm>
 
-#include "aureole/bsdf/nested.h"
+#include "aureole/bsdf/nested/nested_bsdfs.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 

@@ -55,7 +55,7 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
   if (!constant)
     throw properties.error(
         name, "unknown material \"" + material + "\"" + did_you_mean(material, refractive_index_names()));
-  // What stays a table without dispersion is a conductor.
+  // A material that is a table even without dispersion is a conductor.
   if (constant->is_dispersive())
     throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
   // A default is the constant of other renderers, so that their scenes look the same; a material that a scene
@@ -69,5 +69,8 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
   ior.table_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
   return ior;
 }
+
+AUREOLE_FAMILY(FamilyInfo{
+    .name = "bsdf", .fallback = "diffuse", .hangs_on_shapes = true, .is_reusable = true});
 
 }  // namespace aureole

@@ -20,7 +20,7 @@ class RefractiveIndex;
 
 enum class TransportMode { radiance, importance };
 
-/// What a lobe does; a BSDF's `lobes()` is the union over its lobes.
+/// Kind and side of a lobe; a BSDF's `lobes()` is the union over its lobes.
 enum class Lobe : unsigned {
   none = 0,
   diffuse = 1,
@@ -40,12 +40,16 @@ struct BsdfContext {
   const SurfacePoint& point;
   TransportMode mode = TransportMode::radiance;
   std::uint32_t key = 0;  ///< random key for stochastic (layered) BSDFs
+  /// Refractive index of the medium outside, per wavelength, if the interface lies inside a further medium;
+  /// null if it is the exterior index of the scene file. Interfaces between media follow it, coatings of
+  /// opaque bodies do not.
+  const Spectrum* exterior_index = nullptr;
 };
 
 struct BsdfSample {
   Vec3 wo;
-  Weight
-      value;  ///< f |cos theta_o|; for a delta lobe the factor of the delta (its mass-weighted reflectance)
+  /// f |cos theta_o|; for a delta lobe the factor of the delta (its mass-weighted reflectance).
+  Spectrum value;
   Spectrum pdf;  ///< per wavelength: a density [1/sr], or where `lobe` is delta a probability (mass)
   Lobe lobe = Lobe::none;
   float eta = 1;  ///< index of the medium that wo leads into over that of wi's; for roulette
@@ -54,8 +58,8 @@ struct BsdfSample {
 };
 
 struct BsdfEval {
-  Weight value{0.f};  ///< f |cos theta_o|, delta lobes left out
-  Spectrum pdf{0.f};  ///< density of `sample` for wo [1/sr] per wavelength, delta lobes left out
+  Spectrum value{0.f};  ///< f |cos theta_o|, delta lobes left out
+  Spectrum pdf{0.f};    ///< density of `sample` for wo [1/sr] per wavelength, delta lobes left out
 };
 
 class Bsdf : public Object {
@@ -66,7 +70,7 @@ public:
   /// Value and density of the non-delta lobes.
   virtual BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const = 0;
   /// The value alone, for BSDFs that save something by it.
-  virtual Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
+  virtual Spectrum eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
     return eval_pdf(wi, wo, ctx).value;
   }
   /// The reverse density is this with swapped arguments.
@@ -82,8 +86,8 @@ public:
   virtual std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2,
                                            const BsdfContext& ctx) const = 0;
 
-  /// What passes straight through as if nothing were there: value of the `null` lobe for light that arrives
-  /// from wi. `sample` draws that lobe (wo = -wi) with a mass that is the same for all wavelengths.
+  /// The fraction of the light from wi that passes straight through as if nothing were there: the value of
+  /// the `null` lobe. `sample` draws that lobe (wo = -wi) with a mass that is the same for all wavelengths.
   virtual Spectrum null_transmittance(const Vec3& /*wi*/, const BsdfContext& /*ctx*/) const { return 0.f; }
 
   /// The diffuse reflectance, roughly, as denoisers want it beside a picture: pi f along the normal on the
@@ -100,7 +104,7 @@ public:
   virtual bool needs_choice() const { return true; }
   /// Values change when the frame turns about the normal: x must lie along dp/du. False saves the tangent.
   virtual bool needs_tangent() const { return true; }
-  /// Diffuse and glossy lobes exist: next-event estimation is worth its ray.
+  /// There are diffuse or glossy lobes, which next-event estimation can connect to a light.
   bool is_smooth() const { return has(lobes(), Lobe::diffuse | Lobe::glossy); }
   bool is_passable() const { return has(lobes(), Lobe::null); }
 };
@@ -110,8 +114,9 @@ inline float cos_theta(const Vec3& w) { return w.z; }
 inline float abs_cos_theta(const Vec3& w) { return std::abs(w.z); }
 inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }  ///< about the local normal
 
-/// What to do where a sensor sees wavelengths at which the index of `material` is not known: an error,
-/// located at `name`, if it asks for more than the visible range, else a note; the value at the end is used.
+/// Checks that the index of `material` is known at all wavelengths that the sensor sees. Where it is not: an
+/// error, located at `name`, if the sensor sees more than the visible range, else a note; the index continues
+/// with its value at the end.
 void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
                        const RefractiveIndex& index);
 
@@ -122,6 +127,10 @@ public:
   /// names.
   static Ior from(const Properties& properties, std::string_view name, const std::string& fallback);
   Spectrum eval(const Wavelengths& w) const { return dispersive_ ? table_.eval(w) : Spectrum(constant_); }
+  /// The exterior index: that of the context if it has one.
+  Spectrum eval_exterior(const BsdfContext& ctx) const {
+    return ctx.exterior_index ? *ctx.exterior_index : eval(ctx.wavelengths);
+  }
   bool is_dispersive() const { return dispersive_; }
   /// The index at the sodium D line (589.3 nm) or the constant.
   float at_sodium_d() const { return constant_; }

@@ -2,7 +2,7 @@
 // Bump mapping: the shading frame that the surface would have if it were displaced by a texture h(u, v),
 //     dp/du' = dp/du + n dh/du,  dp/dv' = dp/dv + n dh/dv,
 // without the small terms that contain derivatives of n (Blinn 1978, "Simulation of wrinkled surfaces").
-#include "aureole/bsdf/perturbed_frame.h"
+#include "aureole/bsdf/nested/perturbed_frame.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/shape.h"
 #include "aureole/texture/texture.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A smooth metal: one delta lobe of reflection, coloured by the complex index.
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/conductor_index.h"
+#include "aureole/bsdf/fresnel/conductor_index.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -36,10 +36,8 @@ private:
 AUREOLE_PLUGIN(
     Conductor, "bsdf", "conductor",
     PluginDoc{"A smooth metal (or any strongly absorbing medium) in vacuum: Fresnel reflection by a complex "
-              "refractive "
-              "index. Without material, eta and k it is a perfect mirror. It reflects on the side of its "
-              "normal and is "
-              "black on the other; `twosided` makes both sides alike.",
+              "refractive index. Without material, eta and k it is a perfect mirror. It reflects on the side "
+              "of its normal and is black on the other; `twosided` makes both sides alike.",
               "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 14.2",
               {{"material", "string", "", "none",
                 "name of a conductor with tabulated index, such as Au or Cu_palik; none is a perfect mirror"},

@@ -6,10 +6,10 @@
 // vector.
 #include <cmath>
 
-#include "aureole/bsdf/beckmann.h"
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
-#include "aureole/bsdf/scalar_texture.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/bsdf/microfacet/beckmann.h"
+#include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A layer of many scatterers, apertures or opaque discs of any shapes, on a plane: what makes coronas. Model:
+// A layer of many scatterers, apertures or opaque discs of any shapes, on a plane, which make coronas. Model:
 // Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025, equations 14 to 28.
 //
 // Light that arrives from w_i in an index n_i and leaves along w_o in n_o, both outward, is diffracted by
-//     f = (n_o^2/lambda^2) J(q) O c,   q = (2 pi/lambda) (n_o w_o + n_i w_i)_xy,   1/(4 pi^2) int J d2q = Fr
-//     (1 - Fr),
+//     f = (n_o^2/lambda^2) J(q) O c,   q = (2 pi/lambda) (n_o w_o + n_i w_i)_xy,
+//     1/(4 pi^2) int J d2q = Fr (1 - Fr),
 // Fr the covered part of the plane, O an obliquity and c the share of reflection or transmission. With O = 1
 // the radiance depends on direction cosines alone (Harvey, Vernold, Krywonos & Thompson, "Diffracted
 // radiance: a fundamental quantity in nonparaxial scalar diffraction theory", 1999) and f is reciprocal,
-// f(i->o)/n_o^2 = f(o->i)/n_i^2; what falls on q that no direction has (evanescent waves) is lost.
+// f(i->o)/n_o^2 = f(o->i)/n_i^2; power at q that no direction has (evanescent waves) is lost.
 //
 // Lobes. The part of the light that keeps its direction and the part that meets the substrate go the same
 // ways, so they share their delta lobes: D times the substrate's reflection and transmission, with D = Fr^2 +
@@ -18,17 +18,13 @@
 // its own side, 1 beyond the critical angle. Discs leave Fr to a nested BSDF.
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
-#include "aureole/bsdf/nested.h"
-#include "aureole/bsdf/scalar_texture.h"
-#include "aureole/bsdf/scatterer_balance.h"
-#include "aureole/bsdf/scatterer_model.h"
-#include "aureole/bsdf/scatterer_sampler.h"
-#include "aureole/bsdf/scatterer_shapes.h"
-#include "aureole/correlation/correlation.h"
+#include "aureole/bsdf/layer/layer_obliquity.h"
+#include "aureole/bsdf/layer/layer_substrate.h"
+#include "aureole/bsdf/layer/layer_tables.h"
+#include "aureole/bsdf/nested/nested_bsdfs.h"
+#include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 
@@ -47,27 +43,17 @@ public:
     radius_scale_ = ScalarTexture::from(p, "radius_scale", 1, Range{1.0 / 64, 64});
     rotation_ = ScalarTexture::from(p, "rotation", 0, Range{-1e4, 1e4});
 
-    const std::string substrate = p.get_choice("substrate", "none", {"none", "dielectric", "thindielectric"});
-    substrate_ = substrate == "none"         ? Substrate::none
-                 : substrate == "dielectric" ? Substrate::interface
-                                             : Substrate::pane;
-    exterior_ = Ior::from(p, "ext_ior", "air");
-    interior_ = substrate_ == Substrate::none ? exterior_ : Ior::from(p, "int_ior", "bk7");
-    dispersive_ = exterior_.is_dispersive() || interior_.is_dispersive();
-    const std::string obliquity =
-        p.get_choice("obliquity", "reciprocal", {"reciprocal", "fraunhofer", "kirchhoff"});
-    obliquity_ = obliquity == "reciprocal"   ? Obliquity::reciprocal
-                 : obliquity == "fraunhofer" ? Obliquity::fraunhofer
-                                             : Obliquity::kirchhoff;
+    substrate_ = LayerSubstrate::from(p);
+    obliquity_ = LayerObliquity::from(p);
     const auto nested = p.get_children<Bsdf>("bsdf");
     if (nested.size() > 1)
       throw Error(nested[1]->properties().where(),
                   "\"correlated_scatterers\" takes one nested BSDF, not more");
     if (!nested.empty()) {
-      if (!discs_ && substrate_ != Substrate::none)
+      if (!discs_ && !substrate_.is_none())
         throw Error(nested[0]->properties().where(),
                     "a nested BSDF is what lies between apertures; that is already the substrate \"" +
-                        substrate + "\"");
+                        p.get_string("substrate") + "\"");
       nested_ = nested.front();
     }
 
@@ -79,7 +65,15 @@ public:
           "radius",
           "the scatterers are too small or too large for the wavelengths: 2 pi times their radius must be "
           "between a millionth of a wavelength and 10^9 wavelengths");
-    build_tables(p, std::move(shapes));
+    const LayerRanges ranges{area_fraction_.minimum(), area_fraction_.maximum(), radius_scale_.minimum(),
+                             radius_scale_.maximum()};
+    LayerTables tables =
+        make_layer_tables(p, std::move(shapes), ranges, phase_nm_, substrate_, obliquity_.is_reciprocal());
+    model_ = std::move(tables.model);
+    sampler_ = std::move(tables.sampler);
+    balance_ = std::move(tables.balance);
+    needs_tangent_ = !model_->is_isotropic();
+    fill_ = model_->fill();
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -94,10 +88,10 @@ public:
     return e;
   }
 
-  Weight eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+  Spectrum eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (wi.z == 0 || wo.z == 0) return 0.f;
     const Point point = at(ctx);
-    const Weight value = diffracted<false>(wi, wo, point, ctx).value;
+    const Spectrum value = diffracted<false>(wi, wo, point, ctx).value;
     return nested_ ? value + nested_->eval(wi, wo, ctx) * point.nested : value;
   }
 
@@ -106,7 +100,7 @@ public:
     const Point point = at(ctx);
     if (!(point.probability > 0)) return {};
     const float delta = point.delta * point.probability, diffracted = point.diffracted * point.probability;
-    if (u1 < delta) return sample_delta(wi, remap_below(u1, delta), point, ctx);
+    if (u1 < delta) return substrate_.sample(wi, remap_below(u1, delta), point.delta, delta, ctx);
     u1 -= delta;
     if (u1 < diffracted || !nested_)
       return sample_diffracted(wi, remap_below(u1, diffracted), u2, point, ctx);
@@ -129,17 +123,14 @@ public:
 
   Lobe lobes() const override {
     Lobe l = Lobe::delta | Lobe::glossy | Lobe::transmit;
-    if (substrate_ != Substrate::none) l = l | Lobe::reflect;
-    if (substrate_ != Substrate::interface) l = l | Lobe::through;
+    if (!substrate_.is_none()) l = l | Lobe::reflect;
+    if (substrate_.kind() != LayerSubstrate::Kind::interface) l = l | Lobe::through;
     return nested_ ? l | nested_->lobes() : l;
   }
 
   bool needs_tangent() const override { return needs_tangent_ || (nested_ && nested_->needs_tangent()); }
 
 private:
-  enum class Substrate { none, interface, pane };
-  enum class Obliquity { reciprocal, fraunhofer, kirchhoff };
-
   /// The layer at one point of the surface. Weights are fractions of the light; `probability` times a weight
   /// is that of its lobe.
   struct Point {
@@ -161,122 +152,27 @@ private:
     // A grey shape scatters less than it covers: the variance of A is Fr fill - Fr^2.
     x.diffracted = std::max(fr * fill_ - fr * fr, 0.f);
     x.nested = nested_ ? (discs_ ? fr * (2 - fill_) : 1 - fr) : 0;
-    x.delta = discs_ ? (1 - fr) * (1 - fr) : fr * fr + (substrate_ == Substrate::none ? 0 : 1 - fr);
+    x.delta = discs_ ? (1 - fr) * (1 - fr) : fr * fr + (substrate_.is_none() ? 0 : 1 - fr);
     const float all = x.delta + x.diffracted + x.nested;
     x.probability = all > 0 ? 1 / all : 0;
     return x;
   }
 
-  void build_tables(const Properties& p, LayerShapes shapes) {
-    const SpectralGrid& range = p.context().grid;
-    const Wavelengths shortest = Wavelengths::at(range, float(range.min_nm));
-    const double index = std::max(exterior_.eval(shortest)[0], interior_.eval(shortest)[0]);
-    const double extent = 2 * index * phase_nm_ * radius_scale_.maximum() / range.min_nm;
-    const auto correlation = get_correlation(p);
-    const auto located = [&](const char* parameter, auto&& make) {
-      try {
-        make();
-      } catch (const std::domain_error& e) {
-        throw p.error(parameter, e.what());
-      }
-    };
-    std::shared_ptr<optics::ScattererMixture> mixture;
-    located("aperture", [&] {
-      mixture =
-          std::make_shared<optics::ScattererMixture>(std::move(shapes.scatterers), shapes.correlation_radius);
-    });
-    if (p.get_choice("sizes", "labelled", {"labelled", "polydisperse"}) == "polydisperse") {
-      if (area_fraction_.minimum() < area_fraction_.maximum())
-        throw p.error("area_fraction", "must be the same everywhere where sizes are \"polydisperse\"");
-      located("sizes", [&] {
-        mixture->correlate_sizes(area_fraction_.maximum(), [&](const optics::HardDiscMixture& discs) {
-          return correlation->at(discs);
-        });
-      });
-    }
-    located("area_fraction", [&] {
-      model_ = std::make_shared<ScattererModel>(mixture, *correlation, area_fraction_.minimum(),
-                                                area_fraction_.maximum(), extent);
-    });
-    const bool varies = model_->varies() || radius_scale_.minimum() < radius_scale_.maximum();
-    needs_tangent_ = !model_->is_isotropic();
-    fill_ = model_->fill();
-    if (needs_tangent_ && shapes.correlation_radius > 8 * shapes.largest)
-      throw p.error(
-          "correlation_radius",
-          "must not exceed 8 times the largest scatterer where shapes or places have no circular symmetry");
-    if (model_->is_anisotropic() && model_->varies())
-      throw p.error("area_fraction", "must be the same everywhere where positions have no circular symmetry");
-
-    const std::string sampling =
-        p.get_choice("sampling", "product", {"product", "factor_mis", "factors", "table", "cosine"});
-    const auto product = std::make_shared<const ProductSampler>(model_);
-    if (sampling == "product") {
-      sampler_ = product;
-    } else if (sampling == "table") {
-      if (varies) throw p.error("sampling", "\"table\" is for a layer that is the same everywhere");
-      sampler_ = std::make_shared<const TableSampler>(model_, extent);
-    } else if (sampling != "cosine") {
-      sampler_ = std::make_shared<const FactorSampler>(model_);
-    }
-    if (p.get_bool("renormalize", false)) {
-      if (obliquity_ != Obliquity::reciprocal)
-        throw p.error("renormalize",
-                      "needs the obliquity \"reciprocal\": the others do not conserve energy by themselves");
-      if (varies || needs_tangent_)
-        throw p.error("renormalize", "needs a layer that is the same everywhere and has circular symmetry");
-      const auto indices = [this, grid = range](double nm) {
-        const Wavelengths w = Wavelengths::at(grid, float(nm));
-        return std::pair<double, double>{exterior_.eval(w)[0], interior_.eval(w)[0]};
-      };
-      balance_.emplace(product->radial(), phase_nm_ * radius_scale_.maximum(), range, indices,
-                       substrate_ == Substrate::none        ? ScattererBalance::Surface::open
-                       : substrate_ == Substrate::interface ? ScattererBalance::Surface::interface
-                                                            : ScattererBalance::Surface::pane);
-    }
-  }
-
-  Spectrum index(const Ior& ior, const BsdfContext& ctx) const {
-    return dispersive_ ? ior.eval(ctx.wavelengths) : Spectrum(ior.at_sodium_d());
-  }
-
-  /// The indices that light meets from the side where a direction has the sign of `z`.
-  struct Indices {
-    Spectrum here, beyond;
-    Spectrum
-        fresnel_beyond;  ///< behind the first interface: of a pane the glass, where `beyond` is the air again
-  };
-  Indices indices(float z, const BsdfContext& ctx) const {
-    const Spectrum n_ext = index(exterior_, ctx), n_int = index(interior_, ctx);
-    if (substrate_ != Substrate::interface) return {n_ext, n_ext, n_int};
-    return z > 0 ? Indices{n_ext, n_int, n_int} : Indices{n_int, n_ext, n_ext};
-  }
-
-  /// Reflectance for a direction seen from its own side.
-  Spectrum reflectance(float cosine, const Indices& n) const {
-    Spectrum r;
-    if (dispersive_)
-      r = fresnel_dielectric(cosine, n.fresnel_beyond / n.here);
-    else
-      r = fresnel_dielectric(cosine, n.fresnel_beyond[0] / n.here[0]).reflectance;
-    return substrate_ == Substrate::pane ? thin_slab(r) : r;
-  }
-
   template <bool kDensity>
   BsdfEval diffracted(const Vec3& wi, const Vec3& wo, const Point& point, const BsdfContext& ctx) const {
     const bool reflected = (wi.z > 0) == (wo.z > 0);
-    if (substrate_ == Substrate::none && reflected) return {};
+    if (substrate_.is_none() && reflected) return {};
     const float cos_i = std::abs(wi.z), cos_o = std::abs(wo.z);
-    const Indices n = indices(wi.z, ctx);
+    const LayerSubstrate::Indices n = substrate_.indices(wi.z, ctx.wavelengths);
     const Spectrum n_o = reflected ? n.here : n.beyond;
     const Spectrum phase = Spectrum(float(point.phase_nm)) / ctx.wavelengths.nm;  // k a
     const float sin_i = std::sqrt(wi.x * wi.x + wi.y * wi.y);
     DiffractedWave u;
-    if (dispersive_) {
+    if (substrate_.is_dispersive()) {
       u.x = phase * (n_o * wo.x + n.here * wi.x), u.y = phase * (n_o * wo.y + n.here * wi.y);
       u.length = sqrt(u.x * u.x + u.y * u.y);
     } else {
-      // Two directions nearly cancel here: what is left of them is exact in double precision.
+      // Two directions nearly cancel here: their difference is exact in double precision.
       const double a = n_o[0], b = n.here[0];
       const double x = a * wo.x + b * wi.x, y = a * wo.y + b * wi.y;
       u.x = phase * float(x), u.y = phase * float(y);
@@ -288,12 +184,13 @@ private:
       u.y = u.y * point.cosine - x * point.sine;
     }
 
-    // Density of wo over solid angle of what is 1/(2 pi) over u, and the share of this side.
+    // The density 1/(2 pi) over u as a density of wo over solid angle, and the share of this side.
     const Spectrum jacobian = phase * phase * n_o * n_o * (cos_o * 0.5f * kInvPi);
     Spectrum share(1.f);
-    if (substrate_ != Substrate::none) {
-      const Spectrum r_o = reflectance(cos_o, reflected ? n : indices(wo.z, ctx));
-      const Spectrum both = sqrt(reflectance(cos_i, n) * r_o);
+    if (!substrate_.is_none()) {
+      const Spectrum r_o =
+          substrate_.reflectance(cos_o, reflected ? n : substrate_.indices(wo.z, ctx.wavelengths));
+      const Spectrum both = sqrt(substrate_.reflectance(cos_i, n) * r_o);
       share = reflected ? both : Spectrum(1.f) - both;
     }
     BsdfEval e;
@@ -305,11 +202,12 @@ private:
       const Spectrum u_max = phase * (max(n.here, n.beyond) + n.here * sin_i);
       e.pdf = sampler_->density(point.state, u, u_max) * jacobian * share * probability;
     } else {
-      e.pdf = cos_o * kInvPi * probability * (substrate_ == Substrate::none ? 1.f : 0.5f);
+      e.pdf = cos_o * kInvPi * probability * (substrate_.is_none() ? 1.f : 0.5f);
     }
-    if (ctx.mode == TransportMode::radiance && !reflected && substrate_ == Substrate::interface)
+    if (ctx.mode == TransportMode::radiance && !reflected &&
+        substrate_.kind() == LayerSubstrate::Kind::interface)
       e.value *= n.here * n.here / (n_o * n_o);
-    if (obliquity_ != Obliquity::reciprocal) e.value *= obliquity(wi, wo, n.here, n_o, ctx.mode);
+    if (!obliquity_.is_reciprocal()) e.value *= obliquity_.factor(wi, wo, n.here, n_o, ctx.mode);
     if (balance_) {
       const float sin_o = std::sqrt(wo.x * wo.x + wo.y * wo.y);
       e.value *= balance_->factor(ctx.wavelengths.nm, n.here, n.beyond, sin_i) *
@@ -318,54 +216,11 @@ private:
     return e;
   }
 
-  /// O: theta_s is where the arriving light would go if it were only refracted or reflected to the side on
-  /// which it leaves.
-  Spectrum obliquity(const Vec3& wi, const Vec3& wo, const Spectrum& n_i, const Spectrum& n_o,
-                     TransportMode mode) const {
-    const bool radiance = mode == TransportMode::radiance;
-    const Vec3& arrives = radiance ? wo : wi;
-    const Vec3& leaves = radiance ? wi : wo;
-    const Spectrum ratio = radiance ? n_o / n_i : n_i / n_o;
-    // 1 - (ratio sin)^2, written so that grazing light keeps its digits.
-    const Spectrum c2 =
-        Spectrum(arrives.z * arrives.z) * ratio * ratio + (Spectrum(1.f) - ratio) * (Spectrum(1.f) + ratio);
-    const SpectrumMask exists = c2.v > Spectrum(0.f).v;
-    const Spectrum cos_s = sqrt(select(exists, c2, 1.f)),
-                   cos_l = std::max(std::abs(leaves.z), kSmallestCosine);
-    const Spectrum mean_cosine = (cos_s + cos_l) * 0.5f;
-    const Spectrum o = obliquity_ == Obliquity::fraunhofer
-                           ? cos_s / cos_l
-                           : mean_cosine * mean_cosine / (max(cos_s, kSmallestCosine) * cos_l);
-    return select(exists, o, 0.f);
-  }
-
-  std::optional<BsdfSample> sample_delta(const Vec3& wi, float u1, const Point& point,
-                                         const BsdfContext& ctx) const {
-    const float weight = point.delta, mass = point.delta * point.probability;
-    if (substrate_ == Substrate::none)
-      return BsdfSample{-wi, weight, mass, Lobe::delta | Lobe::transmit | Lobe::through};
-    const Indices n = indices(wi.z, ctx);
-    const Spectrum r = reflectance(std::abs(wi.z), n);
-    if (u1 < r[0]) return BsdfSample{reflect(wi), r * weight, r * mass, Lobe::delta | Lobe::reflect};
-    Spectrum t = Spectrum(1.f) - r;
-    if (substrate_ == Substrate::pane)
-      return BsdfSample{-wi, t * weight, t * mass, Lobe::delta | Lobe::transmit | Lobe::through};
-    // Another index sends its wavelength elsewhere: it has no part in this direction.
-    const Spectrum etas = n.beyond / n.here;
-    const float eta = etas[0], cos_t = fresnel_dielectric(std::abs(wi.z), eta).cos_t;
-    t = select(etas.v == Spectrum(eta).v, t, 0.f);
-    if (!(t[0] > 0) || !(cos_t > 0)) return {};
-    const Vec3 wo{-wi.x / eta, -wi.y / eta, wi.z > 0 ? -cos_t : cos_t};
-    BsdfSample s{wo, t * weight, t * mass, Lobe::delta | Lobe::transmit, eta};
-    if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
-    return s;
-  }
-
   /// A wave, then reflection or transmission in proportion to their shares: with O = 1 and waves in
   /// proportion to J all samples have the same weight, but for those whose q is evanescent, which are lost.
   std::optional<BsdfSample> sample_diffracted(const Vec3& wi, float u1, Vec2 u2, const Point& point,
                                               const BsdfContext& ctx) const {
-    const Indices all = indices(wi.z, ctx);
+    const LayerSubstrate::Indices all = substrate_.indices(wi.z, ctx.wavelengths);
     const double n_i = all.here[0], n_t = all.beyond[0];
     bool reflected = false;
     Vec3 wo;
@@ -378,10 +233,10 @@ private:
       const double x = (u.x * point.cosine - u.y * point.sine) / phase - n_i * wi.x;
       const double y = (u.x * point.sine + u.y * point.cosine) / phase - n_i * wi.y;
       const double r2 = x * x + y * y;
-      if (substrate_ != Substrate::none) {
+      if (!substrate_.is_none()) {
         const double c2 = 1 - r2 / (n_i * n_i);
-        const Spectrum r_i = reflectance(std::abs(wi.z), all);
-        const float r_o = c2 > 0 ? reflectance(float(std::sqrt(c2)), all)[0] : 1;
+        const Spectrum r_i = substrate_.reflectance(std::abs(wi.z), all);
+        const float r_o = c2 > 0 ? substrate_.reflectance(float(std::sqrt(c2)), all)[0] : 1;
         reflected = u1 < std::sqrt(r_i[0] * r_o);
       }
       const double n_o = reflected ? n_i : n_t;
@@ -390,7 +245,7 @@ private:
       const float z = float(std::sqrt(c2));
       wo = {float(x / n_o), float(y / n_o), (wi.z > 0) == reflected ? z : -z};
     } else {
-      reflected = substrate_ != Substrate::none && u1 < 0.5f;
+      reflected = !substrate_.is_none() && u1 < 0.5f;
       wo = square_to_cosine_hemisphere(u2);
       if ((wi.z > 0) != reflected) wo.z = -wo.z;
     }
@@ -400,13 +255,10 @@ private:
                       float((reflected ? n_i : n_t) / n_i)};
   }
 
-  static constexpr float kSmallestCosine = 1e-5f;
   static constexpr double kLeastPhase = 1e-6, kMostPhase = 1e9;  // of k a, for single precision
 
-  Substrate substrate_;
-  Obliquity obliquity_;
-  Ior exterior_, interior_;
-  bool dispersive_;
+  LayerSubstrate substrate_;
+  LayerObliquity obliquity_;
   bool discs_, needs_tangent_ = false;
   float fill_ = 1;
   double phase_nm_;  // 2 pi correlation_radius in nm: k a times the wavelength
@@ -420,27 +272,18 @@ private:
 AUREOLE_PLUGIN(
     CorrelatedScatterers, "bsdf", "correlated_scatterers",
     PluginDoc{"A layer of many scatterers, openings in a sheet or in the mist on a pane, or opaque discs, "
-              "whose diffracted "
-              "light makes coloured rings or stars around every lamp (a corona). Shapes are nested "
-              "apertures, several for a "
-              "mixture, or circles of one radius; their places are those of hard discs, or of the nested "
-              "correlation. Part "
-              "of the light keeps its direction, part is diffracted, and the rest meets what lies between "
-              "apertures "
-              "(absorbed for \"none\" without a nested BSDF) or is blocked by discs. With Fr the covered "
-              "part, apertures: "
-              "Fr^2, Fr - Fr^2, 1 - Fr; discs: (1 - Fr)^2, Fr - Fr^2, Fr. Diffracted waves without a real "
-              "direction "
+              "whose diffracted light makes coloured rings or stars around every lamp (a corona). Shapes are "
+              "nested apertures, several for a mixture, or circles of one radius; their places are those of "
+              "hard discs, or of the nested correlation. Part of the light keeps its direction, part is "
+              "diffracted, and the rest meets what lies between apertures (absorbed for \"none\" without a "
+              "nested BSDF) or is blocked by discs. With Fr the covered part, apertures: Fr^2, Fr - Fr^2, 1 "
+              "- Fr; discs: (1 - Fr)^2, Fr - Fr^2, Fr. Diffracted waves without a real direction "
               "(evanescent) are lost, about 2/(pi k a (1 - Fr)) of the diffracted part at normal incidence "
-              "and more at "
-              "grazing; renormalize gives that power back. Where shapes, or places, have no circular "
-              "symmetry they are "
-              "oriented by the surface's uv, or by a normal map's frame.",
+              "and more at grazing; renormalize gives that power back. Where shapes, or places, have no "
+              "circular symmetry they are oriented by the surface's uv, or by a normal map's frame.",
               "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated scatterers, 2025, "
-              "equations 14 "
-              "to 28; J. E. Harvey et al., Diffracted radiance: a fundamental quantity in nonparaxial scalar "
-              "diffraction "
-              "theory, Appl. Opt. 38, 1999",
+              "equations 14 to 28; J. E. Harvey et al., Diffracted radiance: a fundamental quantity in "
+              "nonparaxial scalar diffraction theory, Appl. Opt. 38, 1999",
               {{"scatterer", "string", "", "apertures",
                 "apertures (the light goes through the shapes) or discs (around them)"},
                {"radius", "length", "", "none",
@@ -448,26 +291,21 @@ AUREOLE_PLUGIN(
                {"aperture", "aperture", "", "none", "shapes, whose fractions sum to 1; instead of radius"},
                {"correlation_radius", "length", "", "the largest shape's",
                 "half the smallest distance of two centres: at least the radius of the largest shape's "
-                "circle, at most 64 "
-                "times that"},
+                "circle, at most 64 times that"},
                {"area_fraction", "float or texture", "", "required",
                 "part of the plane that discs of correlation_radius would cover; up to 0.7 for "
-                "percus_yevick, never above "
-                "0.9069"},
+                "percus_yevick, never above 0.9069"},
                {"correlation", "correlation", "", "percus_yevick", "how the places depend on one another"},
                {"sizes", "string", "", "labelled",
                 "labelled: scatterers of all sizes sit in equal discs, of correlation_radius; polydisperse: "
-                "each in a disc "
-                "in proportion to its own size, the largest of correlation_radius, packed as such discs pack "
-                "(up to 8 "
-                "classes of sizes; area_fraction is that of all discs)"},
+                "each in a disc in proportion to its own size, the largest of correlation_radius, packed as "
+                "such discs pack (up to 8 classes of sizes; area_fraction is that of all discs)"},
                {"radius_scale", "float or texture", "", "1", "factor of all lengths, in [1/64, 64]"},
                {"rotation", "float or texture", "degrees", "0",
                 "turns shapes and places counter-clockwise from the u axis"},
                {"substrate", "string", "", "none",
                 "none: a sheet in one medium, nothing is reflected; dielectric: the interface of two media; "
-                "thindielectric: "
-                "a pane in one surface"},
+                "thindielectric: a pane in one surface"},
                {"int_ior", "float or string", "", "1.5046",
                 "index below the interface or of the pane; not for none"},
                {"ext_ior", "float or string", "", "air", "index above, and on both sides of a sheet or pane"},
@@ -475,23 +313,18 @@ AUREOLE_PLUGIN(
                 "named materials use their dispersion data where there are any"},
                {"obliquity", "string", "", "reciprocal",
                 "factor of the diffracted radiance, with s the specular and o the outgoing angle of the "
-                "light: reciprocal: "
-                "1; fraunhofer: cos s/cos o, as published, not reciprocal; kirchhoff: ((cos s + cos "
-                "o)/2)^2/(cos s cos o)"},
+                "light: reciprocal: 1; fraunhofer: cos s/cos o, as published, not reciprocal; kirchhoff: "
+                "((cos s + cos o)/2)^2/(cos s cos o)"},
                {"renormalize", "boolean", "", "false",
                 "scale by h(w_i) h(w_o) such that no diffracted power is lost to evanescent waves; only with "
-                "reciprocal, and "
-                "for layers with circular symmetry that are the same everywhere"},
+                "reciprocal, and for layers with circular symmetry that are the same everywhere"},
                {"sampling", "string", "", "product",
                 "product: in proportion to the diffracted intensity; factor_mis (or factors): by shapes or "
-                "by correlation, "
-                "as published; table: by one table of the intensity, made for this layer alone; cosine. The "
-                "picture is the "
-                "same, with more noise"},
+                "by correlation, as published; table: by one table of the intensity, made for this layer "
+                "alone; cosine. The picture is the same, with more noise"},
                {"bsdf", "bsdf", "", "none",
                 "what light meets between apertures, such as cloth (only for the substrate none), or what "
-                "discs do with the "
-                "light they block; absorbed without"}},
+                "discs do with the light they block; absorbed without"}},
               {R"(<bsdf type="correlated_scatterers">
     <string name="scatterer" value="apertures"/>
     <string name="radius" value="5um"/>

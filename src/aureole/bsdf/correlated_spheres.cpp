@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A layer of many small spheres, such as droplets, that do not overlap, above a plane in one medium. Model:
 // Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025, section 6.2: each
-// sphere scatters by Mie's theory and the structure factor of their positions correlates them; what stays
-// coherent goes by Garcia-Valenzuela, Gutierrez-Reyes & Barrera 2012 (optics/sphere_layer.h).
+// sphere scatters by Mie's theory and the structure factor of their positions correlates them; the
+// coherent part follows Garcia-Valenzuela, Gutierrez-Reyes & Barrera 2012 (optics/layer/coherent_layer.h).
 //
 // Lobes. The shares |t|^2 and |r|^2 of unpolarised light are delta lobes. The rest times the albedo of a
 // sphere is scattered into all directions in proportion to (|S1|^2 + |S2|^2)/2 S'(q), q the change of the
@@ -14,7 +14,7 @@
 #include <stdexcept>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/sphere_tables.h"
+#include "aureole/bsdf/spheres/sphere_tables.h"
 #include "aureole/correlation/correlation.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/refractive_index.h"
@@ -86,7 +86,7 @@ public:
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0)) return {};
     const SphereTables::Shares s = tables_->shares(std::abs(wi.z), ctx.wavelengths.nm);
-    // A small lobe at either end of u1 is found by whoever looks for one.
+    // The delta lobes take the two ends of u1, so that they are found however small they are.
     if (u1 < s.reflected[0] || !(s.lost[0] > 0 || s.transmitted[0] > 0))
       return BsdfSample{reflect(wi), s.reflected, s.reflected, Lobe::delta | Lobe::reflect};
     if (u1 >= s.reflected[0] + s.lost[0] || !(s.lost[0] > 0))
@@ -129,14 +129,13 @@ AUREOLE_PLUGIN(
         "A layer of many small spheres, such as droplets, that do not overlap: halos and coronas by Mie's "
         "theory. The layer is a surface of its own in one medium: what is below it, such as the pane of a "
         "window, is another surface at a small distance. Light goes straight on or is reflected as by a "
-        "mirror "
-        "where it stays coherent; the rest is scattered into all directions or absorbed by the spheres.\n\n"
+        "mirror where it stays coherent; the rest is scattered into all directions or absorbed by the "
+        "spheres.\n\n"
         "The coherent part is a model of single spheres in the field of all others; for spheres far above "
         "the wavelength it lets more light pass beyond the angle where cos theta = area_fraction/2, which is "
         "not real. Spheres of one size have sharp resonances; those narrower than the nodes of wavelength "
         "(128 at most) are not followed. The largest sphere may have 2 pi n radius/lambda = 5000. Tables "
-        "take "
-        "1 to 12 MB.",
+        "take 1 to 12 MB.",
         "Yang, Kim, Pediredla & Jarosz, A wave-optics BSDF for correlated scatterers, 2025, section 6.2; "
         "Garcia-Valenzuela, Gutierrez-Reyes & Barrera, J. Opt. Soc. Am. A 29 (2012) 1161; Bohren & Huffman, "
         "Absorption and Scattering of Light by Small Particles, 1983, chapter 4",

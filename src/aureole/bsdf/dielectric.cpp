@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -29,24 +29,25 @@ public:
     const float cos_i = std::abs(wi.z);
     if (!(cos_i > 0)) return {};
     // eta: index beyond the interface over the index on the side of wi.
+    const bool disperses = dispersive_ || ctx.exterior_index;
     Spectrum etas(eta_);
-    if (dispersive_) etas = interior_.eval(ctx.wavelengths) / exterior_.eval(ctx.wavelengths);
-    if (wi.z < 0) etas = dispersive_ ? Spectrum(1.f) / etas : Spectrum(1.f / eta_);
+    if (disperses) etas = interior_.eval(ctx.wavelengths) / exterior_.eval_exterior(ctx);
+    if (wi.z < 0) etas = disperses ? Spectrum(1.f) / etas : Spectrum(1.f / eta_);
     const float eta = etas[0];
     const DielectricFresnel hero = fresnel_dielectric(cos_i, eta);
 
     if (u1 < hero.reflectance) {
-      Spectrum r = dispersive_ ? fresnel_dielectric(cos_i, etas) : Spectrum(hero.reflectance);
-      r[0] = hero.reflectance;  // the probability that was compared with
+      Spectrum r = disperses ? fresnel_dielectric(cos_i, etas) : Spectrum(hero.reflectance);
+      r[0] = hero.reflectance;  // the very number that u1 was compared with
       BsdfSample s{reflect(wi), r, r, Lobe::delta | Lobe::reflect};
       if (reflectance_) s.value *= reflectance_->eval(ctx.point, ctx.wavelengths);
       return s;
     }
     // Another index sends its wavelength elsewhere: it has no part in this direction.
     Spectrum t(1 - hero.reflectance);
-    if (dispersive_) t = select(etas.v == Spectrum(eta).v, t, 0.f);
+    if (disperses) t = select(etas.v == Spectrum(eta).v, t, 0.f);
     BsdfSample s{refract(wi, hero.cos_t, eta), t, t, Lobe::delta | Lobe::transmit, eta};
-    // Radiance is compressed into a smaller solid angle in the denser medium: L/n^2 is what refraction keeps.
+    // Radiance is compressed into a smaller solid angle in the denser medium: refraction keeps L/n^2.
     if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
     if (transmittance_) s.value *= transmittance_->eval(ctx.point, ctx.wavelengths);
     return s;
@@ -70,12 +71,10 @@ private:
 AUREOLE_PLUGIN(Dielectric, "bsdf", "dielectric",
                PluginDoc{
                    "A smooth interface between two transparent media, such as glass or water in air: Fresnel "
-                   "reflection and "
-                   "refraction. The interior is on the side opposite to the normal. A material given by a "
-                   "name with dispersion data "
-                   "(for example bk7) disperses; numbers, names without such data, and all names with "
-                   "dispersion switched off "
-                   "have one index for all wavelengths, which is Mitsuba's where Mitsuba knows the name.",
+                   "reflection and refraction. The interior is on the side opposite to the normal. A "
+                   "material given by a name with dispersion data (for example bk7) disperses; numbers, "
+                   "names without such data, and all names with dispersion switched off have one index for "
+                   "all wavelengths, which is Mitsuba's where Mitsuba knows the name.",
                    "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2",
                    {{"int_ior", "float or string", "", "1.5046",
                      "index of the interior, as a number or the name of a material"},

@@ -2,7 +2,7 @@
 // A surface with holes: a nested BSDF where it is opaque, nothing elsewhere, and a mixture in between.
 #include <algorithm>
 
-#include "aureole/bsdf/nested.h"
+#include "aureole/bsdf/nested/nested_bsdfs.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -15,7 +15,7 @@ public:
       : Bsdf(properties),
         opacity_(get_fraction(properties, "opacity", 0.5)),
         nested_(nested_bsdfs(properties, 1).front()) {
-    // What is opaque or open everywhere costs no more than without the mask.
+    // A mask that is opaque or open everywhere has only the lobes of that case and costs nothing.
     if (opacity_->maximum() > 0) lobes_ = nested_->lobes();
     if (opacity_->minimum() < 1) lobes_ = lobes_ | kNullLobe;
   }
@@ -41,7 +41,7 @@ public:
     return nested_->is_passable() ? open + nested_->null_transmittance(wi, ctx) * opacity : open;
   }
 
-  // Of what is there: how much of it there is, alpha tells.
+  // Those of the opaque part: its share of the surface is the picture's alpha.
   Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
     return nested_->diffuse_reflectance(wi, ctx);
   }

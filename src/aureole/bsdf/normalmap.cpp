@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Normal mapping: a picture holds the normal in the coordinates of the shading frame, (n + 1) / 2.
-#include "aureole/bsdf/perturbed_frame.h"
+#include "aureole/bsdf/nested/perturbed_frame.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 

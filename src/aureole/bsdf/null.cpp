@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A surface that is not there: for the boundary of a medium, or to hide a shape.
-#include "aureole/bsdf/nested.h"
+#include "aureole/bsdf/nested/nested_bsdfs.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {

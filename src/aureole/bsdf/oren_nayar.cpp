@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/scalar_texture.h"
+#include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 

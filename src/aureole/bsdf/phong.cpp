@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/diffuse_specular.h"
-#include "aureole/bsdf/scalar_texture.h"
+#include "aureole/bsdf/parameter/diffuse_specular.h"
+#include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 

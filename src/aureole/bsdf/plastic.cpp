@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/math/warp.h"
-#include "aureole/optics/fresnel.h"
+#include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -122,10 +122,8 @@ private:
 AUREOLE_PLUGIN(
     Plastic, "bsdf", "plastic",
     PluginDoc{"A diffuse base under a smooth transparent coating: a sharp highlight over a diffuse colour, "
-              "with the light that "
-              "is reflected back and forth between the base and the coating. It reflects on the side of its "
-              "normal and is "
-              "black on the other; `twosided` makes both sides alike.",
+              "with the light that is reflected back and forth between the base and the coating. It reflects "
+              "on the side of its normal and is black on the other; `twosided` makes both sides alike.",
               "Fresnel: M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2; "
               "interreflections: J. L. Saunderson, "
               "Calculation of the color of pigmented plastics, J. Opt. Soc. Am. 32, 1942, as used in Mitsuba",

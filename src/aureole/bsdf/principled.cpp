@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Burley's principled BSDF as Mitsuba 3.9 has it: diffuse, sheen, metallic and dielectric GGX reflection,
 // GGX refraction, and a clearcoat. Its densities do not depend on the wavelength: all weights are numbers.
-#include "aureole/bsdf/principled.h"
-
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
-#include "aureole/bsdf/ggx.h"
-#include "aureole/bsdf/scalar_texture.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/bsdf/microfacet/ggx.h"
+#include "aureole/bsdf/microfacet/principled_lobes.h"
+#include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
@@ -119,12 +118,12 @@ public:
   }
 
 private:
-  /// What depends on the point and the side of wi only.
+  /// The quantities that depend only on the point and the side of wi.
   struct State {
     bool front;
     float eta;  ///< index beyond the surface over that on the side of wi
     float roughness, metallic, clearcoat;
-    float brdf, bsdf;  ///< weights of what is diffuse and of what transmits
+    float brdf, bsdf;  ///< weights of the diffuse and of the transmitting part
     Ggx ggx;
     float p_diffuse, p_clearcoat, p_specular, total;  ///< `total` is their sum
 

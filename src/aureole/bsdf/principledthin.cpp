@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
-#include "aureole/bsdf/ggx.h"
-#include "aureole/bsdf/principled.h"
-#include "aureole/bsdf/scalar_texture.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/bsdf/microfacet/ggx.h"
+#include "aureole/bsdf/microfacet/principled_lobes.h"
+#include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // A rough metal: microfacets that reflect as a smooth one does, f = F D G / (4 cos_i cos_o) (Cook & Torrance
 // 1982; Walter et al. 2007, equation 20) with Smith's G = G1(wi) G1(wo), scattered once. With
-// `energy_preserving` a second lobe has what is scattered more than once (Kulla & Conty 2017, "Revisiting
-// physically based shading at Imageworks"):
+// `energy_preserving` a second lobe holds the light that is scattered more than once (Kulla & Conty 2017,
+// "Revisiting physically based shading at Imageworks"):
 //     f_ms = F_ms (1 - E(wi)) (1 - E(wo)) / (pi (1 - E_avg)),
 // E the energy that white facets scatter once. It is reciprocal, and a white surface loses nothing.
 #include <optional>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/conductor_index.h"
-#include "aureole/bsdf/microfacet.h"
-#include "aureole/bsdf/microfacet_energy.h"
+#include "aureole/bsdf/fresnel/conductor_index.h"
+#include "aureole/bsdf/microfacet/microfacet.h"
+#include "aureole/bsdf/microfacet/microfacet_energy.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -83,7 +83,8 @@ private:
     const Spectrum tint = reflectance_ ? reflectance_->eval(ctx.point, ctx.wavelengths) : Spectrum(1.f);
     BsdfEval e{index_.reflectance(cos_im, ctx) * tint * (seen * s.facets.masking(wo)), pdf};
     if (s.loss > 0) {
-      // What meets facets twice or more: reflected by F_avg each time, and escaping with E_avg after each.
+      // Light that meets facets twice or more: reflected by F_avg each time, and escaping with E_avg after
+      // each.
       const Spectrum f = index_.diffuse_reflectance(ctx) * tint;
       const Spectrum f_ms = f * f * (1 - s.average_loss) / (Spectrum(1.f) - f * s.average_loss);
       const float cosine = cosine_hemisphere_pdf(wo.z);
@@ -103,16 +104,13 @@ AUREOLE_PLUGIN(
     RoughConductor, "bsdf", "roughconductor",
     PluginDoc{
         "A rough metal in vacuum: microfacets that reflect as `conductor` does. Light is scattered once, "
-        "which "
-        "makes very rough metals dark; with `energy_preserving` it is scattered until it leaves, with the "
-        "stronger colour of several reflections, and a white metal loses no light. It reflects on the side "
-        "of "
-        "its normal and is black on the other; `twosided` makes both sides alike.",
+        "which makes very rough metals dark; with `energy_preserving` it is scattered until it leaves, with "
+        "the stronger colour of several reflections, and a white metal loses no light. It reflects on the "
+        "side of its normal and is black on the other; `twosided` makes both sides alike.",
         "B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet models for refraction through rough "
-        "surfaces, "
-        "EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based BRDFs, JCGT "
-        "3(2), "
-        "2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, SIGGRAPH courses 2017",
+        "surfaces, EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based "
+        "BRDFs, JCGT 3(2), 2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, "
+        "SIGGRAPH courses 2017",
         {{"material", "string", "", "none",
           "name of a conductor with tabulated index, such as Au or Cu_palik; none is a perfect mirror"},
          {"eta", "texture", "", "0", "real part of the index, instead of a material"},

@@ -2,16 +2,16 @@
 // A rough interface between two transparent media: microfacets that reflect and refract as a smooth one does
 // (Walter et al. 2007, equations 20 and 21) with Smith's G = G1(wi) G1(wo), scattered once. Which facet
 // refracts wi into wo depends on the index: with dispersion every wavelength has a normal of its own. With
-// `energy_preserving` two more lobes, one on each side, have what is scattered more than once (Kulla & Conty
-// 2017); see `Multiple`.
+// `energy_preserving` two more lobes, one on each side, hold the light scattered more than once (Kulla &
+// Conty 2017); see `Multiple`.
 #include <optional>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
-#include "aureole/bsdf/microfacet.h"
-#include "aureole/bsdf/microfacet_energy.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/bsdf/microfacet/microfacet.h"
+#include "aureole/bsdf/microfacet/microfacet_energy.h"
 #include "aureole/math/warp.h"
-#include "aureole/optics/fresnel.h"
+#include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -61,21 +61,21 @@ public:
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0 && std::abs(wo.z) > 0)) return {};
-    if (dispersive_) return at(State<Spectrum>(*this, wi, ctx), wo, ctx);
+    if (disperses(ctx)) return at(State<Spectrum>(*this, wi, ctx), wo, ctx);
     return at(State<float>(*this, wi, ctx), wo, ctx);
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0)) return {};
-    if (dispersive_) return sample_from(State<Spectrum>(*this, wi, ctx), u1, u2, ctx);
+    if (disperses(ctx)) return sample_from(State<Spectrum>(*this, wi, ctx), u1, u2, ctx);
     return sample_from(State<float>(*this, wi, ctx), u1, u2, ctx);
   }
 
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect | Lobe::transmit; }
 
 private:
-  /// What is scattered more than once. Of the loss of side a a fraction x_a crosses to side b, the rest
-  /// stays; both leave in proportion to the loss of their side,
+  /// The light that is scattered more than once. Of the loss of side a a fraction x_a crosses to side b, the
+  /// rest stays; both leave in proportion to the loss of their side,
   ///     f_r = (1 - x_a) loss_a(i) loss_a(o) / (pi avg_a),    f_t = x_a loss_a(i) loss_b(o) / (pi avg_b),
   /// so that energy is kept. Reciprocity, f_t(a to b)/n_b^2 = f_t(b to a)/n_a^2, needs x_a avg_a n_a^2 =
   /// x_b avg_b n_b^2. As (1 - F_a) n_a^2 = (1 - F_b) n_b^2 for the diffuse reflectances F of a smooth
@@ -124,7 +124,7 @@ private:
       const Multiple& m = *b.multiple_;
       const LossTable &here = m.side(below), &beyond = m.side(!below);
       place = here.locate(facets);
-      // The floor makes what single precision cannot tell from nothing vanish.
+      // The floor removes values that single precision cannot tell from zero.
       average = larger(here.average(place, eta_above), T(1e-6f));
       average_beyond = larger(beyond.average(place, eta_above), T(1e-6f));
       loss = here.loss(place, wi, eta_above);
@@ -175,7 +175,7 @@ private:
       pdf = pdf * (T(1.f) - s.loss) + part * side.density_over_cosine(s.place, up.z, s.eta_above);
       value = value + part * side.loss(s.place, up, s.eta_above) / (through ? s.average_beyond : s.average);
     }
-    // Radiance is compressed into a smaller solid angle in the denser medium: L/n^2 is what refraction keeps.
+    // Radiance is compressed into a smaller solid angle in the denser medium: refraction keeps L/n^2.
     if (through && ctx.mode == TransportMode::radiance) value = value / (s.eta * s.eta);
     BsdfEval e{value, pdf};
     if (const TexturePtr& tint = through ? transmittance_ : reflectance_)
@@ -219,7 +219,7 @@ private:
 
   float index(const BsdfContext&, float) const { return eta_; }
   Spectrum index(const BsdfContext& ctx, const Spectrum&) const {
-    return interior_.eval(ctx.wavelengths) / exterior_.eval(ctx.wavelengths);
+    return interior_.eval(ctx.wavelengths) / exterior_.eval_exterior(ctx);
   }
 
   /// Nodes for tables over the index, interior over exterior.
@@ -235,6 +235,8 @@ private:
     return {low, 0.5f * (low + high), high};
   }
 
+  bool disperses(const BsdfContext& ctx) const { return dispersive_ || ctx.exterior_index; }
+
   Ior interior_, exterior_;
   bool dispersive_;
   float eta_;  // without dispersion
@@ -248,16 +250,13 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "A rough interface between two transparent media, such as ground glass: microfacets that reflect and "
         "refract as `dielectric` does. The interior is on the side opposite to the normal. A material given "
-        "by "
-        "name disperses as in `dielectric`. Light is scattered once, which makes very rough glass dark; with "
-        "`energy_preserving` no light is lost: what is missing leaves on both sides, reciprocally, divided "
-        "by the "
-        "diffuse reflectance of a smooth interface.",
+        "by name disperses as in `dielectric`. Light is scattered once, which makes very rough glass dark; "
+        "with `energy_preserving` no light is lost: what is missing leaves on both sides, reciprocally, "
+        "divided by the diffuse reflectance of a smooth interface.",
         "B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet models for refraction through rough "
-        "surfaces, "
-        "EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based BRDFs, JCGT "
-        "3(2), "
-        "2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, SIGGRAPH courses 2017",
+        "surfaces, EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based "
+        "BRDFs, JCGT 3(2), 2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, "
+        "SIGGRAPH courses 2017",
         {{"int_ior", "float or string", "", "1.5046",
           "index of the interior, as a number or the name of a material"},
          {"ext_ior", "float or string", "", "air",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A diffuse base under a rough dielectric coating: `plastic` with microfacets. The coating reflects as
-// `roughdielectric`, and what it transmits is given by its directional transmittance T, tabulated:
+// `roughdielectric`, and its transmission by its directional transmittance T, tabulated:
 //     f = F D G / (4 cos_i cos_o) + T(i) T(o) / (pi eta^2) * rho / (1 - rho' F_int),
 // with F_int the reflectance from below for diffuse light and rho' = rho if `nonlinear`, else 1. T and F_int
 // count light that is scattered once by the coating; with `energy_preserving` all that is not reflected is
@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
-#include "aureole/bsdf/microfacet.h"
-#include "aureole/bsdf/microfacet_energy.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/bsdf/microfacet/microfacet.h"
+#include "aureole/bsdf/microfacet/microfacet_energy.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -18,12 +18,12 @@
 namespace aureole {
 namespace {
 
-/// The coating's transmittance from outside over the cosine, and what follows from it, for one index.
+/// The coating's transmittance from outside over the cosine, and numbers derived from it, for one index.
 struct Coating {
   static constexpr int kCells = 128;
 
   float transmittance[kCells + 1];
-  float f_int, leaving;  ///< of diffuse light from below, what is reflected, and what leaves
+  float f_int, leaving;  ///< the parts of diffuse light from below that are reflected and that leave
 
   Coating(const Microfacets& d, double eta, bool energy_preserving) {
     for (int i = 0; i <= kCells; ++i) {
@@ -168,13 +168,10 @@ AUREOLE_PLUGIN(
         "A diffuse base under a rough transparent coating: a broad highlight over a diffuse colour, with the "
         "light that is reflected back and forth between the base and the coating. The coating scatters light "
         "once, which makes very rough plastics dark; with `energy_preserving` a white base loses no light. "
-        "It "
-        "reflects on the side of its normal and is black on the other; `twosided` makes both sides alike.",
+        "It reflects on the side of its normal and is black on the other; `twosided` makes both sides alike.",
         "B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet models for refraction through rough "
-        "surfaces, "
-        "EGSR 2007; interreflections: J. L. Saunderson, Calculation of the color of pigmented plastics, J. "
-        "Opt. "
-        "Soc. Am. 32, 1942, as used in Mitsuba",
+        "surfaces, EGSR 2007; interreflections: J. L. Saunderson, Calculation of the color of pigmented "
+        "plastics, J. Opt. Soc. Am. 32, 1942, as used in Mitsuba",
         {{"diffuse_reflectance", "texture", "", "0.5", "reflectance of the base"},
          {"nonlinear", "boolean", "", "false",
           "let the base absorb at each internal reflection, which shifts saturated colours (false: only "

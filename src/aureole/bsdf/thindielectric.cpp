@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -29,9 +29,9 @@ public:
     const float cos_i = std::abs(wi.z);
     if (!(cos_i > 0)) return {};
     Spectrum r;
-    if (dispersive_)
+    if (dispersive_ || ctx.exterior_index)
       r = thin_slab(
-          fresnel_dielectric(cos_i, interior_.eval(ctx.wavelengths) / exterior_.eval(ctx.wavelengths)));
+          fresnel_dielectric(cos_i, interior_.eval(ctx.wavelengths) / exterior_.eval_exterior(ctx)));
     else
       r = thin_slab(fresnel_dielectric(cos_i, eta_).reflectance);
     if (u1 < r[0]) {
@@ -59,10 +59,8 @@ AUREOLE_PLUGIN(
     ThinDielectric, "bsdf", "thindielectric",
     PluginDoc{
         "A pane of a transparent material in one surface: both faces and all reflections between them, R' = "
-        "2R/(1 + R) "
-        "with R of one face. Transmitted light keeps its direction. Polarisation is not followed through the "
-        "pane, as in "
-        "Mitsuba.",
+        "2R/(1 + R) with R of one face. Transmitted light keeps its direction. Polarisation is not followed "
+        "through the pane, as in Mitsuba.",
         "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2; the sum over reflections is "
         "geometric",
         {{"int_ior", "float or string", "", "1.5046",

@@ -65,8 +65,7 @@ AUREOLE_PLUGIN(
     TwoSided, "bsdf", "twosided",
     PluginDoc{
         "Makes BSDFs that reflect on one side only do so on both: with one nested BSDF both sides are alike, "
-        "with "
-        "two the first is for the side of the normal and the second for the other.",
+        "with two the first is for the side of the normal and the second for the other.",
         "",
         {{"bsdf", "bsdf", "", "required", "one or two nested BSDFs"},
          {"allow_transmission", "boolean", "", "false",

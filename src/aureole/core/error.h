@@ -17,11 +17,11 @@ struct SourceLocation {
   int line = 0;
   int column = 0;
 
-  /// "file:line:column", leaving out what is unknown.
+  /// "file:line:column", without the parts that are unknown.
   std::string str() const;
 };
 
-/// A problem with what the user gave us. Caught by the applications, which print it and exit with code 2.
+/// A fault in the user's input. Caught by the applications, which print it and exit with code 2.
 class Error : public std::runtime_error {
 public:
   explicit Error(const std::string& message) : std::runtime_error(message), message_(message) {}

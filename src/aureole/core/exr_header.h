@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A look at the header of an EXR file before a library acts on what it says.
+// A check of the header of an EXR file before a library allocates memory by it.
 #pragma once
 
 #include <cstddef>

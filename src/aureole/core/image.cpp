@@ -58,7 +58,7 @@ Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) 
   return codec::read_hdr_tga_bmp(b, max_pixels);
 }
 
-/// Writes what `encode` returns; its errors get the file's name.
+/// Writes the bytes that `encode` returns; its errors get the file's name.
 template <class Encode>
 void write_encoded(const std::filesystem::path& file, const Encode& encode) {
   try {

@@ -39,8 +39,8 @@ struct ExrAttributes {
   std::map<std::string, float> floats;
 };
 
-/// Reads EXR, PNG, JPEG, TIFF, PFM, HDR, TGA or BMP, by content. Throws Error that names the file and what is
-/// wrong (missing, truncated, unknown format, more than `max_pixels`).
+/// Reads EXR, PNG, JPEG, TIFF, PFM, HDR, TGA or BMP, by content. Throws Error that names the file and the
+/// fault (missing, truncated, unknown format, more than `max_pixels`).
 Image read_image(const std::filesystem::path& file, ExrAttributes* attributes = nullptr,
                  std::size_t max_pixels = std::size_t(1) << 30);
 

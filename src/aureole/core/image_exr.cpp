@@ -72,7 +72,7 @@ void read_attributes(const Imf::Header& header, ExrAttributes& out) {
 }  // namespace
 
 Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) try {
-  // The library takes memory for what a header promises: the header is checked first.
+  // The library allocates memory by the header alone: the header is checked first.
   check_exr_header(bytes, max_pixels);
   MemoryInput stream(bytes);
   Imf::InputFile file(stream, 0);

@@ -14,7 +14,7 @@ namespace {
 
 using Rgbe = std::array<unsigned char, 4>;
 
-/// Rounded to nearest, as most readers want it that take a mantissa for what it says (Radiance's own adds a
+/// Rounded to nearest, for readers that take a mantissa as it stands, as most do (Radiance's own adds a
 /// half).
 Rgbe to_rgbe(float r, float g, float b) {
   const float c[3] = {std::max(r, 0.f), std::max(g, 0.f), std::max(b, 0.f)};

@@ -14,7 +14,7 @@ namespace aureole::codec {
 
 namespace {
 
-/// What libpng's callbacks work on. libpng reports errors by longjmp: functions that call setjmp keep no
+/// The state of libpng's callbacks. libpng reports errors by longjmp: functions that call setjmp keep no
 /// objects with destructors of their own.
 struct PngState {
   Bytes input;

@@ -35,7 +35,7 @@ private:
   }
   std::unordered_set<void*> live_;
 };
-/// Those of the image that this thread reads.
+/// The memory that stb_image holds for this thread.
 thread_local Blocks* blocks = nullptr;
 
 }  // namespace

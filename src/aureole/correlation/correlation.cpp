@@ -36,22 +36,20 @@ std::shared_ptr<const Correlation> get_correlation(const Properties& p) {
   if (nested.size() > 1)
     throw Error(nested[1]->properties().where(), "\"" + p.type() + "\" takes one correlation, not more");
   if (!nested.empty()) return nested.front();
-  const PluginInfo* info = Registry::instance().find("correlation", "percus_yevick");
-  return std::dynamic_pointer_cast<const Correlation>(
-      info->create(Properties(info->name, "", p.where(), p.shared_context(), info)));
+  return make_default<const Correlation>(p, "correlation");
 }
 
-std::vector<ParameterDoc> correlation_parameters(std::vector<ParameterDoc> own) {
-  own.insert(
-      own.end(),
-      {{"stretch", "float", "", "1",
-        "positions are stretched by its square root in one direction and compressed as much across it, as "
-        "on a drawn film; in [1/4, 4]. Shapes stay as they are, and fill their discs no longer where these "
-        "are compressed: leave room by "
-        "correlation_radius, or they may overlap, which the model does not know"},
-       {"stretch_direction", "float", "degrees", "0",
-        "direction of the stretch, counter-clockwise from the surface's u axis"}});
-  return own;
-}
+AUREOLE_FAMILY(FamilyInfo{
+    .name = "correlation",
+    .fallback = "percus_yevick",
+    .parameters =
+        {{"stretch", "float", "", "1",
+          "positions are stretched by its square root in one direction and compressed as much across it, as "
+          "on a drawn film; in [1/4, 4]. Shapes stay as they are, and fill their discs no longer where these "
+          "are compressed: leave room by correlation_radius, or they may overlap, which the model does not "
+          "know"},
+         {"stretch_direction", "float", "degrees", "0",
+          "direction of the stretch, counter-clockwise from the surface's u axis"}},
+    .is_reusable = true});
 
 }  // namespace aureole

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "aureole/optics/partial_structure_factors.h"
-#include "aureole/optics/structure_factor.h"
+#include "aureole/optics/arrangement/partial_structure_factors.h"
+#include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/plugin/registry.h"
 
@@ -47,8 +47,5 @@ private:
 
 /// The correlation that is nested, described by the row "correlation", or else hard discs (percus_yevick).
 std::shared_ptr<const Correlation> get_correlation(const Properties& properties);
-
-/// Rows of the parameter table that all correlations share, after those of the plug-in.
-std::vector<ParameterDoc> correlation_parameters(std::vector<ParameterDoc> own);
 
 }  // namespace aureole

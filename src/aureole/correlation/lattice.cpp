@@ -45,17 +45,15 @@ AUREOLE_PLUGIN(
         "directions. The spacing follows from area_fraction and correlation_radius.",
         "A. Guinier, X-ray Diffraction in Crystals, Imperfect Crystals, and Amorphous Bodies, 1963, chapter "
         "7",
-        correlation_parameters(
-            {{"lattice", "string", "", "hexagonal",
-              "hexagonal (area fractions up to 0.9069) or square (0.7854)"},
-             {"jitter", "float", "", "0.05",
-              "standard deviation of the displacement along each axis, in spacings"},
-             {"domain", "float", "", "4",
-              "size of the ordered domains in spacings, in [1, 10]: pairs at a distance r are correlated by "
-              "exp(-r^2/(2 domain^2)), spots are 1/(2 pi domain) of their distance wide; at most 25 "
-              "correlation radii"},
-             {"angle", "float", "degrees", "0", "of a row of the lattice to the surface's u axis"},
-             {"random_orientation", "boolean", "", "false", "domains in all directions: rings, not spots"}}),
+        {{"lattice", "string", "", "hexagonal", "hexagonal (area fractions up to 0.9069) or square (0.7854)"},
+         {"jitter", "float", "", "0.05",
+          "standard deviation of the displacement along each axis, in spacings"},
+         {"domain", "float", "", "4",
+          "size of the ordered domains in spacings, in [1, 10]: pairs at a distance r are correlated by "
+          "exp(-r^2/(2 domain^2)), spots are 1/(2 pi domain) of their distance wide; at most 25 correlation "
+          "radii"},
+         {"angle", "float", "degrees", "0", "of a row of the lattice to the surface's u axis"},
+         {"random_orientation", "boolean", "", "false", "domains in all directions: rings, not spots"}},
         {R"(<correlation type="lattice">
     <string name="lattice" value="square"/> <float name="jitter" value="0.08"/> <float name="domain" value="5"/>
     <float name="angle" value="15"/> <boolean name="random_orientation" value="false"/>

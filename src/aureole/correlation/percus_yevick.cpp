@@ -16,7 +16,7 @@ public:
       const optics::HardDiscMixture& mixture) const override {
     return std::make_shared<optics::PartialStructureFactors>(mixture, 64);
   }
-  /// 1/S' is a cubic polynomial in Fa/(1 - Fa): four nodes have all of it.
+  /// 1/S' is a cubic polynomial in Fa/(1 - Fa): four nodes determine it.
   int degree() const override { return 3; }
   bool interpolates_inverse() const override { return true; }
   std::vector<double> nodes(double least, double most) const override {
@@ -31,7 +31,7 @@ AUREOLE_PLUGIN(PercusYevick, "correlation", "percus_yevick",
                    "discs (`simulated`) its peaks are too low above 0.5.",
                    "Y. Rosenfeld, Free-energy model for the inhomogeneous hard-sphere fluid in D dimensions, "
                    "1990, equations 4.4 to 4.6",
-                   correlation_parameters({}),
+                   {},
                    {R"(<correlation type="percus_yevick">
     <float name="stretch" value="1.5"/> <float name="stretch_direction" value="30"/>
 </correlation>)"}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Independent positions: scatterers may overlap, and no light interferes but that which keeps its direction.
+// Independent positions: scatterers may overlap, and only the light that keeps its direction interferes.
 #include "aureole/correlation/correlation.h"
 
 namespace aureole {
@@ -21,7 +21,7 @@ AUREOLE_PLUGIN(
     PluginDoc{"Independent positions, as of sparse dust: the corona is that of one scatterer, with its "
               "bright centre. Scatterers may overlap; with Fr their area per area, they cover 1 - exp(-Fr).",
               "S. Torquato, Random Heterogeneous Materials, 2002, section 5.1",
-              correlation_parameters({}),
+              {},
               {R"(<correlation type="poisson">
     <float name="stretch" value="1"/> <float name="stretch_direction" value="0"/>
 </correlation>)"}});

@@ -5,9 +5,10 @@
 #include <map>
 #include <mutex>
 
+#include "aureole/core/parallel.h"
 #include "aureole/correlation/correlation.h"
-#include "aureole/optics/hard_discs.h"
-#include "aureole/optics/simulated_structure_factor.h"
+#include "aureole/optics/arrangement/hard_discs.h"
+#include "aureole/optics/arrangement/simulated_structure_factor.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
@@ -27,16 +28,17 @@ public:
   std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
     if (area_fraction <= optics::HardDiscSimulation::kMaxAreaFraction + optics::kFractionTolerance)
       area_fraction = std::min(area_fraction, optics::HardDiscSimulation::kMaxAreaFraction);
-    const std::lock_guard lock(mutex_);  // who wants the same fraction waits for it
+    const std::lock_guard lock(mutex_);  // threads that want the same fraction wait for it
     auto& known = known_[area_fraction];
-    if (!known) known = std::make_shared<optics::SimulatedStructureFactor>(area_fraction, ensemble_);
+    if (!known)
+      known = std::make_shared<optics::SimulatedStructureFactor>(area_fraction, ensemble_, for_ranges);
     return known;
   }
 
   std::shared_ptr<const optics::PartialStructureFactors> at(
       const optics::HardDiscMixture& mixture) const override {
     return std::make_shared<optics::PartialStructureFactors>(
-        optics::simulate_partial_structure_factors(mixture, ensemble_));
+        optics::simulate_partial_structure_factors(mixture, ensemble_, for_ranges));
   }
 
   /// Each is a simulation, so they lie no closer than interpolation needs: at equal steps of ln(1 + 1.2 t), t
@@ -71,16 +73,14 @@ AUREOLE_PLUGIN(
         "Hard discs in equilibrium, simulated when the scene is loaded (some 3 s of one core for each area "
         "fraction at the default size; all cores work on it). Area fractions up to 0.68. The first peak of "
         "`percus_yevick`, which is instant, is 1 % too low at an area fraction of 0.3 and 3.5 % at 0.5, and "
-        "5 % "
-        "too high at 0.65 and 10 % at 0.68; this is exact up to a noise of 0.2 to 0.6 % that more snapshots "
-        "lessen. Below 0.03 nothing is simulated, since theory is closer.",
+        "5 % too high at 0.65 and 10 % at 0.68; this is exact up to a noise of 0.2 to 0.6 % that more "
+        "snapshots lessen. Below 0.03 nothing is simulated, since theory is closer.",
         "E. P. Bernard, W. Krauth and D. B. Wilson, Event-chain Monte Carlo algorithms for hard-sphere "
         "systems, 2009",
-        correlation_parameters(
-            {{"seed", "integer", "", "0", "another one gives another, equally good simulation"},
-             {"discs", "integer", "", "1500", "number of discs in each of 8 independent simulations"},
-             {"snapshots", "integer", "", "1200",
-              "number of arrangements that are averaged; the noise falls with its square root"}}),
+        {{"seed", "integer", "", "0", "another one gives another, equally good simulation"},
+         {"discs", "integer", "", "1500", "number of discs in each of 8 independent simulations"},
+         {"snapshots", "integer", "", "1200",
+          "number of arrangements that are averaged; the noise falls with its square root"}},
         {R"(<correlation type="simulated">
     <integer name="seed" value="3"/>
     <integer name="discs" value="400"/>

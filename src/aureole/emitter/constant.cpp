@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The same radiance from every direction at infinity.
-#include "aureole/emitter/emitter.h"
-#include "aureole/emitter/emitter_docs.h"
+#include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -17,12 +16,11 @@ public:
       throw p.error("radiance", "a constant emitter takes a spectrum, not a texture; use envmap");
   }
 
-  void set_scene_bounds(const Vec3& center, float radius) override { center_ = center, radius_ = radius; }
   bool is_infinite() const override { return true; }
 
   Spectrum eval_escaped(const Vec3&, const Wavelengths& w) const override { return radiance_->eval({}, w); }
 
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3&, std::size_t, Vec2 u,
                                             const Wavelengths& w) const override {
     DirectSample s;
     s.wo = square_to_uniform_sphere(u);
@@ -31,10 +29,10 @@ public:
     s.infinite = true;
     return s;
   }
-  std::optional<DirectSample> sample_direct_facing(const Vec3& reference, const Vec3& facing,
-                                                   std::size_t part, Vec2 u,
+  std::optional<DirectSample> sample_direct_facing(const Light& light, const Vec3& reference,
+                                                   const Vec3& facing, std::size_t part, Vec2 u,
                                                    const Wavelengths& w) const override {
-    if (facing == Vec3{}) return sample_direct(reference, part, u, w);
+    if (facing == Vec3{}) return sample_direct(light, reference, part, u, w);
     const Vec3 local = square_to_cosine_hemisphere(u);
     DirectSample s;
     s.wo = normalize(Frame::from_normal(facing).to_world(local));
@@ -47,33 +45,34 @@ public:
     return facing == Vec3{} ? uniform_sphere_pdf() : cosine_hemisphere_pdf(dot(d, facing));
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2 direction,
+  std::optional<EmittedRay> sample_ray(const Light& light, std::size_t, Vec2 position, Vec2 direction,
                                        const Wavelengths& w) const override {
-    EmittedRay r = ray_from_infinity(center_, radius_, square_to_uniform_sphere(direction), position);
+    EmittedRay r = ray_from_infinity(light, square_to_uniform_sphere(direction), position);
     r.value = radiance_->eval({}, w);
     r.pdf_direction = uniform_sphere_pdf();
     return r;
   }
 
-  SampledSpectrum power_spectrum() const override {
+  RayDensity pdf_ray(const Light& light, const SurfacePoint*, const Vec3&) const override {
+    return density_from_infinity(light, uniform_sphere_pdf());
+  }
+
+  SampledSpectrum power_spectrum(const Light& light) const override {
     SampledSpectrum s = radiance_->average();
-    s.scale(4 * kPi * kPi * radius_ * radius_);
+    s.scale(4 * kPi * kPi * light.scene_radius * light.scene_radius);
     return s;
   }
-  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+  EmissionBounds emission_bounds(const Light&, std::size_t) const override { return {}; }
 
 private:
   TexturePtr radiance_;
-  Vec3 center_;
-  float radius_ = 1;
 };
 
 AUREOLE_PLUGIN(ConstantEmitter, "emitter", "constant",
                PluginDoc{
                    "Environment of constant radiance around the scene.",
                    "",
-                   emitter_parameters({{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
-                                        "spectral radiance"}}),
+                   {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1", "spectral radiance"}},
                    {R"(<emitter type="constant"><rgb name="radiance" value="0.5, 0.7, 1"/></emitter>)"}});
 
 }  // namespace

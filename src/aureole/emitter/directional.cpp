@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Parallel light from infinity, such as sunlight without the width of the sun.
-#include "aureole/emitter/emitter.h"
-#include "aureole/emitter/emitter_docs.h"
+#include "aureole/emitter/light.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -21,11 +20,10 @@ public:
     direction_ = d * (1 / l);
   }
 
-  void set_scene_bounds(const Vec3& center, float radius) override { center_ = center, radius_ = radius; }
   bool is_infinite() const override { return true; }
   bool is_delta() const override { return true; }
 
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3&, std::size_t, Vec2,
                                             const Wavelengths& w) const override {
     DirectSample s;
     s.wo = -direction_;
@@ -35,25 +33,28 @@ public:
     return s;
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2,
+  std::optional<EmittedRay> sample_ray(const Light& light, std::size_t, Vec2 position, Vec2,
                                        const Wavelengths& w) const override {
-    EmittedRay r = ray_from_infinity(center_, radius_, direction_, position);
+    EmittedRay r = ray_from_infinity(light, direction_, position);
     r.value = irradiance_->eval({}, w);
     r.pdf_direction = 1, r.delta_direction = true;
     return r;
   }
 
-  SampledSpectrum power_spectrum() const override {
+  RayDensity pdf_ray(const Light& light, const SurfacePoint*, const Vec3&) const override {
+    return density_from_infinity(light, 1);
+  }
+
+  SampledSpectrum power_spectrum(const Light& light) const override {
     SampledSpectrum s = irradiance_->average();
-    s.scale(kPi * radius_ * radius_);
+    s.scale(kPi * light.scene_radius * light.scene_radius);
     return s;
   }
-  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+  EmissionBounds emission_bounds(const Light&, std::size_t) const override { return {}; }
 
 private:
   TexturePtr irradiance_;
-  Vec3 direction_, center_;
-  float radius_ = 1;
+  Vec3 direction_;
 };
 
 AUREOLE_PLUGIN(
@@ -61,11 +62,10 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Parallel light from infinity over the whole scene.",
         "",
-        emitter_parameters({{"irradiance", "spectrum", "W/(m^2 nm), any common scale", "1",
-                             "spectral irradiance of a surface across the light"},
-                            {"direction", "vector", "", "0, 0, 1", "into which the light travels"},
-                            {"to_world", "transform", "", "identity",
-                             "instead of direction: the light travels along its +z"}}),
+        {{"irradiance", "spectrum", "W/(m^2 nm), any common scale", "1",
+          "spectral irradiance of a surface across the light"},
+         {"direction", "vector", "", "0, 0, 1", "into which the light travels"},
+         {"to_world", "transform", "", "identity", "instead of direction: the light travels along its +z"}},
         {R"(<emitter type="directional"><vector name="direction" value="1, 0, -2"/><rgb name="irradiance" value="3, 3, 2.5"/></emitter>)",
          R"(<emitter type="directional"><transform name="to_world"><lookat origin="0, 0, 5" target="1, 2, 0" up="0, 0, 1"/></transform></emitter>)"}});
 

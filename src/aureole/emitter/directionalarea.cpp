@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A shape that shines along its normals only. No point of a scene has a chance to be connected to the one
-// point of the shape whose normal leads to it: such light is found by light tracing.
-#include "aureole/emitter/emitter.h"
-#include "aureole/emitter/emitter_docs.h"
+// A shape that emits along its normals only. Connections from scene points have probability zero, so that
+// this light is found by light tracing alone.
+#include "aureole/emitter/light.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/shape.h"
+#include "aureole/shape/area_sampler.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
@@ -18,31 +17,23 @@ public:
            "only light tracing (integrator \"ptracer\") finds the light of a \"directionalarea\"");
   }
 
-  void attach(const Shape& shape) override {
-    if (shape_)
-      throw Error(properties().where(),
-                  "this directionalarea emitter is used by two shapes; give each shape its own");
-    shape_ = &shape;
-    for (size_t i = 0; i < shape.patch_count(); ++i) area_ += shape.patch_area(i);
-  }
-
   bool is_delta() const override { return true; }
-  std::size_t part_count() const override { return shape_->patch_count(); }
-  std::size_t part_of(const SurfacePoint& point) const override {
-    return shape_->patch_of_primitive(point.primitive);
+  std::size_t part_count(const Light& light) const override { return light.area->patch_count(); }
+  std::size_t part_of(const Light& light, const SurfacePoint& point) const override {
+    return light.area->patch_of_primitive(point.primitive);
   }
 
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3&, std::size_t, Vec2,
                                             const Wavelengths&) const override {
     return {};
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t part, Vec2 position, Vec2,
+  std::optional<EmittedRay> sample_ray(const Light& light, std::size_t part, Vec2 position, Vec2,
                                        const Wavelengths& wavelengths) const override {
-    const auto s = shape_->sample_area(part, position);
+    const auto s = light.area->sample_area(part, position);
     if (!s) return {};
     SurfacePoint point;
-    point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = shape_;
+    point.p = s->p, point.ng = s->ng, point.uv = s->uv, point.shape = light.shape;
     point.primitive = s->primitive, point.barycentric = s->barycentric;
     EmittedRay r;
     r.p = s->p, r.p_error = s->p_error, r.ng = r.d = s->ng;
@@ -52,40 +43,44 @@ public:
     return r;
   }
 
-  SampledSpectrum power_spectrum() const override {
-    SampledSpectrum s = radiance_->average();
-    s.scale(float(area_));
+  RayDensity pdf_ray(const Light& light, const SurfacePoint* point, const Vec3&) const override {
+    return {light.area->pdf_area(part_of(light, *point), *point), 1};
+  }
+
+  SampledSpectrum power_spectrum(const Light& light) const override {
+    SampledSpectrum s = radiance_->average(light.shape);
+    s.scale(float(light.surface_area));
     return s;
   }
 
-  EmissionBounds emission_bounds(std::size_t part) const override {
-    const auto [axis, cosine] = shape_->patch_normals(part);
-    // The cone of emission is empty, and `focus` 0 keeps the choice of lights for a point away.
-    return {shape_->patch_bounds(part),
+  EmissionBounds emission_bounds(const Light& light, std::size_t part) const override {
+    const auto [axis, cosine] = light.area->patch_normals(part);
+    // The cone of emission is empty; `focus` 0 keeps light selection from choosing it for a point.
+    return {light.area->patch_bounds(part),
             axis,
             cosine,
             1,
-            area_ > 0 ? float(shape_->patch_area(part) / area_) : 0,
+            light.surface_area > 0 ? float(light.area->patch_area(part) / light.surface_area) : 0,
             0};
   }
 
 private:
   TexturePtr radiance_;
-  const Shape* shape_ = nullptr;
-  double area_ = 0;
 };
 
 AUREOLE_PLUGIN(
     DirectionalAreaEmitter, "emitter", "directionalarea",
-    PluginDoc{"Makes the shape it is a child of shine along its normals only: a rectangle sends a parallel "
-              "beam. Light "
-              "tracing (`ptracer`) finds this light; `path` and `direct` cannot.",
-              "",
-              emitter_parameters(
-                  {{"radiance", "spectrum", "W/(m^2 nm), any common scale", "1",
-                    "spectral exitance, the power that leaves per area (the name is Mitsuba's); may be a "
-                    "texture"}}),
-              {R"(<emitter type="directionalarea"><rgb name="radiance" value="4, 5, 6"/></emitter>)"}});
+    PluginDoc{
+        .summary =
+            "Makes the shape it is a child of shine along its normals only: a rectangle sends a parallel "
+            "beam. Light "
+            "tracing (`ptracer`) finds this light; `path` and `direct` cannot.",
+        .source = "",
+        .parameters = {{"radiance", "spectrum", "W/(m^2 nm), any common scale", "1",
+                        "spectral exitance, the power that leaves per area (the name is Mitsuba's); may be a "
+                        "texture"}},
+        .examples = {R"(<emitter type="directionalarea"><rgb name="radiance" value="4, 5, 6"/></emitter>)"},
+        .needs_shape = true});
 
 }  // namespace
 }  // namespace aureole

@@ -2,41 +2,45 @@
 // Defaults of the emitter interface: an emitter that is not on a shape and not at infinity.
 #include "aureole/emitter/emitter.h"
 
-#include "aureole/emitter/emitter_docs.h"
+#include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/properties.h"
+#include "aureole/plugin/registry.h"
 
 namespace aureole {
 
 Emitter::Emitter(const Properties& properties)
     : Object(properties), sampling_weight_(float(properties.get_float("sampling_weight", 1, {0, 1e9}))) {}
 
-void Emitter::attach(const Shape&) {
-  throw Error(properties().where(),
-              "an emitter of type \"" + properties().type() + "\" cannot sit on a shape; use \"area\"");
+bool Emitter::sits_on_shape() const {
+  const PluginInfo* plugin = properties().plugin();
+  return plugin && plugin->doc.needs_shape;
 }
-void Emitter::set_scene_bounds(const Vec3&, float) {}
-std::size_t Emitter::part_of(const SurfacePoint&) const { return 0; }
+
 Spectrum Emitter::eval(const SurfacePoint&, const Vec3&, const Wavelengths&) const { return 0.f; }
 Spectrum Emitter::eval_escaped(const Vec3&, const Wavelengths&) const { return 0.f; }
-float Emitter::pdf_direct(const Vec3&, const SurfacePoint&) const { return 0; }
+float Emitter::pdf_direct(const Light&, const Vec3&, const SurfacePoint&) const { return 0; }
 float Emitter::pdf_direct_escaped(const Vec3&, const Vec3&, const Vec3&) const { return 0; }
 
-EmittedRay ray_from_infinity(const Vec3& scene_center, float scene_radius, const Vec3& d, Vec2 position) {
+EmittedRay ray_from_infinity(const Light& light, const Vec3& d, Vec2 position) {
   const Vec2 disc = square_to_disc_concentric(position).p;
   EmittedRay r;
-  r.p = scene_center + Frame::from_normal(d).to_world({disc.x, disc.y, -1}) * scene_radius;
+  r.p = light.scene_center + Frame::from_normal(d).to_world({disc.x, disc.y, -1}) * light.scene_radius;
   r.d = d;
-  r.pdf_position = square_to_disc_pdf() / (scene_radius * scene_radius);
+  r.pdf_position = density_from_infinity(light, 0).position;
   return r;
 }
 
-std::vector<ParameterDoc> emitter_parameters(std::vector<ParameterDoc> own) {
-  own.push_back(
-      {"sampling_weight", "float", "", "1",
-       "factor of the probability with which light sampling chooses this emitter; 0: never, so that "
-       "it is only seen where rays meet it by chance"});
-  return own;
+RayDensity density_from_infinity(const Light& light, float direction) {
+  return {square_to_disc_pdf() / (light.scene_radius * light.scene_radius), direction};
 }
+
+AUREOLE_FAMILY(FamilyInfo{
+    .name = "emitter",
+    .parameters = {{"sampling_weight", "float", "", "1",
+                    "factor of the probability with which light sampling chooses this emitter; 0: never, so "
+                    "that it is only seen where rays meet it by chance"}},
+    .hangs_on_shapes = true,
+    .is_reusable = true});
 
 }  // namespace aureole

@@ -5,10 +5,9 @@
 #include <cmath>
 
 #include "aureole/core/image.h"
-#include "aureole/emitter/emitter.h"
-#include "aureole/emitter/emitter_docs.h"
-#include "aureole/emitter/lat_long_distribution.h"
-#include "aureole/emitter/placement.h"
+#include "aureole/emitter/directions/emitter_placement.h"
+#include "aureole/emitter/directions/lat_long_distribution.h"
+#include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/image_parameter.h"
 #include "aureole/plugin/registry.h"
@@ -29,50 +28,56 @@ public:
     d65_ = d65_spectrum(p.context().grid, 1);
   }
 
-  void set_scene_bounds(const Vec3& center, float radius) override { center_ = center, radius_ = radius; }
   bool is_infinite() const override { return true; }
 
   Spectrum eval_escaped(const Vec3& d, const Wavelengths& w) const override {
     return eval_uv(to_uv(frame_.to_local(d)), w);
   }
 
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3&, std::size_t, Vec2 u,
                                             const Wavelengths& w) const override {
     return sample(distribution_, {}, u, w);
   }
-  std::optional<DirectSample> sample_direct_facing(const Vec3&, const Vec3& facing, std::size_t, Vec2 u,
-                                                   const Wavelengths& w) const override {
+  std::optional<DirectSample> sample_direct_facing(const Light&, const Vec3&, const Vec3& facing, std::size_t,
+                                                   Vec2 u, const Wavelengths& w) const override {
     return sample(distribution_, facing, u, w);
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t, Vec2 position, Vec2 direction,
+  std::optional<EmittedRay> sample_ray(const Light& light, std::size_t, Vec2 position, Vec2 direction,
                                        const Wavelengths& w) const override {
     const auto s = sample(mis_compensation_ ? everything_ : distribution_, {}, direction, w);
     if (!s) return {};
-    EmittedRay r = ray_from_infinity(center_, radius_, -s->wo, position);
+    EmittedRay r = ray_from_infinity(light, -s->wo, position);
     r.value = s->radiance;
     r.pdf_direction = s->pdf;
     return r;
   }
 
-  float pdf_direct_escaped(const Vec3&, const Vec3& facing, const Vec3& d) const override {
-    if (dot(d, facing) < 0) return 0;
-    const Vec3 v = frame_.to_local(d);
-    const float sine = std::sqrt(v.x * v.x + v.z * v.z);
-    return sine > 0 ? distribution_.pdf(facing, to_uv(v)) / (2 * kPi * kPi * sine) : 0;
+  RayDensity pdf_ray(const Light& light, const SurfacePoint*, const Vec3& d) const override {
+    return density_from_infinity(light, pdf(mis_compensation_ ? everything_ : distribution_, {}, -d));
   }
 
-  SampledSpectrum power_spectrum() const override {
+  float pdf_direct_escaped(const Vec3&, const Vec3& facing, const Vec3& d) const override {
+    return dot(d, facing) < 0 ? 0 : pdf(distribution_, facing, d);
+  }
+
+  SampledSpectrum power_spectrum(const Light& light) const override {
     // The mean colour's spectrum stands for the mean of the texels' spectra: only used to choose densities.
     const UnboundedRgb mean = upsample_unbounded(mean_[0], mean_[1], mean_[2]);
     std::vector<float> nodes(d65_.nodes().begin(), d65_.nodes().end());
     for (size_t i = 0; i < nodes.size(); ++i)
-      nodes[i] *= scale_ * mean.at(float(d65_.grid().node(int(i)))) * 4 * kPi * kPi * radius_ * radius_;
+      nodes[i] *= scale_ * mean.at(float(d65_.grid().node(int(i)))) * 4 * kPi * kPi * light.scene_radius *
+                  light.scene_radius;
     return {d65_.grid(), nodes};
   }
-  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+  EmissionBounds emission_bounds(const Light&, std::size_t) const override { return {}; }
 
 private:
+  float pdf(const LatLongDistribution& distribution, const Vec3& facing, const Vec3& d) const {
+    const Vec3 v = frame_.to_local(d);
+    const float sine = std::sqrt(v.x * v.x + v.z * v.z);
+    return sine > 0 ? distribution.pdf(facing, to_uv(v)) / (2 * kPi * kPi * sine) : 0;
+  }
   std::optional<DirectSample> sample(const LatLongDistribution& distribution, const Vec3& facing, Vec2 u,
                                      const Wavelengths& w) const {
     float pdf;
@@ -162,8 +167,8 @@ private:
         weights[size_t(y) * size_t(columns) + size_t(x)] = sum;
         mean += double(sum) * sine, area += sine;
       }
-    // MIS compensation (Karlik et al. 2019): leave what BSDF sampling finds anyway. Rays of light, which
-    // nothing else finds, start everywhere.
+    // MIS compensation (Karlik et al. 2019): light sampling leaves dim parts to BSDF sampling. Emitted rays
+    // have no second technique, so that their density is not compensated.
     const float offset = float(mean / area);
     bool any = false;
     for (float w : weights) any |= w > offset * 1.01f;
@@ -205,8 +210,7 @@ private:
   }
 
   Frame frame_;
-  Vec3 center_;
-  float scale_ = 1, radius_ = 1, mean_[3];
+  float scale_ = 1, mean_[3];
   bool mis_compensation_;
   int width_ = 0, height_ = 0;
   std::vector<UpsampledColor> texels_;
@@ -220,13 +224,12 @@ AUREOLE_PLUGIN(
         "Environment map in latitude-longitude projection. Colours are upsampled to spectra and multiplied "
         "by D65.",
         "",
-        emitter_parameters(
-            {image_file_doc("EXR, HDR or any other image"),
-             image_data_doc(),
-             {"scale", "float", "", "1", "factor of the radiance"},
-             {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
-             {"mis_compensation", "boolean", "", "false",
-              "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}}),
+        {image_file_doc("EXR, HDR or any other image"),
+         image_data_doc(),
+         {"scale", "float", "", "1", "factor of the radiance"},
+         {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
+         {"mis_compensation", "boolean", "", "false",
+          "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}},
         {R"(<emitter type="envmap"><string name="filename" value="sky.exr"/><float name="scale" value="2"/>
     <boolean name="mis_compensation" value="true"/><transform name="to_world"><rotate y="1" angle="90"/></transform></emitter>)"}});
 

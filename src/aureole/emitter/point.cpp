@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A point that shines with the same intensity into all directions.
-#include "aureole/emitter/emitter.h"
-#include "aureole/emitter/emitter_docs.h"
+#include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -23,7 +22,7 @@ public:
 
   bool is_delta() const override { return true; }
 
-  std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t, Vec2,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3& reference, std::size_t, Vec2,
                                             const Wavelengths& w) const override {
     const Vec3 to = position_ - reference;
     const float d2 = length_squared(to);
@@ -37,7 +36,7 @@ public:
     return s;
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t, Vec2, Vec2 direction,
+  std::optional<EmittedRay> sample_ray(const Light&, std::size_t, Vec2, Vec2 direction,
                                        const Wavelengths& w) const override {
     EmittedRay r;
     r.p = position_;
@@ -48,12 +47,16 @@ public:
     return r;
   }
 
-  SampledSpectrum power_spectrum() const override {
+  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3&) const override {
+    return {1, uniform_sphere_pdf()};
+  }
+
+  SampledSpectrum power_spectrum(const Light&) const override {
     SampledSpectrum s = intensity_->average();
     s.scale(4 * kPi);
     return s;
   }
-  EmissionBounds emission_bounds(std::size_t) const override {
+  EmissionBounds emission_bounds(const Light&, std::size_t) const override {
     return {{position_, position_}, {0, 0, 1}, -1, 0, 1, 0.25f};
   }
 
@@ -67,10 +70,9 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Isotropic point light.",
         "",
-        emitter_parameters(
-            {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
-             {"position", "vector", "scene units", "0, 0, 0", "where it is"},
-             {"to_world", "transform", "", "identity", "instead of position: where it puts the origin"}}),
+        {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
+         {"position", "vector", "scene units", "0, 0, 0", "where it is"},
+         {"to_world", "transform", "", "identity", "instead of position: where it puts the origin"}},
         {R"(<emitter type="point"><point name="position" value="0, 5, 0"/><rgb name="intensity" value="10"/></emitter>)",
          R"(<emitter type="point"><transform name="to_world"><translate y="5"/></transform></emitter>)"}});
 

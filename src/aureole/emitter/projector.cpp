@@ -4,9 +4,8 @@
 // pi.
 #include <cmath>
 
-#include "aureole/emitter/emitter.h"
-#include "aureole/emitter/emitter_docs.h"
-#include "aureole/emitter/placement.h"
+#include "aureole/emitter/directions/emitter_placement.h"
+#include "aureole/emitter/light.h"
 #include "aureole/math/piecewise.h"
 #include "aureole/plugin/field_of_view.h"
 #include "aureole/plugin/registry.h"
@@ -25,7 +24,7 @@ public:
     if (std::abs(placement_.scale - 1) > 1e-3)
       throw p.error("to_world", "a projector's transform must not scale");
     const auto [width, height] = irradiance_->resolution();
-    const double aspect = double(width) / height, tangent = tangent_of_half_width(p, aspect);
+    const double aspect = double(width) / height, tangent = FieldOfView(p).tangent_of_half_width(aspect);
     half_width_ = float(tangent), half_height_ = float(tangent / aspect);
     area_ = 4 * tangent * tangent / aspect;
     build_distribution(width, height);
@@ -33,14 +32,12 @@ public:
 
   bool is_delta() const override { return true; }
 
-  std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t, Vec2,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3& reference, std::size_t, Vec2,
                                             const Wavelengths& w) const override {
     const Vec3 to = reference - placement_.origin;
     const Vec3 local = placement_.axes.to_local(to);
-    if (!(local.z > 0)) return {};
-    const Vec2 uv{0.5f - 0.5f * local.x / (local.z * half_width_),
-                  0.5f - 0.5f * local.y / (local.z * half_height_)};
-    if (!(uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1)) return {};
+    Vec2 uv;
+    if (!project(local, uv)) return {};
     const float distance = length(to), inverse_z = 1 / local.z;
     DirectSample s;
     s.wo = to * (-1 / distance);
@@ -51,7 +48,7 @@ public:
     return s;
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t, Vec2, Vec2 direction,
+  std::optional<EmittedRay> sample_ray(const Light&, std::size_t, Vec2, Vec2 direction,
                                        const Wavelengths& w) const override {
     float pdf;
     const Vec2 uv = distribution_.sample(direction, &pdf);
@@ -67,13 +64,20 @@ public:
     return r;
   }
 
-  SampledSpectrum power_spectrum() const override {
+  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3& d) const override {
+    Vec2 uv;
+    const Vec3 local = placement_.axes.to_local(d);
+    if (!project(local, uv)) return {1, 0};
+    return {1, distribution_.pdf(uv) / (local.z * local.z * local.z * float(area_))};
+  }
+
+  SampledSpectrum power_spectrum(const Light&) const override {
     SampledSpectrum s = irradiance_->average();
     s.scale(float(M_PI * scale_ * area_));
     return s;
   }
 
-  EmissionBounds emission_bounds(std::size_t) const override {
+  EmissionBounds emission_bounds(const Light&, std::size_t) const override {
     // Wider than the picture by a rounding error of the tree's arithmetic.
     const double corner = std::atan(std::hypot(half_width_, half_height_));
     return {{placement_.origin, placement_.origin},
@@ -85,6 +89,13 @@ public:
   }
 
 private:
+  /// The place in the picture for a direction; false outside of it.
+  bool project(const Vec3& local, Vec2& uv) const {
+    if (!(local.z > 0)) return false;
+    uv = {0.5f - 0.5f * local.x / (local.z * half_width_), 0.5f - 0.5f * local.y / (local.z * half_height_)};
+    return uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1;
+  }
+
   /// Irradiance of the plane z = 1.
   Spectrum at(Vec2 uv, const Wavelengths& w) const {
     SurfacePoint point;
@@ -92,8 +103,8 @@ private:
     return irradiance_->eval(point, w) * (kPi * scale_);
   }
 
-  /// Cells of a picture's texels, up to 256 x 256; each has the mean of a lattice of its points, plus a
-  /// little of the picture's mean for what the lattice has missed.
+  /// Cells of a picture's texels, up to 256 x 256; each has the mean of a lattice of its points, plus a small
+  /// part of the picture's mean, so that texels between lattice points are never missed.
   void build_distribution(int width, int height) {
     constexpr int kMost = 256, kOfPattern = 64;
     const bool picture = width > 1 || height > 1;
@@ -138,17 +149,16 @@ AUREOLE_PLUGIN(ProjectorEmitter, "emitter", "projector",
                    "distance 1 looks "
                    "like the picture: it receives pi times `irradiance` (as in Mitsuba).",
                    "",
-                   emitter_parameters({{"irradiance", "texture", "W/(m^2 nm), any common scale", "1",
-                                        "the picture, whose width and height in pixels give the shape of "
-                                        "what is lit; without pixels a square"},
-                                       {"scale", "float", "", "1", "factor"},
-                                       {"fov", "float", "degrees", "from focal_length",
-                                        "width of the picture as an angle along fov_axis"},
-                                       {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
-                                       {"focal_length", "string", "mm", "50mm",
-                                        "instead of fov: of a 35 mm camera with the same diagonal angle"},
-                                       {"to_world", "transform", "", "identity",
-                                        "projector to world; must not scale"}}),
+                   {{"irradiance", "texture", "W/(m^2 nm), any common scale", "1",
+                     "the picture, whose width and height in pixels give the shape of "
+                     "what is lit; without pixels a square"},
+                    {"scale", "float", "", "1", "factor"},
+                    {"fov", "float", "degrees", "from focal_length",
+                     "width of the picture as an angle along fov_axis"},
+                    {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
+                    {"focal_length", "string", "mm", "50mm",
+                     "instead of fov: of a 35 mm camera with the same diagonal angle"},
+                    {"to_world", "transform", "", "identity", "projector to world; must not scale"}},
                    {R"(<emitter type="projector">
     <texture name="irradiance" type="d65"><texture type="bitmap"><string name="filename" value="slide.png"/></texture></texture>
     <float name="fov" value="30"/> <string name="fov_axis" value="larger"/> <float name="scale" value="20"/>

@@ -2,9 +2,8 @@
 // A spot light: a point whose intensity falls linearly with the angle between the beam and the cutoff.
 #include <cmath>
 
-#include "aureole/emitter/emitter.h"
-#include "aureole/emitter/emitter_docs.h"
-#include "aureole/emitter/placement.h"
+#include "aureole/emitter/directions/emitter_placement.h"
+#include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -46,7 +45,7 @@ public:
 
   bool is_delta() const override { return true; }
 
-  std::optional<DirectSample> sample_direct(const Vec3& reference, std::size_t, Vec2,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3& reference, std::size_t, Vec2,
                                             const Wavelengths& w) const override {
     const Vec3 to = placement_.origin - reference;
     const float d2 = length_squared(to);
@@ -63,7 +62,7 @@ public:
     return s;
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t, Vec2, Vec2 direction,
+  std::optional<EmittedRay> sample_ray(const Light&, std::size_t, Vec2, Vec2 direction,
                                        const Wavelengths& w) const override {
     const Vec3 local = square_to_uniform_cone(direction, cutoff_one_minus_cosine_);
     const float f = falloff(local);
@@ -77,13 +76,18 @@ public:
     return r;
   }
 
-  SampledSpectrum power_spectrum() const override {
+  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3& d) const override {
+    const bool lit = falloff(placement_.axes.to_local(d)) > 0;
+    return {1, lit ? uniform_cone_pdf(cutoff_one_minus_cosine_) : 0};
+  }
+
+  SampledSpectrum power_spectrum(const Light&) const override {
     SampledSpectrum s = texture_ ? product(intensity_->average(), texture_mean()) : intensity_->average();
     s.scale(float(solid_angle()));
     return s;
   }
 
-  EmissionBounds emission_bounds(std::size_t) const override {
+  EmissionBounds emission_bounds(const Light&, std::size_t) const override {
     // Wider than the light by a rounding error of the tree's arithmetic. Past 90 degrees the cone of normals
     // opens, because the tree takes the cosine of the angle that is left for a factor.
     const double edge = std::min(M_PI, cutoff_ + 2e-3);
@@ -129,7 +133,7 @@ private:
     return 2 * M_PI * (one_minus_cosine(middle) + std::cos(middle) * sinc_deficit);
   }
 
-  /// The picture's mean as the falloff weights it.
+  /// The picture's mean, weighted by the falloff.
   SampledSpectrum texture_mean() const {
     const SpectralGrid& grid = properties().context().grid;
     std::vector<float> nodes(std::size_t(grid.cells) + 1);
@@ -169,17 +173,15 @@ AUREOLE_PLUGIN(
         "less "
         "with the angle up to a cutoff. A picture may be projected.",
         "",
-        emitter_parameters({{"intensity", "spectrum", "W/(sr nm), any common scale", "1",
-                             "spectral radiant intensity in the beam"},
-                            {"cutoff_angle", "float", "degrees", "20",
-                             "half-angle of the cone beyond which it is dark"},
-                            {"beam_width", "float", "degrees", "3/4 of cutoff_angle",
-                             "half-angle of the cone of full intensity"},
-                            {"texture", "texture", "", "none",
-                             "picture that multiplies the intensity; its square lies around the cutoff's "
-                             "circle, u along +x"},
-                            {"to_world", "transform", "", "identity",
-                             "puts the origin in its place and +z along the beam"}}),
+        {{"intensity", "spectrum", "W/(sr nm), any common scale", "1",
+          "spectral radiant intensity in the beam"},
+         {"cutoff_angle", "float", "degrees", "20", "half-angle of the cone beyond which it is dark"},
+         {"beam_width", "float", "degrees", "3/4 of cutoff_angle",
+          "half-angle of the cone of full intensity"},
+         {"texture", "texture", "", "none",
+          "picture that multiplies the intensity; its square lies around the cutoff's "
+          "circle, u along +x"},
+         {"to_world", "transform", "", "identity", "puts the origin in its place and +z along the beam"}},
         {R"(<emitter type="spot">
     <transform name="to_world"><lookat origin="0, 4, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
     <rgb name="intensity" value="60, 50, 40"/> <float name="cutoff_angle" value="35"/> <float name="beam_width" value="10"/>

@@ -3,14 +3,13 @@
 #include <chrono>
 #include <cmath>
 
-#include "aureole/emitter/emitter.h"
-#include "aureole/emitter/emitter_docs.h"
-#include "aureole/emitter/placement.h"
-#include "aureole/emitter/sky_tables.h"
+#include "aureole/emitter/directions/emitter_placement.h"
+#include "aureole/emitter/directions/sky_tables.h"
+#include "aureole/emitter/light.h"
 #include "aureole/math/piecewise.h"
 #include "aureole/math/warp.h"
-#include "aureole/optics/sky_model.h"
-#include "aureole/optics/solar_position.h"
+#include "aureole/optics/sky/sky_model.h"
+#include "aureole/optics/sky/solar_position.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
@@ -90,7 +89,6 @@ public:
     build_distribution();
   }
 
-  void set_scene_bounds(const Vec3& center, float radius) override { center_ = center, radius_ = radius; }
   bool is_infinite() const override { return true; }
 
   Spectrum eval_escaped(const Vec3& d, const Wavelengths& w) const override {
@@ -98,7 +96,7 @@ public:
     return radiance(local, in_sun(local), w);
   }
 
-  std::optional<DirectSample> sample_direct(const Vec3&, std::size_t, Vec2 u,
+  std::optional<DirectSample> sample_direct(const Light&, const Vec3&, std::size_t, Vec2 u,
                                             const Wavelengths& w) const override {
     Vec3 local;
     bool in_disc = true;
@@ -129,25 +127,30 @@ public:
     return density(local, in_sun(local));
   }
 
-  std::optional<EmittedRay> sample_ray(std::size_t part, Vec2 position, Vec2 direction,
+  std::optional<EmittedRay> sample_ray(const Light& light, std::size_t part, Vec2 position, Vec2 direction,
                                        const Wavelengths& w) const override {
-    const auto s = sample_direct({}, part, direction, w);
+    const auto s = sample_direct(light, {}, part, direction, w);
     if (!s) return {};
-    EmittedRay r = ray_from_infinity(center_, radius_, -s->wo, position);
+    EmittedRay r = ray_from_infinity(light, -s->wo, position);
     r.value = s->radiance;
     r.pdf_direction = s->pdf;
     return r;
   }
 
-  SampledSpectrum power_spectrum() const override {
+  RayDensity pdf_ray(const Light& light, const SurfacePoint*, const Vec3& d) const override {
+    return density_from_infinity(light, pdf_direct_escaped({}, {}, -d));
+  }
+
+  SampledSpectrum power_spectrum(const Light& light) const override {
     std::array<double, SkyModel::kChannels> nm, values;
     for (std::size_t c = 0; c < nm.size(); ++c) {
       nm[c] = SkyModel::wavelength_nm(c);
-      values[c] = (sky_integral_[c] + sun_integral_[c]) * M_PI * double(radius_) * double(radius_);
+      values[c] = (sky_integral_[c] + sun_integral_[c]) * M_PI * double(light.scene_radius) *
+                  double(light.scene_radius);
     }
     return SampledSpectrum::from_points(properties().context().grid, nm, values);
   }
-  EmissionBounds emission_bounds(std::size_t) const override { return {}; }
+  EmissionBounds emission_bounds(const Light&, std::size_t) const override { return {}; }
 
 private:
   using Integral = std::array<double, SkyModel::kChannels>;
@@ -205,8 +208,8 @@ private:
       limb_ = std::make_unique<ChannelTable>(
           128, [](std::size_t c, double x) { return SkyModel::limb_darkening(c, x); });
     }
-    // Rings and spokes of equal solid angle over the disc as it is, or over the real one, whose mean stands
-    // for all.
+    // Rings and spokes of equal solid angle over the disc, or over the real sun's, whose mean is then used
+    // for the whole disc.
     const double over = complex_sun_ ? half : real_half;
     constexpr int kRings = 100, kSpokes = 64;
     Integral sum{};
@@ -229,7 +232,7 @@ private:
   }
 
   /// Density of the sky's light over azimuth and cosine: cells with their mean radiance over the sensor's
-  /// range, and with a little of the whole sky's for what nine points of a cell miss.
+  /// range, plus a small part of the whole sky's mean for features between a cell's nine points.
   void build_distribution() {
     constexpr int kColumns = 180, kRows = 90;
     const SpectralGrid& grid = properties().context().grid;
@@ -266,7 +269,7 @@ private:
     double of_sky = 0, of_sun = 0;
     for (std::size_t c = 0; c < share.size(); ++c)
       of_sky += share[c] * sky_integral_[c], of_sun += share[c] * sun_integral_[c];
-    // Both often enough: what lies in the shade sees the sky alone.
+    // Sun and sky are each chosen often enough: points in the shade see the sky alone.
     sky_share_ = of_sun == 0   ? 1.f
                  : of_sky == 0 ? 0.f
                                : float(std::clamp(of_sky / (of_sky + of_sun), 0.25, 0.75));
@@ -290,52 +293,49 @@ private:
   Integral sky_integral_{}, sun_integral_{};  ///< of the radiance over all directions
   Piecewise2D distribution_;
   float sky_share_;
-  Vec3 center_;
-  float radius_ = 1;
 };
 
 AUREOLE_PLUGIN(
     SunskyEmitter, "emitter", "sunsky",
-    PluginDoc{"A clear sky with its sun, around the scene. Local +z is up; `to_world` turns it where the "
-              "scene has another "
-              "axis up. Radiance is in W/(m^2 sr nm), as measured; the model knows 320 to 720 nm, beyond "
-              "there is no "
-              "light, and none comes from below the horizon.",
-              "L. Hosek, A. Wilkie, An analytic model for full spectral sky-dome radiance, ACM TOG 31(4), "
-              "2012; Adding a "
-              "solar-radiance function to the Hosek-Wilkie skylight model, IEEE CG&A 33(3), 2013",
-              emitter_parameters(
-                  {{"turbidity", "float", "", "3", "haze: 1 is pure air, 3 a clear day, 10 a hazy one"},
-                   {"albedo", "spectrum", "", "0.3", "of the ground, which lights the sky"},
-                   {"sun_direction", "vector", "", "from date and place", "towards the sun, in the world"},
-                   {"latitude", "float", "degrees", "35.6894", "north is positive"},
-                   {"longitude", "float", "degrees", "139.6917", "east is positive"},
-                   {"timezone", "float", "h", "9", "what the clock shows is this much more than UT"},
-                   {"year", "integer", "", "2010", "1900 to 2100"},
-                   {"month", "integer", "", "7", "1 to 12"},
-                   {"day", "integer", "", "10", "1 to 31"},
-                   {"hour", "float", "h", "15", "on the clock; may have a fraction"},
-                   {"minute", "float", "min", "0", "on the clock"},
-                   {"second", "float", "s", "0", "on the clock"},
-                   {"sun_scale", "float", "", "1", "factor of the sun's light; 0: sky only"},
-                   {"sky_scale", "float", "", "1", "factor of the sky's light; 0: sun only"},
-                   {"sun_aperture", "float", "degrees", "0.5358",
-                    "diameter of the sun, whose power stays the same"},
-                   {"complex_sun", "boolean", "", "false",
-                    "a disc that is darker towards its rim and redder towards the horizon, instead of an "
-                    "even one of the "
-                    "same power"},
-                   {"to_world", "transform", "", "identity",
-                    "rotation; local +z is up, the azimuth of the sun by date runs from north at -x by east "
-                    "at -y"}}),
-              {R"(<emitter type="sunsky">
+    PluginDoc{
+        "A clear sky with its sun, around the scene. Local +z is up; `to_world` turns it where the "
+        "scene has another "
+        "axis up. Radiance is in W/(m^2 sr nm), as measured; the model knows 320 to 720 nm, beyond "
+        "there is no "
+        "light, and none comes from below the horizon.",
+        "L. Hosek, A. Wilkie, An analytic model for full spectral sky-dome radiance, ACM TOG 31(4), "
+        "2012; Adding a "
+        "solar-radiance function to the Hosek-Wilkie skylight model, IEEE CG&A 33(3), 2013",
+        {{"turbidity", "float", "", "3", "haze: 1 is pure air, 3 a clear day, 10 a hazy one"},
+         {"albedo", "spectrum", "", "0.3", "of the ground, which lights the sky"},
+         {"sun_direction", "vector", "", "from date and place", "towards the sun, in the world"},
+         {"latitude", "float", "degrees", "35.6894", "north is positive"},
+         {"longitude", "float", "degrees", "139.6917", "east is positive"},
+         {"timezone", "float", "h", "9", "what the clock shows is this much more than UT"},
+         {"year", "integer", "", "2010", "1900 to 2100"},
+         {"month", "integer", "", "7", "1 to 12"},
+         {"day", "integer", "", "10", "1 to 31"},
+         {"hour", "float", "h", "15", "on the clock; may have a fraction"},
+         {"minute", "float", "min", "0", "on the clock"},
+         {"second", "float", "s", "0", "on the clock"},
+         {"sun_scale", "float", "", "1", "factor of the sun's light; 0: sky only"},
+         {"sky_scale", "float", "", "1", "factor of the sky's light; 0: sun only"},
+         {"sun_aperture", "float", "degrees", "0.5358", "diameter of the sun, whose power stays the same"},
+         {"complex_sun", "boolean", "", "false",
+          "a disc that is darker towards its rim and redder towards the horizon, instead of an "
+          "even one of the "
+          "same power"},
+         {"to_world", "transform", "", "identity",
+          "rotation; local +z is up, the azimuth of the sun by date runs from north at -x by east "
+          "at -y"}},
+        {R"(<emitter type="sunsky">
     <integer name="year" value="2024"/> <integer name="month" value="6"/> <integer name="day" value="21"/>
     <float name="hour" value="16.5"/> <float name="minute" value="0"/> <float name="second" value="0"/>
     <float name="latitude" value="48.2"/> <float name="longitude" value="16.4"/> <float name="timezone" value="2"/>
     <float name="turbidity" value="4"/> <rgb name="albedo" value="0.2, 0.25, 0.15"/>
     <transform name="to_world"><rotate x="1" angle="-90"/></transform>
 </emitter>)",
-               R"(<emitter type="sunsky">
+         R"(<emitter type="sunsky">
     <vector name="sun_direction" value="1, 0.4, 1.2"/> <float name="sun_aperture" value="2"/>
     <float name="sun_scale" value="0.8"/> <float name="sky_scale" value="1.2"/> <boolean name="complex_sun" value="true"/>
 </emitter>)"}});

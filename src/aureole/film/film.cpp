@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/film/film.h"
 
-#include "aureole/film/film_docs.h"
+#include "aureole/plugin/registry.h"
 
 namespace aureole {
-
-namespace {
-
-std::shared_ptr<Filter> default_filter(const Properties& p, const char* name) {
-  const PluginInfo* info = Registry::instance().find("rfilter", name);
-  return std::dynamic_pointer_cast<Filter>(
-      info->create(Properties(name, "", p.where(), p.shared_context(), info)));
-}
-
-}  // namespace
 
 void Film::read_common(const Properties& p) {
   constexpr double kMaximumSize = 1 << 20;
@@ -32,7 +22,7 @@ void Film::read_common(const Properties& p) {
   const auto filters = p.get_children<Filter>("rfilter");
   if (filters.size() > 1) throw Error(p.where(), "a film has one reconstruction filter");
   filter_is_default_ = filters.empty();
-  filter_ = filters.empty() ? default_filter(p, "gaussian") : filters.front();
+  filter_ = filters.empty() ? make_default<Filter>(p, "rfilter") : filters.front();
 }
 
 ExrPixel Film::read_component_format(const Properties& p) {
@@ -47,7 +37,7 @@ void Film::use_box_filter() {
   if (!filter_is_default_)
     filter_->properties().note(
         "", "it would weight what a sensor of one value sees by the place in its pixel: a box is used");
-  filter_ = default_filter(properties(), "box");
+  filter_ = std::dynamic_pointer_cast<Filter>(make_object(properties(), "rfilter", "box"));
 }
 
 std::vector<SampledSpectrum> channel_responses(const Film& film, const SpectralGrid& grid) {
@@ -68,22 +58,21 @@ std::vector<SampledSpectrum> channel_responses(const Film& film, const SpectralG
   return responses;
 }
 
-std::vector<ParameterDoc> film_parameters(std::vector<ParameterDoc> own) {
-  std::vector<ParameterDoc> all = {
-      {"width", "integer", "pixels", "768", "width of the film"},
-      {"height", "integer", "pixels", "576", "height of the film"},
-      {"crop_offset_x", "integer", "pixels", "0", "left edge of the rendered part"},
-      {"crop_offset_y", "integer", "pixels", "0", "top edge of the rendered part"},
-      {"crop_width", "integer", "pixels", "what is right of crop_offset_x", "width of the rendered part"},
-      {"crop_height", "integer", "pixels", "what is below crop_offset_y", "height of the rendered part"},
-      {"sample_border", "boolean", "", "false",
-       "also sample beyond the border, as far as the filter reaches"},
-      {"rfilter", "rfilter", "", "gaussian", "reconstruction filter"},
-      {"component_format", "string", "", "float16", "float16 or float32; uint32 is stored as float32"},
-      {"compensate", "boolean", "", "false", "accepted without effect: sums are exact"},
-      {"banner", "boolean", "", "false", "accepted without effect"}};
-  all.insert(all.end(), own.begin(), own.end());
-  return all;
-}
+AUREOLE_FAMILY(FamilyInfo{
+    .name = "film",
+    .fallback = "hdrfilm",
+    .parameters = {
+        {"width", "integer", "pixels", "768", "width of the film"},
+        {"height", "integer", "pixels", "576", "height of the film"},
+        {"crop_offset_x", "integer", "pixels", "0", "left edge of the rendered part"},
+        {"crop_offset_y", "integer", "pixels", "0", "top edge of the rendered part"},
+        {"crop_width", "integer", "pixels", "what is right of crop_offset_x", "width of the rendered part"},
+        {"crop_height", "integer", "pixels", "what is below crop_offset_y", "height of the rendered part"},
+        {"sample_border", "boolean", "", "false",
+         "also sample beyond the border, as far as the filter reaches"},
+        {"rfilter", "rfilter", "", "gaussian", "reconstruction filter"},
+        {"component_format", "string", "", "float16", "float16 or float32; uint32 is stored as float32"},
+        {"compensate", "boolean", "", "false", "accepted without effect: sums are exact"},
+        {"banner", "boolean", "", "false", "accepted without effect"}}});
 
 }  // namespace aureole

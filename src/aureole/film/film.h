@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film family: what is measured at a pixel and how it is stored in a file.
+// The film family: the quantity that is measured at a pixel, and its form in a file.
 #pragma once
 
 #include <string>
@@ -32,7 +32,7 @@ public:
   /// Adds up the responses to the estimated spectral radiance of one sample: `estimate` per wavelength is
   /// L_i / (N p_lambda(lambda_i)) as PathDensity::contribution gives it. Writes measured_channels() numbers.
   virtual void measure(const Spectrum& estimate, const Wavelengths& wavelengths, float* out) const = 0;
-  /// Sum over channels of the magnitude of the response, on the scene's grid: what p_lambda follows.
+  /// Sum over channels of the magnitude of the response, on the scene's grid: p_lambda follows it.
   virtual SampledSpectrum response() const = 0;
 
   /// Names of the channels of the developed picture, alpha last where asked for.

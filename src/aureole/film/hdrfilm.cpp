@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "aureole/film/film.h"
-#include "aureole/film/film_docs.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 
@@ -105,22 +104,20 @@ private:
 
 AUREOLE_PLUGIN(
     HdrFilm, "film", "hdrfilm",
-    PluginDoc{
-        "Film that measures the CIE 1931 tristimulus values of the spectral radiance, scaled so that a "
-        "flat spectrum of radiance 1 has luminance "
-        "Y = 1, and stores linear sRGB, XYZ or luminance. With `response` \"uniform\" it measures the "
-        "mean of the spectral radiance over its wavelength range, for work outside the visible.",
-        "CIE 15:2018, section 7",
-        film_parameters(
-            {{"pixel_format", "string", "", "rgb", "rgb, rgba, xyz, xyza, luminance or luminance_alpha"},
-             {"file_format", "string", "", "openexr",
-              "openexr; rgbe (Radiance .hdr, rgb only); pfm (rgb or luminance). The name given by -o "
-              "decides where there is one"},
-             {"wavelength_min", "wavelength", "nm", "360",
-              "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
-             {"wavelength_max", "wavelength", "nm", "830", "longest wavelength"},
-             {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (the band's mean)"}}),
-        {R"(<film type="hdrfilm">
+    PluginDoc{"Film that measures the CIE 1931 tristimulus values of the spectral radiance, scaled so that a "
+              "flat spectrum of radiance 1 has luminance Y = 1, and stores linear sRGB, XYZ or luminance. "
+              "With `response` \"uniform\" it measures the mean of the spectral radiance over its wavelength "
+              "range, for work outside the visible.",
+              "CIE 15:2018, section 7",
+              {{"pixel_format", "string", "", "rgb", "rgb, rgba, xyz, xyza, luminance or luminance_alpha"},
+               {"file_format", "string", "", "openexr",
+                "openexr; rgbe (Radiance .hdr, rgb only); pfm (rgb or luminance). The name given by -o "
+                "decides where there is one"},
+               {"wavelength_min", "wavelength", "nm", "360",
+                "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
+               {"wavelength_max", "wavelength", "nm", "830", "longest wavelength"},
+               {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (the band's mean)"}},
+              {R"(<film type="hdrfilm">
     <integer name="width" value="320"/> <integer name="height" value="240"/>
     <integer name="crop_offset_x" value="16"/> <integer name="crop_offset_y" value="16"/>
     <integer name="crop_width" value="64"/> <integer name="crop_height" value="64"/>

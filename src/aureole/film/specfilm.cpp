@@ -5,7 +5,6 @@
 
 #include "aureole/core/units.h"
 #include "aureole/film/film.h"
-#include "aureole/film/film_docs.h"
 #include "aureole/film/spectral_bins.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
@@ -55,6 +54,22 @@ std::vector<double> wavelength_list(const Properties& p, std::string_view name) 
   return nm;
 }
 
+/// A response that does not say where it is defined may be so anywhere, and is looked at in the visible.
+constexpr SpectralGrid kVisible;
+
+WavelengthRange range_of(const SpectrumLiteral& spectrum) {
+  if (spectrum.nm.empty()) return {kVisible.min_nm, kVisible.max_nm};
+  return {spectrum.nm.front(), spectrum.nm.back()};
+}
+
+/// Of a nested object that is not built yet.
+WavelengthRange range_of(const Properties& nested) {
+  const PluginInfo* plugin = nested.plugin();
+  if (!plugin || plugin->family != "texture") return {};
+  const auto stated = plugin->wavelength_range ? plugin->wavelength_range(nested) : std::nullopt;
+  return stated ? *stated : WavelengthRange{kVisible.min_nm, kVisible.max_nm};
+}
+
 class SpecFilm final : public Film {
 public:
   explicit SpecFilm(const Properties& p) : Film(p) {
@@ -87,6 +102,21 @@ public:
     check_range(p, source, bins_.lower(0), bins_.upper(bins_.count() - 1));
     for (int i = 0; i < bins_.count(); ++i) per_width_.push_back(float(1 / bins_.width(i)));
     make_preview_of_bins();
+  }
+
+  /// Where the responses, or else the bins, are defined.
+  static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
+    WavelengthRange all;
+    for (const Properties::Entry& e : p.entries()) {
+      if (e.name == "bin_edges")
+        for (const double nm : wavelength_list(p, e.name)) all.extend(nm);
+      if (const auto* spectrum = std::get_if<SpectrumLiteral>(&e.value);
+          spectrum && spectrum->kind != SpectrumLiteral::Kind::rgb)
+        all.extend(range_of(*spectrum));
+      if (const auto* object = std::get_if<ObjectPtr>(&e.value))
+        all.extend(range_of((*object)->properties()));
+    }
+    return all;
   }
 
   int measured_channels() const override { return has_bins_ ? bins_.count() : int(bands_.size()); }
@@ -193,7 +223,7 @@ private:
   }
 
   /// The colour of the radiance that is a combination of the responses and would be measured as it is. Nearly
-  /// equal responses would amplify noise: what they differ by hardly counts.
+  /// equal responses would amplify noise: their difference has little weight.
   void make_preview_of_bands() {
     const auto observer = observer_xyz(properties().context().grid);
     const size_t n = bands_.size();
@@ -254,18 +284,17 @@ AUREOLE_PLUGIN(
         "interval of wavelengths, in the OpenEXR layout for spectral images (S0.550,00nm for the bin around "
         "550 nm; units W/(m^2 sr nm)).",
         "Fichet, Pacanowski & Wilkie 2021, \"An OpenEXR layout for spectral images\"",
-        film_parameters(
-            {{"(any name)", "spectrum", "", "none", "a response, linear between its points; not negative"},
-             {"bins", "integer", "", "none", "number of equal bins from wavelength_min to wavelength_max"},
-             {"bin_edges", "string", "nm", "none", "instead: the edges of adjoining bins"},
-             {"preview", "boolean", "", "true",
-              "bins: also store their colour as R, G, B for viewers that know no spectra (their mean where "
-              "nothing is visible)"},
-             {"file_format", "string", "", "openexr", "openexr"},
-             {"wavelength_min", "wavelength", "nm", "that of the responses or edges, or 360",
-              "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
-             {"wavelength_max", "wavelength", "nm", "that of the responses or edges, or 830",
-              "longest wavelength"}}),
+        {{"(any name)", "spectrum", "", "none", "a response, linear between its points; not negative"},
+         {"bins", "integer", "", "none", "number of equal bins from wavelength_min to wavelength_max"},
+         {"bin_edges", "string", "nm", "none", "instead: the edges of adjoining bins"},
+         {"preview", "boolean", "", "true",
+          "bins: also store their colour as R, G, B for viewers that know no spectra (their mean where "
+          "nothing is visible)"},
+         {"file_format", "string", "", "openexr", "openexr"},
+         {"wavelength_min", "wavelength", "nm", "that of the responses or edges, or 360",
+          "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
+         {"wavelength_max", "wavelength", "nm", "that of the responses or edges, or 830",
+          "longest wavelength"}},
         {R"(<film type="specfilm">
     <integer name="width" value="320"/> <integer name="height" value="240"/>
     <spectrum name="near_infrared" value="780:0, 800:1, 820:0"/>

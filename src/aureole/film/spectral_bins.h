@@ -21,8 +21,8 @@ public:
     for (std::size_t i = 0; i + 1 < edges_.size(); ++i)
       if (!(edges_[i] > 0) || !(edges_[i + 1] - edges_[i] > 1e-5 * edges_[i]))
         throw Error(
-            fmt::format("bins must have positive, increasing edges, at least a 100000th of the "
-                        "wavelength apart: {:g} and {:g} nm",
+            fmt::format("bins must have positive, increasing edges, at least a 100000th of the wavelength "
+                        "apart: {:g} and {:g} nm",
                         edges_[i], edges_[i + 1]));
     const double span = edges_.back() - edges_.front();
     guide_.resize(4 * std::size_t(count()));

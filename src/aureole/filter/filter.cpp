@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "aureole/plugin/registry.h"
+
 namespace aureole {
 
 FilterTable::FilterTable(const Filter& filter)
@@ -12,5 +14,7 @@ FilterTable::FilterTable(const Filter& filter)
       values_(kCells + 1) {
   for (int i = 0; i <= kCells; ++i) values_[size_t(i)] = filter.eval(radius_ * float(i) / kCells);
 }
+
+AUREOLE_FAMILY(FamilyInfo{.name = "rfilter", .fallback = "gaussian"});
 
 }  // namespace aureole

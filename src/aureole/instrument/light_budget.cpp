@@ -9,7 +9,7 @@
 namespace aureole {
 namespace {
 
-/// The renderer's own points.
+/// Points of the renderer's own Sobol sampler.
 std::shared_ptr<const Sampler> sobol(const Bsdf& bsdf) {
   const PluginInfo* info = Registry::instance().find("sampler", "sobol");
   return std::dynamic_pointer_cast<const Sampler>(

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the light goes that falls on a surface: the instrument that measures direct and diffuse transmission,
-// reflection and haze (ASTM D1003: the part of the transmitted light that leaves more than 2.5 degrees from
-// its regular direction), of any BSDF.
+// The shares of the light that falls on a surface: the instrument that measures direct and diffuse
+// transmission, reflection and haze (ASTM D1003: the part of the transmitted light that leaves more than 2.5
+// degrees from its regular direction), of any BSDF.
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"

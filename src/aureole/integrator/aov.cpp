@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Further channels beside the picture: what the first surface of a sensor's ray is like.
+// Further channels beside the picture: properties of the first surface that a sensor's ray hits.
 #include <algorithm>
 #include <array>
 #include <span>
 
 #include "aureole/integrator/channels.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/transport/batch.h"
 
 namespace aureole {
 namespace {
@@ -24,10 +25,10 @@ constexpr KindName kKinds[] = {
     {"dp_du", Kind::dp_du, "XYZ"},           {"dp_dv", Kind::dp_dv, "XYZ"},
     {"prim_index", Kind::prim_index, "I"},   {"shape_index", Kind::shape_index, "I"}};
 
-class AovIntegrator final : public RadianceIntegrator {
+class AovIntegrator final : public Integrator {
 public:
   explicit AovIntegrator(const Properties& p)
-      : RadianceIntegrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
+      : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
     for (const NestedIntegrator& n : nested_)
       for (const char* c : {".R", ".G", ".B", ".A"}) names_.push_back(n.name + c);
     for (const NestedIntegrator& n : nested_)
@@ -45,37 +46,26 @@ public:
 
   std::vector<std::string> aov_names() const override { return names_; }
 
-  RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream& samples,
-                            const PathLog& log, float* aovs) const override {
-    RadianceEstimate result;
-    float* own = aovs + 4 * nested_.size();
-    for (size_t k = 0; k < nested_.size(); ++k) {
-      const RadianceEstimate r = nested_[k].integrator->radiance(scene, ray, w, samples, log, own);
-      if (k == 0) result = r;
-      write_colour(r, w, aovs + 4 * k);
-      own += nested_[k].channels.size();
-    }
-    write_surface(scene, ray, w, own, aovs + names_.size());
-    return result;
-  }
-
-  void radiance_of(const Scene& scene, std::span<CameraPath> paths) const override {
-    RadianceEstimate results[kTogether];
-    float* aovs[kTogether];
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log) const override {
+    RadianceEstimate results[kBatch];
+    float* aovs[kBatch];
     for (size_t i = 0; i < paths.size(); ++i) aovs[i] = paths[i].aovs, paths[i].aovs += 4 * nested_.size();
     for (size_t k = 0; k < nested_.size(); ++k) {
-      nested_[k].integrator->radiance_of(scene, paths);
+      nested_[k].integrator->trace(scene, paths, splats, log);
       for (size_t i = 0; i < paths.size(); ++i) {
         if (k == 0) results[i] = paths[i].result;
         write_colour(paths[i].result, paths[i].wavelengths, aovs[i] + 4 * k);
         paths[i].aovs += nested_[k].channels.size();
       }
     }
-    for (size_t i = 0; i < paths.size(); ++i) {
-      write_surface(scene, paths[i].ray, paths[i].wavelengths, paths[i].aovs, aovs[i] + names_.size());
-      paths[i].result = results[i];
-      paths[i].aovs = aovs[i];
-    }
+    BatchRays rays;
+    for (size_t i = 0; i < paths.size(); ++i) rays.add(int(i), paths[i].ray);
+    rays.intersect(scene.tracer(), RayTracer::Rays::coherent, [&](int i, const RayTracer::Hit& hit) {
+      const Path& p = paths[size_t(i)];
+      write_surface(scene, hit, p.ray, p.wavelengths, p.aovs, aovs[i] + names_.size());
+    });
+    for (size_t i = 0; i < paths.size(); ++i) paths[i].result = results[i], paths[i].aovs = aovs[i];
   }
 
 private:
@@ -112,8 +102,8 @@ private:
     out[3] = r.alpha;
   }
 
-  void write_surface(const Scene& scene, const Ray& ray, const Wavelengths& w, float* out, float* end) const {
-    const RayTracer::Hit hit = scene.tracer().intersect(ray);
+  void write_surface(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
+                     float* out, float* end) const {
     if (!hit) {
       std::fill(out, end, 0.f);
       return;
@@ -133,7 +123,7 @@ private:
     switch (kind) {
       case Kind::albedo: {
         const Vec3 wi = hit.shading.to_local(-ray.d);
-        const Bsdf& bsdf = *hit.shape->bsdf();
+        const Bsdf& bsdf = *hit.surface->bsdf;
         meter_.reflectance_rgb(bsdf.diffuse_reflectance(wi, BsdfContext{w, hit}), w,
                                bsdf.diffuse_reflectance(wi, BsdfContext{meter_.fixed_wavelengths(), hit}),
                                out);
@@ -150,7 +140,7 @@ private:
       case Kind::geo_normal:
         return vector(hit.ng);
       case Kind::sh_normal:
-        return vector(hit.shading.to_world(hit.shape->bsdf()->shading_normal(hit)));
+        return vector(hit.shading.to_world(hit.surface->bsdf->shading_normal(hit)));
       case Kind::dp_du:
         return vector(derivatives.dp_du);
       case Kind::dp_dv:

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <set>
 
+#include "aureole/spectrum/path_density.h"
+
 namespace aureole {
 
 std::vector<NestedIntegrator> nested_integrators(const Properties& p, std::string_view documented_name) {
@@ -12,9 +14,10 @@ std::vector<NestedIntegrator> nested_integrators(const Properties& p, std::strin
   int unnamed = 0;
   for (const Properties::Entry& e : p.entries()) {
     const auto* object = std::get_if<ObjectPtr>(&e.value);
-    if (!object || !std::dynamic_pointer_cast<Integrator>(*object)) continue;
-    auto integrator = std::dynamic_pointer_cast<const RadianceIntegrator>(*object);
-    if (!integrator)
+    if (!object) continue;
+    auto integrator = std::dynamic_pointer_cast<const Integrator>(*object);
+    if (!integrator) continue;
+    if (integrator->leaves() != Integrator::Leaves::pixel)
       throw Error(e.where, "\"" + (*object)->properties().type() +
                                "\" follows light paths, which belong to no "
                                "pixel: it can't be nested in \"" +
@@ -63,7 +66,7 @@ void ColourMeter::reflectance_rgb(const Spectrum& reflectance, const Wavelengths
                                   const Spectrum& somewhere, float out[3]) const {
   const float control = mean(somewhere);
   const Spectrum rest = reflectance - control;
-  rgb(PathDensity{}.contribution(visible_ ? rest * d65_.eval(w) : rest, w), w, out);
+  rgb(single_estimate(visible_ ? rest * d65_.eval(w) : rest, w), w, out);
   for (int c = 0; c < 3; ++c) out[c] += control;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What integrators share that store further channels beside the picture: the integrators nested in them, and
-// the colour of an estimate.
+// Shared by integrators with further channels beside the picture: nested integrators, and colours of
+// estimates.
 #pragma once
 
 #include <array>
@@ -15,12 +15,12 @@ namespace aureole {
 
 struct NestedIntegrator {
   std::string name;  ///< as Mitsuba names its channels: its own, or "_arg_0", "_arg_1", ... of unnamed ones
-  std::shared_ptr<const RadianceIntegrator> integrator;
+  std::shared_ptr<const Integrator> integrator;
   std::vector<std::string> channels;  ///< its own further ones
 };
 
 /// All nested integrators, in order; `documented_name` is their row of the parameter table. Throws a located
-/// Error where one follows light paths.
+/// Error where the paths of one leave light on other pixels than their own.
 std::vector<NestedIntegrator> nested_integrators(const Properties& properties,
                                                  std::string_view documented_name);
 
@@ -38,8 +38,8 @@ public:
   /// Linear sRGB; not for reflectances, whose colour is that under D65.
   void rgb(const Spectrum& estimate, const Wavelengths& w, float out[3]) const;
   /// Linear sRGB of a surface under D65, of its reflectance: an <rgb> of the scene as it was written.
-  /// `somewhere` is the reflectance at `fixed_wavelengths`, whose mean needs no estimate: a grey surface has
-  /// no noise.
+  /// `somewhere` is the reflectance at `fixed_wavelengths`: its mean is a control variate, so that a grey
+  /// surface has no noise.
   void reflectance_rgb(const Spectrum& reflectance, const Wavelengths& w, const Spectrum& somewhere,
                        float out[3]) const;
   const Wavelengths& fixed_wavelengths() const { return fixed_; }

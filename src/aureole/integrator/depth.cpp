@@ -2,19 +2,27 @@
 // The distance to the nearest surface as a picture.
 #include "aureole/integrator/integrator.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/path_density.h"
 
 namespace aureole {
 namespace {
 
-class DepthIntegrator final : public RadianceIntegrator {
+class DepthIntegrator final : public Integrator {
 public:
-  using RadianceIntegrator::RadianceIntegrator;
+  using Integrator::Integrator;
 
-  RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream&,
-                            const PathLog&, float*) const override {
-    const auto hit = scene.intersect(ray);
-    if (!hit) return {};
-    return {PathDensity{}.contribution(dot(hit->p - ray.o, ray.d), w), 1};
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>&, const BatchLog&) const override {
+    BatchRays rays;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      paths[i].result = {};
+      rays.add(int(i), paths[i].ray);
+    }
+    rays.intersect(scene.tracer(), RayTracer::Rays::coherent, [&](int i, const RayTracer::Hit& hit) {
+      if (!hit) return;
+      Path& path = paths[size_t(i)];
+      const SurfacePoint point = scene.surface_point(hit, path.ray);
+      path.result = {single_estimate(dot(point.p - path.ray.o, path.ray.d), path.wavelengths), 1};
+    });
   }
 };
 

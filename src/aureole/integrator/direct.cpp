@@ -1,15 +1,128 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct illumination only, with chosen numbers of light and BSDF samples.
 #include "aureole/integrator/integrator.h"
-#include "aureole/integrator/scattering.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/transport/endpoints.h"
+#include "aureole/transport/sight.h"
 
 namespace aureole {
 namespace {
 
-class DirectIntegrator final : public RadianceIntegrator {
+/// The surfaces that the sensor's rays meet and pass, what lights send there, and what is seen along sampled
+/// directions.
+class DirectSteps {
 public:
-  explicit DirectIntegrator(const Properties& p) : RadianceIntegrator(p) {
+  DirectSteps(const Scene& scene, const SampleCounts& counts, bool hide_emitters, std::span<Path> paths)
+      : scene_(scene), counts_(counts), hide_emitters_(hide_emitters), paths_(paths) {
+    for (size_t i = 0; i < paths.size(); ++i) states_[i].ray = paths[i].ray;
+  }
+
+  const Ray& ray(int path) const { return states_[path].ray; }
+  const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
+  bool needs_march() const { return !scene_.has_binary_visibility(); }
+
+  Event arrive(int i, const RayTracer::Hit& hit) {
+    if (!hit) return escape(i);
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    Vertex& vertex = vertices_.make(
+        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::radiance); });
+    if (const Light* light = vertex.light()) {
+      if (hide_emitters_) {
+        s.ray = vertex.anchor().leave(s.ray.d);
+        return Event::crossed;
+      }
+      path.result.estimate +=
+          s.density.contribution(light->eval(vertex.point(), -s.ray.d, path.wavelengths), path.wavelengths);
+    }
+    vertex.prepare(path.samples.key(s.dimension));
+    s.smooth = vertex.is_smooth() && !scene_.lights().empty();
+    return Event::surface;
+  }
+
+  bool connect(int i, Connection& out) {
+    State& s = states_[i];
+    if (!s.smooth) return false;
+    SampleStream& samples = paths_[size_t(i)].samples;
+    const int first = std::exchange(s.dimension, s.dimension + 3);
+    return connect_to_light(scene_, vertices_[i], s.density, samples.get1(first), samples.get2(first + 1),
+                            wavelengths(i), counts_, out);
+  }
+
+  void connected(int i, const Connection& c, bool open) {
+    if (open) paths_[size_t(i)].result.estimate += c.light;
+  }
+
+  /// Samples a direction at the vertex to look for lights along it; false where there is none.
+  bool look(int i, SightSteps<DirectSteps>& sight) {
+    State& s = states_[i];
+    Scatter b;
+    if (sample(i, b) != Event::surface) return false;
+    s.found = s.density;
+    s.found.extend(b.value, b.pdf * counts_.scatter, b.delta || !s.smooth);
+    sight.begin(i, vertices_[i].anchor().leave(b.d), 1.f);
+    return true;
+  }
+
+  void see(int i, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
+    if (is_black(radiance)) return;
+    const State& s = states_[i];
+    const LightReference from{vertices_[i].point().p, vertices_[i].facing()};
+    const float other =
+        s.found.has_light_ratio() ? counts_.light * light_density(scene_, from, light, point, d) : 0.f;
+    paths_[size_t(i)].result.estimate += s.found.met(radiance, other, wavelengths(i));
+  }
+
+  /// Continues behind a surface that lets some light pass, with the probability of passing.
+  bool scatter(int i) {
+    State& s = states_[i];
+    Scatter b;
+    if (!vertices_[i].surface().passable || sample(i, b) != Event::crossed) {
+      paths_[size_t(i)].result.alpha = 1;
+      return false;
+    }
+    s.density.attenuate(b.value);
+    s.ray = vertices_[i].anchor().leave(b.d);
+    return true;
+  }
+
+private:
+  struct State {
+    Ray ray;
+    PathDensity density;
+    PathDensity found;  ///< with a sampled direction
+    int dimension = 0;  ///< of the sampler, the next one
+    bool smooth = false;
+  };
+
+  Event sample(int i, Scatter& out) {
+    SampleStream& samples = paths_[size_t(i)].samples;
+    const int first = std::exchange(states_[i].dimension, states_[i].dimension + 3);
+    return vertices_[i].scatter(samples.get1(first), samples.get2(first + 1), out);
+  }
+
+  Event escape(int i) {
+    if (hide_emitters_ || scene_.infinite_emitters().empty()) return Event::escape;
+    const State& s = states_[i];
+    RadianceEstimate& result = paths_[size_t(i)].result;
+    Spectrum sum = 0.f;
+    for (const Light* light : scene_.infinite_emitters()) sum += light->eval_escaped(s.ray.d, wavelengths(i));
+    result.estimate += s.density.contribution(sum, wavelengths(i));
+    result.alpha = 1;
+    return Event::escape;
+  }
+
+  const Scene& scene_;
+  const SampleCounts& counts_;
+  const bool hide_emitters_;
+  std::span<Path> paths_;
+  State states_[kBatch];
+  PerPath<Vertex> vertices_;
+};
+
+class DirectIntegrator final : public Integrator {
+public:
+  explicit DirectIntegrator(const Properties& p) : Integrator(p) {
     const auto shading = p.get_int("shading_samples", 1, {0, 65536});
     if (p.has("shading_samples") && (p.has("emitter_samples") || p.has("bsdf_samples")))
       throw p.error("shading_samples",
@@ -20,86 +133,29 @@ public:
     hide_emitters_ = p.get_bool("hide_emitters", false);
   }
 
-  RadianceEstimate radiance(const Scene& scene, const Ray& camera_ray, const Wavelengths& w,
-                            SampleStream& samples, const PathLog&, float*) const override {
-    RadianceEstimate result;
-    Ray ray = camera_ray;
-    Weight passed = 1.f;
-    for (int dimension = 0;;) {
-      const auto hit = scene.intersect(ray);
-      if (hide_emitters_ && hit && hit->shape->emitter()) {
-        ray = {offset_origin(*hit, ray.d), ray.d, kInfinity};
-        continue;
-      }
-      const PathDensity density{passed};
-      if (!hide_emitters_) result.estimate += density.contribution(emission(scene, hit, ray.d, w), w);
-      if (!hit) {
-        if (!hide_emitters_ && !scene.infinite_emitters().empty()) result.alpha = 1;
-        return result;
-      }
-      add_reflected(scene, *hit, ray.d, density, w, samples, dimension, result);
-
-      // A surface that lets some light pass: go on behind it with the probability of that.
-      const Weight through = Scene::null_transmittance(*hit, ray.d, w);
-      const float probability = std::min(1.f, mean(through));
-      if (!(probability > 0) || !(samples.get1(dimension++) < probability)) break;
-      passed *= through * (1 / probability);
-      ray = {offset_origin(*hit, ray.d), ray.d, kInfinity};
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>&, const BatchLog&) const override {
+    const SampleCounts counts{float(light_samples_), float(bsdf_samples_)};
+    DirectSteps steps(scene, counts, hide_emitters_, paths);
+    SightSteps sight(scene, steps);
+    BatchRays rays, lines;
+    BatchConnections connections;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      paths[i].result = {};
+      rays.add(int(i), paths[i].ray);
     }
-    result.alpha = 1;
-    return result;
+    for (auto kind = RayTracer::Rays::coherent; !rays.empty(); kind = RayTracer::Rays::incoherent) {
+      const PathList vertices = arrive_all(scene, steps, rays, kind);
+      for (int k = 0; k < light_samples_; ++k) connect_all(scene, steps, vertices, connections);
+      for (int k = 0; k < bsdf_samples_; ++k) {
+        for (const int i : vertices)
+          if (steps.look(i, sight)) lines.add(i, sight.ray(i));
+        follow(scene, sight, lines, RayTracer::Rays::incoherent);
+      }
+      scatter_all(steps, vertices, rays);
+    }
   }
 
 private:
-  /// Light that arrives at `hit` and scatters once.
-  void add_reflected(const Scene& scene, const SurfacePoint& hit, const Vec3& d, const PathDensity& density,
-                     const Wavelengths& w, SampleStream& samples, int& dimension,
-                     RadianceEstimate& result) const {
-    const SurfaceVertex vertex(hit, -d, w, samples.key(dimension));
-    const bool smooth = vertex.bsdf().is_smooth() && !scene.lights().empty();
-    for (int i = 0; smooth && i < light_samples_; ++i, dimension += 3) {
-      sample_light(scene, vertex, samples.get1(dimension), samples.get2(dimension + 1), w,
-                   [&](const LightConnection& c) {
-                     const Spectrum other =
-                         c.direct.delta ? Spectrum(0.f) : c.scattering.pdf * float(bsdf_samples_);
-                     result.estimate += density.contribution(c.scattering.value * c.direct.radiance,
-                                                             c.density * float(light_samples_), other, w) *
-                                        scene.connect(hit, c.direct, w);
-                   });
-    }
-    for (int i = 0; i < bsdf_samples_; ++i, dimension += 3) {
-      const auto b = vertex.sample(samples.get1(dimension), samples.get2(dimension + 1));
-      if (!b || is_black(b->value) || has(b->lobe, Lobe::null)) continue;
-      Ray next{offset_origin(hit, b->wo), b->wo, kInfinity};
-      Weight value = b->value;
-      const auto add = [&](const Emitter& e, const SurfacePoint* point, const Spectrum& radiance) {
-        if (is_black(radiance)) return;
-        const float light = b->is_delta() || !smooth
-                                ? 0.f
-                                : float(light_samples_) *
-                                      light_density(scene, hit.p, vertex.facing_normal(), e, point, next.d);
-        result.estimate += density.contribution(value * radiance, b->pdf * float(bsdf_samples_), light, w);
-      };
-      while (const auto light_hit = scene.intersect(next)) {
-        if (const Emitter* e = light_hit->shape->emitter())
-          add(*e, &*light_hit, e->eval(*light_hit, -next.d, w));
-        value *= Scene::null_transmittance(*light_hit, next.d, w);
-        if (is_black(value)) break;
-        next.o = offset_origin(*light_hit, next.d);
-      }
-      if (!is_black(value))
-        for (const Emitter* e : scene.infinite_emitters()) add(*e, nullptr, e->eval_escaped(next.d, w));
-    }
-  }
-
-  static Spectrum emission(const Scene& scene, const std::optional<SurfacePoint>& hit, const Vec3& d,
-                           const Wavelengths& w) {
-    if (hit) return hit->shape->emitter() ? hit->shape->emitter()->eval(*hit, -d, w) : Spectrum(0.f);
-    Spectrum sum = 0.f;
-    for (const Emitter* e : scene.infinite_emitters()) sum += e->eval_escaped(d, w);
-    return sum;
-  }
-
   int light_samples_, bsdf_samples_;
   bool hide_emitters_;
 };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The integrator family: the radiance along a camera ray, or the light that paths from the emitters leave on
-// the film. An integrator owns no scene state and no threads.
+// The integrator family: estimates of the light that reaches the film, from the sensor's rays or by paths
+// from the emitters. An integrator owns no scene state and no threads.
 #pragma once
 
 #include <functional>
@@ -12,74 +12,67 @@
 #include "aureole/plugin/properties.h"
 #include "aureole/sampler/sampler.h"
 #include "aureole/scene/scene.h"
-#include "aureole/spectrum/path_density.h"
+#include "aureole/transport/batch.h"
 
 namespace aureole {
 
 /// Receives one line per event of a path, for replaying a pixel. Empty in normal rendering.
 using PathLog = std::function<void(const std::string&)>;
 
+/// The log of a batch: it tells the events of one of its paths, or of none.
+class BatchLog {
+public:
+  BatchLog() = default;
+  BatchLog(const PathLog& log, int path) : log_(log ? &log : nullptr), path_(path) {}
+  bool follows(int path) const { return log_ != nullptr && path == path_; }
+  void operator()(const std::string& line) const { (*log_)(line); }
+
+private:
+  const PathLog* log_ = nullptr;
+  int path_ = -1;
+};
+
 struct RadianceEstimate {
   Spectrum estimate{0.f};  ///< L_i / (N p_lambda(lambda_i)), as Film::measure takes it
   float alpha = 0;
+};
+
+/// One of the paths of a batch, which belongs to a sample of a pixel.
+struct Path {
+  Ray ray;  ///< of the sensor
+  Wavelengths wavelengths;
+  SampleStream samples;     ///< its dimensions count from where those of the sensor end
+  float* aovs = nullptr;    ///< receives one number per name of `aov_names`
+  RadianceEstimate result;  ///< of the radiance along `ray`, set by `Integrator::trace`
+};
+
+/// Light that a path leaves anywhere on the film.
+struct Splat {
+  int path;   ///< of the batch
+  Vec2 film;  ///< pixels from the film's top left corner
+  /// Spectral power per film area [pixels^2] over the density of the path, as Film::measure takes it.
+  Spectrum estimate;
 };
 
 class Integrator : public Object {
 public:
   static constexpr const char* kFamily = "an integrator";
   using Object::Object;
-};
 
-/// One of several paths followed together.
-struct CameraPath {
-  Ray ray;
-  Wavelengths wavelengths;
-  SampleStream samples;
-  float* aovs = nullptr;
-  RadianceEstimate result;
-};
+  /// Follows the paths of a batch, at most kBatch, which are usually samples of one pixel: sets the result
+  /// and the further channels of each, and appends their splats. A path's numbers do not depend on the other
+  /// paths of its batch, nor on `log`.
+  virtual void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+                     const BatchLog& log) const = 0;
 
-/// Follows paths from the sensor.
-class RadianceIntegrator : public Integrator {
-public:
-  using Integrator::Integrator;
-
-  /// Paths that `radiance_of` takes at once; usually samples of one pixel.
-  static constexpr int kTogether = RayPacket::kSize;
-  /// The same as `radiance` of each path, bit for bit, where an integrator can do it faster together.
-  virtual void radiance_of(const Scene& scene, std::span<CameraPath> paths) const {
-    static const PathLog no_log;
-    for (CameraPath& p : paths) p.result = radiance(scene, p.ray, p.wavelengths, p.samples, no_log, p.aovs);
-  }
-
-  /// An estimate of the radiance along `ray`. The stream's dimensions count from 0. `aovs` receives one
-  /// number per name of `aov_names`.
-  virtual RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& wavelengths,
-                                    SampleStream& samples, const PathLog& log, float* aovs) const = 0;
-  /// Further numbers measured beside the film's ("albedo.R", "depth"): names of their channels.
+  /// Where paths leave light: `pixel`, only the result on their own pixel; `film`, splats, with which the
+  /// result counts as one more, so that a path belongs to no pixel; `both`, the result on their own pixel and
+  /// splats.
+  enum class Leaves { pixel, film, both };
+  virtual Leaves leaves() const { return Leaves::pixel; }
+  /// Names of the channels of further numbers measured beside the film's ("albedo.R", "depth"). None where
+  /// paths belong to no pixel.
   virtual std::vector<std::string> aov_names() const { return {}; }
-};
-
-/// What a light path leaves on the film.
-struct Splat {
-  Vec2 film;  ///< pixels from the film's top left corner
-  Spectrum estimate;
-};
-
-/// Follows paths from the emitters.
-class SplatIntegrator : public Integrator {
-public:
-  using Integrator::Integrator;
-
-  /// Appends what one light path leaves on the film: `estimate` is spectral power per film area [pixels^2]
-  /// over the density of the path, as Film::measure takes it.
-  virtual void trace(const Scene& scene, const Wavelengths& wavelengths, SampleStream& samples,
-                     std::vector<Splat>& splats, const PathLog& log) const = 0;
-  /// The rest of the radiance along a ray of the sensor: what light paths do not bring to the film, such as
-  /// the background. As RadianceIntegrator::radiance estimates it.
-  virtual Spectrum seen_directly(const Scene&, const Ray&, const Wavelengths&, const PathLog&) const {
-    return 0.f;
-  }
 };
 
 }  // namespace aureole

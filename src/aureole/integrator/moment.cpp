@@ -9,10 +9,10 @@
 namespace aureole {
 namespace {
 
-class MomentIntegrator final : public RadianceIntegrator {
+class MomentIntegrator final : public Integrator {
 public:
   explicit MomentIntegrator(const Properties& p)
-      : RadianceIntegrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
+      : Integrator(p), nested_(nested_integrators(p, "integrator")), meter_(p.context().grid) {
     if (nested_.empty()) throw p.error("integrator", "needs a nested integrator");
     for (const NestedIntegrator& n : nested_) {
       for (const std::string& name : n.channels) names_.push_back(n.name + "." + name);
@@ -25,25 +25,13 @@ public:
 
   std::vector<std::string> aov_names() const override { return names_; }
 
-  RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream& samples,
-                            const PathLog& log, float* aovs) const override {
-    RadianceEstimate result;
-    float* out = aovs;
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log) const override {
+    RadianceEstimate results[kBatch];
     for (size_t k = 0; k < nested_.size(); ++k) {
-      const RadianceEstimate r = nested_[k].integrator->radiance(scene, ray, w, samples, log, out);
-      if (k == 0) result = r;
-      out = write_colour(r, w, out + nested_[k].channels.size());
-    }
-    write_squares(aovs);
-    return result;
-  }
-
-  void radiance_of(const Scene& scene, std::span<CameraPath> paths) const override {
-    RadianceEstimate results[kTogether];
-    for (size_t k = 0; k < nested_.size(); ++k) {
-      nested_[k].integrator->radiance_of(scene, paths);
+      nested_[k].integrator->trace(scene, paths, splats, log);
       for (size_t i = 0; i < paths.size(); ++i) {
-        CameraPath& p = paths[i];
+        Path& p = paths[i];
         if (k == 0) results[i] = p.result;
         p.aovs = write_colour(p.result, p.wavelengths, p.aovs + nested_[k].channels.size());
       }

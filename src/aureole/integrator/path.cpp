@@ -1,223 +1,161 @@
 // SPDX-License-Identifier: Apache-2.0
-// Unidirectional spectral path tracer. The body is one scalar step, (path, hit) -> (next ray, connection), so
-// that another driver may send the rays of many paths together.
+// Unidirectional spectral path tracer.
 #include <fmt/format.h>
 
 #include <cmath>
 
 #include "aureole/integrator/path_limits.h"
-#include "aureole/integrator/scattering.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/transport/dimensions.h"
+#include "aureole/transport/driver.h"
+#include "aureole/transport/endpoints.h"
 
 namespace aureole {
 namespace {
 
-/// Sample dimensions of one vertex: pairs for directions, the BSDF's and the light's, and single numbers for
-/// choices.
-enum Choice { kLight, kLobe, kRoulette };
-
-struct PathState {
-  Ray ray;
-  PathDensity density;  ///< up to and including the direction of `ray`
-  int depth = 0;        ///< scattering events so far
-  int vertex = 0;       ///< surfaces met so far, those that were passed without scattering among them
-  float eta2 =
-      1;  ///< squared index of the present medium over the camera's: undoes the n^2 of radiance for roulette
-  RadianceEstimate result;
-
-  // How `ray` was found, for MIS with light sampling: the density before its direction was sampled, and that
-  // sample.
-  bool found_by_density = false;  ///< false for camera rays and delta lobes, which light sampling cannot find
-  PathDensity before;
-  Weight value;
-  Spectrum pdf;
-  Vec3 from, facing;
-};
-
-/// What one step asks of the driver: whether to go on along state.ray, and a connection to be tested for
-/// visibility. Where visibility is not a matter of yes or no the step has found it, and the contribution
-/// holds it.
-struct Step {
-  bool alive, connects;
-  Ray connection;
-  Spectrum contribution;  ///< of the connection, if nothing is in the way
-};
-
-class PathIntegrator final : public RadianceIntegrator {
+class PathSteps {
 public:
-  explicit PathIntegrator(const Properties& p) : RadianceIntegrator(p), limits_(p) {}
-
-  RadianceEstimate radiance(const Scene& scene, const Ray& ray, const Wavelengths& w, SampleStream& samples,
-                            const PathLog& log, float*) const override {
-    PathState state;
-    state.ray = ray;
-    if (!limits_.reaches(1)) return state.result;
-    for (;;) {
-      const std::optional<SurfacePoint> hit = scene.intersect(state.ray);
-      if (log) log_hit(log, state, hit);
-      Step step;
-      advance(scene, state, hit ? &*hit : nullptr, w, samples, step);
-      if (step.connects) {
-        const bool visible = !scene.has_binary_visibility() || !scene.tracer().occluded(step.connection);
-        if (visible) state.result.estimate += step.contribution;
-        if (log)
-          log(fmt::format("  light: {} mean {:.6g}", visible ? "visible" : "hidden",
-                          mean(step.contribution)));
-      }
-      if (!step.alive) return state.result;
-    }
+  PathSteps(const Scene& scene, const PathLimits& limits, std::span<Path> paths, const BatchLog& log)
+      : scene_(scene), limits_(limits), paths_(paths), log_(log) {
+    for (size_t i = 0; i < paths.size(); ++i) states_[i].ray = paths[i].ray;
   }
 
-  /// Paths in lock-step: the rays of a bounce, and its connections, go to the ray tracer as packets.
-  void radiance_of(const Scene& scene, std::span<CameraPath> paths) const override {
-    if (!limits_.reaches(1)) {
-      for (CameraPath& p : paths) p.result = {};
-      return;
-    }
-    const RayTracer& tracer = scene.tracer();
-    PathState states[kTogether];
-    RayPacket rays, shadow_rays;
-    RayTracer::Hit hits[kTogether];
-    int lane[kTogether], shadow_lane[kTogether];  // the path that a ray belongs to
-    Step steps[kTogether + 1];                    // those that connect, and one more to be filled
-    bool blocked[kTogether];
-    int n = int(paths.size());
-    for (int i = 0; i < n; ++i) lane[i] = i, rays.set(i, states[i].ray = paths[size_t(i)].ray);
+  const Ray& ray(int path) const { return states_[path].ray; }
+  const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
+  bool needs_march() const { return !scene_.has_binary_visibility(); }
 
-    for (auto kind = RayTracer::Rays::coherent; n > 0; kind = RayTracer::Rays::incoherent) {
-      tracer.intersect(rays, n, kind, hits);
-      int alive = 0, shadows = 0;
-      for (int i = 0; i < n; ++i) {
-        const int l = lane[i];
-        PathState& s = states[l];
-        CameraPath& path = paths[size_t(l)];
-        Step& step = steps[shadows];
-        if (hits[i]) {
-          const SurfacePoint point = scene.surface_point(hits[i], s.ray);
-          advance(scene, s, &point, path.wavelengths, path.samples, step);
-        } else {
-          advance(scene, s, nullptr, path.wavelengths, path.samples, step);
-        }
-        if (step.connects && scene.has_binary_visibility()) {
-          shadow_rays.set(shadows, step.connection);
-          shadow_lane[shadows++] = l;
-        } else if (step.connects) {
-          s.result.estimate += step.contribution;
-        }
-        // `alive` is at most i: what is overwritten has been read.
-        if (step.alive) rays.set(alive, s.ray), lane[alive++] = l;
-      }
-      tracer.occluded(shadow_rays, shadows, blocked);
-      for (int i = 0; i < shadows; ++i)
-        if (!blocked[i]) states[shadow_lane[i]].result.estimate += steps[i].contribution;
-      n = alive;
-    }
-    for (size_t i = 0; i < paths.size(); ++i) paths[i].result = states[i].result;
-  }
-
-private:
-  void advance(const Scene& scene, PathState& s, const SurfacePoint* hit, const Wavelengths& w,
-               SampleStream& samples, Step& step) const {
-    step.alive = step.connects = false;
-    if (!hit) {
-      // Vertex kind: escape.
-      if (s.depth == 0) {
-        s.result.alpha = limits_.hide_emitters || scene.infinite_emitters().empty() ? 0.f : 1.f;
-        if (limits_.hide_emitters) return;
-      }
-      for (const Emitter* e : scene.infinite_emitters())
-        add_emission(scene, s, *e, nullptr, e->eval_escaped(s.ray.d, w), w);
-      return;
-    }
-    // Vertex kind: surface.
-    const Vec3 to_previous = -s.ray.d;
-    if (const Emitter* e = hit->shape->emitter()) {
+  Event arrive(int i, const RayTracer::Hit& hit) {
+    if (!hit) return escape(i);
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    Vertex& vertex = vertices_.make(
+        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::radiance); });
+    if (log_.follows(i)) log_surface(log_, s.depth, vertex.point(), s.density.hero_symmetric_throughput());
+    if (const Light* light = vertex.light()) {
       if (limits_.hide_emitters && s.depth == 0) {
-        s.ray = {offset_origin(*hit, s.ray.d), s.ray.d, kInfinity};
-        step.alive = true;
-        return;
+        s.ray = vertex.anchor().leave(s.ray.d);
+        return Event::crossed;
       }
-      add_emission(scene, s, *e, hit, e->eval(*hit, to_previous, w), w);
+      add_emission(i, *light, &vertex.point(), light->eval(vertex.point(), -s.ray.d, path.wavelengths));
     }
-    const bool last = !limits_.reaches(s.depth + 2);
-    if (last && !hit->shape->is_passable()) {
-      if (s.depth == 0) s.result.alpha = 1;
-      return;
+    s.last = !limits_.reaches(s.depth + 2);
+    if (s.last && !vertex.surface().passable) {
+      if (s.depth == 0) path.result.alpha = 1;
+      return Event::blocked;
     }
+    s.pairs = path.samples.directions(++s.vertex);
+    vertex.prepare(vertex.surface().needs_choice ? key(path.samples, s.vertex) : 0);
+    return Event::surface;
+  }
 
-    const int v = s.vertex++;
-    const float* directions = samples.directions(v);
-    const Vec2 for_bsdf{directions[0], directions[1]}, for_light{directions[2], directions[3]};
-    const auto choice = [&](Choice k) { return samples.get1(SampleStream::choice(v, k)); };
-    const SurfaceVertex vertex(*hit, to_previous, w,
-                               hit->shape->needs_choice() ? samples.key(SampleStream::choice(v, 0)) : 0);
-    if (!last && vertex.is_smooth() && !scene.lights().empty()) {
-      sample_light(scene, vertex, scene.lights().is_single() ? 0.f : choice(kLight), for_light, w,
-                   [&](const LightConnection& c) {
-                     const Spectrum other = c.direct.delta ? Spectrum(0.f) : c.scattering.pdf;
-                     step.connects = true;
-                     step.contribution =
-                         s.density.contribution(c.scattering.value * c.direct.radiance, c.density, other, w);
-                     if (scene.has_binary_visibility())
-                       step.connection = Scene::connection_ray(*hit, c.direct);
-                     else
-                       step.contribution *= scene.connect(*hit, c.direct, w);
-                   });
-    }
+  bool connect(int i, Connection& out) {
+    const State& s = states_[i];
+    const Vertex& vertex = vertices_[i];
+    if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return false;
+    Path& path = paths_[size_t(i)];
+    return connect_to_light(scene_, vertex, s.density,
+                            scene_.lights().is_single() ? 0.f : get(path.samples, s.vertex, Choice::light),
+                            get(s.pairs, Pair::connection), path.wavelengths, {}, out);
+  }
 
-    const auto b = vertex.sample(hit->shape->needs_choice() ? choice(kLobe) : 0.f, for_bsdf);
-    if (b && has(b->lobe, Lobe::null)) {
-      // No vertex: what was sampled before and light sampling, whose connections pass too, find the same
-      // emitters beyond, so that the weights between them do not hold the mass of passing.
-      const Weight passed = b->value * (1 / b->pdf[0]);
-      if (is_black(passed)) return;
-      s.density.beta *= passed;
-      s.value *= passed;
-      s.ray = {offset_origin(*hit, s.ray.d), s.ray.d, kInfinity};
-      step.alive = true;
-      return;
+  void connected(int i, const Connection& c, bool open) {
+    if (open) paths_[size_t(i)].result.estimate += c.light;
+    if (log_.follows(i))
+      log_(fmt::format("  light: {} mean {:.6g}", open ? "visible" : "hidden", mean(c.light)));
+  }
+
+  bool scatter(int i) {
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    const Vertex& vertex = vertices_[i];
+    const float lobe = vertex.surface().needs_choice ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
+    Scatter b;
+    const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
+    if (event == Event::crossed) {
+      s.density.attenuate(b.value);
+      s.ray = vertex.anchor().leave(b.d);
+      return true;
     }
-    if (s.depth == 0) s.result.alpha = 1;
-    if (last || !b || is_black(b->value)) return;
-    s.before = s.density;
-    s.value = b->value, s.pdf = b->pdf;
-    s.found_by_density = !b->is_delta();
-    s.from = hit->p, s.facing = vertex.facing_normal();
-    s.density.extend(b->value, b->pdf);
-    s.ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
+    if (s.depth == 0) path.result.alpha = 1;
+    if (event == Event::blocked || s.last) return false;
+    s.density.extend(b.value, b.pdf, b.delta);
+    s.from = {vertex.point().p, vertex.facing()};
+    s.ray = vertex.anchor().leave(b.d);
     ++s.depth;
-    s.eta2 *= b->eta * b->eta;
+    s.eta2 *= b.eta * b.eta;
 
     if (s.depth >= limits_.roulette_depth) {
       const float survival = std::min(0.95f, s.density.hero_symmetric_throughput() * s.eta2);
-      if (!(choice(kRoulette) < survival)) return;
+      if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
       s.density.survive(survival);
-      s.before.survive(survival);
     }
     // The last ray can only bring emission.
-    step.alive = limits_.reaches(s.depth + 2) || scene.may_meet_emitter(s.ray);
+    return limits_.reaches(s.depth + 2) || scene_.may_meet_emitter(s.ray);
   }
 
-  void add_emission(const Scene& scene, PathState& s, const Emitter& emitter, const SurfacePoint* hit,
-                    const Spectrum& radiance, const Wavelengths& w) const {
+private:
+  struct State {
+    Ray ray;
+    PathDensity density;  ///< up to and including the direction of `ray`
+    LightReference
+        from;         ///< of the vertex that `ray` left, where light sampling could have found what it meets
+    int depth = 0;    ///< scattering events so far
+    int vertex = -1;  ///< surfaces met before the present one, those that were passed without scattering
+                      ///< among them
+    const float* pairs = nullptr;  ///< random numbers of the present surface
+    float eta2 = 1;     ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
+                        ///< for roulette
+    bool last = false;  ///< the present surface may only be passed
+  };
+
+  Event escape(int i) {
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    if (log_.follows(i))
+      log_(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", s.depth, s.ray.d.x, s.ray.d.y,
+                       s.ray.d.z));
+    if (s.depth == 0) {
+      path.result.alpha = limits_.hide_emitters || scene_.infinite_emitters().empty() ? 0.f : 1.f;
+      if (limits_.hide_emitters) return Event::escape;
+    }
+    for (const Light* light : scene_.infinite_emitters())
+      add_emission(i, *light, nullptr, light->eval_escaped(s.ray.d, path.wavelengths));
+    return Event::escape;
+  }
+
+  void add_emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
     if (is_black(radiance)) return;
-    if (!s.found_by_density) {
-      s.result.estimate += s.density.contribution(radiance, w);
-      return;
-    }
-    const float light = light_density(scene, s.from, s.facing, emitter, hit, s.ray.d);
-    s.result.estimate += s.before.contribution(s.value * radiance, s.pdf, light, w);
+    const State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    path.result.estimate +=
+        s.density.has_light_ratio()
+            ? s.density.met(radiance, light_density(scene_, s.from, light, point, s.ray.d), path.wavelengths)
+            : s.density.contribution(radiance, path.wavelengths);
   }
 
-  static void log_hit(const PathLog& log, const PathState& s, const std::optional<SurfacePoint>& hit) {
-    if (!hit) {
-      log(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", s.depth, s.ray.d.x, s.ray.d.y,
-                      s.ray.d.z));
-      return;
-    }
-    log_surface(log, s.depth, *hit, s.density.hero_symmetric_throughput());
+  const Scene& scene_;
+  const PathLimits& limits_;
+  std::span<Path> paths_;
+  const BatchLog& log_;
+  State states_[kBatch];
+  PerPath<Vertex> vertices_;
+};
+
+class PathIntegrator final : public Integrator {
+public:
+  explicit PathIntegrator(const Properties& p) : Integrator(p), limits_(p) {}
+
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>&,
+             const BatchLog& log) const override {
+    for (Path& p : paths) p.result = {};
+    if (!limits_.reaches(1)) return;
+    PathSteps steps(scene, limits_, paths, log);
+    BatchRays rays;
+    for (size_t i = 0; i < paths.size(); ++i) rays.add(int(i), paths[i].ray);
+    follow(scene, steps, rays, RayTracer::Rays::coherent);
   }
 
+private:
   PathLimits limits_;
 };
 

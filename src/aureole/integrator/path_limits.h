@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the tracers of whole paths share, from the sensor or from the emitters: how long paths become, and
-// what a replay says of their surfaces.
+// Shared by path and light tracing: limits of the length of paths, and the lines that a replay logs for
+// surfaces.
 #pragma once
 
 #include <fmt/format.h>
@@ -29,10 +29,10 @@ struct PathLimits {
   bool hide_emitters;
 };
 
-inline void log_surface(const PathLog& log, int depth, const SurfacePoint& hit, float throughput) {
+inline void log_surface(const BatchLog& log, int depth, const SurfacePoint& hit, float throughput) {
   log(fmt::format("  depth {}: {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), bsdf {}, throughput {:.6g}", depth,
                   hit.shape->properties().type(), hit.shape->id(), hit.p.x, hit.p.y, hit.p.z,
-                  hit.shape->bsdf()->properties().type(), throughput));
+                  hit.surface->bsdf->properties().type(), throughput));
 }
 
 }  // namespace aureole

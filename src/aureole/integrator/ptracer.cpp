@@ -1,132 +1,188 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light tracing: paths from the emitters, connected to the sensor at every surface. A path X found so has one
-// technique only, the same for all wavelengths but for what its BSDF samples say: spectral MIS is over
-// wavelengths. What a connection can't carry, emitters that the sensor sees, a ray of the sensor finds.
+// Light tracing: paths from the emitters, connected to the sensor at every surface. Such a path has one
+// technique, and spectral MIS weights it over the wavelengths, whose densities differ only by those of its
+// BSDF samples. Emitters that the sensor sees directly, which no connection finds, are found by rays of the
+// sensor.
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "aureole/integrator/path_limits.h"
-#include "aureole/integrator/scattering.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/transport/dimensions.h"
+#include "aureole/transport/endpoints.h"
+#include "aureole/transport/sight.h"
 
 namespace aureole {
 namespace {
 
-/// Sample dimensions, of the emission (vertex 0) and of each surface: pairs for directions and places, single
-/// numbers for choices.
-enum Pair { kEmittedDirection = 0, kEmittedPosition = 1, kBsdfDirection = 0, kLens = 1 };
-enum Choice { kPart = 0, kLobe = 0, kRoulette = 1 };
-
-Vec2 pair(SampleStream& samples, int vertex, Pair which) {
-  return samples.get2(SampleStream::direction(vertex, which));
-}
-float choice(SampleStream& samples, int vertex, Choice which) {
-  return samples.get1(SampleStream::choice(vertex, which));
-}
-
-class ParticleTracer final : public SplatIntegrator {
+/// Radiance that the sensor's rays see directly.
+class SeenDirectly {
 public:
-  explicit ParticleTracer(const Properties& p) : SplatIntegrator(p), limits_(p) {
+  explicit SeenDirectly(std::span<Path> paths) : paths_(paths) {}
+  const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
+  void see(int path, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
+    sum[path] += radiance;
+  }
+
+  Spectrum sum[kBatch];
+
+private:
+  std::span<Path> paths_;
+};
+
+/// Paths from the emitters.
+class LightSteps {
+public:
+  LightSteps(const Scene& scene, const PathLimits& limits, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log)
+      : scene_(scene), limits_(limits), paths_(paths), splats_(splats), log_(log) {}
+
+  const Ray& ray(int path) const { return states_[path].ray; }
+  const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
+  bool needs_march() const { return !scene_.has_binary_visibility() || limits_.hide_emitters; }
+
+  /// Where the path begins; false where it carries no light.
+  bool emit(int i) {
+    Path& path = paths_[size_t(i)];
+    State& s = states_[i];
+    const auto choice =
+        scene_.lights().choose_by_power(path.samples.get2(SampleStream::choice(0, int(Choice::light))));
+    if (!choice) return false;
+    const auto emitted = choice->light->sample_ray(choice->part, get(path.samples, 0, Pair::connection),
+                                                   get(path.samples, 0, Pair::scatter), path.wavelengths);
+    if (!emitted || is_black(emitted->value)) return false;
+    const float pdf = choice->probability * emitted->pdf_position * emitted->pdf_direction;
+    if (!(pdf > 0)) return false;
+    s.density.beta = Weight(emitted->value);
+    s.density.survive(pdf);
+    s.whole = s.density.hero_symmetric_throughput();
+    s.ray = Anchor::of(*emitted).leave(emitted->d);
+    if (log_.follows(i))
+      log_(fmt::format(
+          "  emitter \"{}\", part {}: from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
+          choice->light->properties().type(), choice->part, s.ray.o.x, s.ray.o.y, s.ray.o.z, s.ray.d.x,
+          s.ray.d.y, s.ray.d.z));
+    return true;
+  }
+
+  Event arrive(int i, const RayTracer::Hit& hit) {
+    if (!hit) return Event::escape;
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    Vertex& vertex = vertices_.make(
+        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::importance); });
+    vertex.prepare(key(path.samples, ++s.vertex));
+    if (log_.follows(i))
+      log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
+    return Event::surface;
+  }
+
+  bool connect(int i, Connection& out) {
+    const State& s = states_[i];
+    const Vertex& vertex = vertices_[i];
+    if (!vertex.is_smooth()) return false;
+    // Rays of the sensor pass through the surfaces of emitters.
+    if (limits_.hide_emitters && vertex.light()) return false;
+    Path& path = paths_[size_t(i)];
+    const Vec2 lens = scene_.sensor().uses_lens() ? get(path.samples, s.vertex, Pair::connection) : Vec2{};
+    if (!connect_to_sensor(scene_, vertex, s.density, lens, path.wavelengths, out, film_[i])) return false;
+    out.through_emitters = limits_.hide_emitters;
+    return true;
+  }
+
+  void connected(int i, const Connection& c, bool open) {
+    if (open) splats_.push_back({i, film_[i], c.light});
+    if (log_.follows(i))
+      log_(fmt::format("  sensor at ({:.6g}, {:.6g}) on the film: {} mean {:.6g}", film_[i].x, film_[i].y,
+                       open ? "visible" : "hidden", open ? mean(c.light) : 0.f));
+  }
+
+  bool scatter(int i) {
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    const Vertex& vertex = vertices_[i];
+    const bool last = !limits_.reaches(s.scattered + 3);
+    if (last && !vertex.surface().passable) return false;
+    const float lobe = vertex.surface().needs_choice ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
+    Scatter b;
+    const Event event = vertex.scatter(lobe, get(path.samples, s.vertex, Pair::scatter), b);
+    if (event == Event::blocked) return false;
+    if (event == Event::crossed) {
+      s.density.attenuate(b.value);
+      s.ray = vertex.anchor().leave(b.d);
+      return true;
+    }
+    if (last || b.value.is_black()) return false;
+    s.density.extend(b.value, b.pdf, b.delta);
+    s.ray = vertex.anchor().leave(b.d);
+    ++s.scattered;
+    if (s.scattered < limits_.roulette_depth) return true;
+    const float survival = std::min(0.95f, s.density.hero_symmetric_throughput() / s.whole);
+    if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
+    s.density.survive(survival);
+    return true;
+  }
+
+private:
+  struct State {
+    Ray ray;
+    LightPathDensity density;
+    float whole = 1;  ///< throughput at the emitter: roulette asks how much of the light is left, not how
+                      ///< bright it is
+    int vertex = 0;   ///< surfaces met; 0 at the emitter
+    int scattered = 0;
+  };
+
+  const Scene& scene_;
+  const PathLimits& limits_;
+  std::span<Path> paths_;
+  std::vector<Splat>& splats_;
+  const BatchLog& log_;
+  State states_[kBatch];
+  PerPath<Vertex> vertices_;
+  Vec2 film_[kBatch];  ///< where a connection's light falls
+};
+
+class ParticleTracer final : public Integrator {
+public:
+  explicit ParticleTracer(const Properties& p) : Integrator(p), limits_(p) {
     if (p.has("samples_per_pass"))
       p.note("samples_per_pass", "work is divided by itself: \"samples_per_pass\" has no effect");
     p.get_int("samples_per_pass", -1);
   }
 
-  void trace(const Scene& scene, const Wavelengths& w, SampleStream& samples, std::vector<Splat>& splats,
-             const PathLog& log) const override {
+  Leaves leaves() const override { return Leaves::film; }
+
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log) const override {
+    see_directly(scene, paths, log);
     if (!limits_.reaches(2)) return;
-    const auto light = scene.lights().choose_by_power(samples.get2(SampleStream::choice(0, kPart)));
-    if (!light) return;
-    const auto emitted = light->emitter->sample_ray(light->part, pair(samples, 0, kEmittedPosition),
-                                                    pair(samples, 0, kEmittedDirection), w);
-    if (!emitted || is_black(emitted->value)) return;
-    const float pdf = light->probability * emitted->pdf_position * emitted->pdf_direction;
-    if (!(pdf > 0)) return;
-    PathDensity density;
-    density.beta = emitted->value;
-    density.survive(pdf);
-    // Roulette asks how much of the light is left, not how bright it is.
-    const float whole = density.hero_symmetric_throughput();
-    Ray ray{offset_origin(emitted->p, emitted->p_error, emitted->ng, emitted->d), emitted->d, kInfinity};
-    if (log)
-      log(fmt::format(
-          "  emitter \"{}\", part {}: from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
-          light->emitter->properties().type(), light->part, ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y,
-          ray.d.z));
-
-    int scattered = 0;
-    for (int v = 1;; ++v) {
-      const std::optional<SurfacePoint> hit = scene.intersect(ray);
-      if (!hit) return;
-      const SurfaceVertex vertex(*hit, -ray.d, w, samples.key(SampleStream::choice(v, 0)),
-                                 TransportMode::importance);
-      if (log) log_surface(log, scattered + 1, *hit, density.hero_symmetric_throughput() / whole);
-      connect(scene, vertex, density, w, samples, v, splats, log);
-
-      const bool last = !limits_.reaches(scattered + 3);
-      if (last && !hit->shape->is_passable()) return;
-      const auto b = vertex.sample(hit->shape->needs_choice() ? choice(samples, v, kLobe) : 0.f,
-                                   pair(samples, v, kBsdfDirection));
-      if (!b || is_black(b->value)) return;
-      if (has(b->lobe, Lobe::null)) {
-        // No vertex: the mass of passing is not a density of the path.
-        density.beta *= b->value * (1 / b->pdf[0]);
-        ray = {offset_origin(*hit, ray.d), ray.d, kInfinity};
-        continue;
-      }
-      if (last) return;
-      density.extend(b->value * vertex.adjoint_correction(b->wo), b->pdf);
-      if (is_black(density.beta)) return;
-      ray = {offset_origin(*hit, b->wo), b->wo, kInfinity};
-      ++scattered;
-      if (scattered < limits_.roulette_depth) continue;
-      const float survival = std::min(0.95f, density.hero_symmetric_throughput() / whole);
-      if (!(choice(samples, v, kRoulette) < survival)) return;
-      density.survive(survival);
-    }
-  }
-
-  Spectrum seen_directly(const Scene& scene, const Ray& camera_ray, const Wavelengths& w,
-                         const PathLog& log) const override {
-    if (limits_.hide_emitters || !limits_.reaches(1) || !scene.may_meet_emitter(camera_ray)) return 0.f;
-    Spectrum sum = 0.f;
-    Weight passed = 1.f;
-    Ray ray = camera_ray;
-    while (const auto hit = scene.intersect(ray)) {
-      if (const Emitter* e = hit->shape->emitter()) sum += passed * e->eval(*hit, -ray.d, w);
-      passed *= Scene::null_transmittance(*hit, ray.d, w);
-      if (is_black(passed)) break;
-      ray = {offset_origin(*hit, ray.d), ray.d, kInfinity};
-    }
-    if (!is_black(passed))
-      for (const Emitter* e : scene.infinite_emitters()) sum += passed * e->eval_escaped(ray.d, w);
-    if (log && !is_black(sum)) log(fmt::format("  the sensor sees an emitter: mean {:.6g}", mean(sum)));
-    return PathDensity{}.contribution(sum, w);
+    LightSteps steps(scene, limits_, paths, splats, log);
+    BatchRays rays;
+    for (size_t i = 0; i < paths.size(); ++i)
+      if (steps.emit(int(i))) rays.add(int(i), steps.ray(int(i)));
+    follow(scene, steps, rays, RayTracer::Rays::incoherent);
   }
 
 private:
-  void connect(const Scene& scene, const SurfaceVertex& vertex, const PathDensity& density,
-               const Wavelengths& w, SampleStream& samples, int v, std::vector<Splat>& splats,
-               const PathLog& log) const {
-    if (!vertex.is_smooth()) return;
-    // Rays of the sensor pass through the surfaces of emitters.
-    if (limits_.hide_emitters && vertex.point().shape->emitter()) return;
-    const Sensor& sensor = scene.sensor();
-    const auto seen =
-        sensor.sample_direct(vertex.point().p, sensor.uses_lens() ? pair(samples, v, kLens) : Vec2{});
-    if (!seen || !(seen->importance > 0)) return;
-    const Weight value = vertex.eval_pdf(seen->wo).value;
-    if (is_black(value)) return;
-    DirectSample end;
-    end.wo = seen->wo, end.p = seen->p;
-    const Spectrum visible = scene.connect(vertex.point(), end, w, limits_.hide_emitters);
-    const Spectrum estimate =
-        density.contribution(value * (vertex.adjoint_correction(seen->wo) * seen->importance), w) * visible;
-    if (!is_black(visible)) splats.push_back({seen->film, estimate});
-    if (log)
-      log(fmt::format("  sensor at ({:.6g}, {:.6g}) on the film: {} mean {:.6g}", seen->film.x, seen->film.y,
-                      is_black(visible) ? "hidden" : "visible", mean(estimate)));
+  /// The radiance along the sensor's rays that connections can't bring to the film.
+  void see_directly(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
+    SeenDirectly seen(paths);
+    SightSteps sight(scene, seen);
+    BatchRays rays;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      paths[i].result = {};
+      if (limits_.hide_emitters || !limits_.reaches(1) || !scene.may_meet_emitter(paths[i].ray)) continue;
+      sight.begin(int(i), paths[i].ray, 1.f);
+      rays.add(int(i), paths[i].ray);
+    }
+    follow(scene, sight, rays, RayTracer::Rays::coherent);
+    for (size_t i = 0; i < paths.size(); ++i) {
+      if (log.follows(int(i)) && !is_black(seen.sum[i]))
+        log(fmt::format("  the sensor sees an emitter: mean {:.6g}", mean(seen.sum[i])));
+      paths[i].result.estimate = single_estimate(seen.sum[i], paths[i].wavelengths);
+    }
   }
 
   PathLimits limits_;

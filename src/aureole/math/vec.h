@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two- and three-component float vectors. Points, directions and normals share one type: what a vector is,
-// its name says.
+// Two- and three-component float vectors. Points, directions and normals share one type; names of
+// variables tell them apart.
 #pragma once
 
 #include <algorithm>

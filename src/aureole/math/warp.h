@@ -10,7 +10,7 @@
 
 namespace aureole {
 
-/// The largest float below one: what keeps a warped point off the boundary of its domain.
+/// The largest float below one; it keeps warped points off the boundary of their domain.
 inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
 namespace detail {

@@ -24,16 +24,22 @@ double focal_length_mm(const Properties& p) {
 
 }  // namespace
 
-double tangent_of_half_width(const Properties& p, double aspect) {
-  const std::string axis = p.get_choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"});
+FieldOfView::FieldOfView(const Properties& p)
+    : axis_(p.get_choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"})),
+      // Both parameters are always read, so that both are checked and count as used.
+      focal_length_mm_(focal_length_mm(p)),
+      degrees_(p.get_float("fov", -1, {1e-4, 179.9999})) {
+  if (p.has("fov") && p.has("focal_length"))
+    throw p.error("focal_length", "give either \"fov\" or \"focal_length\"");
+}
+
+double FieldOfView::tangent_of_half_width(double aspect) const {
   const double of_diagonal = 1 / std::sqrt(1 + 1 / (aspect * aspect));
-  // Both are read, so that both are checked and known.
-  const double mm = focal_length_mm(p), fov = p.get_float("fov", -1, {1e-4, 179.9999});
-  if (!p.has("fov")) return std::hypot(36.0, 24.0) / (2 * mm) * of_diagonal;
-  if (p.has("focal_length")) throw p.error("focal_length", "give either \"fov\" or \"focal_length\"");
-  const double t = std::tan(0.5 * fov * M_PI / 180);
-  if (axis == "y" || (axis == "smaller" && aspect > 1) || (axis == "larger" && aspect < 1)) return t * aspect;
-  return axis == "diagonal" ? t * of_diagonal : t;
+  if (degrees_ < 0) return std::hypot(36.0, 24.0) / (2 * focal_length_mm_) * of_diagonal;
+  const double t = std::tan(0.5 * degrees_ * M_PI / 180);
+  if (axis_ == "y" || (axis_ == "smaller" && aspect > 1) || (axis_ == "larger" && aspect < 1))
+    return t * aspect;
+  return axis_ == "diagonal" ? t * of_diagonal : t;
 }
 
 }  // namespace aureole

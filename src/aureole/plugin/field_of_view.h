@@ -2,12 +2,25 @@
 // The parameters `fov`, `fov_axis` and `focal_length` of cameras and projectors.
 #pragma once
 
+#include <string>
+
 namespace aureole {
 
 class Properties;
 
-/// tan(half the horizontal field of view) of a picture whose width is `aspect` times its height: from `fov`
-/// about `fov_axis`, or from `focal_length` (50mm where neither is given) by the diagonal of 35 mm film.
-double tangent_of_half_width(const Properties& properties, double aspect);
+class FieldOfView {
+public:
+  /// Reads `fov` about `fov_axis`, or `focal_length` (50mm where neither is given) by the diagonal of 35 mm
+  /// film.
+  explicit FieldOfView(const Properties& properties);
+
+  /// tan(half the horizontal field of view) of a picture whose width is `aspect` times its height.
+  double tangent_of_half_width(double aspect) const;
+
+private:
+  std::string axis_;
+  double focal_length_mm_;
+  double degrees_;  ///< negative where the focal length counts
+};
 
 }  // namespace aureole

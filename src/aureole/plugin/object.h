@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Object`: what every plug-in instance is. It keeps the Properties that made it.
+// `Object`: the base class of all plug-ins. It keeps the Properties that made it.
 #pragma once
 
 #include <memory>
@@ -18,12 +18,9 @@ public:
 
   /// The parameters this object was made from.
   const Properties& properties() const { return *properties_; }
+  const std::shared_ptr<const Properties>& shared_properties() const { return properties_; }
   /// The id in the scene file, or an empty string.
   const std::string& id() const;
-
-protected:
-  /// For an object that takes over parameters without being built anew.
-  void exchange_properties(std::shared_ptr<const Properties>& other) { properties_.swap(other); }
 
 private:
   std::shared_ptr<const Properties> properties_;

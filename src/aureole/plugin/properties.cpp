@@ -53,7 +53,8 @@ Properties::Properties(std::string type, std::string id, SourceLocation where,
       id_(std::move(id)),
       where_(std::move(where)),
       context_(context ? std::move(context) : std::make_shared<const BuildContext>()),
-      plugin_(plugin) {}
+      plugin_(plugin),
+      most_expected_(std::make_shared<std::vector<std::pair<std::string, double>>>()) {}
 
 void Properties::add(std::string name, Value value, SourceLocation where) {
   if (!name.empty() && has(name)) throw Error(where, "parameter \"" + name + "\" is given twice");
@@ -190,6 +191,9 @@ double Properties::get_length_m(std::string_view name, double fallback_m, Range 
 }
 
 std::filesystem::path Properties::get_file(std::string_view name) const {
+  if (plugin_ && !plugin_->names_file(name))
+    throw std::logic_error("plug-in \"" + plugin_->name + "\" reads the file \"" + std::string(name) +
+                           "\", which is no file in its table");
   const std::filesystem::path path = get_string(name);
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) throw error(name, "no such file: " + path.string());
@@ -204,6 +208,34 @@ void Properties::note(std::string_view name, const std::string& message) const {
   for (const Entry& e : entries_)
     if (e.name == name) at = e.where;
   context_->diagnostics->note(at, message);
+}
+
+void Properties::expect_at_most(std::string_view name, double maximum) const {
+  most_expected_->emplace_back(name, maximum);
+}
+
+double Properties::most_expected(std::string_view name) const {
+  double most = std::numeric_limits<double>::infinity();
+  for (const auto& [read, maximum] : *most_expected_)
+    if (read == name) most = std::min(most, maximum);
+  return most;
+}
+
+void Properties::take_reads(const Properties& part) const {
+  const auto same = [](const Entry& a, const Entry& b) {
+    if (a.name != b.name) return false;
+    const auto *x = std::get_if<ObjectPtr>(&a.value), *y = std::get_if<ObjectPtr>(&b.value);
+    return !a.name.empty() || (x && y && *x == *y);
+  };
+  for (const Entry& read : part.entries_)
+    for (const Entry& e : entries_)
+      if (read.used && same(read, e)) e.used = true;
+  for (const std::string& name : part.queried_)
+    if (std::find(queried_.begin(), queried_.end(), name) == queried_.end()) queried_.push_back(name);
+}
+
+void Properties::mark_all_read() const {
+  for (const Entry& e : entries_) e.used = true;
 }
 
 void Properties::report_unused(Diagnostics& diagnostics) const {

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -22,17 +23,17 @@ namespace aureole {
 
 struct PluginInfo;
 
-/// What an object may ask of its scene while it is built, beyond its own parameters.
+/// Access to other objects of the scene for an object being built.
 class SceneLookup {
 public:
   virtual ~SceneLookup() = default;
   /// The object of a family ("bsdf") with that id, built if need be; null where there is none.
   virtual ObjectPtr find(std::string_view family, const std::string& id) = 0;
-  /// A file that no parameter names: its content belongs to the scene's.
+  /// Declares a file that no parameter names: its content becomes part of the scene's hash.
   virtual void add_file(const std::filesystem::path& file) = 0;
 };
 
-/// What a scene fixes before its objects are built.
+/// Settings of a scene that its objects are built with.
 struct BuildContext {
   SpectralGrid grid;                   ///< wavelengths of the sensor
   double length_unit_m = 1.0;          ///< metres per scene unit
@@ -40,8 +41,8 @@ struct BuildContext {
   SceneLookup* scene = nullptr;        ///< null outside of a scene, and once it is built
 };
 
-/// A spectrum as written in a scene file; what it means (reflectance, emission) is decided by the parameter
-/// it is for.
+/// A spectrum as written in a scene file; the parameter that it is given for decides its meaning
+/// (reflectance, emission).
 struct SpectrumLiteral {
   enum class Kind { value, rgb, points } kind = Kind::value;
   double value = 0;                ///< Kind::value
@@ -80,6 +81,10 @@ public:
   const BuildContext& context() const { return *context_; }
   const std::shared_ptr<const BuildContext>& shared_context() const { return context_; }
   const PluginInfo* plugin() const { return plugin_; }
+
+  /// Of a shape: names of the attributes that textures on it show, sorted. Its reader keeps no others.
+  const std::vector<std::string>& shown_attributes() const { return shown_attributes_; }
+  void set_shown_attributes(std::vector<std::string> names) { shown_attributes_ = std::move(names); }
 
   /// Adds a parameter; throws Error at `where` if the name is taken.
   void add(std::string name, Value value, SourceLocation where);
@@ -133,6 +138,18 @@ public:
   /// A message to the user about a parameter that is accepted but has no effect here.
   void note(std::string_view name, const std::string& message) const;
 
+  /// Records that values of the parameter, which are known only later (those of a mesh attribute), must not
+  /// exceed `maximum`. Shared by all copies of these properties.
+  void expect_at_most(std::string_view name, double maximum) const;
+  /// That maximum; infinite where there is none.
+  double most_expected(std::string_view name) const;
+
+  /// Marks as read every parameter that was read of `part`, a copy of some of these parameters, for
+  /// `report_unused` and `queried`.
+  void take_reads(const Properties& part) const;
+  /// Marks all parameters as read: for an object that was kept and not built again.
+  void mark_all_read() const;
+
   /// Reports every entry that nothing read as an error with a suggestion.
   void report_unused(Diagnostics& diagnostics) const;
   /// Names of documented parameters asked for so far, present or not (for the documentation test).
@@ -154,7 +171,9 @@ private:
   std::shared_ptr<const BuildContext> context_;
   const PluginInfo* plugin_;
   std::vector<Entry> entries_;
+  std::vector<std::string> shown_attributes_;
   mutable std::vector<std::string> queried_;
+  std::shared_ptr<std::vector<std::pair<std::string, double>>> most_expected_;  ///< shared by all copies
 };
 
 }  // namespace aureole

@@ -7,9 +7,30 @@
 
 namespace aureole {
 
-bool PluginInfo::documents(std::string_view parameter) const {
-  return std::any_of(doc.parameters.begin(), doc.parameters.end(),
-                     [&](const ParameterDoc& p) { return p.name == parameter; });
+namespace {
+
+void add_shared_parameters(PluginInfo& plugin, const FamilyInfo& family) {
+  if (!plugin.doc.takes_shared_parameters) return;
+  for (const ParameterDoc& row : family.parameters)
+    if (!plugin.documents(row.name)) plugin.doc.parameters.push_back(row);
+}
+
+}  // namespace
+
+const ParameterDoc* PluginInfo::parameter(std::string_view wanted) const {
+  for (const ParameterDoc& row : doc.parameters)
+    if (row.name == wanted) return &row;
+  return nullptr;
+}
+
+bool PluginInfo::names_file(std::string_view wanted) const {
+  const ParameterDoc* row = parameter(wanted);
+  return row && row->type == "file";
+}
+
+bool FamilyInfo::shares(std::string_view parameter) const {
+  return std::any_of(parameters.begin(), parameters.end(),
+                     [&](const ParameterDoc& row) { return row.name == parameter; });
 }
 
 std::vector<std::string> PluginInfo::parameter_names() const {
@@ -23,10 +44,31 @@ Registry& Registry::instance() {
   return registry;
 }
 
+// The linker decides whether a family registers before its plug-ins.
+void Registry::add(FamilyInfo info) {
+  if (family(info.name)) throw std::logic_error("family registered twice: " + info.name);
+  for (PluginInfo& plugin : plugins_)
+    if (plugin.family == info.name) add_shared_parameters(plugin, info);
+  families_.push_back(std::move(info));
+}
+
 void Registry::add(PluginInfo info) {
   if (find(info.family, info.name))
     throw std::logic_error("plug-in registered twice: " + info.family + " " + info.name);
+  if (const FamilyInfo* known = family(info.family)) add_shared_parameters(info, *known);
   plugins_.push_back(std::move(info));
+}
+
+const FamilyInfo* Registry::family(std::string_view name) const {
+  for (const FamilyInfo& f : families_)
+    if (f.name == name) return &f;
+  return nullptr;
+}
+
+const FamilyInfo* Registry::family_of_element(std::string_view tag, bool has_type) const {
+  for (const FamilyInfo& f : families_)
+    if (f.name == tag || (has_type && f.second_element == tag)) return &f;
+  return nullptr;
 }
 
 const PluginInfo* Registry::find(std::string_view family, std::string_view name) const {
@@ -37,7 +79,7 @@ const PluginInfo* Registry::find(std::string_view family, std::string_view name)
 
 std::vector<std::string> Registry::families() const {
   std::set<std::string> s;
-  for (const auto& p : plugins_) s.insert(p.family);
+  for (const auto& f : families_) s.insert(f.name);
   return {s.begin(), s.end()};
 }
 
@@ -46,6 +88,23 @@ std::vector<std::string> Registry::names(std::string_view family) const {
   for (const auto& p : plugins_)
     if (p.family == family) s.insert(p.name);
   return {s.begin(), s.end()};
+}
+
+ObjectPtr make_object(const Properties& owner, std::string_view family, std::string_view plugin,
+                      const NamedValues& parameters) {
+  const PluginInfo* info = Registry::instance().find(family, plugin);
+  if (!info) return nullptr;
+  Properties p(info->name, "", owner.where(), owner.shared_context(), info);
+  for (const auto& [name, value] : parameters) p.add(name, value, owner.where());
+  return info->create(p);
+}
+
+ObjectPtr make_default_object(const Properties& owner, std::string_view family,
+                              const NamedValues& parameters) {
+  const FamilyInfo* info = Registry::instance().family(family);
+  ObjectPtr object = info ? make_object(owner, family, info->fallback, parameters) : nullptr;
+  if (!object) throw std::logic_error("there is no default plug-in of the family " + std::string(family));
+  return object;
 }
 
 }  // namespace aureole

@@ -18,7 +18,7 @@ inline std::uint64_t pixel_key(std::uint64_t seed, int replicate, int x, int y) 
 /// Sample `index` of the pixel (x, y) of the film. `samples` is left where the path begins.
 inline SensorRay begin_camera_sample(const Scene& scene, std::uint64_t key, int x, int y, std::int64_t index,
                                      SampleStream& samples, Wavelengths& wavelengths, Vec2& position) {
-  const Sensor& sensor = scene.sensor();
+  const PlacedSensor& sensor = scene.sensor();
   samples = SampleStream(sensor.sampler(), key, std::uint32_t(index));
   position = samples.get2(SampleStream::kFilm) + Vec2{float(x), float(y)};
   wavelengths = scene.wavelengths().sample(samples.get1(SampleStream::kWavelengthSet),

@@ -12,8 +12,8 @@ namespace aureole {
 
 using Fixed = __int128;  ///< units of 2^-64
 
-/// Largest magnitude that `to_fixed` takes; 2^62 leaves room for 2^1 ... additions never come near it in
-/// practice.
+/// Largest magnitude that `to_fixed` takes: in units of 2^-64 eight such numbers overflow 128 bits, but real
+/// values are many orders of magnitude smaller.
 inline constexpr float kFixedLimit = 0x1p60f;
 /// Rounded towards zero. Shifts the mantissa: the conversion of the language is a call, several times slower.
 inline Fixed to_fixed(float x) {
@@ -47,7 +47,7 @@ public:
   std::vector<Fixed>& data() { return data_; }
   const std::vector<Fixed>& data() const { return data_; }
 
-  /// Adds a block of float sums whose top left pixel is (x0, y0); what lies outside the film is left out.
+  /// Adds a block of float sums whose top left pixel is (x0, y0); pixels outside the film are left out.
   void add(int x0, int y0, int block_width, int block_height, const float* sums) {
     for (int y = 0; y < block_height; ++y) {
       if (y0 + y < 0 || y0 + y >= height_) continue;
@@ -72,6 +72,14 @@ public:
     const double inverse = w != 0 ? 1 / w : 0;
     for (int c = 0; c < channels_; ++c) measured[c] = from_fixed(p[c]) * inverse;
     *alpha = from_fixed(p[channels_]) * inverse;
+  }
+
+  /// Adds the weighted means of the measured channels of one pixel, which may be fewer than the caller has.
+  void add_means(int x, int y, double* measured) const {
+    const Fixed* p = pixel(x, y);
+    const double w = from_fixed(p[channels_ + 1]);
+    const double inverse = w != 0 ? 1 / w : 0;
+    for (int c = 0; c < channels_; ++c) measured[c] += from_fixed(p[c]) * inverse;
   }
 
 private:

@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/render/job.h"
 
-#include <fmt/format.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <mutex>
 #include <shared_mutex>
 
 #include "aureole/core/parallel.h"
-#include "aureole/core/version.h"
-#include "aureole/render/camera_unit.h"
-#include "aureole/render/splat_unit.h"
 
 namespace aureole {
 
@@ -24,127 +17,20 @@ struct RenderJob::Lock {
 
 namespace {
 
-double available_memory_bytes() {
-  std::ifstream in("/proc/meminfo");
-  std::string key, unit;
-  double kib;
-  while (in >> key >> kib >> unit)
-    if (key == "MemAvailable:") return kib * 1024;
-  return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
-}
-
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 }  // namespace
 
-Development development_of(const Film& film, const std::vector<std::string>& aovs) {
-  Development d;
-  d.names = film.channel_names();
-  d.half = film.pixel_type() == ExrPixel::half;
-  const size_t channels = size_t(film.measured_channels());
-  const bool alpha = d.names.back() == "A";
-  const size_t own_rows = d.names.size() - (alpha ? 1 : 0);
-  d.rows.assign(own_rows + aovs.size(), std::vector<float>(channels + aovs.size()));
-  d.rgb_rows.assign(3, std::vector<float>(channels + aovs.size()));
-  std::vector<float> out(d.names.size());
-  for (size_t k = 0; k < channels; ++k) {
-    std::vector<double> unit(channels, 0.0);
-    unit[k] = 1;
-    film.develop(unit.data(), 0, out.data());
-    for (size_t c = 0; c < own_rows; ++c) d.rows[c][k] = out[c];
-    float rgb[3];
-    film.develop_rgb(unit.data(), rgb);
-    for (size_t c = 0; c < 3; ++c) d.rgb_rows[c][k] = rgb[c];
-  }
-  d.names.insert(d.names.begin() + std::ptrdiff_t(own_rows), aovs.begin(), aovs.end());
-  for (size_t k = 0; k < aovs.size(); ++k) d.rows[own_rows + k][channels + k] = 1;
-  return d;
-}
-
-RenderJob::RenderJob(std::shared_ptr<const Scene> scene, const RenderOptions& options)
-    : scene_(std::move(scene)),
+RenderJob::RenderJob(const LoadedScene& loaded, const RenderOptions& options)
+    : scene_(loaded.scene),
+      integrator_(loaded.integrator),
       options_(options),
-      filter_(scene_->film().filter()),
+      state_(planned_state(loaded, options)),
       lock_(std::make_shared<Lock>()) {
-  const Object* integrator = scene_->integrator_object().get();
-  const auto* path_tracer = dynamic_cast<const RadianceIntegrator*>(integrator);
-  const auto* light_tracer = dynamic_cast<const SplatIntegrator*>(integrator);
-  if (!path_tracer && !light_tracer) throw Error("the scene has no integrator");
-  const Film& film = scene_->film();
-  const Sampler& sampler = scene_->sensor().sampler();
-  const std::int64_t end = options_.end.value_or(sampler.sample_count());
-  if (end <= options_.begin || options_.begin < 0)
-    throw Error(fmt::format("nothing to render: samples {}:{}", options_.begin, end));
-  if (options_.begin % kSampleBlock != 0)
-    throw Error(
-        fmt::format("samples {}:{}: the first must be a multiple of {} (try {}), so that parts rendered "
-                    "apart make the same picture",
-                    options_.begin, end, kSampleBlock, options_.begin / kSampleBlock * kSampleBlock));
-  if (options_.replicates < 1) throw Error("there must be at least one replicate");
-  if (2 * filter_.border() + 1 > FilterTable::kMaxReach)
-    throw Error(film.filter().properties().where(), "the reconstruction filter is wider than 65 pixels");
-  // The samplers' index has 32 bits.
-  if (end > std::int64_t(1) << 32)
-    throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options_.begin, end));
-  const std::uint64_t seed = options_.seed.value_or(sampler.seed());
-  AdaptiveTarget adaptive = options_.adaptive.value_or(sampler.adaptive());
-  // Less than a block is less than twice the pilot.
-  if (end - options_.begin < kSampleBlock) adaptive = AdaptiveTarget::none;
-  if (adaptive != AdaptiveTarget::none) {
-    if (light_tracer)
-      throw Error(
-          integrator->properties().where(),
-          fmt::format("paths of \"{}\" start at emitters: they can't be adaptive to pixels (\"adaptive\" "
-                      "of the sampler, or --adaptive, must be none)",
-                      integrator->properties().type()));
-    if (end > (std::int64_t(1) << 32) >> kMaxDensityExponent)
-      throw Error(fmt::format("samples {}:{}: at most 2^{} samples per pixel where they are adaptive",
-                              options_.begin, end, 32 - kMaxDensityExponent));
-  }
-
-  // A copy is needed to save or show it; a byte per work unit keeps account.
-  const double units = double(film.crop_width() / kTileSize + 2) * (film.crop_height() / kTileSize + 2) *
-                       options_.replicates * double((end - options_.begin) / kSampleBlock + 1);
-  const std::vector<std::string> aovs = path_tracer ? path_tracer->aov_names() : std::vector<std::string>();
-  const int channels = film.measured_channels() + int(aovs.size());
-  const int outside = film.sample_border() ? filter_.border() : 0;
-  const double sampled = double(film.crop_width() + 2 * outside) * (film.crop_height() + 2 * outside);
-  const double needed =
-      2 * (units + state_bytes(film.crop_width(), film.crop_height(), channels, options_.replicates)) +
-      (adaptive != AdaptiveTarget::none
-           ? CameraRenderer::pilot_bytes(sampled, channels, options_.begin) + density_bytes(sampled)
-           : 0);
-  const double available = available_memory_bytes();
-  if (needed > 0.8 * available)
-    throw Error(
-        film.properties().where(),
-        fmt::format("a picture of {} x {} pixels and {} samples{} needs about {:.1f} GiB of memory, and "
-                    "{:.1f} GiB are "
-                    "available: render it in "
-                    "parts with crop_offset_x, crop_width, ... or --samples",
-                    film.crop_width(), film.crop_height(), end - options_.begin,
-                    options_.replicates > 1 ? fmt::format(" and {} replicates", options_.replicates) : "",
-                    needed / (1 << 30), available / (1 << 30)));
-  PictureIdentity id;
-  id.scene = scene_->loaded().file.filename().string();
-  id.version = kVersion;
-  id.sampler = sampler.properties().type();
-  id.integrator = integrator->properties().type();
-  id.scene_hash = scene_->hash();
-  id.adaptive = name_of(adaptive);
-  id.seed = seed;
-  id.wavelengths = kWavelengths;
-  id.width = film.crop_width(), id.height = film.crop_height();
-  id.border = outside;
-  id.measured_channels = channels;
-  id.replicates = options_.replicates;
-  state_ = RenderState(std::move(id), development_of(film, aovs), options_.begin, end);
-  if (light_tracer)
-    splats_ = std::make_shared<SplatRenderer>(*scene_, *light_tracer, filter_, seed);
-  else
-    camera_ = std::make_shared<CameraRenderer>(*scene_, *path_tracer, filter_, seed, channels);
+  renderer_ = std::make_shared<UnitRenderer>(*scene_, *integrator_, FilterTable(scene_->film().filter()),
+                                             state_.identity.seed, state_.identity.measured_channels);
 }
 
 void RenderJob::resume(RenderState state) {
@@ -166,34 +52,28 @@ void RenderJob::count_as_done(std::int64_t unit, const std::vector<InvalidSample
       invalid_.push_back({s.x + film.crop_x(), s.y + film.crop_y(), s.replicate, s.sample});
 }
 
-void RenderJob::render_light_unit(std::int64_t unit) {
-  SplatUnit result;
-  splats_->trace(state_, unit, result);
+void RenderJob::render_unit(std::int64_t unit, UnitResult& result) {
+  const bool in_pilot = pilot_tiles_left_ > 0 && unit < state_.tiles();
+  renderer_->trace(state_, unit, in_pilot ? pilot_.get() : nullptr, result);
+  const SplatFilm* splats = renderer_->splat_film();
   std::shared_lock adding(lock_->splats, std::defer_lock);
   {
-    // Counted as done before it is added, and not looked at before it is: who looks holds both locks, and
-    // while he waits for the second nobody begins to add.
     const std::lock_guard guard(lock_->mutex);
+    if (!result.sums.empty())
+      state_.films[size_t(result.replicate)].add(result.x0, result.y0, result.width, result.height,
+                                                 result.sums.data());
     count_as_done(unit, result.invalid);
-    adding.lock();
+    if (in_pilot && --pilot_tiles_left_ == 0) pilot_.reset();
+    // The unit is marked as done before its splats are added. Readers of the state hold both locks, so that
+    // they wait until all splats that have been announced are added.
+    if (splats) adding.lock();
   }
-  splats_->add(result, state_.films);
-}
-
-void RenderJob::render_unit(std::int64_t unit, CameraUnit& result) {
-  if (splats_) return render_light_unit(unit);
-  const bool in_pilot = pilot_tiles_left_ > 0 && unit < state_.tiles();
-  camera_->trace(state_, unit, in_pilot ? pilot_.get() : nullptr, result);
-  const std::lock_guard guard(lock_->mutex);
-  state_.films[size_t(result.replicate)].add(result.x0, result.y0, result.width, result.height,
-                                             result.sums.data());
-  count_as_done(unit, result.invalid);
-  if (in_pilot && --pilot_tiles_left_ == 0) pilot_.reset();
+  if (splats) splats->add(result.splats, state_.splat_film(size_t(result.replicate)));
 }
 
 void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
                                const std::function<void(std::int64_t)>& report) {
-  const auto pilot = std::make_shared<Pilot>(camera_->make_pilot(state_));
+  const auto pilot = std::make_shared<Pilot>(renderer_->make_pilot(state_));
   std::atomic<std::int64_t> next{0}, traced{0};
   std::atomic<bool> failed{false};
   run_workers(threads, [&](int thread) {
@@ -201,7 +81,7 @@ void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
       while (!stop.load(std::memory_order_relaxed) && !failed.load(std::memory_order_relaxed)) {
         const std::int64_t tile = next.fetch_add(1);
         if (tile >= state_.tiles()) return;
-        camera_->trace_pilot(state_, tile, *pilot);
+        renderer_->trace_pilot(state_, tile, *pilot);
         ++traced;
         if (thread == 0) report(traced);
       }
@@ -228,8 +108,12 @@ RenderState RenderJob::snapshot() const {
   const std::lock_guard guard(lock_->mutex);
   const std::lock_guard alone(lock_->splats);
   RenderState copy = state_;
-  if (splats_) splats_->set_weights(copy);
+  finish(copy);
   return copy;
+}
+
+void RenderJob::finish(RenderState& state) const {
+  if (renderer_->splat_film()) renderer_->splat_film()->set_weights(state);
 }
 
 RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
@@ -266,7 +150,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
   std::atomic<bool> failed{false};
   std::int64_t limit = units;
   const auto work = [&](int thread) {
-    CameraUnit buffers;
+    UnitResult buffers;
     double last_report = now_s();
     try {
       while (!stop.load(std::memory_order_relaxed) && !failed.load(std::memory_order_relaxed)) {
@@ -315,7 +199,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
     const std::lock_guard guard(lock_->mutex);
     const std::lock_guard alone(lock_->splats);
     state_.seconds = spent_before + seconds;
-    if (splats_) splats_->set_weights(state_);
+    finish(state_);
   }
   return complete ? Outcome::finished : out_of_time ? Outcome::time_limit : Outcome::interrupted;
 }
@@ -324,7 +208,7 @@ void RenderJob::checkpoint(double seconds) {
   const std::lock_guard guard(lock_->mutex);
   const std::lock_guard alone(lock_->splats);
   state_.seconds = seconds;
-  if (splats_) splats_->set_weights(state_);
+  finish(state_);
   try {
     state_.save(options_.state_file);
     wrote_state_ = true;
@@ -341,15 +225,18 @@ void RenderJob::remove_state() const {
     std::filesystem::remove(options_.state_file, ignored);
 }
 
-std::optional<std::vector<float>> RenderJob::replay(int x, int y, std::int64_t sample, int replicate,
-                                                    const PathLog& log) const {
+ReplayedSample RenderJob::replay(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const {
   const Film& film = scene_->film();
-  if (splats_) {
-    SplatUnit path;
-    if (!splats_->trace_path(x - film.crop_x(), y - film.crop_y(), sample, replicate, path, log)) return {};
-    return path.measured;
-  }
-  return camera_->replay(x - film.crop_x(), y - film.crop_y(), sample, replicate, log);
+  const std::int64_t first = sample / kSampleBlock * kSampleBlock;
+  const std::int64_t last = std::min(first + kSampleBlock, std::max(state_.end, sample + 1));
+  return std::move(renderer_->replay(x - film.crop_x(), y - film.crop_y(), first, last, replicate, log,
+                                     sample)[size_t(sample - first)]);
+}
+
+std::vector<ReplayedSample> RenderJob::replay_block(int x, int y, std::int64_t first, std::int64_t last,
+                                                    int replicate) const {
+  const Film& film = scene_->film();
+  return renderer_->replay(x - film.crop_x(), y - film.crop_y(), first, last, replicate, {}, -1);
 }
 
 }  // namespace aureole

@@ -64,7 +64,7 @@ void write_picture(const RenderState& s, const Image& picture, const std::filesy
   const bool single = s.development.half && s.identity.replicates == 1;
   if (s.development.names.end() != std::find_if(s.development.names.begin(), s.development.names.end(),
                                                 [](const auto& name) { return name.starts_with("S0."); })) {
-    // What readers of the layout for spectral images ask for; it knows no unit per nm.
+    // Attributes required by the OpenEXR layout for spectral images, which has no unit per nm.
     a.strings["spectralLayoutVersion"] = "1.0";
     a.strings["emissiveUnits"] = "W.m^-2.sr^-1";
   }

@@ -12,9 +12,8 @@ namespace aureole {
 /// .pfm hold R, G, B or Y.
 void require_format(const Development& development, int replicates, const std::filesystem::path& file);
 
-/// Writes `file` (EXR: scene, hash, seed, samples, version, wall time in the header; HDR or PFM
-/// by its ending) and a tone-mapped PNG of
-/// the same name beside it.
+/// Writes `file` (EXR: scene, hash, seed, samples, version, wall time in the header; HDR or PFM by its
+/// extension) and a tone-mapped PNG of the same name beside it.
 void write_pictures(const RenderState& state, const std::filesystem::path& file);
 
 /// The same for a picture that was made of the state before, without the PNG.

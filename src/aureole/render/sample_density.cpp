@@ -14,7 +14,7 @@ constexpr int kReach = 3;  ///< of the window, on each side
 constexpr double kPower = 0.4;
 constexpr int kStepsPerOctave = 16;  ///< noise is sorted into classes of this width
 constexpr int kClasses =
-    32 * kStepsPerOctave;  ///< below the noisiest pixel; what is beyond counts as the last
+    32 * kStepsPerOctave;  ///< below the noisiest pixel; the last class has all lower noise
 
 /// Averages over the pixels around each one, in windows that end at the borders of the picture.
 std::vector<double> around(int width, int height, std::span<const PixelNoise> pixels,
@@ -34,7 +34,7 @@ std::vector<double> around(int width, int height, std::span<const PixelNoise> pi
       const auto [left, right] = window(x, width);
       const auto [top, bottom] = window(y, height);
       const int count = (right - left + 1) * (bottom - top + 1) - 1;
-      // Without subtracting: of a value that is much larger than the others nothing may be left.
+      // Sums without subtraction: subtracting a value much larger than the others would cancel all digits.
       double sum = 0;
       for (int k = top; k <= bottom; ++k) sum += k == y ? 0 : rows[at(x, k)];
       for (int k = left; k <= right; ++k) sum += k == x ? 0 : double(pixels[at(k, y)].*value);
@@ -57,7 +57,7 @@ std::vector<std::int8_t> sample_densities(int width, int height, std::span<const
   const std::vector<double> mean = around(width, height, pixels, &PixelNoise::mean);
   double picture_mean = 0;
   for (double m : mean) picture_mean += std::abs(m) / double(mean.size());
-  // Where next to nothing is seen an error is next to nothing, too.
+  // A share of the mean brightness is added, so that nearly black pixels do not dominate.
   const double dark = 0.1 * picture_mean;
   double most = 0;
   for (size_t i = 0; i < noise.size(); ++i) {

@@ -19,7 +19,7 @@ inline constexpr int kMinDensityExponent = -1, kMaxDensityExponent = 2;
 /// Samples per pixel of the pilot: no more than every pixel has in a whole block.
 inline constexpr int kPilotSamples = 8;
 
-/// What a pixel's own samples say: linear sRGB, averaged over the three channels.
+/// Statistics of a pixel's own samples, in linear sRGB, averaged over the three channels.
 struct PixelNoise {
   float mean = 0;
   float variance = 0;  ///< of one sample
@@ -39,7 +39,7 @@ constexpr std::int64_t samples_up_to(std::int64_t n, int exponent) {
 std::vector<std::int8_t> sample_densities(int width, int height, std::span<const PixelNoise> pixels,
                                           AdaptiveTarget error);
 
-/// Bytes that it takes meanwhile.
+/// Bytes of temporary memory that it needs.
 constexpr double density_bytes(double pixels) { return 40 * pixels; }
 
 /// The mean density; 1 for an empty list.

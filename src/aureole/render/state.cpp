@@ -44,6 +44,7 @@ nlohmann::json header_of(const RenderState& s) {
           {"height", i.height},
           {"border", i.border},
           {"measured_channels", i.measured_channels},
+          {"splat_channels", i.splat_channels},
           {"replicates", i.replicates},
           {"names", s.development.names},
           {"rows", s.development.rows},
@@ -61,7 +62,7 @@ std::string PictureIdentity::difference(const PictureIdentity& o) const {
   if (version != o.version) return "program version (" + version + " and " + o.version + ")";
   if (scene_hash != o.scene_hash) return "scene";
   if (width != o.width || height != o.height || border != o.border ||
-      measured_channels != o.measured_channels)
+      measured_channels != o.measured_channels || splat_channels != o.splat_channels)
     return "film";
   if (seed != o.seed) return "seed (" + std::to_string(seed) + " and " + std::to_string(o.seed) + ")";
   if (sampler != o.sampler) return "sampler (" + sampler + " and " + o.sampler + ")";
@@ -76,7 +77,14 @@ RenderState::RenderState(PictureIdentity id, Development d, std::int64_t first, 
     : identity(std::move(id)), development(std::move(d)), begin(first), end(last) {
   for (int r = 0; r < identity.replicates; ++r)
     films.emplace_back(identity.width, identity.height, identity.measured_channels);
+  for (int r = 0; r < identity.replicates && identity.splat_channels > 0; ++r)
+    splats.emplace_back(identity.width, identity.height, identity.splat_channels);
   done.assign(std::size_t(units()), 0);
+}
+
+void RenderState::mean(std::size_t replicate, int x, int y, double* measured, double* alpha) const {
+  films[replicate].mean(x, y, measured, alpha);
+  if (!splats.empty()) splats[replicate].add_means(x, y, measured);
 }
 
 std::int64_t RenderState::units_done() const { return std::count(done.begin(), done.end(), std::uint8_t(1)); }
@@ -146,6 +154,7 @@ void RenderState::merge(const RenderState& other) {
     }
   for (std::size_t i = 0; i < done.size(); ++i) done[i] |= b.done[i];
   for (std::size_t r = 0; r < films.size(); ++r) films[r].add(b.films[r]);
+  for (std::size_t r = 0; r < splats.size(); ++r) splats[r].add(b.splats[r]);
   invalid_samples += b.invalid_samples;
   seconds += b.seconds;
   if (density.empty()) density = std::move(b.density);
@@ -156,7 +165,8 @@ void RenderState::save(const std::filesystem::path& file) const {
       header_of(*this).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   std::vector<char> bytes;
   std::size_t size = kMagicSize + 8 + header.size() + done.size() + density.size() + 8;
-  for (const auto& f : films) size += f.data().size() * sizeof(Fixed);
+  for (const auto* buffers : {&films, &splats})
+    for (const auto& f : *buffers) size += f.data().size() * sizeof(Fixed);
   bytes.reserve(size);
   const auto append = [&](const void* p, std::size_t n) {
     bytes.insert(bytes.end(), static_cast<const char*>(p), static_cast<const char*>(p) + n);
@@ -167,7 +177,8 @@ void RenderState::save(const std::filesystem::path& file) const {
   append(header.data(), header.size());
   append(done.data(), done.size());
   append(density.data(), density.size());
-  for (const auto& f : films) append(f.data().data(), f.data().size() * sizeof(Fixed));
+  for (const auto* buffers : {&films, &splats})
+    for (const auto& f : *buffers) append(f.data().data(), f.data().size() * sizeof(Fixed));
   const std::uint64_t sum = checksum(bytes.data(), bytes.size());
   append(&sum, 8);
   write_file_atomically(file, bytes);
@@ -199,6 +210,7 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     id.scene_hash = j.at("scene_hash"), id.seed = j.at("seed"), id.wavelengths = j.at("wavelengths");
     id.width = j.at("width"), id.height = j.at("height"), id.border = j.at("border");
     id.measured_channels = j.at("measured_channels"), id.replicates = j.at("replicates");
+    id.splat_channels = j.value("splat_channels", 0);
     Development d;
     d.names = j.at("names").get<std::vector<std::string>>();
     d.rows = j.at("rows").get<std::vector<std::vector<float>>>();
@@ -210,13 +222,13 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     const auto within = [](double x, double least, double most) { return x >= least && x <= most; };
     if (!within(id.width, 1, 1 << 20) || !within(id.height, 1, 1 << 20) || !within(id.border, 0, 64) ||
         !within(id.measured_channels, 1, 1 << 20) || !within(id.replicates, 1, 1 << 30) ||
-        !within(double(begin), 0, double(end)) || !within(double(end), 0, 0x1p33))
+        !within(id.splat_channels, 0, id.measured_channels) || !within(double(begin), 0, double(end)) ||
+        !within(double(end), 0, 0x1p33))
       throw broken;
     const double left = double(bytes.data() + bytes.size() - 8 - p) - double(header_size);
     const double tiles =
         (double(id.width) + 2 * id.border) * (double(id.height) + 2 * id.border) / (kTileSize * kTileSize);
-    if (state_bytes(id.width, id.height, id.measured_channels, id.replicates) +
-            tiles * id.replicates * double(end - begin) / kSampleBlock + double(density_size) >
+    if (state_bytes(id) + tiles * id.replicates * double(end - begin) / kSampleBlock + double(density_size) >
         left)
       throw broken;
     s = RenderState(id, d, begin, end);
@@ -225,7 +237,8 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     if (density_size != 0 && density_size != s.sampled_pixels()) throw broken;
     s.density.resize(density_size);
     std::size_t needed = s.done.size() + density_size;
-    for (auto& f : s.films) needed += f.data().size() * sizeof(Fixed);
+    for (auto* buffers : {&s.films, &s.splats})
+      for (auto& f : *buffers) needed += f.data().size() * sizeof(Fixed);
     if (needed != std::size_t(bytes.data() + bytes.size() - 8 - p)) throw broken;
     std::memcpy(s.done.data(), p, s.done.size());
     p += s.done.size();
@@ -237,10 +250,11 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     const bool known = std::find(targets.begin(), targets.end(), id.adaptive) != targets.end();
     if (!known || (density_size > 0 && id.adaptive == "none")) throw broken;
     if (density_size == 0 && id.adaptive != "none" && s.units_done() > 0) throw broken;
-    for (auto& f : s.films) {
-      std::memcpy(f.data().data(), p, f.data().size() * sizeof(Fixed));
-      p += f.data().size() * sizeof(Fixed);
-    }
+    for (auto* buffers : {&s.films, &s.splats})
+      for (auto& f : *buffers) {
+        std::memcpy(f.data().data(), p, f.data().size() * sizeof(Fixed));
+        p += f.data().size() * sizeof(Fixed);
+      }
     return s;
   } catch (const nlohmann::json::exception&) {
     throw broken;
@@ -271,7 +285,7 @@ Image RenderState::picture() const {
       std::vector<std::vector<double>> values(films.size(), std::vector<double>(n));
       for (std::size_t r = 0; r < films.size(); ++r) {
         double alpha;
-        films[r].mean(x, y, measured.data(), &alpha);
+        mean(r, x, y, measured.data(), &alpha);
         for (std::size_t c = 0; c < n; ++c) {
           double v = 0;
           if (c < development.rows.size())
@@ -306,9 +320,9 @@ Image RenderState::rgb_picture() const {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       float rgb[3] = {};
-      for (const auto& film : films) {
+      for (std::size_t r = 0; r < films.size(); ++r) {
         double alpha;
-        film.mean(x, y, measured.data(), &alpha);
+        mean(r, x, y, measured.data(), &alpha);
         for (std::size_t c = 0; c < 3; ++c)
           for (std::size_t k = 0; k < measured.size(); ++k)
             rgb[c] += float(double(development.rgb_rows[c][k]) * measured[k] / double(films.size()));
@@ -331,6 +345,10 @@ Image display_picture(Image rgb) {
 
 double state_bytes(int width, int height, int measured_channels, int replicates) {
   return double(width) * height * (measured_channels + 2) * sizeof(Fixed) * replicates;
+}
+double state_bytes(const PictureIdentity& id) {
+  return state_bytes(id.width, id.height, id.measured_channels, id.replicates) +
+         (id.splat_channels > 0 ? state_bytes(id.width, id.height, id.splat_channels, id.replicates) : 0);
 }
 
 }  // namespace aureole

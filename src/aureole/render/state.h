@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a job has done so far: fixed-point films and the units they hold. Checkpoints, parts of a picture
-// rendered apart and merges are all this, in memory or in a file.
+// The state of a job: fixed-point films and the list of units done. Checkpoints, separately rendered parts of
+// a picture and merged pictures all have this form, in memory and in files.
 #pragma once
 
 #include <cstdint>
@@ -23,6 +23,8 @@ struct PictureIdentity {
   std::uint64_t scene_hash = 0, seed = 0;
   int wavelengths = 0;
   int width = 0, height = 0, border = 0, measured_channels = 0, replicates = 1;
+  /// Number of channels of splats that have a film apart from the pixels' own light; 0 without splats.
+  int splat_channels = 0;
 
   /// Names of the first difference, or an empty string.
   std::string difference(const PictureIdentity& other) const;
@@ -58,7 +60,10 @@ public:
   Development development;
   std::int64_t begin = 0, end = 0;  ///< samples asked for; `begin` is a multiple of kSampleBlock
   std::vector<FilmBuffer> films;    ///< one per replicate
-  std::vector<std::uint8_t> done;   ///< per unit
+  /// Splats by paths whose own light is on their pixels, one per replicate. They add to the first channels of
+  /// `films`, but are divided by the number of paths.
+  std::vector<FilmBuffer> splats;
+  std::vector<std::uint8_t> done;  ///< per unit
   /// Of adaptive sampling, per pixel with those of the border, row by row: log2 of the samples per sample of
   /// the picture. Empty where all pixels take as many, and until the pilot is done.
   std::vector<std::int8_t> density;
@@ -75,6 +80,10 @@ public:
   std::int64_t units_per_block() const { return tiles() * identity.replicates; }
   std::int64_t units() const { return blocks() * units_per_block(); }
   std::int64_t units_done() const;
+  /// The film that holds the splats of a replicate, whether with other light or not.
+  FilmBuffer& splat_film(std::size_t replicate) { return (splats.empty() ? films : splats)[replicate]; }
+  /// Means of the measured channels, and of alpha, of one pixel.
+  void mean(std::size_t replicate, int x, int y, double* measured, double* alpha) const;
   std::size_t sampled_pixels() const { return std::size_t(sampled_width()) * std::size_t(sampled_height()); }
   /// The place of one among them, row by row.
   std::size_t pixel_index(int x, int y) const {
@@ -109,5 +118,6 @@ Image display_picture(Image rgb);
 
 /// Memory of a state in bytes.
 double state_bytes(int width, int height, int measured_channels, int replicates);
+double state_bytes(const PictureIdentity& identity);
 
 }  // namespace aureole

@@ -3,7 +3,6 @@
 #include "aureole/core/random.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sampler/sampler.h"
-#include "aureole/sampler/sampler_docs.h"
 
 namespace aureole {
 namespace {
@@ -25,11 +24,13 @@ public:
 AUREOLE_PLUGIN(
     IndependentSampler, "sampler", "independent",
     PluginDoc{
-        "Independent uniform random numbers. `sobol` converges faster on almost every scene.",
-        "",
-        sampler_parameters(),
-        {R"(<sampler type="independent"><integer name="sample_count" value="64"/><integer name="seed" value="1"/>
-    <string name="adaptive" value="display"/></sampler>)"}});
+        .summary = "Independent uniform random numbers. `sobol` converges faster on almost every scene.",
+        .source = "",
+        .parameters = {},
+        .examples =
+            {R"(<sampler type="independent"><integer name="sample_count" value="64"/><integer name="seed" value="1"/>
+    <string name="adaptive" value="display"/></sampler>)"},
+        .advice = "the scene asks for independent samples; --sampler sobol usually converges faster"});
 
 }  // namespace
 }  // namespace aureole

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "aureole/core/error.h"
-#include "aureole/sampler/sampler_docs.h"
+#include "aureole/plugin/registry.h"
 
 namespace aureole {
 
@@ -31,22 +31,18 @@ void Sampler::read_common(const Properties& properties) {
   adaptive_ = adaptive_target(properties.get_choice("adaptive", "none", adaptive_target_names()));
 }
 
-std::vector<ParameterDoc> sampler_parameters() {
-  return {{"sample_count", "integer", "", "4", "samples per pixel"},
-          {"seed", "integer", "", "0", "chooses another independent set of samples"},
-          {"adaptive", "string", "", "none",
-           "none; absolute, display or relative: pixels take half to 4 times as many samples, more where "
-           "noise is, "
-           "at most `sample_count` on average, so that squared errors of the picture are small, in units of "
-           "1, of the "
-           "square root of the brightness (as seen on a display) or of the brightness. The first 8 samples "
-           "of all "
-           "pixels find the noise. With fewer than 16 samples per pixel it has no effect"}};
-}
-
-bool is_sampler_parameter(std::string_view name) {
-  static const std::vector<ParameterDoc> shared = sampler_parameters();
-  return std::any_of(shared.begin(), shared.end(), [&](const ParameterDoc& p) { return p.name == name; });
-}
+AUREOLE_FAMILY(FamilyInfo{
+    .name = "sampler",
+    .fallback = "sobol",
+    .parameters =
+        {{"sample_count", "integer", "", "4", "samples per pixel"},
+         {"seed", "integer", "", "0", "chooses another independent set of samples"},
+         {"adaptive", "string", "", "none",
+          "none; absolute, display or relative: pixels take half to 4 times as many samples, more where "
+          "noise is, at most `sample_count` on average, so that squared errors of the picture are small, in "
+          "units of 1, of the square root of the brightness (as seen on a display) or of the brightness. The "
+          "first 8 samples of all pixels find the noise. With fewer than 16 samples per pixel it has no "
+          "effect"}},
+    .parameters_are_of_render = true});
 
 }  // namespace aureole

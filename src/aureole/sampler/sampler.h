@@ -13,9 +13,10 @@
 
 namespace aureole {
 
-/// What adaptive sampling makes small: the sum over pixels of squared errors, in units of nothing, of the
-/// square root of the pixel's brightness (as an error is seen on a display), or of the brightness. Near
-/// black, of a tenth of the picture's mean. `none`: all pixels take as many samples.
+/// The error that adaptive sampling minimises, as a sum of squares over the pixels: `absolute`, the
+/// difference itself; `display`, the difference divided by the square root of the pixel's brightness, about
+/// as an error is seen on a display; `relative`, divided by the brightness. A tenth of the picture's mean is
+/// added to the brightness, so that black pixels count little. `none`: all pixels take as many samples.
 enum class AdaptiveTarget { none, absolute, display, relative };
 /// Their names, in order.
 const std::vector<std::string>& adaptive_target_names();
@@ -64,14 +65,15 @@ public:
   /// Dimensions must begin where the camera's end.
   const float* directions(int vertex) { return values_from(direction(vertex, 0)); }
 
-  // Which dimension is for what is measured, not taste (docs/performance.md): the first block of 8 has the
+  // The order of dimensions was chosen by measurement (docs/performance.md): the first block of 8 has the
   // place on the film, the set of wavelengths, the directions of the first vertex (or the lens), and last the
   // hero.
   static constexpr int kFilm = 0, kWavelengthSet = 2, kLens = 3, kHero = 7;
   static constexpr int camera_dimensions(bool lens) { return lens ? 11 : 3; }
 
-  // What a vertex of a path needs: two pairs for directions, which a lower dimension serves better, and up to
-  // four single numbers for choices, many of which are never asked for. So they lie apart.
+  // A vertex of a path needs two pairs for directions, which profit from low dimensions, and up to four
+  // single numbers for choices, many of which are never asked for. So choices have dimensions apart from
+  // directions.
   static constexpr int kChoices = 128;  ///< where choices begin; both repeat after twice as many
   static constexpr int kVertices = 28;  ///< that fit
   /// After the camera's dimensions; vertices from the second on begin a block or its half.

@@ -12,7 +12,6 @@
 #include "aureole/core/random.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sampler/sampler.h"
-#include "aureole/sampler/sampler_docs.h"
 
 namespace aureole {
 namespace {
@@ -142,11 +141,10 @@ AUREOLE_PLUGIN(
     SobolSampler, "sampler", "sobol",
     PluginDoc{
         "Sobol points, Owen-scrambled per pixel and dimension: the default. Any number of samples works; "
-        "powers of two "
-        "have the lowest error.",
+        "powers of two have the lowest error.",
         "Directions: Joe & Kuo 2008. Scrambling: Owen 1995, by hash as in Laine & Karras 2011 and Burley "
         "2020.",
-        sampler_parameters(),
+        {},
         {R"(<sampler type="sobol"><integer name="sample_count" value="64"/><integer name="seed" value="1"/>
     <string name="adaptive" value="display"/></sampler>)"}});
 

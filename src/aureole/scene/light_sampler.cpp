@@ -72,25 +72,29 @@ float cost_measure(const EmissionBounds& b) {
 
 }  // namespace
 
-LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const std::vector<double>& powers,
-                           const std::vector<double>& emitted) {
-  for (size_t e = 0; e < emitters.size(); ++e)
-    for (size_t part = 0; part < emitters[e]->part_count() && emitted[e] > 0; ++part) {
-      sources_.push_back({emitters[e], part});
+LightSampler::LightSampler(const std::vector<Light>& lights, const std::vector<double>& powers,
+                           const std::vector<double>& emitted)
+    : first_leaf_(lights.size(), kNone), first_source_(lights.size(), kNone) {
+  for (size_t i = 0; i < lights.size(); ++i) {
+    if (!(emitted[i] > 0)) continue;
+    first_source_[i] = sources_.size();
+    for (size_t part = 0; part < lights[i].part_count(); ++part) {
+      sources_.push_back({&lights[i], part});
       power_sums_.push_back((power_sums_.empty() ? 0 : power_sums_.back()) +
-                            emitted[e] * double(emitters[e]->emission_bounds(part).power));
+                            emitted[i] * double(lights[i].emission_bounds(part).power));
     }
-  for (size_t e = 0; e < emitters.size(); ++e) {
-    if (!(powers[e] > 0)) continue;
-    if (emitters[e]->is_infinite()) {
-      infinite_.push_back(emitters[e]);
+  }
+  for (size_t i = 0; i < lights.size(); ++i) {
+    if (!(powers[i] > 0)) continue;
+    if (lights[i].is_infinite()) {
+      infinite_.push_back(&lights[i]);
       continue;
     }
-    first_leaf_[emitters[e]] = leaves_.size();
-    for (size_t part = 0; part < emitters[e]->part_count(); ++part) {
-      EmissionBounds b = emitters[e]->emission_bounds(part);
-      b.power *= float(powers[e]);
-      leaves_.push_back({emitters[e], part, b});
+    first_leaf_[i] = leaves_.size();
+    for (size_t part = 0; part < lights[i].part_count(); ++part) {
+      EmissionBounds b = lights[i].emission_bounds(part);
+      b.power *= float(powers[i]);
+      leaves_.push_back({&lights[i], part, b});
     }
   }
   if (!leaves_.empty()) {
@@ -99,16 +103,16 @@ LightSampler::LightSampler(const std::vector<const Emitter*>& emitters, const st
     std::iota(order.begin(), order.end(), 0u);
     nodes_.reserve(2 * leaves_.size());
     build(order, 0, order.size(), -1);
-    // Nothing else can be found from a point: light tracing only.
+    // Without `focus` no light of the tree can be connected to: it is for light tracing only.
     tree_probability_ = nodes_[0].bounds.focus > 0 ? 1.f : 0.f;
   }
-  // Each emitter at infinity counts as much as all others together.
+  // Each light at infinity counts as much as all others together.
   double weights = tree_probability_;
-  for (const Emitter* e : infinite_) weights += e->sampling_weight();
-  for (const Emitter* e : infinite_) infinite_probability_.push_back(float(e->sampling_weight() / weights));
+  for (const Light* l : infinite_) weights += l->sampling_weight();
+  for (const Light* l : infinite_) infinite_probability_.push_back(float(l->sampling_weight() / weights));
   if (!infinite_.empty()) tree_probability_ = float(tree_probability_ / weights);
   if (tree_probability_ > 0 && infinite_.empty() && leaves_.size() == 1)
-    single_ = LightChoice{leaves_[0].emitter, leaves_[0].part, 1};
+    single_ = LightChoice{leaves_[0].light, leaves_[0].part, 1};
   else if (!(tree_probability_ > 0) && infinite_.size() == 1)
     single_ = LightChoice{infinite_[0], 0, 1};
 }
@@ -208,7 +212,7 @@ float LightSampler::importance(const Node& node, const Vec3& p, const Vec3& n) {
 std::optional<LightChoice> LightSampler::choose_among(const Vec3& p, const Vec3& n, float u) const {
   if (empty()) return {};
   for (size_t i = 0; i < infinite_.size(); ++i) {
-    // Sums of probabilities are rounded: what is left goes to the last one.
+    // The sum of probabilities may be rounded below 1: the last one takes the remainder.
     const bool last = i + 1 == infinite_.size() && !(tree_probability_ > 0);
     if (u < infinite_probability_[i] || last) return LightChoice{infinite_[i], 0, infinite_probability_[i]};
     u -= infinite_probability_[i];
@@ -217,7 +221,7 @@ std::optional<LightChoice> LightSampler::choose_among(const Vec3& p, const Vec3&
   float probability = tree_probability_;
   u = std::min(u / probability, 0x1.fffffep-1f);
   std::int32_t index = 0;
-  if (nodes_[0].right < 0) return LightChoice{leaves_[0].emitter, leaves_[0].part, probability};
+  if (nodes_[0].right < 0) return LightChoice{leaves_[0].light, leaves_[0].part, probability};
   while (nodes_[size_t(index)].right >= 0) {
     const std::int32_t left = index + 1, right = nodes_[size_t(index)].right;
     const float a = importance(nodes_[size_t(left)], p, n), b = importance(nodes_[size_t(right)], p, n);
@@ -234,7 +238,7 @@ std::optional<LightChoice> LightSampler::choose_among(const Vec3& p, const Vec3&
     }
   }
   const Leaf& leaf = leaves_[nodes_[size_t(index)].leaf];
-  return LightChoice{leaf.emitter, leaf.part, probability};
+  return LightChoice{leaf.light, leaf.part, probability};
 }
 
 std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
@@ -245,20 +249,27 @@ std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
   const size_t i =
       std::min(size_t(std::upper_bound(power_sums_.begin(), power_sums_.end(), at) - power_sums_.begin()),
                power_sums_.size() - 1);
-  const float probability = float((power_sums_[i] - (i > 0 ? power_sums_[i - 1] : 0)) / total);
-  return LightChoice{sources_[i].first, sources_[i].second, probability};
+  return LightChoice{sources_[i].first, sources_[i].second, source_probability(i)};
 }
 
-float LightSampler::probability(const Vec3& p, const Vec3& n, const Emitter* emitter,
-                                std::size_t part) const {
-  if (emitter->is_infinite()) {
-    const auto found = std::find(infinite_.begin(), infinite_.end(), emitter);
+float LightSampler::source_probability(std::size_t i) const {
+  return float((power_sums_[i] - (i > 0 ? power_sums_[i - 1] : 0)) / power_sums_.back());
+}
+
+float LightSampler::probability_by_power(const Light& light, std::size_t part) const {
+  const std::size_t first = first_source_[light.index];
+  return first == kNone || !(power_sums_.back() > 0) ? 0 : source_probability(first + part);
+}
+
+float LightSampler::probability(const Vec3& p, const Vec3& n, const Light& light, std::size_t part) const {
+  if (light.is_infinite()) {
+    const auto found = std::find(infinite_.begin(), infinite_.end(), &light);
     return found == infinite_.end() ? 0 : infinite_probability_[size_t(found - infinite_.begin())];
   }
-  const auto first = first_leaf_.find(emitter);
-  if (first == first_leaf_.end()) return 0;
+  const std::size_t first = first_leaf_[light.index];
+  if (first == kNone) return 0;
   float probability = tree_probability_;
-  std::int32_t index = node_of_leaf_[first->second + part];
+  std::int32_t index = node_of_leaf_[first + part];
   while (nodes_[size_t(index)].parent >= 0) {
     const std::int32_t parent = nodes_[size_t(index)].parent;
     const float a = importance(nodes_[size_t(parent + 1)], p, n);

@@ -89,36 +89,100 @@ void RayTracer::occluded_lanes(const RayPacket& rays, int n, bool* blocked, Quer
   for (int i = 0; i < n; ++i) blocked[i] = p.tfar[i] < 0 || !valid[i];
 }
 
-RayTracer::RayTracer(std::span<const ShapePtr> shapes) {
+RayTracer::RayTracer(std::span<const ModelPart> parts, const RayTracer* reuse) {
+  if (reuse) {
+    device_ = reuse->device_;
+  } else {
 #ifdef AUREOLE_STD_THREADS
-  // ThreadSanitizer cannot see how Embree's own threads, which build in TBB, wait for one another.
-  device_ = rtcNewDevice("threads=1");
+    // ThreadSanitizer cannot see how Embree's own threads, which build in TBB, wait for one another.
+    device_ = {rtcNewDevice("threads=1"), rtcReleaseDevice};
 #else
-  device_ = rtcNewDevice(nullptr);
+    device_ = {rtcNewDevice(nullptr), rtcReleaseDevice};
 #endif
-  if (!device_) throw Error("Embree cannot be started");
-  scene_ = rtcNewScene(device_);
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-  for (size_t i = 0; i < shapes.size(); ++i) {
-    RTCGeometry geometry = shapes[i]->make_geometry(device_);
-    rtcAttachGeometryByID(scene_, geometry, unsigned(i));
-    rtcReleaseGeometry(geometry);
-    bounds_.extend(shapes[i]->bounds());
+    if (!device_) throw Error("Embree cannot be started");
+  }
+  owned_scene_ = new_scene();
+  scene_ = owned_scene_.get();
+  std::unordered_map<const ShapeList*, const Group*> group_of_list;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const ModelPart& part = parts[i];
+    items_.push_back({part.shape, part.instance});
+    if (part.instance) {
+      const Group*& group = group_of_list[&part.instance->list()];
+      if (!group) group = &group_of(part.instance->list(), reuse);
+      RTCGeometry geometry = part.instance->make_geometry(device_.get(), group->handle.get());
+      rtcAttachGeometryByID(scene_, geometry, unsigned(i));
+      rtcReleaseGeometry(geometry);
+    } else {
+      rtcAttachGeometryByID(scene_, geometry_of(part.shape, reuse)->handle.get(), unsigned(i));
+    }
+    bounds_.extend(part.bounds());
   }
   rtcCommitScene(scene_);
-  const RTCError error = rtcGetDeviceError(device_);
-  if (error != RTC_ERROR_NONE) {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
+  const RTCError error = rtcGetDeviceError(device_.get());
+  if (error != RTC_ERROR_NONE)
     throw Error(error == RTC_ERROR_OUT_OF_MEMORY ? "not enough memory for the acceleration structure"
                                                  : "Embree reports error " + std::to_string(int(error)));
-  }
 }
 
-RayTracer::~RayTracer() {
-  rtcReleaseScene(scene_);
-  rtcReleaseDevice(device_);
+std::shared_ptr<RTCSceneTy> RayTracer::new_scene() const {
+  std::shared_ptr<RTCSceneTy> scene(rtcNewScene(device_.get()), rtcReleaseScene);
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
+  return scene;
+}
+
+std::shared_ptr<const RayTracer::Geometry> RayTracer::geometry_of(const ShapePtr& shape,
+                                                                  const RayTracer* reuse) {
+  std::shared_ptr<const Geometry>& known = geometries_[shape.get()];
+  if (known) return known;
+  if (reuse)
+    if (const auto kept = reuse->geometries_.find(shape.get()); kept != reuse->geometries_.end())
+      return known = kept->second;
+  known = std::make_shared<const Geometry>(
+      Geometry{shape, {shape->make_geometry(device_.get()), rtcReleaseGeometry}});
+  return known;
+}
+
+const RayTracer::Group& RayTracer::group_of(const ShapeList& list, const RayTracer* reuse) {
+  const auto has_these = [&](const std::shared_ptr<const Group>& group) {
+    return std::equal(group->members.begin(), group->members.end(), list.shapes.begin(), list.shapes.end(),
+                      [](const auto& member, const ShapePtr& shape) { return member->shape == shape; });
+  };
+  if (const auto own = std::find_if(groups_.begin(), groups_.end(), has_these); own != groups_.end())
+    return **own;
+  if (reuse)
+    if (const auto kept = std::find_if(reuse->groups_.begin(), reuse->groups_.end(), has_these);
+        kept != reuse->groups_.end()) {
+      for (const auto& member : (*kept)->members) geometries_.emplace(member->shape.get(), member);
+      return *groups_.emplace_back(*kept);
+    }
+  auto made = std::make_shared<Group>();
+  made->handle = new_scene();
+  for (std::size_t i = 0; i < list.shapes.size(); ++i) {
+    made->members.push_back(geometry_of(list.shapes[i], reuse));
+    rtcAttachGeometryByID(made->handle.get(), made->members.back()->handle.get(), unsigned(i));
+  }
+  rtcCommitScene(made->handle.get());
+  return *groups_.emplace_back(std::move(made));
+}
+
+bool RayTracer::is_for(std::span<const ModelPart> parts) const {
+  // Instances of one group come together: its shapes are compared once for many.
+  const ShapeList *a = nullptr, *b = nullptr;
+  const auto same_shapes = [&](const ShapeList& x, const ShapeList& y) {
+    if (&x == &y || (a == &x && b == &y)) return true;
+    if (x.shapes != y.shapes) return false;
+    a = &x, b = &y;
+    return true;
+  };
+  return std::equal(items_.begin(), items_.end(), parts.begin(), parts.end(),
+                    [&](const Item& item, const ModelPart& part) {
+                      if (item.instance && part.instance)
+                        return item.instance->is_in_same_place(*part.instance) &&
+                               same_shapes(item.instance->list(), part.instance->list());
+                      return item.shape == part.shape && !item.instance && !part.instance;
+                    });
 }
 
 RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
@@ -165,8 +229,8 @@ void RayTracer::occluded(const RayPacket& rays, int n, bool* blocked) const {
     return;
   }
   // Never as coherent ones: compiled by GCC before 14, Embree's occludedCoherent may read its 16-bit mask of
-  // rays with 48 bits of what was on the stack, and then it loops for ever. (Debian's 3.13.5 does, for 16
-  // rays and instances or compact triangles; Embree's pull request 574 has the cure.)
+  // rays together with 48 uninitialised bits of the stack, and then it loops for ever. (Debian's 3.13.5 does,
+  // for 16 rays and instances or compact triangles; Embree's pull request 574 has the cure.)
   RTCIntersectContext context = context_for(Rays::incoherent);
   if (n > 8)
     occluded_lanes<RTCRay16>(rays, n, blocked,

@@ -7,9 +7,12 @@
 
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <span>
+#include <unordered_map>
+#include <vector>
 
-#include "aureole/shape/shape.h"
+#include "aureole/shape/model.h"
 
 namespace aureole {
 
@@ -43,11 +46,15 @@ private:
 
 class RayTracer {
 public:
-  /// Builds the acceleration structure; throws Error where memory runs out.
-  explicit RayTracer(std::span<const ShapePtr> shapes);
-  ~RayTracer();
+  /// Builds the acceleration structure. Reuses the device, geometries of equal shapes and structures of equal
+  /// groups of another tracer, which may be tracing meanwhile. Throws Error where memory runs out.
+  explicit RayTracer(std::span<const ModelPart> parts, const RayTracer* reuse = nullptr);
   RayTracer(const RayTracer&) = delete;
   RayTracer& operator=(const RayTracer&) = delete;
+
+  /// Whether it was built for these parts: the same shapes, and instances of the same shapes with the same
+  /// transforms.
+  bool is_for(std::span<const ModelPart> parts) const;
 
   struct Hit : ShapeHit {
     std::uint32_t shape = ~0u;  ///< index into the shapes; ~0 where nothing was met
@@ -72,8 +79,33 @@ private:
   template <class Rtc, class Query>
   static void occluded_lanes(const RayPacket& rays, int n, bool* blocked, Query&& query);
 
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
+  /// A shape or an instance of the scene.
+  struct Item {
+    ShapePtr shape;
+    std::shared_ptr<const Instance> instance;
+  };
+  // Embree counts references to its geometry, but not to the shape whose buffers the geometry uses: `shape`
+  // must outlive `handle`.
+  struct Geometry {
+    ShapePtr shape;
+    std::shared_ptr<RTCGeometryTy> handle;
+  };
+  /// The structure of a group's shapes.
+  struct Group {
+    std::vector<std::shared_ptr<const Geometry>> members;
+    std::shared_ptr<RTCSceneTy> handle;
+  };
+
+  std::shared_ptr<const Geometry> geometry_of(const ShapePtr& shape, const RayTracer* reuse);
+  const Group& group_of(const ShapeList& list, const RayTracer* reuse);
+  std::shared_ptr<RTCSceneTy> new_scene() const;
+
+  std::vector<Item> items_;
+  std::shared_ptr<RTCDeviceTy> device_;
+  std::unordered_map<const Shape*, std::shared_ptr<const Geometry>> geometries_;
+  std::vector<std::shared_ptr<const Group>> groups_;
+  std::shared_ptr<RTCSceneTy> owned_scene_;
+  RTCScene scene_ = nullptr;  ///< the same
   Bounds3 bounds_;
 };
 

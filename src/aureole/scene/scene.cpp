@@ -2,6 +2,7 @@
 #include "aureole/scene/scene.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "aureole/spectrum/wavelength_choice.h"
 
@@ -9,92 +10,123 @@ namespace aureole {
 
 namespace {
 
-/// Rays go no farther than kFarthest; sums and squares of coordinates stay finite, too.
-void require_near(const Object& object, const Bounds3& box) {
+/// Throws if the box exceeds kFarthest, the range of rays; below, sums and squares of coordinates stay
+/// finite.
+void require_near(const Properties& object, const Bounds3& box) {
   for (const Vec3& corner : {box.lower, box.upper})
     for (int i = 0; i < 3; ++i)
       if (!(std::abs(corner[i]) <= kFarthest) && !box.empty())
-        throw Error(
-            object.properties().where(),
-            "\"" + object.properties().type() + "\" reaches beyond the coordinate 1.8e18, where rays end");
+        throw Error(object.where(),
+                    "\"" + object.type() + "\" reaches beyond the coordinate 1.8e18, where rays end");
 }
 
 }  // namespace
 
-Scene::Scene(LoadedScene loaded, const Scene* previous)
-    : loaded_(std::move(loaded)), shapes_(loaded_.shapes) {
-  sensor_ = std::dynamic_pointer_cast<Sensor>(loaded_.sensor);
-  if (!sensor_) throw Error({loaded_.file.string(), 0, 0}, "the scene has no sensor");
-  for (const auto& shape : shapes_)
-    if (shape->shared_emitter()) {
-      shape->shared_emitter()->attach(*shape);
-      emitters_.push_back(shape->emitter());
-    }
-  for (const auto& shape : shapes_) require_near(*shape, shape->bounds());
-  for (const auto& emitter : loaded_.emitters)
-    if (!emitter->is_infinite()) require_near(*emitter, emitter->emission_bounds(0).box);
-  constexpr std::size_t kFewEmitters = 8;
-  if (std::none_of(loaded_.emitters.begin(), loaded_.emitters.end(),
-                   [](const auto& e) { return e->is_infinite(); }) &&
-      emitters_.size() <= kFewEmitters)
-    for (const auto& shape : shapes_)
-      if (shape->emitter()) {
-        Bounds3 b = shape->bounds();
-        // As far as a hit may lie outside by rounding.
-        const Vec3 margin = (abs(b.lower) + abs(b.upper)) * 1e-5f;
-        b.lower = b.lower - margin, b.upper = b.upper + margin;
-        emitter_bounds_.push_back(b);
-      }
-  for (const auto& shape : shapes_)
-    if (shape->sensor()) shape->sensor()->attach(*shape);
-  for (const auto& shape : shapes_) any_passable_ |= shape->is_passable();
-  const bool same_shapes = previous && previous->shapes_ == shapes_;
-  tracer_ = same_shapes ? previous->tracer_ : std::make_shared<const RayTracer>(shapes_);
+Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
+  if (!parts_.sensor) throw Error("the scene has no sensor");
+  for (const ModelPart& part : parts_.surfaces) require_near(*part.element, part.bounds());
+  make_lights();
+  for (const Light& light : emitters_)
+    if (!light.shape && !light.is_infinite()) require_near(light.properties(), light.emission_bounds(0).box);
+  bound_emitters();
+  make_surfaces();
+  tracer_ = reuse && reuse->tracer_->is_for(parts_.surfaces)
+                ? reuse->tracer_
+                : std::make_shared<const RayTracer>(parts_.surfaces, reuse ? reuse->tracer_.get() : nullptr);
 
   const Bounds3 box = tracer_->bounds();
   const Vec3 center = box.empty() ? Vec3{} : box.center();
   const float radius = box.empty() ? 1.f : std::max(1e-6f, 0.5f * length(box.diagonal()));
-  sensor_->set_scene_bounds(center, radius);
-  for (const auto& emitter : loaded_.emitters) {
-    emitter->set_scene_bounds(center, radius);
-    emitters_.push_back(emitter.get());
-    if (emitter->is_infinite() && !emitter->is_delta()) infinite_.push_back(emitter.get());
-  }
+  sensor_ = PlacedSensor::of(*parts_.sensor, parts_.sensor_area, center, radius);
+  for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
+  weigh_lights();
+}
 
-  const SpectralGrid& grid = loaded_.context->grid;
+void Scene::make_lights() {
+  for (const ModelPart& part : parts_.surfaces)
+    if (part.emitter) {
+      Light light;
+      light.emitter = part.emitter.get(), light.shape = part.shape.get();
+      light.area = part.area.get(), light.surface_area = part.area->area();
+      emitters_.push_back(light);
+    }
+  for (const auto& emitter : parts_.emitters) emitters_.emplace_back().emitter = emitter.get();
+  for (std::size_t i = 0; i < emitters_.size(); ++i) {
+    emitters_[i].index = std::uint32_t(i);
+    if (emitters_[i].is_infinite() && !emitters_[i].is_delta()) infinite_.push_back(&emitters_[i]);
+  }
+}
+
+void Scene::bound_emitters() {
+  constexpr std::ptrdiff_t kFewEmitters = 8;
+  const auto& emitters = parts_.emitters;
+  if (std::any_of(emitters.begin(), emitters.end(), [](const auto& e) { return e->is_infinite(); })) return;
+  if (std::ptrdiff_t(emitters_.size() - emitters.size()) > kFewEmitters) return;
+  for (const Light& light : emitters_)
+    if (light.shape) {
+      Bounds3 b = light.shape->bounds();
+      // By rounding a hit may lie this far outside of the bounds.
+      const Vec3 margin = (abs(b.lower) + abs(b.upper)) * 1e-5f;
+      b.lower = b.lower - margin, b.upper = b.upper + margin;
+      emitter_bounds_.push_back(b);
+    }
+}
+
+void Scene::make_surfaces() {
+  // Instances of one group share its surfaces.
+  std::size_t count = parts_.surfaces.size();
+  std::unordered_map<const ShapeList*, std::size_t> first;
+  for (const ModelPart& part : parts_.surfaces)
+    if (part.instance && first.try_emplace(&part.instance->list(), count).second)
+      count += part.instance->list().shapes.size();
+  surfaces_.resize(count);
+  for (const auto& [list, begin] : first)
+    for (std::size_t i = 0; i < list->shapes.size(); ++i)
+      surfaces_[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i]);
+  const Light* light = emitters_.data();
+  for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
+    const ModelPart& part = parts_.surfaces[i];
+    Surface& surface = surfaces_[i];
+    if (part.instance) {
+      surface.instance = part.instance.get();
+      surface.members = &surfaces_[first.at(&part.instance->list())];
+    } else {
+      surface = Surface(*part.shape, *part.bsdf);
+      if (part.emitter) surface.light = light++;
+    }
+  }
+  for (const Surface& surface : surfaces_) any_passable_ |= surface.passable;
+}
+
+void Scene::weigh_lights() {
+  const SpectralGrid& grid = parts_.context->grid;
   const SampledSpectrum response = film().response();
   if (!(response.maximum() < 1e18f))
-    throw Error(sensor_->properties().where(), "the sensor's response is too large to be computed with");
+    throw Error(sensor_.properties().where(), "the sensor's response is too large to be computed with");
   std::vector<double> powers;
-  std::vector<SampledSpectrum> lights;
-  for (const Emitter* e : emitters_) {
-    const SampledSpectrum power = e->power_spectrum();
+  std::vector<SampledSpectrum> spectra;
+  for (const Light& light : emitters_) {
+    const SampledSpectrum power = light.power_spectrum();
     powers.push_back(overlap(power, response));
     if (!std::isfinite(powers.back()))
       throw Error(
-          e->properties().where(),
+          light.properties().where(),
           "the emitter's power is too large to be computed with; scale the scene or the emission down");
-    lights.push_back(power);
+    spectra.push_back(power);
   }
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
-    loaded_.notes.push_back("no emitter has power where the film sees: the picture will be black");
+    notes_.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(
-      choose_wavelengths(response, channel_responses(film(), grid), lights));
-  // An emitter that is never chosen is met by chance, by paths from the sensor; paths from the emitters know
-  // no such chance.
+      choose_wavelengths(response, channel_responses(film(), grid), spectra));
+  // With sampling weight 0 an emitter is never chosen for connections, but BSDF samples may hit it. Light
+  // tracing has no second technique: there such an emitter keeps its power.
   std::vector<double> emitted_powers = powers;
-  for (size_t e = 0; e < emitters_.size(); ++e) {
-    const float weight = emitters_[e]->sampling_weight();
-    powers[e] *= weight;
-    if (weight > 0 || emitters_[e]->is_delta()) emitted_powers[e] *= weight;
+  for (std::size_t i = 0; i < emitters_.size(); ++i) {
+    const float weight = emitters_[i].sampling_weight();
+    powers[i] *= weight;
+    if (weight > 0 || emitters_[i].is_delta()) emitted_powers[i] *= weight;
   }
   lights_ = LightSampler(emitters_, powers, emitted_powers);
-}
-
-Spectrum Scene::null_transmittance(const SurfacePoint& point, const Vec3& d, const Wavelengths& w) {
-  const Bsdf& bsdf = *point.shape->bsdf();
-  if (!bsdf.is_passable()) return 0.f;
-  return bsdf.null_transmittance(point.shading.to_local(-d), BsdfContext{w, point});
 }
 
 bool Scene::may_meet_emitter(const Ray& ray) const {
@@ -111,24 +143,6 @@ bool Scene::may_meet_emitter(const Ray& ray) const {
     if (near <= far * 1.0001f) return true;
   }
   return false;
-}
-
-Spectrum Scene::connect(const SurfacePoint& from, const DirectSample& to, const Wavelengths& w,
-                        bool through_emitters) const {
-  Ray ray = connection_ray(from, to);
-  if (has_binary_visibility() && !through_emitters) return tracer_->occluded(ray) ? 0.f : 1.f;
-  const Vec3 target = to.infinite ? Vec3{} : connection_target(ray.o, to);
-  Spectrum passed = 1.f;
-  while (const auto hit = intersect(ray)) {
-    if (!(through_emitters && hit->shape->emitter())) passed *= null_transmittance(*hit, to.wo, w);
-    if (is_black(passed)) return 0.f;
-    ray.o = offset_origin(*hit, to.wo);
-    if (to.infinite) continue;
-    ray.d = target - ray.o;
-    // Beyond a surface that the target lies on, too; the way back would meet it again and again.
-    if (!(dot(ray.d, to.wo) > 0)) break;
-  }
-  return passed;
 }
 
 }  // namespace aureole

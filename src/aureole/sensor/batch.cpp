@@ -3,9 +3,8 @@
 #include <algorithm>
 
 #include "aureole/plugin/registry.h"
-#include "aureole/sensor/sensor.h"
-#include "aureole/sensor/sensor_docs.h"
-#include "aureole/shape/shape.h"
+#include "aureole/sensor/placed_sensor.h"
+#include "aureole/shape/model.h"
 
 namespace aureole {
 namespace {
@@ -15,66 +14,89 @@ public:
   explicit BatchSensor(const Properties& p) : Sensor(p) {
     read_common(p);
     for (const auto& child : p.get_children<Object>("sensor")) add(child);
-    const int count = int(sensors_.size()), width = film().width();
+    const int count = int(members_.size()), width = film().width();
     if (count == 0) throw Error(p.where(), "a batch needs at least one sensor");
     if (width % count != 0)
       throw Error(p.where(), "the film's width of " + std::to_string(width) +
                                  " pixels must be a multiple of the number of sensors, " +
                                  std::to_string(count));
     for (int i = 0; i < count; ++i) {
-      const Sensor& sensor = *sensors_[size_t(i)];
-      if (std::find(sensors_.begin(), sensors_.begin() + i, sensors_[size_t(i)]) != sensors_.begin() + i)
-        throw Error(sensor.properties().where(), "this sensor is in the batch twice");
+      const Sensor& sensor = *members_[size_t(i)].sensor;
+      for (int k = 0; k < i; ++k)
+        if (members_[size_t(k)].sensor == members_[size_t(i)].sensor)
+          throw Error(sensor.properties().where(), "this sensor is in the batch twice");
       uses_lens_ |= sensor.uses_lens();
       if (sensor.is_meter()) shared_film()->use_box_filter();
     }
-    for (int i = 0; i < count; ++i) sensors_[size_t(i)]->share_film(shared_film(), i, count);
+    for (int i = 0; i < count; ++i)
+      members_[size_t(i)].sensor->check_in_batch(FilmPart::of(film(), i, count));
     per_pixel_ = float(count) / float(width);
   }
 
   bool uses_lens() const override { return uses_lens_; }
 
-  void set_scene_bounds(const Vec3& center, float radius) override {
-    for (const auto& sensor : sensors_) sensor->set_scene_bounds(center, radius);
+  void fit(PlacedSensor& at) const override {
+    for (std::size_t i = 0; i < members_.size(); ++i) {
+      PlacedSensor& member = at.members.emplace_back();
+      member.sensor = members_[i].sensor.get(), member.area = members_[i].area;
+      member.scene_center = at.scene_center, member.scene_radius = at.scene_radius;
+      member.part = FilmPart::of(film(), int(i), int(members_.size()));
+      member.sensor->fit(member);
+    }
   }
 
-  void share_film(const std::shared_ptr<Film>&, int, int) override {
+  void check_in_batch(const FilmPart&) const override {
     throw Error(properties().where(), "a batch cannot be in another batch: list all sensors in one");
   }
 
-  SensorRay sample_ray(Vec2 film, Vec2 lens) const override {
-    return sensors_[part_at(film.x * per_pixel_)]->sample_ray(film, lens);
+  SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const override {
+    return at.members[part_at(film.x * per_pixel_)].sample_ray(film, lens);
   }
 
-  /// One of the sensors, by chance; what is left of lens.x chooses its point.
-  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2 lens) const override {
-    const float scaled = lens.x * float(sensors_.size());
+  /// Chooses one of the sensors at random; lens.x is then rescaled to choose its point.
+  std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
+                                                Vec2 lens) const override {
+    const float scaled = lens.x * float(members_.size());
     const std::size_t i = part_at(scaled);
     const float rest = std::min(scaled - float(i), 0x1.fffffep-1f);
-    auto c = sensors_[i]->sample_direct(reference, {rest, lens.y});
-    if (c) c->importance *= float(sensors_.size());
+    auto c = at.members[i].sample_direct(reference, {rest, lens.y});
+    if (c) c->importance *= float(members_.size());
     return c;
   }
 
+  /// The response of the first sensor that sees the ray.
+  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const override {
+    for (const PlacedSensor& member : at.members)
+      if (auto response = member.eval(p, d)) {
+        response->pdf_position *= member.part.sample_area() / at.part.sample_area();
+        return response;
+      }
+    return {};
+  }
+
 private:
+  /// A sensor, with the surface that it measures on, if it sits on a shape.
+  struct Member {
+    std::shared_ptr<const Sensor> sensor;
+    std::shared_ptr<const ShapeArea> area;
+    std::shared_ptr<const Model> model;  ///< which the surface is a part of
+  };
+
   void add(const ObjectPtr& child) {
-    if (auto sensor = std::dynamic_pointer_cast<Sensor>(child)) {
-      sensors_.push_back(std::move(sensor));
-    } else if (auto shape = std::dynamic_pointer_cast<Shape>(child)) {
-      if (!shape->sensor())
-        throw Error(shape->properties().where(), "a shape in a batch needs a sensor of its own");
-      shape->sensor()->attach(*shape);
-      sensors_.push_back(shape->sensor());
-      shapes_.push_back(std::move(shape));
+    if (auto sensor = std::dynamic_pointer_cast<const Sensor>(child)) {
+      members_.push_back({std::move(sensor), nullptr, nullptr});
+    } else if (auto model = std::dynamic_pointer_cast<const Model>(child)) {
+      if (!model->sensor())
+        throw Error(model->properties().where(), "a shape in a batch needs a sensor of its own");
+      members_.push_back({model->sensor(), model->sensor_area(), std::move(model)});
     } else {
       throw Error(child->properties().where(), "a batch holds sensors, and shapes with sensors");
     }
   }
 
-  std::size_t part_at(float x) const { return std::size_t(std::clamp(int(x), 0, int(sensors_.size()) - 1)); }
+  std::size_t part_at(float x) const { return std::size_t(std::clamp(int(x), 0, int(members_.size()) - 1)); }
 
-  std::vector<std::shared_ptr<Shape>> shapes_;
-  std::vector<std::shared_ptr<Sensor>> sensors_;
+  std::vector<Member> members_;
   bool uses_lens_ = false;
   float per_pixel_ = 1;
 };
@@ -86,10 +108,9 @@ AUREOLE_PLUGIN(
         "response of the batch are used, those of its "
         "sensors are not; fields of view refer to the parts.",
         "",
-        sensor_parameters(
-            {{"sensor", "sensor or shape", "", "required",
-              "as many as divide the film's width; shapes with an irradiancemeter, as a <ref> where they "
-              "are parts of the scene"}}),
+        {{"sensor", "sensor or shape", "", "required",
+          "as many as divide the film's width; shapes with an irradiancemeter, as a <ref> where they "
+          "are parts of the scene"}},
         {R"(<sensor type="batch">
     <sensor type="perspective">
         <transform name="to_world"><lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform>

@@ -2,9 +2,8 @@
 // The radiance that leaves a scene, or a part of it, into one direction.
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/sensor/sensor.h"
-#include "aureole/sensor/sensor_docs.h"
-#include "aureole/sensor/shape_area.h"
+#include "aureole/sensor/placed_sensor.h"
+#include "aureole/shape/model.h"
 
 namespace aureole {
 namespace {
@@ -30,42 +29,45 @@ public:
       if (!std::holds_alternative<ObjectPtr>(target->value))
         throw p.error("target", "expected a point or a shape");
       target_ = Target::shape;
-      shape_ = p.get_object<Shape>("target");
-      surface_ = ShapeArea(*shape_);
-      if (!(surface_.area() > 0)) throw p.error("target", "the shape has no area");
+      model_ = p.get_object<Model>("target");
+      if (const ShapePtr shape = model_->shape())
+        surface_ = std::make_unique<const ShapeArea>(shape->make_area_sampler(AreaUse::sensor));
+      if (!surface_ || !(surface_->area() > 0)) throw p.error("target", "the shape has no area");
     }
   }
 
-  void set_scene_bounds(const Vec3& center, float radius) override {
-    center_ = center;
-    radius_ = radius * (1 + 1e-5f);  // what touches the sphere is inside
+  void fit(PlacedSensor& at) const override {
+    at.scene_radius *= 1 + 1e-5f;  // objects that touch the sphere are inside
   }
 
   bool uses_lens() const override { return target_ != Target::point; }
 
-  SensorRay sample_ray(Vec2, Vec2 lens) const override {
+  SensorRay sample_ray(const PlacedSensor& placed, Vec2, Vec2 lens) const override {
     Vec3 at = point_;
     if (target_ == Target::shape) {
-      const auto s = surface_.sample(lens);
+      const auto s = surface_->sample(lens);
       if (!s) return {{}, 0};
       at = s->p;
     } else if (target_ == Target::scene) {
       const Vec2 disc = square_to_disc_concentric(lens).p;
-      at = center_ + Frame::from_normal(direction_).to_world({disc.x, disc.y, 0}) * radius_;
+      at = placed.scene_center +
+           Frame::from_normal(direction_).to_world({disc.x, disc.y, 0}) * placed.scene_radius;
     }
-    return {{start(at), direction_, kInfinity}};
+    return {{start(placed, at), direction_, kInfinity}};
   }
 
   /// Through a target the sensor sees a line, or the scene behind a shape, which light does not find.
-  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2) const override {
+  std::optional<SensorConnection> sample_direct(const PlacedSensor& placed, const Vec3& reference,
+                                                Vec2) const override {
     if (target_ != Target::scene) return {};
-    const Vec3 from_center = reference - center_;
+    const Vec3 from_center = reference - placed.scene_center;
     const Vec3 across = from_center - direction_ * dot(from_center, direction_);
-    if (length_squared(across) > radius_ * radius_) return {};
-    const Vec3 p = start(reference);
+    const float radius = placed.scene_radius;
+    if (length_squared(across) > radius * radius) return {};
+    const Vec3 p = start(placed, reference);
     if (dot(reference - p, direction_) < 0) return {};
-    const Vec2 middle{part().left + 0.5f, 0.5f};
-    return SensorConnection{-direction_, p, middle, 1 / (kPi * radius_ * radius_)};
+    const Vec2 middle{placed.part.left + 0.5f, 0.5f};
+    return SensorConnection{-direction_, p, middle, 1 / (kPi * radius * radius)};
   }
 
 private:
@@ -73,19 +75,17 @@ private:
 
   /// Where the ray through `at` begins: on the plane that touches the scene's bounding sphere, which leaves
   /// the whole scene ahead, or ray_offset before the target.
-  Vec3 start(const Vec3& at) const {
-    const float along = dot(at - center_, direction_);
-    if (offset_ < 0) return at - direction_ * std::max(along + radius_, 0.f);
+  Vec3 start(const PlacedSensor& placed, const Vec3& at) const {
+    const float along = dot(at - placed.scene_center, direction_);
+    if (offset_ < 0) return at - direction_ * std::max(along + placed.scene_radius, 0.f);
     return at - direction_ * (target_ == Target::scene ? along + offset_ : offset_);
   }
 
   Target target_ = Target::scene;
   Vec3 direction_, point_;
-  std::shared_ptr<Shape> shape_;
-  ShapeArea surface_;
+  std::shared_ptr<const Model> model_;  ///< which the target's surface is a part of
+  std::unique_ptr<const ShapeArea> surface_;
   float offset_ = -1;  ///< < 0: outside of the scene
-  Vec3 center_;
-  float radius_ = 1;
 };
 
 AUREOLE_PLUGIN(
@@ -95,15 +95,14 @@ AUREOLE_PLUGIN(
         "the cross section of the scene's bounding sphere, or over a target. A ray that meets nothing "
         "sees the environment. Its film has one pixel.",
         "",
-        sensor_parameters(
-            {{"direction", "vector", "", "to_world's z axis", "into which the sensor looks"},
-             {"to_world", "transform", "", "identity", "instead of direction; looks along its z axis"},
-             {"target", "point or shape", "scene units", "the scene",
-              "what the rays go through: a point, or points uniform over a shape, which is not itself a "
-              "part of the scene"},
-             {"ray_offset", "float", "scene units", "from outside of the scene",
-              "distance before the target (else before the scene's middle) at which rays begin"},
-             {"flip_directions", "boolean", "", "false", "looks the other way"}}),
+        {{"direction", "vector", "", "to_world's z axis", "into which the sensor looks"},
+         {"to_world", "transform", "", "identity", "instead of direction; looks along its z axis"},
+         {"target", "point or shape", "scene units", "the scene",
+          "what the rays go through: a point, or points uniform over a shape, which is not itself a "
+          "part of the scene"},
+         {"ray_offset", "float", "scene units", "from outside of the scene",
+          "distance before the target (else before the scene's middle) at which rays begin"},
+         {"flip_directions", "boolean", "", "false", "looks the other way"}},
         {R"(<sensor type="distant">
     <vector name="direction" x="0" y="-1" z="0.3"/>
     <shape name="target" type="rectangle"/>

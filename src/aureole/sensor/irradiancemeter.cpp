@@ -2,9 +2,8 @@
 // The irradiance on a shape.
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/sensor/sensor.h"
-#include "aureole/sensor/sensor_docs.h"
-#include "aureole/sensor/shape_area.h"
+#include "aureole/sensor/placed_sensor.h"
+#include "aureole/shape/shape_area.h"
 
 namespace aureole {
 namespace {
@@ -13,17 +12,13 @@ class IrradianceMeter final : public Sensor {
 public:
   explicit IrradianceMeter(const Properties& p) : Sensor(p) { read_common(p, Measures::value); }
 
-  void attach(const Shape& shape) override {
-    if (shape_ && shape_ != &shape)
-      throw Error(properties().where(), "this irradiance meter sits on two shapes; give each its own");
-    shape_ = &shape;
-    surface_ = ShapeArea(shape);
-    if (!(surface_.area() > 0))
+  void check_shape(const ShapeArea& area) const override {
+    if (!(area.area() > 0))
       throw Error(properties().where(), "the shape that the irradiance meter sits on has no area");
   }
 
-  void set_scene_bounds(const Vec3&, float) override {
-    if (!shape_)
+  void fit(PlacedSensor& at) const override {
+    if (!at.area)
       throw Error(properties().where(),
                   "an irradiance meter is a child of the shape whose irradiance it measures");
   }
@@ -31,15 +26,16 @@ public:
   bool uses_lens() const override { return true; }
 
   /// The place within the pixel chooses the point, `lens` the direction.
-  SensorRay sample_ray(Vec2 film, Vec2 lens) const override {
-    const auto s = surface_.sample({film.x - std::floor(film.x), film.y - std::floor(film.y)});
+  SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const override {
+    const auto s = at.area->sample({film.x - std::floor(film.x), film.y - std::floor(film.y)});
     if (!s) return {{}, 0};
     const Vec3 d = normalize(Frame::from_normal(s->ng).to_world(square_to_cosine_hemisphere(lens)));
     return {{offset_origin(s->p, s->p_error, s->ng, d), d, kInfinity}, kPi};
   }
 
-  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2 lens) const override {
-    const auto s = surface_.sample(lens);
+  std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
+                                                Vec2 lens) const override {
+    const auto s = at.area->sample(lens);
     if (!s) return {};
     const Vec3 to = s->p - reference;
     const float distance2 = length_squared(to);
@@ -47,28 +43,27 @@ public:
     const Vec3 wo = to * (1 / std::sqrt(distance2));
     const float cosine = -dot(wo, s->ng);
     if (!(cosine > 0)) return {};
-    const Vec2 middle{part().left + 0.5f, 0.5f};
+    const Vec2 middle{at.part.left + 0.5f, 0.5f};
     return SensorConnection{wo, offset_origin(s->p, s->p_error, s->ng, -wo), middle, cosine / distance2};
   }
-
-private:
-  const Shape* shape_ = nullptr;
-  ShapeArea surface_;
 };
 
 AUREOLE_PLUGIN(
     IrradianceMeter, "sensor", "irradiancemeter",
-    PluginDoc{"Measures the irradiance [W/(m^2 nm) for a spectral film] on the shape that it is a child of, "
-              "from the side of its normal, averaged over its surface. Its film has one pixel; a "
-              "reconstruction filter other than `box` would weight the surface and is replaced.",
-              "",
-              sensor_parameters({}),
-              {R"(<sensor type="irradiancemeter">
+    PluginDoc{
+        .summary =
+            "Measures the irradiance [W/(m^2 nm) for a spectral film] on the shape that it is a child of, "
+            "from the side of its normal, averaged over its surface. Its film has one pixel; a "
+            "reconstruction filter other than `box` would weight the surface and is replaced.",
+        .source = "",
+        .parameters = {},
+        .examples = {R"(<sensor type="irradiancemeter">
     <film type="hdrfilm">
         <integer name="width" value="1"/> <integer name="height" value="1"/> <rfilter type="box"/>
     </film>
     <sampler type="sobol"/>
-</sensor>)"}});
+</sensor>)"},
+        .needs_shape = true});
 
 }  // namespace
 }  // namespace aureole

@@ -2,7 +2,6 @@
 // Parallel projection.
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/projection.h"
-#include "aureole/sensor/sensor_docs.h"
 
 namespace aureole {
 namespace {
@@ -18,43 +17,47 @@ public:
     direction_ = normalize(axis);
     if (p.find("focus_distance"))
       p.note("focus_distance", "nothing is out of focus: \"focus_distance\" has no effect");
-    fit();
   }
 
-  SensorRay sample_ray(Vec2 film, Vec2) const override {
-    const Vec3 start{(center_.x - film.x) * scale_, (center_.y - film.y) * scale_, clip_.near};
+  SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2) const override {
+    const Vec3 start{(at.film_center.x - film.x) * at.pixel_size, (at.film_center.y - film.y) * at.pixel_size,
+                     clip_.near};
     return {{to_world_.point(start), direction_, clip_.far - clip_.near}};
   }
 
-  void share_film(const std::shared_ptr<Film>& film, int index, int count) override {
-    Sensor::share_film(film, index, count);
-    fit();
+  void fit(PlacedSensor& at) const override {
+    const float scale = at.pixel_size = 2 / at.part.width;
+    at.film_center = {at.part.left + 0.5f * at.part.width, 0.5f * at.part.height};
+    const Vec3 pixel_x = to_world_.vector({scale, 0, 0}), pixel_y = to_world_.vector({0, scale, 0});
+    at.pixels_per_area = 1 / std::abs(dot(cross(pixel_x, pixel_y), direction_));
   }
 
   /// The direction is fixed: a point is seen at one place of the film, from all distances alike.
-  std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2) const override {
+  std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
+                                                Vec2) const override {
     const Vec3 q = to_camera_.point(reference);
     const float distance = (q.z - clip_.near) * axis_length_;
     if (!(distance >= 0 && distance <= clip_.far - clip_.near)) return {};
-    const Vec2 film{center_.x - q.x / scale_, center_.y - q.y / scale_};
-    if (!part().samples(film)) return {};
-    return SensorConnection{-direction_, to_world_.point({q.x, q.y, clip_.near}), film, pixels_per_area_};
+    const Vec2 film{at.film_center.x - q.x / at.pixel_size, at.film_center.y - q.y / at.pixel_size};
+    if (!at.part.samples(film)) return {};
+    return SensorConnection{-direction_, to_world_.point({q.x, q.y, clip_.near}), film, at.pixels_per_area};
+  }
+
+  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3&) const override {
+    const Vec3 q = to_camera_.point(p);
+    SensorResponse response;
+    response.film = {at.film_center.x - q.x / at.pixel_size, at.film_center.y - q.y / at.pixel_size};
+    if (!at.part.samples(response.film)) return {};
+    response.pdf_position = at.pixels_per_area / at.part.sample_area();
+    response.pdf_direction = 1;
+    return response;
   }
 
 private:
-  void fit() {
-    scale_ = 2 / part().width;
-    center_ = {part().left + 0.5f * part().width, 0.5f * part().height};
-    const Vec3 pixel_x = to_world_.vector({scale_, 0, 0}), pixel_y = to_world_.vector({0, scale_, 0});
-    pixels_per_area_ = 1 / std::abs(dot(cross(pixel_x, pixel_y), direction_));
-  }
-
   Transform to_world_, to_camera_;
   ClipPlanes clip_;
   Vec3 direction_;
-  Vec2 center_;
-  float axis_length_ = 1, scale_ = 1;
-  float pixels_per_area_ = 1;  ///< of film over the area across the rays that it sees
+  float axis_length_ = 1;
 };
 
 AUREOLE_PLUGIN(

@@ -2,7 +2,6 @@
 // Pinhole camera.
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/projection.h"
-#include "aureole/sensor/sensor_docs.h"
 
 namespace aureole {
 namespace {

@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "aureole/math/warp.h"
-#include "aureole/plugin/field_of_view.h"
-#include "aureole/sensor/sensor_docs.h"
+#include "aureole/plugin/registry.h"
 
 namespace aureole {
 
@@ -17,7 +16,7 @@ ClipPlanes::ClipPlanes(const Properties& p) {
   if (far <= near) throw p.error("far_clip", "must be larger than near_clip");
 }
 
-LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p) {
+LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p), field_of_view_(p) {
   read_common(p);
   to_world_ = p.get_transform("to_world");
   for (int c = 0; c < 3; ++c) {
@@ -28,11 +27,8 @@ LensCamera::LensCamera(const Properties& p) : Sensor(p), clip_(p) {
   to_camera_ = to_world_.inverse();
   origin_ = to_world_.point({0, 0, 0});
   for (int i = 0; i < 3; ++i) axes_[i] = to_world_.vector({float(i == 0), float(i == 1), float(i == 2)});
-  // Read here to be checked and marked as used; fit() reads what Object keeps.
-  tangent_of_half_width(p, 1);
-  p.get_float("principal_point_offset_x", 0, {-10, 10});
-  p.get_float("principal_point_offset_y", 0, {-10, 10});
-  fit();
+  principal_point_offset_[0] = p.get_float("principal_point_offset_x", 0, {-10, 10});
+  principal_point_offset_[1] = p.get_float("principal_point_offset_y", 0, {-10, 10});
 }
 
 void LensCamera::set_lens(double aperture_radius, double focus_distance) {
@@ -40,28 +36,23 @@ void LensCamera::set_lens(double aperture_radius, double focus_distance) {
   inverse_focus_ = float(1 / std::max(focus_distance, 1e-9));
 }
 
-void LensCamera::fit() {
-  const Properties& p = properties();
-  const double width = part().width, height = part().height;
-  scale_ = float(2 * tangent_of_half_width(p, width / height) / width);
-  center_x_ = float(part().left + width * (0.5 - p.get_float("principal_point_offset_x", 0)));
-  center_y_ = float(height * (0.5 - p.get_float("principal_point_offset_y", 0)));
-}
-
-void LensCamera::share_film(const std::shared_ptr<Film>& film, int index, int count) {
-  Sensor::share_film(film, index, count);
-  fit();
+void LensCamera::fit(PlacedSensor& at) const {
+  const double width = at.part.width, height = at.part.height;
+  // The tangent of the angle that a pixel at the centre covers.
+  at.pixel_size = float(2 * field_of_view_.tangent_of_half_width(width / height) / width);
+  at.film_center = {float(at.part.left + width * (0.5 - principal_point_offset_[0])),
+                    float(height * (0.5 - principal_point_offset_[1]))};
 }
 
 Vec2 LensCamera::aperture_point(Vec2 lens) const {
   return aperture_radius_ > 0 ? square_to_disc_concentric(lens).p * aperture_radius_ : Vec2{};
 }
 
-SensorRay LensCamera::sample_ray(Vec2 film, Vec2 lens) const {
+SensorRay LensCamera::sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const {
   // The rays of a point of the film meet in the plane in focus, where the one through the centre does.
   const Vec2 a = aperture_point(lens);
-  const Vec3 v{(center_x_ - film.x) * scale_ - a.x * inverse_focus_,
-               (center_y_ - film.y) * scale_ - a.y * inverse_focus_, 1};
+  const Vec3 v{(at.film_center.x - film.x) * at.pixel_size - a.x * inverse_focus_,
+               (at.film_center.y - film.y) * at.pixel_size - a.y * inverse_focus_, 1};
   const Vec3 d = normalize(axes_[0] * v.x + axes_[1] * v.y + axes_[2]);
   // Distances between the planes along the ray: its direction goes 1 / |v| of itself along z.
   const float slope = length(v), to_near = clip_.near * slope, to_far = clip_.far * slope;
@@ -69,24 +60,49 @@ SensorRay LensCamera::sample_ray(Vec2 film, Vec2 lens) const {
   return {{from + d * to_near, d, to_far - to_near}};
 }
 
-std::optional<SensorConnection> LensCamera::sample_direct(const Vec3& reference, Vec2 lens) const {
+std::optional<SensorConnection> LensCamera::sample_direct(const PlacedSensor& at, const Vec3& reference,
+                                                          Vec2 lens) const {
   const Vec3 q = to_camera_.point(reference);
   if (!(q.z >= clip_.near && q.z <= clip_.far)) return {};
   const Vec2 a = aperture_point(lens);
   const Vec3 v{(q.x - a.x) / q.z, (q.y - a.y) / q.z, 1};  // from the aperture to q, scaled to z = 1
-  const Vec2 film{center_x_ - (v.x + a.x * inverse_focus_) / scale_,
-                  center_y_ - (v.y + a.y * inverse_focus_) / scale_};
-  if (!part().samples(film)) return {};
+  const Vec2 film{at.film_center.x - (v.x + a.x * inverse_focus_) / at.pixel_size,
+                  at.film_center.y - (v.y + a.y * inverse_focus_) / at.pixel_size};
+  if (!at.part.samples(film)) return {};
   // A solid angle covers 1 / cos^3 of film at unit distance, and 1 / r^2 = cos^2 / z^2 of it is seen.
-  // The density of the point of the aperture is what the film's own rays have: it cancels.
+  // Aperture points have the same density as for the film's own rays, so that it cancels.
   const Vec3 w = to_world_.vector(v), start = to_world_.point({a.x, a.y, 0}) + w * clip_.near;
-  return SensorConnection{-normalize(w), start, film, length(v) / (scale_ * scale_ * q.z * q.z)};
+  return SensorConnection{-normalize(w), start, film,
+                          length(v) / (at.pixel_size * at.pixel_size * q.z * q.z)};
+}
+
+std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const {
+  const Vec3 local = to_camera_.vector(d);
+  if (!(local.z > 0)) return {};
+  const Vec3 q = to_camera_.point(p);
+  const Vec2 v{local.x / local.z, local.y / local.z};
+  Vec2 a{q.x - v.x * q.z, q.y - v.y * q.z};
+  // Passes through the pinhole to within the rounding of the coordinates.
+  const float rounding = 1e-5f * (length(origin_) + length(q));
+  const float reach = std::max(aperture_radius_, rounding), r2 = aperture_radius_ * aperture_radius_;
+  if (dot(a, a) > reach * reach) return {};
+  if (!(aperture_radius_ > 0)) a = {};
+  SensorResponse response;
+  response.film = {at.film_center.x - (v.x + a.x * inverse_focus_) / at.pixel_size,
+                   at.film_center.y - (v.y + a.y * inverse_focus_) / at.pixel_size};
+  if (!at.part.samples(response.film)) return {};
+  response.pdf_position = aperture_radius_ > 0 ? 1 / (kPi * r2) : 1;
+  // A solid angle covers 1 / cos^3 of the plane at unit distance.
+  const float inverse_cosine = length(local) / local.z, pixel = at.pixel_size;
+  response.pdf_direction =
+      inverse_cosine * inverse_cosine * inverse_cosine / (pixel * pixel * at.part.sample_area());
+  return response;
 }
 
 std::vector<ParameterDoc> camera_parameters(std::vector<ParameterDoc> own) {
   own.push_back({"near_clip", "float", "scene units", "0.01", "nothing nearer is seen"});
   own.push_back({"far_clip", "float", "scene units", "10000", "nothing farther is seen"});
-  return sensor_parameters(std::move(own));
+  return own;
 }
 
 std::vector<ParameterDoc> lens_camera_parameters(std::vector<ParameterDoc> own) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The radiance along one ray.
 #include "aureole/plugin/registry.h"
-#include "aureole/sensor/sensor.h"
-#include "aureole/sensor/sensor_docs.h"
+#include "aureole/sensor/placed_sensor.h"
 
 namespace aureole {
 namespace {
@@ -21,7 +20,7 @@ public:
     ray_ = {to_world.point({0, 0, 0}), unit_direction(p, "to_world", to_world.vector({0, 0, 1})), kInfinity};
   }
 
-  SensorRay sample_ray(Vec2, Vec2) const override { return {ray_}; }
+  SensorRay sample_ray(const PlacedSensor&, Vec2, Vec2) const override { return {ray_}; }
 
 private:
   Ray ray_;
@@ -32,11 +31,10 @@ AUREOLE_PLUGIN(
     PluginDoc{"Measures the radiance along one ray: a camera whose field of view is zero. Its film has one "
               "pixel.",
               "",
-              sensor_parameters({{"to_world", "transform", "", "identity",
-                                  "the ray starts at its origin, along its z axis"},
-                                 {"origin", "point", "scene units", "0, 0, 0",
-                                  "instead of to_world, with direction: where the ray starts"},
-                                 {"direction", "vector", "", "0, 0, 1", "where it goes"}}),
+              {{"to_world", "transform", "", "identity", "the ray starts at its origin, along its z axis"},
+               {"origin", "point", "scene units", "0, 0, 0",
+                "instead of to_world, with direction: where the ray starts"},
+               {"direction", "vector", "", "0, 0, 1", "where it goes"}},
               {R"(<sensor type="radiancemeter">
     <point name="origin" x="0" y="2" z="-5"/>
     <vector name="direction" x="0" y="-0.5" z="1"/>

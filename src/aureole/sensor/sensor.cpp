@@ -1,25 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/sensor/sensor.h"
-
 #include "aureole/plugin/registry.h"
-#include "aureole/sensor/sensor_docs.h"
+#include "aureole/sensor/placed_sensor.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
 
 namespace {
 
-/// The only child of family T, or a plug-in with its defaults, which `prepare` may change.
-template <class T, class Prepare>
-std::shared_ptr<T> child_or(const Properties& p, const char* family, const char* fallback,
-                            const Prepare& prepare) {
+/// The only child of family T, or the family's default with `parameters`.
+template <class T>
+std::shared_ptr<T> child_or_default(const Properties& p, const char* family,
+                                    const NamedValues& parameters = {}) {
   auto found = p.get_children<T>(family);
   if (found.size() > 1) throw Error(p.where(), std::string("a sensor has one ") + family);
-  if (!found.empty()) return found.front();
-  const PluginInfo* info = Registry::instance().find(family, fallback);
-  Properties defaults(fallback, "", p.where(), p.shared_context(), info);
-  prepare(defaults);
-  return std::dynamic_pointer_cast<T>(info->create(defaults));
+  return found.empty() ? make_default<T>(p, family, parameters) : found.front();
 }
 
 std::string size_text(double width, double height) {
@@ -42,12 +36,10 @@ FilmPart FilmPart::of(const Film& film, int index, int count) {
 
 void Sensor::read_common(const Properties& p, Measures measures) {
   measures_ = measures;
-  film_ = child_or<Film>(p, "film", "hdrfilm", [&](Properties& film) {
-    if (!is_meter()) return;
-    film.add("width", std::int64_t(1), p.where());
-    film.add("height", std::int64_t(1), p.where());
-  });
-  sampler_ = child_or<Sampler>(p, "sampler", "sobol", [](Properties&) {});
+  film_ = child_or_default<Film>(
+      p, "film",
+      is_meter() ? NamedValues{{"width", std::int64_t(1)}, {"height", std::int64_t(1)}} : NamedValues{});
+  sampler_ = child_or_default<Sampler>(p, "sampler");
   if (is_meter()) {
     if (film_->width() != 1 || film_->height() != 1)
       throw Error(p.where(), "a sensor of type \"" + p.type() +
@@ -63,7 +55,6 @@ void Sensor::read_common(const Properties& p, Measures measures) {
   }
   const bool opens = p.find("shutter_open"), closes = p.find("shutter_close");
   if (opens || closes) p.note("shutter_open", "nothing moves: the shutter times have no effect");
-  part_ = FilmPart::of(*film_, 0, 1);
 }
 
 Vec3 Sensor::unit_direction(const Properties& p, std::string_view name, const Vec3& v) {
@@ -72,33 +63,42 @@ Vec3 Sensor::unit_direction(const Properties& p, std::string_view name, const Ve
   return normalize(v * (1 / std::max(largest, 1e-37f)));  // the squares of large and small ones leave float
 }
 
-void Sensor::attach(const Shape&) {
+void Sensor::check_shape(const ShapeArea&) const {
   throw Error(properties().where(), "a sensor of type \"" + properties().type() +
                                         "\" cannot sit on a shape; \"irradiancemeter\" can");
 }
 
-void Sensor::share_film(const std::shared_ptr<Film>& film, int index, int count) {
+void Sensor::check_in_batch(const FilmPart& part) const {
   if (properties().has("srf"))
     throw properties().error("srf", "all sensors of a batch have one response: give \"srf\" to the batch");
   for (const Properties::Entry& e : properties().entries())
     if (const auto* object = std::get_if<ObjectPtr>(&e.value); object && !is_meter())
       if (const auto own = std::dynamic_pointer_cast<Film>(*object))
         own->properties().note("", "all sensors of a batch are on its film: this one has no effect");
-  film_ = film;
-  part_ = FilmPart::of(*film, index, count);
-  if (is_meter() && (part_.width != 1 || part_.height != 1))
+  if (is_meter() && (part.width != 1 || part.height != 1))
     throw Error(properties().where(), "a sensor of type \"" + properties().type() +
                                           "\" measures one value, but its part of the batch's film has " +
-                                          size_text(part_.width, part_.height) + " pixels");
+                                          size_text(part.width, part.height) + " pixels");
 }
 
-std::vector<ParameterDoc> sensor_parameters(std::vector<ParameterDoc> own) {
-  own.push_back({"film", "film", "", "hdrfilm", "what is measured and stored"});
-  own.push_back({"sampler", "sampler", "", "sobol", "sample points"});
-  own.push_back({"srf", "spectrum", "", "1", "spectral response that multiplies the film's"});
-  own.push_back({"shutter_open", "float", "s", "0", "accepted without effect"});
-  own.push_back({"shutter_close", "float", "s", "0", "accepted without effect"});
-  return own;
+PlacedSensor PlacedSensor::of(const Sensor& sensor, std::shared_ptr<const ShapeArea> area,
+                              const Vec3& scene_center, float scene_radius) {
+  PlacedSensor at;
+  at.sensor = &sensor, at.area = std::move(area);
+  at.scene_center = scene_center, at.scene_radius = scene_radius;
+  at.part = FilmPart::of(sensor.film(), 0, 1);
+  sensor.fit(at);
+  return at;
 }
+
+AUREOLE_FAMILY(FamilyInfo{
+    .name = "sensor",
+    .parameters = {{"film", "film", "", "hdrfilm", "what is measured and stored"},
+                   {"sampler", "sampler", "", "sobol", "sample points"},
+                   {"srf", "spectrum", "", "1", "spectral response that multiplies the film's"},
+                   {"shutter_open", "float", "s", "0", "accepted without effect"},
+                   {"shutter_close", "float", "s", "0", "accepted without effect"}},
+    .hangs_on_shapes = true,
+    .is_reusable = true});
 
 }  // namespace aureole

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sensor family: which rays reach a point of the film.
+// The sensor family: which rays reach a point of the film. A sensor holds the measurement model; scene and
+// film data are in a `PlacedSensor` (placed_sensor.h), which is passed to its methods.
 #pragma once
 
 #include <optional>
@@ -11,11 +12,12 @@
 
 namespace aureole {
 
-class Shape;
+class ShapeArea;
+struct PlacedSensor;
 
 struct SensorRay {
   Ray ray;
-  float weight = 1;  ///< what the radiance along the ray counts for
+  float weight = 1;  ///< factor of the radiance along the ray
 };
 
 /// A point of the aperture as seen from a point of the scene.
@@ -29,6 +31,16 @@ struct SensorConnection {
   float importance = 0;
 };
 
+/// The response of a sensor to a given ray: the inverse of Sensor::sample_ray.
+struct SensorResponse {
+  Vec2 film;         ///< where the ray is seen
+  float weight = 1;  ///< factor of the radiance along it
+  // Densities with which sample_ray chooses the ray for uniform positions on its part of the film and on the
+  // lens.
+  float pdf_position = 0;   ///< of the point of the aperture [1/m^2], or a mass where that is one point
+  float pdf_direction = 0;  ///< [1/sr], or a mass where that is one direction
+};
+
 /// The part of a film that a sensor fills: all of it, but for the sensors of a batch. In pixels from the
 /// film's top left corner.
 struct FilmPart {
@@ -36,6 +48,7 @@ struct FilmPart {
   Vec2 lower, upper;  ///< of the places where rays start: the crop and, with sample_border, its border
 
   static FilmPart of(const Film& film, int index, int count);
+  float sample_area() const { return (upper.x - lower.x) * (upper.y - lower.y); }  ///< [pixels^2]
   bool samples(Vec2 p) const { return p.x >= lower.x && p.y >= lower.y && p.x <= upper.x && p.y <= upper.y; }
 };
 
@@ -46,23 +59,30 @@ public:
 
   /// The ray seen at `film_position` (pixels from the film's top left corner, not the crop's); `lens` chooses
   /// a point of the aperture.
-  virtual SensorRay sample_ray(Vec2 film_position, Vec2 lens) const = 0;
+  virtual SensorRay sample_ray(const PlacedSensor& at, Vec2 film_position, Vec2 lens) const = 0;
   /// Whether sample_ray looks at `lens`: two dimensions of the sampler.
   virtual bool uses_lens() const { return false; }
-
-  /// Called where the sensor is a child of `shape`. Throws Error for a sensor that can't sit on a shape.
-  virtual void attach(const Shape& shape);
-  /// Called once with the scene's bounds before anything is sampled.
-  virtual void set_scene_bounds(const Vec3& /*center*/, float /*radius*/) {}
-  /// Makes the sensor fill part `index` of `count` equal parts of `film`, side by side, instead of a film of
-  /// its own.
-  virtual void share_film(const std::shared_ptr<Film>& film, int index, int count);
-
   /// Where on the film a point of the scene is seen, for light tracing; nothing where it is not seen, or by a
   /// sensor that light cannot be connected to.
-  virtual std::optional<SensorConnection> sample_direct(const Vec3& /*reference*/, Vec2 /*lens*/) const {
+  virtual std::optional<SensorConnection> sample_direct(const PlacedSensor& /*at*/, const Vec3& /*reference*/,
+                                                        Vec2 /*lens*/) const {
     return {};
   }
+
+  /// The response to a ray through `p` of direction `d` (away from the sensor, as in sample_ray), whether or
+  /// not p lies between the clip planes. Nothing if the ray is not seen, or if light cannot be connected to
+  /// the sensor. Sensors with parallel rays ignore `d`.
+  virtual std::optional<SensorResponse> eval(const PlacedSensor& /*at*/, const Vec3& /*p*/,
+                                             const Vec3& /*d*/) const {
+    return {};
+  }
+
+  /// Throws Error where the sensor cannot measure on that surface, on which it sits.
+  virtual void check_shape(const ShapeArea& area) const;
+  /// Throws Error where it cannot fill that part of a batch's film instead of a film of its own.
+  virtual void check_in_batch(const FilmPart& part) const;
+  /// Fills the derived members of the record. Throws Error if the sensor cannot be used there.
+  virtual void fit(PlacedSensor& /*at*/) const {}
 
   const Film& film() const { return *film_; }
   const Sampler& sampler() const { return *sampler_; }
@@ -79,13 +99,11 @@ protected:
   /// The unit vector along v, the value of a parameter. Throws Error for zero.
   static Vec3 unit_direction(const Properties& properties, std::string_view name, const Vec3& v);
 
-  const FilmPart& part() const { return part_; }
   const std::shared_ptr<Film>& shared_film() const { return film_; }
 
 private:
   std::shared_ptr<Film> film_;
   std::shared_ptr<Sampler> sampler_;
-  FilmPart part_;
   Measures measures_ = Measures::picture;
 };
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera with a thin lens: what does not lie in the plane in focus is blurred.
+// Camera with a thin lens: points outside of the plane in focus are blurred.
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/projection.h"
-#include "aureole/sensor/sensor_docs.h"
 
 namespace aureole {
 namespace {

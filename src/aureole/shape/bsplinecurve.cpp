@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "aureole/shape/curves.h"
+#include "aureole/shape/curve/curves.h"
 
 namespace aureole {
 namespace {
@@ -37,13 +37,14 @@ public:
   explicit BSplineCurve(const Properties& properties) : Curves(properties, 4) {}
 
   RTCGeometry make_geometry(RTCDevice device) const override;
-  /// Embree's hit at distance t is one from outside.
+  /// Whether Embree's hit at distance t is on the outside of the surface.
   bool is_outside_hit(std::uint32_t primitive, float u, const Double3& o, const Double3& d, double t) const;
 
 private:
   CurvePoint locate(std::uint32_t primitive, const Double3& met, double v) const override {
     const ControlPoint* control = segment(primitive);
-    // Embree solves to a tolerance: two steps of Newton's method to where the point lies in the plane across.
+    // Embree's hits have a tolerance: two steps of Newton's method find the v at which the point lies in the
+    // plane perpendicular to the curve.
     for (int i = 0; i < 2; ++i) {
       const SplinePoint at(control, v);
       const double slope = dot(met - at.c, at.ddc) - dot(at.dc, at.dc);
@@ -112,10 +113,10 @@ RTCGeometry BSplineCurve::make_geometry(RTCDevice device) const {
 bool BSplineCurve::is_outside_hit(std::uint32_t primitive, float u, const Double3& o, const Double3& d,
                                   double t) const {
   // The inside is not seen (as in Mitsuba 3): a ray that starts within, or enters at an open end, passes.
-  // Embree solves to a tolerance: near grazing it sees rays that leave the surface meet it again.
+  // Embree's hits have a tolerance: near grazing, rays that leave the surface may hit it again.
   const CurvePoint at = locate(primitive, o + d * t, u);
   if (dot(at.normal, d) > 0) return false;
-  // Nor does a ray that starts just inside meet the surface behind it.
+  // Hits behind a ray that starts just inside do not count either.
   if (t * length(d) > at.radius) return true;
   const CurvePoint start = locate(primitive, o, u);
   const Double3 from_axis = o - start.center;
@@ -136,7 +137,8 @@ AUREOLE_PLUGIN(
   <string name="filename" value="curves.txt"/>
   <transform name="to_world"><scale value="2"/></transform>
   <bsdf type="diffuse"/>
-</shape>)"}});
+</shape>)"},
+        .takes_shared_parameters = false});
 
 }  // namespace
 }  // namespace aureole

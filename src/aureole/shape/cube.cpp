@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/shape/mesh.h"
-#include "aureole/shape/shape_docs.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/mesh/mesh.h"
 
 namespace aureole {
 namespace {

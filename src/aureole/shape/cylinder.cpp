@@ -4,12 +4,12 @@
 // the surface may become an elliptic or an oblique cylinder.
 #include <algorithm>
 
-#include "aureole/shape/cylinder_sampling.h"
-#include "aureole/shape/placement.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/geometry/shape_placement.h"
+#include "aureole/shape/geometry/user_geometry.h"
+#include "aureole/shape/sampling/cylinder_sampling.h"
+#include "aureole/shape/sampling/spherical_sampling.h"
 #include "aureole/shape/shape.h"
-#include "aureole/shape/shape_docs.h"
-#include "aureole/shape/spherical_sampling.h"
-#include "aureole/shape/user_geometry.h"
 
 namespace aureole {
 namespace {
@@ -53,7 +53,34 @@ public:
   explicit Cylinder(const Properties& properties)
       : Shape(properties), cylinder_{Placement(own_to_world(properties))} {
     flipped_ = properties.get_bool("flip_normals", false);
-    const Double3 &x = cylinder_.place.axis(0), &y = cylinder_.place.axis(1), &z = cylinder_.place.axis(2);
+  }
+
+  RTCGeometry make_geometry(RTCDevice device) const override { return make_user_geometry(device, cylinder_); }
+  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray, bool) const override {
+    const Double3 at = cylinder_.place.local_point(Double3(ray.o) + Double3(ray.d) * double(hit.t));
+    return point_at(at.x, at.y, at.z);
+  }
+  Bounds3 bounds() const override { return cylinder_.bounds(); }
+  std::size_t primitive_count() const override { return 1; }
+
+  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
+  std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const override;
+
+  const Placement& place() const { return cylinder_.place; }
+  bool is_flipped() const { return flipped_; }
+  /// The point with these coordinates of its own, moved onto the surface.
+  SurfacePoint point_at(double x, double y, double z) const;
+
+private:
+  static Transform own_to_world(const Properties& properties);
+
+  PlacedCylinder cylinder_;
+  bool flipped_ = false;
+};
+class CylinderSampler final : public AreaSampler {
+public:
+  CylinderSampler(const Cylinder& cylinder, AreaUse use) : cylinder_(cylinder) {
+    const Double3 &x = place().axis(0), &y = place().axis(1), &z = place().axis(2);
     radius_ = length(x), length_ = length(z);
     const auto across = [](const Double3& a, const Double3& b) {
       return std::abs(dot(a, b)) < 1e-5 * length(a) * length(b);
@@ -66,54 +93,51 @@ public:
       const double phi = 2 * kPiD * i / kPoints;
       area_ += area_element(std::cos(phi), std::sin(phi)) * (2 * kPiD / kPoints);
     }
-    if (emitter() && !(area_ > 0 && std::isfinite(float(area_))))
-      throw properties.error("radius", "an emitter needs an area that is neither zero nor infinite");
+    if (use == AreaUse::emitter && !(area_ > 0 && std::isfinite(float(area_))))
+      throw cylinder.properties().error("radius",
+                                        "an emitter needs an area that is neither zero nor infinite");
   }
 
-  RTCGeometry make_geometry(RTCDevice device) const override { return make_user_geometry(device, cylinder_); }
-  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override {
-    const Double3 at = cylinder_.place.local_point(Double3(ray.o) + Double3(ray.d) * double(hit.t));
-    return point_at(at.x, at.y, at.z);
-  }
-  Bounds3 bounds() const override { return cylinder_.bounds(); }
-  std::size_t primitive_count() const override { return 1; }
-
-  std::size_t patch_count() const override { return 1; }
-  std::size_t patch_of_primitive(std::uint32_t) const override { return 0; }
   float patch_area(std::size_t) const override { return float(area_); }
-  Bounds3 patch_bounds(std::size_t) const override { return bounds(); }
+  Bounds3 patch_bounds(std::size_t) const override { return cylinder_.bounds(); }
   std::pair<Vec3, float> patch_normals(std::size_t) const override { return {{0, 0, 1}, -1.f}; }
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
   std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override;
+  float pdf_area(std::size_t, const SurfacePoint& point) const override {
+    const Double3 at = place().local_point(Double3(point.p));
+    const double r = std::hypot(at.x, at.y);
+    return float(1 / (2 * kPiD * area_element(at.x / r, at.y / r)));
+  }
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const override {
-    return is_round_ ? float(round_view(reference).pdf(scaled(cylinder_.place.local_point(Double3(point.p)))))
+    return is_round_ ? float(round_view(reference).pdf(scaled(place().local_point(Double3(point.p)))))
                      : pdf_by_area(affine_view(reference), reference, point.p, point.ng);
   }
 
 private:
-  static Transform own_to_world(const Properties& properties);
-  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
-  SurfacePoint point_at(double x, double y, double z) const;
+  const Placement& place() const { return cylinder_.place(); }
   /// Own coordinates in units of the scene, of a round cylinder.
   Double3 scaled(const Double3& p) const { return {p.x * radius_, p.y * radius_, p.z * length_}; }
   RoundView round_view(const Vec3& reference) const {
-    return {scaled(cylinder_.place.local_point(Double3(reference))), radius_, length_, flipped_};
+    return {scaled(place().local_point(Double3(reference))), radius_, length_, cylinder_.is_flipped()};
   }
   AffineView affine_view(const Vec3& reference) const {
-    return {cylinder_.place.local_point(Double3(reference)), flipped_};
+    return {place().local_point(Double3(reference)), cylinder_.is_flipped()};
   }
   float pdf_by_area(const AffineView& seen, const Vec3& reference, const Vec3& p, const Vec3& ng) const;
   /// Area per azimuth and z at a point of the unit circle.
   double area_element(double x, double y) const {
-    return length(cross(cylinder_.place.vector({-y, x, 0}), cylinder_.place.axis(2)));
+    return length(cross(place().vector({-y, x, 0}), place().axis(2)));
   }
 
-  PlacedCylinder cylinder_;
+  const Cylinder& cylinder_;
   double area_ = 0;
   double radius_ = 0, length_ = 0;  ///< of a round cylinder
   bool is_round_ = false;           ///< and not oblique
-  bool flipped_ = false;
 };
+
+std::shared_ptr<const AreaSampler> Cylinder::make_area_sampler(AreaUse use) const {
+  return std::make_shared<const CylinderSampler>(*this, use);
+}
 
 Transform Cylinder::own_to_world(const Properties& properties) {
   const Vec3 p0 = properties.get_vec3("p0", {0, 0, 0}), p1 = properties.get_vec3("p1", {0, 0, 1});
@@ -155,57 +179,57 @@ SurfaceDerivatives Cylinder::own_derivatives(const SurfacePoint& point) const {
   return {(around * (2 * kPiD)).to_float(), cylinder_.place.axis(2).to_float()};
 }
 
-float Cylinder::pdf_by_area(const AffineView& seen, const Vec3& reference, const Vec3& p,
-                            const Vec3& ng) const {
+float CylinderSampler::pdf_by_area(const AffineView& seen, const Vec3& reference, const Vec3& p,
+                                   const Vec3& ng) const {
   if (seen.empty()) return 0;
-  const Double3 at = cylinder_.place.local_point(Double3(p));
+  const Double3 at = place().local_point(Double3(p));
   const double r = std::sqrt(at.x * at.x + at.y * at.y);
   const float pdf = area_sampling_pdf(reference, p, ng, area_element(at.x / r, at.y / r) / seen.pdf());
   return std::isfinite(pdf) ? pdf : 0;
 }
 
-std::optional<ShapeSample> Cylinder::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
+std::optional<ShapeSample> CylinderSampler::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
   SurfacePoint s;
   float pdf = 0;
   if (is_round_) {
     const RoundView seen = round_view(reference);
     Double3 p;
     if (seen.empty() || !seen.sample(u, p)) return std::nullopt;
-    s = point_at(p.x / radius_, p.y / radius_, p.z / length_);
-    pdf = float(seen.pdf(scaled(cylinder_.place.local_point(Double3(s.p)))));
+    s = cylinder_.point_at(p.x / radius_, p.y / radius_, p.z / length_);
+    pdf = float(seen.pdf(scaled(place().local_point(Double3(s.p)))));
   } else {
     const AffineView seen = affine_view(reference);
     if (seen.empty()) return std::nullopt;
     const Double3 p = seen.sample(u);
-    s = point_at(p.x, p.y, p.z);
+    s = cylinder_.point_at(p.x, p.y, p.z);
     pdf = pdf_by_area(seen, reference, s.p, s.ng);
   }
   if (!(pdf > 0)) return std::nullopt;
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, pdf};
 }
 
-std::optional<ShapeSample> Cylinder::sample_area(std::size_t, Vec2 u) const {
+std::optional<ShapeSample> CylinderSampler::sample_area(std::size_t, Vec2 u) const {
   // Under an ellipse azimuths are not uniform over the area: the density follows the point.
   const double x = std::cos(2 * kPiD * u.x), y = std::sin(2 * kPiD * u.x);
-  const SurfacePoint s = point_at(x, y, u.y);
+  const SurfacePoint s = cylinder_.point_at(x, y, u.y);
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, float(1 / (2 * kPiD * area_element(x, y)))};
 }
 
-AUREOLE_PLUGIN(Cylinder, "shape", "cylinder",
-               PluginDoc{
-                   .summary = "An open cylinder (no end caps) around the line from p0 to p1. Its normals "
-                              "point outside, so that most "
-                              "materials are black inside; `twosided` changes that. Texture coordinates: u "
-                              "is the angle about the "
-                              "axis, v runs from p0 to p1. Any affine to_world is exact. As an emitter a "
-                              "round one is sampled nearly "
-                              "uniformly in solid angle, others in area.",
-                   .source = "",
-                   .parameters = shape_parameters(
-                       {{"p0", "vector", "scene units", "0, 0, 0", "One end of the axis, before to_world."},
-                        {"p1", "vector", "scene units", "0, 0, 1", "The other end, before to_world."},
-                        {"radius", "float", "scene units", "1", "Radius, before to_world."}}),
-                   .examples = {R"(<shape type="cylinder">
+AUREOLE_PLUGIN(
+    Cylinder, "shape", "cylinder",
+    PluginDoc{
+        .summary = "An open cylinder (no end caps) around the line from p0 to p1. Its normals "
+                   "point outside, so that most "
+                   "materials are black inside; `twosided` changes that. Texture coordinates: u "
+                   "is the angle about the "
+                   "axis, v runs from p0 to p1. Any affine to_world is exact. As an emitter a "
+                   "round one is sampled nearly "
+                   "uniformly in solid angle, others in area.",
+        .source = "",
+        .parameters = {{"p0", "vector", "scene units", "0, 0, 0", "One end of the axis, before to_world."},
+                       {"p1", "vector", "scene units", "0, 0, 1", "The other end, before to_world."},
+                       {"radius", "float", "scene units", "1", "Radius, before to_world."}},
+        .examples = {R"(<shape type="cylinder">
   <point name="p0" x="0" y="0" z="-1"/>
   <point name="p1" x="0" y="0" z="1"/>
   <float name="radius" value="0.1"/>

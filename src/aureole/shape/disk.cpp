@@ -4,12 +4,12 @@
 #include <algorithm>
 
 #include "aureole/math/warp.h"
-#include "aureole/shape/disc_sampling.h"
-#include "aureole/shape/placement.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/geometry/shape_placement.h"
+#include "aureole/shape/geometry/user_geometry.h"
+#include "aureole/shape/sampling/disc_sampling.h"
+#include "aureole/shape/sampling/spherical_sampling.h"
 #include "aureole/shape/shape.h"
-#include "aureole/shape/shape_docs.h"
-#include "aureole/shape/spherical_sampling.h"
-#include "aureole/shape/user_geometry.h"
 
 namespace aureole {
 namespace {
@@ -40,37 +40,16 @@ public:
       : Shape(properties), disc_{Placement(properties.get_transform("to_world"))} {
     const Double3 n = normalize(disc_.place.normal({0, 0, 1}));
     normal_ = properties.get_bool("flip_normals", false) ? -n : n;
-    const Double3 &u = disc_.place.axis(0), &v = disc_.place.axis(1);
-    area_ = kPiD * length(cross(u, v));
-    const double a = length(u), b = length(v);
-    circular_ = std::abs(a - b) < 1e-5 * a && std::abs(dot(u, v)) < 1e-5 * a * b;
-    if (emitter() && !(area_ > 0 && std::isfinite(float(area_))))
-      throw properties.error("to_world", "an emitter needs an area that is neither zero nor infinite");
   }
 
   RTCGeometry make_geometry(RTCDevice device) const override { return make_user_geometry(device, disc_); }
-  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override {
+  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray, bool) const override {
     const Double3 at = disc_.place.local_point(Double3(ray.o) + Double3(ray.d) * double(hit.t));
     return point_at(at.x, at.y);
   }
   Bounds3 bounds() const override { return disc_.bounds(); }
   std::size_t primitive_count() const override { return 1; }
 
-  std::size_t patch_count() const override { return 1; }
-  std::size_t patch_of_primitive(std::uint32_t) const override { return 0; }
-  float patch_area(std::size_t) const override { return float(area_); }
-  Bounds3 patch_bounds(std::size_t) const override { return bounds(); }
-  std::pair<Vec3, float> patch_normals(std::size_t) const override { return {normal_.to_float(), 1.f}; }
-  std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
-  std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override {
-    const Vec2 at = square_to_disc_concentric(u).p;
-    return sample_at(at.x, at.y, float(1 / area_));
-  }
-  float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const override {
-    return pdf_direct(view(reference), reference, point.p);
-  }
-
-private:
   SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override {
     const double phi = 2 * kPiD * point.uv.y, c = std::cos(phi), s = std::sin(phi);
     return {disc_.place.vector({c, s, 0}).to_float(),
@@ -90,20 +69,57 @@ private:
     s.shape = this;
     return s;
   }
+  std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const override;
+
+  const Placement& place() const { return disc_.place; }
+  const Double3& normal() const { return normal_; }
+
+private:
+  PlacedDisc disc_;
+  Double3 normal_;
+};
+
+class DiskSampler final : public AreaSampler {
+public:
+  DiskSampler(const Disk& disk, AreaUse use) : disk_(disk) {
+    const Double3 &u = disk.place().axis(0), &v = disk.place().axis(1);
+    area_ = kPiD * length(cross(u, v));
+    const double a = length(u), b = length(v);
+    circular_ = std::abs(a - b) < 1e-5 * a && std::abs(dot(u, v)) < 1e-5 * a * b;
+    if (use == AreaUse::emitter && !(area_ > 0 && std::isfinite(float(area_))))
+      throw disk.properties().error("to_world", "an emitter needs an area that is neither zero nor infinite");
+  }
+
+  float patch_area(std::size_t) const override { return float(area_); }
+  Bounds3 patch_bounds(std::size_t) const override { return disk_.bounds(); }
+  std::pair<Vec3, float> patch_normals(std::size_t) const override {
+    return {disk_.normal().to_float(), 1.f};
+  }
+  std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
+  std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override {
+    const Vec2 at = square_to_disc_concentric(u).p;
+    return sample_at(at.x, at.y, float(1 / area_));
+  }
+  float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const override {
+    return pdf_direct(view(reference), reference, point.p);
+  }
+
+private:
   ShapeSample sample_at(double x, double y, float pdf) const {
-    const SurfacePoint s = point_at(x, y);
+    const SurfacePoint s = disk_.point_at(x, y);
     return {s.p, s.p_error, s.ng, s.uv, pdf};
   }
   DiscView view(const Vec3& reference) const {
-    if (!circular_) return DiscView::by_area(Double3(reference), disc_.place.origin(), normal_);
-    return DiscView::of(Double3(reference), disc_.place.origin(), normal_, length(disc_.place.axis(0)));
+    if (!circular_) return DiscView::by_area(Double3(reference), disk_.place().origin(), disk_.normal());
+    return DiscView::of(Double3(reference), disk_.place().origin(), disk_.normal(),
+                        length(disk_.place().axis(0)));
   }
   float pdf_direct(const DiscView& seen, const Vec3& reference, const Vec3& p) const {
     switch (seen.technique()) {
       case DiscView::Technique::none:
         return 0;
       case DiscView::Technique::area: {
-        const float pdf = area_sampling_pdf(reference, p, normal_.to_float(), area_);
+        const float pdf = area_sampling_pdf(reference, p, disk_.normal().to_float(), area_);
         return std::isfinite(pdf) ? pdf : 0;
       }
       case DiscView::Technique::solid_angle:
@@ -112,13 +128,16 @@ private:
     return 0;
   }
 
-  PlacedDisc disc_;
-  Double3 normal_;
+  const Disk& disk_;
   double area_ = 0;
   bool circular_ = false;
 };
 
-std::optional<ShapeSample> Disk::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
+std::shared_ptr<const AreaSampler> Disk::make_area_sampler(AreaUse use) const {
+  return std::make_shared<const DiskSampler>(*this, use);
+}
+
+std::optional<ShapeSample> DiskSampler::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
   const DiscView seen = view(reference);
   if (seen.technique() == DiscView::Technique::none) return std::nullopt;
   Double3 at;
@@ -126,7 +145,7 @@ std::optional<ShapeSample> Disk::sample_direct(const Vec3& reference, std::size_
     const Vec2 on_disc = square_to_disc_concentric(u).p;
     at = {on_disc.x, on_disc.y, 0};
   } else {
-    at = disc_.place.local_point(seen.sample(u));
+    at = disk_.place().local_point(seen.sample(u));
   }
   ShapeSample s = sample_at(at.x, at.y, 0);
   s.pdf = pdf_direct(seen, reference, s.p);
@@ -143,7 +162,7 @@ AUREOLE_PLUGIN(
             "area.",
         .source = "Cone of directions: Guillen, Urena, King, Fajardo, Georgiev, Lopez-Moreno & Jarabo 2017, "
                   "\"Area-preserving parameterizations for spherical ellipses\", section 3.",
-        .parameters = shape_parameters({}),
+        .parameters = {},
         .examples = {R"(<shape type="disk">
   <transform name="to_world">
     <scale value="0.5"/>

@@ -2,8 +2,8 @@
 #include <cmath>
 
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/double3.h"
-#include "aureole/shape/shape_group.h"
+#include "aureole/shape/geometry/double3.h"
+#include "aureole/shape/geometry/shape_group.h"
 
 namespace aureole {
 
@@ -17,7 +17,8 @@ Vec3 linear(const Rows& m, const Vec3& v) {
           m[2][0] * v.x + m[2][1] * v.y + m[2][2] * v.z};
 }
 
-/// By the transpose: of the inverse, for normals, which stay on their side under mirroring, too.
+/// Applies the transpose of m. With the inverse transform it maps normals, which stay on their side even
+/// under mirroring.
 template <class Rows>
 Vec3 transposed(const Rows& m, const Vec3& v) {
   return {m[0][0] * v.x + m[1][0] * v.y + m[2][0] * v.z, m[0][1] * v.x + m[1][1] * v.y + m[2][1] * v.z,
@@ -26,32 +27,9 @@ Vec3 transposed(const Rows& m, const Vec3& v) {
 
 }  // namespace
 
-Instance::Instance(const Properties& properties) : UnsampledShape(properties, nullptr) {
-  const auto groups = properties.get_children<ShapeGroup>("shapegroup");
-  if (groups.size() != 1)
-    throw Error(properties.where(), "an instance needs one shapegroup: write <ref id=\"...\"/> with its id");
-  group_ = groups.front();
-  const Transform to_world = properties.get_transform("to_world");
-  is_one_ = group_->nested().empty() && !group_->shapes().empty();
-  if (is_one_)
-    place(to_world);
-  else
-    take_apart(group_, to_world);
-}
-
-Instance::Instance(const Properties& properties, std::shared_ptr<const ShapeGroup> group,
-                   const Transform& to_world)
-    : UnsampledShape(properties, nullptr), group_(std::move(group)) {
-  place(to_world);
-}
-
-void Instance::take_apart(const std::shared_ptr<const ShapeGroup>& group, const Transform& to_world) {
-  if (!group->shapes().empty()) parts_.push_back(std::make_shared<Instance>(properties(), group, to_world));
-  for (const ShapeGroup::Nested& n : group->nested()) take_apart(n.group, to_world * n.to_group);
-}
-
-void Instance::place(const Transform& to_world) {
-  group_->add_instance();
+Instance::Instance(std::shared_ptr<const ShapeList> list, const Transform& to_world,
+                   const Properties& properties)
+    : list_(std::move(list)) {
   Double3 column[3];
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 4; ++k) to_world_[i][k] = float(to_world.matrix()[i][k]);
@@ -92,21 +70,23 @@ void Instance::place(const Transform& to_world) {
       error_[i][k] = float(sum);
       const float size = std::abs(to_group_[i][k]);
       if (!std::isfinite(to_world_[i][k]) || !(size < 1e18f) || !std::isfinite(error_[i][k]))
-        throw properties().error("to_world", "leaves the range of single precision");
+        throw properties.error("to_world", "leaves the range of single precision");
     }
 }
 
-RTCGeometry Instance::make_geometry(RTCDevice device) const {
+RTCGeometry Instance::make_geometry(RTCDevice device, RTCScene scene) const {
   RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE);
-  rtcSetGeometryInstancedScene(g, group_->embree_scene(device));
+  rtcSetGeometryInstancedScene(g, scene);
   rtcSetGeometryTransform(g, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR, to_world_.data());
   rtcCommitGeometry(g);
   return g;
 }
 
-SurfacePoint Instance::surface_point(const ShapeHit& hit, const Ray& ray) const {
+SurfacePoint Instance::surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray,
+                                     bool tangent) const {
   const Vec3 offset{to_group_[0][3], to_group_[1][3], to_group_[2][3]};
-  SurfacePoint s = group_->surface_point(hit, {linear(to_group_, ray.o) + offset, linear(to_group_, ray.d)});
+  SurfacePoint s =
+      shape.surface_point(hit, {linear(to_group_, ray.o) + offset, linear(to_group_, ray.d)}, tangent);
   const Vec3 in_group = s.p, group_error = s.p_error;
   for (int i = 0; i < 3; ++i) {
     const auto& m = to_world_[i];
@@ -122,19 +102,18 @@ SurfacePoint Instance::surface_point(const ShapeHit& hit, const Ray& ray) const 
   s.ng = normalize(transposed(to_group_, s.ng));
   const Vec3 n = normalize(transposed(to_group_, s.shading.n));
   // The frame's own tangent was made perpendicular to the normal, which the map does not keep.
-  s.shading = s.shape->needs_tangent()
-                  ? Frame::from_normal_tangent(n, linear(to_world_, s.shape->derivatives(s).dp_du))
-                  : Frame::from_normal(n);
+  s.shading = tangent ? Frame::from_normal_tangent(n, linear(to_world_, shape.own_derivatives(s).dp_du))
+                      : Frame::from_normal(n);
   s.instance = this;
   return s;
 }
 
-SurfaceDerivatives Instance::instance_to_world(const SurfaceDerivatives& d) const {
+SurfaceDerivatives Instance::to_world(const SurfaceDerivatives& d) const {
   return {linear(to_world_, d.dp_du), linear(to_world_, d.dp_dv)};
 }
 
 Bounds3 Instance::bounds() const {
-  const Bounds3 b = group_->bounds();
+  const Bounds3& b = list_->bounds;
   Bounds3 all;
   for (int corner = 0; corner < 8 && !b.empty(); ++corner) {
     Vec3 p;
@@ -149,12 +128,27 @@ Bounds3 Instance::bounds() const {
   return all;
 }
 
-std::size_t Instance::memory_bytes() const {
-  return sizeof(*this) + group_->memory_bytes() / group_->instances();
+InstanceModel::InstanceModel(const Properties& properties) : Model(properties) {
+  const auto groups = properties.get_children<ShapeGroup>("shapegroup");
+  if (groups.size() != 1)
+    throw Error(properties.where(), "an instance needs one shapegroup: write <ref id=\"...\"/> with its id");
+  group_ = groups.front();
+  to_world_ = properties.get_transform("to_world");
+  take_apart(*group_, to_world_);
+}
+
+void InstanceModel::take_apart(const ShapeGroup& group, const Transform& to_world) {
+  if (!group.list()->shapes.empty()) {
+    ModelPart part;
+    part.instance = std::make_shared<const Instance>(group.list(), to_world, properties());
+    part.element = shared_properties();
+    parts_.push_back(std::move(part));
+  }
+  for (const ShapeGroup::Nested& n : group.nested()) take_apart(*n.group, to_world * n.to_group);
 }
 
 AUREOLE_PLUGIN(
-    Instance, "shape", "instance",
+    InstanceModel, "shape", "instance",
     PluginDoc{
         .summary =
             "One appearance of a `shapegroup` in the scene. Its shapes have the BSDFs that they have in "
@@ -171,6 +165,7 @@ AUREOLE_PLUGIN(
     <scale x="2" y="1" z="0.5"/>
     <translate x="3"/>
   </transform>
-</shape>)"}});
+</shape>)"},
+        .takes_shared_parameters = false});
 
 }  // namespace aureole

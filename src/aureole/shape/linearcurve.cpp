@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "aureole/shape/curves.h"
-#include "aureole/shape/user_geometry.h"
+#include "aureole/shape/curve/curves.h"
+#include "aureole/shape/geometry/user_geometry.h"
 
 namespace aureole {
 namespace {
@@ -164,7 +164,8 @@ AUREOLE_PLUGIN(LinearCurve, "shape", "linearcurve",
   <string name="filename" value="curves.txt"/>
   <transform name="to_world"><translate z="1"/></transform>
   <bsdf type="diffuse"/>
-</shape>)"}});
+</shape>)"},
+                         .takes_shared_parameters = false});
 
 }  // namespace
 }  // namespace aureole

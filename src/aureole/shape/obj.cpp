@@ -4,16 +4,16 @@
 #include <map>
 #include <set>
 
-#include "aureole/shape/mesh.h"
-#include "aureole/shape/mesh_file.h"
-#include "aureole/shape/mesh_parts.h"
-#include "aureole/shape/mtl.h"
-#include "aureole/shape/shape_docs.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/mesh/file_materials.h"
+#include "aureole/shape/mesh/mesh.h"
+#include "aureole/shape/mesh/mesh_file.h"
+#include "aureole/shape/mesh/mesh_parts.h"
 
 namespace aureole {
 namespace {
 
-/// Reads the statements v, vt, vn and f; remembers what else there was.
+/// Reads the statements v, vt, vn and f; collects the names of all others for a note.
 class ObjReader {
 public:
   ObjReader(MeshFile& file, bool flip_v) : file_(file), flip_v_(flip_v) {}
@@ -207,80 +207,26 @@ public:
     MeshData data = reader.read([this](double x, double y, double z) { return place_point(x, y, z); },
                                 [this](double x, double y, double z) { return place_normal(x, y, z); });
     for (std::string& remark : reader.remarks()) remarks_.push_back(std::move(remark));
-    // A BSDF in the scene is for the whole file (as in Mitsuba), and so are an emitter and a sensor.
-    const bool as_one = !has_default_bsdf() || emitter() || sensor();
-    if (as_one) data.materials = {};
+    if (reader.materials().size() < 2) data.materials = {};
     build(std::move(data), "filename");
-    if (!as_one && reader.materials().size() > 1) apply_materials(file, reader);
+    if (reader.materials().size() < 2) return;
+    auto materials = std::make_shared<FileMaterials>();
+    materials->names = reader.materials();
+    materials->used.assign(materials->names.size(), false);
+    for (const std::uint32_t m : this->data().materials) materials->used[m] = true;
+    for (const std::string& name : reader.libraries())
+      materials->libraries.push_back(file.path().parent_path() / name);
+    materials_ = std::move(materials);
   }
 
-  const std::vector<ShapePtr>* parts() const override { return parts_.empty() ? nullptr : &parts_; }
+  std::shared_ptr<const FileMaterials> materials() const override { return materials_; }
+  std::vector<ShapePtr> split(std::span<const std::size_t> part_of) const override {
+    return split_mesh(properties(), data(), part_of);
+  }
 
 private:
-  void apply_materials(const MeshFile& file, const ObjReader& reader);
-  BsdfPtr find_bsdf(const std::string& material, const std::map<std::string, MtlMaterial>& library) const;
-
-  std::vector<ShapePtr> parts_;  ///< where the file has several materials
+  std::shared_ptr<const FileMaterials> materials_;
 };
-
-/// The materials of all libraries that can be read.
-std::map<std::string, MtlMaterial> read_libraries(const Properties& properties, const MeshFile& file,
-                                                  const std::vector<std::string>& names) {
-  std::map<std::string, MtlMaterial> all;
-  for (const std::string& name : names) {
-    const std::filesystem::path path = file.path().parent_path() / name;
-    try {
-      all.merge(read_mtl(MeshFile(properties, path)));
-      if (properties.context().scene) properties.context().scene->add_file(path);
-    } catch (const Error& problem) {
-      properties.note("filename", problem.message());
-    }
-  }
-  return all;
-}
-
-BsdfPtr Obj::find_bsdf(const std::string& material, const std::map<std::string, MtlMaterial>& library) const {
-  if (SceneLookup* scene = properties().context().scene)
-    if (const auto found = std::dynamic_pointer_cast<const Bsdf>(scene->find("bsdf", material))) {
-      if (!attribute_textures(found->properties()).empty())
-        throw properties().error(
-            "filename", "the BSDF \"" + material + "\" shows an attribute of the mesh; an OBJ file has none");
-      return found;
-    }
-  const auto found = library.find(material);
-  return found == library.end() ? nullptr : bsdf_of_mtl(material, found->second, properties());
-}
-
-void Obj::apply_materials(const MeshFile& file, const ObjReader& reader) {
-  const std::map<std::string, MtlMaterial> library = read_libraries(properties(), file, reader.libraries());
-  MeshData d = release();
-  std::vector<bool> used(reader.materials().size(), false);
-  for (const std::uint32_t m : d.materials) used[m] = true;
-  std::vector<BsdfPtr> bsdfs(used.size(), bsdf());
-  std::set<BsdfPtr> different;
-  std::string unknown;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) continue;
-    const std::string& name = reader.materials()[i];
-    if (i > 0) {
-      if (BsdfPtr found = find_bsdf(name, library))
-        bsdfs[i] = std::move(found);
-      else
-        unknown += (unknown.empty() ? "\"" : ", \"") + name + "\"";
-    }
-    different.insert(bsdfs[i]);
-  }
-  if (!unknown.empty())
-    remarks_.push_back("no BSDF has the id of a material, nor does an .mtl file define it: " + unknown +
-                       "; the default is used");
-  if (different.size() > 1) {
-    parts_ = split_mesh(properties(), d, bsdfs, remarks_);
-    return;
-  }
-  if (!different.empty()) set_bsdf(*different.begin());
-  d.materials = {};
-  adopt(std::move(d));
-}
 
 AUREOLE_PLUGIN(
     Obj, "shape", "obj",

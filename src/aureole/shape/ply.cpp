@@ -6,11 +6,11 @@
 #include <limits>
 #include <set>
 
-#include "aureole/shape/mesh.h"
-#include "aureole/shape/mesh_file.h"
-#include "aureole/shape/ply_attributes.h"
-#include "aureole/shape/ply_source.h"
-#include "aureole/shape/shape_docs.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/mesh/mesh.h"
+#include "aureole/shape/mesh/mesh_file.h"
+#include "aureole/shape/mesh/ply_attributes.h"
+#include "aureole/shape/mesh/ply_source.h"
 
 namespace aureole {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstring>
 #include <limits>
 
-#include "aureole/shape/mesh.h"
-#include "aureole/shape/mesh_file.h"
-#include "aureole/shape/shape_docs.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/mesh/mesh.h"
+#include "aureole/shape/mesh/mesh_file.h"
 
 namespace aureole {
 namespace {
@@ -112,7 +112,7 @@ private:
   MeshData read(const MeshFile& file, Inflater& in, int version, bool flip_v);
 };
 
-/// Reads `count` tuples of `dim` floats or doubles and hands each over as doubles.
+/// Reads `count` tuples of `dim` floats or doubles and passes each to `use` as doubles.
 template <class Use>
 void read_tuples(Inflater& in, bool in_double, std::size_t count, int dim, const Use& use) {
   constexpr std::size_t kBatch = 4096;

@@ -1,84 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <stdexcept>
-
-#include "aureole/emitter/emitter.h"
-#include "aureole/plugin/registry.h"
-#include "aureole/sensor/sensor.h"
-#include "aureole/shape/shape_group.h"
+#include "aureole/shape/geometry/shape_group.h"
 
 namespace aureole {
 
-ShapeGroup::ShapeGroup(const Properties& properties) : UnsampledShape(properties, nullptr) {
-  for (const ShapePtr& child : properties.get_children<Shape>("shape")) {
-    add(child);
-    // The scene, which tells the remarks of its shapes, does not see these.
+ShapeGroup::ShapeGroup(const Properties& properties) : Model(properties) {
+  for (const auto& child : properties.get_children<Model>("shape")) {
+    add(*child);
+    // The scene reports the remarks of its own shapes, but not of those inside groups: they are noted here.
     if (Diagnostics* diagnostics = properties.context().diagnostics)
-      for (const std::string& remark : child->remarks())
-        diagnostics->note(child->properties().where(), remark);
+      for (const ModelPart& part : child->parts())
+        for (const std::string& remark : part.remarks) diagnostics->note(child->properties().where(), remark);
   }
-  if (shapes_.empty() && nested_.empty()) properties.note("shape", "the group holds no shapes");
+  if (own_.shapes.empty() && nested_.empty()) properties.note("shape", "the group holds no shapes");
+  list_ = std::make_shared<const ShapeList>(std::move(own_));
 }
 
-ShapeGroup::~ShapeGroup() { release(); }
-
-void ShapeGroup::release() const {
-  if (!scene_) return;
-  rtcReleaseScene(scene_);
-  rtcReleaseDevice(device_);
-  scene_ = nullptr, device_ = nullptr;
-}
-
-void ShapeGroup::add(const ShapePtr& shape) {
-  if (const Emitter* emitter = shape->emitter())
-    throw Error(emitter->properties().where(),
-                "a shape of a group cannot be an emitter: instances do not shine");
-  if (shape->sensor())
-    throw Error(shape->sensor()->properties().where(), "a shape of a group cannot be a sensor");
-  passable_ |= shape->is_passable();
-  if (const auto* group = dynamic_cast<const ShapeGroup*>(shape.get())) {
-    for (const ShapePtr& s : group->shapes_) add(s);
+void ShapeGroup::add(const Model& model) {
+  for (const ModelPart& part : model.parts())
+    if (part.emitter)
+      throw Error(part.emitter->properties().where(),
+                  "a shape of a group cannot be an emitter: instances do not shine");
+  if (const auto& sensor = model.sensor())
+    throw Error(sensor->properties().where(), "a shape of a group cannot be a sensor");
+  if (const auto* group = dynamic_cast<const ShapeGroup*>(&model)) {
+    for (std::size_t i = 0; i < group->list_->shapes.size(); ++i)
+      add(group->list_->shapes[i], group->list_->bsdfs[i]);
     nested_.insert(nested_.end(), group->nested_.begin(), group->nested_.end());
-  } else if (const auto* instance = dynamic_cast<const Instance*>(shape.get())) {
-    nested_.push_back({instance->group(), instance->properties().get_transform("to_world")});
-  } else if (const std::vector<ShapePtr>* parts = shape->parts()) {
-    for (const ShapePtr& part : *parts) add(part);
+  } else if (const auto* instance = dynamic_cast<const InstanceModel*>(&model)) {
+    nested_.push_back({instance->group(), instance->to_world()});
   } else {
-    shapes_.push_back(shape);
-    bounds_.extend(shape->bounds());
+    for (const ModelPart& part : model.parts()) add(part.shape, part.bsdf);
   }
 }
 
-RTCScene ShapeGroup::embree_scene(RTCDevice device) const {
-  if (scene_ && device_ == device) return scene_;
-  release();
-  rtcRetainDevice(device);
-  device_ = device;
-  scene_ = rtcNewScene(device);
-  rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene_, RTC_BUILD_QUALITY_HIGH);
-  for (std::size_t i = 0; i < shapes_.size(); ++i) {
-    RTCGeometry geometry = shapes_[i]->make_geometry(device);
-    rtcAttachGeometryByID(scene_, geometry, unsigned(i));
-    rtcReleaseGeometry(geometry);
-  }
-  rtcCommitScene(scene_);
-  return scene_;
-}
-
-RTCGeometry ShapeGroup::make_geometry(RTCDevice) const {
-  throw std::logic_error("a shapegroup is rendered through its instances only");
-}
-
-std::size_t ShapeGroup::primitive_count() const {
-  std::size_t sum = 0;
-  for (const ShapePtr& s : shapes_) sum += s->primitive_count();
-  return sum;
-}
-
-std::size_t ShapeGroup::memory_bytes() const {
-  std::size_t sum = sizeof(*this);
-  for (const ShapePtr& s : shapes_) sum += s->memory_bytes();
-  return sum;
+void ShapeGroup::add(const ShapePtr& shape, const BsdfPtr& bsdf) {
+  own_.shapes.push_back(shape), own_.bsdfs.push_back(bsdf);
+  own_.bounds.extend(shape->bounds());
 }
 
 AUREOLE_PLUGIN(
@@ -94,6 +51,7 @@ AUREOLE_PLUGIN(
         .examples = {R"(<shape type="shapegroup" id="tree">
   <shape type="cylinder"><float name="radius" value="0.1"/></shape>
   <shape type="sphere"><point name="center" x="0" y="0" z="1.5"/></shape>
-</shape>)"}});
+</shape>)"},
+        .takes_shared_parameters = false});
 
 }  // namespace aureole

@@ -6,29 +6,24 @@
 #include <utility>
 
 #include "aureole/math/warp.h"
-#include "aureole/shape/double3.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/geometry/double3.h"
+#include "aureole/shape/geometry/sphere_geometry.h"
 #include "aureole/shape/shape.h"
-#include "aureole/shape/shape_docs.h"
-#include "aureole/shape/sphere_geometry.h"
 
 namespace aureole {
 namespace {
 
-class Sphere final : public Shape {
+constexpr double kPiD = 3.14159265358979323846;
+
+class Sphere;
+
+class SphereSampler final : public AreaSampler {
 public:
-  explicit Sphere(const Properties& properties);
+  explicit SphereSampler(const Sphere& sphere);
 
-  RTCGeometry make_geometry(RTCDevice device) const override { return make_sphere_geometry(device, ball_); }
-  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray) const override {
-    return point_in_direction(Double3(ray.o) + Double3(ray.d) * double(hit.t) - ball_.center);
-  }
-  Bounds3 bounds() const override { return ball_.bounds(); }
-  std::size_t primitive_count() const override { return 1; }
-
-  std::size_t patch_count() const override { return 1; }
-  std::size_t patch_of_primitive(std::uint32_t) const override { return 0; }
   float patch_area(std::size_t) const override { return float(4 * kPiD * ball_.radius * ball_.radius); }
-  Bounds3 patch_bounds(std::size_t) const override { return bounds(); }
+  Bounds3 patch_bounds(std::size_t) const override { return ball_.bounds(); }
   std::pair<Vec3, float> patch_normals(std::size_t) const override { return {{0, 0, 1}, -1.f}; }
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
   PositionSample sample_direct_position(const Vec3& reference, std::size_t, Vec2 u) const override;
@@ -36,15 +31,34 @@ public:
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const override;
 
 private:
-  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
+  const Sphere& sphere_;
+  const Ball& ball_;
+};
 
-  static constexpr double kPiD = 3.14159265358979323846;
+class Sphere final : public Shape {
+public:
+  explicit Sphere(const Properties& properties);
+
+  RTCGeometry make_geometry(RTCDevice device) const override { return make_sphere_geometry(device, ball_); }
+  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray, bool) const override {
+    return point_in_direction(Double3(ray.o) + Double3(ray.d) * double(hit.t) - ball_.center);
+  }
+  Bounds3 bounds() const override { return ball_.bounds(); }
+  std::size_t primitive_count() const override { return 1; }
+
+  SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
+  std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse) const override {
+    return std::make_shared<const SphereSampler>(*this);
+  }
+
+  const Ball& ball() const { return ball_; }
   /// The surface point in the direction `out` of any length from the centre.
   SurfacePoint point_in_direction(const Double3& out) const;
   /// Its position, error bound and geometric normal; returns the outward normal.
   template <class Point>
   Double3 set_position(Point& s, const Double3& out) const;
 
+private:
   Ball ball_;
   Double3 axis_[3];  ///< of the sphere's own coordinates, unit length
   bool inward_ = false;
@@ -107,10 +121,12 @@ Double3 Sphere::set_position(Point& s, const Double3& out) const {
   return n;
 }
 
-PositionSample Sphere::sample_direct_position(const Vec3& reference, std::size_t, Vec2 u) const {
+SphereSampler::SphereSampler(const Sphere& sphere) : sphere_(sphere), ball_(sphere.ball()) {}
+
+PositionSample SphereSampler::sample_direct_position(const Vec3& reference, std::size_t, Vec2 u) const {
   PositionSample s;
   if (const auto out = ball_.sample_visible(Double3(reference), u)) {
-    set_position(s, *out);
+    sphere_.set_position(s, *out);
     s.pdf = ball_.visible_pdf(Double3(reference));
   }
   return s;
@@ -126,36 +142,36 @@ SurfaceDerivatives Sphere::own_derivatives(const SurfacePoint& point) const {
           (by_theta * (kPiD * ball_.radius)).to_float()};
 }
 
-std::optional<ShapeSample> Sphere::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
+std::optional<ShapeSample> SphereSampler::sample_direct(const Vec3& reference, std::size_t, Vec2 u) const {
   const auto out = ball_.sample_visible(Double3(reference), u);
   if (!out) return std::nullopt;
-  const SurfacePoint s = point_in_direction(*out);
+  const SurfacePoint s = sphere_.point_in_direction(*out);
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, ball_.visible_pdf(Double3(reference))};
 }
 
-std::optional<ShapeSample> Sphere::sample_area(std::size_t, Vec2 u) const {
-  const SurfacePoint s = point_in_direction(Double3(square_to_uniform_sphere(u)));
+std::optional<ShapeSample> SphereSampler::sample_area(std::size_t, Vec2 u) const {
+  const SurfacePoint s = sphere_.point_in_direction(Double3(square_to_uniform_sphere(u)));
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, 1 / patch_area(0)};
 }
 
-float Sphere::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const {
+float SphereSampler::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const {
   const Double3 from(reference);
   if (!ball_.sees_from_outside(from) && ball_.is_self(from, length(point.p - reference))) return 0;
   return ball_.visible_pdf(from);
 }
 
 AUREOLE_PLUGIN(Sphere, "shape", "sphere",
-               PluginDoc{.summary = "A sphere, exact. As an emitter it is sampled uniformly over the cone of "
-                                    "directions in which it is seen, "
-                                    "and over all directions from inside.",
-                         .source = "Pharr, Jakob & Humphreys 2023, \"Physically Based Rendering\", sections "
-                                   "6.2.4 and 6.8.5; quadratic of "
-                                   "Haines, Guenther & Akenine-Moeller 2019, \"Precision improvements for "
-                                   "ray/sphere intersection\".",
-                         .parameters = shape_parameters(
-                             {{"center", "vector", "scene units", "0, 0, 0", "Centre, before to_world."},
-                              {"radius", "float", "scene units", "1", "Radius, before to_world."}}),
-                         .examples = {R"(<shape type="sphere">
+               PluginDoc{
+                   .summary = "A sphere, exact. As an emitter it is sampled uniformly over the cone of "
+                              "directions in which it is seen, "
+                              "and over all directions from inside.",
+                   .source = "Pharr, Jakob & Humphreys 2023, \"Physically Based Rendering\", sections "
+                             "6.2.4 and 6.8.5; quadratic of "
+                             "Haines, Guenther & Akenine-Moeller 2019, \"Precision improvements for "
+                             "ray/sphere intersection\".",
+                   .parameters = {{"center", "vector", "scene units", "0, 0, 0", "Centre, before to_world."},
+                                  {"radius", "float", "scene units", "1", "Radius, before to_world."}},
+                   .examples = {R"(<shape type="sphere">
   <point name="center" x="1" y="0" z="0"/>
   <float name="radius" value="2"/>
   <boolean name="flip_normals" value="false"/>

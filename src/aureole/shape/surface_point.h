@@ -8,7 +8,9 @@
 
 namespace aureole {
 
+class Instance;
 class Shape;
+struct Surface;
 
 struct SurfacePoint {
   Vec3 p;
@@ -17,12 +19,13 @@ struct SurfacePoint {
   Frame shading;  ///< shading normal in n, s along dp/du
   Vec2 uv;
   const Shape* shape = nullptr;
+  const Surface* surface = nullptr;  ///< its record in the scene (scene/surface.h); null outside of a scene
   std::uint32_t primitive = 0;
-  Vec2 barycentric;                 ///< Embree's (u, v) of the hit: weights of vertices 1 and 2 of a triangle
-  const Shape* instance = nullptr;  ///< through which `shape` was met, if it belongs to a group
+  Vec2 barycentric;  ///< Embree's (u, v) of the hit: weights of vertices 1 and 2 of a triangle
+  const Instance* instance = nullptr;  ///< through which `shape` was met, if it belongs to a group
 };
 
-/// What the ray caster says of a hit.
+/// A hit as reported by the ray caster.
 struct ShapeHit {
   std::uint32_t geometry = 0;  ///< within a group of shapes that is instanced; else 0
   std::uint32_t primitive = 0;

@@ -12,7 +12,7 @@ namespace aureole {
 /// that a flat spectrum of radiance 1 has Y = 1.
 std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid);
 
-/// D65 with luminance `scale`, that is `scale` times what a flat spectrum of one has.
+/// D65 with luminance `scale`, that is `scale` times the luminance of a flat spectrum of one.
 SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale);
 
 /// XYZ to linear sRGB (IEC 61966-2-1, D65 white).

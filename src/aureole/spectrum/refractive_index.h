@@ -17,8 +17,8 @@ struct MetalRecord;
 }  // namespace detail
 
 /// A refractive index n + i k, k >= 0 for absorption, as a function of the wavelength in vacuum. (Most
-/// dielectric measurements are relative to air and use the wavelength in air; the difference, 3e-4, is below
-/// what a picture shows.)
+/// dielectric measurements are relative to air and use the wavelength in air; the difference, 3e-4, is too
+/// small to see in a picture.)
 class RefractiveIndex {
 public:
   /// The same index at every wavelength.
@@ -48,12 +48,11 @@ private:
 };
 
 /// The index of the material `name`, ignoring case, or nothing if it is unknown. Known are Mitsuba 3's scalar
-/// indices
-/// ("bk7", "water", "fused quartz", ...), more dielectrics with dispersion ("sapphire", "polystyrene",
-/// "sf11", ...) and Mitsuba 3's conductors ("Au", "Cu_palik", ...; its "none", a perfect mirror, is not an
-/// index). With `dispersion` a dispersion formula is used where there is one. Without it the answer for a
-/// dielectric is a constant: Mitsuba's where Mitsuba has the name, otherwise the formula at 589.3 nm (sodium
-/// D); metals stay tables. Note that Mitsuba's "bk7" is 1.5046 where the glass has 1.5167.
+/// indices ("bk7", "water", "fused quartz", ...), more dielectrics with dispersion ("sapphire",
+/// "polystyrene", "sf11", ...) and Mitsuba 3's conductors ("Au", "Cu_palik", ...; its "none", a perfect
+/// mirror, is not an index). With `dispersion` a dispersion formula is used where there is one. Without it
+/// the answer for a dielectric is a constant: Mitsuba's where Mitsuba has the name, otherwise the formula at
+/// 589.3 nm (sodium D); metals stay tables. Note that Mitsuba's "bk7" is 1.5046 where the glass has 1.5167.
 std::optional<RefractiveIndex> find_refractive_index(std::string_view name, bool dispersion = true);
 
 /// All names, aliases included, in a fixed order: constants, dispersion formulas, metals; each name once.

@@ -71,7 +71,7 @@ inline Spectrum make_spectrum(F&& f) {
 }
 
 namespace detail {
-/// Combines all values pairwise: a chain of N dependent operations would cost more than the rest of a caller.
+/// Combines all values pairwise: a chain of N dependent operations would take longer.
 template <class F>
 inline float reduce(const Spectrum& a, F&& f) {
   float x[kWavelengths];
@@ -105,13 +105,10 @@ inline bool any(const SpectrumMask& m) {
   return all != 0;
 }
 inline bool is_black(const Spectrum& a) { return !any(a.v != Spectrum(0.f).v); }
-/// True where every value is a finite number >= 0: what a radiance must be.
+/// True where every value is a finite number >= 0, as a radiance must be.
 inline bool is_valid_radiance(const Spectrum& a) {
   const SpectrumMask ok = (a.v >= 0) & (a.v <= std::numeric_limits<float>::max());
   return !any(~ok);
 }
-
-/// The throughput of a path. A type of its own so that polarisation (Mueller matrices) can come.
-using Weight = Spectrum;
 
 }  // namespace aureole

@@ -13,8 +13,8 @@ namespace {
 
 /// Convolved with a Gaussian of standard deviation `nm`; the ends continue beyond the range.
 SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
-  nm = std::min(nm,
-                s.grid().max_nm - s.grid().min_nm);  // wider than a narrow range is flat, and takes forever
+  // A wider kernel would give a constant all the same, and take long.
+  nm = std::min(nm, s.grid().max_nm - s.grid().min_nm);
   const int reach = int(std::ceil(3.5 * nm / s.grid().step()));
   std::vector<double> kernel(size_t(reach) + 1);
   double total = 0;
@@ -46,7 +46,7 @@ SampledSpectrum normalized_mean(std::span<const SampledSpectrum> spectra) {
   return {spectra[0].grid(), std::move(nodes)};
 }
 
-/// What strongly coloured surfaces, a red, a blue and a green one, leave of a light.
+/// The light that strongly coloured surfaces, a red, a blue and a green one, reflect.
 std::array<SampledSpectrum, 3> reflected(const SampledSpectrum& light) {
   const auto step = [](double x) { return 1 / (1 + std::exp(-x)); };
   const auto times = [&](auto&& reflectance) {
@@ -60,7 +60,7 @@ std::array<SampledSpectrum, 3> reflected(const SampledSpectrum& light) {
 /// As seen through the film's response: integral 1 or, of a light without, black.
 SampledSpectrum of_unit_strength(const SampledSpectrum& light, double strength) {
   std::vector<float> nodes(light.nodes().begin(), light.nodes().end());
-  // What the film hardly sees may be any number of times stronger than what it sees.
+  // Wavelengths that the film hardly sees may be stronger by any factor than those that it sees.
   for (float& x : nodes) x = strength > 0 ? float(std::min(1e18, double(x) / strength)) : 0.f;
   return {light.grid(), std::move(nodes)};
 }

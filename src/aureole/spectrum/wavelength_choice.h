@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which wavelengths the paths of a scene carry: the choice of p_lambda. May change: the candidates and the
-// spectra they are judged by; whatever is chosen is unbiased.
+// The choice of p_lambda, the density of the wavelengths of paths, for a scene. May change: the candidates
+// and the spectra they are judged by; every choice is unbiased.
 #pragma once
 
 #include <span>
@@ -13,7 +13,7 @@ namespace aureole {
 /// The wavelengths of a set are equidistant in the CDF, so that a set integrates a spectrum the better, the
 /// smoother its quotient by the density is: the product of response and light, the best density for single
 /// wavelengths, is sharper than is good for N, unless the light consists of lines. So candidates between the
-/// two are tried on the lights themselves and on what coloured surfaces leave of them.
+/// two are tried on the lights themselves and on their reflections from coloured surfaces.
 ///
 /// `response`: magnitude of the film's response; `channels`: the (signed) responses of the picture's
 /// channels; `lights`: spectra of the emitters' powers, in common units. All on one grid.

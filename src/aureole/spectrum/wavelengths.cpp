@@ -20,7 +20,7 @@ Wavelengths Wavelengths::at(const SpectralGrid& grid, const Spectrum& nm, float 
   Wavelengths w;
   w.nm = nm;
   w.pdf = pdf_per_nm;
-  // Minimum and step in two floats each: the fraction is what is left of up to 2000 cells.
+  // Minimum and step in two floats each: the fraction keeps its digits over up to 2000 cells.
   const float minimum = float(grid.min_nm), step = float(grid.step()), inverse = float(1 / grid.step());
   const Spectrum from_first = (nm - minimum) - float(grid.min_nm - minimum);
   const Spectrum inside = min(max(from_first * inverse, 0.f), float(grid.cells - 1));

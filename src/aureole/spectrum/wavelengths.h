@@ -7,8 +7,10 @@
 #include <immintrin.h>
 #endif
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,6 +30,18 @@ struct SpectralGrid {
   double step() const { return (max_nm - min_nm) / cells; }
   double node(int i) const { return min_nm + step() * i; }
   bool operator==(const SpectralGrid&) const = default;
+};
+
+/// An interval of wavelengths; at first the empty one.
+struct WavelengthRange {
+  double min_nm = std::numeric_limits<double>::infinity(), max_nm = 0;
+
+  void extend(double nm) { min_nm = std::min(min_nm, nm), max_nm = std::max(max_nm, nm); }
+  void extend(const WavelengthRange& r) {
+    min_nm = std::min(min_nm, r.min_nm), max_nm = std::max(max_nm, r.max_nm);
+  }
+  /// It holds more than one wavelength, all of them positive.
+  bool is_proper() const { return min_nm > 0 && min_nm < max_nm; }
 };
 
 /// The N wavelengths of a path with their densities p_lambda [1/nm]; index 0 is the hero.
@@ -99,7 +113,8 @@ private:
 
 /// Node by node; both on one grid.
 SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b);
-/// Sum over the nodes of the product times the step, in double: what a film sees of a light, however strong.
+/// Sum over the nodes of the product times the step, in double: the response of a film to a light, however
+/// strong.
 double overlap(const SampledSpectrum& a, const SampledSpectrum& b);
 
 /// p_lambda: a piecewise-constant density over the grid's range, given by a table of its inverse CDF, which
@@ -115,8 +130,8 @@ public:
   /// sampling").
   Wavelengths sample(float u) const;
   /// The same with u = (k + offset) / N, k = floor(N hero). The set of wavelengths depends on `offset` alone,
-  /// which repeats N times over u: a stratified sequence in `offset` is stratified in the set, one in u is
-  /// not.
+  /// which repeats N times over u: a sequence that is stratified in `offset` is stratified in the set; one
+  /// that is stratified in u is not.
   Wavelengths sample(float offset, float hero) const {
     const int k = int(hero * kWavelengths);
     return sample((float(k) + offset) * (1.f / kWavelengths));
@@ -128,8 +143,8 @@ private:
   static constexpr int kPieces = 2048;
   SpectralGrid grid_;
   std::vector<float> inverse_cdf_;  ///< kPieces + 1 wavelengths
-  std::vector<float>
-      density_;  ///< of the kPieces; not from the wavelengths, whose rounding may make a narrow piece empty
+  /// Of the kPieces; not from the wavelengths, whose rounding may make a narrow piece empty.
+  std::vector<float> density_;
 };
 
 }  // namespace aureole

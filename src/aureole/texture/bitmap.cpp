@@ -97,7 +97,7 @@ public:
   bool has_rgb() const override { return !rgbs_.empty(); }
 
   /// Over all texels (of very large pictures, over kMeanTexels of them).
-  SampledSpectrum average() const override {
+  SampledSpectrum average(const Shape*) const override {
     const std::size_t count = std::size_t(width_) * height_, used = std::min(count, kMeanTexels);
     const auto texel = [&](std::size_t i) {
       // Multiples of the golden ratio are spread evenly whatever the width.
@@ -231,7 +231,7 @@ private:
         extend(greys_[i], greys_[i]);
       });
     } else if (raw) {
-      // Of raw colours nobody knows a spectrum; as a number they are their luminance.
+      // Raw colours have no spectrum; as a number they are their luminance.
       rgbs_.resize(count);
       each_texel([&](std::size_t i, int px, int py) {
         rgbs_[i] = {value(px, py, r), value(px, py, g), value(px, py, b)};
@@ -262,15 +262,12 @@ private:
 AUREOLE_PLUGIN(Bitmap, "texture", "bitmap",
                PluginDoc{
                    "A picture. 8- and 16-bit formats are decoded from sRGB, colours are upsampled to spectra "
-                   "and the spectra of "
-                   "neighbouring texels interpolated; grey pictures are the same at every wavelength. The "
-                   "first row is at v = 0. "
-                   "Components over one are scaled down for the upsampling and their spectrum up again "
-                   "(Mitsuba clamps them); as a "
-                   "reflectance they are an error.",
+                   "and the spectra of neighbouring texels interpolated; grey pictures are the same at every "
+                   "wavelength. The first row is at v = 0. Components over one are scaled down for the "
+                   "upsampling and their spectrum up again (Mitsuba clamps them); as a reflectance they are "
+                   "an error.",
                    "W. Jakob, J. Hanika, A low-dimensional function space for efficient spectral upsampling, "
-                   "Computer Graphics Forum "
-                   "38(2), 2019",
+                   "Computer Graphics Forum 38(2), 2019",
                    {image_file_doc("EXR, PNG, JPEG, TIFF, HDR, TGA or BMP with channels R, G, B or Y"),
                     image_data_doc(),
                     {"filter_type", "string", "", "bilinear", "bilinear, or nearest for no interpolation"},

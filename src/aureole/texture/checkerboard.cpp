@@ -23,8 +23,8 @@ public:
   float eval_scalar(const SurfacePoint& point) const override { return square(point).eval_scalar(point); }
   Vec2 gradient(const SurfacePoint& point) const override { return square(point).gradient(point); }
   bool has_gradient() const override { return color0_->has_gradient() && color1_->has_gradient(); }
-  SampledSpectrum average() const override {
-    const SampledSpectrum a = color0_->average(), b = color1_->average();
+  SampledSpectrum average(const Shape* shape) const override {
+    const SampledSpectrum a = color0_->average(shape), b = color1_->average(shape);
     std::vector<float> nodes(a.nodes().size());
     for (std::size_t i = 0; i < nodes.size(); ++i) nodes[i] = 0.5f * (a.nodes()[i] + b.nodes()[i]);
     return {a.grid(), std::move(nodes)};

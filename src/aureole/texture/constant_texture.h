@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ConstantTexture`: one spectrum everywhere, and what the spectrum plug-ins share to make it.
+// `ConstantTexture`: one spectrum everywhere, and the helpers of the spectrum plug-ins that make it.
 #pragma once
 
 #include <string>
@@ -18,7 +18,7 @@ public:
   }
   float eval_scalar(const SurfacePoint&) const final { return scalar_; }
   Vec2 gradient(const SurfacePoint&) const final { return {}; }
-  SampledSpectrum average() const final { return spectrum_; }
+  SampledSpectrum average(const Shape*) const final { return spectrum_; }
   bool is_constant() const final { return true; }
   float maximum() const final { return spectrum_.maximum(); }
   float minimum() const final { return spectrum_.minimum(); }

@@ -30,7 +30,9 @@ public:
     const Spectrum d65 = d65_.eval(w);
     return nested_ ? d65 * nested_->eval(point, w) : d65;
   }
-  SampledSpectrum average() const override { return nested_ ? product(d65_, nested_->average()) : d65_; }
+  SampledSpectrum average(const Shape* shape) const override {
+    return nested_ ? product(d65_, nested_->average(shape)) : d65_;
+  }
   bool is_constant() const override { return !nested_; }
   float maximum() const override { return d65_.maximum() * (nested_ ? nested_->maximum() : 1); }
   float minimum() const override { return d65_.minimum() * (nested_ ? nested_->minimum() : 1); }
@@ -47,9 +49,8 @@ private:
 
 AUREOLE_PLUGIN(D65, "texture", "d65",
                PluginDoc{"CIE standard illuminant D65, average daylight, with the luminance of a flat "
-                         "spectrum of one. It is what a "
-                         "plain number or an rgb colour means for an emitter; with a nested texture it makes "
-                         "an emitter of a picture.",
+                         "spectrum of one. It is what a plain number or an rgb colour means for an emitter; "
+                         "with a nested texture it makes an emitter of a picture.",
                          "CIE 15:2004, Colorimetry",
                          {{"scale", "float", "", "1", "factor"},
                           {"color", "rgb", "", "1, 1, 1",

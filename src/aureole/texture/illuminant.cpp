@@ -30,8 +30,8 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "The relative spectrum of a CIE illuminant or lamp, scaled to the luminance of a flat spectrum of "
         "one (integral of S y-bar = integral of y-bar over the CIE 1931 observer), so that changing the "
-        "illuminant changes colours and not the exposure. Known are A, B, C, D50 ... D75, E, the "
-        "fluorescent lamps FL1 ... and the other lamps of the CIE's tables.",
+        "illuminant changes colours and not the exposure. Known are A, B, C, D50 ... D75, E, the fluorescent "
+        "lamps FL1 ... and the other lamps of the CIE's tables.",
         "CIE 15:2004 and CIE 015:2018, Colorimetry",
         {{"name", "string", "", "required", "name of the illuminant; case is ignored"},
          {"scale", "float", "", "1", "factor"}},

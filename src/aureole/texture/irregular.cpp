@@ -20,6 +20,11 @@ SampledSpectrum tabulate(const Properties& properties) {
 class Irregular final : public ConstantTexture {
 public:
   explicit Irregular(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
+  static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
+    WavelengthRange range;
+    for (const double nm : get_numbers(p, "wavelengths")) range.extend(nm);
+    return range;
+  }
 };
 
 AUREOLE_PLUGIN(

@@ -19,6 +19,10 @@ SampledSpectrum tabulate(const Properties& properties) {
 class Regular final : public ConstantTexture {
 public:
   explicit Regular(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
+  static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
+    return WavelengthRange{p.get_float("wavelength_min", Range::positive()),
+                           p.get_float("wavelength_max", Range::positive())};
+  }
 };
 
 AUREOLE_PLUGIN(

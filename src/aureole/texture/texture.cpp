@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "aureole/core/units.h"
+#include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/upsampling_fit.h"
 #include "aureole/texture/constant_texture.h"
@@ -153,7 +154,7 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
   else if (std::holds_alternative<ObjectPtr>(e->value)) {
     const auto texture = properties.get_object<Texture>(name);
     check_range(properties, name, *texture, role);
-    texture->used_as(role);
+    if (role == SpectrumRole::reflectance) properties.expect_at_most(name, 1);
     return texture;
   } else
     throw properties.error(name, "expected a number, a spectrum or a texture");
@@ -181,5 +182,7 @@ TexturePtr get_fraction(const Properties& properties, std::string_view name, std
                                      text(texture->maximum()));
   return texture;
 }
+
+AUREOLE_FAMILY(FamilyInfo{.name = "texture", .second_element = "spectrum", .is_reusable = true});
 
 }  // namespace aureole

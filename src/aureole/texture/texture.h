@@ -6,14 +6,14 @@
 #include <utility>
 
 #include "aureole/plugin/properties.h"
+#include "aureole/shape/mesh/mesh_attribute.h"
 #include "aureole/shape/surface_point.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
 
-/// What a spectrum given as rgb or as a number stands for, as in Mitsuba's spectral mode: a reflectance in
-/// [0, 1], an unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has
-/// luminance 1).
+/// The quantity that rgb or a number stands for, as in Mitsuba's spectral mode: a reflectance in [0, 1], an
+/// unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has luminance 1).
 enum class SpectrumRole { reflectance, unbounded, emission };
 
 class Texture : public Object {
@@ -23,8 +23,8 @@ public:
 
   /// Value at the path's wavelengths.
   virtual Spectrum eval(const SurfacePoint& point, const Wavelengths& wavelengths) const = 0;
-  /// The value as one number, for what has no wavelength (opacities, weights, heights): of a colour the
-  /// luminance where the texture knows it, else the mean over the sensor's range.
+  /// The value as one number, for quantities without wavelength (opacities, weights, heights): of a colour
+  /// the luminance where the texture knows it, else the mean over the sensor's range.
   virtual float eval_scalar(const SurfacePoint& point) const;
   /// d eval_scalar / d(u, v), for textures that have it.
   virtual Vec2 gradient(const SurfacePoint& point) const;
@@ -32,18 +32,17 @@ public:
   /// The three numbers of a picture that holds no colours, for textures that have them (normal maps).
   virtual Vec3 eval_rgb(const SurfacePoint& point) const;
   virtual bool has_rgb() const { return false; }
-  /// The mean over the surface (over uv in [0, 1]^2), tabulated on the scene's grid.
-  virtual SampledSpectrum average() const = 0;
+  /// The mean over the surface (over uv in [0, 1]^2), tabulated on the scene's grid. Of an attribute of a
+  /// mesh it is known where the shape is.
+  virtual SampledSpectrum average(const Shape* shape = nullptr) const = 0;
   /// True where the value does not depend on the point.
   virtual bool is_constant() const { return false; }
   /// Largest value over the surface and all wavelengths, for range checks.
   virtual float maximum() const = 0;
   /// Smallest value over the surface and all wavelengths.
   virtual float minimum() const = 0;
-  /// Columns and rows of a picture, for those who project it.
+  /// Columns and rows of a picture, for emitters that project it.
   virtual std::pair<int, int> resolution() const { return {1, 1}; }
-  /// Told what it is used for, where range checks must wait until it has values.
-  virtual void used_as(SpectrumRole) const {}
 };
 using TexturePtr = std::shared_ptr<const Texture>;
 
@@ -51,9 +50,9 @@ using TexturePtr = std::shared_ptr<const Texture>;
 class AttributeTexture : public Texture {
 public:
   using Texture::Texture;
-  virtual const std::string& attribute_name() const = 0;
-  /// Told by each mesh the range and the mean of the attribute; throws Error where it cannot be used.
-  virtual void attach(float minimum, float maximum, const SampledSpectrum& mean) const = 0;
+  virtual const AttributeName& attribute_name() const = 0;
+  /// Throws Error where these values cannot be shown, or exceed `most` where it is used.
+  virtual void check(const MeshAttribute& attribute, double most) const = 0;
 };
 
 /// The texture, spectrum or number given under `name`; `fallback` where absent. A reflectance outside [0, 1]

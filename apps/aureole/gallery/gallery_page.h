@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// Results of a gallery so far (results.json) and the page that shows them.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gallery/gallery_file.h"
+#include "gallery/gallery_plots.h"
+
+namespace aureole {
+
+struct PictureResult {
+  std::string key;
+  GallerySize size = kPreviewSize;
+  std::int64_t samples = 0;
+  double seconds = 0, load_seconds = 0;
+  std::optional<double> relative_rmse;  ///< to the reference of its table
+};
+
+struct PlotRecord {
+  std::string key;
+  GallerySize size = kPreviewSize;
+  double seconds = 0;
+  PlotResult plot;
+};
+
+/// By name; pictures and plots without an entry are not done.
+struct GalleryResults {
+  std::map<std::string, PictureResult> pictures;
+  std::map<std::string, PlotRecord> plots;
+
+  /// Empty if there is no such file or it is of another version: then everything is rendered again.
+  static GalleryResults load(const std::filesystem::path& file);
+  void save(const std::filesystem::path& file) const;
+};
+
+/// The whole page, one string without references to anything but the files beside it. `command` is how it was
+/// made.
+std::string gallery_page(const Gallery& gallery, const GalleryResults& results, const std::string& command);
+
+}  // namespace aureole

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plots of galleries, computed from `optics` without rendering.
+#pragma once
+
+#include <atomic>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gallery/gallery_file.h"
+
+namespace aureole {
+
+/// A file of a plot, beside the page.
+struct PlotFile {
+  std::string file, caption;
+};
+
+struct PlotResult {
+  int columns = 1;
+  std::vector<PlotFile> files;
+};
+
+/// Throws Error where the kind or its parameters are wrong.
+void check_plot(const GalleryPlot& plot);
+
+/// Writes the plot's files, named after it, into `folder`. Returns nothing if it was stopped.
+std::optional<PlotResult> make_plot(const GalleryPlot& plot, GallerySize size,
+                                    const std::filesystem::path& folder, const std::atomic<bool>& stop);
+
+}  // namespace aureole

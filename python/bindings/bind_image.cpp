@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures. The public interface is in aureole/_image.py.
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/core/error.h"
+#include "aureole/render/output.h"
+#include "aureole/render/sample_density.h"
+#include "bindings.h"
+#include "picture.h"
+
+namespace aureole::python {
+
+namespace {
+
+using Pixels = nb::ndarray<const float, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
+using PixelView = nb::ndarray<nb::numpy, const float, nb::ndim<3>, nb::c_contig>;
+
+std::shared_ptr<Picture> from_array(const Pixels& pixels, const std::vector<std::string>& channels) {
+  if (pixels.shape(2) != channels.size())
+    throw Error("channels: expected " + std::to_string(pixels.shape(2)) + " names, got " +
+                std::to_string(channels.size()));
+  constexpr std::size_t kLargest = 1 << 24;
+  if (pixels.shape(0) > kLargest || pixels.shape(1) > kLargest) throw Error("array: too large for a picture");
+  auto picture = std::make_shared<Picture>();
+  Image& image = picture->image;
+  image.width = int(pixels.shape(1)), image.height = int(pixels.shape(0));
+  image.channels = channels;
+  image.pixels.assign(pixels.data(), pixels.data() + pixels.size());
+  return picture;
+}
+
+/// R, G, B of the picture in linear sRGB: of a rendered picture by the film's colours, else of the channels
+/// R, G, B or Y.
+Image linear_rgb(const Picture& p) {
+  if (p.state) return p.state->rgb_picture();
+  Image rgb{p.image.width, p.image.height, {"R", "G", "B"}, {}, false};
+  int from[3] = {p.image.channel("R"), p.image.channel("G"), p.image.channel("B")};
+  if (from[0] < 0 || from[1] < 0 || from[2] < 0) from[0] = from[1] = from[2] = p.image.channel("Y");
+  if (from[0] < 0) throw Error("a picture without the channels R, G, B or Y has no colours to show");
+  rgb.pixels.reserve(std::size_t(rgb.width) * rgb.height * 3);
+  for (int y = 0; y < rgb.height; ++y)
+    for (int x = 0; x < rgb.width; ++x)
+      for (const int c : from) {
+        const float v = p.image.at(x, y, std::size_t(c));
+        rgb.pixels.push_back(p.image.srgb_encoded ? srgb_decode(v) : v);
+      }
+  return rgb;
+}
+
+Image display(const Picture& p, double exposure) {
+  Image rgb = linear_rgb(p);
+  if (exposure != 0) {
+    const float gain = float(std::exp2(exposure));
+    for (float& v : rgb.pixels) v *= gain;
+  }
+  return display_picture(std::move(rgb));
+}
+
+/// Files order channels by name; colours come first here, as R, G, B, A.
+Image in_order_of_colors(Image image) {
+  std::vector<std::size_t> from;
+  for (const char* name : {"R", "G", "B", "A"})
+    if (const int c = image.channel(name); c >= 0) from.push_back(std::size_t(c));
+  for (std::size_t c = 0; c < image.channel_count(); ++c)
+    if (std::find(from.begin(), from.end(), c) == from.end()) from.push_back(c);
+  Image ordered = image;
+  for (std::size_t c = 0; c < from.size(); ++c) ordered.channels[c] = image.channels[from[c]];
+  for (std::size_t i = 0; i < image.pixels.size(); i += from.size())
+    for (std::size_t c = 0; c < from.size(); ++c) ordered.pixels[i + c] = image.pixels[i + from[c]];
+  return ordered;
+}
+
+void save(const Picture& p, const std::filesystem::path& file, double exposure) {
+  require_writable(file);
+  const std::string extension = file.extension();
+  if (extension == ".png") return write_png(file, display(p, exposure));
+  if (p.state) {
+    require_format(p.state->development, p.state->identity.replicates, file);
+    return write_picture(*p.state, p.image, file);
+  }
+  if (extension == ".exr") return write_exr(file, p.image, ExrPixel::float32, {});
+  if (extension == ".hdr" || extension == ".rgbe") return write_hdr(file, linear_rgb(p));
+  if (extension == ".pfm") return write_pfm(file, linear_rgb(p));
+  throw Error("path: expected a file name that ends with .exr, .png, .hdr or .pfm, got \"" + file.string() +
+              "\"");
+}
+
+/// The pixels as an array that keeps the picture alive.
+nb::object view(const Image& image, const nb::handle& owner) {
+  const std::size_t shape[3] = {std::size_t(image.height), std::size_t(image.width), image.channel_count()};
+  return nb::cast(PixelView(image.pixels.data(), 3, shape, owner));
+}
+
+/// An array of its own.
+nb::object moved(Image image) {
+  auto* kept = new Image(std::move(image));
+  const nb::capsule owner(kept, [](void* p) noexcept { delete static_cast<Image*>(p); });
+  return view(*kept, owner);
+}
+
+}  // namespace
+
+void bind_image(nb::module_& m) {
+  nb::class_<Picture>(m, "Picture", "Pixels, and what a render of them continues from.")
+      .def_static("from_array", from_array, nb::arg("pixels"), nb::arg("channels"))
+      .def_static(
+          "read",
+          [](const std::filesystem::path& file) {
+            const Unlocked release;
+            auto picture = std::make_shared<Picture>();
+            picture->image = in_order_of_colors(read_image(file));
+            return picture;
+          },
+          nb::arg("file"))
+      .def_prop_ro("array",
+                   [](nb::handle_t<Picture> self) { return view(nb::cast<Picture&>(self).image, self); })
+      .def_prop_ro("channels", [](const Picture& p) { return p.image.channels; })
+      .def_prop_ro("srgb_encoded", [](const Picture& p) { return p.image.srgb_encoded; })
+      .def_prop_ro("invalid", [](const Picture& p) { return p.invalid; })
+      .def_prop_ro("facts",
+                   [](const Picture& p) {
+                     nb::dict d;
+                     if (!p.state) return d;
+                     const RenderState& s = *p.state;
+                     d["scene"] = s.identity.scene;
+                     d["scene_hash"] = s.identity.scene_hash;
+                     d["seed"] = s.identity.seed;
+                     d["sampler"] = s.identity.sampler;
+                     d["adaptive"] = s.identity.adaptive;
+                     d["mean_density"] = mean_density(s.density);
+                     d["integrator"] = s.identity.integrator;
+                     d["version"] = s.identity.version;
+                     d["replicates"] = s.identity.replicates;
+                     d["samples"] = s.samples_everywhere();
+                     d["samples_asked"] = s.end - s.begin;
+                     d["part"] = double(s.units_done()) / double(s.units());
+                     d["invalid_samples"] = s.invalid_samples;
+                     d["seconds"] = s.seconds;
+                     return d;
+                   })
+      .def("rgb", [](const Picture& p) { return moved(linear_rgb(p)); })
+      .def(
+          "display", [](const Picture& p, double exposure) { return moved(display(p, exposure)); },
+          nb::arg("exposure"))
+      .def(
+          "png",
+          [](const Picture& p, double exposure) {
+            const std::vector<char> bytes = encode_png(display(p, exposure));
+            return nb::bytes(bytes.data(), bytes.size());
+          },
+          nb::arg("exposure"))
+      .def(
+          "save",
+          [](const Picture& p, const std::filesystem::path& file, double exposure) {
+            const Unlocked release;
+            save(p, file, exposure);
+          },
+          nb::arg("file"), nb::arg("exposure"));
+}
+
+}  // namespace aureole::python

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plane on which the scatterers of `correlated_scatterers` lie. Defined here whole: `reflectance` is
+// part of every evaluation.
+#pragma once
+
+#include <cmath>
+#include <optional>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
+
+namespace aureole {
+
+class LayerSubstrate {
+public:
+  enum class Kind {
+    none,       ///< a sheet in one medium: nothing is reflected
+    interface,  ///< of two media
+    pane,       ///< both faces of a pane as one surface; the same medium on both sides
+  };
+
+  /// Reads "substrate", "ext_ior" and "int_ior". Throws located errors.
+  static LayerSubstrate from(const Properties& p);
+
+  Kind kind() const { return kind_; }
+  bool is_none() const { return kind_ == Kind::none; }
+  /// Indices depend on the wavelength.
+  bool is_dispersive() const { return dispersive_; }
+  const Ior& exterior() const { return exterior_; }
+  const Ior& interior() const { return interior_; }
+
+  /// The indices that light meets from one side.
+  struct Indices {
+    Spectrum here, beyond;
+    Spectrum inside;  ///< behind the first interface: the glass of a pane, whose `beyond` is the air again
+  };
+  /// From the side where a direction has the sign of `z`.
+  Indices indices(float z, const Wavelengths& w) const {
+    const Spectrum n_ext = index(exterior_, w), n_int = index(interior_, w);
+    if (kind_ != Kind::interface) return {n_ext, n_ext, n_int};
+    return z > 0 ? Indices{n_ext, n_int, n_int} : Indices{n_int, n_ext, n_ext};
+  }
+
+  /// Reflectance for a direction seen from its own side; 1 beyond the critical angle. Not for `none`.
+  Spectrum reflectance(float cosine, const Indices& n) const {
+    Spectrum r;
+    if (dispersive_)
+      r = fresnel_dielectric(cosine, n.inside / n.here);
+    else
+      r = fresnel_dielectric(cosine, n.inside[0] / n.here[0]).reflectance;
+    return kind_ == Kind::pane ? thin_slab(r) : r;
+  }
+
+  /// Reflection or transmission of light that meets the plane undiffracted, chosen by the reflectance of the
+  /// hero. `weight` scales the values, `mass` the probabilities.
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, float weight, float mass,
+                                   const BsdfContext& ctx) const;
+
+private:
+  Spectrum index(const Ior& ior, const Wavelengths& w) const {
+    return dispersive_ ? ior.eval(w) : Spectrum(ior.at_sodium_d());
+  }
+
+  Kind kind_ = Kind::none;
+  Ior exterior_, interior_;
+  bool dispersive_ = false;
+};
+
+}  // namespace aureole

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/bsdf/layer/scatterer_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/core/parallel.h"
+
+namespace aureole {
+namespace {
+
+constexpr int kStructureEnd = 1024;  // S' is 1 beyond to 1e-4 and better
+constexpr int kTotals = 128;
+
+double ratio(double area_fraction) { return area_fraction / (1 - area_fraction); }
+
+}  // namespace
+
+ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> mixture,
+                               const Correlation& correlation, double least, double most, double extent)
+    : mixture_(std::move(mixture)),
+      // Nodes that lie too close together cannot be told apart in single precision.
+      least_(most - least < 1e-4 ? most : least),
+      most_(most),
+      may_overlap_(correlation.may_overlap()),
+      degree_(correlation.degree()) {
+  auto factor = correlation.structure_factor(most);
+  if (!factor->is_isotropic()) {
+    anisotropic_ = factor;
+    table_ = std::make_shared<optics::ScattererTable>(*mixture_, extent, factor, for_ranges);
+    double sum = 0;  // of U + C S' over the rings, by Simpson's rule, and the tail c/u^3 beyond
+    constexpr double kStep = 1.0 / 64;
+    const int cells = int(table_->product_end() / kStep);
+    for (int i = 0; i <= cells; ++i)
+      sum += (i == 0 || i == cells ? 1
+              : i % 2              ? 4
+                                   : 2) *
+             i * kStep * double(table_->product_ring(float(i * kStep)));
+    sum *= kStep / 3;
+    const double end = table_->product_end();
+    sum += double(table_->product_ring(float(end))) * end * end;
+    inverse_totals_ = {float(1 / sum)};
+    return;
+  }
+  table_ = std::make_shared<optics::ScattererTable>(*mixture_, extent, nullptr, for_ranges);
+  single_ = mixture_->is_uniform();
+  inverse_ = correlation.interpolates_inverse();
+  const std::vector<double> nodes = varies() ? correlation.nodes(least_, most_) : std::vector<double>{most};
+  for (double fa : nodes) {
+    const auto s = fa == most ? factor : correlation.structure_factor(fa);
+    structures_.emplace_back([&](double u) { return inverse_ ? 1 / s->eval(u) - 1 : s->eval(u) - 1; },
+                             kStructureEnd, false);
+    ratios_.push_back(float(ratio(fa)));
+  }
+  const int totals = varies() ? kTotals : 0;
+  for (int i = 0; i <= totals; ++i) {
+    State state = at(float(totals > 0 ? least_ + (most_ - least_) * i / totals : most_));
+    double correlated;
+    if (mixture_->has_correlated_sizes())
+      correlated = optics::correlation_power([&](double u) {
+        return double(table_->uncorrelated_ring().eval(float(u))) - mixture_->independent_ring(u);
+      });
+    else
+      correlated = optics::correlation_power([&](double u) {
+        return double(table_->coherent_ring().eval(float(u))) * (double(structure(state, float(u))) - 1);
+      });
+    inverse_totals_.push_back(float(1 / (2 * M_PI * mixture_->mean_squared_area() + correlated)));
+  }
+}
+
+ScattererModel::State ScattererModel::at(float area_fraction) const {
+  State s{};
+  s.area_fraction = area_fraction;
+  if (!varies()) {
+    s.weights[0] = 1;
+    s.inverse_total = inverse_totals_.empty() ? 0 : inverse_totals_[0];
+    return s;
+  }
+  const float fa = std::clamp(area_fraction, float(least_), float(most_)), x = fa / (1 - fa);
+  const int groups = (int(ratios_.size()) - 1) / degree_;
+  int group = 0;
+  while (group + 1 < groups && x > ratios_[std::size_t(group + 1) * degree_]) ++group;
+  s.first = group * degree_, s.count = degree_ + 1;
+  for (int i = 0; i < s.count; ++i) {  // Lagrange's polynomials
+    float w = 1;
+    for (int j = 0; j < s.count; ++j)
+      if (j != i) w *= (x - ratios_[s.first + j]) / (ratios_[s.first + i] - ratios_[s.first + j]);
+    s.weights[i] = w;
+  }
+  if (inverse_totals_.size() == kTotals + 1) {
+    const float place = float((fa - least_) / (most_ - least_)) * kTotals;
+    const int i = std::clamp(int(place), 0, kTotals - 1);
+    s.inverse_total = inverse_totals_[i] + (place - float(i)) * (inverse_totals_[i + 1] - inverse_totals_[i]);
+  }
+  return s;
+}
+
+float ScattererModel::covered(float area_fraction) const {
+  const double fr = area_fraction * mixture_->covered_per_fraction();
+  return float(may_overlap_ ? -std::expm1(-fr) : fr);
+}
+
+Spectrum ScattererModel::intensity(const State& state, const DiffractedWave& u) const {
+  Spectrum uncorrelated(0.f), coherent;
+  if (!is_isotropic() && !(is_anisotropic() && mixture_->is_isotropic())) {
+    table_->eval<kWavelengths>(u.x.data(), u.y.data(), u.length.data(), uncorrelated.data(), coherent.data());
+  } else {
+    coherent = make_spectrum([&](int j) { return table_->coherent_ring().eval(u.length[j]); });
+    if (!single_)
+      uncorrelated = make_spectrum([&](int j) { return table_->uncorrelated_ring().eval(u.length[j]); });
+  }
+  Spectrum s;
+  if (anisotropic_) {
+    s = make_spectrum([&](int j) { return float(anisotropic_->eval(u.x[j], u.y[j])); });
+  } else {
+    s = structure(state, u.length);
+  }
+  return max((uncorrelated + coherent * s) * state.inverse_total, 0.f);
+}
+
+std::size_t ScattererModel::bytes() const {
+  std::size_t sum = table_->bytes();
+  for (const auto& s : structures_) sum += s.bytes();
+  return sum;
+}
+
+}  // namespace aureole

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// The diffraction of a layer of scatterers, apart from the surface it lies on: the intensity as a function of
+// u = q a (a the correlation radius), from the tables of its shapes and of its correlation. Part of the BSDF
+// `correlated_scatterers`.
+//
+// All intensities are g(u) = (U + C S'(u))/integral, so that the integral of g over the plane of u is 2 pi:
+// of the light that is diffracted, Fr (1 - Fr), the density over u is g/(2 pi).
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "aureole/correlation/correlation.h"
+#include "aureole/optics/layer/scatterer_table.h"
+#include "aureole/spectrum/spectrum.h"
+
+namespace aureole {
+
+/// (ux, uy) and their length at the wavelengths of a path.
+struct DiffractedWave {
+  Spectrum x, y, length;
+};
+
+class ScattererModel {
+public:
+  /// The area fraction at a point, and how its values follow from the tables' nodes.
+  struct State {
+    float area_fraction;
+    float inverse_total;           ///< 1/integral of (U + C S') u du
+    int first = 0, count = 1;      ///< nodes of the structure factor
+    std::array<float, 4> weights;  ///< of these nodes
+  };
+
+  /// `least`, `most`: the area fractions that occur. `extent`: the largest |u|. Errors of the correlation are
+  /// std::domain_error.
+  ScattererModel(std::shared_ptr<const optics::ScattererMixture> mixture, const Correlation& correlation,
+                 double least, double most, double extent);
+
+  State at(float area_fraction) const;
+  /// Fr: the part of the plane that the shapes cover.
+  float covered(float area_fraction) const;
+
+  /// Integral of A^2 over that of A: 1 but for grey masks.
+  float fill() const { return float(mixture_->mean_squared_area() / mixture_->mean_area()); }
+
+  /// g at the wavelengths of a path.
+  Spectrum intensity(const State& state, const DiffractedWave& u) const;
+
+  /// S'(|u|) of an isotropic arrangement.
+  float structure(const State& state, float u) const {
+    float sum = 0;
+    for (int i = 0; i < state.count; ++i) sum += state.weights[i] * structures_[state.first + i].eval(u);
+    // The table of 1/S' - 1, or of S' - 1.
+    return inverse_ ? 1 / (1 + sum) : std::max(1 + sum, 0.f);
+  }
+  Spectrum structure(const State& state, const Spectrum& u) const {
+    Spectrum sum(0.f);
+    for (int i = 0; i < state.count; ++i) {
+      const optics::RadialFunction& f = structures_[std::size_t(state.first + i)];
+      sum += make_spectrum([&](int j) { return f.eval(u[j]); }) * state.weights[std::size_t(i)];
+    }
+    return inverse_ ? Spectrum(1.f) / (Spectrum(1.f) + sum) : max(Spectrum(1.f) + sum, 0.f);
+  }
+  /// There is no uncorrelated part: all scatterers are alike.
+  bool is_single() const { return single_; }
+  /// Positions without circular symmetry; their S' is part of `table()` and the area fraction is one only.
+  bool is_anisotropic() const { return anisotropic_ != nullptr; }
+  bool varies() const { return most_ > least_; }
+  double least() const { return least_; }
+  double most() const { return most_; }
+  const optics::ScattererTable& table() const { return *table_; }
+  /// Density over the azimuth is 1 everywhere.
+  bool is_isotropic() const { return !table_->has_azimuths(); }
+  std::size_t bytes() const;
+
+private:
+  std::shared_ptr<const optics::ScattererMixture> mixture_;
+  std::shared_ptr<const optics::ScattererTable> table_;
+  std::shared_ptr<const optics::StructureFactor> anisotropic_;
+  double least_, most_;
+  bool inverse_ = false, may_overlap_, single_ = false;
+  int degree_;
+  std::vector<float> ratios_;  ///< Fa/(1 - Fa) of the nodes
+  std::vector<optics::RadialFunction> structures_;
+  std::vector<float> inverse_totals_;  ///< at equal steps of the area fraction
+};
+
+}  // namespace aureole

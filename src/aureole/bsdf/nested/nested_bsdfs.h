@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Helpers of BSDFs that contain others.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/math/warp.h"
+
+namespace aureole {
+
+inline constexpr Lobe kNullLobe = Lobe::delta | Lobe::null;
+
+/// A sample that passes straight through; `mass` is both its probability and the fraction of the light.
+inline BsdfSample null_sample(const Vec3& wi, float mass) { return {-wi, mass, mass, kNullLobe}; }
+
+/// The nested BSDFs in their order; an error unless there are `count` of them.
+inline std::vector<BsdfPtr> nested_bsdfs(const Properties& properties, std::size_t count) {
+  const auto found = properties.get_children<Bsdf>("bsdf");
+  if (found.size() != count)
+    throw Error(properties.where(), "\"" + properties.type() + "\" needs " +
+                                        (count == 1 ? "one nested BSDF" : "two nested BSDFs") + ", got " +
+                                        std::to_string(found.size()));
+  return {found.begin(), found.end()};
+}
+
+/// Splits a random number u < p or u >= p into one in [0, 1) for the branch that it chose.
+inline float remap_below(float u, float p) { return std::min(u / p, kOneMinusEpsilon); }
+inline float remap_above(float u, float p) { return std::min((u - p) / (1 - p), kOneMinusEpsilon); }
+
+}  // namespace aureole

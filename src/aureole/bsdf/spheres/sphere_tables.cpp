@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/bsdf/spheres/sphere_tables.h"
+
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "aureole/core/parallel.h"
+#include "aureole/math/warp.h"
+#include "aureole/optics/layer/coherent_layer.h"
+#include "aureole/optics/particle/mie.h"
+
+namespace aureole {
+namespace {
+
+constexpr double kTwoPi = 2 * std::numbers::pi, kRootTwo = std::numbers::sqrt2;
+
+/// Neighbours table[at[j]] and table[at[j] + 1], each pair by one load.
+struct Pairs {
+  Spectrum first, second;
+  Pairs(const float* table, const int (&at)[kWavelengths]) {
+#ifdef __AVX2__
+    if constexpr (kWavelengths == 8) {
+      const auto two = [&](int j) {
+        long long bits;
+        std::memcpy(&bits, table + at[j], sizeof bits);
+        return bits;
+      };
+      const auto four = [&](int j) { return _mm_castsi128_ps(_mm_set_epi64x(two(j + 1), two(j))); };
+      const __m256 low = _mm256_set_m128(four(4), four(0)), high = _mm256_set_m128(four(6), four(2));
+      const __m256 a = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0));
+      const __m256 b = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(3, 1, 3, 1));
+      first = reinterpret_cast<const SpectrumVector&>(a), second = reinterpret_cast<const SpectrumVector&>(b);
+      return;
+    }
+#endif
+    for (int j = 0; j < kWavelengths; ++j) first[j] = table[at[j]], second[j] = table[at[j] + 1];
+  }
+  /// Between this row and `other`.
+  void mix(const Pairs& other, float t) {
+    first = lerp(first, other.first, t), second = lerp(second, other.second, t);
+  }
+};
+
+}  // namespace
+
+struct SphereTables::Worker {
+  std::vector<double> mu, phase, ring;
+  std::vector<optics::MieAmplitudes> at, mirrored, specular;
+  std::vector<double> energy, matrix, h, next;
+  // Of points on the sphere of directions: `Scattered` and weights, then for one incidence their places in
+  // the table of h and their shares of the power.
+  std::vector<float> along, in, out, weight, place, share;
+};
+
+void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
+  const double largest =
+      kTwoPi * layer.radius_nm * layer.sizes.largest() *
+      std::max(layer.medium(grid.min_nm) / grid.min_nm, layer.medium(grid.max_nm) / grid.max_nm);
+  const double terms = largest + 4 * std::cbrt(largest);
+  angles_ = SphereAngles(terms);
+  // Far from the centre of a large sphere's pattern rings are averaged over a cell: they are too fine to be
+  // seen there.
+  for (int i = 0; i <= angles_.half(); ++i) {
+    const double r = std::min(angles_.radius(i), kRootTwo);
+    const double before = i > 0 ? angles_.radius(i - 0.5) : 0,
+                 after = i < angles_.half() ? angles_.radius(i + 0.5) : kRootTwo;
+    const bool averaged = after - before > 4 * SphereAngles::kStep / terms;
+    const int count = averaged ? int(std::ceil((after - before) * terms / 1.2)) : 1;
+    for (int k = 0; k < count; ++k) {
+      const double at = averaged ? before + (k + 0.5) * (after - before) / count : r;
+      samples_.push_back(std::clamp(1 - at * at / 2, 0.0, 1.0));
+    }
+    sample_ends_.push_back(int(samples_.size()));
+  }
+  // Nodes of wavelength: phases between the rays through a sphere and past it turn with x; a spread of sizes
+  // blurs narrower features.
+  constexpr double kSizeStep = 0.2;
+  constexpr int kMostNodes = 128;
+  const double range = 1 / grid.min_nm - 1 / grid.max_nm, width = grid.max_nm / grid.min_nm - 1;
+  double count = kTwoPi * layer.radius_nm * layer.medium(grid.min_nm) * range / kSizeStep;
+  if (layer.spread > 0) count = std::min(count, 3 * width / layer.spread);
+  // Smooth spectra need few nodes. The work per node grows with the square of the size.
+  const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0),
+               most = largest > 2000 ? kMostNodes / 2 : kMostNodes;
+  const int cells_of_four = int(std::ceil(std::clamp(count, least, most) / kStride));
+  wavelengths_ = cells_of_four * kStride + 1;
+  first_ = 1 / grid.max_nm;
+  scale_ = (wavelengths_ - 1) / range;
+}
+
+SphereTables::SphereTables(const SphereLayer& layer, const SpectralGrid& grid) {
+  plan(layer, grid);
+  structure_.resize(kStructureCells + 1);
+  for (int i = 0; i <= kStructureCells; ++i)
+    structure_[i] = float(std::max(layer.structure->eval(double(i) / kStructureRate), 0.0));
+  has_peaks_ = *std::max_element(structure_.begin(), structure_.end()) > 1.5;
+  const std::size_t w = std::size_t(wavelengths_), n = std::size_t(cells());
+  sizes_.resize(w);
+  phase_.resize((n + 1) * w);
+  h_.resize((kCosines + 1) * w);
+  transmitted_ = reflected_ = lost_ = h_;
+  sampling_ = SphereSamples(angles_, (wavelengths_ - 1) / kStride + 1);
+
+  std::atomic<int> next{0};
+  run_workers(std::min(default_thread_count(), wavelengths_), [&](int) {
+    Worker worker;
+    for (int node; (node = next.fetch_add(1)) < wavelengths_;) {
+      scatter(node, layer, worker);
+      balance(node, worker);
+      if (node % kStride == 0) prepare_samples(node, worker);
+    }
+  });
+  samples_ = {}, sample_ends_ = {};
+}
+
+/// Mie's theory at one node: the phase function, the coherent light and the energies.
+void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
+  const double nm = 1 / (first_ + node / scale_), k = kTwoPi * layer.medium(nm) / nm;
+  const std::complex<double> index = layer.relative_index(nm);
+  const std::size_t stride = std::size_t(wavelengths_);
+
+  // One call for all cosines: those of the phase function, then those of mirrors.
+  w.mu = samples_;
+  for (int i = 0; i <= kCosines; ++i) {
+    const double t = double(i) / kCosines, cosine = t * t;
+    w.mu.push_back(1 - 2 * cosine * cosine);
+  }
+  w.at.resize(w.mu.size()), w.mirrored.resize(w.mu.size());
+  w.phase.assign(std::size_t(cells()) + 1, 0.0);
+  w.specular.assign(kCosines + 1, {});
+  optics::LayerSpheres spheres{0, 0};
+  double extinction = 0, scattering = 0;
+  for (const auto& size : layer.sizes.nodes()) {
+    const double x = k * layer.radius_nm * size.size;
+    const optics::Mie sphere(x, index);
+    sphere.amplitudes(w.mu, w.at, w.mirrored);
+    for (int i = 0, begin = 0; i <= angles_.half(); begin = sample_ends_[i++]) {
+      const double share = size.weight / (sample_ends_[i] - begin);
+      double forward = 0, backward = 0;
+      for (int s = begin; s < sample_ends_[i]; ++s)
+        forward += w.at[s].intensity(), backward += w.mirrored[s].intensity();
+      w.phase[i] += share * (i == angles_.half() ? 0.5 * (forward + backward) : backward);
+      if (i < angles_.half()) w.phase[cells() - i] += share * forward;
+    }
+    for (int i = 0; i <= kCosines; ++i) {
+      const auto& s = w.at[samples_.size() + std::size_t(i)];
+      w.specular[i].s1 += size.weight * s.s1, w.specular[i].s2 += size.weight * s.s2;
+    }
+    spheres.size_squared += size.weight * x * x;
+    spheres.forward += size.weight * sphere.forward();
+    extinction += size.weight * x * x * sphere.extinction();
+    scattering += size.weight * x * x * sphere.scattering();
+  }
+  // Cover the plane as equal discs of the mean cross section would.
+  sizes_[node] = float(std::sqrt(spheres.size_squared));
+
+  double power = 0;
+  for (int i = 0; i < cells(); ++i) power += angles_.area(i) * 0.5 * (w.phase[i] + w.phase[i + 1]);
+  for (double& p : w.phase) p = power > 0 ? p / power : 0.5 / kTwoPi;
+  for (int i = 0; i <= cells(); ++i) phase_[std::size_t(i) * stride + std::size_t(node)] = float(w.phase[i]);
+
+  const double albedo = extinction > 0 ? scattering / extinction : 1;
+  w.energy.resize(kCosines + 1);
+  for (int i = 0; i <= kCosines; ++i) {
+    const double t = double(i) / kCosines;
+    const optics::CoherentLayer c =
+        optics::coherent_layer(t * t, layer.area_fraction, spheres, w.specular[i]);
+    w.energy[i] = c.loss() * albedo;
+    lost_[std::size_t(i) * stride + std::size_t(node)] = float(c.loss());
+    transmitted_[std::size_t(i) * stride + std::size_t(node)] = float(c.transmittance());
+    reflected_[std::size_t(i) * stride + std::size_t(node)] = float(c.reflectance());
+  }
+}
+
+/// h by Sinkhorn's iteration for a symmetric kernel, so that each angle of incidence scatters its energy.
+void SphereTables::balance(int node, Worker& w) {
+  // Points of a rank-1 lattice over (share of the power, azimuth).
+  const int points_wanted = has_peaks_ ? 16384 : 8192;
+  constexpr double kGolden = 0.6180339887498949;
+  for (auto* values : {&w.along, &w.in, &w.out, &w.weight, &w.place, &w.share}) values->resize(points_wanted);
+  double power = 0;
+  int points = 0;
+  for (int cell = 0; cell < cells(); ++cell) {
+    const double mass = angles_.area(cell) * 0.5 * (w.phase[cell] + w.phase[cell + 1]);
+    const bool forward = angles_.is_forward(cell);
+    const double a = angles_.radius(angles_.ring(cell)), b = angles_.radius(angles_.ring(cell) + 1);
+    for (; points < points_wanted && (points + 0.5) / points_wanted < power + mass; ++points) {
+      const double t = std::clamp(((points + 0.5) / points_wanted - power) / mass, 0.0, 1.0);
+      const double r = std::sqrt(a * a + (forward ? 1 - t : t) * (b * b - a * a)),
+                   other = std::sqrt(4 - r * r);
+      const double place = (r - a) / (b - a), here = forward ? 1 - place : place;
+      const Scattered s(forward ? r : other, forward ? other : r,
+                        std::numbers::pi * std::fmod((points + 0.5) * kGolden, 1.0));
+      w.along[points] = s.along, w.in[points] = s.in, w.out[points] = s.out;
+      w.weight[points] = float((w.phase[cell] + here * (w.phase[cell + 1] - w.phase[cell])) *
+                               angles_.area(cell) / mass / points_wanted);
+    }
+    power += mass;
+  }
+
+  constexpr int n = kCosines + 1;
+  w.matrix.assign(std::size_t(n) * n, 0.0);
+  for (int i = 1; i < n; ++i) {
+    const float t = float(i) / kCosines, cos_i = t * t, sin_i = std::sqrt(1 - cos_i * cos_i);
+    const float *along = w.along.data(), *in = w.in.data(), *out = w.out.data(), *weight = w.weight.data(),
+                *table = structure_.data(), size = sizes_[node];
+    float* __restrict place = w.place.data(), * __restrict share = w.share.data();
+    for (int k = 0; k < points; ++k) {
+      // `Scattered` again, many at once.
+      const float x = along[k] * sin_i + in[k] * cos_i;
+      const float u = std::min(size * std::sqrt(x * x + out[k] * out[k]) * kStructureRate, kStructureEnd);
+      const int cell = int(u);
+      const float cosine = std::min(std::abs((along[k] - 1) * cos_i - in[k] * sin_i), 1.f);
+      share[k] = weight[k] * cosine * (table[cell] + (u - float(cell)) * (table[cell + 1] - table[cell]));
+      place[k] = std::min(std::sqrt(cosine) * kCosines, kCosines - 0.001f);
+    }
+    // Neighbouring points meet the same nodes: sums side by side need not wait for one another.
+    constexpr int kSums = 4;
+    float sums[kSums][n + 1] = {};
+    for (int k = 0; k < points; ++k) {
+      const int j = int(place[k]);
+      const float fraction = place[k] - float(j);
+      float* s = &sums[k % kSums][j];
+      s[0] += share[k] * (1 - fraction), s[1] += share[k] * fraction;
+    }
+    for (const auto& s : sums)
+      for (int j = 0; j < n; ++j) w.matrix[std::size_t(i) * n + std::size_t(j)] += double(s[j]);
+  }
+  w.h.assign(n, 1.0), w.next.assign(n, 0.0);
+  for (int iteration = 0; iteration < 1000; ++iteration) {
+    double change = 0;
+    for (int i = 1; i < n; ++i) {
+      double sum = 0;
+      for (int j = 0; j < n; ++j) sum += w.matrix[std::size_t(i) * n + std::size_t(j)] * w.h[j];
+      w.next[i] = sum > 0 ? std::sqrt(w.h[i] * w.energy[i] / sum) : 0;
+      change = std::max(change, std::abs(w.next[i] - w.h[i]) / (w.h[i] + 1e-30));
+    }
+    w.h.swap(w.next);
+    if (change < 1e-6) break;
+  }
+  w.h[0] = 0;  // all light at grazing incidence is reflected
+  for (int i = 0; i < n; ++i)
+    h_[std::size_t(i) * std::size_t(wavelengths_) + std::size_t(node)] = float(w.h[i]);
+}
+
+void SphereTables::prepare_samples(int node, const Worker& w) {
+  sampling_.prepare(node / kStride, w.phase, [&](float transverse, float cos_o) {
+    const float x = std::sqrt(cos_o) * kCosines;
+    const int j = std::min(int(x), kCosines - 1);
+    const double h = w.h[j] + double(x - float(j)) * (w.h[j + 1] - w.h[j]);
+    return double(structure(sizes_[node] * transverse) * cos_o) * h;
+  });
+}
+
+SphereTables::Nodes SphereTables::nodes(const Spectrum& nm) const {
+  Nodes n;
+  n.position = min(max((Spectrum(1.f) / nm - float(first_)) * float(scale_), 0.f), float(wavelengths_ - 1));
+  for (int j = 0; j < kWavelengths; ++j) n.at[j] = std::min(int(n.position[j]), wavelengths_ - 2);
+  n.fraction = make_spectrum([&](int j) { return n.position[j] - float(n.at[j]); });
+  return n;
+}
+
+SphereTables::Cosine SphereTables::cosine(float z) const {
+  const float x = std::min(std::sqrt(std::abs(z)), 1.f) * kCosines;
+  const int i = std::min(int(x), kCosines - 1);
+  return {std::size_t(i) * std::size_t(wavelengths_), x - float(i)};
+}
+
+Spectrum SphereTables::mean(const std::vector<float>& table, const Cosine& c, const Nodes& n) const {
+  Pairs p(&table[c.row], n.at);
+  p.mix(Pairs(&table[c.row] + wavelengths_, n.at), c.fraction);
+  return p.first + (p.second - p.first) * n.fraction;
+}
+
+SphereTables::Shares SphereTables::shares(float cos_i, const Spectrum& nm) const {
+  const Nodes n = nodes(nm);
+  const Cosine c = cosine(cos_i);
+  return {mean(transmitted_, c, n), mean(reflected_, c, n), mean(lost_, c, n)};
+}
+
+SphereTables::Eval SphereTables::eval(const Vec3& wi, const Vec3& wo, const Spectrum& nm) const {
+  const float position = angles_.position(wi, wo);
+  const int cell = std::min(int(position), cells() - 1);
+  const Nodes n = nodes(nm);
+  const Cosine ci = cosine(wi.z), co = cosine(wo.z);
+
+  const float* row = &phase_[std::size_t(cell) * std::size_t(wavelengths_)];
+  Pairs phase(row, n.at), hi(&h_[ci.row], n.at), ho(&h_[co.row], n.at);
+  phase.mix(Pairs(row + wavelengths_, n.at), position - float(cell));
+  hi.mix(Pairs(&h_[ci.row] + wavelengths_, n.at), ci.fraction);
+  ho.mix(Pairs(&h_[co.row] + wavelengths_, n.at), co.fraction);
+  const Pairs size(sizes_.data(), n.at);
+  const float x = wi.x + wo.x, y = wi.y + wo.y, transverse = std::sqrt(x * x + y * y);
+  const Spectrum a = phase.first * hi.first * ho.first * structure(size.first * transverse),
+                 b = phase.second * hi.second * ho.second * structure(size.second * transverse);
+
+  const SphereSamples::Density density = sampling_.density(wi, wo, cell);
+  Eval e;
+  e.value = (a + (b - a) * n.fraction) * std::abs(wo.z);
+  e.pdf = make_spectrum([&](int j) {
+            const int k = sample_node(n.position[j]);
+            return density.ring[k] * density.azimuth[k];
+          }) *
+          mean(lost_, ci, n);
+  return e;
+}
+
+Spectrum SphereTables::structure(const Spectrum& u) const {
+  const Spectrum x = min(u * float(kStructureRate), kStructureEnd);
+  int at[kWavelengths];
+  for (int j = 0; j < kWavelengths; ++j) at[j] = int(x[j]);
+  const Pairs p(structure_.data(), at);
+  return p.first + (p.second - p.first) * make_spectrum([&](int j) { return x[j] - float(at[j]); });
+}
+
+Vec3 SphereTables::sample(const Vec3& wi, Vec2 u, float nm) const {
+  return sampling_.sample(wi, u, sample_node(nodes(nm).position[0]));
+}
+
+std::size_t SphereTables::bytes() const {
+  return sizeof(float) * (structure_.size() + phase_.size() + 4 * h_.size()) + sampling_.bytes();
+}
+
+}  // namespace aureole

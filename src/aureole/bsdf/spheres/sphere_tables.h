@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// Tables of the BSDF `correlated_spheres`: light scattered by a layer of spheres,
+//     f(w_i, w_o) = P(v) S'(u) h(|cos i|) h(|cos o|),   v = |w_i + w_o|, u = k a |(w_i + w_o)_xy|,
+// P the phase function of a sphere (Mie, normalised), S' the structure factor of the positions and h a
+// factor that makes the diffuse albedo that of the layer without breaking reciprocity. Everything is
+// tabulated at nodes that are uniform in 1/lambda. Between two of them f, the albedos and the shares of the
+// lobes are the same mean of two layers, each of which conserves energy, and so do all wavelengths.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "aureole/bsdf/spheres/sphere_angles.h"
+#include "aureole/bsdf/spheres/sphere_samples.h"
+#include "aureole/math/vec.h"
+#include "aureole/optics/arrangement/structure_factor.h"
+#include "aureole/optics/particle/size_distribution.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+/// A layer of spheres as a scene describes it.
+struct SphereLayer {
+  double radius_nm = 0;      ///< the median, where sizes differ
+  double area_fraction = 0;  ///< of the mean cross section
+  optics::SizeDistribution sizes;
+  double spread = 0;                                              ///< standard deviation of ln(size)
+  std::shared_ptr<const optics::StructureFactor> structure;       ///< at area_fraction
+  std::function<double(double nm)> medium;                        ///< index around the spheres
+  std::function<std::complex<double>(double nm)> relative_index;  ///< of the spheres over the medium's
+};
+
+class SphereTables {
+public:
+  /// Of 2 pi n radius/lambda.
+  static constexpr double kLeastSize = 0.01, kMostSize = 5000;
+
+  SphereTables(const SphereLayer& layer, const SpectralGrid& grid);
+
+  /// The fractions of the light, per wavelength, that go straight on, are reflected as by a mirror, and are
+  /// scattered or absorbed. They sum to one.
+  struct Shares {
+    Spectrum transmitted, reflected, lost;
+  };
+  Shares shares(float cos_i, const Spectrum& nm) const;
+
+  struct Eval {
+    Spectrum value;  ///< f |cos o|
+    Spectrum pdf;    ///< density of `sample` times the share `lost` [1/sr]
+  };
+  Eval eval(const Vec3& wi, const Vec3& wo, const Spectrum& nm) const;
+  /// Direction of diffuse light at one wavelength.
+  Vec3 sample(const Vec3& wi, Vec2 u, float nm) const;
+
+  std::size_t bytes() const;
+  int wavelength_nodes() const { return wavelengths_; }
+
+private:
+  struct Worker;
+  static constexpr int kCosines = 96;  // cells of h and of the shares, uniform in sqrt(cos)
+  static constexpr int kStride = 4;    // nodes of wavelength per node of the samples
+
+  void plan(const SphereLayer& layer, const SpectralGrid& grid);
+  void scatter(int node, const SphereLayer& layer, Worker& w);
+  void balance(int node, Worker& w);
+  void prepare_samples(int node, const Worker& w);
+  float structure(float u) const {
+    const float x = std::min(u * kStructureRate, kStructureEnd);
+    const int i = int(x);
+    return structure_[i] + (x - float(i)) * (structure_[i + 1] - structure_[i]);
+  }
+  int cells() const { return angles_.cells(); }
+  static int sample_node(float position) { return int(position * (1.f / kStride) + 0.5f); }
+
+  /// The place of each wavelength between the nodes.
+  struct Nodes {
+    Spectrum position, fraction;
+    int at[kWavelengths];
+  };
+  Nodes nodes(const Spectrum& nm) const;
+  /// The place of a direction in the tables over cosines.
+  struct Cosine {
+    std::size_t row;
+    float fraction;
+  };
+  Cosine cosine(float z) const;
+  Spectrum mean(const std::vector<float>& table, const Cosine& c, const Nodes& n) const;
+  Spectrum structure(const Spectrum& u) const;
+
+  static constexpr int kStructureRate = 64, kStructureCells = 96 * kStructureRate;
+  static constexpr float kStructureEnd = float(kStructureCells) - 0.5f;
+
+  SphereAngles angles_;
+  SphereSamples sampling_;
+  int wavelengths_ = 0;
+  bool has_peaks_ = false;        // of the structure factor
+  double first_ = 0, scale_ = 0;  // node = (1/nm - first) scale
+  std::vector<double> samples_;   // of mu >= 0, in order of the nodes of half a sphere
+  std::vector<int> sample_ends_;  // per node of the half
+  std::vector<float> sizes_;      // k a of the correlation discs, per wavelength
+  std::vector<float> structure_;
+  std::vector<float> phase_;                           // [angle][wavelength]
+  std::vector<float> h_;                               // [cosine][wavelength]
+  std::vector<float> transmitted_, reflected_, lost_;  // the same
+};
+
+}  // namespace aureole

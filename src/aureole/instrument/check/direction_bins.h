@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bins over all directions that follow a density: a quadtree on each face of a cube, refined where the
+// density has mass or structure. The density's mass per bin comes from Gauss-Legendre quadrature. For
+// densities with jumps, which quadrature resolves slowly, see direction_grid.h.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "aureole/math/vec.h"
+#include "aureole/spectrum/spectrum.h"
+
+namespace aureole {
+
+class DirectionBins {
+public:
+  /// A density and a further function that is integrated along with it.
+  struct Value {
+    double density = 0;
+    Spectrum other;
+  };
+  using Function = std::function<Value(const Vec3&)>;
+  /// The same for many directions at once.
+  using ArrayFunction = std::function<void(std::span<const Vec3>, std::span<Value>)>;
+
+  struct Options {
+    double largest_mass = 1.0 / 256;  ///< bins with more are divided
+    double tolerance = 1e-6;          ///< of a bin's integrals, absolute
+    int least_depth = 3, greatest_depth = 15;
+    std::vector<Vec3> focus;          ///< near these directions bins are divided down to `focus_angle`
+    double focus_angle = 0.02;        ///< [rad]
+    std::vector<Vec3> pilot;          ///< samples that show where narrow lobes are; not those that are tested
+    std::size_t most_bins = 4000000;  ///< a function without any smoothness would be divided for ever
+  };
+
+  struct Bin {
+    Vec3 center;
+    double mass = 0;
+    std::array<double, kWavelengths> other{};
+    double size = 0;  ///< edge on the cube's face, in radians roughly
+  };
+
+  DirectionBins(const ArrayFunction& f, const Options& options);
+  DirectionBins(const Function& f, const Options& options);
+
+  /// In the order of the tree, so that neighbours are close together.
+  const std::vector<Bin>& bins() const { return bins_; }
+  std::vector<double> masses() const;
+  std::size_t find(const Vec3& direction) const;
+  double mass() const;
+  std::array<double, kWavelengths> other() const;
+
+private:
+  struct Node {
+    int first_child = -1;
+    int bin = -1;
+  };
+  struct Cell {
+    int face;
+    double a, b, size;  ///< lower corner and edge, in [-1, 1]^2
+  };
+  struct Integral {
+    double mass = 0;
+    std::array<double, kWavelengths> other{};
+  };
+  /// A node that may be divided yet, with the samples in it.
+  struct Pending {
+    int node;
+    Cell cell;
+    Integral integral;
+    std::vector<Vec3> pilot;
+  };
+  static Vec3 direction(int face, double a, double b);
+  static int locate(const Vec3& d, double& a, double& b);
+  static std::vector<Integral> integrate(const ArrayFunction& f, std::span<const Cell> cells);
+  void number_bins(int node, const std::vector<Bin>& found);
+
+  std::vector<Node> nodes_;
+  std::vector<Bin> bins_;
+};
+
+}  // namespace aureole

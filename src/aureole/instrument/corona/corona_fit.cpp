@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/instrument/corona/corona_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "aureole/core/error.h"
+#include "aureole/instrument/corona/simplex.h"
+
+namespace aureole {
+namespace {
+
+constexpr double kFirstRing = 2.548;  // u of the first maximum at area fraction 1/2
+constexpr double kMiddleWavelength = 550e-9;
+
+/// Weighted linear least squares of one colour by a few functions.
+struct Linear {
+  cv::Mat coefficients;
+  double misfit = 0;
+};
+Linear solve(const std::vector<std::vector<double>>& columns, const std::vector<double>& y,
+             const std::vector<double>& weight) {
+  const int n = int(columns.size());
+  cv::Mat m(n, n, CV_64F, cv::Scalar(0)), right(n, 1, CV_64F, cv::Scalar(0));
+  for (int a = 0; a < n; ++a)
+    for (size_t i = 0; i < y.size(); ++i) {
+      for (int b = 0; b <= a; ++b)
+        m.at<double>(a, b) += weight[i] * columns[size_t(a)][i] * columns[size_t(b)][i];
+      right.at<double>(a) += weight[i] * columns[size_t(a)][i] * y[i];
+    }
+  cv::completeSymm(m, true);
+  Linear out;
+  // Columns of very different size: scaled to unit diagonal.
+  cv::Mat scale(n, 1, CV_64F);
+  for (int a = 0; a < n; ++a) scale.at<double>(a) = 1 / std::sqrt(std::max(m.at<double>(a, a), 1e-300));
+  cv::Mat scaled = m.mul(scale * scale.t()), x;
+  cv::solve(scaled, right.mul(scale), x, cv::DECOMP_SVD);
+  out.coefficients = x.mul(scale);
+  for (size_t i = 0; i < y.size(); ++i) {
+    double v = y[i];
+    for (int a = 0; a < n; ++a) v -= out.coefficients.at<double>(a) * columns[size_t(a)][i];
+    out.misfit += weight[i] * v * v;
+  }
+  return out;
+}
+
+class Fitter {
+public:
+  Fitter(const ScatteredProfile& p, CoronaModel& model) : p_(p), model_(model) {
+    const size_t n = p.s.size();
+    for (size_t c = 0; c < 3; ++c) {
+      std::vector<double> y(n), w(n), sd;
+      double least = INFINITY, most = -INFINITY;
+      for (size_t i = 0; i < n; ++i) {
+        y[i] = p.mean[i][c], sd.push_back(p.sd[i][c]);
+        least = std::min(least, y[i]), most = std::max(most, y[i]);
+      }
+      std::nth_element(sd.begin(), sd.begin() + long(n / 2), sd.end());
+      range_[c] = most - least;
+      // No ring is known better than a thousandth of the range, nor much better than the others.
+      const double floor = std::hypot(0.5 * sd[n / 2], 1e-3 * range_[c]);
+      for (size_t i = 0; i < n; ++i) {
+        const double e = std::hypot(p.sd[i][c], floor);
+        w[i] = e > 0 ? 1 / (e * e) : 0;
+      }
+      y_[c] = std::move(y), base_[c] = w, weight_[c] = std::move(w);
+    }
+  }
+
+  /// Misfit at these parameters; `out` gets the model's values.
+  double misfit(double radius, double fraction, std::vector<std::array<double, 3>>* out = nullptr) {
+    model_.set(radius, fraction);
+    const size_t n = p_.s.size();
+    std::vector<std::vector<double>> columns(3, std::vector<double>(n));
+    double sum = 0;
+    std::vector<std::array<double, 3>> shape(n);
+    for (size_t i = 0; i < n; ++i) shape[i] = model_.at(p_.s[i]);
+    if (out) out->assign(n, {});
+    for (size_t c = 0; c < 3; ++c) {
+      for (size_t i = 0; i < n; ++i) columns[0][i] = shape[i][c], columns[1][i] = 1, columns[2][i] = p_.s[i];
+      Linear l = solve(columns, y_[c], weight_[c]);
+      factor_[c] = l.coefficients.at<double>(0);
+      // A colour that the lamp hardly has may come out of the conversion negative; the factor never is.
+      if (factor_[c] < 0) {
+        factor_[c] = 0;
+        l = solve({columns[1], columns[2]}, y_[c], weight_[c]);
+        l.coefficients =
+            (cv::Mat_<double>(3, 1) << 0, l.coefficients.at<double>(0), l.coefficients.at<double>(1));
+      }
+      sum += l.misfit;
+      if (out)
+        for (size_t i = 0; i < n; ++i)
+          (*out)[i][c] = l.coefficients.at<double>(0) * columns[0][i] + l.coefficients.at<double>(1) +
+                         l.coefficients.at<double>(2) * p_.s[i];
+    }
+    return sum;
+  }
+
+  /// Misfit of smooth light without rings: a cubic for each colour.
+  double smooth_misfit() const {
+    double sum = 0;
+    for (size_t c = 0; c < 3; ++c) {
+      std::vector<std::vector<double>> columns(4, std::vector<double>(p_.s.size()));
+      for (size_t i = 0; i < p_.s.size(); ++i)
+        for (int k = 0; k < 4; ++k) columns[size_t(k)][i] = std::pow(p_.s[i] / p_.s.back(), k);
+      sum += solve(columns, y_[c], weight_[c]).misfit;
+    }
+    return sum;
+  }
+
+  /// Weights by residuals (Huber, 1964), so that bright objects on some rings count less.
+  void reweight(const std::vector<std::array<double, 3>>& model) {
+    for (size_t c = 0; c < 3; ++c) {
+      std::vector<double> r;
+      for (size_t i = 0; i < p_.s.size(); ++i)
+        r.push_back(std::sqrt(base_[c][i]) * std::abs(y_[c][i] - model[i][c]));
+      std::vector<double> sorted = r;
+      std::nth_element(sorted.begin(), sorted.begin() + long(r.size() / 2), sorted.end());
+      const double limit = 1.345 * std::max(1.4826 * sorted[r.size() / 2], 1e-12);
+      for (size_t i = 0; i < r.size(); ++i) weight_[c][i] = base_[c][i] * (r[i] > limit ? limit / r[i] : 1);
+    }
+  }
+
+  void errors(CoronaFit& fit);
+  double range(size_t c) const { return range_[c]; }
+
+private:
+  const ScatteredProfile& p_;
+  CoronaModel& model_;
+  std::array<std::vector<double>, 3> y_, base_, weight_;
+  std::array<double, 3> range_{}, factor_{};
+};
+
+/// Covariance of all unknowns, (X^T W X)^-1 times the mean square of the residuals, times the number of
+/// neighbouring residuals that are correlated.
+void Fitter::errors(CoronaFit& fit) {
+  const size_t n = p_.s.size();
+  const double hr = 1e-3 * fit.radius, hf = fit.area_fraction > 0.6 ? -2e-3 : 2e-3;
+  std::vector<std::array<double, 3>> shape[3];
+  const double at[3][2] = {{fit.radius, fit.area_fraction},
+                           {fit.radius + hr, fit.area_fraction},
+                           {fit.radius, fit.area_fraction + hf}};
+  for (int k = 0; k < 3; ++k) {
+    model_.set(at[k][0], at[k][1]);
+    for (size_t i = 0; i < n; ++i) shape[k].push_back(model_.at(p_.s[i]));
+  }
+  cv::Mat m(11, 11, CV_64F, cv::Scalar(0));
+  double misfit = 0, neighbours = 0, squares = 0;
+  for (size_t c = 0; c < 3; ++c) {
+    double before = 0;
+    for (size_t i = 0; i < n; ++i) {
+      double row[11] = {};
+      row[0] = factor_[c] * (shape[1][i][c] - shape[0][i][c]) / hr * fit.radius;
+      row[1] = factor_[c] * (shape[2][i][c] - shape[0][i][c]) / hf;
+      row[2 + 3 * c] = shape[0][i][c], row[3 + 3 * c] = range_[c],
+                  row[4 + 3 * c] = range_[c] * p_.s[i] / p_.s.back();
+      for (int a = 0; a < 11; ++a)
+        for (int b = 0; b < 11; ++b) m.at<double>(a, b) += weight_[c][i] * row[a] * row[b];
+      const double r = std::sqrt(weight_[c][i]) * (y_[c][i] - fit.model[i][c]);
+      misfit += r * r, squares += r * r, neighbours += before * r;
+      before = r;
+    }
+  }
+  cv::Mat scale(11, 1, CV_64F), inverse;
+  for (int a = 0; a < 11; ++a)
+    scale.at<double>(a) = m.at<double>(a, a) > 0 ? 1 / std::sqrt(m.at<double>(a, a)) : 0;
+  cv::invert(m.mul(scale * scale.t()), inverse, cv::DECOMP_SVD);
+  inverse = inverse.mul(scale * scale.t());
+  const double correlation = squares > 0 ? std::clamp(neighbours / squares, 0.0, 0.98) : 0;
+  const double factor = misfit / std::max(1.0, 3.0 * double(n) - 11) * (1 + correlation) / (1 - correlation);
+  fit.radius_error = fit.radius * std::sqrt(std::max(factor * inverse.at<double>(0, 0), 0.0));
+  fit.area_fraction_error = std::sqrt(std::max(factor * inverse.at<double>(1, 1), 0.0));
+  const double both = std::sqrt(inverse.at<double>(0, 0) * inverse.at<double>(1, 1));
+  fit.correlation = both > 0 ? inverse.at<double>(0, 1) / both : 0;
+}
+
+}  // namespace
+
+CoronaFit fit_corona(const ScatteredProfile& p, CoronaModel& model) {
+  if (p.s.size() < 15)
+    throw Error("no ring is visible: only " + std::to_string(p.s.size()) +
+                " rings of pixels are neither clipped nor left out; 15 are needed");
+  Fitter fitter(p, model);
+  for (size_t c = 0; c < 3; ++c)
+    if (!(fitter.range(c) > 0))
+      throw Error("no ring is visible: a colour of the picture is constant around the lamp");
+
+  // The first maximum or the first minimum lies inside the picture.
+  const double first = kFirstRing * kMiddleWavelength / (2 * M_PI);
+  const double least = first / (0.8 * p.s.back()), most = 2.5 * first / p.s.front();
+  std::vector<std::array<double, 3>> candidates;
+  const int steps = std::max(8, int(std::log(most / least) / 0.05));
+  for (double fraction = 0.05; fraction < kMaxFittedFraction; fraction += 0.06)
+    for (int i = 0; i <= steps; ++i) {
+      const double radius = least * std::pow(most / least, double(i) / steps);
+      candidates.push_back({fitter.misfit(radius, fraction), std::log(radius), fraction});
+    }
+  std::sort(candidates.begin(), candidates.end());
+  const auto misfit = [&](const std::array<double, 2>& x) {
+    if (!(x[1] > 0.005 && x[1] < kMaxFittedFraction) || std::abs(x[0] - std::log(least)) > 10)
+      return double(INFINITY);
+    return fitter.misfit(std::exp(x[0]), x[1]);
+  };
+  CoronaFit fit;
+  double best = INFINITY;
+  for (int k = 0; k < 4; ++k) {
+    const auto x =
+        simplex_minimum<2>(misfit, {candidates[size_t(k)][1], candidates[size_t(k)][2]}, {0.02, 0.03}, 60);
+    if (const double m = misfit(x); m < best) best = m, fit.radius = std::exp(x[0]), fit.area_fraction = x[1];
+  }
+  for (int pass = 0; pass < 3; ++pass) {
+    fitter.misfit(fit.radius, fit.area_fraction, &fit.model);
+    fitter.reweight(fit.model);
+    const auto x = simplex_minimum<2>(misfit, {std::log(fit.radius), fit.area_fraction}, {0.005, 0.01}, 70);
+    fit.radius = std::exp(x[0]), fit.area_fraction = x[1];
+  }
+  best = fitter.misfit(fit.radius, fit.area_fraction, &fit.model);
+  // Rings must explain at least half of the residual of smooth light, and more than chance would.
+  const double smooth = fitter.smooth_misfit(),
+               per_ring = best / std::max(1.0, 3.0 * double(p.s.size()) - 11);
+  if (!(best < 0.5 * smooth && smooth - best > 30 * per_ring))
+    throw Error("no ring is visible: the profile around the lamp is as smooth as noise allows");
+  fitter.errors(fit);
+  double squares = 0;
+  for (size_t i = 0; i < p.s.size(); ++i)
+    for (size_t c = 0; c < 3; ++c) squares += std::pow((p.mean[i][c] - fit.model[i][c]) / fitter.range(c), 2);
+  fit.residual = std::sqrt(squares / (3 * double(p.s.size())));
+  return fit;
+}
+
+}  // namespace aureole

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "aureole/instrument/corona/corona_fit.h"
+#include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/optics/layer/scatterer_layer.h"
+
+namespace aureole {
+namespace {
+
+constexpr double kStepU = 0.02;
+constexpr int kTableU = 10000, kTableS = 1500;
+
+/// Mean and its standard error without outliers (other lamps): more than five deviations from the
+/// median, as the median deviation has them.
+std::pair<double, double> clipped_mean(std::vector<double>& v) {
+  const auto median = [](std::vector<double>& x) {
+    std::nth_element(x.begin(), x.begin() + long(x.size() / 2), x.end());
+    return x[x.size() / 2];
+  };
+  const double middle = median(v);
+  std::vector<double> far;
+  for (const double x : v) far.push_back(std::abs(x - middle));
+  const double limit = 5 * 1.4826 * median(far);
+  double n = 0, sum = 0, square = 0;
+  for (const double x : v)
+    if (!(std::abs(x - middle) > limit)) n += 1, sum += x - middle, square += (x - middle) * (x - middle);
+  const double mean = sum / n;
+  return {middle + mean, std::sqrt(std::max(square / n - mean * mean, 0.0) / std::max(n - 1, 1.0))};
+}
+
+}  // namespace
+
+CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur)
+    : largest_s_(largest_s + 2 * blur), blur_(blur), table_(kTableS + 2) {
+  // Spectra are sums over wavelengths 5 nm apart, each with the power between it and the next; the blur of
+  // that is a hundredth of a ring. Single lines stay where they are.
+  for (size_t i = 0; i < lamp.nm.size();) {
+    double power = 0, moment = 0;
+    size_t k = i;
+    for (; k < lamp.nm.size() && lamp.nm[k] < lamp.nm[i] + 5; ++k)
+      power += lamp.power[k], moment += lamp.power[k] * lamp.nm[k];
+    if (power > 0) {
+      const double nm = moment / power;
+      LampSpectrum part;
+      part.nm.assign(lamp.nm.begin() + long(i), lamp.nm.begin() + long(k));
+      part.power.assign(lamp.power.begin() + long(i), lamp.power.begin() + long(k));
+      const auto rgb = corona_colour(part, [](double) { return 1.0; });
+      lines_.push_back({1 / (nm * 1e-9), {rgb[0], rgb[1], rgb[2]}});
+    }
+    i = k;
+  }
+}
+
+void CoronaModel::tabulate(double area_fraction) {
+  if (area_fraction == tabulated_) return;
+  tabulated_ = area_fraction;
+  g_.resize(kTableU + 2);
+  for (int i = 0; i < kTableU + 2; ++i)
+    g_[size_t(i)] = optics::radial_intensity(i * kStepU, 1, area_fraction);
+}
+
+void CoronaModel::set(double radius, double area_fraction) {
+  tabulate(area_fraction);
+  std::vector<std::array<double, 3>> sharp(table_.size(), {0, 0, 0});
+  const double ds = largest_s_ / kTableS;
+  for (const Line& l : lines_)
+    for (size_t i = 0; i < sharp.size(); ++i) {
+      const double at = std::min(2 * M_PI * double(i) * ds * radius * l.inverse_m / kStepU, double(kTableU));
+      const size_t k = size_t(at);
+      const double g = g_[k] + (at - double(k)) * (g_[k + 1] - g_[k]);
+      for (int c = 0; c < 3; ++c) sharp[i][size_t(c)] += l.rgb[c] * g;
+    }
+  if (!(blur_ > 0)) {
+    table_ = std::move(sharp);
+    return;
+  }
+  constexpr int kRings = 3, kSpokes = 8;
+  for (size_t i = 0; i < table_.size(); ++i) {
+    table_[i] = {0, 0, 0};
+    for (int ring = 0; ring < kRings; ++ring)
+      for (int spoke = 0; spoke < kSpokes; ++spoke) {
+        const double r = blur_ * std::sqrt((ring + 0.5) / kRings),
+                     f = 2 * M_PI * (spoke + 0.5 * (ring % 2)) / kSpokes;
+        const double at =
+            std::min(std::hypot(double(i) * ds + r * std::cos(f), r * std::sin(f)) / ds, double(kTableS));
+        const size_t k = size_t(at);
+        for (size_t c = 0; c < 3; ++c)
+          table_[i][c] +=
+              (sharp[k][c] + (at - double(k)) * (sharp[k + 1][c] - sharp[k][c])) / (kRings * kSpokes);
+      }
+  }
+}
+
+std::array<double, 3> CoronaModel::at(double s) const {
+  const double at = std::clamp(s / largest_s_ * kTableS, 0.0, double(kTableS));
+  const size_t k = size_t(at);
+  std::array<double, 3> out;
+  for (size_t c = 0; c < 3; ++c) out[c] = table_[k][c] + (at - double(k)) * (table_[k + 1][c] - table_[k][c]);
+  return out;
+}
+
+ScatteredProfile scattered_profile(const Image& image, const PinholeCamera& camera, Direction lamp,
+                                   const PictureParts& parts, const PaneGeometry& g, double inner,
+                                   double clip) {
+  const size_t channel[3] = {size_t(image.channel("R")), size_t(image.channel("G")),
+                             size_t(image.channel("B"))};
+  const double step = camera.tangent_per_pixel, end = 0.5;
+  const size_t bins = size_t(end / step) + 1;
+  struct Bin {
+    double s = 0;
+    std::vector<double> value[3];
+    bool clipped = false;
+  };
+  std::vector<Bin> bin(bins);
+  const Direction far{lamp.x / lamp.z * g.lamp_m, lamp.y / lamp.z * g.lamp_m, g.lamp_m};
+  const double specular = g.slab_index > 0 ? optics::thin_slab_reflectance(lamp.z, 1, g.slab_index) : 0;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Direction v = camera.direction(x + 0.5, y + 0.5);
+      Direction w = lamp;
+      if (g.lamp_m > 0) {
+        const double t = g.pane_m / v.z;
+        w = unit({far.x - t * v.x, far.y - t * v.y, far.z - t * v.z});
+      }
+      const double s = std::hypot(w.x - v.x, w.y - v.y);
+      if (s < inner || s >= end || parts.is_masked(x + 0.5, y + 0.5)) continue;
+      if (!parts.has_azimuth(polar_about(lamp, v).second)) continue;
+      Bin& b = bin[size_t(s / step)];
+      const double through =
+          g.slab_index > 0 ? 1 - std::sqrt(optics::thin_slab_reflectance(v.z, 1, g.slab_index) * specular)
+                           : 1;
+      b.s += s;
+      for (size_t c = 0; c < 3; ++c) {
+        const double value = image.at(x, y, channel[c]);
+        b.clipped |= !(value < clip);
+        b.value[c].push_back(value / through);
+      }
+    }
+  ScatteredProfile out;
+  out.step = step;
+  size_t most = 0;
+  for (Bin& b : bin) {
+    const size_t n = b.value[0].size();
+    most = std::max(most, n);
+    // Rings of which the picture shows only corners depend on the objects that happen to be there.
+    if (n < 8 || b.clipped || 4 * n < most) continue;
+    std::array<double, 3> mean, sd;
+    for (size_t c = 0; c < 3; ++c) std::tie(mean[c], sd[c]) = clipped_mean(b.value[c]);
+    out.s.push_back(b.s / double(n)), out.mean.push_back(mean), out.sd.push_back(sd);
+  }
+  return out;
+}
+
+}  // namespace aureole

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// The statistics of scatterers in one or several fields of view, with confidence intervals: the parameters of
+// a layer of correlated scatterers. Lengths in metres.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "aureole/instrument/microscopy/micrograph.h"
+#include "aureole/instrument/microscopy/particles.h"
+#include "aureole/instrument/microscopy/point_statistics.h"
+#include "aureole/instrument/microscopy/segmentation.h"
+
+namespace aureole {
+
+struct MicrostructureOptions {
+  SegmentationOptions segmentation;
+  double correlation_radius_m = 0;  ///< 0: estimated
+  int resamples = 300;              ///< of the bootstrap
+  std::uint64_t seed = 1;
+};
+
+/// A number with its 95 % confidence interval.
+struct Estimate {
+  double value = 0, low = 0, high = 0;
+};
+
+struct FieldReport {
+  std::string name;
+  int width = 0, height = 0;
+  double pixel_m = 0, seen_m2 = 0;
+  int whole = 0, cut = 0, too_small = 0;
+  bool bright = false;
+  double polarity_score = 0, noise = 0, blur = 0;
+};
+
+inline constexpr double kQuantiles[] = {0.05, 0.25, 0.5, 0.75, 0.95};
+
+struct Microstructure {
+  std::vector<FieldReport> fields;
+  std::vector<Particle> particles;  ///< in pixels of their fields
+  std::vector<double> weights;      ///< of particles in size statistics; 0 for cut ones; they sum to 1
+
+  Estimate shape_fraction;      ///< Fr, covered part of the plane
+  Estimate area_fraction;       ///< Fa = density pi correlation_radius^2
+  Estimate density;             ///< per m^2
+  Estimate correlation_radius;  ///< without interval where given
+  bool correlation_radius_given = false;
+  Estimate mean_radius, deviation, log_deviation;
+  std::vector<Estimate> quantiles;  ///< of kQuantiles
+  double onset_width = 0;           ///< of g(r), relative to the smallest distance
+
+  bool round = true;
+  double circularity = 1, aspect = 1, alignment = 0;  ///< medians; |mean of exp(2i angle)|
+  int symmetry = 0;                                   ///< strongest harmonic of outlines that are not round
+  /// Degrees from x counter-clockwise, y up, from mean_outline's place to that of aligned particles.
+  double orientation = 0;
+  Outline mean_outline, typical_outline;  ///< about their centroids, metres, y up; the mean one with its
+                                          ///< strongest harmonic's maximum on the x axis
+
+  struct Curve {
+    std::vector<double> x, value, error;  ///< standard errors
+  };
+  Curve pair_correlation;  ///< x: r/correlation_radius
+  Curve structure_factor;  ///< x: u = q correlation_radius
+
+  int blocks = 0;  ///< of the bootstrap
+  std::vector<std::string> notes;
+};
+
+/// Called with each field, its segmentation and its particles, in order: for pictures to check by eye.
+using FieldVisitor =
+    std::function<void(const Micrograph&, const Segmentation&, const std::vector<Particle>&)>;
+
+/// Reads one field after the other with `read(i)`, i < count. Throws Error where fewer than three particles
+/// are seen whole.
+Microstructure analyse_microstructure(size_t count, const std::function<Micrograph(size_t)>& read,
+                                      const MicrostructureOptions& options, const FieldVisitor& visit);
+
+/// Shape class, mean outline and typical outline of the particles that are whole and touch no other.
+void classify_shapes(Microstructure& m);
+
+}  // namespace aureole

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/instrument/report/svg_plot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace aureole {
+namespace {
+
+constexpr double kWidth = 640, kHeight = 420, kLeft = 70, kRight = 20, kTop = 40, kBottom = 55;
+
+struct Axes {
+  double x0, x1, y0, y1;
+  double px(double x) const { return kLeft + (x - x0) / (x1 - x0) * (kWidth - kLeft - kRight); }
+  double py(double y) const { return kHeight - kBottom - (y - y0) / (y1 - y0) * (kHeight - kTop - kBottom); }
+};
+
+Axes fit_axes(const Plot& plot) {
+  Axes a{INFINITY, -INFINITY, plot.logarithmic ? INFINITY : 0, -INFINITY};
+  for (const PlotSeries& s : plot.series) {
+    for (const double x : s.x)
+      a.x0 = std::min(a.x0, x - s.bar_width / 2), a.x1 = std::max(a.x1, x + s.bar_width / 2);
+    for (const auto* v : {&s.y, &s.low})
+      for (const double y : *v) a.y0 = std::min(a.y0, y);
+    for (const auto* v : {&s.y, &s.high})
+      for (const double y : *v) a.y1 = std::max(a.y1, y);
+  }
+  if (!(a.x1 > a.x0)) a.x0 = 0, a.x1 = 1;
+  if (a.x0 > 0 && a.x0 < 0.3 * a.x1) a.x0 = 0;
+  if (!(a.y1 > a.y0)) a.y1 = a.y0 + 1;
+  a.y1 += 0.05 * (a.y1 - a.y0);
+  if (plot.logarithmic) a.y0 = std::floor(a.y0), a.y1 = std::ceil(a.y1 - 0.05);
+  return a;
+}
+
+/// The plot of the logarithms; values without one take the place of the least that has.
+Plot logarithms(Plot plot) {
+  double least = INFINITY;
+  for (const PlotSeries& s : plot.series)
+    for (const double y : s.y)
+      if (y > 0) least = std::min(least, y);
+  if (!std::isfinite(least)) least = 1;
+  for (PlotSeries& s : plot.series)
+    for (auto* v : {&s.y, &s.low, &s.high})
+      for (double& y : *v) y = std::log10(std::max(y, least));
+  return plot;
+}
+
+std::string color_of(const PlotSeries& s) {
+  return !s.color.empty() ? s.color : s.kind == PlotSeries::Kind::points ? "#b0413e" : "#2b5d8f";
+}
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text)
+    out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : std::string(1, c);
+  return out;
+}
+
+void add_ticks(std::string& out, const Axes& a, bool logarithmic) {
+  const double sx = round_step(a.x0, a.x1, 8);
+  const double sy = logarithmic ? std::max(1.0, round_step(a.y0, a.y1, 9)) : round_step(a.y0, a.y1, 6);
+  for (double x = std::ceil(a.x0 / sx) * sx; x <= a.x1 * (1 + 1e-9); x += sx)
+    out += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}v5\" stroke=\"black\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+        "text-anchor=\"middle\">{:g}</text>\n",
+        a.px(x), a.py(a.y0), a.px(x), a.py(a.y0) + 19, std::abs(x) < 1e-9 * sx ? 0 : x);
+  for (double y = std::ceil(a.y0 / sy) * sy; y <= a.y1 * (1 + 1e-9); y += sy)
+    out += fmt::format(
+        "<path d=\"M{:.1f} {:.1f}h-5\" stroke=\"black\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+        "text-anchor=\"end\">{}</text>\n",
+        a.px(a.x0), a.py(y), a.px(a.x0) - 8, a.py(y) + 4,
+        logarithmic ? fmt::format("1e{:g}", std::round(y))
+                    : fmt::format("{:g}", std::abs(y) < 1e-9 * sy ? 0 : y));
+}
+
+void add_series(std::string& out, const PlotSeries& s, const Axes& a) {
+  if (s.kind == PlotSeries::Kind::bars)
+    for (size_t i = 0; i < s.x.size(); ++i)
+      out += fmt::format(
+          "<rect x=\"{:.2f}\" y=\"{:.2f}\" width=\"{:.2f}\" height=\"{:.2f}\" fill=\"#8fb3d9\" "
+          "stroke=\"#2b5d8f\"/>\n",
+          a.px(s.x[i] - s.bar_width / 2), a.py(s.y[i]), a.px(s.bar_width) - a.px(0),
+          a.py(a.y0) - a.py(s.y[i]));
+  if (s.kind == PlotSeries::Kind::line) {
+    if (!s.low.empty()) {
+      out += "<path fill=\"#2b5d8f\" fill-opacity=\"0.25\" d=\"M";
+      for (size_t i = 0; i < s.x.size(); ++i)
+        out += fmt::format("{:.2f} {:.2f} ", a.px(s.x[i]), a.py(s.high[i]));
+      for (size_t i = s.x.size(); i-- > 0;)
+        out += fmt::format("{:.2f} {:.2f} ", a.px(s.x[i]), a.py(s.low[i]));
+      out += "z\"/>\n";
+    }
+    out += "<polyline fill=\"none\" stroke=\"" + color_of(s) + "\" stroke-width=\"1.5\" points=\"";
+    for (size_t i = 0; i < s.x.size(); ++i) out += fmt::format("{:.2f},{:.2f} ", a.px(s.x[i]), a.py(s.y[i]));
+    out += "\"/>\n";
+  }
+  if (s.kind == PlotSeries::Kind::points)
+    for (size_t i = 0; i < s.x.size(); ++i) {
+      if (!s.low.empty())
+        out += fmt::format("<path d=\"M{0:.2f} {1:.2f}V{2:.2f}\" stroke=\"#2b5d8f\"/>", a.px(s.x[i]),
+                           a.py(s.low[i]), a.py(s.high[i]));
+      out += fmt::format("<circle cx=\"{:.2f}\" cy=\"{:.2f}\" r=\"2\" fill=\"{}\"/>\n", a.px(s.x[i]),
+                         a.py(s.y[i]), color_of(s));
+    }
+}
+
+void add_legend(std::string& out, const Plot& plot) {
+  double y = kTop + 8;
+  for (const PlotSeries& s : plot.series) {
+    if (s.label.empty()) continue;
+    const double x = kWidth - kRight - 12;
+    out +=
+        s.kind == PlotSeries::Kind::points
+            ? fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>", x - 9, y, color_of(s))
+            : fmt::format("<path d=\"M{} {}h18\" stroke=\"{}\" stroke-width=\"2\"/>", x - 18, y, color_of(s));
+    out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>\n", x - 26, y + 4,
+                       escaped(s.label));
+    y += 18;
+  }
+}
+
+}  // namespace
+
+double round_step(double low, double high, int count) {
+  const double rough = (high - low) / count, power = std::pow(10, std::floor(std::log10(rough)));
+  for (const double f : {1.0, 2.0, 5.0})
+    if (rough <= f * power) return f * power;
+  return 10 * power;
+}
+
+std::string svg_plot(const Plot& given) {
+  const Plot plot = given.logarithmic ? logarithms(given) : given;
+  const Axes a = fit_axes(plot);
+  std::string out = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
+      "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
+      kWidth, kHeight);
+  out += fmt::format("<text x=\"{}\" y=\"24\" text-anchor=\"middle\" font-size=\"15\">{}</text>\n",
+                     kWidth / 2, escaped(plot.title));
+  for (const PlotSeries& s : plot.series) add_series(out, s, a);
+  out += fmt::format("<path d=\"M{0} {1}V{2}H{3}\" fill=\"none\" stroke=\"black\"/>\n", kLeft, kTop,
+                     kHeight - kBottom, kWidth - kRight);
+  add_ticks(out, a, plot.logarithmic);
+  add_legend(out, plot);
+  out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
+                     (kLeft + kWidth - kRight) / 2, kHeight - 12, escaped(plot.x_label));
+  out += fmt::format(
+      "<text transform=\"translate(18 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n</svg>\n",
+      (kTop + kHeight - kBottom) / 2, escaped(plot.y_label));
+  return out;
+}
+
+std::string svg_outline(const std::vector<std::array<double, 2>>& outline, const std::string& comment) {
+  double left = INFINITY, right = -INFINITY, low = INFINITY, high = -INFINITY;
+  for (const auto& p : outline)
+    left = std::min(left, p[0]), right = std::max(right, p[0]), low = std::min(low, p[1]),
+    high = std::max(high, p[1]);
+  std::string out = fmt::format(
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"{:.5g} {:.5g} {:.5g} {:.5g}\">\n<!-- {}; 1 unit "
+      "is 1 um, the width is {:.5g}um -->\n<path fill=\"black\" d=\"M",
+      left * 1e6, -high * 1e6, (right - left) * 1e6, (high - low) * 1e6, comment, (right - left) * 1e6);
+  for (size_t i = 0; i < outline.size(); ++i)
+    out += fmt::format("{}{:.5g} {:.5g}", i ? " L" : "", outline[i][0] * 1e6, -outline[i][1] * 1e6);
+  return out + " Z\"/>\n</svg>\n";
+}
+
+}  // namespace aureole

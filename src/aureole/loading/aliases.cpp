@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/aliases.h"
+
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+constexpr std::string_view kOneIntegrator =
+    "the same where there is no medium, and media are not supported yet";
+constexpr std::string_view kBetterSampler = "it is stratified in every dimension";
+
+const std::vector<PluginAlias> kAliases = {
+    {"bsdf", "roughdiffuse", "oren_nayar", "the name of that model", {}},
+    {"integrator", "volpath", "path", kOneIntegrator, {}},
+    {"integrator", "volpathmis", "path", kOneIntegrator, {"use_spectral_mis"}},
+    {"sampler", "ldsampler", "sobol", kBetterSampler, {"dimension"}},
+    {"sampler", "multijitter", "sobol", kBetterSampler, {"jitter"}},
+    {"sampler", "orthogonal", "sobol", kBetterSampler, {"jitter", "strength"}},
+    {"sampler", "stratified", "sobol", kBetterSampler, {"dimension", "jitter"}},
+};
+
+}  // namespace
+
+const PluginAlias* find_alias(std::string_view family, std::string_view name) {
+  // A plug-in of that very name, added later, needs no stand-in.
+  if (Registry::instance().find(family, name)) return nullptr;
+  for (const PluginAlias& alias : kAliases)
+    if (alias.family == family && alias.name == name) return &alias;
+  return nullptr;
+}
+
+const PluginInfo* find_plugin(std::string_view family, std::string_view name) {
+  const PluginAlias* alias = find_alias(family, name);
+  return Registry::instance().find(family, alias ? alias->replacement : name);
+}
+
+std::vector<std::string> families_to_come() {
+  std::vector<std::string> all = {"medium", "phase", "volume"};
+  std::erase_if(all, [](const std::string& name) { return Registry::instance().family(name) != nullptr; });
+  return all;
+}
+
+}  // namespace aureole

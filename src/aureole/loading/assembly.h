@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which of a scene's objects are its shapes, its lights, its sensor and its integrator.
+#pragma once
+
+#include <unordered_set>
+
+#include "aureole/loading/builder.h"
+#include "aureole/loading/references.h"
+#include "aureole/scene/scene_parts.h"
+
+namespace aureole {
+
+/// Takes the children of <scene>, built in their order.
+class SceneAssembly {
+public:
+  SceneAssembly(Builder& builder, const References& references, Diagnostics& diagnostics)
+      : builder_(builder), references_(references), diagnostics_(diagnostics) {}
+
+  /// Builds the children of `root`. Missing objects are errors only if the file is `complete`.
+  void run(const Node& root, bool complete);
+
+  SceneParts parts;  ///< without a context
+  ObjectPtr integrator;
+
+private:
+  void add(const Node& child);
+  void keep(const Node& node, const std::string& family, const ObjectPtr& object);
+  /// The sensor that sits on a shape is one of the scene's.
+  void take_sensor(const Node& node, const Model& model);
+  /// Adds the model's surfaces, instances and lights to the parts of the scene.
+  void append_parts(const Node& node, const Model& model);
+
+  Builder& builder_;
+  const References& references_;
+  Diagnostics& diagnostics_;
+  const Node *sensor_ = nullptr, *integrator_ = nullptr;
+  bool shape_failed_ = false;
+  std::unordered_set<const Object*> appended_;  ///< an element counts once, however often it is named
+};
+
+}  // namespace aureole

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/builder.h"
+
+#include <algorithm>
+
+#include "aureole/loading/aliases.h"
+#include "aureole/loading/values.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+/// Reports the error at the element; a location inside a referenced file becomes part of the text.
+void report(const Node& node, const Error& e, Diagnostics& diagnostics) {
+  if (const auto* list = dynamic_cast<const ErrorList*>(&e)) {
+    for (const std::string& message : list->errors()) diagnostics.error(node.where, message);
+    return;
+  }
+  const SourceLocation& where = e.where();
+  bool in_scene = false;
+  // A location without a line is a whole file that a parameter names, such as the scene given as an image.
+  for (const SourceFile* f = node.file.get(); f && where.line > 0; f = f->included_by.get())
+    in_scene |= f->shown == where.file;
+  for (const Node& child : node.children)  // an edit may have other locations (document.h)
+    in_scene |= where.line > 0 && child.file->shown == where.file;
+  if (in_scene)
+    diagnostics.error(e);
+  else
+    diagnostics.error(node.where, e.what());
+}
+
+}  // namespace
+
+Error unknown_element(const Node& node) {
+  const std::vector<std::string> steps = {"translate", "rotate", "scale", "lookat", "matrix"};
+  for (const std::string& step : steps)
+    if (node.tag == step) return Error(node.where, "<" + node.tag + "> belongs inside <transform>");
+  if (node.tag == "scene") return Error(node.where, "<scene> can't be nested");
+  return Error(node.where, "unknown element <" + node.tag + ">" + did_you_mean(node.tag, all_tags()));
+}
+
+ObjectPtr Builder::object(const Node& node) {
+  const Node* t = target(node);
+  if (!t) return nullptr;
+  const auto [slot, is_new] = built_.try_emplace(t, nullptr);
+  if (!is_new) return slot->second;
+  if (t->tag == "given") return built_[t] = given(*t);
+  const bool may_keep = pool_ && ObjectPool::keeps(object_family(*t));
+  ObjectPtr object = may_keep ? pool_->find(keys_.of(*t)) : nullptr;
+  if (object) {
+    for (const Node& child : t->children)  // children too, so that built() has all objects
+      if (!object_family(child).empty() || child.tag == "ref") this->object(child);
+  } else {
+    object = construct(*t);
+    if (object && may_keep) pool_->add(keys_.of(*t), object);
+  }
+  return built_[t] = object;  // `slot` may be invalid by now: construct() adds children
+}
+
+ObjectPtr Builder::find(std::string_view family, const std::string& id) {
+  const Node* found = references_.ids.find(id).node;
+  return found && object_family(*found) == family ? object(*found) : nullptr;
+}
+
+const PluginInfo* Builder::plugin_of(const Node& node, const PluginAlias** alias) {
+  const Registry& registry = Registry::instance();
+  const std::string family = object_family(node);
+  if (!check_attributes(node, {"type"}, {"id", "name"}, diagnostics_) || node.find("type")->failed)
+    return nullptr;
+  const Attribute& type = *node.find("type");
+  *alias = find_alias(family, type.value);
+  if (*alias) {
+    const std::string replacement((*alias)->replacement);
+    diagnostics_.note(type.where, family + " \"" + type.value + "\" is replaced by \"" + replacement +
+                                      "\": " + std::string((*alias)->reason));
+    if (const PluginInfo* plugin = registry.find(family, replacement)) return plugin;
+  }
+  if (const PluginInfo* plugin = registry.find(family, type.value)) return plugin;
+
+  const std::vector<std::string> names = registry.names(family);
+  std::string hint = did_you_mean(type.value, names);
+  if (hint.empty() && !names.empty()) {
+    hint = "; there are: ";
+    for (const std::string& name : names) hint += (name == names.front() ? "" : ", ") + name;
+  }
+  diagnostics_.error(type.where, "unknown " + family + " \"" + type.value + "\"" + hint);
+  return nullptr;
+}
+
+ObjectPtr Builder::construct(const Node& node) {
+  if (is_unsupported_object(node)) {
+    diagnostics_.error(node.where, "<" + node.tag + "> is not supported yet");
+    return nullptr;
+  }
+  const PluginAlias* alias = nullptr;
+  const PluginInfo* plugin = plugin_of(node, &alias);
+  Properties properties(plugin ? plugin->name : node.get("type"), node.get("id"), node.where, context_,
+                        plugin);
+
+  bool good = plugin != nullptr;
+  for (const Node& child : node.children) {
+    bool ignored = false;
+    if (alias)
+      for (std::string_view name : alias->ignored) ignored |= child.get("name") == name;
+    if (ignored)
+      diagnostics_.note(child.where, "\"" + child.get("name") + "\" is ignored: \"" + plugin->name +
+                                         "\" has no use for it");
+    else
+      good &= add_child(child, properties);
+  }
+  // Without one of its children the constructor would report errors that only follow from that.
+  ObjectPtr object = good ? create(node, *plugin, properties) : nullptr;
+  if (!object && plugin) report_unknown_parameters(node, *plugin);
+  return object;
+}
+
+ObjectPtr Builder::given(const Node& node) {
+  if (!check_attributes(node, {"key"}, {"name", "id"}, diagnostics_)) return nullptr;
+  const auto found = given_.find(node.get("key"));
+  if (found != given_.end()) return found->second;
+  diagnostics_.error(node.where,
+                     "<given> stands for an object of the program that loads the scene, which knows no \"" +
+                         node.get("key") + "\"");
+  return nullptr;
+}
+
+bool Builder::add_child(const Node& child, Properties& properties) {
+  std::optional<Properties::Value> value;
+  if (!object_family(child).empty() || child.tag == "ref" || is_unsupported_object(child)) {
+    if (ObjectPtr object = this->object(child)) value = std::move(object);
+  } else if (child.tag == "given") {
+    if (ObjectPtr object = this->object(child)) value = std::move(object);
+  } else if (child.tag == "alias") {
+    return true;  // References knows it
+  } else if (is_property(child)) {
+    value = property_value(child, diagnostics_);
+  } else {
+    diagnostics_.error(unknown_element(child));
+  }
+  if (!value) return false;
+  try {
+    properties.add(child.get("name"), std::move(*value), child.where);
+  } catch (const Error& e) {
+    diagnostics_.error(e);
+    return false;
+  }
+  return true;
+}
+
+ObjectPtr Builder::create(const Node& node, const PluginInfo& plugin, const Properties& properties) {
+  try {
+    ObjectPtr object;
+    if (pool_ && plugin.family == "shape")
+      object = make_model(plugin, properties, *pool_->geometry_source(keys_.of(node)));
+    else
+      object = make_element(plugin, properties);
+    if (!object) throw Error("the plug-in made no object");
+    properties.report_unused(diagnostics_);
+    return object;
+  } catch (const Error& e) {
+    report(node, e, diagnostics_);
+  } catch (const std::exception& e) {
+    diagnostics_.error(node.where, "\"" + plugin.name + "\": " + e.what());
+  }
+  return nullptr;
+}
+
+void Builder::report_unknown_parameters(const Node& node, const PluginInfo& plugin) {
+  // The constructor threw before it had read all parameters: only undocumented names are known to be wrong.
+  Properties unknown(plugin.name, node.get("id"), node.where, context_, &plugin);
+  for (const Node& child : node.children) {
+    const std::string name = child.get("name");
+    if (!is_property(child) || name.empty() || plugin.documents(name) || unknown.has(name)) continue;
+    if (child.tag == "spectrum" && plugin.documents("(any name)")) continue;
+    unknown.add(name, false, child.where);
+  }
+  unknown.report_unused(diagnostics_);
+}
+
+}  // namespace aureole

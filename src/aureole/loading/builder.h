@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// Last stage of loading: nodes -> objects. Each object is built once, when it is first needed, and shared by
+// every reference to it, so that a reference may come before what it refers to.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "aureole/loading/object_pool.h"
+#include "aureole/loading/references.h"
+#include "aureole/plugin/properties.h"
+
+namespace aureole {
+
+struct PluginAlias;
+
+class Builder : public SceneLookup {
+public:
+  /// `given` are the objects that <given key="..."/> stands for; `pool`, which may be null, holds those of an
+  /// earlier build.
+  Builder(const References& references, std::shared_ptr<const BuildContext> context, Diagnostics& diagnostics,
+          const std::map<std::string, ObjectPtr>& given, ObjectPool* pool = nullptr)
+      : references_(references),
+        context_(std::move(context)),
+        diagnostics_(diagnostics),
+        given_(given),
+        pool_(pool),
+        keys_(references, given) {}
+
+  /// The object of an element or of a <ref> to it. Null where it could not be built; the reasons have been
+  /// reported, and only once for all references to it.
+  ObjectPtr object(const Node& node);
+
+  ObjectPtr find(std::string_view family, const std::string& id) override;
+  void add_file(const std::filesystem::path& file) override { files_.push_back(file); }
+  const std::vector<std::filesystem::path>& files() const { return files_; }
+
+  /// The object built for each element so far.
+  const std::unordered_map<const Node*, ObjectPtr>& built() const { return built_; }
+
+  /// The element itself; for a <ref>, the element it refers to, or null if there is none.
+  const Node* target(const Node& node) const { return references_.follow(node); }
+
+private:
+  ObjectPtr construct(const Node& node);
+  ObjectPtr given(const Node& node);
+  const PluginInfo* plugin_of(const Node& node, const PluginAlias** alias);
+  /// Adds the parameter or child object; false if it has a problem.
+  bool add_child(const Node& child, Properties& properties);
+  ObjectPtr create(const Node& node, const PluginInfo& plugin, const Properties& properties);
+  void report_unknown_parameters(const Node& node, const PluginInfo& plugin);
+
+  const References& references_;
+  std::shared_ptr<const BuildContext> context_;
+  Diagnostics& diagnostics_;
+  const std::map<std::string, ObjectPtr>& given_;
+  ObjectPool* pool_;
+  PoolKeys keys_;
+  std::unordered_map<const Node*, ObjectPtr> built_;  ///< null for failed ones
+  std::vector<std::filesystem::path> files_;
+};
+
+/// `unknown element <bdsf>; did you mean "bsdf"?`
+Error unknown_element(const Node& node);
+
+}  // namespace aureole

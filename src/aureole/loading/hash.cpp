@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hashes: of a scene's content, by which a checkpoint recognises the scene it belongs to, and of single
+// elements, by which objects are found again after a change.
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "aureole/loading/object_pool.h"
+#include "aureole/loading/references.h"
+#include "aureole/loading/values.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+/// FNV-1a over 64-bit words instead of bytes, for files of many megabytes, with a final mix because
+/// multiplication alone carries nothing from high to low bits.
+class Hash {
+public:
+  void bytes(const char* data, std::size_t size) {
+    word(size);
+    for (; size >= 8; data += 8, size -= 8) {
+      std::uint64_t w;
+      std::memcpy(&w, data, 8);
+      word(w);
+    }
+    std::uint64_t rest = 0;
+    std::memcpy(&rest, data, size);
+    word(rest);
+  }
+  void text(std::string_view s) { bytes(s.data(), s.size()); }
+
+  std::uint64_t value() const {
+    std::uint64_t h = state_;
+    h = (h ^ (h >> 32)) * 0xd6e8feb86659fd93u;
+    return h ^ (h >> 32);
+  }
+  void number(std::uint64_t w) { word(w); }
+
+private:
+  void word(std::uint64_t w) { state_ = ((state_ ^ w) * 0x100000001b3u) ^ (state_ >> 29); }
+  std::uint64_t state_ = 0xcbf29ce484222325u;
+};
+
+void add_node(const Node& node, const References& references, Hash& hash) {
+  hash.text(node.tag);
+  std::vector<const Attribute*> sorted;
+  for (const Attribute& a : node.attributes) sorted.push_back(&a);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const Attribute* a, const Attribute* b) { return a->name < b->name; });
+  for (const Attribute* a : sorted) {
+    if (a->name == "version" || references.names_file(*a))
+      continue;  // a file counts by its content, wherever it lies
+    hash.text(a->name);
+    if (node.tag == "string")
+      hash.text(a->value);
+    else
+      for (std::string_view word : split_list(a->value)) hash.text(word);
+  }
+  const FamilyInfo* family = Registry::instance().family(object_family(node));
+  const bool holds_parameters_of_render = family && family->parameters_are_of_render;
+  for (const Node& child : node.children)
+    if (!(holds_parameters_of_render && family->shares(child.get("name")))) add_node(child, references, hash);
+  hash.text("/");
+}
+
+/// Of an element with all it refers to.
+class KeyMaker {
+public:
+  KeyMaker(const References& references, const std::map<std::string, ObjectPtr>& given)
+      : references_(references), given_(given) {}
+
+  std::uint64_t key(const Node& node, bool without_children_of_shape = false) {
+    if (const Node* target = references_.follow(node); target && target != &node) return key(*target);
+    if (const auto known = known_.find(&node); known != known_.end() && !without_children_of_shape)
+      return known->second;
+    Hash hash;
+    hash.text(node.tag);
+    for (const Attribute& a : node.attributes) {
+      hash.text(a.name);
+      hash.text(a.value);
+      if (references_.names_file(a)) add_file(a.value, hash);
+    }
+    for (const Node& child : node.children) {
+      if (without_children_of_shape) {
+        const Node* target = references_.follow(child);
+        if (target && hangs_on_shape(*target)) continue;
+      }
+      hash.text(child.get("name"));  // of a reference: the target's hash does not contain this name
+      hash.number(key(child));
+    }
+    if (!without_children_of_shape) known_[&node] = hash.value();
+    return hash.value();
+  }
+
+private:
+  bool hangs_on_shape(const Node& node) const {
+    if (const FamilyInfo* family = Registry::instance().family(object_family(node)))
+      return family->hangs_on_shapes;
+    const auto given = node.tag == "given" ? given_.find(node.get("key")) : given_.end();
+    if (given == given_.end() || !given->second) return false;
+    const Object* object = given->second.get();
+    return dynamic_cast<const Bsdf*>(object) || dynamic_cast<const Emitter*>(object) ||
+           dynamic_cast<const Sensor*>(object);
+  }
+  static void add_file(const std::string& path, Hash& hash) {
+    std::error_code ignored;
+    hash.number(std::uint64_t(std::filesystem::file_size(path, ignored)));
+    hash.number(std::uint64_t(std::filesystem::last_write_time(path, ignored).time_since_epoch().count()));
+  }
+
+  const References& references_;
+  const std::map<std::string, ObjectPtr>& given_;
+  std::unordered_map<const Node*, std::uint64_t> known_;
+};
+
+}  // namespace
+
+struct PoolKeys::Maker : KeyMaker {
+  using KeyMaker::KeyMaker;
+};
+PoolKeys::PoolKeys(const References& references, const std::map<std::string, ObjectPtr>& given)
+    : maker_(std::make_unique<Maker>(references, given)) {}
+PoolKeys::~PoolKeys() = default;
+ObjectPool::Key PoolKeys::of(const Node& node) {
+  return {maker_->key(node), object_family(node) == "shape" ? maker_->key(node, true) : 0};
+}
+
+std::uint64_t content_hash(const Node& root, const References& references) {
+  Hash hash;
+  add_node(root, references, hash);
+  for (const auto& file : references.files) {
+    std::ifstream stream(file, std::ios::binary);
+    std::vector<char> block(1 << 20);
+    do {
+      stream.read(block.data(), std::streamsize(block.size()));
+      hash.bytes(block.data(), std::size_t(stream.gcount()));
+    } while (stream);
+  }
+  return hash.value();
+}
+
+}  // namespace aureole

@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/load.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "aureole/core/units.h"
+#include "aureole/loading/assembly.h"
+#include "aureole/loading/builder.h"
+#include "aureole/loading/order.h"
+#include "aureole/loading/overrides.h"
+#include "aureole/loading/sensor_grid.h"
+#include "aureole/loading/stages.h"
+#include "aureole/loading/upgrade.h"
+
+namespace aureole {
+
+namespace {
+
+/// Objects may add notes for as long as they live, so that the messages must live as long as the context.
+struct OwnedContext {
+  BuildContext context;
+  Diagnostics diagnostics;
+};
+
+/// "mm" or "2.5mm" in metres.
+double parse_length_unit(const Node& node) {
+  if (node.tag != "string")
+    throw Error(node.where, "length_unit needs a unit: write <string name=\"length_unit\" value=\"mm\"/>");
+  const std::string text = node.get("value");
+  const bool starts_with_number = !text.empty() && (std::isdigit(static_cast<unsigned char>(text[0])) ||
+                                                    text[0] == '.' || text[0] == '-' || text[0] == '+');
+  const double unit = parse_length_m(starts_with_number ? text : "1" + text);
+  if (!(unit > 0)) throw Error("must be positive, got \"" + text + "\"");
+  return unit;
+}
+
+double length_unit(const Node& root, Diagnostics& diagnostics) {
+  double unit = 1;
+  const Node* first = nullptr;
+  for (const Node& child : root.children) {
+    if (!is_property(child) || child.get("name") != "length_unit") continue;
+    if (first) diagnostics.error(child.where, "length_unit is given twice: first at " + first->where.str());
+    first = &child;
+    if (!check_attributes(child, {"name", "value"}, {}, diagnostics) || child.find("value")->failed) continue;
+    try {
+      unit = parse_length_unit(child);
+    } catch (const Error& e) {
+      diagnostics.error(child.find("value")->where, "length_unit: " + e.message());
+    }
+  }
+  return unit;
+}
+
+/// Upgraded nodes and the state needed to build objects from them.
+class Loading {
+public:
+  Loading(ParsedScene& parsed, std::shared_ptr<OwnedContext> owned)
+      : owned_(std::move(owned)), parsed_(parsed), references(parsed, owned_->diagnostics) {
+    owned_->context.diagnostics = &owned_->diagnostics;
+    owned_->context.length_unit_m = length_unit(parsed.root, diagnostics());
+  }
+
+  /// Calls `build` with a builder of objects for `grid`.
+  template <class Build>
+  void build(const SpectralGrid& grid, const LoadOptions& options, ObjectPool* pool, const Build& build) {
+    owned_->context.grid = grid;
+    if (pool && !pool->empty()) stop_at_errors();  // a grid that errors made invalid would empty the pool
+    if (pool) pool->begin(owned_->context);
+    Builder builder(references, context(), diagnostics(), options.given, pool);
+    owned_->context.scene = &builder;
+    build(builder);
+    owned_->context.scene = nullptr;
+    stop_at_errors();
+    references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
+  }
+
+  void stop_at_errors() const {
+    if (owned_->diagnostics.has_errors())
+      throw ErrorList(in_file_order(owned_->diagnostics.errors(), parsed_.files));
+  }
+  std::vector<std::string> notes() const { return in_file_order(owned_->diagnostics.notes(), parsed_.files); }
+  Diagnostics& diagnostics() { return owned_->diagnostics; }
+  std::shared_ptr<const BuildContext> context() const { return {owned_, &owned_->context}; }
+
+private:
+  std::shared_ptr<OwnedContext> owned_;
+  ParsedScene& parsed_;
+
+public:
+  References references;
+};
+
+/// Parses text into upgraded nodes, ready for building.
+ParsedScene read_nodes(const std::filesystem::path& file, const std::optional<std::string>& text,
+                       const LoadOptions& options, Diagnostics& diagnostics) {
+  ParsedScene parsed = parse_scene(file, text, options.defines, diagnostics);
+  if (parsed.root.tag != "scene" && diagnostics.has_errors())
+    throw ErrorList(in_file_order(diagnostics.errors(), parsed.files));
+  upgrade(parsed.root, diagnostics);
+  return parsed;
+}
+
+/// The same for whole scenes.
+ParsedScene read_scene_nodes(const std::filesystem::path& file, const std::optional<std::string>& text,
+                             const LoadOptions& options, Diagnostics& diagnostics) {
+  ParsedScene parsed = read_nodes(file, text, options, diagnostics);
+  if (parsed.complete)
+    apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
+  return parsed;
+}
+
+LoadedParts build_parts(ParsedScene& parsed, const std::shared_ptr<OwnedContext>& owned,
+                        const LoadOptions& options, ObjectPool* pool, OpenedParts* opened) {
+  Loading loading(parsed, owned);
+  LoadedParts loaded;
+  loading.build(sensor_grid(loading.references, loading.diagnostics()), options, pool, [&](Builder& builder) {
+    SceneAssembly assembly(builder, loading.references, loading.diagnostics());
+    assembly.run(parsed.root, parsed.complete);
+    loaded.parts = std::move(assembly.parts);
+    loaded.integrator = std::move(assembly.integrator);
+    if (opened) opened->objects = builder.built();
+  });
+  loaded.parts.context = loading.context();
+  loaded.file = parsed.files.front()->path;
+  loaded.hash = content_hash(parsed.root, loading.references);
+  loaded.notes = loading.notes();
+  return loaded;
+}
+
+}  // namespace
+
+LoadedParts load_parts(const std::filesystem::path& file, const std::optional<std::string>& text,
+                       const LoadOptions& options) {
+  const auto owned = std::make_shared<OwnedContext>();
+  ParsedScene parsed = read_scene_nodes(file, text, options, owned->diagnostics);
+  return build_parts(parsed, owned, options, nullptr, nullptr);
+}
+
+LoadedScene make_scene(LoadedParts loaded, const Scene* previous) {
+  LoadedScene made;
+  made.scene = std::make_shared<const Scene>(std::move(loaded.parts), previous);
+  made.integrator = std::dynamic_pointer_cast<const Integrator>(loaded.integrator);
+  if (loaded.integrator && !made.integrator)
+    throw std::logic_error("the plug-in \"" + loaded.integrator->properties().type() +
+                           "\" is registered in a wrong family");
+  made.hash = loaded.hash;
+  made.notes = std::move(loaded.notes);
+  made.notes.insert(made.notes.end(), made.scene->notes().begin(), made.scene->notes().end());
+  made.file = std::move(loaded.file);
+  return made;
+}
+
+LoadedScene load_scene(const std::filesystem::path& file, const LoadOptions& options) {
+  return make_scene(load_parts(file, {}, options));
+}
+
+LoadedScene load_scene_from_string(const std::string& text, const std::filesystem::path& pretended_file,
+                                   const LoadOptions& options) {
+  return make_scene(load_parts(pretended_file, text, options));
+}
+
+LoadedObject load_object_from_string(const std::string& text, const std::filesystem::path& pretended_file,
+                                     const SpectralGrid& grid, const LoadOptions& options) {
+  const auto owned = std::make_shared<OwnedContext>();
+  ParsedScene parsed = read_nodes(pretended_file, text, options, owned->diagnostics);
+  Loading loading(parsed, owned);
+  const auto is_object = [](const Node& node) { return !is_property(node) && node.tag != "alias"; };
+  const auto last = std::find_if(parsed.root.children.rbegin(), parsed.root.children.rend(), is_object);
+  if (last == parsed.root.children.rend()) {
+    loading.stop_at_errors();
+    throw Error(parsed.root.where, "there is no object");
+  }
+  LoadedObject loaded;
+  loading.build(grid, options, nullptr, [&](Builder& builder) {
+    for (const Node& child : parsed.root.children) {
+      const Node* target = is_object(child) ? builder.target(child) : nullptr;
+      if (!target) continue;
+      if (object_family(*target).empty() && !is_unsupported_object(*target)) {
+        loading.diagnostics().error(unknown_element(*target));
+        continue;
+      }
+      ObjectPtr object = builder.object(child);
+      if (&child == &*last) loaded.object = object, loaded.family = object_family(*target);
+    }
+  });
+  loaded.context = loading.context();
+  loaded.notes = loading.notes();
+  return loaded;
+}
+
+std::unique_ptr<ParsedScene> open_scene(const std::filesystem::path& file,
+                                        const std::optional<std::string>& text, const LoadOptions& options,
+                                        std::vector<std::string>& notes) {
+  Diagnostics diagnostics;
+  auto parsed = std::make_unique<ParsedScene>(read_scene_nodes(file, text, options, diagnostics));
+  if (diagnostics.has_errors()) throw ErrorList(in_file_order(diagnostics.errors(), parsed->files));
+  notes = in_file_order(diagnostics.notes(), parsed->files);
+  return parsed;
+}
+
+OpenedParts build_opened(ParsedScene& parsed, const LoadOptions& options, ObjectPool& pool) {
+  OpenedParts opened;
+  static_cast<LoadedParts&>(opened) =
+      build_parts(parsed, std::make_shared<OwnedContext>(), options, &pool, &opened);
+  return opened;
+}
+
+void complete(ParsedScene& parsed) {
+  Diagnostics diagnostics;
+  apply_overrides(parsed.root, {}, diagnostics);
+  if (diagnostics.has_errors()) throw ErrorList(in_file_order(diagnostics.errors(), parsed.files));
+}
+
+}  // namespace aureole

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/node.h"
+
+#include <algorithm>
+
+#include "aureole/loading/aliases.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+const std::vector<std::string> kProperties = {"boolean", "integer", "float",    "string",   "point",
+                                              "vector",  "rgb",     "spectrum", "transform"};
+const std::vector<std::string> kOthers = {"scene", "default",   "include", "path",  "ref",    "alias",
+                                          "given", "translate", "rotate",  "scale", "lookat", "matrix"};
+
+bool contains(const std::vector<std::string>& list, std::string_view name) {
+  return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+}  // namespace
+
+const Attribute* Node::find(std::string_view name) const {
+  for (const Attribute& a : attributes)
+    if (a.name == name) return &a;
+  return nullptr;
+}
+
+Attribute* Node::find(std::string_view name) {
+  return const_cast<Attribute*>(static_cast<const Node*>(this)->find(name));
+}
+
+std::string Node::get(std::string_view name) const {
+  const Attribute* a = find(name);
+  return a ? a->value : "";
+}
+
+void Node::set(std::string_view name, std::string value) {
+  if (Attribute* a = find(name))
+    a->value = std::move(value), a->failed = false;
+  else
+    attributes.push_back({std::string(name), std::move(value), where});
+}
+
+Node* Node::named_child(std::string_view name) {
+  for (Node& c : children)
+    if (c.get("name") == name) return &c;
+  return nullptr;
+}
+
+std::string object_family(const Node& node) {
+  const FamilyInfo* family = Registry::instance().family_of_element(node.tag, node.find("type") != nullptr);
+  return family ? family->name : "";
+}
+
+bool is_property(const Node& node) { return contains(kProperties, node.tag) && object_family(node).empty(); }
+
+bool is_unsupported_object(const Node& node) { return contains(families_to_come(), node.tag); }
+
+std::vector<std::string> all_tags() {
+  std::vector<std::string> all = Registry::instance().families();
+  for (const auto& list : {kProperties, families_to_come(), kOthers})
+    all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+bool check_attributes(const Node& node, std::initializer_list<std::string_view> required,
+                      std::initializer_list<std::string_view> optional, Diagnostics& diagnostics) {
+  std::vector<std::string> allowed;
+  for (const auto& list : {required, optional})
+    for (std::string_view name : list) allowed.emplace_back(name);
+
+  for (const Attribute& a : node.attributes)
+    if (!contains(allowed, a.name))
+      diagnostics.error(a.where, "unexpected attribute \"" + a.name + "\" of <" + node.tag + ">" +
+                                     did_you_mean(a.name, allowed));
+  bool complete = true;
+  for (std::string_view name : required) {
+    if (node.find(name)) continue;
+    diagnostics.error(node.where, "<" + node.tag + "> needs the attribute \"" + std::string(name) + "\"");
+    complete = false;
+  }
+  return complete;
+}
+
+}  // namespace aureole

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/object_pool.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+/// A number that changes when the file is modified, from its size and time.
+std::uint64_t stamp(const std::filesystem::path& file) {
+  std::error_code ignored;
+  return std::uint64_t(std::filesystem::file_size(file, ignored)) * 0x9e3779b97f4a7c15u +
+         std::uint64_t(std::filesystem::last_write_time(file, ignored).time_since_epoch().count());
+}
+
+}  // namespace
+
+/// Geometry of one element.
+class ObjectPool::Source final : public GeometrySource {
+public:
+  Source(ObjectPool& pool, std::uint64_t key) : pool_(pool), key_(key) {}
+
+  ObjectPtr geometry(const PluginInfo& plugin, const Properties& properties) override {
+    if (take(properties, [](const Entry& e) { return e.shape != nullptr; })) {
+      properties.mark_all_read();
+      return std::const_pointer_cast<Shape>(entry_->shape);
+    }
+    ObjectPtr made = plugin.create(properties);
+    entry_ = &pool_.add_entry(key_, properties.shown_attributes());
+    entry_->shape = std::dynamic_pointer_cast<const Shape>(made);
+    return made;
+  }
+  std::shared_ptr<const MeshParts> parts(const Properties& geometry) override {
+    return take(geometry, [](const Entry& e) { return e.parts != nullptr; }) ? entry_->parts : nullptr;
+  }
+  void keep(const Properties&, const std::shared_ptr<const MeshParts>& parts) override {
+    entry_->parts = parts, entry_->shape = nullptr;
+  }
+  std::shared_ptr<const AreaSampler> area_sampler(const ShapePtr& shape, AreaUse use) override {
+    auto& kept = entry_->samplers[use == AreaUse::emitter ? 0 : 1];
+    if (!kept) kept = shape->make_area_sampler(use);
+    return kept;
+  }
+  BsdfPtr material(const Properties& geometry, const std::string& name,
+                   const MtlMaterial& material) override {
+    Material& kept = entry_->materials[name];
+    const std::vector<std::uint64_t> files = {stamp(material.diffuse_map), stamp(material.opacity_map)};
+    if (!kept.bsdf || !(kept.made_of == material) || kept.files != files)
+      kept = {material, files, GeometrySource::material(geometry, name, material)};
+    return kept.bsdf;
+  }
+
+private:
+  template <class Accept>
+  bool take(const Properties& properties, const Accept& accept) {
+    for (const auto& e : pool_.shapes_)
+      if (!e->taken && e->key == key_ && e->attributes == properties.shown_attributes() && accept(*e)) {
+        entry_ = e.get();
+        return entry_->taken = true;
+      }
+    return false;
+  }
+
+  ObjectPool& pool_;
+  const std::uint64_t key_;
+  Entry* entry_ = nullptr;
+};
+
+bool ObjectPool::keeps(const std::string& family) {
+  const FamilyInfo* info = Registry::instance().family(family);
+  return info && info->is_reusable;
+}
+
+void ObjectPool::begin(const BuildContext& context) {
+  if (!(context.grid == grid_) || context.length_unit_m != length_unit_m_) objects_.clear(), shapes_.clear();
+  grid_ = context.grid, length_unit_m_ = context.length_unit_m;
+  for (const auto& e : shapes_) e->taken = false;
+}
+
+ObjectPtr ObjectPool::find(const Key& key) const {
+  const auto found = objects_.find(key.whole);
+  return found == objects_.end() ? nullptr : found->second;
+}
+
+std::unique_ptr<GeometrySource> ObjectPool::geometry_source(const Key& key) {
+  return std::make_unique<Source>(*this, key.geometry);
+}
+
+ObjectPool::Entry& ObjectPool::add_entry(std::uint64_t key, const std::vector<std::string>& attributes) {
+  Entry& entry = *shapes_.emplace_back(std::make_unique<Entry>());
+  entry.key = key, entry.attributes = attributes;
+  return entry;
+}
+
+bool ObjectPool::Entry::is_unused() const {
+  if (!parts) return shape.use_count() <= 1;
+  return std::all_of(parts->shapes.begin(), parts->shapes.end(),
+                     [](const ShapePtr& part) { return part.use_count() <= 1; });
+}
+
+void ObjectPool::trim() {
+  std::erase_if(shapes_, [](const auto& e) { return e->is_unused(); });
+  for (const auto& e : shapes_) {
+    for (auto& sampler : e->samplers)
+      if (sampler.use_count() == 1) sampler = nullptr;
+    std::erase_if(e->materials, [](const auto& m) { return m.second.bsdf.use_count() <= 1; });
+  }
+  // Dropping one object may release others of the pool: repeat until nothing changes.
+  while (std::erase_if(objects_, [](const auto& e) { return e.second.use_count() == 1; }) > 0) {
+  }
+}
+
+}  // namespace aureole

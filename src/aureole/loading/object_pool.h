@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+// Objects of earlier builds of a scene that the next build may keep, found by what they were made from.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "aureole/loading/references.h"
+#include "aureole/plugin/properties.h"
+#include "aureole/shape/model.h"
+
+namespace aureole {
+
+class ObjectPool {
+public:
+  /// Hash of an element and of everything below it, including the files that it names.
+  struct Key {
+    std::uint64_t whole = 0;
+    std::uint64_t geometry = 0;  ///< of a shape: without its BSDF, emitter and sensor
+  };
+
+  /// Begins a build: marks all geometry as unused. Empties the pool if the spectral grid or the unit of
+  /// length has changed.
+  void begin(const BuildContext& context);
+  /// Whether objects of a family are kept whole. Of shapes only the geometry is kept (`geometry_source`).
+  static bool keeps(const std::string& family);
+  /// An object made from an equal element, or null.
+  ObjectPtr find(const Key& key) const;
+  void add(const Key& key, const ObjectPtr& object) { objects_.emplace(key.whole, object); }
+  /// A source that returns the kept geometry of the shape with that key, or makes and keeps it. Must not be
+  /// used after the next `begin`.
+  std::unique_ptr<GeometrySource> geometry_source(const Key& key);
+  bool empty() const { return objects_.empty() && shapes_.empty(); }
+  /// Drops objects that nothing outside of the pool refers to.
+  void trim();
+
+private:
+  class Source;
+  /// The BSDF made from a material, with that material and the state of its files.
+  struct Material {
+    MtlMaterial made_of;
+    std::vector<std::uint64_t> files;
+    BsdfPtr bsdf;
+  };
+  /// Geometry of one element, with its parts and samplers. Used at most once per build, because two shapes of
+  /// a scene never share one geometry.
+  struct Entry {
+    std::uint64_t key = 0;
+    std::vector<std::string> attributes;
+    ShapePtr shape;                                  ///< or null, where the mesh was divided into
+    std::shared_ptr<const MeshParts> parts;          ///< these
+    std::shared_ptr<const AreaSampler> samplers[2];  ///< by AreaUse
+    std::unordered_map<std::string, Material> materials;
+    bool taken = true;
+
+    bool is_unused() const;
+  };
+  Entry& add_entry(std::uint64_t key, const std::vector<std::string>& attributes);
+
+  std::unordered_map<std::uint64_t, ObjectPtr> objects_;
+  std::vector<std::unique_ptr<Entry>> shapes_;
+  SpectralGrid grid_;
+  double length_unit_m_ = 0;
+};
+
+/// Keys of the elements of one tree, which must not change meanwhile. Files count by path, size and time.
+class PoolKeys {
+public:
+  /// `given` has the objects of the program, by their keys.
+  PoolKeys(const References& references, const std::map<std::string, ObjectPtr>& given);
+  ~PoolKeys();
+  ObjectPool::Key of(const Node& node);
+
+private:
+  struct Maker;
+  std::unique_ptr<Maker> maker_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/overrides.h"
+
+#include <algorithm>
+
+#include "aureole/loading/aliases.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+/// A node for an object that is not in the scene file: of the given plug-in, or of the family's default.
+Node synthetic(const Node& parent, const std::string& family, const std::string& type) {
+  Node node{family, {}, {}, parent.where, parent.file};
+  node.set("type", type.empty() ? Registry::instance().family(family)->fallback : type);
+  return node;
+}
+
+/// The registered plug-in for a name from the command line, through aliases; null (reported) if there is
+/// none.
+const PluginInfo* chosen_plugin(const std::string& family, const std::string& name,
+                                Diagnostics& diagnostics) {
+  const PluginInfo* info = find_plugin(family, name);
+  if (!info)
+    diagnostics.error({}, "--" + family + " " + name + ": unknown " + family +
+                              did_you_mean(name, Registry::instance().names(family)));
+  return info;
+}
+
+void override_sampler(Node& sampler, const std::string& type, Diagnostics& diagnostics) {
+  if (!chosen_plugin("sampler", type, diagnostics)) return;
+  sampler.set("type", type);
+  const FamilyInfo& family = *Registry::instance().family("sampler");
+  std::erase_if(sampler.children, [&](const Node& child) { return !family.shares(child.get("name")); });
+}
+
+void set_sample_count(Node& sampler, std::int64_t count) {
+  std::erase_if(sampler.children, [](const Node& child) { return child.get("name") == "sample_count"; });
+  Node number{"integer", {}, {}, sampler.where, sampler.file};
+  number.set("name", "sample_count");
+  number.set("value", std::to_string(count));
+  sampler.children.push_back(std::move(number));
+}
+
+void override_integrator(Node& integrator, const std::string& type, Diagnostics& diagnostics) {
+  const PluginInfo* info = chosen_plugin("integrator", type, diagnostics);
+  if (!info) return;
+  if (integrator.get("type") == type) return;
+  integrator.set("type", type);
+  std::erase_if(integrator.children, [&](const Node& child) {
+    const std::string name = child.get("name");
+    if (!name.empty() && info->documents(name)) return false;
+    const std::string what = name.empty() ? "<" + child.tag + ">" : "\"" + name + "\"";
+    diagnostics.note(child.where,
+                     what + " is ignored: the integrator \"" + type + "\" has no such parameter");
+    return true;
+  });
+}
+
+}  // namespace
+
+Node* child_of_family(const Ids& ids, Node& parent, std::string_view family) {
+  for (Node& child : parent.children)
+    if (Node* target = ids.follow(child); target && object_family(*target) == family) return target;
+  return nullptr;
+}
+
+Node* first_sensor(const Ids& ids) {
+  for (Node& child : ids.root().children) {
+    Node* node = ids.follow(child);
+    if (!node) continue;
+    if (object_family(*node) == "sensor") return node;
+    if (object_family(*node) != "shape") continue;
+    if (Node* sensor = child_of_family(ids, *node, "sensor")) return sensor;
+  }
+  return nullptr;
+}
+
+void apply_overrides(Node& root, const LoadOptions& options, Diagnostics& diagnostics) {
+  // Ids are looked up again after each insertion, since inserting a node may move its siblings in memory.
+  if (!child_of_family(Ids(root), root, "integrator"))
+    root.children.push_back(synthetic(root, "integrator", options.integrator));
+  if (!options.integrator.empty())
+    override_integrator(*child_of_family(Ids(root), root, "integrator"), options.integrator, diagnostics);
+
+  Node* sensor = first_sensor(Ids(root));
+  if (!sensor) return;
+  if ((!options.sampler.empty() || options.sample_count) && !child_of_family(Ids(root), *sensor, "sampler"))
+    sensor->children.push_back(synthetic(*sensor, "sampler", options.sampler));
+  Node* sampler = child_of_family(Ids(root), *sensor, "sampler");
+  if (!sampler) return;
+  if (!options.sampler.empty()) override_sampler(*sampler, options.sampler, diagnostics);
+  if (options.sample_count) set_sample_count(*sampler, *options.sample_count);
+  const PluginInfo* chosen = find_plugin("sampler", sampler->get("type"));
+  if (options.sampler.empty() && chosen && !chosen->doc.advice.empty())
+    diagnostics.note(sampler->where, chosen->doc.advice);
+}
+
+}  // namespace aureole

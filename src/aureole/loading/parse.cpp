@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/parse.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <pugixml.hpp>
+#include <sstream>
+
+#include "aureole/loading/encoding.h"
+#include "aureole/loading/parameters.h"
+
+namespace aureole {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Limits of nested elements and nested includes, since loading is recursive, and of the number of included
+/// files, which may double with every level: far above real scenes, and far below the size of stack and
+/// memory.
+constexpr int kDeepestElement = 256, kDeepestInclude = 32, kMostIncludes = 1000;
+
+/// Turns places in the text that pugixml parses into lines and columns. pugixml works in place, so that its
+/// names and values point into `buffer`, while `original` keeps the line ends that it overwrites.
+class LocatedText {
+public:
+  LocatedText(std::string text, std::string file)
+      : buffer(text), original_(std::move(text)), file_(std::move(file)) {
+    for (std::size_t i = 0; i < original_.size(); ++i)
+      if (original_[i] == '\n') line_starts_.push_back(i + 1);
+  }
+
+  SourceLocation at(std::size_t offset) const {
+    offset = std::min(offset, original_.size());
+    const auto line =
+        std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) - line_starts_.begin();
+    SourceLocation where{file_, int(line), 1};
+    for (std::size_t i = line_starts_[std::size_t(line - 1)]; i < offset; ++i)
+      if ((static_cast<unsigned char>(original_[i]) & 0xC0) != 0x80) ++where.column;  // UTF-8 characters
+    return where;
+  }
+  /// Unknown line for what is not in the text: the empty value of an attribute, for one.
+  SourceLocation at(const char* p, std::size_t back = 0) const {
+    if (p < buffer.data() || p > buffer.data() + buffer.size()) return {file_, 0, 0};
+    return at(std::size_t(p - buffer.data()) - back);
+  }
+
+  std::string buffer;
+
+private:
+  std::string original_, file_;
+  std::vector<std::size_t> line_starts_{0};
+};
+
+SceneVersion parse_version(const Node& root, Diagnostics& diagnostics) {
+  SceneVersion version{3, 0, 0};
+  const Attribute* a = root.find("version");
+  if (!a) {
+    diagnostics.error(root.where, "<" + root.tag + "> needs a version: write version=\"3.0.0\"");
+    return version;
+  }
+  const char *p = a->value.data(), *end = p + a->value.size();
+  for (int i = 0; i < 3; ++i) {
+    const auto [next, problem] = std::from_chars(p, end, version[std::size_t(i)]);
+    const bool last = i == 2;
+    if (problem != std::errc() || (last ? next != end : next == end || *next != '.')) {
+      diagnostics.error(a->where, "the version \"" + a->value + "\" is not of the form \"3.0.0\"");
+      return {3, 0, 0};
+    }
+    p = next + 1;
+  }
+  return version;
+}
+
+class Parser {
+public:
+  Parser(Parameters& parameters, Diagnostics& diagnostics)
+      : parameters_(parameters), diagnostics_(diagnostics) {}
+
+  /// Parses one file; false if it is no XML document.
+  bool parse(std::shared_ptr<SourceFile> file, std::string content, Node& root) {
+    LocatedText text(to_utf8(std::move(content)), file->shown);
+    scene.files.push_back(file);
+    pugi::xml_document document;
+    const auto result = document.load_buffer_inplace(text.buffer.data(), text.buffer.size(),
+                                                     pugi::parse_default, pugi::encoding_utf8);
+    if (!result) {
+      std::string what = result.description();
+      diagnostics_.error(text.at(std::size_t(result.offset)), "not valid XML: " + what);
+      return false;
+    }
+    const pugi::xml_node element = document.document_element();
+    root = shell(element, text, file);
+    file->version = parse_version(root, diagnostics_);
+    const bool included = file->included_by != nullptr;
+    if (!included && root.tag != "scene")
+      diagnostics_.error(root.where, "the root element must be <scene>, not <" + root.tag + ">");
+    add_children(element, text, file, root, 1);
+    return true;
+  }
+
+  ParsedScene scene;
+
+private:
+  /// The element without its children.
+  Node shell(pugi::xml_node element, const LocatedText& text, const SourceFilePtr& file) {
+    Node node{element.name(), {}, {}, text.at(element.name(), 1), file};
+    for (const pugi::xml_attribute a : element.attributes()) {
+      Attribute attribute{a.name(), a.value(), text.at(a.value())};
+      if (attribute.where.line == 0) attribute.where = text.at(a.name());
+      try {
+        attribute.value = parameters_.substitute(a.value(), attribute.where);
+      } catch (const Error& undefined) {
+        diagnostics_.error(undefined);
+        attribute.failed = true;
+      }
+      node.attributes.push_back(std::move(attribute));
+    }
+    return node;
+  }
+
+  void add_children(pugi::xml_node element, const LocatedText& text, const SourceFilePtr& file, Node& parent,
+                    int depth) {
+    if (depth > kDeepestElement) {
+      diagnostics_.error(parent.where,
+                         "elements are nested more than " + std::to_string(kDeepestElement) + " deep");
+      return;
+    }
+    for (const pugi::xml_node child : element.children()) {
+      if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata) {
+        const SourceLocation where = text.at(child.value());
+        diagnostics_.error(where.line ? where : parent.where,
+                           "text outside of attributes in <" + parent.tag + ">");
+      }
+      if (child.type() != pugi::node_element) continue;
+      Node node = shell(child, text, file);
+      if (node.tag == "default") {
+        if (check_attributes(node, {"name", "value"}, {}, diagnostics_))
+          parameters_.add_default(node.get("name"), node.get("value"));
+      } else if (node.tag == "path") {
+        add_search_folder(node, depth == 1);
+      } else if (node.tag == "include") {
+        include(node, parent);
+      } else {
+        add_children(child, text, file, node, depth + 1);
+        parent.children.push_back(std::move(node));
+      }
+    }
+  }
+
+  void add_search_folder(const Node& node, bool at_root) {
+    if (!at_root) diagnostics_.error(node.where, "<path> must be a child of <scene>");
+    if (!check_attributes(node, {"value"}, {}, diagnostics_) || node.find("value")->failed) return;
+    const fs::path folder = find_file(node.get("value"), *node.file, scene.search_folders);
+    std::error_code ignored;
+    if (folder.empty() || !fs::is_directory(folder, ignored))
+      diagnostics_.error(node.find("value")->where, "no such folder: " + node.get("value"));
+    else
+      scene.search_folders.insert(scene.search_folders.begin(), folder);
+  }
+
+  void include(const Node& node, Node& parent) {
+    const Attribute* name = node.find("filename");
+    if (!check_attributes(node, {"filename"}, {"name"}, diagnostics_) || name->failed) {
+      scene.complete = false;
+      return;
+    }
+    auto file = std::make_shared<SourceFile>();
+    file->path = find_file(name->value, *node.file, scene.search_folders);
+    file->included_by = node.file;
+    file->included_at = node.where;
+    std::ifstream stream(file->path, std::ios::binary);
+    std::error_code ignored;
+    // A device or pipe may have no end.
+    if (file->path.empty() || !stream || !fs::is_regular_file(file->path, ignored)) {
+      diagnostics_.error(name->where, "cannot read the included file \"" + name->value + "\"");
+      scene.complete = false;
+      return;
+    }
+    int depth = 1;
+    for (const SourceFile* f = node.file.get(); f; f = f->included_by.get(), ++depth) {
+      if (!fs::equivalent(f->path, file->path, ignored)) continue;
+      diagnostics_.error(name->where, "recursive include: \"" + name->value + "\" includes itself");
+      return;
+    }
+    if (depth > kDeepestInclude || scene.files.size() > kMostIncludes) {
+      if (scene.complete)
+        diagnostics_.error(name->where, "more than " + std::to_string(kMostIncludes) +
+                                            " files are included, or more than " +
+                                            std::to_string(kDeepestInclude) + " by one another");
+      scene.complete = false;
+      return;
+    }
+    file->shown = shown_path(name->value, *file, *node.file);
+
+    std::ostringstream content;
+    content << stream.rdbuf();
+    Node root;
+    if (!parse(file, std::move(content).str(), root)) {
+      scene.complete = false;
+    } else if (root.tag == "scene") {
+      for (Node& child : root.children) parent.children.push_back(std::move(child));
+    } else {
+      std::erase_if(root.attributes, [](const Attribute& a) { return a.name == "version"; });
+      if (const Attribute* given = node.find("name")) root.set("name", given->value);
+      parent.children.push_back(std::move(root));
+    }
+  }
+
+  /// The included file's path in the style of the including file's.
+  static std::string shown_path(const std::string& name, const SourceFile& file, const SourceFile& from) {
+    const fs::path beside = (fs::path(from.shown).parent_path() / name).lexically_normal();
+    std::error_code ignored;
+    return fs::equivalent(beside, file.path, ignored) ? beside.string() : file.path.string();
+  }
+
+  Parameters& parameters_;
+  Diagnostics& diagnostics_;
+};
+
+}  // namespace
+
+fs::path find_file(const std::string& filename, const SourceFile& from,
+                   const std::vector<fs::path>& folders) {
+  const fs::path name = filename;
+  std::error_code ignored;
+  if (filename.empty()) return {};
+  if (name.is_absolute()) return fs::exists(name, ignored) ? name : fs::path();
+  for (const SourceFile* f = &from; f; f = f->included_by.get())
+    if (fs::exists(f->folder() / name, ignored)) return (f->folder() / name).lexically_normal();
+  for (const fs::path& folder : folders)
+    if (fs::exists(folder / name, ignored)) return (folder / name).lexically_normal();
+  return {};
+}
+
+ParsedScene parse_scene(const fs::path& file, const std::optional<std::string>& text,
+                        const std::vector<std::pair<std::string, std::string>>& defines,
+                        Diagnostics& diagnostics) {
+  auto source = std::make_shared<SourceFile>();
+  source->path = fs::absolute(file).lexically_normal();
+  source->shown = file.string();
+  std::string content;
+  if (text) {
+    content = *text;
+  } else {
+    std::error_code ignored;
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream || fs::is_directory(file, ignored)) {
+      diagnostics.error({source->shown, 0, 0}, "cannot read the scene file");
+      return {{}, {}, {source}, false};
+    }
+    std::ostringstream all;
+    all << stream.rdbuf();
+    content = std::move(all).str();
+  }
+  Parameters parameters(defines);
+  Parser parser(parameters, diagnostics);
+  if (!parser.parse(source, std::move(content), parser.scene.root)) {
+    parser.scene.complete = false;
+  } else if (parser.scene.complete) {  // a file that is missing may be the one that uses them
+    parameters.report_unused(source->shown, diagnostics);
+  }
+  return std::move(parser.scene);
+}
+
+}  // namespace aureole

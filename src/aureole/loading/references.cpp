@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/references.h"
+
+#include <algorithm>
+
+#include "aureole/loading/aliases.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+
+namespace {
+
+/// Nested elements and references in one path from the scene down: building them is recursive.
+constexpr std::size_t kDeepest = 512;
+/// References that are met when all those below an object are followed. A texture or BSDF that uses another
+/// one twice, which uses another one twice, ... would take forever to evaluate. Shapes may hold many.
+constexpr std::uint64_t kMostReferences = 10000;
+
+/// The attribute of a parameter of `object` that names a file, or null.
+Attribute* file_name(const PluginInfo* object, Node& parameter) {
+  if (parameter.tag == "spectrum" && is_property(parameter)) return parameter.find("filename");
+  const bool is_file = parameter.tag == "string" && object && object->names_file(parameter.get("name"));
+  return is_file ? parameter.find("value") : nullptr;
+}
+
+std::string searched(const SourceFile& from, const std::vector<std::filesystem::path>& folders) {
+  std::string text = " (looked in " + from.folder().string();
+  for (const SourceFile* f = from.included_by.get(); f; f = f->included_by.get())
+    if (f->folder() != from.folder()) text += ", " + f->folder().string();
+  for (const auto& folder : folders) text += ", " + folder.string();
+  return text + ")";
+}
+
+}  // namespace
+
+Ids::Ids(Node& root, bool complete, Diagnostics& diagnostics) : root_(&root) {
+  collect(root, diagnostics);
+  collect_aliases(root, complete, diagnostics);
+}
+
+Ids::Ids(Node& root) : root_(&root) {
+  Diagnostics unheard;
+  collect(root, unheard);
+  collect_aliases(root, true, unheard);
+}
+
+Ids::Held Ids::find(const std::string& id) const {
+  const auto found = entries_.find(id);
+  return found == entries_.end() ? Held{} : found->second.held;
+}
+
+Error Ids::unknown(const Attribute& id) const {
+  std::vector<std::string> names;
+  for (const auto& [name, entry] : entries_) names.push_back(name);
+  return Error(id.where, "no object has the id \"" + id.value + "\"" + did_you_mean(id.value, names));
+}
+
+void Ids::add(const Attribute& id, const Held& held, const SourceLocation& place, Diagnostics& diagnostics) {
+  const auto [entry, is_new] = entries_.try_emplace(id.value, Entry{held, place});
+  if (!is_new)
+    diagnostics.error(id.where,
+                      "the id \"" + id.value + "\" is taken: first given at " + entry->second.place.str());
+}
+
+void Ids::collect(Node& parent, Diagnostics& diagnostics) {
+  for (std::size_t i = 0; i < parent.children.size(); ++i) {
+    Node& node = parent.children[i];
+    const Attribute* id = node.find("id");
+    const bool is_object = !object_family(node).empty() || is_unsupported_object(node) || node.tag == "given";
+    if (id && is_object && !id->failed) add(*id, {&node, &parent, i}, node.where, diagnostics);
+    collect(node, diagnostics);
+  }
+}
+
+void Ids::collect_aliases(const Node& parent, bool complete, Diagnostics& diagnostics) {
+  for (const Node& node : parent.children) {
+    if (node.tag == "alias" && check_attributes(node, {"id", "as"}, {}, diagnostics)) {
+      const Attribute& id = *node.find("id");
+      if (const Held held = find(id.value); held.node && !id.failed)
+        add(*node.find("as"), held, node.where, diagnostics);
+      else if (!id.failed && complete)
+        diagnostics.error(unknown(id));
+    }
+    collect_aliases(node, complete, diagnostics);
+  }
+}
+
+class Resolver {
+public:
+  Resolver(References& references, ParsedScene& scene, Diagnostics& diagnostics)
+      : references_(references), scene_(scene), diagnostics_(diagnostics) {}
+
+  void run() {
+    locate_files(scene_.root);
+    link(scene_.root);
+    std::vector<const Node*> path;
+    find_cycles(scene_.root, path);
+    if (cut_all_) references_.targets_.clear();  // so that nobody follows them
+  }
+
+private:
+  void locate_files(Node& object) {
+    const PluginInfo* plugin = find_plugin(object_family(object), object.get("type"));
+    for (Node& child : object.children) {
+      if (Attribute* name = file_name(plugin, child); name && !name->failed) locate(*name, *child.file);
+      locate_files(child);
+    }
+  }
+
+  void locate(Attribute& name, const SourceFile& from) {
+    const std::filesystem::path found = find_file(name.value, from, scene_.search_folders);
+    std::error_code ignored;
+    if (found.empty() || !std::filesystem::is_regular_file(found, ignored)) {
+      diagnostics_.error(name.where,
+                         "no such file: \"" + name.value + "\"" + searched(from, scene_.search_folders));
+      name.failed = true;
+      return;
+    }
+    name.value = found.string();
+    references_.files.push_back(found);
+    references_.file_attributes_.insert(&name);
+  }
+
+  /// Finds the targets of references. Unknown ids are errors, unless a file that could not be read may define
+  /// them.
+  void link(Node& node) {
+    for (Node& child : node.children) {
+      link(child);
+      if (child.tag != "ref" || !check_attributes(child, {"id"}, {"name"}, diagnostics_)) continue;
+      if (!child.children.empty())
+        diagnostics_.error(child.children.front().where, "<ref> can't contain other elements");
+      const Attribute& id = *child.find("id");
+      if (id.failed) continue;
+      const Node* target = references_.ids.follow(child);
+      if (target) {
+        references_.targets_[&child] = target;
+        if (&node != &scene_.root) references_.nested_.insert(target);
+      } else if (scene_.complete) {
+        diagnostics_.error(references_.ids.unknown(id));
+      }
+    }
+  }
+
+  /// Size of the object graph below a node, with all references followed.
+  struct Extent {
+    std::size_t height = 0;
+    std::uint64_t references = 0;
+  };
+
+  /// Depth-first over objects and references; a reference back into the current path is cut.
+  Extent find_cycles(const Node& node, std::vector<const Node*>& path) {
+    if (const auto known = extents_.find(&node); known != extents_.end()) return known->second;
+    path.push_back(&node);
+    Extent extent;
+    for (const Node& child : node.children) {
+      const auto reference = references_.targets_.find(&child);
+      const bool refers = reference != references_.targets_.end();
+      const Node& next = refers ? *reference->second : child;
+      const auto start = std::find(path.begin(), path.end(), &next);
+      if (start != path.end()) {
+        report_cycle(child, next, {start, path.end()});
+        // A cycle may close by nesting, too, where a reference led to the inside of an object.
+        if (refers)
+          references_.targets_.erase(reference);
+        else
+          cut_all_ = true;
+        continue;
+      }
+      if (path.size() >= kDeepest) {
+        too_deep(child);
+        continue;
+      }
+      const Extent below = find_cycles(next, path);
+      extent.height = std::max(extent.height, below.height + 1);
+      extent.references = std::min(extent.references + below.references + refers, 2 * kMostReferences);
+      if (path.size() + below.height > kDeepest) too_deep(child);
+    }
+    path.pop_back();
+    const std::string family = object_family(node);
+    if (extent.references > kMostReferences && !family.empty() && family != "shape") {
+      // Objects that refer to this one exceed the limit as well; one error is enough.
+      if (!cut_all_)
+        diagnostics_.error(node.where, "the references below this " + family + " lead to more than " +
+                                           std::to_string(kMostReferences) + " objects");
+      cut_all_ = true;
+    }
+    extents_[&node] = extent;
+    return extent;
+  }
+
+  void report_cycle(const Node& child, const Node& next, const std::vector<const Node*>& path) {
+    std::string chain;
+    for (const Node* node : path)
+      if (node->find("id")) chain += "\"" + node->get("id") + "\" -> ";
+    diagnostics_.error(child.where, "circular reference: " + chain + "\"" + next.get("id") + "\"");
+  }
+
+  void too_deep(const Node& node) {
+    if (!cut_all_)
+      diagnostics_.error(node.where, "objects are nested more than " + std::to_string(kDeepest) +
+                                         " deep, references included");
+    cut_all_ = true;
+  }
+
+  References& references_;
+  ParsedScene& scene_;
+  Diagnostics& diagnostics_;
+  std::unordered_map<const Node*, Extent> extents_;
+  bool cut_all_ = false;
+};
+
+References::References(ParsedScene& scene, Diagnostics& diagnostics)
+    : ids(scene.root, scene.complete, diagnostics) {
+  Resolver(*this, scene, diagnostics).run();
+}
+
+const Node* References::follow(const Node& node) const {
+  if (node.tag != "ref") return &node;
+  const auto found = targets_.find(&node);
+  return found == targets_.end() ? nullptr : found->second;
+}
+
+}  // namespace aureole

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fourth stage of loading: ids, references and file names.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <unordered_map>
+#include <unordered_set>
+#include <vector>
+
+#include "aureole/loading/parse.h"
+
+namespace aureole {
+
+/// The elements that the ids of a tree name: the one place where a <ref> is followed. Holds pointers into the
+/// tree, whose nodes must stay where they are.
+class Ids {
+public:
+  /// An object and its parent; null for an unknown id.
+  struct Held {
+    Node* node = nullptr;
+    Node* parent = nullptr;
+    std::size_t child = 0;  ///< index among the parent's children
+  };
+
+  /// If an id is given twice, the first object counts.
+  explicit Ids(Node& root);
+  /// Reports ids that are given twice and, if the whole tree could be read (`complete`), aliases of unknown
+  /// ids.
+  Ids(Node& root, bool complete, Diagnostics& diagnostics);
+
+  Node& root() const { return *root_; }
+  Held find(const std::string& id) const;
+  /// The node itself; for a <ref>, the node it refers to, or null.
+  Node* follow(Node& node) const { return node.tag == "ref" ? find(node.get("id")).node : &node; }
+  /// `no object has the id "wal"; did you mean "wall"?`
+  Error unknown(const Attribute& id) const;
+
+private:
+  void collect(Node& parent, Diagnostics& diagnostics);
+  void collect_aliases(const Node& parent, bool complete, Diagnostics& diagnostics);
+  void add(const Attribute& id, const Held& held, const SourceLocation& place, Diagnostics& diagnostics);
+
+  struct Entry {
+    Held held;
+    SourceLocation place;  ///< of the object or the alias
+  };
+  Node* root_;
+  std::map<std::string, Entry> entries_;
+};
+
+/// The targets of a scene's references, and its files. Holds pointers into the node tree, which must not
+/// change any more.
+class References {
+public:
+  /// Makes file names absolute and finds the target of every reference. Reports duplicate ids, unknown ids,
+  /// circular references and files that do not exist.
+  References(ParsedScene& scene, Diagnostics& diagnostics);
+
+  /// The node itself; for a valid <ref>, its target; else null. References form no cycles.
+  const Node* follow(const Node& node) const;
+  /// Whether a <ref> inside another object leads to this one.
+  bool is_nested(const Node& node) const { return nested_.contains(&node); }
+  /// Whether the value of an attribute is the name of a file.
+  bool names_file(const Attribute& attribute) const { return file_attributes_.contains(&attribute); }
+
+  Ids ids;
+  std::vector<std::filesystem::path> files;  ///< that the scene names, in order
+
+private:
+  friend class Resolver;
+  std::unordered_map<const Node*, const Node*> targets_;  ///< of each good <ref>
+  std::unordered_set<const Node*> nested_;
+  std::unordered_set<const Attribute*> file_attributes_;
+};
+
+/// A number that changes with the content of the scene and of the referenced files, but not with comments,
+/// white space, places, or the sampler's sample_count and seed.
+std::uint64_t content_hash(const Node& root, const References& references);
+
+}  // namespace aureole

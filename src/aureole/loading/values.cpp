@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/loading/values.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "aureole/core/units.h"
+
+namespace aureole {
+
+namespace {
+
+constexpr std::string_view kSpaces = " \t\r\n";
+
+std::string_view trimmed(std::string_view s) {
+  const auto first = s.find_first_not_of(kSpaces);
+  return first == std::string_view::npos ? "" : s.substr(first, s.find_last_not_of(kSpaces) - first + 1);
+}
+
+std::string in_quotes(std::string_view s) { return "\"" + std::string(s) + "\""; }
+
+bool parse_boolean(std::string_view text) {
+  std::string s(trimmed(text));
+  std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+  if (s == "true" || s == "false") return s == "true";
+  throw Error(in_quotes(text) + " is not a boolean: write \"true\" or \"false\"");
+}
+
+std::int64_t parse_integer(std::string_view text) {
+  std::string_view s = trimmed(text);
+  if (!s.empty() && s.front() == '+') s.remove_prefix(1);
+  std::int64_t value = 0;
+  const auto [end, problem] = std::from_chars(s.data(), s.data() + s.size(), value);
+  if (problem == std::errc::result_out_of_range)
+    throw Error(in_quotes(text) + " is too large for an integer");
+  if (problem != std::errc() || end != s.data() + s.size())
+    throw Error(in_quotes(text) + " is not an integer");
+  return value;
+}
+
+double parse_float(const Node& node, std::string_view text) {
+  try {
+    return parse_number(text);
+  } catch (const Error& problem) {
+    bool is_length = true;
+    try {
+      parse_wavelength_nm(text);
+    } catch (const Error&) {
+      is_length = false;
+    }
+    throw Error(problem.message() +
+                (is_length ? "; a value with a unit is written <string name=" + in_quotes(node.get("name")) +
+                                 " value=" + in_quotes(text) + "/>"
+                           : ""));
+  }
+}
+
+Vec3 parse_vector(const Node& node, Diagnostics& diagnostics) {
+  std::vector<double> v;
+  if (const Attribute* value = node.find("value")) {
+    check_attributes(node, {"name", "value"}, {}, diagnostics);
+    v = parse_numbers(value->value);
+    if (v.size() == 1) v.assign(3, v[0]);
+    if (v.size() != 3) throw Error(value->where, in_quotes(value->value) + " must have 1 or 3 numbers");
+  } else {
+    if (!check_attributes(node, {"name", "x", "y", "z"}, {}, diagnostics)) return {};
+    for (const char* axis : {"x", "y", "z"}) v.push_back(parse_number(node.get(axis)));
+  }
+  return {float(v[0]), float(v[1]), float(v[2])};
+}
+
+/// Adds a point of a spectrum; the wavelengths must increase.
+void add_point(SpectrumLiteral& s, double nm, double value) {
+  if (!(nm > 0)) throw Error("the wavelength " + number_text(nm) + " nm is not positive");
+  if (!s.nm.empty() && nm <= s.nm.back())
+    throw Error("wavelengths must increase, but " + number_text(nm) + " nm follows " +
+                number_text(s.nm.back()) + " nm");
+  s.nm.push_back(nm);
+  s.values.push_back(value);
+}
+
+SpectrumLiteral spectrum_of(const Node& node, Diagnostics& diagnostics) {
+  const Attribute *value = node.find("value"), *file = node.find("filename");
+  check_attributes(node, {"name"}, {"value", "filename"}, diagnostics);
+  if (!value == !file) throw Error(node.where, "<spectrum> needs either \"value\", \"filename\" or \"type\"");
+  return value ? parse_spectrum(value->value) : read_spectrum_file(file->value);
+}
+
+bool has_failed_attribute(const Node& node) {
+  return std::any_of(node.attributes.begin(), node.attributes.end(),
+                     [](const Attribute& a) { return a.failed; }) ||
+         std::any_of(node.children.begin(), node.children.end(), has_failed_attribute);
+}
+
+Properties::Value convert(const Node& node, Diagnostics& diagnostics) {
+  if (node.tag != "transform" && !node.children.empty())
+    throw Error(node.children.front().where,
+                "<" + node.tag + "> can't contain <" + node.children.front().tag + ">");
+  if (node.tag == "point" || node.tag == "vector") return parse_vector(node, diagnostics);
+  if (node.tag == "spectrum") return spectrum_of(node, diagnostics);
+  if (node.tag == "transform") {
+    check_attributes(node, {"name"}, {}, diagnostics);
+    return parse_transform(node, diagnostics);
+  }
+  if (!check_attributes(node, {"name", "value"}, {}, diagnostics)) return false;
+  const std::string text = node.get("value");
+  if (node.tag == "boolean") return parse_boolean(text);
+  if (node.tag == "integer") return parse_integer(text);
+  if (node.tag == "float") return parse_float(node, text);
+  if (node.tag == "rgb") return parse_rgb(text);
+  return text;
+}
+
+}  // namespace
+
+std::optional<Properties::Value> property_value(const Node& node, Diagnostics& diagnostics) {
+  if (has_failed_attribute(node)) return {};
+  Diagnostics own;
+  std::optional<Properties::Value> value;
+  try {
+    value = convert(node, own);
+  } catch (const Error& e) {
+    // Errors without a location get the value's; an error in a spectrum file has its line, and the scene's
+    // location comes before it.
+    const bool in_scene = !e.where().file.empty() && node.file && e.where().file == node.file->shown;
+    const Attribute* text = node.find("value");
+    const Attribute* file = node.find("filename");
+    const SourceLocation here = text ? text->where : file ? file->where : node.where;
+    const std::string name = node.get("name");
+    if (in_scene)
+      own.error(e);
+    else
+      own.error(here, (name.empty() ? "" : "parameter " + in_quotes(name) + ": ") + e.what());
+  }
+  for (const std::string& message : own.errors()) diagnostics.error({}, message);
+  if (own.has_errors()) value.reset();
+  return value;
+}
+
+std::vector<std::string_view> split_list(std::string_view text) {
+  constexpr std::string_view separators = ", \t\r\n";
+  std::vector<std::string_view> words;
+  for (std::size_t begin = 0;
+       (begin = text.find_first_not_of(separators, begin)) != std::string_view::npos;) {
+    const std::size_t end = std::min(text.find_first_of(separators, begin), text.size());
+    words.push_back(text.substr(begin, end - begin));
+    begin = end;
+  }
+  return words;
+}
+
+std::vector<double> parse_numbers(std::string_view text) {
+  std::vector<double> numbers;
+  for (std::string_view word : split_list(text)) numbers.push_back(parse_number(word));
+  return numbers;
+}
+
+SpectrumLiteral parse_rgb(std::string_view text) {
+  SpectrumLiteral s;
+  s.kind = SpectrumLiteral::Kind::rgb;
+  const std::string_view t = trimmed(text);
+  if (!t.empty() && t.front() == '#') {
+    for (int i = 0; i < 3; ++i) {
+      int byte = 0;
+      const char* digits = t.data() + 1 + 2 * i;
+      if (t.size() != 7 || std::from_chars(digits, digits + 2, byte, 16).ptr != digits + 2)
+        throw Error(in_quotes(text) + " is not a colour of the form #rrggbb");
+      s.rgb[i] = srgb_to_linear(byte / 255.0);
+    }
+    return s;
+  }
+  const std::vector<double> v = parse_numbers(t);
+  if (v.size() != 1 && v.size() != 3) throw Error(in_quotes(text) + " must have 1 or 3 numbers");
+  for (std::size_t i = 0; i < 3; ++i) s.rgb[i] = v[v.size() == 1 ? 0 : i];
+  return s;
+}
+
+SpectrumLiteral parse_spectrum(std::string_view text) {
+  SpectrumLiteral s;
+  const auto words = split_list(text);
+  if (words.size() == 1 && words[0].find(':') == std::string_view::npos) {
+    s.value = parse_number(words[0]);
+    return s;
+  }
+  s.kind = SpectrumLiteral::Kind::points;
+  for (std::string_view word : words) {
+    const auto colon = word.find(':');
+    if (colon == std::string_view::npos) throw Error(in_quotes(word) + " is not a \"wavelength:value\" pair");
+    add_point(s, parse_wavelength_nm(word.substr(0, colon)), parse_number(word.substr(colon + 1)));
+  }
+  if (s.nm.size() < 2)
+    throw Error(in_quotes(text) + " must be one number or at least two \"wavelength:value\" pairs");
+  return s;
+}
+
+SpectrumLiteral read_spectrum_file(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) throw Error("cannot read the spectrum file " + file.string());
+  SpectrumLiteral s;
+  s.kind = SpectrumLiteral::Kind::points;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto words = split_list(std::string_view(line).substr(0, line.find('#')));
+    if (words.empty()) continue;
+    try {
+      if (words.size() != 2) throw Error("expected two columns, wavelength and value");
+      add_point(s, parse_wavelength_nm(words[0]), parse_number(words[1]));
+    } catch (const Error& e) {
+      throw Error({file.string(), number, 0}, e.message());
+    }
+  }
+  if (s.nm.size() < 2)
+    throw Error({file.string(), 0, 0}, "a spectrum needs at least two lines of wavelength and value");
+  return s;
+}
+
+double srgb_to_linear(double v) {
+  const double a = std::abs(v);
+  return std::copysign(a <= 0.04045 ? a / 12.92 : std::pow((a + 0.055) / 1.055, 2.4), v);
+}
+
+std::string number_text(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+}  // namespace aureole

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// `PolygonRegion`: a part of the plane bounded by closed rings of straight edges, checked and brought into
+// one form: outer rings run counter-clockwise, holes clockwise, and no two edges cross.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace aureole::optics {
+
+struct PlanePoint {
+  double x = 0, y = 0;
+};
+using Ring = std::vector<PlanePoint>;
+
+class PolygonRegion {
+public:
+  static constexpr std::size_t kMaxVertices = 10000;
+
+  /// The points that an odd number of rings surround, whichever way the rings run: a ring in a ring is a
+  /// hole, and of rings that overlap the common part is left out. A first point repeated at the end is
+  /// dropped. Throws std::domain_error, whose message has coordinates in the units of the points, where a
+  /// ring touches or crosses itself, where nothing is left, where a coordinate is not finite, or for more
+  /// than kMaxVertices.
+  static PolygonRegion even_odd(std::vector<Ring> rings);
+
+  const std::vector<Ring>& rings() const { return rings_; }
+  double area() const { return area_; }
+  PlanePoint centroid() const { return centroid_; }
+  /// Corners of the bounding box.
+  PlanePoint lower() const { return lower_; }
+  PlanePoint upper() const { return upper_; }
+
+  /// The region with every point p moved to scale (p - origin); scale > 0.
+  PolygonRegion placed(PlanePoint origin, double scale) const;
+
+private:
+  explicit PolygonRegion(std::vector<Ring> rings);
+
+  std::vector<Ring> rings_;
+  double area_ = 0;
+  PlanePoint centroid_, lower_, upper_;
+};
+
+}  // namespace aureole::optics

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Structure factors of hard discs from independent simulations, smooth and with a stated error.
+#pragma once
+
+#include <cstdint>
+
+#include "aureole/core/parallel_for.h"
+#include "aureole/optics/arrangement/partial_structure_factors.h"
+#include "aureole/optics/arrangement/structure_factor.h"
+
+namespace aureole::optics {
+
+struct HardDiscEnsemble {
+  static constexpr int kReplicas = 8;  ///< independent simulations, whatever the number of threads
+
+  /// Below this area fraction theory is closer than noise: its error is under 0.4 Fa^2.
+  static constexpr double kTheoryBelow = 0.03;
+
+  int discs = 1500;      ///< in each replica
+  int snapshots = 1200;  ///< in all replicas together
+  std::uint64_t seed = 0;
+  int per_ring = 24;  ///< wave vectors of a ring
+};
+
+struct HardDiscMeasurement {
+  HardDiscMixture mixture;  ///< as simulated: whole numbers of discs
+  RingStructureFactor structure;
+  double pressure;  ///< over that of an ideal gas
+};
+
+/// Simulates a mixture, of any area fraction above 0.01, each replica on a thread of `parallel_for`. Throws
+/// std::domain_error as HardDiscSimulation does.
+HardDiscMeasurement measure_hard_discs(const HardDiscMixture& mixture, const HardDiscEnsemble& ensemble = {},
+                                       const ParallelFor& parallel_for = serial_for);
+
+/// S_ml of the mixture, by simulation. Each class has one disc at least; ask the result for its fractions.
+PartialStructureFactors simulate_partial_structure_factors(const HardDiscMixture& mixture,
+                                                           const HardDiscEnsemble& ensemble = {},
+                                                           const ParallelFor& parallel_for = serial_for);
+
+/// S' of equal discs. Beyond the tabulated range, u = 40, it is that of Percus-Yevick to first order in c,
+/// the two fading into one another.
+class SimulatedStructureFactor final : public StructureFactor {
+public:
+  /// Throws std::domain_error unless 0 <= area_fraction <= HardDiscSimulation::kMaxAreaFraction; 0 has S'
+  /// = 1.
+  explicit SimulatedStructureFactor(double area_fraction, const HardDiscEnsemble& ensemble = {},
+                                    const ParallelFor& parallel_for = serial_for);
+  using StructureFactor::eval;
+  double eval(double u) const override { return table_.eval(0, 0, u); }
+  /// Standard error.
+  double error(double u) const { return table_.error(0, 0, u); }
+  double chi_squared() const { return table_.chi_squared(); }
+
+private:
+  PartialStructureFactors table_;
+};
+
+}  // namespace aureole::optics

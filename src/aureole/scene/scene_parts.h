@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// `SceneParts`: the objects that a scene is made of, from a file or from a program. All are immutable, so
+// that scenes may share them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "aureole/plugin/properties.h"
+#include "aureole/shape/model.h"
+
+namespace aureole {
+
+struct SceneParts {
+  std::vector<ModelPart> surfaces;                       ///< with the emitters that sit on them
+  std::vector<std::shared_ptr<const Emitter>> emitters;  ///< those on no shape
+  std::shared_ptr<const Sensor> sensor;
+  std::shared_ptr<const ShapeArea> sensor_area;  ///< of the shape that the sensor sits on, or null
+  /// The wavelengths and unit of length that all objects were built with; never null.
+  std::shared_ptr<const BuildContext> context;
+};
+
+}  // namespace aureole

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// Curves with a radius, such as hair: shared by `linearcurve` and `bsplinecurve`. Each intersects rays in its
+// own way; the hit is then moved onto the exact surface in double precision.
+#pragma once
+
+#include "aureole/plugin/registry.h"
+#include "aureole/shape/geometry/double3.h"
+#include "aureole/shape/shape.h"
+
+namespace aureole {
+
+/// Two unit vectors across the tangent of a curve, `rotation` as near to the z axis as possible; texture
+/// coordinate u is the angle from `radius` towards `rotation`, over 2 pi (as Mitsuba 3).
+struct CurveFrame {
+  Double3 rotation, radius;
+
+  explicit CurveFrame(const Double3& tangent);
+  float u_of(const Double3& direction) const;
+  Double3 direction(float u) const;
+};
+
+/// A place on the surface.
+struct CurvePoint {
+  double v;                      ///< place along the segment
+  Double3 center, tangent, out;  ///< on the curve; unit vectors along it and from there to the surface
+  double radius;
+  Double3 normal;  ///< of the surface, unit length
+};
+
+class Curves : public Shape {
+public:
+  Bounds3 bounds() const final { return bounds_; }
+  std::size_t primitive_count() const final { return first_.size(); }
+  std::size_t memory_bytes() const final;
+  SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray, bool tangent) const final;
+  std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const final;
+
+  struct ControlPoint {
+    Vec3 p;
+    float radius;
+  };
+  const std::vector<ControlPoint>& points() const { return points_; }
+  /// The first control point of each segment.
+  const std::vector<std::uint32_t>& segments() const { return first_; }
+
+protected:
+  /// Reads `filename`: curves of at least `points_per_segment` control points.
+  Curves(const Properties& properties, std::uint32_t points_per_segment);
+
+  const ControlPoint* segment(std::uint32_t primitive) const { return &points_[first_[primitive]]; }
+  /// The place on the surface of a segment nearest to the point `met`, which is near it; `v` is a guess.
+  virtual CurvePoint locate(std::uint32_t primitive, const Double3& met, double v) const = 0;
+
+private:
+  void read(const Properties& properties);
+
+  std::uint32_t points_per_segment_;
+  std::vector<ControlPoint> points_;
+  std::vector<std::uint32_t> first_;
+  Bounds3 bounds_;
+};
+
+/// The rows of the parameter table that both plug-ins share.
+std::vector<ParameterDoc> curve_parameters();
+
+}  // namespace aureole

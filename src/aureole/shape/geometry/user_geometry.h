@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// Surfaces given by equations as an Embree geometry: Embree finds the boxes, the surface meets the ray, in
+// double precision.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "aureole/shape/geometry/double3.h"
+
+namespace aureole {
+
+namespace detail {
+
+/// One primitive, or as many as the surface says.
+template <class Surface>
+constexpr bool kHasPrimitives = requires(const Surface& s) {
+  s.primitive_count();
+};
+
+/// The distance at which ray i of a packet of n meets the surface.
+template <class Surface>
+std::optional<float> packet_hit(const Surface& surface, unsigned primitive, RTCRayN* rays, unsigned n,
+                                unsigned i) {
+  const Double3 o(RTCRayN_org_x(rays, n, i), RTCRayN_org_y(rays, n, i), RTCRayN_org_z(rays, n, i));
+  const Double3 d(RTCRayN_dir_x(rays, n, i), RTCRayN_dir_y(rays, n, i), RTCRayN_dir_z(rays, n, i));
+  const float near = RTCRayN_tnear(rays, n, i), far = RTCRayN_tfar(rays, n, i);
+  std::optional<double> t;
+  if constexpr (kHasPrimitives<Surface>)
+    t = surface.intersect(primitive, o, d, near, far);
+  else
+    t = surface.intersect(o, d, near, far);
+  return t ? std::optional<float>(std::min(float(*t), far)) : std::nullopt;
+}
+
+template <class Surface>
+void user_intersect(const RTCIntersectFunctionNArguments* args) {
+  const Surface& surface = *static_cast<const Surface*>(args->geometryUserPtr);
+  const unsigned n = args->N;
+  RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
+  RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
+  for (unsigned i = 0; i < n; ++i) {
+    if (args->valid[i] != -1) continue;
+    const auto t = packet_hit(surface, args->primID, rays, n, i);
+    if (!t) continue;
+    RTCRayN_tfar(rays, n, i) = *t;
+    // surface_point finds everything else from the distance.
+    RTCHitN_Ng_x(hits, n, i) = 0, RTCHitN_Ng_y(hits, n, i) = 0, RTCHitN_Ng_z(hits, n, i) = 1;
+    RTCHitN_u(hits, n, i) = 0, RTCHitN_v(hits, n, i) = 0;
+    RTCHitN_primID(hits, n, i) = args->primID;
+    RTCHitN_geomID(hits, n, i) = args->geomID;
+    RTCHitN_instID(hits, n, i, 0) = args->context->instID[0];
+  }
+}
+
+template <class Surface>
+void user_occluded(const RTCOccludedFunctionNArguments* args) {
+  const Surface& surface = *static_cast<const Surface*>(args->geometryUserPtr);
+  for (unsigned i = 0; i < args->N; ++i)
+    if (args->valid[i] == -1 && packet_hit(surface, args->primID, args->ray, args->N, i))
+      RTCRayN_tfar(args->ray, args->N, i) = -std::numeric_limits<float>::infinity();
+}
+
+template <class Surface>
+void user_bounds(const RTCBoundsFunctionArguments* args) {
+  const Surface& surface = *static_cast<const Surface*>(args->geometryUserPtr);
+  Bounds3 b;
+  if constexpr (kHasPrimitives<Surface>)
+    b = surface.bounds(args->primID);
+  else
+    b = surface.bounds();
+  RTCBounds& r = *args->bounds_o;
+  r.lower_x = b.lower.x, r.lower_y = b.lower.y, r.lower_z = b.lower.z;
+  r.upper_x = b.upper.x, r.upper_y = b.upper.y, r.upper_z = b.upper.z;
+}
+
+}  // namespace detail
+
+/// A committed Embree geometry; `surface` must outlive it. A Surface has
+///   Bounds3 bounds() const, and
+///   std::optional<double> intersect(o, d, t_min, t_max) const: the nearest distance in (t_min, t_max);
+/// one of many primitives has primitive_count() besides, and both take the primitive first.
+template <class Surface>
+RTCGeometry make_user_geometry(RTCDevice device, const Surface& surface) {
+  RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
+  if constexpr (detail::kHasPrimitives<Surface>)
+    rtcSetGeometryUserPrimitiveCount(g, unsigned(surface.primitive_count()));
+  else
+    rtcSetGeometryUserPrimitiveCount(g, 1);
+  rtcSetGeometryUserData(g, const_cast<Surface*>(&surface));
+  rtcSetGeometryBoundsFunction(g, detail::user_bounds<Surface>, nullptr);
+  rtcSetGeometryIntersectFunction(g, detail::user_intersect<Surface>);
+  rtcSetGeometryOccludedFunction(g, detail::user_occluded<Surface>);
+  rtcCommitGeometry(g);
+  return g;
+}
+
+}  // namespace aureole

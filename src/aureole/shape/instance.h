@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// A group of shapes in one place of the scene.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <memory>
+
+#include "aureole/math/transform.h"
+#include "aureole/shape/surface_point.h"
+
+namespace aureole {
+
+class Properties;
+class Shape;
+struct ShapeList;
+
+class Instance {
+public:
+  /// `list` has the shapes; errors are located at `to_world` of `properties`.
+  Instance(std::shared_ptr<const ShapeList> list, const Transform& to_world, const Properties& properties);
+
+  const ShapeList& list() const { return *list_; }
+  bool is_in_same_place(const Instance& other) const { return to_world_ == other.to_world_; }
+
+  /// A committed Embree geometry, owned by the caller; `scene` holds the shapes.
+  RTCGeometry make_geometry(RTCDevice device, RTCScene scene) const;
+  /// The point of a hit on `shape`, one of the group's. Fills everything but `surface`.
+  SurfacePoint surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray, bool tangent) const;
+  SurfaceDerivatives to_world(const SurfaceDerivatives& d) const;
+  Bounds3 bounds() const;
+
+private:
+  /// Rows of an affine map.
+  using Rows = std::array<std::array<float, 4>, 3>;
+
+  std::shared_ptr<const ShapeList> list_;
+  // In single precision, as the ray caster stores it: the rounded transform defines the instance's position.
+  Rows to_world_, to_group_;
+  Rows error_;  ///< bound of the ray caster's error for an origin o: error_ applied to (|o|, 1)
+};
+
+}  // namespace aureole

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/shape/mesh/mesh_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+
+namespace aureole {
+
+MeshFile::MeshFile(const Properties& properties, std::filesystem::path path)
+    : properties_(properties), path_(std::move(path)) {
+  struct Closer {
+    void operator()(std::FILE* f) const { std::fclose(f); }
+  };
+  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path_.c_str(), "rb"));
+  std::error_code code;
+  const auto size = std::filesystem::file_size(path_, code);
+  if (!file || code) throw error("cannot be opened");
+  std::setvbuf(file.get(), nullptr, _IONBF, 0);
+  size_ = std::size_t(size);
+  bytes_ = std::make_unique_for_overwrite<char[]>(size_ + 1);
+  if (std::fread(bytes_.get(), 1, size_, file.get()) != size_) throw error("cannot be read");
+  bytes_[size_] = 0;
+}
+
+Error MeshFile::error(const std::string& message) const {
+  return properties_.error("filename", "\"" + path_.string() + "\": " + message);
+}
+
+Error MeshFile::error_at(const char* at, const std::string& message) const {
+  const auto line = 1 + std::count(begin(), std::min(at, end()), '\n');
+  return error("line " + std::to_string(line) + ": " + message);
+}
+
+std::string_view Scanner::word() {
+  skip_blanks();
+  const char* start = at;
+  while (at < end && *at != ' ' && *at != '\t' && *at != '\r' && *at != '\n') ++at;
+  return {start, std::size_t(at - start)};
+}
+
+bool Scanner::number(double& value) {
+  skip_blanks();
+  const char* start = at < end && *at == '+' ? at + 1 : at;
+  const auto [next, code] = std::from_chars(start, end, value);
+  if (code == std::errc::result_out_of_range) {
+    // from_chars leaves the value alone; a number too small is zero, one too large is infinite and its
+    // triangles get dropped.
+    const bool small =
+        std::string_view(start, std::size_t(next - start)).find("e-") != std::string_view::npos ||
+        std::string_view(start, std::size_t(next - start)).find("E-") != std::string_view::npos;
+    value = small ? 0 : HUGE_VAL;
+  } else if (code != std::errc()) {
+    return false;
+  }
+  at = next;
+  return true;
+}
+
+bool Scanner::integer(long long& value) {
+  skip_blanks();
+  const char* start = at < end && *at == '+' ? at + 1 : at;
+  const auto [next, code] = std::from_chars(start, end, value);
+  if (code != std::errc()) return false;
+  at = next;
+  return true;
+}
+
+}  // namespace aureole

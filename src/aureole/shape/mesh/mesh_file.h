@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shared by the mesh readers: a file in memory, a scanner for numbers in text, errors that name the file.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "aureole/plugin/properties.h"
+
+namespace aureole {
+
+/// A mesh file in memory, from the parameter `filename`. A zero byte follows the last one.
+class MeshFile {
+public:
+  /// Reads the whole file; throws Error located at `filename`.
+  explicit MeshFile(const Properties& properties) : MeshFile(properties, properties.get_file("filename")) {}
+  /// The same for a file that this one refers to.
+  MeshFile(const Properties& properties, std::filesystem::path path);
+
+  const std::filesystem::path& path() const { return path_; }
+
+  const char* begin() const { return bytes_.get(); }
+  char* begin() { return bytes_.get(); }
+  const char* end() const { return bytes_.get() + size_; }
+  std::size_t size() const { return size_; }
+
+  /// An Error located at the parameter `filename` that also names the file.
+  [[nodiscard]] Error error(const std::string& message) const;
+  /// The same with the line of the file that holds `at`.
+  [[nodiscard]] Error error_at(const char* at, const std::string& message) const;
+
+private:
+  const Properties& properties_;
+  std::filesystem::path path_;
+  std::unique_ptr<char[]> bytes_;
+  std::size_t size_ = 0;
+};
+
+/// Reads numbers and words between blanks from [at, end).
+struct Scanner {
+  const char* at;
+  const char* end;
+
+  void skip_blanks() {
+    while (at < end && (*at == ' ' || *at == '\t' || *at == '\r')) ++at;
+  }
+  void skip_white() {
+    while (at < end && (*at == ' ' || *at == '\t' || *at == '\r' || *at == '\n')) ++at;
+  }
+  bool at_end() {
+    skip_blanks();
+    return at >= end;
+  }
+  /// The next word, empty at the end.
+  std::string_view word();
+  /// A number; false, and nothing consumed but blanks, where there is none. Infinities and NaN are numbers
+  /// here.
+  bool number(double& value);
+  bool integer(long long& value);
+};
+
+}  // namespace aureole

@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/shape/model.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <unordered_set>
+
+#include "aureole/shape/mesh/file_materials.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+
+namespace {
+
+/// As Mitsuba: a surface without a BSDF is a diffuse one of reflectance .5, and a black one where it emits.
+BsdfPtr default_bsdf(const Properties& properties, bool emits) {
+  return make_default<Bsdf>(properties, "bsdf", {{"reflectance", emits ? 0.0 : 0.5}});
+}
+
+template <class T>
+std::shared_ptr<T> only_child(const Properties& properties, const char* name) {
+  const auto children = properties.get_children<T>(name);
+  if (children.size() > 1)
+    throw Error(properties.where(), "\"" + properties.type() + "\" has " + std::to_string(children.size()) +
+                                        " " + name + " children; a shape has at most one");
+  return children.empty() ? nullptr : children.front();
+}
+
+/// A texture that reads a mesh attribute, and the largest value allowed where it is used.
+struct ShownAttribute {
+  const AttributeTexture* texture;
+  double most;
+};
+
+/// Adds the textures that show attributes from an object downwards.
+void collect(const Object& object, std::unordered_set<const Object*>& seen,
+             std::vector<ShownAttribute>& found) {
+  for (const Properties::Entry& e : object.properties().entries()) {
+    const auto* child = std::get_if<ObjectPtr>(&e.value);
+    if (!child || !*child) continue;
+    // The texture may have been found before under a parameter that allows larger values.
+    if (const auto* texture = dynamic_cast<const AttributeTexture*>(child->get()))
+      found.push_back({texture, object.properties().most_expected(e.name)});
+    if (seen.insert(child->get()).second) collect(**child, seen, found);
+  }
+}
+std::vector<ShownAttribute> shown_attributes(const std::vector<const Object*>& objects) {
+  std::unordered_set<const Object*> seen;
+  std::vector<ShownAttribute> found;
+  for (const Object* object : objects)
+    if (object && seen.insert(object).second) collect(*object, seen, found);
+  return found;
+}
+
+void check_attributes(const Shape& shape, const std::vector<ShownAttribute>& shown) {
+  for (const auto& [texture, most] : shown) {
+    const std::string& name = texture->attribute_name().text();
+    const MeshAttribute* attribute = shape.attribute(texture->attribute_name());
+    if (!attribute) throw shape.no_attribute(texture->properties().where(), name);
+    texture->check(*attribute, most);
+  }
+}
+
+/// Errors of a shape that cannot be sampled at all are about what sits on it.
+std::shared_ptr<const AreaSampler> area_for(const Object& sitting, const ShapePtr& shape, AreaUse use,
+                                            GeometrySource& source) {
+  try {
+    return source.area_sampler(shape, use);
+  } catch (const Error& problem) {
+    if (!problem.where().file.empty() || problem.where().line > 0) throw;
+    throw Error(sitting.properties().where(), problem.message());
+  }
+}
+
+/// The materials of all libraries that can be read.
+MtlLibrary read_libraries(const Properties& geometry, const FileMaterials& materials) {
+  MtlLibrary all;
+  for (const std::filesystem::path& path : materials.libraries) {
+    try {
+      all.merge(read_mtl(MeshFile(geometry, path)));
+      if (geometry.context().scene) geometry.context().scene->add_file(path);
+    } catch (const Error& problem) {
+      geometry.note("filename", problem.message());
+    }
+  }
+  return all;
+}
+
+/// A shape with its BSDF, emitter and sensor.
+class ShapeModel final : public Model {
+public:
+  ShapeModel(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
+
+private:
+  /// The element's parameters without BSDF, emitter and sensor.
+  static Properties geometry_of(const Properties& element);
+  void hang(GeometrySource& source);
+  /// Parts by the BSDFs of the file's materials.
+  void divide(const Properties& geometry, const FileMaterials& materials, const MtlLibrary& library,
+              const MeshParts* kept, GeometrySource& source);
+  BsdfPtr find_bsdf(const Properties& geometry, const MtlLibrary& library, const std::string& name,
+                    GeometrySource& source) const;
+  void add_part(const ShapePtr& shape, const BsdfPtr& bsdf) {
+    ModelPart part;
+    part.shape = shape, part.bsdf = bsdf, part.element = shared_properties();
+    parts_.push_back(std::move(part));
+  }
+
+  BsdfPtr bsdf_;  ///< the child, or null
+  std::shared_ptr<const Emitter> emitter_;
+};
+
+Properties ShapeModel::geometry_of(const Properties& element) {
+  Properties geometry(element.type(), element.id(), element.where(), element.shared_context(),
+                      element.plugin());
+  for (const Properties::Entry& e : element.entries()) {
+    const auto* object = std::get_if<ObjectPtr>(&e.value);
+    const Object* o = object ? object->get() : nullptr;
+    if (!dynamic_cast<const Bsdf*>(o) && !dynamic_cast<const Emitter*>(o) && !dynamic_cast<const Sensor*>(o))
+      geometry.add(e.name, e.value, e.where);
+  }
+  return geometry;
+}
+
+ShapeModel::ShapeModel(const PluginInfo& plugin, const Properties& element, GeometrySource& source)
+    : Model(element) {
+  emitter_ = only_child<Emitter>(element, "emitter");
+  sensor_ = only_child<Sensor>(element, "sensor");
+  bsdf_ = only_child<Bsdf>(element, "bsdf");
+  if (emitter_ && !emitter_->sits_on_shape())
+    throw Error(emitter_->properties().where(), "an emitter of type \"" + emitter_->properties().type() +
+                                                    "\" cannot sit on a shape; use \"area\"");
+
+  const std::vector<ShownAttribute> shown = shown_attributes({bsdf_.get(), emitter_.get(), sensor_.get()});
+  Properties geometry = geometry_of(element);
+  std::set<std::string> names;
+  for (const ShownAttribute& s : shown) names.insert(s.texture->attribute_name().text());
+  geometry.set_shown_attributes({names.begin(), names.end()});
+
+  // A BSDF in the scene is for a whole file (as in Mitsuba), and so are an emitter and a sensor.
+  const bool is_bare = !bsdf_ && !emitter_ && !sensor_;
+  std::optional<MtlLibrary> library;
+  if (is_bare)
+    if (const auto kept = source.parts(geometry)) {
+      geometry.mark_all_read();
+      element.take_reads(geometry);
+      library = read_libraries(geometry, *kept->materials);
+      divide(geometry, *kept->materials, *library, kept.get(), source);
+      if (!parts_.empty()) return;
+    }
+  const auto shape = std::dynamic_pointer_cast<const Shape>(source.geometry(plugin, geometry));
+  if (!shape) throw std::logic_error("the plug-in \"" + plugin.name + "\" is registered in a wrong family");
+  element.take_reads(geometry);
+  add_part(shape, bsdf_ ? bsdf_ : default_bsdf(element, emitter_ != nullptr));
+  parts_[0].remarks = shape->remarks();
+  check_attributes(*shape, shown);
+  hang(source);
+  const auto materials = is_bare ? shape->materials() : nullptr;
+  if (!materials) return;
+  if (!library) library = read_libraries(geometry, *materials);
+  divide(geometry, *materials, *library, nullptr, source);
+}
+
+void ShapeModel::hang(GeometrySource& source) {
+  const ShapePtr& shape = parts_[0].shape;
+  if (emitter_) {
+    parts_[0].emitter = emitter_;
+    parts_[0].area = area_for(*emitter_, shape, AreaUse::emitter, source);
+  }
+  if (sensor_) {
+    const AreaUse use = emitter_ ? AreaUse::emitter : AreaUse::sensor;
+    sensor_area_ = std::make_shared<const ShapeArea>(area_for(*sensor_, shape, use, source));
+    sensor_->check_shape(*sensor_area_);
+  }
+}
+
+BsdfPtr ShapeModel::find_bsdf(const Properties& geometry, const MtlLibrary& library, const std::string& name,
+                              GeometrySource& source) const {
+  if (SceneLookup* scene = geometry.context().scene)
+    if (const auto found = std::dynamic_pointer_cast<const Bsdf>(scene->find("bsdf", name))) {
+      if (!shown_attributes({found.get()}).empty())
+        throw geometry.error(
+            "filename", "the BSDF \"" + name + "\" shows an attribute of the mesh; an OBJ file has none");
+      return found;
+    }
+  const auto found = library.find(name);
+  if (found == library.end()) return nullptr;
+  return source.material(geometry, name, found->second);
+}
+
+void ShapeModel::divide(const Properties& geometry, const FileMaterials& materials, const MtlLibrary& library,
+                        const MeshParts* kept, GeometrySource& source) {
+  const BsdfPtr fallback = default_bsdf(properties(), false);
+  std::vector<BsdfPtr> kinds;
+  auto made = std::make_shared<MeshParts>();
+  std::vector<bool> has_triangles;
+  std::string unknown;
+  for (std::size_t i = 0; i < materials.names.size(); ++i) {
+    BsdfPtr bsdf = fallback;
+    if (materials.used[i] && i > 0) {
+      if (BsdfPtr found = find_bsdf(geometry, library, materials.names[i], source))
+        bsdf = std::move(found);
+      else
+        unknown += (unknown.empty() ? "\"" : ", \"") + materials.names[i] + "\"";
+    }
+    const auto known = std::find(kinds.begin(), kinds.end(), bsdf);
+    made->part_of.push_back(std::size_t(known - kinds.begin()));
+    if (known == kinds.end()) kinds.push_back(bsdf), has_triangles.push_back(false);
+    if (materials.used[i]) has_triangles[made->part_of.back()] = true;
+  }
+  const bool is_one = std::count(has_triangles.begin(), has_triangles.end(), true) < 2;
+  if (kept && (is_one || kept->part_of != made->part_of)) return;
+
+  std::vector<std::string> remarks = kept ? kept->remarks : parts_[0].remarks;
+  if (!unknown.empty())
+    remarks.push_back("no BSDF has the id of a material, nor does an .mtl file define it: " + unknown +
+                      "; the default is used");
+  if (is_one) {
+    for (std::size_t k = 0; k < kinds.size(); ++k)
+      if (has_triangles[k]) parts_[0].bsdf = kinds[k];
+    parts_[0].remarks = std::move(remarks);
+    return;
+  }
+  if (!kept) {
+    const ShapePtr whole = parts_[0].shape;
+    parts_.clear();
+    made->materials = whole->materials();
+    made->shapes = whole->split(made->part_of);
+    made->remarks = whole->remarks();
+    source.keep(geometry, made);
+    kept = made.get();
+  }
+  for (std::size_t k = 0; k < kinds.size(); ++k)
+    if (kept->shapes[k]) add_part(kept->shapes[k], kinds[k]);
+  parts_[0].remarks = std::move(remarks);
+}
+
+}  // namespace
+
+std::size_t ModelPart::primitive_count() const {
+  return instance ? instance->list().primitive_count() : shape->primitive_count();
+}
+
+std::size_t ShapeList::primitive_count() const {
+  std::size_t sum = 0;
+  for (const ShapePtr& s : shapes) sum += s->primitive_count();
+  return sum;
+}
+
+std::size_t ShapeList::memory_bytes() const {
+  std::size_t sum = sizeof(*this);
+  for (const ShapePtr& s : shapes) sum += s->memory_bytes();
+  return sum;
+}
+
+std::shared_ptr<Model> make_model(const PluginInfo& plugin, const Properties& element,
+                                  GeometrySource& source) {
+  // Shapes with geometry of their own document a `bsdf`; groups and instances do not.
+  if (plugin.documents("bsdf")) return std::make_shared<ShapeModel>(plugin, element, source);
+  const auto model = std::dynamic_pointer_cast<Model>(plugin.create(element));
+  if (!model) throw std::logic_error("the plug-in \"" + plugin.name + "\" is registered in a wrong family");
+  return model;
+}
+
+ObjectPtr make_element(const PluginInfo& plugin, const Properties& element) {
+  if (plugin.family != "shape") return plugin.create(element);
+  GeometrySource source;
+  return make_model(plugin, element, source);
+}
+
+}  // namespace aureole

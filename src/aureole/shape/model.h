@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+// `Model`: the content of a <shape> element: geometry with its BSDF, emitter and sensor.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/emitter/emitter.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/sensor/sensor.h"
+#include "aureole/shape/mesh/mtl.h"
+#include "aureole/shape/shape.h"
+#include "aureole/shape/shape_area.h"
+
+namespace aureole {
+
+/// The part of a model with one shape or one instance.
+struct ModelPart {
+  // One shape with its material and, if it shines, its emitter; or an instance, which has none of these.
+  ShapePtr shape;
+  BsdfPtr bsdf;
+  std::shared_ptr<const Emitter> emitter;
+  std::shared_ptr<const AreaSampler> area;  ///< for the emitter; null without one
+  std::shared_ptr<const Instance> instance;
+  /// The element it comes from, for messages; never null.
+  std::shared_ptr<const Properties> element;
+  std::vector<std::string> remarks;  ///< repairs made by the reader, for `aureole info` and a note
+
+  Bounds3 bounds() const { return instance ? instance->bounds() : shape->bounds(); }
+  std::size_t primitive_count() const;
+};
+
+/// Shapes that are instanced together, with the BSDF of each.
+struct ShapeList {
+  std::vector<ShapePtr> shapes;
+  std::vector<BsdfPtr> bsdfs;
+  Bounds3 bounds;
+
+  std::size_t primitive_count() const;
+  std::size_t memory_bytes() const;
+};
+
+class Model : public Object {
+public:
+  static constexpr const char* kFamily = "a shape";
+
+  const std::vector<ModelPart>& parts() const { return parts_; }
+  /// The sensor that sits on it, or null, and the surface that it measures on.
+  const std::shared_ptr<const Sensor>& sensor() const { return sensor_; }
+  const std::shared_ptr<const ShapeArea>& sensor_area() const { return sensor_area_; }
+  /// The shape, where it is a single one; else null.
+  ShapePtr shape() const { return parts_.size() == 1 ? parts_[0].shape : nullptr; }
+
+protected:
+  using Object::Object;
+
+  std::vector<ModelPart> parts_;
+  std::shared_ptr<const Sensor> sensor_;
+  std::shared_ptr<const ShapeArea> sensor_area_;
+};
+
+/// The parts of a mesh whose file names materials.
+struct MeshParts {
+  std::shared_ptr<const FileMaterials> materials;
+  std::vector<std::size_t> part_of;  ///< the part that each material belongs to
+  std::vector<ShapePtr> shapes;      ///< null where no triangle has such a material
+  std::vector<std::string> remarks;  ///< of the whole mesh
+};
+
+/// Makes the geometry of models, or returns geometry kept from an earlier build (loading/object_pool.h).
+class GeometrySource {
+public:
+  virtual ~GeometrySource() = default;
+  /// A `Shape`, or a `Model` of a plug-in that is no geometry of its own (groups and instances).
+  virtual ObjectPtr geometry(const PluginInfo& plugin, const Properties& properties) {
+    return plugin.create(properties);
+  }
+  /// The parts that were kept for the same geometry; null: none.
+  virtual std::shared_ptr<const MeshParts> parts(const Properties& /*geometry*/) { return nullptr; }
+  virtual void keep(const Properties& /*geometry*/, const std::shared_ptr<const MeshParts>& /*parts*/) {}
+  virtual std::shared_ptr<const AreaSampler> area_sampler(const ShapePtr& shape, AreaUse use) {
+    return shape->make_area_sampler(use);
+  }
+  /// The BSDF of a material of the file's libraries.
+  virtual BsdfPtr material(const Properties& geometry, const std::string& name, const MtlMaterial& material) {
+    return bsdf_of_mtl(name, material, geometry);
+  }
+};
+
+/// The model that an element with these parameters stands for. Throws located Errors.
+std::shared_ptr<Model> make_model(const PluginInfo& plugin, const Properties& element,
+                                  GeometrySource& source);
+
+/// The object that an element stands for: a `Model` where the plug-in is a shape.
+ObjectPtr make_element(const PluginInfo& plugin, const Properties& element);
+
+}  // namespace aureole

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The driver: it follows the paths of a batch together. Their rays go to the ray tracer as packets, and each
+// step of an integrator (what a ray meets, the connections of a vertex, the next direction) runs over all
+// paths of the batch before the next step begins. Replaying one path is the same code.
+//
+// An integrator's steps are functions of a class, of which `path` is an index into the batch:
+//     const Ray& ray(int path);                           the ray that the path goes on along
+//     Event arrive(int path, const RayTracer::Hit& hit);  what it met: `surface` is a vertex, `crossed` nothing;
+//                                                         after anything else the path has ended
+//     bool connect(int path, Connection& out);            false: the vertex has no connection
+//     bool needs_march();                                 whether connections may pass surfaces
+//     void connected(int path, const Connection& c, bool open);
+//     bool scatter(int path);                             false: the path ends at the vertex
+//     const Wavelengths& wavelengths(int path);
+#pragma once
+
+#include <type_traits>
+
+#include "aureole/transport/batch.h"
+#include "aureole/transport/connection.h"
+
+namespace aureole {
+
+/// All arrivals: traces the rays, and leaves in `rays` those of paths that crossed something. Returns the
+/// paths that are at a vertex.
+template <class Steps>
+PathList arrive_all(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
+  PathList vertices;
+  rays.intersect(scene.tracer(), kind, [&](int path, const RayTracer::Hit& hit) {
+    const Event event = steps.arrive(path, hit);
+    if (event == Event::surface)
+      vertices.add(path);
+    else if (event == Event::crossed)
+      rays.add(path, steps.ray(path));
+  });
+  return vertices;
+}
+
+/// Room for one connection of each path.
+struct BatchConnections {
+  BatchRays rays;
+  Connection of_path[kBatch];
+};
+
+/// Connections that may pass surfaces.
+template <class Steps>
+[[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, BatchConnections& connections) {
+  while (!connections.rays.empty())
+    connections.rays.intersect(
+        scene.tracer(), RayTracer::Rays::incoherent, [&](int path, const RayTracer::Hit& hit) {
+          Connection& c = connections.of_path[path];
+          const Event event =
+              hit ? cross(scene.surface_point(hit, c.ray), c, steps.wavelengths(path)) : Event::escape;
+          if (event == Event::crossed)
+            connections.rays.add(path, c.ray);
+          else
+            steps.connected(path, c, event == Event::escape);
+        });
+}
+
+/// One connection of each path.
+template <class Steps>
+void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections) {
+  for (const int path : paths) {
+    Connection& c = connections.of_path[path];
+    if (steps.connect(path, c)) connections.rays.add(path, c.ray);
+  }
+  if (steps.needs_march()) return march_all(scene, steps, connections);
+  connections.rays.test_visibility(
+      scene.tracer(), [&](int path, bool open) { steps.connected(path, connections.of_path[path], open); });
+}
+
+/// The next directions: adds the rays of the paths that go on.
+template <class Steps>
+void scatter_all(Steps& steps, const PathList& paths, BatchRays& rays) {
+  for (const int path : paths)
+    if (steps.scatter(path)) rays.add(path, steps.ray(path));
+}
+
+/// Follows the paths of `rays` to their ends. Steps without `connect` have no connections, those without
+/// `scatter` no vertices. Not inlined, so that the records of the batch lie behind one pointer: on its caller's
+/// stack their addresses would be computed anew at every access.
+template <class Steps>
+[[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
+  constexpr bool kScatters = requires { steps.scatter(0); };
+  constexpr bool kConnects = requires(Connection & c) { steps.connect(0, c); };
+  std::conditional_t<kConnects, BatchConnections, char> connections;
+  for (; !rays.empty(); kind = RayTracer::Rays::incoherent) {
+    [[maybe_unused]] const PathList vertices = arrive_all(scene, steps, rays, kind);
+    if constexpr (kConnects) connect_all(scene, steps, vertices, connections);
+    if constexpr (kScatters) scatter_all(steps, vertices, rays);
+  }
+}
+
+}  // namespace aureole

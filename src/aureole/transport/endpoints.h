@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+// The ends of paths: connections of a vertex with a light or with the sensor, and the density with which
+// light sampling would have found a light that a path has met.
+#pragma once
+
+#include "aureole/transport/vertex.h"
+
+namespace aureole {
+
+/// How many samples of each kind there are at a vertex: connections with lights, directions of the BSDF.
+struct SampleCounts {
+  float light = 1, scatter = 1;
+};
+
+/// Chooses a light and a direction towards it for the vertex at the end of `path`, and sets the connection
+/// with its unoccluded contribution. False if it carries no light.
+// Always inlined: numbers of samples of 1 cost nothing then.
+[[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const Vertex& vertex,
+                                                    const PathDensity& path, float u1, Vec2 u2,
+                                                    const Wavelengths& w, SampleCounts counts,
+                                                    Connection& out) {
+  const Vec3 facing = vertex.facing();
+  const auto choice = scene.lights().choose(vertex.point().p, facing, u1);
+  if (!choice || !(choice->probability > 0)) return false;
+  const auto direct = choice->light->sample_direct_facing(vertex.point().p, facing, choice->part, u2, w);
+  if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return false;
+  Response response;
+  if (!vertex.respond(direct->wo, response)) return false;
+  const Spectrum other = direct->delta ? Spectrum(0.f) : response.pdf * counts.scatter;
+  out.light = path.connected(response.value, direct->radiance,
+                             choice->probability * direct->pdf * counts.light, other, w);
+  if (direct->infinite)
+    out.set(vertex.anchor().leave(direct->wo));
+  else
+    out.set(vertex.anchor(), direct->wo, Anchor::of(*direct));
+  return true;
+}
+
+/// The vertex from which light sampling could have found a light that a path has hit: the path's last one.
+struct LightReference {
+  Vec3 p, facing;
+};
+
+/// The density with which `connect_to_light` would have chosen the light at `point` or, that being null, at
+/// infinity along `d`.
+inline float light_density(const Scene& scene, const LightReference& from, const Light& light,
+                           const SurfacePoint* point, const Vec3& d) {
+  if (!point)
+    return scene.lights().probability(from.p, from.facing, light, 0) *
+           light.pdf_direct_escaped(from.p, from.facing, d);
+  return scene.lights().probability(from.p, from.facing, light, light.part_of(*point)) *
+         light.pdf_direct(from.p, *point);
+}
+
+/// Connects the vertex at the end of a path of light with the sensor, where it is seen at `film`. False where
+/// it is not, or no light goes there.
+inline bool connect_to_sensor(const Scene& scene, const Vertex& vertex, const LightPathDensity& path,
+                              Vec2 lens, const Wavelengths& w, Connection& out, Vec2& film) {
+  const auto seen = scene.sensor().sample_direct(vertex.point().p, lens);
+  if (!seen || !(seen->importance > 0)) return false;
+  Response response;
+  if (!vertex.respond(seen->wo, response)) return false;
+  out.light = path.reached(response.value, seen->importance, w);
+  out.set(vertex.anchor(), seen->wo, Anchor::in_space(seen->p));
+  film = seen->film;
+  return true;
+}
+
+}  // namespace aureole

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lines of sight: straight rays through passable surfaces, and the lights that they see.
+#pragma once
+
+#include "aureole/transport/driver.h"
+
+namespace aureole {
+
+/// Steps for `follow`. `Viewer` has
+///     const Wavelengths& wavelengths(int path);
+///     void see(int path, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum&
+///     radiance);
+/// which is called for each light along the ray of direction d: with its point (null if it is at infinity)
+/// and the part of its radiance that arrives.
+template <class Viewer>
+class SightSteps {
+public:
+  SightSteps(const Scene& scene, Viewer& viewer) : scene_(scene), viewer_(viewer) {}
+
+  /// `factor` multiplies the radiance.
+  void begin(int path, const Ray& ray, const Spectrum& factor) {
+    lines_[path].set(ray);
+    lines_[path].light = factor;
+  }
+  const Ray& ray(int path) const { return lines_[path].ray; }
+
+  Event arrive(int path, const RayTracer::Hit& hit) {
+    Connection& line = lines_[path];
+    const Wavelengths& w = viewer_.wavelengths(path);
+    if (!hit) {
+      for (const Light* light : scene_.infinite_emitters())
+        viewer_.see(path, *light, nullptr, line.d, line.light * light->eval_escaped(line.d, w));
+      return Event::escape;
+    }
+    const SurfacePoint point = scene_.surface_point(hit, line.ray);
+    if (const Light* light = point.surface->light)
+      viewer_.see(path, *light, &point, line.d, line.light * light->eval(point, -line.d, w));
+    return cross(point, line, w);
+  }
+
+private:
+  const Scene& scene_;
+  Viewer& viewer_;
+  Connection lines_[kBatch];
+};
+
+}  // namespace aureole

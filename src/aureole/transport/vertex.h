@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// `Vertex`: where a path is scattered, in world space, with the checks that keep light from leaking through a
+// shading normal's wrong side. Integrators are built from these functions; none names a concrete plug-in.
+#pragma once
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/scene/surface.h"
+#include "aureole/spectrum/path_density.h"
+#include "aureole/transport/anchor.h"
+#include "aureole/transport/connection.h"
+
+namespace aureole {
+
+/// Value and density of scattering at a vertex for one given direction.
+struct Response {
+  Weight value;
+  Spectrum pdf;  ///< density of `scatter` for that direction [1/sr] per wavelength
+};
+
+/// A direction sampled at a vertex.
+struct Scatter {
+  Vec3 d;  ///< in the world, unit length
+  Weight value;
+  Spectrum pdf;  ///< per wavelength: a density [1/sr], or where `delta` a probability (mass)
+  bool delta;
+  float eta;  ///< index of the medium that d leads into over that of where the path comes from
+};
+
+/// A point of a surface as a path sees it that comes from the direction `to_previous`. Made in place, since
+/// the context of its BSDF refers to its point.
+class Vertex {
+public:
+  Vertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
+         TransportMode mode)
+      : point_(scene.surface_point(hit, ray)), context_{w, point_, mode}, to_previous_(-ray.d) {}
+  Vertex(const Vertex&) = delete;
+  Vertex& operator=(const Vertex&) = delete;
+
+  const SurfacePoint& point() const { return point_; }
+  const Surface& surface() const { return *point_.surface; }
+  const Light* light() const { return point_.surface->light; }
+  Anchor anchor() const { return Anchor::of(point_); }
+
+  /// To be called before the functions below. `key` is for stochastic BSDFs.
+  void prepare(std::uint32_t key) {
+    context_.key = key;
+    wi_ = point_.shading.to_local(to_previous_);
+    wi_side_ = dot(point_.ng, to_previous_);
+  }
+
+  /// The shading normal on the side that light may be scattered from; zero where that is both. Choosing
+  /// lights and directions, and their densities, all depend on it.
+  Vec3 facing() const {
+    return has(surface().lobes, Lobe::transmit) ? Vec3{} : wi_.z < 0 ? -point_.shading.n : point_.shading.n;
+  }
+  /// Whether connections can contribute at this vertex.
+  bool is_smooth() const { return has(surface().lobes, Lobe::diffuse | Lobe::glossy); }
+
+  /// The value and density for a direction; false where nothing is scattered there.
+  bool respond(const Vec3& d, Response& out) const {
+    const Vec3 wo = point_.shading.to_local(d);
+    if (!is_consistent(wo, d)) return false;
+    const BsdfEval e = surface().bsdf->eval_pdf(wi_, wo, context_);
+    if (is_black(e.value)) return false;
+    out.value = Weight(e.value);
+    if (context_.mode == TransportMode::importance) out.value = out.value.scaled(correction(d));
+    out.pdf = e.pdf;
+    return true;
+  }
+
+  /// Samples a direction: `surface` where the path is scattered, `crossed` where it passes straight through
+  /// as if there were no vertex, `blocked` where it ends.
+  Event scatter(float u1, Vec2 u2, Scatter& out) const {
+    const std::optional<BsdfSample> s = surface().bsdf->sample(wi_, u1, u2, context_);
+    if (!s || !(s->pdf[0] > 0)) return Event::blocked;
+    const Vec3 d = point_.shading.to_world(s->wo);
+    if (!is_consistent(s->wo, d) || is_black(s->value)) return Event::blocked;
+    if (has(s->lobe, Lobe::null)) {
+      out.d = -to_previous_;
+      out.value = Weight(s->value * (1 / s->pdf[0]));
+      return Event::crossed;
+    }
+    out.d = normalize(d);
+    out.value = Weight(s->value);
+    if (context_.mode == TransportMode::importance) out.value = out.value.scaled(correction(out.d));
+    out.pdf = s->pdf;
+    out.delta = s->is_delta();
+    out.eta = s->eta;
+    return Event::surface;
+  }
+
+private:
+  /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change
+  /// it.
+  bool is_consistent(const Vec3& wo, const Vec3& d) const {
+    return (wi_.z * wo.z > 0) == (wi_side_ * dot(point_.ng, d) > 0);
+  }
+
+  /// Factor for values in importance mode that makes the BSDF the adjoint of that in radiance mode when
+  /// shading and geometric normals differ: |wi.ns| |wo.ng| / (|wi.ng| |wo.ns|) (Veach 1997, section 5.3.2).
+  float correction(const Vec3& d) const {
+    const float below = std::abs(wi_side_ * dot(point_.shading.n, d));
+    return below > 0 ? std::abs(wi_.z * dot(point_.ng, d)) / below : 0.f;
+  }
+
+  const SurfacePoint point_;
+  BsdfContext context_;
+  Vec3 to_previous_;
+  Vec3 wi_;            ///< to_previous_ in the shading frame
+  float wi_side_ = 0;  ///< its cosine with the geometric normal
+};
+
+}  // namespace aureole

@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: Apache-2.0
+// Radius and area fraction come back from coronas that were computed by direct sums over wavelengths, and
+// from a rendered picture.
+#include "aureole/instrument/corona/corona_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "aureole/core/error.h"
+#include "aureole/loading/load.h"
+#include "aureole/optics/layer/scatterer_layer.h"
+#include "aureole/render/job.h"
+#include "loading/load_text.h"
+
+namespace aureole::test {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+
+/// A picture of a corona on an uneven ground, seen through a camera with its own white balance.
+Image corona_picture(double radius, double fraction, const std::string& lamp, double noise,
+                     double pixel_deg = 0.04, double amplitude = 1) {
+  const optics::ScattererLayer layer(radius, radius, fraction);
+  const LampSpectrum spectrum = lamp_spectrum(lamp);
+  constexpr int kTable = 600;
+  constexpr double kLargest = 0.12;
+  std::vector<std::array<double, 3>> table;
+  double most = 0;
+  for (int i = 0; i <= kTable; ++i) {
+    table.push_back(
+        corona_colour(spectrum, [&](double k) { return layer.intensity(k * kLargest * i / kTable); }));
+    most = std::max(most, table.back()[1]);
+  }
+  Image image;
+  image.width = 240, image.height = 200, image.channels = {"R", "G", "B"};
+  const PinholeCamera camera{std::tan(pixel_deg * kDegree), 120, 100};
+  const Direction to = camera.direction(110, 90);
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const Direction v = camera.direction(x + 0.5, y + 0.5);
+      const double s = std::hypot(v.x - to.x, v.y - to.y), at = std::min(s / kLargest, 0.999) * kTable;
+      const size_t k = size_t(at);
+      for (size_t c = 0; c < 3; ++c) {
+        const double balance[3] = {1.3, 1, 0.8};
+        const double light = table[k][c] + (at - double(k)) * (table[k + 1][c] - table[k][c]);
+        image.pixels.push_back(float(amplitude * balance[c] * light / most + 0.2 + 0.1 * s +
+                                     noise * normal(random) +
+                                     (std::hypot(x + 0.5 - 110, y + 0.5 - 90) < 2 ? 50 : 0)));
+      }
+    }
+  return image;
+}
+
+CoronaFit fit(const Image& image, const std::string& lamp, double pixel_deg = 0.04) {
+  const PinholeCamera camera{std::tan(pixel_deg * kDegree), 0.5 * image.width, 0.5 * image.height};
+  const auto spot = brightest_spot(image);
+  const ScatteredProfile p = scattered_profile(image, camera, camera.direction(spot[0], spot[1]), {}, {},
+                                               6 * camera.tangent_per_pixel, INFINITY);
+  CoronaModel model(lamp_spectrum(lamp), p.s.back(), 0);
+  return fit_corona(p, model);
+}
+
+TEST(CoronaFit, ComesBack) {
+  struct {
+    double radius, fraction;
+    const char* lamp;
+    double noise;
+  } cases[] = {{5e-6, 0.5, "LED-B3", 0.02}, {5e-6, 0.2, "LED-B3", 0.02}, {8e-6, 0.4, "D65", 0.02},
+               {8e-6, 0.55, "589nm", 0.05}, {12e-6, 0.3, "A", 0.02},     {6e-6, 0.5, "D65", 0.2}};
+  for (const auto& c : cases) {
+    const CoronaFit f = fit(corona_picture(c.radius, c.fraction, c.lamp, c.noise), c.lamp);
+    std::printf("%-7s noise %.2f: radius %.1f -> %.3f +- %.3f um (%+.2f %%), Fa %.2f -> %.3f +- %.3f\n",
+                c.lamp, c.noise, c.radius * 1e6, f.radius * 1e6, f.radius_error * 1e6,
+                100 * (f.radius / c.radius - 1), c.fraction, f.area_fraction, f.area_fraction_error);
+    EXPECT_NEAR(f.radius, c.radius, 0.03 * c.radius);
+    EXPECT_NEAR(f.area_fraction, c.fraction, 0.05);
+    EXPECT_NEAR(f.radius, c.radius, 4 * f.radius_error + 1e-3 * c.radius);
+    EXPECT_NEAR(f.area_fraction, c.fraction, 4 * f.area_fraction_error + 5e-3);
+    EXPECT_LT(f.radius_error, 0.05 * c.radius);
+  }
+}
+
+TEST(CoronaFit, ErrorsAreThoseOfRepeatedPictures) {
+  // The standard error against the scatter of ten pictures with other noise.
+  double sum = 0, square = 0, stated = 0;
+  constexpr int kCount = 10;
+  for (int i = 0; i < kCount; ++i) {
+    Image image = corona_picture(5e-6, 0.5, "LED-B3", 0);
+    std::mt19937 random(50 + unsigned(i));
+    std::normal_distribution<float> normal;
+    for (float& v : image.pixels) v += 0.15f * normal(random);
+    const CoronaFit f = fit(image, "LED-B3");
+    sum += f.radius, square += f.radius * f.radius, stated += f.radius_error / kCount;
+  }
+  const double scatter = std::sqrt((square - sum * sum / kCount) / (kCount - 1));
+  std::printf("standard error of the radius: stated %.4f um, scatter %.4f um\n", stated * 1e6, scatter * 1e6);
+  EXPECT_GT(stated, 0.5 * scatter);
+  EXPECT_LT(stated, 3 * scatter);
+}
+
+TEST(CoronaFit, NoRingIsAnError) {
+  for (const double noise : {0.0, 0.05}) try {
+      fit(corona_picture(5e-6, 0.5, "D65", noise, 0.04, 0), "D65");
+      FAIL() << noise;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("no ring is visible"), std::string::npos) << e.what();
+    }
+  // Glare that falls off smoothly is no corona either.
+  Image glare = corona_picture(5e-6, 0.5, "D65", 0.01, 0.04, 0);
+  for (int y = 0; y < glare.height; ++y)
+    for (int x = 0; x < glare.width; ++x)
+      for (size_t c = 0; c < 3; ++c)
+        glare.at(x, y, c) += float(2 * std::exp(-std::hypot(x - 110, y - 90) / 60));
+  EXPECT_THROW(fit(glare, "D65"), Error);
+}
+
+TEST(CoronaFit, RingAnglesAlone) {
+  const LampSpectrum lamp = lamp_spectrum("LED-B3");
+  CoronaModel model(lamp, 0.2, 0);
+  model.set(6e-6, 0.45);
+  // Angles from the model's own curves, on a coarser grid.
+  std::string text;
+  for (int c = 0; c < 3; ++c) {
+    const auto at = [&](double deg) { return model.at(std::sin(deg * kDegree))[size_t(c)]; };
+    int found = 0;
+    for (double a = 0.5; a < 8 && found < 2; a += 0.005) {
+      const bool maximum = at(a) > at(a - 0.005) && at(a) >= at(a + 0.005);
+      const bool minimum = at(a) < at(a - 0.005) && at(a) <= at(a + 0.005);
+      if ((found == 0 && maximum) || (found == 1 && minimum))
+        text +=
+            (text.empty() ? "" : ", ") + std::to_string(a) + (maximum ? "deg:max:" : "deg:min:") + "RGB"[c],
+            ++found;
+    }
+  }
+  const CoronaFit f = fit_ring_angles(parse_ring_angles(text), lamp, 0.03, -1);
+  std::printf("%s: %.3f +- %.3f um, Fa %.3f +- %.3f\n", text.c_str(), f.radius * 1e6, f.radius_error * 1e6,
+              f.area_fraction, f.area_fraction_error);
+  EXPECT_NEAR(f.radius, 6e-6, 0.02 * 6e-6);
+  EXPECT_NEAR(f.area_fraction, 0.45, 0.03);
+  EXPECT_GT(f.radius_error, 1e-3 * f.radius);
+
+  // One sodium ring: u = 2.548 at the maximum for area fraction 0.5 (one wavelength alone: the factor
+  // 1/lambda^2 does not move it).
+  const double deg = std::asin(2.548 * 589e-9 / (2 * M_PI * 7e-6)) / kDegree;
+  const CoronaFit one =
+      fit_ring_angles(parse_ring_angles(std::to_string(deg)), lamp_spectrum("589nm"), 0.03, -1);
+  EXPECT_NEAR(one.radius, 7e-6, 0.005 * 7e-6);
+  EXPECT_TRUE(one.fraction_fixed);
+
+  EXPECT_THROW(parse_ring_angles("2.7um"), Error);
+  EXPECT_THROW(parse_ring_angles("2.7deg:top"), Error);
+  EXPECT_THROW(parse_ring_angles(""), Error);
+  EXPECT_THROW(parse_ring_angles("-1"), Error);
+  EXPECT_THROW(lamp_spectrum("LED-B33"), Error);
+  EXPECT_THROW(lamp_spectrum("12nm"), Error);
+}
+
+TEST(CoronaFit, RenderedPicture) {
+  const std::string scene = R"(<scene version="3.0.0">
+  <integrator type="path"><integer name="max_depth" value="3"/></integrator>
+  <sensor type="perspective"><float name="fov" value="14"/>
+    <transform name="to_world"><lookat origin="0, 0, 0" target="0, 0, -1" up="0, 1, 0"/></transform>
+    <sampler type="sobol"><integer name="sample_count" value="128"/></sampler>
+    <film type="hdrfilm"><integer name="width" value="140"/><integer name="height" value="140"/>
+      <string name="component_format" value="float32"/><rfilter type="box"/></film></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="2"/><translate z="-0.5"/></transform>
+    <bsdf type="correlated_scatterers"><string name="radius" value="6um"/><float name="area_fraction" value="0.45"/>
+      <string name="substrate" value="thindielectric"/></bsdf></shape>
+  <shape type="sphere"><point name="center" x="0" y="0" z="-12"/><float name="radius" value="0.015"/>
+    <emitter type="area"><spectrum name="radiance" value="1000"/></emitter></shape></scene>)";
+  RenderOptions options;
+  RenderJob job(load_scene_from_string(scene, "corona.xml"), options);
+  const std::atomic<bool> stop{false};
+  ASSERT_EQ(job.run(stop), RenderJob::Outcome::finished);
+  const Image image = job.state().picture();
+  const PinholeCamera camera{2 * std::tan(7 * kDegree) / image.width, 70, 70};
+  const auto spot = brightest_spot(image);
+  PaneGeometry geometry;
+  geometry.pane_m = 0.5, geometry.lamp_m = 12, geometry.slab_index = 1.5046;
+  const ScatteredProfile p = scattered_profile(image, camera, camera.direction(spot[0], spot[1]), {},
+                                               geometry, 5 * camera.tangent_per_pixel, INFINITY);
+  CoronaModel model(lamp_spectrum("E"), p.s.back(), 0.015 / 12);
+  const CoronaFit f = fit_corona(p, model);
+  std::printf("rendered: radius %.3f +- %.3f um, Fa %.3f +- %.3f\n", f.radius * 1e6, f.radius_error * 1e6,
+              f.area_fraction, f.area_fraction_error);
+  EXPECT_NEAR(f.radius, 6e-6, 0.03 * 6e-6);
+  EXPECT_NEAR(f.area_fraction, 0.45, 0.04);
+}
+
+}  // namespace
+}  // namespace aureole::test

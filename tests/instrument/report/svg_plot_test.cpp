@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/instrument/report/svg_plot.h"
+
+#include <gtest/gtest.h>
+
+#include <regex>
+
+namespace aureole::test {
+namespace {
+
+int count(const std::string& text, const std::string& what) {
+  int n = 0;
+  for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++n;
+  return n;
+}
+
+/// y of the points of the first line, in pixels.
+std::vector<double> line_y(const std::string& svg) {
+  const std::size_t from = svg.find("points=\"") + 8;
+  const std::string points = svg.substr(from, svg.find('"', from) - from);
+  std::vector<double> out;
+  const std::regex pair("[0-9.]+,([0-9.]+)");
+  for (auto i = std::sregex_iterator(points.begin(), points.end(), pair); i != std::sregex_iterator(); ++i)
+    out.push_back(std::stod((*i)[1]));
+  return out;
+}
+
+TEST(SvgPlot, DecadesHaveEqualSteps) {
+  PlotSeries s;
+  s.x = {0, 1, 2, 3, 4}, s.y = {1e-3, 1e-2, 1e-1, 1, 0};
+  const std::string svg = svg_plot({"t", "x", "y", {s}, true});
+  const auto y = line_y(svg);
+  ASSERT_EQ(y.size(), 5u);
+  for (int i = 1; i < 3; ++i) EXPECT_NEAR(y[std::size_t(i)] - y[std::size_t(i) + 1], y[0] - y[1], 0.02);
+  EXPECT_GT(y[0], y[3]) << "larger values are higher";
+  EXPECT_EQ(y[4], y[0]) << "0 is drawn at the least value";
+  for (const char* tick : {">1e-3<", ">1e-2<", ">1e-1<", ">1e0<"}) EXPECT_EQ(count(svg, tick), 1) << tick;
+}
+
+TEST(SvgPlot, LegendNamesWhatHasALabelInItsColor) {
+  PlotSeries line, points, unnamed;
+  for (PlotSeries* s : {&line, &points, &unnamed}) s->x = {0, 1}, s->y = {1, 2};
+  line.label = "a < b", line.color = "#123456";
+  points.kind = PlotSeries::Kind::points, points.label = "dots";
+  const std::string svg = svg_plot({"t", "x", "y", {line, points, unnamed}});
+  EXPECT_EQ(count(svg, ">a &lt; b<"), 1);
+  EXPECT_EQ(count(svg, ">dots<"), 1);
+  EXPECT_EQ(count(svg, "#123456"), 2) << "the line and its sample";
+  EXPECT_EQ(count(svg, "<circle"), 3) << "two points and their sample";
+}
+
+}  // namespace
+}  // namespace aureole::test

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+// One job for paths that leave light on their own pixel and anywhere else: half of what `path` finds and half
+// of what `ptracer` finds make the same picture as either, bit for bit however the work is divided.
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "aureole/render/job.h"
+#include "aureole/render/statistics.h"
+#include "loading/load_text.h"
+#include "render/small_scene.h"
+
+namespace aureole::test {
+namespace {
+
+const std::atomic<bool> kGo{false};
+
+class HalfOfBoth final : public Integrator {
+public:
+  HalfOfBoth(std::shared_ptr<const Integrator> pixels, std::shared_ptr<const Integrator> film)
+      : Integrator(pixels->properties()), pixels_(std::move(pixels)), film_(std::move(film)) {}
+
+  Leaves leaves() const override { return Leaves::both; }
+
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log) const override {
+    pixels_->trace(scene, paths, splats, log);
+    RadianceEstimate halves[kBatch];
+    for (std::size_t i = 0; i < paths.size(); ++i) halves[i] = paths[i].result;
+    film_->trace(scene, paths, splats, log);
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      paths[i].result.estimate = (halves[i].estimate + paths[i].result.estimate) * 0.5f;
+      paths[i].result.alpha = halves[i].alpha;
+    }
+    for (Splat& s : splats) s.estimate *= 0.5f;
+  }
+
+private:
+  std::shared_ptr<const Integrator> pixels_, film_;
+};
+
+LoadedScene load(const std::string& text, const char* integrator) {
+  LoadOptions options;
+  options.integrator = integrator;
+  return load_scene_from_string(text, "two_way.xml", options);
+}
+
+LoadedScene two_way(const std::string& text) {
+  LoadedScene loaded = load(text, "path");
+  loaded.integrator = std::make_shared<HalfOfBoth>(loaded.integrator, load(text, "ptracer").integrator);
+  return loaded;
+}
+
+RenderState rendered(const LoadedScene& scene, const RenderOptions& options) {
+  RenderJob job(scene, options);
+  EXPECT_EQ(job.run(kGo), RenderJob::Outcome::finished);
+  EXPECT_EQ(job.state().invalid_samples, 0u);
+  return job.state();
+}
+
+bool same_bits_of_both(const RenderState& a, const RenderState& b) {
+  if (!same_bits(a, b) || a.splats.size() != b.splats.size()) return false;
+  for (std::size_t i = 0; i < a.splats.size(); ++i)
+    if (a.splats[i].data() != b.splats[i].data()) return false;
+  return true;
+}
+
+/// Without glass and point lights, which paths from one side do not find.
+const std::string kDiffuse = R"(<scene version="3.0.0">
+<sensor type="perspective"><float name="fov" value="50"/>
+  <transform name="to_world"><lookat origin="0, 1, 4" target="0, .5, 0" up="0, 1, 0"/></transform>
+  <sampler type="independent"><integer name="sample_count" value="256"/></sampler>
+  <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/>
+    <string name="component_format" value="float32"/><rfilter type="gaussian"/></film></sensor>
+<shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/></transform>
+  <bsdf type="diffuse"><rgb name="reflectance" value=".7, .5, .3"/></bsdf></shape>
+<shape type="sphere"><point name="center" x="0" y="0.5" z="0"/><float name="radius" value="0.5"/></shape>
+<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="90"/><translate y="2.5"/></transform>
+  <emitter type="area"><rgb name="radiance" value="8, 7, 5"/></emitter></shape>
+</scene>)";
+
+TEST(TwoWayJob, AgreesWithThePathTracer) {
+  RenderOptions options;
+  options.replicates = 32;
+  const RenderState both = rendered(two_way(kDiffuse), options);
+  options.seed = 7;
+  const RenderState reference = rendered(load(kDiffuse, "path"), options);
+  const Comparison c = compare_images(both.picture(), reference.picture());
+  ASSERT_TRUE(c.z);
+  std::printf("mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n", c.z->mean_square,
+              100 * c.z->outside, c.z->mean_difference, 100 * c.z->mean_relative);
+  EXPECT_TRUE(c.z->passes);
+  double splatted = 0, alpha;
+  std::vector<double> measured(3);
+  for (int x = 0; x < 24; ++x) {
+    both.splats[0].mean(x, 12, measured.data(), &alpha);
+    splatted += measured[1];
+  }
+  EXPECT_GT(splatted, 0) << "the floor";
+}
+
+TEST(TwoWayJob, ThreadsPartsAndFilesDoNotChangeABit) {
+  const TemporaryFolder folder;
+  const auto scene = two_way(small_scene_text());
+  RenderOptions options;
+  options.replicates = 2;
+  options.threads = 1;
+  const RenderState one = rendered(scene, options);
+  EXPECT_GT(one.identity.splat_channels, 0);
+  options.threads = 8;
+  EXPECT_TRUE(same_bits_of_both(one, rendered(scene, options)));
+
+  options.begin = 0, options.end = 16;
+  RenderState sum = rendered(scene, options);
+  sum.save(folder.path / "part.state");
+  sum = RenderState::load(folder.path / "part.state");
+  options.begin = 16, options.end = 48;
+  sum.merge(rendered(scene, options));
+  EXPECT_TRUE(same_bits_of_both(one, sum));
+}
+
+TEST(TwoWayJob, InterruptedAndResumed) {
+  const TemporaryFolder folder;
+  const auto scene = two_way(small_scene_text());
+  RenderOptions options;
+  const RenderState whole = rendered(scene, options);
+  options.state_file = folder.path / "job.state";
+  int interruptions = 0;
+  for (bool finished = false; !finished;) {
+    RenderJob job(scene, options);
+    if (std::filesystem::exists(options.state_file)) job.resume(RenderState::load(options.state_file));
+    std::atomic<bool> stop{false};
+    std::thread breaker([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      stop = interruptions < 5;
+    });
+    finished = job.run(stop) == RenderJob::Outcome::finished;
+    breaker.join();
+    if (finished)
+      EXPECT_TRUE(same_bits_of_both(whole, job.state()));
+    else
+      ++interruptions;
+  }
+  EXPECT_GT(interruptions, 0);
+}
+
+TEST(TwoWayJob, ReplayShowsThePixelAndTheSplats) {
+  const auto scene = two_way(small_scene_text());
+  RenderJob job(scene, {});
+  std::size_t splatted = 0, lines = 0;
+  for (int x = 0; x < 40; ++x) {
+    const ReplayedSample s = job.replay(x, 14, 5, 0, [&](const std::string&) { ++lines; });
+    EXPECT_TRUE(s.valid);
+    EXPECT_EQ(s.measured.size(), 3u);
+    splatted += s.splatted.size();
+  }
+  EXPECT_GT(lines, 40u);
+  EXPECT_GT(splatted, 0u);
+}
+
+}  // namespace
+}  // namespace aureole::test

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sensor::eval is the inverse of Sensor::sample_ray: it finds the place on the film of a ray, and its
+// densities integrate to one over all rays that are seen.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "aureole/instrument/check/significance.h"
+#include "aureole/math/warp.h"
+#include "aureole/sensor/placed_sensor.h"
+#include "tests/harness/properties_builder.h"
+
+namespace aureole::testing {
+namespace {
+
+const std::string kFilm = R"(<film type="hdrfilm"><integer name="width" value="60"/>
+  <integer name="height" value="40"/><integer name="crop_offset_x" value="20"/>
+  <integer name="crop_width" value="30"/></film>)";
+const std::string kLook = R"(<transform name="to_world"><lookat origin="1, -4, 2" target="0, 0, 0.3"
+  up="0.1, 0, 1"/></transform>)";
+const std::string kLens = R"(<float name="fov" value="70"/><float name="aperture_radius" value="0.5"/>
+  <float name="focus_distance" value="3"/>)";
+
+struct Case {
+  std::string name, xml;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+
+const Case kCases[] = {
+    {"perspective",
+     "<sensor type='perspective'><float name='fov' value='80'/>" + kLook + kFilm + "</sensor>"},
+    {"thinlens", "<sensor type='thinlens'>" + kLens + kLook + kFilm + "</sensor>"},
+    {"orthographic",
+     R"(<sensor type="orthographic"><transform name="to_world"><scale x="1.5" y="0.8" z="1.1"/>
+       <lookat origin="1, -4, 2" target="0, 0, 0.3" up="0, 0, 1"/></transform>)" +
+         kFilm + "</sensor>"},
+    {"batch",
+     "<sensor type='batch'>" + kFilm + "<sensor type='perspective'>" + kLook +
+         "</sensor><sensor type='thinlens'>" + kLens +
+         R"(<transform name="to_world"><lookat origin="9, 0, 0" target="0, 0, 0" up="0, 0, 1"/></transform>)" +
+         "</sensor></sensor>"}};
+
+class InverseOfSensor : public ::testing::TestWithParam<Case> {};
+
+TEST_P(InverseOfSensor, FindsThePlaceOnTheFilm) {
+  const auto object = build_object(GetParam().xml);
+  const PlacedSensor sensor =
+      PlacedSensor::of(dynamic_cast<const Sensor&>(*object), nullptr, {0.1f, 0.2f, 0.3f}, 1.3f);
+  SeededRandom random(3);
+  const Vec2 lower = sensor.part.lower, size = sensor.part.upper - lower;
+  for (int i = 0; i < 10000; ++i) {
+    const Vec2 u = random.next2(),
+               film{lower.x + size.x * (0.001f + 0.998f * u.x), lower.y + size.y * (0.001f + 0.998f * u.y)};
+    const SensorRay s = sensor.sample_ray(film, random.next2());
+    const auto found = sensor.eval(s.ray.o + s.ray.d * random.next(), s.ray.d);
+    ASSERT_TRUE(found) << film.x << " " << film.y;
+    EXPECT_NEAR(found->film.x, film.x, 2e-3);
+    EXPECT_NEAR(found->film.y, film.y, 2e-3);
+    EXPECT_EQ(found->weight, s.weight);
+    EXPECT_GT(found->pdf_position, 0);
+    EXPECT_GT(found->pdf_direction, 0);
+  }
+}
+
+// The measure of all rays through a plane that are seen, times their density.
+TEST_P(InverseOfSensor, DensitiesIntegrateToOne) {
+  const auto object = build_object(GetParam().xml);
+  const PlacedSensor sensor =
+      PlacedSensor::of(dynamic_cast<const Sensor&>(*object), nullptr, {0.1f, 0.2f, 0.3f}, 1.3f);
+  SeededRandom random(4);
+  // Rays are drawn with these two densities, of the sensor that is asked, mixed over its members.
+  std::vector<const PlacedSensor*> members;
+  for (const PlacedSensor& m : sensor.members) members.push_back(&m);
+  if (members.empty()) members.push_back(&sensor);
+  double sum = 0, squares = 0;
+  // Members see a small part of the cone that directions are drawn from.
+  const int n = sensor.members.empty() ? 400000 : 1600000;
+  for (const PlacedSensor* member : members) {
+    const bool parallel = GetParam().name == "orthographic";
+    const SensorRay middle = member->sample_ray({0.5f * (member->part.lower.x + member->part.upper.x),
+                                                 0.5f * (member->part.lower.y + member->part.upper.y)},
+                                                {0.5f, 0.5f});
+    const SensorRay corner = member->sample_ray(member->part.lower, {0.5f, 0.5f});
+    // The rays of one point of the aperture meet there.
+    const Vec3 apart = corner.ray.o - middle.ray.o;
+    const float cosine = dot(middle.ray.d, corner.ray.d);
+    const Vec3 aperture =
+        middle.ray.o + middle.ray.d * ((dot(apart, middle.ray.d) - cosine * dot(apart, corner.ray.d)) /
+                                       (1 - cosine * cosine));
+    for (int k = 0; k < n; ++k) {
+      Vec3 p = middle.ray.o, d = middle.ray.d;
+      double measure = 1;
+      if (parallel) {
+        // Points of a square across the rays.
+        const Frame frame = Frame::from_normal(d);
+        const Vec2 u = random.next2();
+        const float side = 4 * length(corner.ray.o - middle.ray.o);
+        p = p + frame.to_world({(u.x - 0.5f) * side, (u.y - 0.5f) * side, 0});
+        measure = double(side) * double(side);
+      } else {
+        // One point of the aperture, all directions ahead.
+        p = aperture;
+        d = Frame::from_normal(d).to_world(square_to_uniform_cone(random.next2(), 0.9f));
+        measure = 2 * M_PI * 0.9;
+      }
+      const auto found = sensor.eval(p, d);
+      double x = 0;
+      if (found) x = measure * double(parallel ? found->pdf_position : found->pdf_direction);
+      sum += x / n, squares += x * x / n / n;
+    }
+  }
+  // Each member's directions integrate to one.
+  EXPECT_NEAR(sum, double(members.size()), 4.5 * std::sqrt(squares));
+  EXPECT_LT(4.5 * std::sqrt(squares), 0.03);
+}
+
+TEST(SensorInverse, ApertureAndMembersShareTheirDensity) {
+  const auto object = build_object(kCases[1].xml);
+  const PlacedSensor lens =
+      PlacedSensor::of(dynamic_cast<const Sensor&>(*object), nullptr, {0.1f, 0.2f, 0.3f}, 1.3f);
+  const SensorRay s = lens.sample_ray({30, 20}, {0.2f, 0.6f});
+  EXPECT_NEAR(lens.eval(s.ray.o, s.ray.d)->pdf_position, 1 / (M_PI * 0.25), 1e-5);
+  const auto batch = build_object(kCases[3].xml);
+  const PlacedSensor both =
+      PlacedSensor::of(dynamic_cast<const Sensor&>(*batch), nullptr, {0.1f, 0.2f, 0.3f}, 1.3f);
+  // The crop, from 20 to 50 of 60 columns, has 10 of the first sensor and 20 of the second.
+  const SensorRay first = both.sample_ray({25, 20}, {0.2f, 0.6f}),
+                  second = both.sample_ray({40, 20}, {0.2f, 0.6f});
+  EXPECT_NEAR(both.eval(first.ray.o, first.ray.d)->pdf_position, 1 / 3.0, 1e-5);
+  EXPECT_NEAR(both.eval(second.ray.o, second.ray.d)->pdf_position, 2 / (3 * M_PI * 0.25), 1e-5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, InverseOfSensor, ::testing::ValuesIn(kCases),
+                         [](const auto& info) { return info.param.name; });
+
+}  // namespace
+}  // namespace aureole::testing
