@@ -5,7 +5,8 @@ PRESET ?= release
 PYTHON ?= python3
 BIN = build/$(PRESET)/bin/aureole
 DEMO_OUT ?= out/condensation
-DEMO_ARGS ?=
+# Adaptive samples: as good a picture in three quarters of the time of 256 equal ones.
+DEMO_ARGS ?= --spp 192 --adaptive display
 N ?= 10000
 SEED ?= 1
 export CCACHE_MAXSIZE ?= 2G
