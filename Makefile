@@ -42,7 +42,7 @@ test-asan:
 
 test-tsan:
 	$(MAKE) build PRESET=tsan
-	TSAN_OPTIONS=ignore_noninstrumented_modules=1 ctest --preset tsan -j $(JOBS) -R '^(Determinism|RenderState|FilmBuffer)' $(CTEST_ARGS)
+	TSAN_OPTIONS=ignore_noninstrumented_modules=1 ctest --preset tsan -j $(JOBS) -R '^(Determinism|RenderState|FilmBuffer|EditedSceneByHand)' $(CTEST_ARGS)
 
 # make fuzz N=50000 SEED=3 PRESET=asan
 fuzz: deps
