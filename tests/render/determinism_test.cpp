@@ -2,8 +2,6 @@
 // The same picture, bit for bit: for any number of threads, across interruptions, for parts merged.
 #include <gtest/gtest.h>
 
-#include <thread>
-
 #include "loading/load_text.h"
 #include "render/small_scene.h"
 
@@ -83,27 +81,11 @@ TEST(Determinism, InterruptedAndResumed) {
   RenderOptions options;
   const RenderState whole = rendered(options);
   options.state_file = folder.path / "job.state";
-  // Stop again and again, each time after little work, going through the file each time.
-  int interruptions = 0;
-  for (bool finished = false; !finished;) {
-    RenderJob job(small_scene(), options);
-    if (std::filesystem::exists(options.state_file)) job.resume(RenderState::load(options.state_file));
-    std::atomic<bool> stop{false};
-    std::thread breaker([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-      stop = interruptions < 5;
-    });
-    const auto outcome = job.run(stop);
-    breaker.join();
-    finished = outcome == RenderJob::Outcome::finished;
-    if (finished) {
-      EXPECT_TRUE(same_bits(whole, job.state()));
-      job.remove_state();
-      EXPECT_FALSE(std::filesystem::exists(options.state_file)) << "a finished job leaves no state";
-    } else {
-      ++interruptions;
-    }
-  }
+  const int interruptions = render_interrupted(small_scene(), options, [&](const RenderJob& job) {
+    EXPECT_TRUE(same_bits(whole, job.state()));
+    job.remove_state();
+    EXPECT_FALSE(std::filesystem::exists(options.state_file)) << "a finished job leaves no state";
+  });
   EXPECT_GT(interruptions, 0);
 }
 

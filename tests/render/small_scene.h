@@ -3,8 +3,12 @@
 // and point lights.
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "aureole/render/job.h"
 
@@ -41,6 +45,26 @@ inline bool same_bits(const RenderState& a, const RenderState& b) {
   for (std::size_t i = 0; i < a.films.size(); ++i)
     if (a.films[i].data() != b.films[i].data()) return false;
   return a.picture().pixels == b.picture().pixels;
+}
+
+/// Renders a job to its end through its state file, stopped again and again, each time after little work.
+/// Calls `use` with the finished job and returns how often it was interrupted.
+inline int render_interrupted(const LoadedScene& scene, const RenderOptions& options,
+                              const std::function<void(const RenderJob&)>& use) {
+  for (int interruptions = 0;; ++interruptions) {
+    RenderJob job(scene, options);
+    if (std::filesystem::exists(options.state_file)) job.resume(RenderState::load(options.state_file));
+    std::atomic<bool> stop{false};
+    std::thread breaker([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      stop = interruptions < 5;
+    });
+    const RenderJob::Outcome outcome = job.run(stop);
+    breaker.join();
+    if (outcome != RenderJob::Outcome::finished) continue;
+    use(job);
+    return interruptions;
+  }
 }
 
 }  // namespace aureole::test

@@ -3,8 +3,6 @@
 // of what `ptracer` finds make the same picture as either, bit for bit however the work is divided.
 #include <gtest/gtest.h>
 
-#include <thread>
-
 #include "aureole/render/job.h"
 #include "aureole/render/statistics.h"
 #include "loading/load_text.h"
@@ -125,22 +123,8 @@ TEST(TwoWayJob, InterruptedAndResumed) {
   RenderOptions options;
   const RenderState whole = rendered(scene, options);
   options.state_file = folder.path / "job.state";
-  int interruptions = 0;
-  for (bool finished = false; !finished;) {
-    RenderJob job(scene, options);
-    if (std::filesystem::exists(options.state_file)) job.resume(RenderState::load(options.state_file));
-    std::atomic<bool> stop{false};
-    std::thread breaker([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
-      stop = interruptions < 5;
-    });
-    finished = job.run(stop) == RenderJob::Outcome::finished;
-    breaker.join();
-    if (finished)
-      EXPECT_TRUE(same_bits_of_both(whole, job.state()));
-    else
-      ++interruptions;
-  }
+  const int interruptions = render_interrupted(
+      scene, options, [&](const RenderJob& job) { EXPECT_TRUE(same_bits_of_both(whole, job.state())); });
   EXPECT_GT(interruptions, 0);
 }
 
