@@ -8,7 +8,7 @@ import re
 import sys
 
 LAYERS = [["core"], ["math"], ["spectrum"], ["optics", "pigment"], ["plugin"],
-          ["shape", "texture", "bsdf", "aperture", "correlation", "phase", "medium", "emitter", "sensor", "film", "filter", "sampler"],
+          ["shape", "texture", "bsdf", "aperture", "correlation", "volume", "phase", "medium", "emitter", "sensor", "film", "filter", "sampler"],
           ["scene"], ["transport"], ["integrator"], ["loading"], ["render", "instrument"], ["apps"], ["python"]]
 RANK = {name: i for i, layer in enumerate(LAYERS) for name in layer}
 ALONE = {"apps": "apps", "python/bindings": "python"}  # folders without subfolders

@@ -82,7 +82,7 @@ void Scene::make_surfaces() {
   surfaces_.resize(count);
   for (const auto& [list, begin] : first)
     for (std::size_t i = 0; i < list->shapes.size(); ++i)
-      surfaces_[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i]);
+      surfaces_[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i], list->media[i]);
   const Light* light = emitters_.data();
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
     const ModelPart& part = parts_.surfaces[i];
@@ -91,7 +91,7 @@ void Scene::make_surfaces() {
       surface.instance = part.instance.get();
       surface.members = &surfaces_[first.at(&part.instance->list())];
     } else {
-      surface = Surface(*part.shape, *part.bsdf);
+      surface = Surface(*part.shape, *part.bsdf, part.media);
       if (part.emitter) surface.light = light++;
     }
   }

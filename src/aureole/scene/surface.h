@@ -8,17 +8,16 @@
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/emitter/light.h"
 #include "aureole/shape/instance.h"
+#include "aureole/shape/model.h"
 #include "aureole/shape/shape.h"
 
 namespace aureole {
-
-class Medium;
 
 struct alignas(64) Surface {
   const Shape* shape = nullptr;  ///< null: an instance
   const Bsdf* bsdf = nullptr;
   const Light* light = nullptr;  ///< that shines from it, or null
-  /// On the side of the normal and on the other; null is vacuum.
+  /// Media on the side of the normal and on the other; null is vacuum.
   const Medium *outside = nullptr, *inside = nullptr;
 
   // For an instance, which is not a surface itself: its transform and its group's surfaces; else null.
@@ -27,16 +26,25 @@ struct alignas(64) Surface {
 
   // Copies of BSDF properties that every vertex needs.
   Lobe lobes = Lobe::none;
-  bool passable = false;  ///< some light may pass straight through it
-  bool needs_choice = true, needs_tangent = true;
+  bool passable : 1 = false;      ///< some light may pass straight through it
+  bool bounds_media : 1 = false;  ///< `outside` and `inside` lie at it; else the same medium is on both sides
+  bool needs_choice : 1 = true, needs_tangent : 1 = true;
   std::int8_t priority = 0;  ///< of overlapping dielectrics the highest counts
 
+  /// The medium on the side that the direction `d` leads to, where `around` is that of the other.
+  const Medium* medium_along(const Vec3& d, const Vec3& ng, const Medium* around) const {
+    return bounds_media ? (dot(d, ng) > 0 ? outside : inside) : around;
+  }
+
   Surface() = default;
-  Surface(const Shape& s, const Bsdf& b)
+  Surface(const Shape& s, const Bsdf& b, const SurfaceMedia& media)
       : shape(&s),
         bsdf(&b),
+        outside(media.outside.get()),
+        inside(media.inside.get()),
         lobes(b.lobes()),
         passable(b.is_passable()),
+        bounds_media(media.given()),
         needs_choice(b.needs_choice()),
         needs_tangent(b.needs_tangent()) {}
 };

@@ -94,7 +94,7 @@ public:
   ShapeModel(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
 
 private:
-  /// The element's parameters without BSDF, emitter and sensor.
+  /// The element's parameters without what hangs on the shape.
   static Properties geometry_of(const Properties& element);
   void hang(GeometrySource& source);
   /// Parts by the BSDFs of the file's materials.
@@ -105,11 +105,13 @@ private:
   void add_part(const ShapePtr& shape, const BsdfPtr& bsdf) {
     ModelPart part;
     part.shape = shape, part.bsdf = bsdf, part.element = shared_properties();
+    part.media = media_;
     parts_.push_back(std::move(part));
   }
 
   BsdfPtr bsdf_;  ///< the child, or null
   std::shared_ptr<const Emitter> emitter_;
+  SurfaceMedia media_;
 };
 
 Properties ShapeModel::geometry_of(const Properties& element) {
@@ -118,7 +120,8 @@ Properties ShapeModel::geometry_of(const Properties& element) {
   for (const Properties::Entry& e : element.entries()) {
     const auto* object = std::get_if<ObjectPtr>(&e.value);
     const Object* o = object ? object->get() : nullptr;
-    if (!dynamic_cast<const Bsdf*>(o) && !dynamic_cast<const Emitter*>(o) && !dynamic_cast<const Sensor*>(o))
+    if (!dynamic_cast<const Bsdf*>(o) && !dynamic_cast<const Emitter*>(o) &&
+        !dynamic_cast<const Sensor*>(o) && !dynamic_cast<const Medium*>(o))
       geometry.add(e.name, e.value, e.where);
   }
   return geometry;
@@ -129,6 +132,7 @@ ShapeModel::ShapeModel(const PluginInfo& plugin, const Properties& element, Geom
   emitter_ = only_child<Emitter>(element, "emitter");
   sensor_ = only_child<Sensor>(element, "sensor");
   bsdf_ = only_child<Bsdf>(element, "bsdf");
+  media_ = {element.get_object<Medium>("exterior"), element.get_object<Medium>("interior")};
   if (emitter_ && !emitter_->sits_on_shape())
     throw Error(emitter_->properties().where(), "an emitter of type \"" + emitter_->properties().type() +
                                                     "\" cannot sit on a shape; use \"area\"");

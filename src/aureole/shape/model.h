@@ -8,6 +8,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/emitter/emitter.h"
+#include "aureole/medium/medium.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/sensor.h"
 #include "aureole/shape/mesh/mtl.h"
@@ -16,11 +17,19 @@
 
 namespace aureole {
 
+/// The media at a surface: on the side of its normal and on the other. Where one of them is given, null is
+/// vacuum; where none is, the same medium lies on both sides.
+struct SurfaceMedia {
+  MediumPtr outside, inside;
+  bool given() const { return outside || inside; }
+};
+
 /// The part of a model with one shape or one instance.
 struct ModelPart {
   // One shape with its material and, if it shines, its emitter; or an instance, which has none of these.
   ShapePtr shape;
   BsdfPtr bsdf;
+  SurfaceMedia media;
   std::shared_ptr<const Emitter> emitter;
   std::shared_ptr<const AreaSampler> area;  ///< for the emitter; null without one
   std::shared_ptr<const Instance> instance;
@@ -32,10 +41,11 @@ struct ModelPart {
   std::size_t primitive_count() const;
 };
 
-/// Shapes that are instanced together, with the BSDF of each.
+/// Shapes that are instanced together, with the BSDF and the media of each.
 struct ShapeList {
   std::vector<ShapePtr> shapes;
   std::vector<BsdfPtr> bsdfs;
+  std::vector<SurfaceMedia> media;
   Bounds3 bounds;
 
   std::size_t primitive_count() const;

@@ -24,17 +24,17 @@ void ShapeGroup::add(const Model& model) {
     throw Error(sensor->properties().where(), "a shape of a group cannot be a sensor");
   if (const auto* group = dynamic_cast<const ShapeGroup*>(&model)) {
     for (std::size_t i = 0; i < group->list_->shapes.size(); ++i)
-      add(group->list_->shapes[i], group->list_->bsdfs[i]);
+      add(group->list_->shapes[i], group->list_->bsdfs[i], group->list_->media[i]);
     nested_.insert(nested_.end(), group->nested_.begin(), group->nested_.end());
   } else if (const auto* instance = dynamic_cast<const InstanceModel*>(&model)) {
     nested_.push_back({instance->group(), instance->to_world()});
   } else {
-    for (const ModelPart& part : model.parts()) add(part.shape, part.bsdf);
+    for (const ModelPart& part : model.parts()) add(part.shape, part.bsdf, part.media);
   }
 }
 
-void ShapeGroup::add(const ShapePtr& shape, const BsdfPtr& bsdf) {
-  own_.shapes.push_back(shape), own_.bsdfs.push_back(bsdf);
+void ShapeGroup::add(const ShapePtr& shape, const BsdfPtr& bsdf, const SurfaceMedia& media) {
+  own_.shapes.push_back(shape), own_.bsdfs.push_back(bsdf), own_.media.push_back(media);
   own_.bounds.extend(shape->bounds());
 }
 

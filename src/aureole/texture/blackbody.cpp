@@ -1,16 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Planck's law: the spectral radiance of a black body,
-//     L = 2 h c^2 / (lambda^5 (exp(h c / (lambda k T)) - 1)),  in W / (m^2 sr nm).
-#include <cmath>
-
+// The radiance of a black body by Planck's law.
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/planck.h"
 #include "aureole/texture/constant_texture.h"
 
 namespace aureole {
 namespace {
-
-// Exact by the definition of the SI units (2019).
-constexpr double kPlanck = 6.62607015e-34, kSpeedOfLight = 299792458, kBoltzmann = 1.380649e-23;
 
 SampledSpectrum tabulate(const Properties& properties) {
   const double temperature = properties.get_float("temperature", Range::positive());
@@ -19,10 +14,7 @@ SampledSpectrum tabulate(const Properties& properties) {
       properties.get_float("wavelength_max", std::numeric_limits<double>::infinity(), Range::positive());
   if (!(max > min)) throw properties.error("wavelength_max", "must be greater than wavelength_min");
   return SampledSpectrum::from_function(properties.context().grid, [&](double nm) {
-    if (nm < min || nm > max) return 0.0;
-    const double metres = nm * 1e-9;
-    return 1e-9 * 2 * kPlanck * kSpeedOfLight * kSpeedOfLight /
-           (std::pow(metres, 5) * std::expm1(kPlanck * kSpeedOfLight / (metres * kBoltzmann * temperature)));
+    return nm < min || nm > max ? 0.0 : black_body_radiance(nm, temperature);
   });
 }
 

@@ -25,7 +25,7 @@ public:
 
 private:
   void add(const Model& model);
-  void add(const ShapePtr& shape, const BsdfPtr& bsdf);
+  void add(const ShapePtr& shape, const BsdfPtr& bsdf, const SurfaceMedia& media);
 
   ShapeList own_;  ///< while the group is put together
   std::shared_ptr<const ShapeList> list_;

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/medium/content/medium_content.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/spectrum/planck.h"
+
+namespace aureole {
+
+namespace {
+
+/// Cells of the bounds along an axis with so many samples: four samples wide, since a walk through narrower
+/// ones costs more than it saves (docs/performance.md).
+int cells_for(int samples) {
+  constexpr int kSamplesPerCell = 4, kMost = 256;
+  return std::clamp((samples + kSamplesPerCell - 1) / kSamplesPerCell, 1, kMost);
+}
+
+}  // namespace
+
+MediumContent::MediumContent(const Properties& p) {
+  const bool by_parts = p.has("sigma_a") || p.has("sigma_s");
+  if (by_parts) {
+    for (const char* name : {"sigma_t", "albedo"})
+      if (p.has(name))
+        throw p.error(name, "give either \"sigma_t\" and \"albedo\" or \"sigma_a\" and \"sigma_s\"");
+    absorption_ = get_volume(p, "sigma_a", 0, SpectrumRole::unbounded);
+    scattering_ = get_volume(p, "sigma_s", 0, SpectrumRole::unbounded);
+    for (const char* name : {"sigma_a", "sigma_s"})
+      if (!(*name && (std::string_view(name) == "sigma_a" ? absorption_ : scattering_)->is_constant()))
+        throw p.error(name, "varies in space; give \"sigma_t\" and \"albedo\" instead");
+  } else {
+    extinction_ = get_volume(p, "sigma_t", 1, SpectrumRole::unbounded);
+    albedo_ = get_volume(p, "albedo", 0.75, SpectrumRole::reflectance);
+    if (!extinction_->is_constant()) make_grid(*extinction_);
+  }
+  scale_ = float(p.get_float("scale", 1, Range::non_negative()));
+  emission_ = get_optional_volume(p, "emission", SpectrumRole::emission);
+  temperature_ = get_optional_volume(p, "temperature", SpectrumRole::unbounded);
+  const auto phases = p.get_children<PhaseFunction>("phase");
+  if (phases.size() > 1)
+    throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +
+                               " phase functions; a medium has one (\"blendphase\" mixes two)");
+  phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
+}
+
+void MediumContent::make_grid(const Volume& extinction) {
+  std::array<int, 3> cells;
+  for (std::size_t i = 0; i < 3; ++i) cells[i] = cells_for(extinction.resolution()[i]);
+  std::vector<float> bounds(std::size_t(cells[0]) * std::size_t(cells[1]) * std::size_t(cells[2]));
+  extinction.bound(cells, bounds);
+  grid_.emplace(extinction.to_box().value_or(Transform()), cells, std::move(bounds));
+}
+
+void MediumContent::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {
+  const float factor = scale_ * phase_->projected_area(d, p);
+  if (extinction_) {
+    out.sigma_t = extinction_->eval(p, w) * factor;
+    out.sigma_s = out.sigma_t * min(albedo_->eval(p, w), 1.f);
+  } else {
+    out.sigma_s = scattering_->eval(p, w) * factor;
+    out.sigma_t = out.sigma_s + absorption_->eval(p, w) * factor;
+  }
+  out.emission = emission_ ? emission_->eval(p, w) : Spectrum(0.f);
+  if (temperature_)
+    out.emission += (out.sigma_t - out.sigma_s) * black_body_radiance(w.nm, temperature_->eval_scalar(p));
+}
+
+Spectrum MediumContent::majorant(const Vec3&, const Wavelengths& w) const {
+  const float factor = scale_ * phase_->largest_projected_area();
+  return (extinction_ ? extinction_->envelope(w) : absorption_->envelope(w) + scattering_->envelope(w)) *
+         factor;
+}
+
+std::vector<ParameterDoc> MediumContent::rows() {
+  return {
+      {"sigma_t", "volume", "1/length", "1", "extinction coefficient"},
+      {"albedo", "volume", "", "0.75", "single-scattering albedo: the part of the extinction that scatters"},
+      {"sigma_a", "spectrum", "1/length", "0",
+       "absorption coefficient, with sigma_s instead of the two above"},
+      {"sigma_s", "spectrum", "1/length", "0", "scattering coefficient, with sigma_a"},
+      {"scale", "float", "", "1", "factor of all of these coefficients"},
+      {"emission", "volume", "W/(m^2 sr nm) per length", "none", "radiance emitted per length"},
+      {"temperature", "volume", "K", "none",
+       "the medium shines as a body of this temperature does, in proportion to its absorption (Kirchhoff's law)"},
+      {"phase", "phase", "", "isotropic", "into which directions it scatters"}};
+}
+
+}  // namespace aureole

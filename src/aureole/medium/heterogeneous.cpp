@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// A medium whose extinction varies: distances are found by null collisions under local bounds.
+#include "aureole/medium/content/medium_content.h"
+
+namespace aureole {
+namespace {
+
+class Heterogeneous final : public Medium {
+public:
+  explicit Heterogeneous(const Properties& p) : Medium(p), content_(p) {}
+
+  void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const override {
+    content_.eval(p, d, w, out);
+  }
+  const PhaseFunction& phase() const override { return content_.phase(); }
+  const MajorantGrid* majorants() const override { return content_.majorants(); }
+  Spectrum majorant(const Vec3& d, const Wavelengths& w) const override { return content_.majorant(d, w); }
+  bool emits() const override { return content_.emits(); }
+
+private:
+  MediumContent content_;
+};
+
+AUREOLE_PLUGIN(
+    Heterogeneous, "medium", "heterogeneous",
+    PluginDoc{"A medium whose coefficients vary in space, as `volume` objects give them. Outside of the box "
+              "of `sigma_t` there is nothing.",
+              "Miller, Georgiev & Jarosz 2019, \"A null-scattering path integral formulation of light "
+              "transport\"",
+              MediumContent::rows(),
+              {R"(<medium type="heterogeneous">
+    <float name="sigma_t" value="2"/>
+    <float name="albedo" value="0.9"/>
+    <float name="scale" value="0.5"/>
+    <float name="emission" value="0"/>
+    <float name="temperature" value="0"/>
+    <phase type="isotropic"/>
+</medium>)",
+               R"(<medium type="heterogeneous">
+    <float name="sigma_a" value="0.1"/>
+    <float name="sigma_s" value="1"/>
+</medium>)"}});
+
+}  // namespace
+}  // namespace aureole

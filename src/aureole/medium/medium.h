@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// The medium family: matter that absorbs, scatters and emits light between surfaces.
+#pragma once
+
+#include <memory>
+
+#include "aureole/medium/majorant_grid.h"
+#include "aureole/phase/phase.h"
+#include "aureole/plugin/object.h"
+#include "aureole/plugin/properties.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+/// Properties of a medium at a point, per wavelength. Lengths are in units of the scene.
+struct MediumCoefficients {
+  Spectrum sigma_t{0.f};   ///< extinction [1/length]
+  Spectrum sigma_s{0.f};   ///< scattering, at most sigma_t
+  Spectrum emission{0.f};  ///< emitted radiance per length, into each direction
+};
+
+class Medium : public Object {
+public:
+  static constexpr const char* kFamily = "a medium";
+  using Object::Object;
+
+  /// At a point of the world, for light that travels along `d` (or -d).
+  virtual void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const = 0;
+  virtual const PhaseFunction& phase() const = 0;
+
+  /// Where sigma_t varies: bounds b of its cells, with which sigma_t(p, d, w) <= b majorant(d, w); outside of
+  /// the grid there is nothing. Null: sigma_t is majorant(d, w) everywhere.
+  virtual const MajorantGrid* majorants() const { return nullptr; }
+  virtual Spectrum majorant(const Vec3& d, const Wavelengths& w) const = 0;
+
+  virtual bool emits() const { return false; }
+};
+using MediumPtr = std::shared_ptr<const Medium>;
+
+}  // namespace aureole
