@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "harness/bsdf_harness.h"
 
-#include <cmath>
-#include <fstream>
 #include <sstream>
 
 #include "aureole/plugin/registry.h"
+#include "harness/check_report.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 
@@ -23,15 +22,6 @@ std::vector<Entry>& entries() {
   return all;
 }
 
-/// Writes a table of bins: direction, size, expected and found counts.
-void dump(const CheckResult::Histogram& h, const std::filesystem::path& file) {
-  std::ofstream out(file);
-  out << "x,y,z,size,expected,found\n";
-  for (const auto& b : h.bins)
-    out << b.center.x << ',' << b.center.y << ',' << b.center.z << ',' << b.size << ',' << b.expected << ','
-        << b.found << '\n';
-}
-
 }  // namespace
 
 HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
@@ -44,16 +34,7 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
       c.bsdf ? c.bsdf : build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm), test::example_file);
   HarnessResult result;
   result.check = check_bsdf(*bsdf, options);
-  for (const std::string& problem : result.check.problems())
-    result.failures.push_back(c.name + ": " + problem);
-  for (const auto& h : result.check.histograms)
-    if (h.p_value < result.check.level) {
-      const auto file =
-          harness.dump_folder / (c.name + "_" + std::to_string(int(std::lround(1000 * h.wi.z))) + "_" +
-                                 std::to_string(h.hero) + ".csv");
-      dump(h, file);
-      result.failures.push_back(c.name + ": histogram in " + file.string());
-    }
+  result.failures = report(c.name, result.check, harness.dump_folder);
   if (!c.gains_energy.empty() && !(result.check.largest_energy > 1 + c.tolerance)) {
     std::ostringstream text;
     text << c.name << ": is said to gain energy (" << c.gains_energy << "), but reflects "

@@ -14,33 +14,13 @@
 #include <stdexcept>
 
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/fresnel/complex_index.h"
 #include "aureole/bsdf/spheres/sphere_tables.h"
 #include "aureole/correlation/correlation.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/spectrum/refractive_index.h"
-#include "aureole/texture/texture.h"
 
 namespace aureole {
 namespace {
-
-/// The index of the spheres: a dielectric with an absorption of its own, or a metal.
-std::function<std::complex<double>(double)> sphere_index(const Properties& p, const SpectralGrid& grid) {
-  const TexturePtr k = get_optional_texture(p, "k", SpectrumRole::unbounded);
-  if (k && !k->is_constant()) throw p.error("k", "must not vary over the surface");
-  if (const Properties::Entry* e = p.find("int_ior"))
-    if (const auto* name = std::get_if<std::string>(&e->value))
-      if (const auto metal = find_refractive_index(*name, false); metal && metal->is_dispersive()) {
-        if (k) throw p.error("k", "\"" + *name + "\" has its own absorption: leave \"k\" out");
-        check_index_range(p, "int_ior", *name, *metal);
-        return [metal](double nm) { return metal->at(nm); };
-      }
-  const Ior real = Ior::from(p, "int_ior", "water");
-  const SampledSpectrum absorption = k ? k->average() : SampledSpectrum::constant(grid, 0);
-  return [=](double nm) {
-    const Wavelengths w = Wavelengths::at(grid, float(nm));
-    return std::complex<double>(real.eval(w)[0], absorption.eval(w)[0]);
-  };
-}
 
 class CorrelatedSpheres final : public Bsdf {
 public:
@@ -56,9 +36,8 @@ public:
 
     const Ior medium = Ior::from(p, "ext_ior", "air");
     layer.medium = [=](double nm) { return double(medium.eval(Wavelengths::at(grid, float(nm)))[0]); };
-    layer.relative_index = [around = layer.medium, inside = sphere_index(p, grid)](double nm) {
-      return inside(nm) / around(nm);
-    };
+    layer.relative_index = [around = layer.medium, inside = read_complex_index(p, "int_ior", "water")](
+                               double nm) { return inside(nm) / around(nm); };
     for (int i = 0; i <= grid.cells; ++i)
       if (const auto m = layer.relative_index(grid.node(i)); !(std::abs(m) <= kLargestIndex && m.real() > 0))
         throw p.error("int_ior", "the index of the spheres over that of the medium is " +

@@ -13,6 +13,10 @@ namespace aureole {
 /// The largest float below one; it keeps warped points off the boundary of their domain.
 inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
+/// Splits a random number u < p or u >= p into one in [0, 1) for the branch that it chose.
+inline float remap_below(float u, float p) { return std::min(u / p, kOneMinusEpsilon); }
+inline float remap_above(float u, float p) { return std::min((u - p) / (1 - p), kOneMinusEpsilon); }
+
 namespace detail {
 /// (cos a, sin a) for |a| <= pi/4; errors below 1.2e-7 (the polynomials of S. Moshier's Cephes library).
 inline Vec2 cos_sin_quarter(float a) {

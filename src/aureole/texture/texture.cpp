@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/core/units.h"
+#include "aureole/plugin/number_list.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/upsampling_fit.h"
@@ -124,19 +124,8 @@ SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, boo
 }
 
 std::vector<double> get_numbers(const Properties& properties, std::string_view name) {
-  const std::string all = properties.get_string(name);
-  std::vector<double> numbers;
-  constexpr const char* kSeparators = ", \t\r\n";
-  for (std::size_t at = all.find_first_not_of(kSeparators); at != std::string::npos;) {
-    const std::size_t end = std::min(all.find_first_of(kSeparators, at), all.size());
-    try {
-      numbers.push_back(parse_number(std::string_view(all).substr(at, end - at)));
-    } catch (const Error& problem) {
-      throw properties.error(name, problem.message());
-    }
-    check_number(properties, name, numbers.back(), SpectrumRole::unbounded);
-    at = all.find_first_not_of(kSeparators, end);
-  }
+  const std::vector<double> numbers = get_number_list(properties, name);
+  for (const double number : numbers) check_number(properties, name, number, SpectrumRole::unbounded);
   if (numbers.size() < 2) throw properties.error(name, "needs at least two numbers");
   return numbers;
 }

@@ -25,8 +25,4 @@ inline std::vector<BsdfPtr> nested_bsdfs(const Properties& properties, std::size
   return {found.begin(), found.end()};
 }
 
-/// Splits a random number u < p or u >= p into one in [0, 1) for the branch that it chose.
-inline float remap_below(float u, float p) { return std::min(u / p, kOneMinusEpsilon); }
-inline float remap_above(float u, float p) { return std::min((u - p) / (1 - p), kOneMinusEpsilon); }
-
 }  // namespace aureole

@@ -1,52 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/bsdf/spheres/sphere_tables.h"
 
-#ifdef __AVX2__
-#include <immintrin.h>
-#endif
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 
 #include "aureole/core/parallel.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/layer/coherent_layer.h"
 #include "aureole/optics/particle/mie.h"
+#include "aureole/spectrum/neighbours.h"
 
 namespace aureole {
 namespace {
 
 constexpr double kTwoPi = 2 * std::numbers::pi, kRootTwo = std::numbers::sqrt2;
-
-/// Neighbours table[at[j]] and table[at[j] + 1], each pair by one load.
-struct Pairs {
-  Spectrum first, second;
-  Pairs(const float* table, const int (&at)[kWavelengths]) {
-#ifdef __AVX2__
-    if constexpr (kWavelengths == 8) {
-      const auto two = [&](int j) {
-        long long bits;
-        std::memcpy(&bits, table + at[j], sizeof bits);
-        return bits;
-      };
-      const auto four = [&](int j) { return _mm_castsi128_ps(_mm_set_epi64x(two(j + 1), two(j))); };
-      const __m256 low = _mm256_set_m128(four(4), four(0)), high = _mm256_set_m128(four(6), four(2));
-      const __m256 a = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(2, 0, 2, 0));
-      const __m256 b = _mm256_shuffle_ps(low, high, _MM_SHUFFLE(3, 1, 3, 1));
-      first = reinterpret_cast<const SpectrumVector&>(a), second = reinterpret_cast<const SpectrumVector&>(b);
-      return;
-    }
-#endif
-    for (int j = 0; j < kWavelengths; ++j) first[j] = table[at[j]], second[j] = table[at[j] + 1];
-  }
-  /// Between this row and `other`.
-  void mix(const Pairs& other, float t) {
-    first = lerp(first, other.first, t), second = lerp(second, other.second, t);
-  }
-};
 
 }  // namespace
 
@@ -274,8 +243,8 @@ SphereTables::Cosine SphereTables::cosine(float z) const {
 }
 
 Spectrum SphereTables::mean(const std::vector<float>& table, const Cosine& c, const Nodes& n) const {
-  Pairs p(&table[c.row], n.at);
-  p.mix(Pairs(&table[c.row] + wavelengths_, n.at), c.fraction);
+  Neighbours p(&table[c.row], n.at);
+  p.mix(Neighbours(&table[c.row] + wavelengths_, n.at), c.fraction);
   return p.first + (p.second - p.first) * n.fraction;
 }
 
@@ -292,11 +261,11 @@ SphereTables::Eval SphereTables::eval(const Vec3& wi, const Vec3& wo, const Spec
   const Cosine ci = cosine(wi.z), co = cosine(wo.z);
 
   const float* row = &phase_[std::size_t(cell) * std::size_t(wavelengths_)];
-  Pairs phase(row, n.at), hi(&h_[ci.row], n.at), ho(&h_[co.row], n.at);
-  phase.mix(Pairs(row + wavelengths_, n.at), position - float(cell));
-  hi.mix(Pairs(&h_[ci.row] + wavelengths_, n.at), ci.fraction);
-  ho.mix(Pairs(&h_[co.row] + wavelengths_, n.at), co.fraction);
-  const Pairs size(sizes_.data(), n.at);
+  Neighbours phase(row, n.at), hi(&h_[ci.row], n.at), ho(&h_[co.row], n.at);
+  phase.mix(Neighbours(row + wavelengths_, n.at), position - float(cell));
+  hi.mix(Neighbours(&h_[ci.row] + wavelengths_, n.at), ci.fraction);
+  ho.mix(Neighbours(&h_[co.row] + wavelengths_, n.at), co.fraction);
+  const Neighbours size(sizes_.data(), n.at);
   const float x = wi.x + wo.x, y = wi.y + wo.y, transverse = std::sqrt(x * x + y * y);
   const Spectrum a = phase.first * hi.first * ho.first * structure(size.first * transverse),
                  b = phase.second * hi.second * ho.second * structure(size.second * transverse);
@@ -316,7 +285,7 @@ Spectrum SphereTables::structure(const Spectrum& u) const {
   const Spectrum x = min(u * float(kStructureRate), kStructureEnd);
   int at[kWavelengths];
   for (int j = 0; j < kWavelengths; ++j) at[j] = int(x[j]);
-  const Pairs p(structure_.data(), at);
+  const Neighbours p(structure_.data(), at);
   return p.first + (p.second - p.first) * make_spectrum([&](int j) { return x[j] - float(at[j]); });
 }
 

@@ -18,14 +18,6 @@ std::shared_ptr<const Shape> make_square(const Properties& like) {
   return std::dynamic_pointer_cast<const Shape>(plugin->create(properties));
 }
 
-/// The grid on which the spectra of the BSDF are tabulated.
-SpectralGrid grid_of(const Bsdf& bsdf, const CheckOptions& options) {
-  if (const auto context = bsdf.properties().shared_context()) return context->grid;
-  // It was not made from a scene, and has none.
-  const bool given = options.min_nm > 0 && options.max_nm > options.min_nm;
-  return given ? SpectralGrid::over(options.min_nm, options.max_nm) : SpectralGrid{};
-}
-
 /// A BSDF at a point of a square whose shading frame is that of the world.
 class BsdfFunction final : public ScatteringFunction {
 public:

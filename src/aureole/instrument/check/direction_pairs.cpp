@@ -23,7 +23,7 @@ DirectionPairs make_direction_pairs(CheckRun& run) {
   DirectionPairs pairs;
   const ScatteringFunction& f = run.function();
   for (std::size_t k = 0; k < wi.size(); ++k)
-    if (f.cosine(wi[k]) >= 1e-3f && f.cosine(wo[k]) >= 1e-3f)
+    if (f.area(wi[k]) >= 1e-3f && f.area(wo[k]) >= 1e-3f)
       pairs.wi.push_back(wi[k]), pairs.wo.push_back(wo[k]);
   run.eval(pairs.wi, pairs.wo, {0, TransportMode::radiance}, pairs.forward);
   run.eval(pairs.wo, pairs.wi, {0, TransportMode::radiance}, pairs.backward);

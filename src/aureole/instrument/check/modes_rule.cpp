@@ -32,8 +32,8 @@ void check_modes(CheckRun& run, const DirectionPairs& pairs) {
   finding.limit = 2e-3;
   for (std::size_t k = 0; k < pairs.wi.size(); ++k)
     for (int j = 0; j < kWavelengths; ++j) {
-      const double backward = pairs.backward[k][j] / run.function().cosine(pairs.wi[k]);
-      const double adjoint = pairs.adjoint[k][j] / run.function().cosine(pairs.wo[k]);
+      const double backward = pairs.backward[k][j] / run.function().area(pairs.wi[k]);
+      const double adjoint = pairs.adjoint[k][j] / run.function().area(pairs.wo[k]);
       const double d = deviation(adjoint, backward, 1e-6);
       if (!is_worse(d, finding.figure)) continue;
       finding.figure = d;

@@ -13,8 +13,8 @@ void check_reciprocity(CheckRun& run, const DirectionPairs& pairs) {
     bool agrees = true;
     for (int j = 0; j < kWavelengths; ++j) {
       const double ni = run.index(wi, j), no = run.index(wo, j);
-      const double forward = pairs.forward[k][j] / run.function().cosine(wo);
-      const double backward = pairs.backward[k][j] / run.function().cosine(wi);
+      const double forward = pairs.forward[k][j] / run.function().area(wo);
+      const double backward = pairs.backward[k][j] / run.function().area(wi);
       const double a = forward / (ni * ni), b = backward / (no * no), d = deviation(a, b, 1e-6);
       agrees &= d <= finding.limit;
       if (is_worse(d, finding.figure)) {

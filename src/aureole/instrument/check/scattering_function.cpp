@@ -6,6 +6,13 @@
 
 namespace aureole {
 
+SpectralGrid ScatteringFunction::grid_of(const Object& object, const CheckOptions& options) {
+  if (const auto context = object.properties().shared_context()) return context->grid;
+  // It was not made from a scene, and has none.
+  const bool given = options.min_nm > 0 && options.max_nm > options.min_nm;
+  return given ? SpectralGrid::over(options.min_nm, options.max_nm) : SpectralGrid{};
+}
+
 ScatteringFunction::ScatteringFunction(const SpectralGrid& grid, const CheckOptions& options,
                                        const char* kind) {
   double min_nm = options.min_nm, max_nm = options.max_nm;

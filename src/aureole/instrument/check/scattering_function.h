@@ -41,9 +41,13 @@ public:
 
   /// The wavelengths of a path whose hero is number `hero` of them.
   const Wavelengths& wavelengths(int hero) const { return rotated_[std::size_t(hero)]; }
-  float cosine(const Vec3& wo) const { return is_on_surface() ? std::abs(wo.z) : 1; }
+  /// The area that the scatterer shows to w, over which values are reciprocal: the cosine with a surface, 1
+  /// for particles that are turned at random.
+  virtual float area(const Vec3& w) const { return is_on_surface() ? std::abs(w.z) : 1; }
 
 protected:
+  /// The grid on which the spectra of an object are tabulated.
+  static SpectralGrid grid_of(const Object& object, const CheckOptions& options);
   /// Takes the wavelengths of the options, or all of `grid`. Throws Error where they lie outside of it;
   /// `kind` is the word for the function in that message.
   ScatteringFunction(const SpectralGrid& grid, const CheckOptions& options, const char* kind);

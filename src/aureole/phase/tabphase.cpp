@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// A phase function given by numbers at equal steps of the cosine of the scattering angle.
+#include <algorithm>
+#include <vector>
+
+#include "aureole/phase/phase.h"
+#include "aureole/phase/table/tabulated_phase.h"
+#include "aureole/plugin/number_list.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+namespace {
+
+TabulatedPhase tabulate(const Properties& p) {
+  const std::vector<double> values = get_number_list(p, "values");
+  if (values.size() < 2) throw p.error("values", "needs at least two numbers");
+  if (values.size() > 100000) throw p.error("values", "more than 100000 numbers");
+  for (const double v : values)
+    if (v < 0) throw p.error("values", "a phase function must not be negative, got " + std::to_string(v));
+  if (std::all_of(values.begin(), values.end(), [](double v) { return v == 0; }))
+    throw p.error("values", "all numbers are zero");
+  std::vector<double> mu;
+  const double cells = double(values.size() - 1);
+  for (std::size_t i = 0; i < values.size(); ++i) mu.push_back(-1 + 2 * (double(i) / cells));
+  const SpectralGrid& grid = p.context().grid;
+  return TabulatedPhase(mu, std::vector<double>{grid.min_nm}, values, grid);
+}
+
+class TabPhase final : public PhaseFunction {
+public:
+  explicit TabPhase(const Properties& properties) : PhaseFunction(properties), table_(tabulate(properties)) {}
+
+  PhaseEval eval_pdf(const Vec3& wi, const Vec3& wo, const PhaseContext& ctx) const override {
+    const Spectrum p = table_.eval(wi, wo, ctx.wavelengths);
+    return {p, p};
+  }
+  std::optional<PhaseSample> sample(const Vec3& wi, float u1, Vec2 u2,
+                                    const PhaseContext& ctx) const override {
+    const TabulatedPhase::Sample s = table_.sample(wi, u1, u2, ctx.wavelengths);
+    if (!(s.value[0] > 0)) return {};
+    return PhaseSample{s.wo, s.value, s.value};
+  }
+
+private:
+  TabulatedPhase table_;
+};
+
+AUREOLE_PLUGIN(
+    TabPhase, "phase", "tabphase",
+    PluginDoc{
+        "A phase function given by numbers at equal steps of the cosine of the scattering angle, from -1 "
+        "(back to where the light came from) to 1 (straight on), linear between them. They are normalised.",
+        "",
+        {{"values", "string", "", "required", "two or more numbers, not negative and not all zero"}},
+        {R"(<phase type="tabphase">
+    <string name="values" value="0.5, 0.2, 1, 0.7, 3"/>
+</phase>)"}});
+
+}  // namespace
+}  // namespace aureole
