@@ -38,7 +38,7 @@ public:
              const BatchLog& log)
       : scene_(scene), limits_(limits), paths_(paths), splats_(splats), log_(log) {}
 
-  const Ray& ray(int path) const { return states_[path].ray; }
+  const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility() || limits_.hide_emitters; }
 
@@ -57,27 +57,31 @@ public:
     s.density.beta = Weight(emitted->value);
     s.density.survive(pdf);
     s.whole = s.density.hero_symmetric_throughput();
-    s.ray = Anchor::of(*emitted).leave(emitted->d);
-    s.medium = scene_.medium_of_light(*choice->light, s.ray);
+    s.flight.ray = Anchor::of(*emitted).leave(emitted->d);
+    find_surroundings(scene_, choice->light, s.flight);
     if (log_.follows(i))
       log_(fmt::format(
           "  emitter \"{}\", part {}: from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
-          choice->light->properties().type(), choice->part, s.ray.o.x, s.ray.o.y, s.ray.o.z, s.ray.d.x,
-          s.ray.d.y, s.ray.d.z));
+          choice->light->properties().type(), choice->part, s.flight.ray.o.x, s.flight.ray.o.y,
+          s.flight.ray.o.z, s.flight.ray.d.x, s.flight.ray.d.y, s.flight.ray.d.z));
     return true;
   }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
-    if (s.medium) {
+    if (s.flight.medium) {
       const Event event = fly(i, hit ? hit.t : kInfinity);
       if (event != Event::crossed) return event;
     }
     if (!hit) return Event::escape;
     Path& path = paths_[size_t(i)];
     Vertex& vertex = vertices_.make(
-        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::importance, s.medium); });
-    vertex.prepare(key(path.samples, ++s.vertex));
+        i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::importance); });
+    if (s.flight.is_hidden(vertex.surface())) {
+      go_on(i, vertex, s.flight.ray.d);
+      return Event::crossed;
+    }
+    vertex.prepare(key(path.samples, ++s.vertex), s.flight);
     if (log_.follows(i))
       log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
     return Event::surface;
@@ -91,7 +95,7 @@ public:
     if (limits_.hide_emitters && vertex.light()) return false;
     Path& path = paths_[size_t(i)];
     const Vec2 lens = scene_.sensor().uses_lens() ? get(path.samples, s.vertex, Pair::connection) : Vec2{};
-    if (!connect_to_sensor(scene_, vertex, s.density, lens, path.wavelengths,
+    if (!connect_to_sensor(scene_, vertex, s.flight, s.density, lens, path.wavelengths,
                            scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out,
                            film_[i]))
       return false;
@@ -134,9 +138,8 @@ public:
 
 private:
   struct State {
-    Ray ray;
+    Flight flight;
     LightPathDensity density;
-    const Medium* medium = nullptr;  ///< that `ray` leaves in
     float whole = 1;  ///< throughput at the emitter: roulette asks how much of the light is left, not how
                       ///< bright it is
     int vertex = 0;   ///< vertices met; 0 at the emitter
@@ -144,9 +147,7 @@ private:
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
-    State& s = states_[i];
-    s.ray = vertex.anchor().leave(d);
-    if (scene_.has_media()) s.medium = vertex.medium_along(d);
+    vertex.leave(d, scene_.has_media(), states_[i].flight);
   }
 
   /// As that of `path`.
@@ -158,16 +159,16 @@ private:
     Passage passage;
     Spectrum emitted = 0.f;  // is for paths of the sensor
     float t;
-    const bool scattered =
-        aureole::fly(*s.medium, s.ray, t_max, path.wavelengths, random, s.density.ratio, passage, emitted, t);
+    const bool scattered = aureole::fly(*s.flight.medium, s.flight.ray, t_max, path.wavelengths, random,
+                                        s.density.ratio, passage, emitted, t);
     s.density.pass(passage);
     if (!scattered) return Event::crossed;
-    const Vec3 p = s.ray.o + s.ray.d * t;
+    const Vec3 p = s.flight.ray.o + s.flight.ray.d * t;
     if (log_.follows(i))
-      log_medium(log_, s.scattered + 1, p, *s.medium, s.density.hero_symmetric_throughput() / s.whole);
+      log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
     if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;
     ++s.in_media, ++s.vertex;
-    vertices_.make(i, [&] { return Vertex({p, s.medium}, -s.ray.d, path.wavelengths); });
+    vertices_.make(i, [&] { return Vertex({p, s.flight.medium}, -s.flight.ray.d, path.wavelengths); });
     return Event::medium;
   }
 
@@ -211,8 +212,9 @@ private:
     for (size_t i = 0; i < paths.size(); ++i) {
       paths[i].result = {};
       if (limits_.hide_emitters || !limits_.reaches(1) || !scene.may_meet_emitter(paths[i].ray)) continue;
-      sight.begin(int(i), paths[i].ray, 1.f, scene.medium_of_sensor(paths[i].ray),
-                  scene.has_media() ? key(paths[i].samples, -1, Key::flight) : 0);
+      Flight flight{paths[i].ray, nullptr, {}};
+      find_surroundings(scene, nullptr, flight);
+      sight.begin(int(i), flight, 1.f, scene.has_media() ? key(paths[i].samples, -1, Key::flight) : 0);
       rays.add(int(i), paths[i].ray);
     }
     follow(scene, sight, rays, RayTracer::Rays::coherent);

@@ -36,6 +36,7 @@ AUREOLE_PLUGIN(
     <float name="scale" value="0.5"/>
     <float name="emission" value="0"/>
     <float name="temperature" value="0"/>
+    <float name="ior" value="1.33"/>
     <phase type="isotropic"/>
 </medium>)",
                R"(<medium type="heterogeneous">

@@ -5,6 +5,7 @@
 
 #include "aureole/scene/scene.h"
 #include "aureole/transport/anchor.h"
+#include "aureole/transport/flight.h"
 
 namespace aureole {
 
@@ -18,9 +19,9 @@ enum class Event : std::uint8_t {
 };
 
 struct Connection {
-  Ray ray;      ///< the part that is still to be tested; ends at t = 1 unless it is infinite
-  Vec3 d;       ///< unit direction
-  Vec3 target;  ///< the far end, if there is one
+  Flight flight;  ///< the part that is still to be tested; ends at t = 1 unless it is infinite
+  Vec3 d;         ///< unit direction
+  Vec3 target;    ///< the far end, if there is one
   bool infinite;
   bool through_emitters;  ///< surfaces of emitters do not occlude it
   /// The contribution if it is unoccluded, times the part that has passed so far. With media the estimate of a
@@ -28,8 +29,7 @@ struct Connection {
   Spectrum light;
 
   // In scenes with media, of which `travel` takes account (transport/flight.h):
-  const Medium* medium;  ///< that it is in, or null
-  std::uint32_t key;     ///< for random numbers
+  std::uint32_t key;  ///< for random numbers
   /// Densities, relative to that of the path's hero, of this connection and of finding it by other techniques,
   /// the second as if the medium were clear.
   Spectrum own, other;
@@ -39,9 +39,10 @@ struct Connection {
   void set(const Anchor& from, const Vec3& direction, const Anchor& to);
   /// Along a ray.
   void set(const Ray& ray);
-  /// Begins in a medium, or in none.
-  void enter(const Medium* around, std::uint32_t random_key) {
-    medium = around, key = random_key, passed = 1.f;
+  /// Where it begins, in scenes with media.
+  void begin_in(const Flight& surroundings, std::uint32_t random_key) {
+    flight.medium = surroundings.medium, flight.inside = surroundings.inside;
+    key = random_key, passed = 1.f;
   }
   /// The light arrives: `light` becomes the contribution.
   void finish() { light *= passed * (1 / sum(own + other * passed)); }
@@ -55,31 +56,30 @@ Event cross(const SurfacePoint& point, Connection& connection, const Wavelengths
 
 /// The same of what the ray tracer has found, with the media before it.
 inline Event cross(const Scene& scene, const RayTracer::Hit& hit, Connection& c, const Wavelengths& w) {
-  if (scene.has_media() && c.medium) travel(c, hit ? hit.t : c.ray.t_max, w);
-  return hit ? cross(scene.surface_point(hit, c.ray), c, w) : Event::escape;
+  if (scene.has_media() && c.flight.medium) travel(c, hit ? hit.t : c.flight.ray.t_max, w);
+  return hit ? cross(scene.surface_point(hit, c.flight.ray), c, w) : Event::escape;
 }
 
 /// Tests one connection; returns whether its light arrives. Those of a batch: `connect_all` of the driver.
 bool connect(const Scene& scene, Connection& connection, const Wavelengths& w);
 
 inline void Connection::set(const Anchor& from, const Vec3& direction, const Anchor& to) {
-  ray.o = offset_origin(from.p, from.p_error, from.ng, direction);
+  flight.ray.o = offset_origin(from.p, from.p_error, from.ng, direction);
   // The far end leaves its surface, too, so that the segment needs no shortening by a constant. The rounding
   // of the ray's own arithmetic counts: direction, distance and differences of the length of the segment,
   // gamma(10) of each.
-  const Vec3 error = to.p_error + (abs(ray.o) + abs(to.p) + abs(to.p - ray.o)) * gamma_bound(10);
+  const Vec3 error =
+      to.p_error + (abs(flight.ray.o) + abs(to.p) + abs(to.p - flight.ray.o)) * gamma_bound(10);
   target = offset_origin(to.p, error, to.ng, -direction);
-  ray.d = target - ray.o, ray.t_max = 1;
+  flight.ray.d = target - flight.ray.o, flight.ray.t_max = 1;
   d = direction;
   infinite = through_emitters = false;
-  medium = nullptr;
 }
 
 inline void Connection::set(const Ray& r) {
-  ray = r;
+  flight.ray = r;
   d = r.d;
   infinite = true, through_emitters = false;
-  medium = nullptr;
 }
 
 }  // namespace aureole

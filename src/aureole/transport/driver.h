@@ -51,7 +51,7 @@ template <class Steps>
                                  Connection& c = connections.of_path[path];
                                  const Event event = cross(scene, hit, c, steps.wavelengths(path));
                                  if (event == Event::crossed) {
-                                   connections.rays.add(path, c.ray);
+                                   connections.rays.add(path, c.flight.ray);
                                    return;
                                  }
                                  if (event == Event::escape && scene.has_media()) c.finish();
@@ -64,7 +64,7 @@ template <class Steps>
 void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections) {
   for (const int path : paths) {
     Connection& c = connections.of_path[path];
-    if (steps.connect(path, c)) connections.rays.add(path, c.ray);
+    if (steps.connect(path, c)) connections.rays.add(path, c.flight.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, connections);
   connections.rays.test_visibility(

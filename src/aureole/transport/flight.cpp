@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "aureole/core/random.h"
-#include "aureole/scene/ray_tracer.h"
 
 namespace aureole {
 
@@ -118,6 +117,14 @@ bool fly_by_null_collisions(const Medium& medium, const MajorantGrid& grid, cons
 }
 
 }  // namespace
+
+void find_surroundings(const Scene& scene, const Light* light, Flight& flight) {
+  if (!scene.has_media()) return;
+  scene.shapes_around(flight.ray, flight.inside);
+  const Medium* stated = light ? light->emitter->medium() : scene.sensor().sensor->medium();
+  const Surface* filling = flight.inside.filling();
+  flight.medium = stated ? stated : filling ? filling->inside : scene.medium_at(flight.ray);
+}
 
 bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w, FlightRandom random,
          const Spectrum& ratio, Passage& passage, Spectrum& emitted, float& t) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light in a medium between two surfaces: where a ray is scattered, and the part of a connection's light that
-// arrives.
+// `Flight`: a ray with what it is in; and light in a medium between two surfaces: where a ray is scattered, and
+// the part of a connection's light that arrives.
 //
 // Coefficients that vary are met by null collisions (Miller, Georgiev & Jarosz 2019, "A null-scattering path
 // integral formulation of light transport"): the medium is filled up to a bound with matter that changes
@@ -9,9 +9,38 @@
 #pragma once
 
 #include "aureole/medium/medium.h"
+#include "aureole/scene/interior_list.h"
+#include "aureole/scene/scene.h"
 #include "aureole/spectrum/path_density.h"
 
 namespace aureole {
+
+/// A ray with what it is in. In scenes without media the ray is all that is kept up to date.
+struct Flight {
+  Ray ray;
+  const Medium* medium = nullptr;  ///< at its origin, or null
+  InteriorList inside;             ///< closed shapes with a priority that the origin lies in
+
+  /// Whether a surface that the ray meets is not there, because another shape fills the space around it.
+  bool is_hidden(const Surface& surface) const { return surface.priority != 0 && inside.hides(surface); }
+  /// Takes the ray's direction `to` behind or before a surface that it has met along `from`.
+  void pass(const SurfacePoint& point, const Vec3& from, const Vec3& to) {
+    const Surface& surface = *point.surface;
+    if (surface.priority == 0) {
+      medium = surface.medium_along(to, point.ng, medium);
+      return;
+    }
+    const bool inwards = dot(to, point.ng) < 0;
+    if (inwards != (dot(from, point.ng) < 0)) return;  // reflected
+    inside.pass(surface, inwards);
+    const Surface* filling = inside.filling();
+    medium = filling ? filling->inside : surface.outside;
+  }
+};
+
+/// The medium and the closed shapes around the origin of a ray, which is that of the sensor or, given `light`,
+/// leaves that one.
+void find_surroundings(const Scene& scene, const Light* light, Flight& flight);
 
 /// A place where a path is scattered in a medium.
 struct MediumPoint {

@@ -40,6 +40,12 @@ public:
 
   const SurfacePoint& point() const { return point_; }
   const Surface& surface() const { return *point_.surface; }
+  /// Which shapes are around the surface decides the refractive index on its outside.
+  void set_surroundings(const InteriorList& inside) {
+    const Surface* other = inside.filling(&surface());
+    if (other && other->bsdf->interior_index(context_.wavelengths, exterior_))
+      context_.exterior_index = &exterior_;
+  }
   const Light* light() const { return point_.surface->light; }
   Anchor anchor() const { return Anchor::of(point_); }
 
@@ -109,6 +115,7 @@ private:
   BsdfContext context_;
   Vec3 to_previous_;
   Vec3 wi_;            ///< to_previous_ in the shading frame
+  Spectrum exterior_;  ///< where the context refers to it
   float wi_side_ = 0;  ///< its cosine with the geometric normal
 };
 
@@ -149,11 +156,11 @@ private:
 /// Either of the two. Made in place.
 class Vertex {
 public:
-  Vertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
-         TransportMode mode, const Medium* around = nullptr)
-      : surface_(scene, hit, ray, w, mode), around_(around) {}
+  Vertex(const Scene& scene, const RayTracer::Hit& hit, const Flight& flight, const Wavelengths& w,
+         TransportMode mode)
+      : surface_(scene, hit, flight.ray, w, mode) {}
   Vertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
-      : medium_(point, to_previous, w), around_(point.medium), in_medium_(true) {}
+      : medium_(point, to_previous, w), in_medium_(true) {}
 
   bool is_surface() const { return !in_medium_; }
   /// Of a vertex on a surface.
@@ -175,14 +182,24 @@ public:
   bool needs_choice() const {
     return in_medium_ ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
   }
-  /// The medium that the direction `d` leads into, or null.
-  const Medium* medium_along(const Vec3& d) const {
-    return in_medium_ ? around_ : surface().medium_along(d, surface_.point().ng, around_);
+  /// Turns the flight that has ended here into that which leaves along `d`. `Scene::has_media` tells whether
+  /// more than the ray is needed.
+  void leave(const Vec3& d, bool has_media, Flight& flight) const {
+    if (has_media && !in_medium_) flight.pass(surface_.point(), flight.ray.d, d);
+    flight.ray = anchor().leave(d);
   }
 
-  /// To be called before the functions below. `key` is for stochastic BSDFs.
-  void prepare(std::uint32_t key) {
-    if (!in_medium_) surface_.prepare(key);
+  /// The flight that leaves along `d`, without its ray.
+  Flight surroundings(const Vec3& d, const Flight& flight) const {
+    Flight leaving = flight;
+    if (!in_medium_) leaving.pass(surface_.point(), flight.ray.d, d);
+    return leaving;
+  }
+
+  /// To be called before the functions below, for a surface. `key` is for stochastic BSDFs.
+  void prepare(std::uint32_t key, const Flight& flight) {
+    surface_.prepare(key);
+    if (surface().priority != 0) surface_.set_surroundings(flight.inside);
   }
   /// The normal on the side that light may be scattered from; zero where that is all around. Choosing lights
   /// and directions, and their densities, all depend on it.
@@ -202,7 +219,6 @@ private:
     SurfaceVertex surface_;
     MediumVertex medium_;
   };
-  const Medium* around_;  ///< of a surface, where the path comes from; else at the point
   bool in_medium_ = false;
 };
 
