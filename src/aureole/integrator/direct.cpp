@@ -14,7 +14,10 @@ class DirectSteps {
 public:
   DirectSteps(const Scene& scene, const SampleCounts& counts, bool hide_emitters, std::span<Path> paths)
       : scene_(scene), counts_(counts), hide_emitters_(hide_emitters), paths_(paths) {
-    for (size_t i = 0; i < paths.size(); ++i) states_[i].ray = paths[i].ray;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      states_[i].ray = paths[i].ray;
+      states_[i].medium = scene.medium_of_sensor(paths[i].ray);
+    }
   }
 
   const Ray& ray(int path) const { return states_[path].ray; }
@@ -22,14 +25,19 @@ public:
   bool needs_march() const { return !scene_.has_binary_visibility(); }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
-    if (!hit) return escape(i);
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
+    // Media absorb here and scatter nothing back.
+    if (s.medium)
+      s.density.attenuate(Weight(transmittance(*s.medium, s.ray, hit ? hit.t : kInfinity, path.wavelengths,
+                                               path.samples.key(s.dimension))));
+    if (!hit) return escape(i);
     Vertex& vertex = vertices_.make(
-        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::radiance); });
+        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::radiance, s.medium); });
     if (const Light* light = vertex.light()) {
       if (hide_emitters_) {
-        s.ray = vertex.anchor().leave(s.ray.d);
+        s.dimension += scene_.has_media() ? 3 : 0;  // the way behind has random numbers of its own
+        go_on(i, s.ray.d);
         return Event::crossed;
       }
       path.result.estimate +=
@@ -46,7 +54,7 @@ public:
     SampleStream& samples = paths_[size_t(i)].samples;
     const int first = std::exchange(s.dimension, s.dimension + 3);
     return connect_to_light(scene_, vertices_[i], s.density, samples.get1(first), samples.get2(first + 1),
-                            wavelengths(i), counts_, out);
+                            wavelengths(i), counts_, samples.key(first), out);
   }
 
   void connected(int i, const Connection& c, bool open) {
@@ -60,14 +68,15 @@ public:
     if (sample(i, b) != Event::surface) return false;
     s.found = s.density;
     s.found.extend(b.value, b.pdf * counts_.scatter, b.delta || !s.smooth);
-    sight.begin(i, vertices_[i].anchor().leave(b.d), 1.f);
+    sight.begin(i, vertices_[i].anchor().leave(b.d), 1.f, vertices_[i].medium_along(b.d),
+                paths_[size_t(i)].samples.key(s.dimension));
     return true;
   }
 
   void see(int i, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
     if (is_black(radiance)) return;
     const State& s = states_[i];
-    const LightReference from{vertices_[i].point().p, vertices_[i].facing()};
+    const LightReference from{vertices_[i].p(), vertices_[i].facing()};
     const float other =
         s.found.has_light_ratio() ? counts_.light * light_density(scene_, from, light, point, d) : 0.f;
     paths_[size_t(i)].result.estimate += s.found.met(radiance, other, wavelengths(i));
@@ -82,18 +91,25 @@ public:
       return false;
     }
     s.density.attenuate(b.value);
-    s.ray = vertices_[i].anchor().leave(b.d);
+    go_on(i, b.d);
     return true;
   }
 
 private:
   struct State {
     Ray ray;
+    const Medium* medium = nullptr;  ///< that `ray` leaves in
     PathDensity density;
     PathDensity found;  ///< with a sampled direction
     int dimension = 0;  ///< of the sampler, the next one
     bool smooth = false;
   };
+
+  void go_on(int i, const Vec3& d) {
+    State& s = states_[i];
+    s.ray = vertices_[i].anchor().leave(d);
+    if (scene_.has_media()) s.medium = vertices_[i].medium_along(d);
+  }
 
   Event sample(int i, Scatter& out) {
     SampleStream& samples = paths_[size_t(i)].samples;
@@ -165,7 +181,7 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Direct illumination: light that scatters once, by any number of light and BSDF samples combined by "
         "spectral "
-        "multiple importance sampling.",
+        "multiple importance sampling. Media only absorb.",
         "Veach 1997, chapter 9",
         {{"shading_samples", "integer", "", "1", "number of each of the two kinds of samples"},
          {"emitter_samples", "integer", "", "shading_samples", "samples of lights"},

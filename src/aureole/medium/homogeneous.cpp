@@ -17,6 +17,8 @@ public:
   }
   const PhaseFunction& phase() const override { return content_.phase(); }
   Spectrum majorant(const Vec3& d, const Wavelengths& w) const override { return content_.majorant(d, w); }
+  bool is_uniform() const override { return content_.is_uniform(); }
+  bool has_uniform_emission() const override { return content_.has_uniform_emission(); }
   bool emits() const override { return content_.emits(); }
 
 private:

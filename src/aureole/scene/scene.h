@@ -50,6 +50,17 @@ public:
   bool may_meet_emitter(const Ray& ray) const;
   /// Every connection is either open or blocked, so that an occlusion test is enough.
   bool has_binary_visibility() const { return !any_passable_; }
+  bool has_media() const { return has_media_; }
+  /// The medium at the origin of a ray, or null, as the next surface says at which a medium ends.
+  const Medium* medium_at(const Ray& ray) const;
+  /// The same where a ray of light leaves a light.
+  const Medium* medium_of_light(const Light& light, const Ray& ray) const {
+    return !has_media_ ? nullptr : light.emitter->medium() ? light.emitter->medium() : medium_at(ray);
+  }
+  /// The same for rays of the sensor, which may state its medium.
+  const Medium* medium_of_sensor(const Ray& ray) const {
+    return !has_media_ ? nullptr : sensor_.sensor->medium() ? sensor_.sensor->medium() : medium_at(ray);
+  }
 
   const PlacedSensor& sensor() const { return sensor_; }
   const Film& film() const { return sensor_.film(); }
@@ -66,6 +77,7 @@ public:
 private:
   void make_lights();
   void make_surfaces();
+  void find_media();
   void bound_emitters();
   void weigh_lights();
 
@@ -79,7 +91,9 @@ private:
   LightSampler lights_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
-  bool any_passable_ = false;            ///< connections may have to pass surfaces
+  bool any_passable_ = false;            ///< connections may have to pass surfaces or media
+  bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
+  Bounds3 media_bounds_;  ///< of the surfaces on which a medium ends
   std::vector<std::string> notes_;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/transport/connection.h"
 
+#include "aureole/transport/flight.h"
+
 namespace aureole {
 
 namespace {
@@ -13,11 +15,18 @@ Spectrum null_transmittance(const SurfacePoint& point, const Vec3& d, const Wave
 
 }  // namespace
 
+void travel(Connection& c, float t, const Wavelengths& w) {
+  const float unit = length(c.ray.d);  // of the ray's distances
+  c.key = c.key * 0x9e3779b9u + 1;     // each medium on the way has numbers of its own
+  c.passed *= transmittance(*c.medium, {c.ray.o, c.d}, t * unit, w, c.key);
+}
+
 Event cross(const SurfacePoint& point, Connection& c, const Wavelengths& w) {
   if (!(c.through_emitters && point.surface->light)) {
     c.light *= null_transmittance(point, c.d, w);
     if (is_black(c.light)) return Event::blocked;
   }
+  c.medium = point.surface->medium_along(c.d, point.ng, c.medium);
   c.ray.o = offset_origin(point, c.d);
   if (c.infinite) {
     c.ray.t_max = kInfinity;
@@ -32,9 +41,7 @@ Event cross(const SurfacePoint& point, Connection& c, const Wavelengths& w) {
 bool connect(const Scene& scene, Connection& c, const Wavelengths& w) {
   if (scene.has_binary_visibility() && !c.through_emitters) return !scene.tracer().occluded(c.ray);
   for (;;) {
-    const RayTracer::Hit hit = scene.tracer().intersect(c.ray);
-    if (!hit) return true;
-    const Event event = cross(scene.surface_point(hit, c.ray), c, w);
+    const Event event = cross(scene, scene.tracer().intersect(c.ray), c, w);
     if (event != Event::crossed) return event == Event::escape;
   }
 }

@@ -10,7 +10,8 @@ namespace aureole {
 
 /// The result of following a ray.
 enum class Event : std::uint8_t {
-  surface,  ///< it ends at a vertex
+  surface,  ///< it ends at a vertex on a surface
+  medium,   ///< it ends at a vertex within a medium
   escape,   ///< it leaves the scene or reaches its target
   crossed,  ///< it has passed a null surface or a medium's boundary and must be traced again
   blocked,  ///< it is occluded or absorbed
@@ -22,16 +23,41 @@ struct Connection {
   Vec3 target;  ///< the far end, if there is one
   bool infinite;
   bool through_emitters;  ///< surfaces of emitters do not occlude it
-  Spectrum light;         ///< the contribution if it is unoccluded, times the transmittance so far
+  /// The contribution if it is unoccluded, times the part that has passed so far. With media the estimate of a
+  /// path of density 1, which `finish` divides.
+  Spectrum light;
+
+  // In scenes with media, of which `travel` takes account (transport/flight.h):
+  const Medium* medium;  ///< that it is in, or null
+  std::uint32_t key;     ///< for random numbers
+  /// Densities, relative to that of the path's hero, of this connection and of finding it by other techniques,
+  /// the second as if the medium were clear.
+  Spectrum own, other;
+  Spectrum passed;  ///< part of the light that has passed media
 
   /// From a point along `direction` to another, off the surfaces that they lie on.
   void set(const Anchor& from, const Vec3& direction, const Anchor& to);
   /// Along a ray.
   void set(const Ray& ray);
+  /// Begins in a medium, or in none.
+  void enter(const Medium* around, std::uint32_t random_key) {
+    medium = around, key = random_key, passed = 1.f;
+  }
+  /// The light arrives: `light` becomes the contribution.
+  void finish() { light *= passed * (1 / sum(own + other * passed)); }
 };
+
+/// A connection has gone on to the distance `t` along its ray: attenuates it by the medium that it is in.
+void travel(Connection& connection, float t, const Wavelengths& w);
 
 /// A connection has met a surface: crossed, blocked, or escape where its end lies on that surface, too.
 Event cross(const SurfacePoint& point, Connection& connection, const Wavelengths& w);
+
+/// The same of what the ray tracer has found, with the media before it.
+inline Event cross(const Scene& scene, const RayTracer::Hit& hit, Connection& c, const Wavelengths& w) {
+  if (scene.has_media() && c.medium) travel(c, hit ? hit.t : c.ray.t_max, w);
+  return hit ? cross(scene.surface_point(hit, c.ray), c, w) : Event::escape;
+}
 
 /// Tests one connection; returns whether its light arrives. Those of a batch: `connect_all` of the driver.
 bool connect(const Scene& scene, Connection& connection, const Wavelengths& w);
@@ -46,12 +72,14 @@ inline void Connection::set(const Anchor& from, const Vec3& direction, const Anc
   ray.d = target - ray.o, ray.t_max = 1;
   d = direction;
   infinite = through_emitters = false;
+  medium = nullptr;
 }
 
 inline void Connection::set(const Ray& r) {
   ray = r;
   d = r.d;
   infinite = true, through_emitters = false;
+  medium = nullptr;
 }
 
 }  // namespace aureole

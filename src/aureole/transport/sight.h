@@ -17,9 +17,11 @@ class SightSteps {
 public:
   SightSteps(const Scene& scene, Viewer& viewer) : scene_(scene), viewer_(viewer) {}
 
-  /// `factor` multiplies the radiance.
-  void begin(int path, const Ray& ray, const Spectrum& factor) {
+  /// `factor` multiplies the radiance. The line begins in the medium `around`, or in none; `key` is for random
+  /// numbers.
+  void begin(int path, const Ray& ray, const Spectrum& factor, const Medium* around, std::uint32_t key) {
     lines_[path].set(ray);
+    lines_[path].enter(around, key);
     lines_[path].light = factor;
   }
   const Ray& ray(int path) const { return lines_[path].ray; }
@@ -27,6 +29,12 @@ public:
   Event arrive(int path, const RayTracer::Hit& hit) {
     Connection& line = lines_[path];
     const Wavelengths& w = viewer_.wavelengths(path);
+    if (line.medium) {
+      travel(line, hit ? hit.t : kInfinity, w);
+      line.light *= line.passed;
+      line.passed = 1.f;
+      if (is_black(line.light)) return Event::blocked;
+    }
     if (!hit) {
       for (const Light* light : scene_.infinite_emitters())
         viewer_.see(path, *light, nullptr, line.d, line.light * light->eval_escaped(line.d, w));

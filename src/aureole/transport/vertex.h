@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Vertex`: where a path is scattered, in world space, with the checks that keep light from leaking through a
-// shading normal's wrong side. Integrators are built from these functions; none names a concrete plug-in.
+// `Vertex`: where a path is scattered, on a surface or in a medium, in world space. Integrators are built from
+// these functions; none names a concrete plug-in.
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
@@ -8,6 +8,7 @@
 #include "aureole/spectrum/path_density.h"
 #include "aureole/transport/anchor.h"
 #include "aureole/transport/connection.h"
+#include "aureole/transport/flight.h"
 
 namespace aureole {
 
@@ -26,15 +27,16 @@ struct Scatter {
   float eta;  ///< index of the medium that d leads into over that of where the path comes from
 };
 
-/// A point of a surface as a path sees it that comes from the direction `to_previous`. Made in place, since
-/// the context of its BSDF refers to its point.
-class Vertex {
+/// A point of a surface as a path sees it that comes from the direction `to_previous`, with the checks that
+/// keep light from leaking through a shading normal's wrong side. Made in place, since the context of its BSDF
+/// refers to its point.
+class SurfaceVertex {
 public:
-  Vertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
-         TransportMode mode)
+  SurfaceVertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
+                TransportMode mode)
       : point_(scene.surface_point(hit, ray)), context_{w, point_, mode}, to_previous_(-ray.d) {}
-  Vertex(const Vertex&) = delete;
-  Vertex& operator=(const Vertex&) = delete;
+  SurfaceVertex(const SurfaceVertex&) = delete;
+  SurfaceVertex& operator=(const SurfaceVertex&) = delete;
 
   const SurfacePoint& point() const { return point_; }
   const Surface& surface() const { return *point_.surface; }
@@ -108,6 +110,100 @@ private:
   Vec3 to_previous_;
   Vec3 wi_;            ///< to_previous_ in the shading frame
   float wi_side_ = 0;  ///< its cosine with the geometric normal
+};
+
+/// A point of a medium as a path sees it that comes from the direction `to_previous`.
+class MediumVertex {
+public:
+  MediumVertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
+      : point_(point), w_(w), to_previous_(to_previous) {}
+
+  const MediumPoint& point() const { return point_; }
+
+  bool respond(const Vec3& d, Response& out) const {
+    const PhaseEval e = phase().eval_pdf(to_previous_, d, {w_, point_.p});
+    if (is_black(e.value)) return false;
+    out.value = Weight(e.value);
+    out.pdf = e.pdf;
+    return true;
+  }
+  Event scatter(float u1, Vec2 u2, Scatter& out) const {
+    const std::optional<PhaseSample> s = phase().sample(to_previous_, u1, u2, {w_, point_.p});
+    if (!s || !(s->pdf[0] > 0)) return Event::blocked;
+    out.d = s->wo;
+    out.value = Weight(s->value);
+    out.pdf = s->pdf;
+    out.delta = false;
+    out.eta = 1;
+    return Event::medium;
+  }
+
+private:
+  const PhaseFunction& phase() const { return point_.medium->phase(); }
+
+  MediumPoint point_;
+  const Wavelengths& w_;
+  Vec3 to_previous_;
+};
+
+/// Either of the two. Made in place.
+class Vertex {
+public:
+  Vertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
+         TransportMode mode, const Medium* around = nullptr)
+      : surface_(scene, hit, ray, w, mode), around_(around) {}
+  Vertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
+      : medium_(point, to_previous, w), around_(point.medium), in_medium_(true) {}
+
+  bool is_surface() const { return !in_medium_; }
+  /// Of a vertex on a surface.
+  const SurfaceVertex& on_surface() const { return surface_; }
+  const SurfacePoint& point() const { return surface_.point(); }
+  const Surface& surface() const { return surface_.surface(); }
+
+  Vec3 p() const { return in_medium_ ? medium_.point().p : surface_.point().p; }
+  Anchor anchor() const {
+    return in_medium_ ? Anchor::in_space(medium_.point().p) : Anchor::of(surface_.point());
+  }
+  /// The light that shines from here, or null.
+  const Light* light() const { return in_medium_ ? nullptr : surface().light; }
+  /// Whether connections can contribute at this vertex.
+  bool is_smooth() const { return in_medium_ || surface_.is_smooth(); }
+  /// Whether the path may pass without being scattered.
+  bool is_passable() const { return !in_medium_ && surface().passable; }
+  /// `scatter` looks at u1, or something at the key.
+  bool needs_choice() const {
+    return in_medium_ ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
+  }
+  /// The medium that the direction `d` leads into, or null.
+  const Medium* medium_along(const Vec3& d) const {
+    return in_medium_ ? around_ : surface().medium_along(d, surface_.point().ng, around_);
+  }
+
+  /// To be called before the functions below. `key` is for stochastic BSDFs.
+  void prepare(std::uint32_t key) {
+    if (!in_medium_) surface_.prepare(key);
+  }
+  /// The normal on the side that light may be scattered from; zero where that is all around. Choosing lights
+  /// and directions, and their densities, all depend on it.
+  Vec3 facing() const { return in_medium_ ? Vec3{} : surface_.facing(); }
+  /// The value and density for a direction; false where nothing is scattered there.
+  bool respond(const Vec3& d, Response& out) const {
+    return in_medium_ ? medium_.respond(d, out) : surface_.respond(d, out);
+  }
+  /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes straight
+  /// through as if there were no vertex, `blocked` where it ends.
+  Event scatter(float u1, Vec2 u2, Scatter& out) const {
+    return in_medium_ ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
+  }
+
+private:
+  union {
+    SurfaceVertex surface_;
+    MediumVertex medium_;
+  };
+  const Medium* around_;  ///< of a surface, where the path comes from; else at the point
+  bool in_medium_ = false;
 };
 
 }  // namespace aureole

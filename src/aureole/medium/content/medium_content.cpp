@@ -73,6 +73,15 @@ Spectrum MediumContent::majorant(const Vec3&, const Wavelengths& w) const {
          factor;
 }
 
+bool MediumContent::is_uniform() const {
+  return has_uniform_emission() && !grid_ && (!albedo_ || albedo_->is_constant());
+}
+
+bool MediumContent::has_uniform_emission() const {
+  return (!emission_ || emission_->is_constant()) &&
+         (!temperature_ || (temperature_->is_constant() && !grid_ && (!albedo_ || albedo_->is_constant())));
+}
+
 std::vector<ParameterDoc> MediumContent::rows() {
   return {
       {"sigma_t", "volume", "1/length", "1", "extinction coefficient"},

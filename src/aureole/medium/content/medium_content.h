@@ -25,6 +25,8 @@ public:
   const MajorantGrid* majorants() const { return grid_ ? &*grid_ : nullptr; }
   const PhaseFunction& phase() const { return *phase_; }
   bool emits() const { return emission_ || temperature_; }
+  bool is_uniform() const;
+  bool has_uniform_emission() const;
 
 private:
   void make_grid(const Volume& extinction);

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light in a medium between two surfaces: where a ray is scattered, and the part of a connection's light that
+// arrives.
+//
+// Coefficients that vary are met by null collisions (Miller, Georgiev & Jarosz 2019, "A null-scattering path
+// integral formulation of light transport"): the medium is filled up to a bound with matter that changes
+// nothing, and the places of such events belong to the path. The bound is the largest over the wavelengths of
+// a path, so that the density of places of events is the same for all of them and cancels.
+#pragma once
+
+#include "aureole/medium/medium.h"
+#include "aureole/spectrum/path_density.h"
+
+namespace aureole {
+
+/// A place where a path is scattered in a medium.
+struct MediumPoint {
+  Vec3 p;
+  const Medium* medium = nullptr;
+};
+
+/// Random numbers of a flight: the first decides where the first event is, the key is for all others.
+struct FlightRandom {
+  float first;
+  std::uint32_t key;
+};
+
+/// Follows a path along `ray`, whose direction has unit length, to the distance t_max. Returns true where it
+/// is scattered before, at a distance `t`: the value of the passage then holds the scattering coefficient,
+/// and its densities that of this place. False where it arrives at t_max.
+///
+/// `ratio` are the densities of the path so far (`PathDensity::ratio`). `emitted` receives an estimate of the
+/// light that the medium sends along the ray to its origin, weighted so that `PathDensity::contribution` of it
+/// for the path before this flight is right.
+bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w, FlightRandom random,
+         const Spectrum& ratio, Passage& passage, Spectrum& emitted, float& t);
+
+/// An estimate of the part of the light that passes the medium along `ray`, from its origin to the distance
+/// t_max. Unbiased for each wavelength; the same number is the ratio of the density of passing on a walk
+/// to that of a connection.
+Spectrum transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
+                       std::uint32_t key);
+
+}  // namespace aureole
