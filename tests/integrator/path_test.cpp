@@ -5,19 +5,10 @@
 
 #include <cmath>
 
-#include "aureole/render/job.h"
+#include "harness/rendered.h"
 
 namespace aureole::testing {
 namespace {
-
-constexpr int kReplicates = 16;
-
-/// Means over replicates, per pixel and over the film, of one measured channel.
-struct Picture {
-  int width = 0, height = 0;
-  std::vector<double> mean, error;  ///< per pixel
-  double all = 0, all_error = 0;    ///< over the film
-};
 
 std::string sensor(const std::string& lookat, double fov, int size, int samples,
                    const std::string& film = "") {
@@ -35,52 +26,6 @@ std::string path(int max_depth = -1, int rr_depth = 5) {
 std::string diffuse(double reflectance) {
   return "<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"" + std::to_string(reflectance) +
          "\"/></bsdf>";
-}
-
-/// Renders; the channel is Y, or the only one of a uniform response.
-Picture render(const std::string& content) {
-  const auto scene =
-      load_scene_from_string("<scene version=\"3.0.0\">" + content + "</scene>", "path_test.xml");
-  RenderOptions options;
-  options.replicates = kReplicates;
-  options.threads = 2;
-  RenderJob job(scene, options);
-  const std::atomic<bool> stop{false};
-  EXPECT_EQ(job.run(stop), RenderJob::Outcome::finished);
-  EXPECT_EQ(job.state().invalid_samples, 0u);
-  Picture p;
-  p.width = job.state().identity.width, p.height = job.state().identity.height;
-  const int channels = job.state().identity.measured_channels;
-  const std::size_t n = std::size_t(p.width * p.height);
-  p.mean.assign(n, 0), p.error.assign(n, 0);
-  double all_squares = 0;
-  for (const FilmBuffer& film : job.state().films) {
-    double sum = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      double measured[8], alpha;
-      film.mean(int(i) % p.width, int(i) / p.width, measured, &alpha);
-      const double v = measured[channels == 3 ? 1 : 0];
-      p.mean[i] += v / kReplicates, p.error[i] += v * v / kReplicates, sum += v / double(n);
-    }
-    p.all += sum / kReplicates, all_squares += sum * sum / kReplicates;
-  }
-  const auto standard_error = [](double mean, double squares) {
-    return std::sqrt(std::max(0.0, squares - mean * mean) / (kReplicates - 1));
-  };
-  for (std::size_t i = 0; i < n; ++i) p.error[i] = standard_error(p.mean[i], p.error[i]);
-  p.all_error = standard_error(p.all, all_squares);
-  return p;
-}
-
-/// Within 4.5 standard errors, and these are small enough to mean something.
-void expect_mean(const Picture& p, double expected, double largest_error = 0.01) {
-  EXPECT_NEAR(p.all, expected, 4.5 * p.all_error + 2e-4 * expected);
-  EXPECT_LT(p.all_error, largest_error * expected + 1e-9);
-}
-void expect_pixels(const Picture& p, double expected) {
-  // With 15 degrees of freedom |t| > 6 has a probability of 2e-5.
-  for (std::size_t i = 0; i < p.mean.size(); ++i)
-    EXPECT_NEAR(p.mean[i], expected, 6 * p.error[i] + 5e-4 * expected) << "pixel " << i;
 }
 
 class Furnace : public ::testing::TestWithParam<const char*> {};

@@ -99,6 +99,9 @@ public:
   /// The shading normal in local coordinates, where the BSDF turns it.
   virtual Vec3 shading_normal(const SurfacePoint& /*point*/) const { return {0, 0, 1}; }
 
+  /// The refractive index on the side that the normal points away from; false where the BSDF has none.
+  virtual bool interior_index(const Wavelengths& /*w*/, Spectrum& /*n*/) const { return false; }
+
   virtual Lobe lobes() const = 0;
   /// `sample` looks at u1, or something at the context's key.
   virtual bool needs_choice() const { return true; }

@@ -54,6 +54,10 @@ public:
   }
 
   bool needs_tangent() const override { return false; }
+  bool interior_index(const Wavelengths& w, Spectrum& n) const override {
+    n = interior_.eval(w);
+    return true;
+  }
   Lobe lobes() const override { return Lobe::delta | Lobe::reflect | Lobe::transmit; }
 
 private:

@@ -71,6 +71,10 @@ public:
     return sample_from(State<float>(*this, wi, ctx), u1, u2, ctx);
   }
 
+  bool interior_index(const Wavelengths& w, Spectrum& n) const override {
+    n = interior_.eval(w);
+    return true;
+  }
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect | Lobe::transmit; }
 
 private:

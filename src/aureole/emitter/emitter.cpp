@@ -10,7 +10,9 @@
 namespace aureole {
 
 Emitter::Emitter(const Properties& properties)
-    : Object(properties), sampling_weight_(float(properties.get_float("sampling_weight", 1, {0, 1e9}))) {}
+    : Object(properties),
+      sampling_weight_(float(properties.get_float("sampling_weight", 1, {0, 1e9}))),
+      medium_(only_medium(properties)) {}
 
 bool Emitter::sits_on_shape() const {
   const PluginInfo* plugin = properties().plugin();
@@ -37,7 +39,9 @@ RayDensity density_from_infinity(const Light& light, float direction) {
 
 AUREOLE_FAMILY(FamilyInfo{
     .name = "emitter",
-    .parameters = {{"sampling_weight", "float", "", "1",
+    .parameters = {{"medium", "medium", "", "that within the surfaces around it",
+                    "what the emitter is in; needed only where no surface bounds that medium"},
+                   {"sampling_weight", "float", "", "1",
                     "factor of the probability with which light sampling chooses this emitter; 0: never, so "
                     "that it is only seen where rays meet it by chance"}},
     .hangs_on_shapes = true,

@@ -6,6 +6,7 @@
 
 #include <optional>
 
+#include "aureole/medium/medium.h"
 #include "aureole/plugin/object.h"
 #include "aureole/shape/surface_point.h"
 #include "aureole/spectrum/wavelengths.h"
@@ -62,11 +63,13 @@ struct EmissionBounds {
 class Emitter : public Object {
 public:
   static constexpr const char* kFamily = "an emitter";
-  /// Reads what every emitter has: sampling_weight.
+  /// Reads what every emitter has: sampling_weight and medium.
   explicit Emitter(const Properties& properties);
 
   /// Factor of the probability with which light sampling chooses this emitter.
   float sampling_weight() const { return sampling_weight_; }
+  /// The medium that it is in, where the scene states one; null: the surfaces around it tell.
+  const Medium* medium() const { return medium_.get(); }
 
   /// Whether it emits from the surface of its parent shape; other emitters cannot be children of shapes.
   bool sits_on_shape() const;
@@ -115,6 +118,7 @@ public:
 
 private:
   float sampling_weight_;
+  MediumPtr medium_;
 };
 
 /// The beam that enters a scene from infinity along `d`: starts on a disc across it, before the scene's

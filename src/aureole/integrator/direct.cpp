@@ -14,28 +14,41 @@ class DirectSteps {
 public:
   DirectSteps(const Scene& scene, const SampleCounts& counts, bool hide_emitters, std::span<Path> paths)
       : scene_(scene), counts_(counts), hide_emitters_(hide_emitters), paths_(paths) {
-    for (size_t i = 0; i < paths.size(); ++i) states_[i].ray = paths[i].ray;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      states_[i].flight.ray = paths[i].ray;
+      find_surroundings(scene, nullptr, states_[i].flight);
+    }
   }
 
-  const Ray& ray(int path) const { return states_[path].ray; }
+  const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
-    if (!hit) return escape(i);
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
+    // Media absorb here and scatter nothing back.
+    if (s.flight.medium)
+      s.density.attenuate(Weight(transmittance(*s.flight.medium, s.flight.ray, hit ? hit.t : kInfinity,
+                                               path.wavelengths, path.samples.key(s.dimension))));
+    if (!hit) return escape(i);
     Vertex& vertex = vertices_.make(
-        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::radiance); });
+        i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::radiance); });
+    if (s.flight.is_hidden(vertex.surface())) {
+      s.dimension += 3;
+      go_on(i, s.flight.ray.d);
+      return Event::crossed;
+    }
     if (const Light* light = vertex.light()) {
       if (hide_emitters_) {
-        s.ray = vertex.anchor().leave(s.ray.d);
+        s.dimension += scene_.has_media() ? 3 : 0;  // the way behind has random numbers of its own
+        go_on(i, s.flight.ray.d);
         return Event::crossed;
       }
-      path.result.estimate +=
-          s.density.contribution(light->eval(vertex.point(), -s.ray.d, path.wavelengths), path.wavelengths);
+      path.result.estimate += s.density.contribution(
+          light->eval(vertex.point(), -s.flight.ray.d, path.wavelengths), path.wavelengths);
     }
-    vertex.prepare(path.samples.key(s.dimension));
+    vertex.prepare(path.samples.key(s.dimension), s.flight);
     s.smooth = vertex.is_smooth() && !scene_.lights().empty();
     return Event::surface;
   }
@@ -45,8 +58,8 @@ public:
     if (!s.smooth) return false;
     SampleStream& samples = paths_[size_t(i)].samples;
     const int first = std::exchange(s.dimension, s.dimension + 3);
-    return connect_to_light(scene_, vertices_[i], s.density, samples.get1(first), samples.get2(first + 1),
-                            wavelengths(i), counts_, out);
+    return connect_to_light(scene_, vertices_[i], s.flight, s.density, samples.get1(first),
+                            samples.get2(first + 1), wavelengths(i), counts_, samples.key(first), out);
   }
 
   void connected(int i, const Connection& c, bool open) {
@@ -60,14 +73,16 @@ public:
     if (sample(i, b) != Event::surface) return false;
     s.found = s.density;
     s.found.extend(b.value, b.pdf * counts_.scatter, b.delta || !s.smooth);
-    sight.begin(i, vertices_[i].anchor().leave(b.d), 1.f);
+    Flight line = s.flight;
+    vertices_[i].leave(b.d, scene_.has_media(), line);
+    sight.begin(i, line, 1.f, paths_[size_t(i)].samples.key(s.dimension));
     return true;
   }
 
   void see(int i, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
     if (is_black(radiance)) return;
     const State& s = states_[i];
-    const LightReference from{vertices_[i].point().p, vertices_[i].facing()};
+    const LightReference from{vertices_[i].p(), vertices_[i].facing()};
     const float other =
         s.found.has_light_ratio() ? counts_.light * light_density(scene_, from, light, point, d) : 0.f;
     paths_[size_t(i)].result.estimate += s.found.met(radiance, other, wavelengths(i));
@@ -82,18 +97,20 @@ public:
       return false;
     }
     s.density.attenuate(b.value);
-    s.ray = vertices_[i].anchor().leave(b.d);
+    go_on(i, b.d);
     return true;
   }
 
 private:
   struct State {
-    Ray ray;
+    Flight flight;
     PathDensity density;
     PathDensity found;  ///< with a sampled direction
     int dimension = 0;  ///< of the sampler, the next one
     bool smooth = false;
   };
+
+  void go_on(int i, const Vec3& d) { vertices_[i].leave(d, scene_.has_media(), states_[i].flight); }
 
   Event sample(int i, Scatter& out) {
     SampleStream& samples = paths_[size_t(i)].samples;
@@ -106,7 +123,8 @@ private:
     const State& s = states_[i];
     RadianceEstimate& result = paths_[size_t(i)].result;
     Spectrum sum = 0.f;
-    for (const Light* light : scene_.infinite_emitters()) sum += light->eval_escaped(s.ray.d, wavelengths(i));
+    for (const Light* light : scene_.infinite_emitters())
+      sum += light->eval_escaped(s.flight.ray.d, wavelengths(i));
     result.estimate += s.density.contribution(sum, wavelengths(i));
     result.alpha = 1;
     return Event::escape;
@@ -165,7 +183,7 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Direct illumination: light that scatters once, by any number of light and BSDF samples combined by "
         "spectral "
-        "multiple importance sampling.",
+        "multiple importance sampling. Media only absorb.",
         "Veach 1997, chapter 9",
         {{"shading_samples", "integer", "", "1", "number of each of the two kinds of samples"},
          {"emitter_samples", "integer", "", "shading_samples", "samples of lights"},

@@ -17,26 +17,39 @@ class PathSteps {
 public:
   PathSteps(const Scene& scene, const PathLimits& limits, std::span<Path> paths, const BatchLog& log)
       : scene_(scene), limits_(limits), paths_(paths), log_(log) {
-    for (size_t i = 0; i < paths.size(); ++i) states_[i].ray = paths[i].ray;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      states_[i].flight.ray = paths[i].ray;
+      find_surroundings(scene, nullptr, states_[i].flight);
+    }
   }
 
-  const Ray& ray(int path) const { return states_[path].ray; }
+  const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
-    if (!hit) return escape(i);
     State& s = states_[i];
+    if (s.flight.medium) {
+      const Event event = fly(i, hit ? hit.t : kInfinity);
+      if (event != Event::crossed) return event;
+    }
+    if (!hit) return escape(i);
     Path& path = paths_[size_t(i)];
     Vertex& vertex = vertices_.make(
-        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::radiance); });
+        i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::radiance); });
     if (log_.follows(i)) log_surface(log_, s.depth, vertex.point(), s.density.hero_symmetric_throughput());
+    if (s.flight.is_hidden(vertex.surface())) {
+      go_on(i, vertex, s.flight.ray.d);
+      return Event::crossed;
+    }
     if (const Light* light = vertex.light()) {
       if (limits_.hide_emitters && s.depth == 0) {
-        s.ray = vertex.anchor().leave(s.ray.d);
+        s.vertex += scene_.has_media();  // the flight behind has random numbers of its own
+        go_on(i, vertex, s.flight.ray.d);
         return Event::crossed;
       }
-      add_emission(i, *light, &vertex.point(), light->eval(vertex.point(), -s.ray.d, path.wavelengths));
+      add_emission(i, *light, &vertex.point(),
+                   light->eval(vertex.point(), -s.flight.ray.d, path.wavelengths));
     }
     s.last = !limits_.reaches(s.depth + 2);
     if (s.last && !vertex.surface().passable) {
@@ -44,7 +57,7 @@ public:
       return Event::blocked;
     }
     s.pairs = path.samples.directions(++s.vertex);
-    vertex.prepare(vertex.surface().needs_choice ? key(path.samples, s.vertex) : 0);
+    vertex.prepare(vertex.surface().needs_choice ? key(path.samples, s.vertex) : 0, s.flight);
     return Event::surface;
   }
 
@@ -53,9 +66,10 @@ public:
     const Vertex& vertex = vertices_[i];
     if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return false;
     Path& path = paths_[size_t(i)];
-    return connect_to_light(scene_, vertex, s.density,
+    return connect_to_light(scene_, vertex, s.flight, s.density,
                             scene_.lights().is_single() ? 0.f : get(path.samples, s.vertex, Choice::light),
-                            get(s.pairs, Pair::connection), path.wavelengths, {}, out);
+                            get(s.pairs, Pair::connection), path.wavelengths, {},
+                            scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out);
   }
 
   void connected(int i, const Connection& c, bool open) {
@@ -68,19 +82,19 @@ public:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
-    const float lobe = vertex.surface().needs_choice ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
+    const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
     Scatter b;
     const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
-      s.ray = vertex.anchor().leave(b.d);
+      go_on(i, vertex, b.d);
       return true;
     }
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
     s.density.extend(b.value, b.pdf, b.delta);
-    s.from = {vertex.point().p, vertex.facing()};
-    s.ray = vertex.anchor().leave(b.d);
+    s.from = {vertex.p(), vertex.facing()};
+    go_on(i, vertex, b.d);
     ++s.depth;
     s.eta2 *= b.eta * b.eta;
 
@@ -90,36 +104,69 @@ public:
       s.density.survive(survival);
     }
     // The last ray can only bring emission.
-    return limits_.reaches(s.depth + 2) || scene_.may_meet_emitter(s.ray);
+    return limits_.reaches(s.depth + 2) || scene_.may_meet_emitter(s.flight.ray);
   }
 
 private:
   struct State {
-    Ray ray;
-    PathDensity density;  ///< up to and including the direction of `ray`
+    Flight flight;
+    PathDensity density;  ///< up to and including the direction of `flight`
     LightReference
-        from;         ///< of the vertex that `ray` left, where light sampling could have found what it meets
-    int depth = 0;    ///< scattering events so far
-    int vertex = -1;  ///< surfaces met before the present one, those that were passed without scattering
-                      ///< among them
-    const float* pairs = nullptr;  ///< random numbers of the present surface
+        from;       ///< of the vertex that `flight` left, where light sampling could have found what it meets
+    int depth = 0;  ///< scattering events so far
+    int in_media = 0;  ///< those of them in media
+    int vertex = -1;   ///< vertices before the present one, surfaces that were passed without scattering
+                       ///< among them
+    const float* pairs = nullptr;  ///< random numbers of the present vertex
     float eta2 = 1;     ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
                         ///< for roulette
     bool last = false;  ///< the present surface may only be passed
   };
 
+  void go_on(int i, const Vertex& vertex, const Vec3& d) {
+    vertex.leave(d, scene_.has_media(), states_[i].flight);
+  }
+
+  /// Through the medium along the ray: `medium` where the path is scattered there, `crossed` where it arrives
+  /// at the distance t_max.
+  [[gnu::noinline]] Event fly(int i, float t_max) {
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    const FlightRandom random{get(path.samples, s.vertex, Choice::distance),
+                              key(path.samples, s.vertex, Key::flight)};
+    Passage passage;
+    Spectrum emitted = 0.f;
+    float t;
+    const bool scattered = aureole::fly(*s.flight.medium, s.flight.ray, t_max, path.wavelengths, random,
+                                        s.density.ratio, passage, emitted, t);
+    if (!is_black(emitted)) path.result.estimate += s.density.contribution(emitted, path.wavelengths);
+    s.density.pass(passage);
+    if (!scattered) return Event::crossed;
+    const Vec3 p = s.flight.ray.o + s.flight.ray.d * t;
+    if (log_.follows(i))
+      log_medium(log_, s.depth, p, *s.flight.medium, s.density.hero_symmetric_throughput());
+    if (s.depth == 0) path.result.alpha = 1;
+    if (!limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering || s.density.beta.is_black())
+      return Event::blocked;
+    ++s.in_media;
+    s.last = false;
+    s.pairs = path.samples.directions(++s.vertex);
+    vertices_.make(i, [&] { return Vertex({p, s.flight.medium}, -s.flight.ray.d, path.wavelengths); });
+    return Event::medium;
+  }
+
   Event escape(int i) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     if (log_.follows(i))
-      log_(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", s.depth, s.ray.d.x, s.ray.d.y,
-                       s.ray.d.z));
+      log_(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", s.depth, s.flight.ray.d.x,
+                       s.flight.ray.d.y, s.flight.ray.d.z));
     if (s.depth == 0) {
       path.result.alpha = limits_.hide_emitters || scene_.infinite_emitters().empty() ? 0.f : 1.f;
       if (limits_.hide_emitters) return Event::escape;
     }
     for (const Light* light : scene_.infinite_emitters())
-      add_emission(i, *light, nullptr, light->eval_escaped(s.ray.d, path.wavelengths));
+      add_emission(i, *light, nullptr, light->eval_escaped(s.flight.ray.d, path.wavelengths));
     return Event::escape;
   }
 
@@ -129,7 +176,8 @@ private:
     Path& path = paths_[size_t(i)];
     path.result.estimate +=
         s.density.has_light_ratio()
-            ? s.density.met(radiance, light_density(scene_, s.from, light, point, s.ray.d), path.wavelengths)
+            ? s.density.met(radiance, light_density(scene_, s.from, light, point, s.flight.ray.d),
+                            path.wavelengths)
             : s.density.contribution(radiance, path.wavelengths);
   }
 
@@ -167,11 +215,13 @@ AUREOLE_PLUGIN(
         "Kajiya 1986; Veach 1997, chapters 9 and 10; Wilkie et al. 2014, Eq. 8",
         {{"max_depth", "integer", "", "-1",
           "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
-         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces, 1000 at most"},
+         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many vertices, 1000 at most"},
+         {"max_scattering", "integer", "", "-1",
+          "paths that media scatter more often do not count: 1 is single scattering; -1: no limit"},
          {"hide_emitters", "boolean", "", "false",
           "camera rays pass through area emitters and see no environment"}},
         {R"(<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
-    <boolean name="hide_emitters" value="false"/></integrator>)"}});
+    <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

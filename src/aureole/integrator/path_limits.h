@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shared by path and light tracing: limits of the length of paths, and the lines that a replay logs for
-// surfaces.
+// their vertices.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,7 @@
 
 namespace aureole {
 
-/// The parameters `max_depth`, `rr_depth` and `hide_emitters`.
+/// The parameters `max_depth`, `rr_depth`, `max_scattering` and `hide_emitters`.
 struct PathLimits {
   /// Inside a closed shape without losses no path would end without roulette.
   static constexpr int kLatestRoulette = 1000;
@@ -19,6 +19,7 @@ struct PathLimits {
   explicit PathLimits(const Properties& p)
       : max_depth(int(p.get_int("max_depth", -1, {-1, 1e9}))),
         roulette_depth(std::min(int(p.get_int("rr_depth", 5, {1, 1e9})), kLatestRoulette)),
+        max_scattering(int(p.get_int("max_scattering", -1, {-1, 1e9}))),
         hide_emitters(p.get_bool("hide_emitters", false)) {}
 
   /// Whether paths of so many edges count.
@@ -26,6 +27,7 @@ struct PathLimits {
 
   int max_depth;  ///< longest path in edges; -1: no limit
   int roulette_depth;
+  int max_scattering;  ///< most scattering events in media; -1: no limit
   bool hide_emitters;
 };
 
@@ -33,6 +35,12 @@ inline void log_surface(const BatchLog& log, int depth, const SurfacePoint& hit,
   log(fmt::format("  depth {}: {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), bsdf {}, throughput {:.6g}", depth,
                   hit.shape->properties().type(), hit.shape->id(), hit.p.x, hit.p.y, hit.p.z,
                   hit.surface->bsdf->properties().type(), throughput));
+}
+
+inline void log_medium(const BatchLog& log, int depth, const Vec3& p, const Medium& medium,
+                       float throughput) {
+  log(fmt::format("  depth {}: scattered by {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), throughput {:.6g}", depth,
+                  medium.properties().type(), medium.id(), p.x, p.y, p.z, throughput));
 }
 
 }  // namespace aureole

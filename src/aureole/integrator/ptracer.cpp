@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light tracing: paths from the emitters, connected to the sensor at every surface. Such a path has one
+// Light tracing: paths from the emitters, connected to the sensor at every vertex. Such a path has one
 // technique, and spectral MIS weights it over the wavelengths, whose densities differ only by those of its
 // BSDF samples. Emitters that the sensor sees directly, which no connection finds, are found by rays of the
 // sensor.
@@ -38,7 +38,7 @@ public:
              const BatchLog& log)
       : scene_(scene), limits_(limits), paths_(paths), splats_(splats), log_(log) {}
 
-  const Ray& ray(int path) const { return states_[path].ray; }
+  const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility() || limits_.hide_emitters; }
 
@@ -57,22 +57,31 @@ public:
     s.density.beta = Weight(emitted->value);
     s.density.survive(pdf);
     s.whole = s.density.hero_symmetric_throughput();
-    s.ray = Anchor::of(*emitted).leave(emitted->d);
+    s.flight.ray = Anchor::of(*emitted).leave(emitted->d);
+    find_surroundings(scene_, choice->light, s.flight);
     if (log_.follows(i))
       log_(fmt::format(
           "  emitter \"{}\", part {}: from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
-          choice->light->properties().type(), choice->part, s.ray.o.x, s.ray.o.y, s.ray.o.z, s.ray.d.x,
-          s.ray.d.y, s.ray.d.z));
+          choice->light->properties().type(), choice->part, s.flight.ray.o.x, s.flight.ray.o.y,
+          s.flight.ray.o.z, s.flight.ray.d.x, s.flight.ray.d.y, s.flight.ray.d.z));
     return true;
   }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
-    if (!hit) return Event::escape;
     State& s = states_[i];
+    if (s.flight.medium) {
+      const Event event = fly(i, hit ? hit.t : kInfinity);
+      if (event != Event::crossed) return event;
+    }
+    if (!hit) return Event::escape;
     Path& path = paths_[size_t(i)];
     Vertex& vertex = vertices_.make(
-        i, [&] { return Vertex(scene_, hit, s.ray, path.wavelengths, TransportMode::importance); });
-    vertex.prepare(key(path.samples, ++s.vertex));
+        i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::importance); });
+    if (s.flight.is_hidden(vertex.surface())) {
+      go_on(i, vertex, s.flight.ray.d);
+      return Event::crossed;
+    }
+    vertex.prepare(key(path.samples, ++s.vertex), s.flight);
     if (log_.follows(i))
       log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
     return Event::surface;
@@ -86,7 +95,10 @@ public:
     if (limits_.hide_emitters && vertex.light()) return false;
     Path& path = paths_[size_t(i)];
     const Vec2 lens = scene_.sensor().uses_lens() ? get(path.samples, s.vertex, Pair::connection) : Vec2{};
-    if (!connect_to_sensor(scene_, vertex, s.density, lens, path.wavelengths, out, film_[i])) return false;
+    if (!connect_to_sensor(scene_, vertex, s.flight, s.density, lens, path.wavelengths,
+                           scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out,
+                           film_[i]))
+      return false;
     out.through_emitters = limits_.hide_emitters;
     return true;
   }
@@ -103,19 +115,19 @@ public:
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
     const bool last = !limits_.reaches(s.scattered + 3);
-    if (last && !vertex.surface().passable) return false;
-    const float lobe = vertex.surface().needs_choice ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
+    if (last && !vertex.is_passable()) return false;
+    const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
     Scatter b;
     const Event event = vertex.scatter(lobe, get(path.samples, s.vertex, Pair::scatter), b);
     if (event == Event::blocked) return false;
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
-      s.ray = vertex.anchor().leave(b.d);
+      go_on(i, vertex, b.d);
       return true;
     }
     if (last || b.value.is_black()) return false;
     s.density.extend(b.value, b.pdf, b.delta);
-    s.ray = vertex.anchor().leave(b.d);
+    go_on(i, vertex, b.d);
     ++s.scattered;
     if (s.scattered < limits_.roulette_depth) return true;
     const float survival = std::min(0.95f, s.density.hero_symmetric_throughput() / s.whole);
@@ -126,13 +138,39 @@ public:
 
 private:
   struct State {
-    Ray ray;
+    Flight flight;
     LightPathDensity density;
     float whole = 1;  ///< throughput at the emitter: roulette asks how much of the light is left, not how
                       ///< bright it is
-    int vertex = 0;   ///< surfaces met; 0 at the emitter
-    int scattered = 0;
+    int vertex = 0;   ///< vertices met; 0 at the emitter
+    int scattered = 0, in_media = 0;
   };
+
+  void go_on(int i, const Vertex& vertex, const Vec3& d) {
+    vertex.leave(d, scene_.has_media(), states_[i].flight);
+  }
+
+  /// As that of `path`.
+  [[gnu::noinline]] Event fly(int i, float t_max) {
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    const FlightRandom random{get(path.samples, s.vertex, Choice::distance),
+                              key(path.samples, s.vertex, Key::flight)};
+    Passage passage;
+    Spectrum emitted = 0.f;  // is for paths of the sensor
+    float t;
+    const bool scattered = aureole::fly(*s.flight.medium, s.flight.ray, t_max, path.wavelengths, random,
+                                        s.density.ratio, passage, emitted, t);
+    s.density.pass(passage);
+    if (!scattered) return Event::crossed;
+    const Vec3 p = s.flight.ray.o + s.flight.ray.d * t;
+    if (log_.follows(i))
+      log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
+    if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;
+    ++s.in_media, ++s.vertex;
+    vertices_.make(i, [&] { return Vertex({p, s.flight.medium}, -s.flight.ray.d, path.wavelengths); });
+    return Event::medium;
+  }
 
   const Scene& scene_;
   const PathLimits& limits_;
@@ -174,7 +212,9 @@ private:
     for (size_t i = 0; i < paths.size(); ++i) {
       paths[i].result = {};
       if (limits_.hide_emitters || !limits_.reaches(1) || !scene.may_meet_emitter(paths[i].ray)) continue;
-      sight.begin(int(i), paths[i].ray, 1.f);
+      Flight flight{paths[i].ray, nullptr, {}};
+      find_surroundings(scene, nullptr, flight);
+      sight.begin(int(i), flight, 1.f, scene.has_media() ? key(paths[i].samples, -1, Key::flight) : 0);
       rays.add(int(i), paths[i].ray);
     }
     follow(scene, sight, rays, RayTracer::Rays::coherent);
@@ -191,7 +231,7 @@ private:
 AUREOLE_PLUGIN(
     ParticleTracer, "integrator", "ptracer",
     PluginDoc{
-        "Light tracing: paths start at the emitters and are connected to the sensor at every surface. Finds "
+        "Light tracing: paths start at the emitters and are connected to the sensor at every vertex. Finds "
         "caustics that a path tracer can't, and shows nothing through smooth glass or in mirrors, since no "
         "connection passes those. Emitters and backgrounds that the sensor sees are found by its own rays. "
         "As "
@@ -199,12 +239,14 @@ AUREOLE_PLUGIN(
         "Veach 1997, section 10.3 (s = 0, 1) with section 5.3 for shading normals; Wilkie et al. 2014, Eq. 8",
         {{"max_depth", "integer", "", "-1",
           "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
-         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many surfaces, 1000 at most"},
+         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many vertices, 1000 at most"},
+         {"max_scattering", "integer", "", "-1",
+          "paths that media scatter more often do not count: 1 is single scattering; -1: no limit"},
          {"hide_emitters", "boolean", "", "false",
           "the sensor sees through area emitters and sees no environment"},
          {"samples_per_pass", "integer", "", "-1", "accepted without effect"}},
         {R"(<integrator type="ptracer"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
-    <boolean name="hide_emitters" value="false"/><integer name="samples_per_pass" value="16"/></integrator>)"}});
+    <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/><integer name="samples_per_pass" value="16"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

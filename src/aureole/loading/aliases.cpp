@@ -7,8 +7,7 @@ namespace aureole {
 
 namespace {
 
-constexpr std::string_view kOneIntegrator =
-    "the same where there is no medium, and media are not supported yet";
+constexpr std::string_view kOneIntegrator = "one integrator does surfaces and media";
 constexpr std::string_view kBetterSampler = "it is stratified in every dimension";
 
 const std::vector<PluginAlias> kAliases = {

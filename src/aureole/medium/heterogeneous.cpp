@@ -15,6 +15,8 @@ public:
   const PhaseFunction& phase() const override { return content_.phase(); }
   const MajorantGrid* majorants() const override { return content_.majorants(); }
   Spectrum majorant(const Vec3& d, const Wavelengths& w) const override { return content_.majorant(d, w); }
+  bool is_uniform() const override { return content_.is_uniform(); }
+  bool has_uniform_emission() const override { return content_.has_uniform_emission(); }
   bool emits() const override { return content_.emits(); }
 
 private:
@@ -34,6 +36,7 @@ AUREOLE_PLUGIN(
     <float name="scale" value="0.5"/>
     <float name="emission" value="0"/>
     <float name="temperature" value="0"/>
+    <float name="ior" value="1.33"/>
     <phase type="isotropic"/>
 </medium>)",
                R"(<medium type="heterogeneous">

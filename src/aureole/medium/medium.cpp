@@ -5,6 +5,14 @@
 
 namespace aureole {
 
+MediumPtr only_medium(const Properties& properties) {
+  const auto media = properties.get_children<Medium>("medium");
+  if (media.size() > 1)
+    throw Error(media[1]->properties().where(),
+                "\"" + properties.type() + "\" is in one medium, but has " + std::to_string(media.size()));
+  return media.empty() ? nullptr : media[0];
+}
+
 AUREOLE_FAMILY(FamilyInfo{
     .name = "medium", .fallback = "homogeneous", .hangs_on_shapes = true, .is_reusable = true});
 

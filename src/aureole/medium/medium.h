@@ -33,8 +33,14 @@ public:
   virtual const MajorantGrid* majorants() const { return nullptr; }
   virtual Spectrum majorant(const Vec3& d, const Wavelengths& w) const = 0;
 
-  virtual bool emits() const { return false; }
+  /// Whether `eval` gives the same everywhere, and at least its emission.
+  virtual bool is_uniform() const = 0;
+  virtual bool has_uniform_emission() const = 0;
+  virtual bool emits() const = 0;
 };
 using MediumPtr = std::shared_ptr<const Medium>;
+
+/// The medium among an object's children, or null. Throws a located Error where there are several.
+MediumPtr only_medium(const Properties& properties);
 
 }  // namespace aureole

@@ -28,8 +28,9 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   make_lights();
   for (const Light& light : emitters_)
     if (!light.shape && !light.is_infinite()) require_near(light.properties(), light.emission_bounds(0).box);
-  bound_emitters();
   make_surfaces();
+  find_media();
+  bound_emitters();
   tracer_ = reuse && reuse->tracer_->is_for(parts_.surfaces)
                 ? reuse->tracer_
                 : std::make_shared<const RayTracer>(parts_.surfaces, reuse ? reuse->tracer_.get() : nullptr);
@@ -61,6 +62,7 @@ void Scene::bound_emitters() {
   constexpr std::ptrdiff_t kFewEmitters = 8;
   const auto& emitters = parts_.emitters;
   if (std::any_of(emitters.begin(), emitters.end(), [](const auto& e) { return e->is_infinite(); })) return;
+  if (any_medium_emits_) return;
   if (std::ptrdiff_t(emitters_.size() - emitters.size()) > kFewEmitters) return;
   for (const Light& light : emitters_)
     if (light.shape) {
@@ -98,6 +100,80 @@ void Scene::make_surfaces() {
   for (const Surface& surface : surfaces_) any_passable_ |= surface.passable;
 }
 
+void Scene::find_media() {
+  const auto add = [&](const Medium* medium) {
+    if (!medium) return;
+    has_media_ = true;
+    any_medium_emits_ |= medium->emits();
+  };
+  add(parts_.sensor->medium());
+  for (const Light& light : emitters_) add(light.emitter->medium());
+  for (const Surface& surface : surfaces_) {
+    add(surface.outside), add(surface.inside);
+    any_medium_outside_ |= surface.outside != nullptr;
+  }
+  any_passable_ |= has_media_;
+  const auto extend = [](Bounds3& box, const ModelPart& part, auto has) {
+    const auto* list = part.instance ? &part.instance->list().media : nullptr;
+    if (list ? std::any_of(list->begin(), list->end(), has) : has(part.media)) box.extend(part.bounds());
+  };
+  for (const ModelPart& part : parts_.surfaces) {
+    extend(media_bounds_, part, [](const SurfaceMedia& m) { return m.given() && m.priority == 0; });
+    extend(priority_bounds_, part, [](const SurfaceMedia& m) { return m.priority != 0; });
+  }
+  has_media_ |= !priority_bounds_.empty();
+  any_passable_ |= has_media_;
+}
+
+namespace {
+
+/// With room for rounding.
+bool is_in(const Vec3& p, const Bounds3& box) {
+  const Vec3 margin = (abs(box.lower) + abs(box.upper)) * 1e-5f;
+  for (int i = 0; i < 3; ++i)
+    if (!(p[i] >= box.lower[i] - margin[i] && p[i] <= box.upper[i] + margin[i])) return false;
+  return true;
+}
+
+}  // namespace
+
+void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
+  if (!is_in(ray.o, priority_bounds_)) return;
+  // A shape that the ray leaves more often than it enters it lies around the origin. The last such exit comes
+  // first in a list of equal priorities, as if the shapes had been entered from afar.
+  std::vector<std::pair<const Surface*, int>> left;
+  Ray next{ray.o, ray.d, kInfinity};
+  while (const auto point = intersect(next)) {
+    next.o = offset_origin(*point, ray.d);
+    const Surface* surface = point->surface;
+    if (surface->priority == 0) continue;
+    const int out = dot(ray.d, point->ng) > 0 ? 1 : -1;
+    const auto known =
+        std::find_if(left.begin(), left.end(), [&](const auto& entry) { return entry.first == surface; });
+    if (known == left.end())
+      left.emplace_back(surface, out);
+    else
+      known->second += out;
+  }
+  for (auto entry = left.rbegin(); entry != left.rend(); ++entry)
+    if (entry->second > 0) inside.pass(*entry->first, true);
+}
+
+const Medium* Scene::medium_at(const Ray& ray) const {
+  if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return nullptr;
+  // A ray that meets none of these surfaces says nothing; one towards them does.
+  const Vec3 inwards = media_bounds_.center() - ray.o;
+  for (const Vec3& d : {ray.d, normalize(inwards)}) {
+    Ray next{ray.o, d, kInfinity};
+    while (const auto point = intersect(next)) {
+      if (point->surface->bounds_media && point->surface->priority == 0)
+        return point->surface->medium_along(-d, point->ng, nullptr);
+      next.o = offset_origin(*point, d);
+    }
+  }
+  return nullptr;
+}
+
 void Scene::weigh_lights() {
   const SpectralGrid& grid = parts_.context->grid;
   const SampledSpectrum response = film().response();
@@ -114,7 +190,7 @@ void Scene::weigh_lights() {
           "the emitter's power is too large to be computed with; scale the scene or the emission down");
     spectra.push_back(power);
   }
-  if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }))
+  if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }) && !any_medium_emits_)
     notes_.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(
       choose_wavelengths(response, channel_responses(film(), grid), spectra));

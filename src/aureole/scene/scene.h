@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/scene/interior_list.h"
 #include "aureole/scene/light_sampler.h"
 #include "aureole/scene/ray_tracer.h"
 #include "aureole/scene/scene_parts.h"
@@ -50,6 +51,13 @@ public:
   bool may_meet_emitter(const Ray& ray) const;
   /// Every connection is either open or blocked, so that an occlusion test is enough.
   bool has_binary_visibility() const { return !any_passable_; }
+  /// Some space is not vacuum, or shapes overlap by priority: paths keep account of what they are in.
+  bool has_media() const { return has_media_; }
+  /// The medium at the origin of a ray, or null, as the next surface without priority says at which a medium
+  /// ends.
+  const Medium* medium_at(const Ray& ray) const;
+  /// The closed shapes with a priority that the origin of a ray lies in.
+  void shapes_around(const Ray& ray, InteriorList& inside) const;
 
   const PlacedSensor& sensor() const { return sensor_; }
   const Film& film() const { return sensor_.film(); }
@@ -66,6 +74,7 @@ public:
 private:
   void make_lights();
   void make_surfaces();
+  void find_media();
   void bound_emitters();
   void weigh_lights();
 
@@ -79,7 +88,10 @@ private:
   LightSampler lights_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
-  bool any_passable_ = false;            ///< connections may have to pass surfaces
+  bool any_passable_ = false;            ///< connections may have to pass surfaces or media
+  bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
+  Bounds3 media_bounds_;     ///< of the surfaces on which a medium ends
+  Bounds3 priority_bounds_;  ///< of those with a priority
   std::vector<std::string> notes_;
 };
 

@@ -46,7 +46,8 @@ struct alignas(64) Surface {
         passable(b.is_passable()),
         bounds_media(media.given()),
         needs_choice(b.needs_choice()),
-        needs_tangent(b.needs_tangent()) {}
+        needs_tangent(b.needs_tangent()),
+        priority(std::int8_t(media.priority)) {}
 };
 static_assert(sizeof(Surface) == 64);
 

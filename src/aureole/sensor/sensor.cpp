@@ -40,6 +40,7 @@ void Sensor::read_common(const Properties& p, Measures measures) {
       p, "film",
       is_meter() ? NamedValues{{"width", std::int64_t(1)}, {"height", std::int64_t(1)}} : NamedValues{});
   sampler_ = child_or_default<Sampler>(p, "sampler");
+  medium_ = only_medium(p);
   if (is_meter()) {
     if (film_->width() != 1 || film_->height() != 1)
       throw Error(p.where(), "a sensor of type \"" + p.type() +
@@ -95,6 +96,8 @@ AUREOLE_FAMILY(FamilyInfo{
     .name = "sensor",
     .parameters = {{"film", "film", "", "hdrfilm", "what is measured and stored"},
                    {"sampler", "sampler", "", "sobol", "sample points"},
+                   {"medium", "medium", "", "that within the surfaces around it",
+                    "what the sensor is in; needed only where no surface bounds that medium"},
                    {"srf", "spectrum", "", "1", "spectral response that multiplies the film's"},
                    {"shutter_open", "float", "s", "0", "accepted without effect"},
                    {"shutter_close", "float", "s", "0", "accepted without effect"}},

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "aureole/film/film.h"
+#include "aureole/medium/medium.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/sampler/sampler.h"
@@ -84,6 +85,8 @@ public:
   /// Fills the derived members of the record. Throws Error if the sensor cannot be used there.
   virtual void fit(PlacedSensor& /*at*/) const {}
 
+  /// The medium that it is in, where the scene states one; null: the surfaces around it tell.
+  const Medium* medium() const { return medium_.get(); }
   const Film& film() const { return *film_; }
   const Sampler& sampler() const { return *sampler_; }
   /// It measures one number, not a picture.
@@ -91,7 +94,7 @@ public:
 
 protected:
   enum class Measures { picture, value };
-  /// Reads what every sensor has: film (default: hdrfilm), sampler (default: sobol), srf and shutter times.
+  /// Reads what every sensor has: film (default: hdrfilm), sampler (default: sobol), medium, srf and shutter times.
   /// The film of a meter has one pixel and no reconstruction filter, which would weight its samples by their
   /// place.
   void read_common(const Properties& properties, Measures measures = Measures::picture);
@@ -104,6 +107,7 @@ protected:
 private:
   std::shared_ptr<Film> film_;
   std::shared_ptr<Sampler> sampler_;
+  MediumPtr medium_;
   Measures measures_ = Measures::picture;
 };
 

@@ -21,6 +21,7 @@ namespace aureole {
 /// vacuum; where none is, the same medium lies on both sides.
 struct SurfaceMedia {
   MediumPtr outside, inside;
+  int priority = 0;  ///< of a closed shape that may overlap others: the highest fills the space; 0: none
   bool given() const { return outside || inside; }
 };
 

@@ -32,6 +32,9 @@ AUREOLE_FAMILY(FamilyInfo{
         {"interior", "medium", "", "none",
          "What fills the space on the side of the surface that its normal points away from."},
         {"exterior", "medium", "", "none", "What fills the space on the side of the normal."},
+        {"priority", "integer", "", "0",
+         "Of closed shapes that overlap, the one with the highest priority (up to 127) fills the space that they "
+         "share, and the surfaces of the others are not there; 0: takes no part."},
         {"to_world", "transform", "", "identity", "From the shape's own coordinates to those of the scene."},
         {"flip_normals", "boolean", "", "false",
          "Turns the normals, and with them the shining side, around."},

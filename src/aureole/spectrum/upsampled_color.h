@@ -15,6 +15,8 @@ namespace aureole {
 struct alignas(16) UpsampledColor {
   float c0 = 0, c1 = 0, c2 = 0, scale = 0;
 
+  bool operator==(const UpsampledColor&) const = default;
+
   static UpsampledColor of_rgb(float r, float g, float b) {
     if (std::max({r, g, b}) <= 1) {
       const SigmoidPolynomial p = upsample_srgb(r, g, b);

@@ -13,28 +13,33 @@ Spectrum null_transmittance(const SurfacePoint& point, const Vec3& d, const Wave
 
 }  // namespace
 
+void travel(Connection& c, float t, const Wavelengths& w) {
+  const float unit = length(c.flight.ray.d);  // of the ray's distances
+  c.key = c.key * 0x9e3779b9u + 1;            // each medium on the way has numbers of its own
+  c.passed *= transmittance(*c.flight.medium, {c.flight.ray.o, c.d}, t * unit, w, c.key);
+}
+
 Event cross(const SurfacePoint& point, Connection& c, const Wavelengths& w) {
-  if (!(c.through_emitters && point.surface->light)) {
+  if (!(c.through_emitters && point.surface->light) && !c.flight.is_hidden(*point.surface)) {
     c.light *= null_transmittance(point, c.d, w);
     if (is_black(c.light)) return Event::blocked;
   }
-  c.ray.o = offset_origin(point, c.d);
+  c.flight.pass(point, c.d, c.d);
+  c.flight.ray.o = offset_origin(point, c.d);
   if (c.infinite) {
-    c.ray.t_max = kInfinity;
+    c.flight.ray.t_max = kInfinity;
     return Event::crossed;
   }
-  c.ray.d = c.target - c.ray.o;
+  c.flight.ray.d = c.target - c.flight.ray.o;
   // The march ends beyond a surface that the target lies on: going back would hit that surface again and
   // again.
-  return dot(c.ray.d, c.d) > 0 ? Event::crossed : Event::escape;
+  return dot(c.flight.ray.d, c.d) > 0 ? Event::crossed : Event::escape;
 }
 
 bool connect(const Scene& scene, Connection& c, const Wavelengths& w) {
-  if (scene.has_binary_visibility() && !c.through_emitters) return !scene.tracer().occluded(c.ray);
+  if (scene.has_binary_visibility() && !c.through_emitters) return !scene.tracer().occluded(c.flight.ray);
   for (;;) {
-    const RayTracer::Hit hit = scene.tracer().intersect(c.ray);
-    if (!hit) return true;
-    const Event event = cross(scene.surface_point(hit, c.ray), c, w);
+    const Event event = cross(scene, scene.tracer().intersect(c.flight.ray), c, w);
     if (event != Event::crossed) return event == Event::escape;
   }
 }

@@ -5,8 +5,8 @@
 //
 // An integrator's steps are functions of a class, of which `path` is an index into the batch:
 //     const Ray& ray(int path);                           the ray that the path goes on along
-//     Event arrive(int path, const RayTracer::Hit& hit);  what it met: `surface` is a vertex, `crossed` nothing;
-//                                                         after anything else the path has ended
+//     Event arrive(int path, const RayTracer::Hit& hit);  what it met: `surface` and `medium` are vertices,
+//                                                         `crossed` is none; else the path has ended
 //     bool connect(int path, Connection& out);            false: the vertex has no connection
 //     bool needs_march();                                 whether connections may pass surfaces
 //     void connected(int path, const Connection& c, bool open);
@@ -28,7 +28,7 @@ PathList arrive_all(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer
   PathList vertices;
   rays.intersect(scene.tracer(), kind, [&](int path, const RayTracer::Hit& hit) {
     const Event event = steps.arrive(path, hit);
-    if (event == Event::surface)
+    if (event == Event::surface || event == Event::medium)
       vertices.add(path);
     else if (event == Event::crossed)
       rays.add(path, steps.ray(path));
@@ -42,20 +42,21 @@ struct BatchConnections {
   Connection of_path[kBatch];
 };
 
-/// Connections that may pass surfaces.
+/// Connections that may pass surfaces or media.
 template <class Steps>
 [[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, BatchConnections& connections) {
   while (!connections.rays.empty())
-    connections.rays.intersect(
-        scene.tracer(), RayTracer::Rays::incoherent, [&](int path, const RayTracer::Hit& hit) {
-          Connection& c = connections.of_path[path];
-          const Event event =
-              hit ? cross(scene.surface_point(hit, c.ray), c, steps.wavelengths(path)) : Event::escape;
-          if (event == Event::crossed)
-            connections.rays.add(path, c.ray);
-          else
-            steps.connected(path, c, event == Event::escape);
-        });
+    connections.rays.intersect(scene.tracer(), RayTracer::Rays::incoherent,
+                               [&](int path, const RayTracer::Hit& hit) {
+                                 Connection& c = connections.of_path[path];
+                                 const Event event = cross(scene, hit, c, steps.wavelengths(path));
+                                 if (event == Event::crossed) {
+                                   connections.rays.add(path, c.flight.ray);
+                                   return;
+                                 }
+                                 if (event == Event::escape && scene.has_media()) c.finish();
+                                 steps.connected(path, c, event == Event::escape);
+                               });
 }
 
 /// One connection of each path.
@@ -63,7 +64,7 @@ template <class Steps>
 void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections) {
   for (const int path : paths) {
     Connection& c = connections.of_path[path];
-    if (steps.connect(path, c)) connections.rays.add(path, c.ray);
+    if (steps.connect(path, c)) connections.rays.add(path, c.flight.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, connections);
   connections.rays.test_visibility(

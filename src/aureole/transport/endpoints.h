@@ -12,27 +12,34 @@ struct SampleCounts {
   float light = 1, scatter = 1;
 };
 
-/// Chooses a light and a direction towards it for the vertex at the end of `path`, and sets the connection
-/// with its unoccluded contribution. False if it carries no light.
+/// Chooses a light and a direction towards it for the vertex at the end of `path`, which `flight` has
+/// led to, and sets the connection
+/// with its unoccluded contribution. `key` is for random numbers on its way. False if it carries no light.
 // Always inlined: numbers of samples of 1 cost nothing then.
 [[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const Vertex& vertex,
-                                                    const PathDensity& path, float u1, Vec2 u2,
-                                                    const Wavelengths& w, SampleCounts counts,
-                                                    Connection& out) {
+                                                    const Flight& flight, const PathDensity& path, float u1,
+                                                    Vec2 u2, const Wavelengths& w, SampleCounts counts,
+                                                    std::uint32_t key, Connection& out) {
   const Vec3 facing = vertex.facing();
-  const auto choice = scene.lights().choose(vertex.point().p, facing, u1);
+  const auto choice = scene.lights().choose(vertex.p(), facing, u1);
   if (!choice || !(choice->probability > 0)) return false;
-  const auto direct = choice->light->sample_direct_facing(vertex.point().p, facing, choice->part, u2, w);
+  const auto direct = choice->light->sample_direct_facing(vertex.p(), facing, choice->part, u2, w);
   if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return false;
   Response response;
   if (!vertex.respond(direct->wo, response)) return false;
   const Spectrum other = direct->delta ? Spectrum(0.f) : response.pdf * counts.scatter;
-  out.light = path.connected(response.value, direct->radiance,
-                             choice->probability * direct->pdf * counts.light, other, w);
+  const float own = choice->probability * direct->pdf * counts.light;
   if (direct->infinite)
     out.set(vertex.anchor().leave(direct->wo));
   else
     out.set(vertex.anchor(), direct->wo, Anchor::of(*direct));
+  if (scene.has_media()) {
+    out.begin_in(vertex.surroundings(direct->wo, flight), key);
+    out.own = path.ratio * own, out.other = path.ratio * other;
+    out.light = path.beta.of(response.value.of(direct->radiance)) / w.pdf;
+  } else {
+    out.light = path.connected(response.value, direct->radiance, own, other, w);
+  }
   return true;
 }
 
@@ -54,14 +61,19 @@ inline float light_density(const Scene& scene, const LightReference& from, const
 
 /// Connects the vertex at the end of a path of light with the sensor, where it is seen at `film`. False where
 /// it is not, or no light goes there.
-inline bool connect_to_sensor(const Scene& scene, const Vertex& vertex, const LightPathDensity& path,
-                              Vec2 lens, const Wavelengths& w, Connection& out, Vec2& film) {
-  const auto seen = scene.sensor().sample_direct(vertex.point().p, lens);
+inline bool connect_to_sensor(const Scene& scene, const Vertex& vertex, const Flight& flight,
+                              const LightPathDensity& path, Vec2 lens, const Wavelengths& w,
+                              std::uint32_t key, Connection& out, Vec2& film) {
+  const auto seen = scene.sensor().sample_direct(vertex.p(), lens);
   if (!seen || !(seen->importance > 0)) return false;
   Response response;
   if (!vertex.respond(seen->wo, response)) return false;
   out.light = path.reached(response.value, seen->importance, w);
   out.set(vertex.anchor(), seen->wo, Anchor::in_space(seen->p));
+  if (scene.has_media()) {
+    out.begin_in(vertex.surroundings(seen->wo, flight), key);
+    out.own = 1.f / kWavelengths, out.other = 0.f;  // there is no other technique
+  }
   film = seen->film;
   return true;
 }

@@ -17,22 +17,29 @@ class SightSteps {
 public:
   SightSteps(const Scene& scene, Viewer& viewer) : scene_(scene), viewer_(viewer) {}
 
-  /// `factor` multiplies the radiance.
-  void begin(int path, const Ray& ray, const Spectrum& factor) {
-    lines_[path].set(ray);
+  /// `factor` multiplies the radiance. `key` is for random numbers.
+  void begin(int path, const Flight& flight, const Spectrum& factor, std::uint32_t key) {
+    lines_[path].set(flight.ray);
+    if (scene_.has_media()) lines_[path].begin_in(flight, key);
     lines_[path].light = factor;
   }
-  const Ray& ray(int path) const { return lines_[path].ray; }
+  const Ray& ray(int path) const { return lines_[path].flight.ray; }
 
   Event arrive(int path, const RayTracer::Hit& hit) {
     Connection& line = lines_[path];
     const Wavelengths& w = viewer_.wavelengths(path);
+    if (line.flight.medium) {
+      travel(line, hit ? hit.t : kInfinity, w);
+      line.light *= line.passed;
+      line.passed = 1.f;
+      if (is_black(line.light)) return Event::blocked;
+    }
     if (!hit) {
       for (const Light* light : scene_.infinite_emitters())
         viewer_.see(path, *light, nullptr, line.d, line.light * light->eval_escaped(line.d, w));
       return Event::escape;
     }
-    const SurfacePoint point = scene_.surface_point(hit, line.ray);
+    const SurfacePoint point = scene_.surface_point(hit, line.flight.ray);
     if (const Light* light = point.surface->light)
       viewer_.see(path, *light, &point, line.d, line.light * light->eval(point, -line.d, w));
     return cross(point, line, w);

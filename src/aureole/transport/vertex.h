@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Vertex`: where a path is scattered, in world space, with the checks that keep light from leaking through a
-// shading normal's wrong side. Integrators are built from these functions; none names a concrete plug-in.
+// `Vertex`: where a path is scattered, on a surface or in a medium, in world space. Integrators are built from
+// these functions; none names a concrete plug-in.
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
@@ -8,6 +8,7 @@
 #include "aureole/spectrum/path_density.h"
 #include "aureole/transport/anchor.h"
 #include "aureole/transport/connection.h"
+#include "aureole/transport/flight.h"
 
 namespace aureole {
 
@@ -26,18 +27,25 @@ struct Scatter {
   float eta;  ///< index of the medium that d leads into over that of where the path comes from
 };
 
-/// A point of a surface as a path sees it that comes from the direction `to_previous`. Made in place, since
-/// the context of its BSDF refers to its point.
-class Vertex {
+/// A point of a surface as a path sees it that comes from the direction `to_previous`, with the checks that
+/// keep light from leaking through a shading normal's wrong side. Made in place, since the context of its BSDF
+/// refers to its point.
+class SurfaceVertex {
 public:
-  Vertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
-         TransportMode mode)
+  SurfaceVertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
+                TransportMode mode)
       : point_(scene.surface_point(hit, ray)), context_{w, point_, mode}, to_previous_(-ray.d) {}
-  Vertex(const Vertex&) = delete;
-  Vertex& operator=(const Vertex&) = delete;
+  SurfaceVertex(const SurfaceVertex&) = delete;
+  SurfaceVertex& operator=(const SurfaceVertex&) = delete;
 
   const SurfacePoint& point() const { return point_; }
   const Surface& surface() const { return *point_.surface; }
+  /// Which shapes are around the surface decides the refractive index on its outside.
+  void set_surroundings(const InteriorList& inside) {
+    const Surface* other = inside.filling(&surface());
+    if (other && other->bsdf->interior_index(context_.wavelengths, exterior_))
+      context_.exterior_index = &exterior_;
+  }
   const Light* light() const { return point_.surface->light; }
   Anchor anchor() const { return Anchor::of(point_); }
 
@@ -107,7 +115,111 @@ private:
   BsdfContext context_;
   Vec3 to_previous_;
   Vec3 wi_;            ///< to_previous_ in the shading frame
+  Spectrum exterior_;  ///< where the context refers to it
   float wi_side_ = 0;  ///< its cosine with the geometric normal
+};
+
+/// A point of a medium as a path sees it that comes from the direction `to_previous`.
+class MediumVertex {
+public:
+  MediumVertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
+      : point_(point), w_(w), to_previous_(to_previous) {}
+
+  const MediumPoint& point() const { return point_; }
+
+  bool respond(const Vec3& d, Response& out) const {
+    const PhaseEval e = phase().eval_pdf(to_previous_, d, {w_, point_.p});
+    if (is_black(e.value)) return false;
+    out.value = Weight(e.value);
+    out.pdf = e.pdf;
+    return true;
+  }
+  Event scatter(float u1, Vec2 u2, Scatter& out) const {
+    const std::optional<PhaseSample> s = phase().sample(to_previous_, u1, u2, {w_, point_.p});
+    if (!s || !(s->pdf[0] > 0)) return Event::blocked;
+    out.d = s->wo;
+    out.value = Weight(s->value);
+    out.pdf = s->pdf;
+    out.delta = false;
+    out.eta = 1;
+    return Event::medium;
+  }
+
+private:
+  const PhaseFunction& phase() const { return point_.medium->phase(); }
+
+  MediumPoint point_;
+  const Wavelengths& w_;
+  Vec3 to_previous_;
+};
+
+/// Either of the two. Made in place.
+class Vertex {
+public:
+  Vertex(const Scene& scene, const RayTracer::Hit& hit, const Flight& flight, const Wavelengths& w,
+         TransportMode mode)
+      : surface_(scene, hit, flight.ray, w, mode) {}
+  Vertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
+      : medium_(point, to_previous, w), in_medium_(true) {}
+
+  bool is_surface() const { return !in_medium_; }
+  /// Of a vertex on a surface.
+  const SurfaceVertex& on_surface() const { return surface_; }
+  const SurfacePoint& point() const { return surface_.point(); }
+  const Surface& surface() const { return surface_.surface(); }
+
+  Vec3 p() const { return in_medium_ ? medium_.point().p : surface_.point().p; }
+  Anchor anchor() const {
+    return in_medium_ ? Anchor::in_space(medium_.point().p) : Anchor::of(surface_.point());
+  }
+  /// The light that shines from here, or null.
+  const Light* light() const { return in_medium_ ? nullptr : surface().light; }
+  /// Whether connections can contribute at this vertex.
+  bool is_smooth() const { return in_medium_ || surface_.is_smooth(); }
+  /// Whether the path may pass without being scattered.
+  bool is_passable() const { return !in_medium_ && surface().passable; }
+  /// `scatter` looks at u1, or something at the key.
+  bool needs_choice() const {
+    return in_medium_ ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
+  }
+  /// Turns the flight that has ended here into that which leaves along `d`. `Scene::has_media` tells whether
+  /// more than the ray is needed.
+  void leave(const Vec3& d, bool has_media, Flight& flight) const {
+    if (has_media && !in_medium_) flight.pass(surface_.point(), flight.ray.d, d);
+    flight.ray = anchor().leave(d);
+  }
+
+  /// The flight that leaves along `d`, without its ray.
+  Flight surroundings(const Vec3& d, const Flight& flight) const {
+    Flight leaving = flight;
+    if (!in_medium_) leaving.pass(surface_.point(), flight.ray.d, d);
+    return leaving;
+  }
+
+  /// To be called before the functions below, for a surface. `key` is for stochastic BSDFs.
+  void prepare(std::uint32_t key, const Flight& flight) {
+    surface_.prepare(key);
+    if (surface().priority != 0) surface_.set_surroundings(flight.inside);
+  }
+  /// The normal on the side that light may be scattered from; zero where that is all around. Choosing lights
+  /// and directions, and their densities, all depend on it.
+  Vec3 facing() const { return in_medium_ ? Vec3{} : surface_.facing(); }
+  /// The value and density for a direction; false where nothing is scattered there.
+  bool respond(const Vec3& d, Response& out) const {
+    return in_medium_ ? medium_.respond(d, out) : surface_.respond(d, out);
+  }
+  /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes straight
+  /// through as if there were no vertex, `blocked` where it ends.
+  Event scatter(float u1, Vec2 u2, Scatter& out) const {
+    return in_medium_ ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
+  }
+
+private:
+  union {
+    SurfaceVertex surface_;
+    MediumVertex medium_;
+  };
+  bool in_medium_ = false;
 };
 
 }  // namespace aureole

@@ -4,26 +4,41 @@
 #include <fmt/format.h>
 
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/observer.h"
+#include "aureole/volume/constant_volume.h"
 
 namespace aureole {
 
 namespace {
 
-/// A texture that is the same everywhere, or a spectrum or number, as a volume.
-class ConstantVolume final : public Volume {
+/// Another volume times CIE D65.
+class Illuminated final : public Volume {
 public:
-  ConstantVolume(const Properties& properties, TexturePtr value)
-      : Volume(properties), value_(std::move(value)) {}
+  Illuminated(const Properties& properties, std::shared_ptr<const Volume> volume)
+      : Volume(properties), volume_(std::move(volume)), d65_(d65_spectrum(properties.context().grid, 1)) {}
 
-  Spectrum eval(const Vec3&, const Wavelengths& w) const override { return value_->eval({}, w); }
-  float eval_scalar(const Vec3&) const override { return value_->eval_scalar({}); }
-  bool is_constant() const override { return true; }
-  float maximum() const override { return value_->maximum(); }
-  float minimum() const override { return value_->minimum(); }
-  Spectrum envelope(const Wavelengths& w) const override { return value_->eval({}, w); }
+  Spectrum eval(const Vec3& p, const Wavelengths& w) const override {
+    return volume_->eval(p, w) * d65_.eval(w);
+  }
+  float eval_scalar(const Vec3& p) const override {
+    const SpectralGrid& grid = d65_.grid();
+    const Spectrum nm = make_spectrum(
+        [&](int i) { return float(grid.min_nm + (grid.max_nm - grid.min_nm) * (i + 0.5) / kWavelengths); });
+    return mean(eval(p, Wavelengths::at(grid, nm)));
+  }
+  bool is_constant() const override { return volume_->is_constant(); }
+  float maximum() const override { return volume_->maximum() * d65_.maximum(); }
+  float minimum() const override { return volume_->minimum() * d65_.minimum(); }
+  std::optional<Transform> to_box() const override { return volume_->to_box(); }
+  std::array<int, 3> resolution() const override { return volume_->resolution(); }
+  void bound(const std::array<int, 3>& cells, std::span<float> bounds) const override {
+    volume_->bound(cells, bounds);
+  }
+  Spectrum envelope(const Wavelengths& w) const override { return volume_->envelope(w) * d65_.eval(w); }
 
 private:
-  TexturePtr value_;
+  std::shared_ptr<const Volume> volume_;
+  SampledSpectrum d65_;
 };
 
 }  // namespace
@@ -39,6 +54,11 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
     return std::make_shared<ConstantVolume>(properties, std::move(value));
   }
   const auto volume = std::dynamic_pointer_cast<const Volume>(*object);
+  if (volume->channels() != 1)
+    throw properties.error(name,
+                           fmt::format("needs one number or a colour at each point, but the volume has {} "
+                                       "numbers that are no colours",
+                                       volume->channels()));
   constexpr float kTolerance = 1e-4f;  // rounding of upsampled colours
   if (volume->minimum() < 0)
     throw properties.error(
@@ -46,6 +66,10 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
   if (role == SpectrumRole::reflectance && volume->maximum() > 1 + kTolerance)
     throw properties.error(
         name, fmt::format("must lie in [0, 1], but the volume goes up to {:.6g}", volume->maximum()));
+  if (role == SpectrumRole::emission) {
+    if (VolumePtr emission = volume->as_emission()) return emission;
+    return std::make_shared<Illuminated>(properties, volume);
+  }
   return volume;
 }
 

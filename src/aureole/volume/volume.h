@@ -25,9 +25,14 @@ public:
   /// The value as one number, for quantities without wavelength (weights, temperatures): of several channels
   /// the first, of a spectrum the mean over the sensor's range.
   virtual float eval_scalar(const Vec3& p) const = 0;
-  /// Numbers stored for a point, and these numbers, for quantities that are no colours (directions, matrices).
+  /// Numbers stored for a point, and these numbers, for quantities that are no colours (directions, matrices):
+  /// more than one of them have no spectrum, and `get_volume` takes none such.
   virtual int channels() const { return 1; }
   virtual void eval_channels(const Vec3& p, float* out) const { *out = eval_scalar(p); }
+
+  /// The volume as an emission: numbers and colours multiply CIE D65 there, as those of a scene file do
+  /// (SpectrumRole). Null where all values are numbers or upsampled colours, which `get_volume` multiplies.
+  virtual std::shared_ptr<const Volume> as_emission() const { return nullptr; }
 
   /// True where the value does not depend on the point.
   virtual bool is_constant() const { return false; }
@@ -49,7 +54,8 @@ public:
 using VolumePtr = std::shared_ptr<const Volume>;
 
 /// The volume, spectrum or number given under `name`; `fallback` where absent. Values that the role excludes
-/// (a reflectance above 1, anything negative) are errors located at the parameter.
+/// (a reflectance above 1, anything negative) are errors located at the parameter, and so is a volume of
+/// several numbers per point.
 VolumePtr get_volume(const Properties& properties, std::string_view name, double fallback, SpectrumRole role);
 /// The same, or null where absent.
 VolumePtr get_optional_volume(const Properties& properties, std::string_view name, SpectrumRole role);

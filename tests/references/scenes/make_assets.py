@@ -13,7 +13,7 @@ import numpy as np
 import OpenEXR
 
 HERE = Path(__file__).resolve().parent
-MESHES, TEXTURES = HERE / "meshes", HERE / "textures"
+MESHES, TEXTURES, VOLUMES = HERE / "meshes", HERE / "textures", HERE / "volumes"
 
 
 # ---------------------------------------------------------------- geometry
@@ -276,8 +276,28 @@ def write_exr(path, rgb):
         f.write(str(path))
 
 
+# ---------------------------------------------------------------- volumes
+
+def write_vol(path, values, lower=(0, 0, 0), upper=(1, 1, 1)):
+    """An array of depth x height x width x channels as Mitsuba's .vol."""
+    values = np.asarray(values, "<f4")
+    depth, height, width, channels = values.shape
+    path.write_bytes(b"VOL\x03" + struct.pack("<5i6f", 1, width, height, depth, channels, *lower, *upper)
+                     + values.tobytes())
+
+
+def write_volumes():
+    # A plume that leans and widens as it rises along y, and the same with another colour at each height.
+    z, y, x = np.meshgrid(*((np.arange(n) + 0.5) / n for n in (10, 14, 12)), indexing="ij")
+    radius2 = (x - 0.35 - 0.3 * y**2) ** 2 + (z - 0.5 - 0.1 * np.sin(4 * y)) ** 2
+    plume = np.maximum(np.exp(-radius2 / (0.02 + 0.06 * y)) - 0.1, 0)[..., None]
+    write_vol(VOLUMES / "smoke.vol", plume, (-1, 0, -1), (1, 2.5, 1))
+    tint = np.stack([0.9 + 0 * y, 0.85 - 0.4 * y, 0.3 + 0.5 * y], -1)
+    write_vol(VOLUMES / "tint.vol", tint[:4, :, :5])
+
+
 if __name__ == "__main__":
-    for folder in (MESHES, TEXTURES):
+    for folder in (MESHES, TEXTURES, VOLUMES):
         folder.mkdir(exist_ok=True)
     write_icosphere()
     write_globe()
@@ -288,3 +308,4 @@ if __name__ == "__main__":
     write_curves()
     write_serialized()
     write_images()
+    write_volumes()

@@ -38,6 +38,8 @@ MediumContent::MediumContent(const Properties& p) {
   scale_ = float(p.get_float("scale", 1, Range::non_negative()));
   emission_ = get_optional_volume(p, "emission", SpectrumRole::emission);
   temperature_ = get_optional_volume(p, "temperature", SpectrumRole::unbounded);
+  const double n = p.get_float("ior", 1, {1, 100});
+  index2_ = float(n * n);
   const auto phases = p.get_children<PhaseFunction>("phase");
   if (phases.size() > 1)
     throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +
@@ -64,13 +66,23 @@ void MediumContent::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, Med
   }
   out.emission = emission_ ? emission_->eval(p, w) : Spectrum(0.f);
   if (temperature_)
-    out.emission += (out.sigma_t - out.sigma_s) * black_body_radiance(w.nm, temperature_->eval_scalar(p));
+    out.emission +=
+        (out.sigma_t - out.sigma_s) * (black_body_radiance(w.nm, temperature_->eval_scalar(p)) * index2_);
 }
 
 Spectrum MediumContent::majorant(const Vec3&, const Wavelengths& w) const {
   const float factor = scale_ * phase_->largest_projected_area();
   return (extinction_ ? extinction_->envelope(w) : absorption_->envelope(w) + scattering_->envelope(w)) *
          factor;
+}
+
+bool MediumContent::is_uniform() const {
+  return has_uniform_emission() && !grid_ && (!albedo_ || albedo_->is_constant());
+}
+
+bool MediumContent::has_uniform_emission() const {
+  return (!emission_ || emission_->is_constant()) &&
+         (!temperature_ || (temperature_->is_constant() && !grid_ && (!albedo_ || albedo_->is_constant())));
 }
 
 std::vector<ParameterDoc> MediumContent::rows() {
@@ -84,6 +96,9 @@ std::vector<ParameterDoc> MediumContent::rows() {
       {"emission", "volume", "W/(m^2 sr nm) per length", "none", "radiance emitted per length"},
       {"temperature", "volume", "K", "none",
        "the medium shines as a body of this temperature does, in proportion to its absorption (Kirchhoff's law)"},
+      {"ior", "float", "", "1",
+       "refractive index within, by whose square a medium with a temperature shines more; boundaries refract "
+       "by their BSDF"},
       {"phase", "phase", "", "isotropic", "into which directions it scatters"}};
 }
 

@@ -13,7 +13,8 @@ namespace aureole {
 
 class MediumContent {
 public:
-  /// Reads sigma_t and albedo, or sigma_a and sigma_s; scale, emission, temperature and the phase function.
+  /// Reads sigma_t and albedo, or sigma_a and sigma_s; scale, emission, temperature and index, and the phase
+  /// function.
   /// Throws located Errors.
   explicit MediumContent(const Properties& properties);
   /// The rows of their table.
@@ -25,6 +26,8 @@ public:
   const MajorantGrid* majorants() const { return grid_ ? &*grid_ : nullptr; }
   const PhaseFunction& phase() const { return *phase_; }
   bool emits() const { return emission_ || temperature_; }
+  bool is_uniform() const;
+  bool has_uniform_emission() const;
 
 private:
   void make_grid(const Volume& extinction);
@@ -33,8 +36,7 @@ private:
   VolumePtr absorption_, scattering_;  ///< these, which are constant
   VolumePtr emission_;                 ///< or null
   VolumePtr temperature_;              ///< [K], or null
-  float scale_ = 1;
-  double metres_per_unit_ = 1;
+  float scale_ = 1, index2_ = 1;
   PhaseFunctionPtr phase_;
   std::optional<MajorantGrid> grid_;
 };

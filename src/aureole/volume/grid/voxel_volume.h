@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// `VoxelVolume`: a volume whose values lie on a regular grid, whatever file they come from.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "aureole/plugin/registry.h"
+#include "aureole/spectrum/upsampled_color.h"
+#include "aureole/volume/grid/brick_grid.h"
+#include "aureole/volume/volume.h"
+
+namespace aureole {
+
+/// The grid continued beyond its borders.
+enum class VoxelWrap { clamp, repeat, mirror };
+
+/// How positions become values; the parameters filter_type and wrap_mode.
+struct VoxelFilter {
+  bool nearest = false;
+  VoxelWrap wrap = VoxelWrap::clamp;
+
+  static VoxelFilter read(const Properties& properties);
+  static std::vector<ParameterDoc> rows();
+};
+
+/// Values in the box [0, 1]^3, of which the voxel (x, y, z) fills one of the size[0] * size[1] * size[2] equal
+/// parts; its value is that of its centre, between the centres it is interpolated linearly along each axis, or
+/// holds in the whole voxel. Colours become spectra voxel by voxel, and the spectra are interpolated.
+class VoxelVolume : public Volume {
+public:
+  Spectrum eval(const Vec3& p, const Wavelengths& w) const final;
+  float eval_scalar(const Vec3& p) const final;
+  int channels() const final { return numbers_.size() > 1 ? int(numbers_.size()) : 1; }
+  void eval_channels(const Vec3& p, float* out) const final;
+  float maximum() const final { return maximum_; }
+  float minimum() const final { return minimum_; }
+  std::optional<Transform> to_box() const final { return to_box_; }
+  std::array<int, 3> resolution() const final { return size_; }
+  void bound(const std::array<int, 3>& cells, std::span<float> bounds) const final;
+  Spectrum envelope(const Wavelengths& w) const final;
+
+  std::size_t memory_bytes() const;
+
+protected:
+  using Numbers = BrickGrid<float>;
+  using Colors = BrickGrid<UpsampledColor>;
+
+  /// Singular transforms must have been excluded.
+  VoxelVolume(const Properties& properties, const Transform& to_box, const VoxelFilter& filter)
+      : Volume(properties), to_box_(to_box), filter_(filter) {}
+  /// One grid for each number of a voxel: of one the value, of several numbers that are no colours.
+  void set(std::vector<Numbers> numbers);
+  void set(Colors colors);
+  bool repeats() const { return filter_.wrap == VoxelWrap::repeat; }
+
+private:
+  /// A place in the grid: the lower corner of the eight voxels around it, and how far it is from there.
+  struct Place {
+    int x, y, z;
+    float tx, ty, tz;
+  };
+  Place place(const Vec3& p) const;
+  void set_size(const std::array<int, 3>& size);
+  template <class Value, class Grid>
+  void bound_grid(const Grid& grid, const Value& value, const std::array<int, 3>& cells,
+                  std::span<float> bounds) const;
+
+  Transform to_box_;
+  VoxelFilter filter_;
+  std::array<int, 3> size_{};
+  float rows_[3][4];  ///< from the world to coordinates in voxels
+  float slip_[3];     ///< rounding of these coordinates inside the box
+  // One of the two is not empty.
+  std::vector<Numbers> numbers_;
+  Colors colors_;
+  float minimum_ = 0, maximum_ = 0;
+  std::vector<float> envelope_;  ///< of colours, in equal parts of the range of wavelengths
+};
+
+}  // namespace aureole

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// Values on a dense grid, from Mitsuba's format .vol.
+#include <fmt/format.h>
+
+#include "aureole/volume/grid/voxel_data.h"
+#include "aureole/volume/grid/voxel_volume.h"
+
+namespace aureole {
+namespace {
+
+/// From the world to [0, 1]^3.
+Transform box_of(const Properties& p, const VoxelData& data) {
+  const Transform to_local = p.get_transform("to_world").inverse();
+  if (!p.get_bool("use_grid_bbox", false)) return to_local;
+  const auto& [x0, y0, z0] = data.lower;
+  const auto& [x1, y1, z1] = data.upper;
+  return Transform::scale(1 / (x1 - x0), 1 / (y1 - y0), 1 / (z1 - z0)) * Transform::translate(-x0, -y0, -z0) *
+         to_local;
+}
+
+struct Source {
+  VoxelData data;
+  const char* parameter;  ///< that it is from
+};
+
+Source read(const Properties& p) {
+  const auto array = p.get_object<Array>("data");
+  if (array && p.has("filename")) throw p.error("data", "give either filename or data");
+  const char* name = array ? "data" : "filename";
+  std::string file;
+  try {
+    if (!array) file = p.get_file(name).string();
+    VoxelData data = array ? voxels_of_array(*array) : read_vol(file);
+    check_finite(data);
+    return {std::move(data), name};
+  } catch (const Error& problem) {
+    if (!array && file.empty()) throw;  // located by get_file
+    throw p.error(name, array ? problem.message() : "\"" + file + "\" " + problem.message());
+  }
+}
+
+class GridVolume final : public VoxelVolume {
+public:
+  explicit GridVolume(const Properties& p) : GridVolume(p, read(p)) {}
+
+private:
+  GridVolume(const Properties& p, const Source& source)
+      : VoxelVolume(p, box_of(p, source.data), VoxelFilter::read(p)) {
+    const VoxelData& data = source.data;
+    const bool raw = p.get_bool("raw", false);
+    p.get_bool("accel", true);
+    if (p.has("accel")) p.note("accel", "has no effect");
+    const int channels = data.channels;
+    if (channels != 1 && channels != 3 && channels != 6)
+      throw p.error(
+          source.parameter,
+          fmt::format("has {} numbers at each voxel; 1, 3 (colours) and 6 are supported", channels));
+    const bool colors = channels == 3 && !raw;
+    if (colors) check_colors(p, source);
+    try {
+      if (colors && !is_grey(data))
+        set_colors(data);
+      else
+        set_numbers(data, colors ? 1 : channels);
+    } catch (const Error& problem) {
+      throw p.error(source.parameter, problem.message());
+    }
+  }
+
+  static void check_colors(const Properties& p, const Source& source) {
+    for (const float v : source.data.values)
+      if (v < 0)
+        throw p.error(
+            source.parameter,
+            fmt::format("a colour must not be negative, but a voxel has {}; \"raw\" is for numbers that "
+                        "are no colours",
+                        v));
+  }
+  /// Grey colours need no spectrum.
+  static bool is_grey(const VoxelData& data) {
+    for (std::size_t i = 0; i < data.values.size(); i += 3)
+      if (data.values[i] != data.values[i + 1] || data.values[i] != data.values[i + 2]) return false;
+    return true;
+  }
+
+  void set_numbers(const VoxelData& data, int count) {
+    std::vector<Numbers> numbers;
+    for (int c = 0; c < count; ++c)
+      numbers.emplace_back(
+          data.size, repeats(),
+          [&](int x, int y, int z) { return data.values[data.voxel(x, y, z) + std::size_t(c)]; },
+          [](auto&&...) { return std::optional<float>(); });
+    set(std::move(numbers));
+  }
+  void set_colors(const VoxelData& data) {
+    const auto color = [&](int x, int y, int z) {
+      const float* v = &data.values[data.voxel(x, y, z)];
+      // Black has many representations; one of them makes empty bricks alike.
+      return v[0] == 0 && v[1] == 0 && v[2] == 0 ? UpsampledColor{}
+                                                 : UpsampledColor::of_rgb(v[0], v[1], v[2]);
+    };
+    set(Colors(data.size, repeats(), color, [](auto&&...) { return std::optional<UpsampledColor>(); }));
+  }
+};
+
+std::vector<ParameterDoc> rows() {
+  std::vector<ParameterDoc> all = {
+      {"filename", "file", "", "required, or data", "a .vol file of 1, 3 or 6 numbers at each voxel"},
+      {"data", "array", "", "none",
+       "instead of filename, from Python: depth x height x width [x 1, 3 or 6] numbers"},
+      {"to_world", "transform", "", "identity",
+       "from the unit cube [0, 1]^3, which the grid fills, to the world"},
+      {"use_grid_bbox", "boolean", "", "false",
+       "the grid fills the box that the file names, instead of the unit cube, before to_world"},
+      {"raw", "boolean", "", "false", "three numbers are no colour but a vector, which has no spectrum"},
+      {"accel", "boolean", "", "true", "accepted for Mitsuba's sake, has no effect"}};
+  const std::vector<ParameterDoc> filter = VoxelFilter::rows();
+  all.insert(all.begin() + 2, filter.begin(), filter.end());
+  return all;
+}
+
+AUREOLE_PLUGIN(GridVolume, "volume", "gridvolume",
+               PluginDoc{
+                   "Values on a regular grid in Mitsuba's format .vol. One number of a voxel is the value at "
+                   "every wavelength, three are a colour, whose spectrum is that of a texture's (docs/"
+                   "conventions.md); spectra are interpolated. As an emission both multiply D65. Six are "
+                   "numbers without spectrum, such as a symmetric matrix.",
+                   "",
+                   rows(),
+                   {R"(<volume type="gridvolume">
+    <string name="filename" value="smoke.vol"/>
+    <boolean name="use_grid_bbox" value="true"/>
+    <transform name="to_world">
+        <scale value="2"/>
+    </transform>
+</volume>)",
+                    R"(<volume type="gridvolume">
+    <string name="filename" value="smoke.vol"/>
+    <string name="filter_type" value="nearest"/>
+    <string name="wrap_mode" value="repeat"/>
+    <boolean name="raw" value="false"/>
+    <boolean name="accel" value="false"/>
+</volume>)"}});
+
+}  // namespace
+}  // namespace aureole

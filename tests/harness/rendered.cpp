@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "harness/rendered.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "aureole/render/job.h"
+
+namespace aureole::testing {
+
+Picture render(const std::string& content) {
+  const auto scene =
+      load_scene_from_string("<scene version=\"3.0.0\">" + content + "</scene>", "rendered.xml");
+  RenderOptions options;
+  options.replicates = kReplicates;
+  options.threads = 2;
+  RenderJob job(scene, options);
+  const std::atomic<bool> stop{false};
+  EXPECT_EQ(job.run(stop), RenderJob::Outcome::finished);
+  EXPECT_EQ(job.state().invalid_samples, 0u);
+  Picture p;
+  p.width = job.state().identity.width, p.height = job.state().identity.height;
+  const int channels = job.state().identity.measured_channels;
+  const std::size_t n = std::size_t(p.width * p.height);
+  p.mean.assign(n, 0), p.error.assign(n, 0);
+  double all_squares = 0;
+  for (const FilmBuffer& film : job.state().films) {
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      double measured[8], alpha;
+      film.mean(int(i) % p.width, int(i) / p.width, measured, &alpha);
+      const double v = measured[channels == 3 ? 1 : 0];
+      p.mean[i] += v / kReplicates, p.error[i] += v * v / kReplicates, sum += v / double(n);
+    }
+    p.all += sum / kReplicates, all_squares += sum * sum / kReplicates;
+  }
+  const auto standard_error = [](double mean, double squares) {
+    return std::sqrt(std::max(0.0, squares - mean * mean) / (kReplicates - 1));
+  };
+  for (std::size_t i = 0; i < n; ++i) p.error[i] = standard_error(p.mean[i], p.error[i]);
+  p.all_error = standard_error(p.all, all_squares);
+  return p;
+}
+
+void expect_mean(const Picture& p, double expected, double largest_error) {
+  EXPECT_NEAR(p.all, expected, 4.5 * p.all_error + 2e-4 * expected);
+  EXPECT_LT(p.all_error, largest_error * expected + 1e-9);
+}
+void expect_pixels(const Picture& p, double expected) {
+  // With 15 degrees of freedom |t| > 6 has a probability of 2e-5.
+  for (std::size_t i = 0; i < p.mean.size(); ++i)
+    EXPECT_NEAR(p.mean[i], expected, 6 * p.error[i] + 5e-4 * expected) << "pixel " << i;
+}
+
+}  // namespace aureole::testing

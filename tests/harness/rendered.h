@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Renders of small scenes with their statistical errors, from independently scrambled replicates.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace aureole::testing {
+
+inline constexpr int kReplicates = 16;
+
+/// Means over replicates, per pixel and over the film, of one measured channel: Y, or the only one of a
+/// uniform response.
+struct Picture {
+  int width = 0, height = 0;
+  std::vector<double> mean, error;  ///< per pixel
+  double all = 0, all_error = 0;    ///< over the film
+};
+
+/// Renders the content of a <scene> in two threads.
+Picture render(const std::string& content);
+
+/// Within 4.5 standard errors, and these are small enough to mean something.
+void expect_mean(const Picture& p, double expected, double largest_error = 0.01);
+void expect_pixels(const Picture& p, double expected);
+
+}  // namespace aureole::testing
