@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+// Particles of any kind, as light sees them: cross sections and where they scatter. `Particle` is one at one
+// wavelength, `ParticleKind` makes it for a radius.
+//
+// The medium around is lossless for the waves: its real index alone enters (the far field of a particle in an
+// absorbing medium has no cross sections that add; Mishchenko, Optics Express 15 (2007) 13188). What the
+// medium itself absorbs is added to the coefficients of the whole, and is right as long as it absorbs little
+// over the size of a particle.
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <memory>
+#include <span>
+
+namespace aureole::optics {
+
+/// A quantity that depends on the wavelength in vacuum, in nm.
+using SpectralFunction = std::function<double(double lambda_nm)>;
+/// Refractive index n + i k of a material, k >= 0 where it absorbs.
+using IndexFunction = std::function<std::complex<double>(double lambda_nm)>;
+
+class Particle {
+public:
+  virtual ~Particle() = default;
+
+  virtual double extinction() const = 0;  ///< cross section, m^2
+  virtual double scattering() const = 0;  ///< cross section, m^2
+  double absorption() const { return extinction() - scattering(); }
+  virtual double geometric() const = 0;  ///< area of the shadow, m^2
+  double albedo() const { return extinction() > 0 ? scattering() / extinction() : 1; }
+  /// Mean cosine of the scattering angle.
+  virtual double asymmetry() const = 0;
+
+  // Efficiencies: cross sections over the area of the shadow.
+  double extinction_efficiency() const { return extinction() / geometric(); }
+  double scattering_efficiency() const { return scattering() / geometric(); }
+  double absorption_efficiency() const { return absorption() / geometric(); }
+
+  /// Differential scattering cross section of unpolarised light, m^2/sr, at each of many cosines of the
+  /// scattering angle and, where `mirrored` is not empty, at their opposites. Its integral over the sphere is
+  /// `scattering()`. All spans have one size.
+  virtual void differential(std::span<const double> mu, std::span<double> at,
+                            std::span<double> mirrored = {}) const = 0;
+  double differential(double mu) const {
+    double value;
+    differential(std::span(&mu, 1), std::span(&value, 1));
+    return value;
+  }
+};
+
+class ParticleKind {
+public:
+  virtual ~ParticleKind() = default;
+  /// A particle of a `radius` (m, the outer one) in a medium of real index `host`. Throws std::domain_error
+  /// where the theory does not reach.
+  virtual std::unique_ptr<const Particle> make(double radius, double lambda_nm, double host) const = 0;
+};
+
+/// Homogeneous spheres (Mie).
+std::shared_ptr<const ParticleKind> sphere_kind(IndexFunction index);
+
+/// Spheres with a coat; the core has `core_fraction` in (0, 1) of the outer radius.
+std::shared_ptr<const ParticleKind> coated_sphere_kind(IndexFunction core, IndexFunction coat,
+                                                       double core_fraction);
+/// The same with a coat of one `thickness` in m whatever the radius; smaller particles are coat throughout.
+std::shared_ptr<const ParticleKind> thin_coated_sphere_kind(IndexFunction core, IndexFunction coat,
+                                                            double thickness);
+
+/// Spheres much smaller than the wavelength (`RayleighSphere`), whatever their size.
+std::shared_ptr<const ParticleKind> rayleigh_kind(IndexFunction index, double depolarization = 0);
+
+}  // namespace aureole::optics
