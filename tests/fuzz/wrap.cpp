@@ -113,6 +113,13 @@ std::vector<std::string> wrap_example(const PluginInfo& plugin, const std::strin
   }
   if (family == "medium")
     return {usual(kLight + ball("<bsdf type=\"dielectric\"/>" + changed(example, "interior")))};
+  if (family == "volume") {
+    const auto as = [&](const char* parameter) {
+      return usual(kLight + ball(R"(<bsdf type="null"/><medium type="heterogeneous" name="interior">)" +
+                                 changed(example, parameter) + "</medium>"));
+    };
+    return {as("sigma_t"), as("albedo"), as("emission"), as("temperature")};
+  }
   return {usual(kLight + example)};
 }
 
