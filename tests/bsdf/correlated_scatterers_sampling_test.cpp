@@ -38,7 +38,6 @@ void check_distribution(const LayerCase& s, double degrees, unsigned seed) {
   };
   std::vector<double> expected(bins, 0.0), observed(bins, 0.0);
   double mass = 0;
-  mass = integrate(s, wi, kLambdas[0], [&](const Vec3&) { return 0.0; });
   const int fine = std::max(1600, int(u_end * 40)), around = 160;
   for (int i = 0; i < fine; ++i) {
     const double u = (i + 0.5) * u_end / fine, area = u * (u_end / fine) * 2 * kPi / around / (phase * phase);

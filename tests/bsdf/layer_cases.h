@@ -4,8 +4,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -77,14 +78,17 @@ inline Vec3 direction(double degrees, double azimuth_degrees = 0) {
   return {float(std::sin(t) * std::cos(f)), float(std::sin(t) * std::sin(f)), float(std::cos(t))};
 }
 
-/// Integral over all directions wo of a function, in polar coordinates of q around the specular
-/// directions.
-inline double integrate(const LayerCase& s, const Vec3& wi, double nm,
-                        const std::function<double(const Vec3&)>& f) {
+/// Of each wavelength of `kLambdas`.
+using Energies = std::array<double, kWavelengths>;
+
+/// Integrals over all directions wo of a function whose values are spectra, in polar coordinates of q around
+/// the specular directions, in rings fine enough for the wavelength `nm` and longer ones.
+template <class Function>
+Energies integrate(const LayerCase& s, const Vec3& wi, double nm, const Function& f) {
   const double k = 2 * std::numbers::pi / (nm * 1e-9), n_i = s.index(wi.z), phase = k * s.a();
   const double u_max = phase * (1.5 + n_i);
   const int rings = std::max(1000, int(u_max * 12)), azimuths = 240;
-  double sum = 0;
+  Energies sum{};
   for (int i = 0; i < rings; ++i) {
     const double u = (i + 0.5) * u_max / rings,
                  area = u * (u_max / rings) * 2 * std::numbers::pi / azimuths / (phase * phase);
@@ -94,8 +98,9 @@ inline double integrate(const LayerCase& s, const Vec3& wi, double nm,
       for (double side : {1., -1.}) {
         const double n = s.index(side), c2 = 1 - (x * x + y * y) / (n * n);
         if (c2 <= 1e-9) continue;
-        const double z = std::sqrt(c2);
-        sum += f({float(x / n), float(y / n), float(side * z)}) * area / (n * n * z);
+        const double z = std::sqrt(c2), weight = area / (n * n * z);
+        const Spectrum value = f(Vec3{float(x / n), float(y / n), float(side * z)});
+        for (int j = 0; j < kWavelengths; ++j) sum[std::size_t(j)] += value[j] * weight;
       }
     }
   }

@@ -101,9 +101,9 @@ struct Case {
   std::vector<Triangle> triangles{};                         ///< of a mesh
 
   // Of emitters with deltas, whose spectrum is kSpectrum: irradiance of either side of a surface with the
-  // normal n at o, and power, both per unit of the spectrum.
+  // normal n at o, and power (a function: all cases are made in every process), both per unit of the spectrum.
   std::function<double(const Vec3& o, const Vec3& n)> irradiance{};
-  double power = 0;
+  std::function<double()> power{};
   std::optional<Vec3> direction{};  ///< of all rays
 
   double slack = 2e-3;  ///< relative, of the references
@@ -337,15 +337,19 @@ Case spot(const std::string& name, double cutoff_degrees, double beam_degrees, b
     return spot_intensity(l, cutoff, beam, picture) * std::abs(l.x * n.x - l.y * n.y - l.z * n.z) /
            (r2 * std::sqrt(r2));
   };
-  constexpr int kN = 400;
-  for (int i = 0; i < kN; ++i)
-    for (int j = 0; j < kN; ++j) {
-      const double theta = cutoff * (i + 0.5) / kN, phi = 2 * M_PI * (j + 0.5) / kN;
-      c.power +=
-          spot_intensity({std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)},
-                         cutoff, beam, picture) *
-          std::sin(theta) * cutoff * 2 * M_PI / (double(kN) * kN);
-    }
+  c.power = [=] {
+    constexpr int kN = 400;
+    double sum = 0;
+    for (int i = 0; i < kN; ++i)
+      for (int j = 0; j < kN; ++j) {
+        const double theta = cutoff * (i + 0.5) / kN, phi = 2 * M_PI * (j + 0.5) / kN;
+        sum += spot_intensity(
+                   {std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta)},
+                   cutoff, beam, picture) *
+               std::sin(theta);
+      }
+    return sum * cutoff * 2 * M_PI / (double(kN) * kN);
+  };
   c.directions = square_bins(2 * M_PI * (1 - std::cos(cutoff)), [=](const EmittedRay& r) {
     return Vec2{float((1 + double(r.d.z)) / (1 - std::cos(cutoff))), float(turn(r.d.x, r.d.y))};
   });
@@ -373,7 +377,7 @@ Case projector(const std::string& name, const std::string& parameters, double ha
   for (const auto& row : kSteps)
     for (const float x : row) mean += double(x) / 8;
   const double area = 4 * half_width * half_height;
-  c.power = scale * M_PI * area * (picture ? mean : 1);
+  c.power = [=] { return scale * M_PI * area * (picture ? mean : 1); };
   c.directions = {kSide * kSide, area, [=](const EmittedRay& r) {
                     const double z = -double(r.d.z);
                     return std::pair(
@@ -514,7 +518,7 @@ std::vector<Case> make_cases() {
     const double r2 = dot3(to, to);
     return std::abs(dot3(to, d3(n))) / (r2 * std::sqrt(r2));
   };
-  point.power = 4 * M_PI;
+  point.power = [] { return 4 * M_PI; };
   point.directions = sphere_bins();
   all.push_back(point);
 
@@ -546,7 +550,7 @@ std::vector<Case> make_cases() {
   beam.irradiance = [](const Vec3&, const Vec3& n) {
     return std::abs(double(n.x) + 2 * double(n.y) - 2 * double(n.z)) / 3;
   };
-  beam.power = M_PI * kRadius * kRadius;
+  beam.power = [] { return M_PI * kRadius * kRadius; };
   all.push_back(beam);
 
   const std::string normal_only = "<emitter type=\"directionalarea\"><spectrum name=\"radiance\" value=\"" +
@@ -557,7 +561,7 @@ std::vector<Case> make_cases() {
   parallel.irradiance = [](const Vec3& o, const Vec3& n) {
     return o.z < 2 && std::abs(o.x) < 0.8f && std::abs(o.y) < 0.5f ? std::abs(double(n.z)) : 0.0;
   };
-  parallel.power = 1.6;
+  parallel.power = [] { return 1.6; };
   parallel.references = {{0.3f, -0.1f, 0.1f}, {0.8f, 0.2f, 0.4f}, {4, 3, -1}};
   all.push_back(parallel);
   Case radial{"directionalarea_sphere", kSphere + normal_only, outside, ball_area, on_ball, Bins{}};
@@ -566,7 +570,7 @@ std::vector<Case> make_cases() {
     const double r2 = dot3(to, to);
     return 0.75 * 0.75 * std::abs(dot3(to, d3(n))) / (r2 * std::sqrt(r2));
   };
-  radial.power = ball_area;
+  radial.power = [=] { return ball_area; };
   all.push_back(radial);
   return all;
 }
@@ -623,7 +627,10 @@ protected:
   }
   /// Power of the whole emitter by quadrature.
   Spectrum power() const {
-    if (is_delta()) return make_spectrum([&](int j) { return float(case_.power * spectrum(j)); });
+    if (is_delta()) {
+      const double unit = case_.power();
+      return make_spectrum([&](int j) { return float(unit * spectrum(j)); });
+    }
     Spectrum total = 0.f;
     if (emitter_->is_infinite()) {
       // Power that enters the bounding sphere: its cross-section times the integral of the radiance.

@@ -3,12 +3,15 @@
 // of its samplers.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "aureole/aperture/aperture.h"
@@ -100,5 +103,40 @@ inline std::vector<MixtureCase> layers() {
 inline DiffractedWave wave(double x, double y) {
   return {float(x), float(y), float(std::hypot(float(x), float(y)))};
 }
+
+/// As many waves as a spectrum holds, which are looked up together: the j-th is `position(j)`, {x, y}.
+template <class Position>
+DiffractedWave waves(const Position& position) {
+  DiffractedWave w;
+  for (int j = 0; j < kWavelengths; ++j) {
+    const auto [x, y] = position(j);
+    w.x[j] = float(x), w.y[j] = float(y), w.length[j] = std::hypot(w.x[j], w.y[j]);
+  }
+  return w;
+}
+
+/// Azimuths at equal steps over an angle from 0 on, in the middle of each step.
+class RingPoints {
+public:
+  RingPoints(int count, double angle) {
+    for (int i = 0; i < count; ++i) {
+      const double f = angle * (i + 0.5) / count;
+      cosines_.push_back(std::cos(f)), sines_.push_back(std::sin(f));
+    }
+  }
+  int count() const { return int(cosines_.size()); }
+  /// As many of them as a spectrum holds, at the radius u; repeats the last one behind it.
+  DiffractedWave at(double u, int first) const {
+    DiffractedWave w;
+    for (int j = 0; j < kWavelengths; ++j) {
+      const auto i = std::size_t(std::min(first + j, count() - 1));
+      w.x[j] = float(u * cosines_[i]), w.y[j] = float(u * sines_[i]), w.length[j] = float(u);
+    }
+    return w;
+  }
+
+private:
+  std::vector<double> cosines_, sines_;
+};
 
 }  // namespace aureole::testing::mixture_cases

@@ -41,16 +41,18 @@ void check_sampler(const std::string& what, const ScattererModel& model, const S
   const Spectrum limit{float(u_max)};
   const double step = 1.0 / 32;
   double mass = 0, worst_ratio = 0, weighted = 0;
-  for (double u = step / 2; u < end; u += step) {
-    const int n = model.is_isotropic() ? 64 : 2048;
-    for (int i = 0; i < n; ++i) {
-      const double f = 2 * kPi * (i + 0.5) / n, x = u * std::cos(f), y = u * std::sin(f);
-      const double d = double(sampler.density(state, wave(x, y), limit)[0]) * u * step / n;
-      const double g = double(model.intensity(state, wave(x, y))[0]) * u * step / n;
-      expected[bin_of(x, y)] += d * kSamples, mass += d;
-      if (g > 0 && d > 0) worst_ratio = std::max(worst_ratio, g / d), weighted += g * g / d;
+  const RingPoints points(model.is_isotropic() ? 64 : 2048, 2 * kPi);
+  const int n = points.count(), points_per_bin = n / kAzimuths;
+  for (double u = step / 2; u < end; u += step)
+    for (int i = 0; i < n; i += kWavelengths) {  // points are looked up together
+      const DiffractedWave w = points.at(u, i);
+      const Spectrum density = sampler.density(state, w, limit), intensity = model.intensity(state, w);
+      for (int j = 0; j < kWavelengths; ++j) {
+        const double d = double(density[j]) * u * step / n, g = double(intensity[j]) * u * step / n;
+        expected[std::size_t(int(4 * u) * kAzimuths + (i + j) / points_per_bin)] += d * kSamples, mass += d;
+        if (g > 0 && d > 0) worst_ratio = std::max(worst_ratio, g / d), weighted += g * g / d;
+      }
     }
-  }
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(0, 0.9999999f);
   for (int i = 0; i < kSamples; ++i) {
