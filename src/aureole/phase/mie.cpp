@@ -93,17 +93,13 @@ std::vector<ParameterDoc> rows() {
 AUREOLE_PLUGIN(
     MiePhase, "phase", "mie",
     PluginDoc{
-        "Scattering by spheres of one material, such as "
-        "droplets, averaged over their sizes: the phase "
-        "function of fog and clouds, with rainbow, glory and "
-        "corona. The medium's coefficients are given "
-        "beside it and do not follow from these spheres.\n\nTables are made when the scene is built: 2 seconds "
-        "for fog of 10 um; drops of rain (100 um) take a minute, and the time grows with the square of "
-        "the radius.",
-        "G. Mie, Beitraege zur Optik trueber Medien, Ann. "
-        "Phys. 330 (1908) 377; Bohren & Huffman, "
-        "Absorption and Scattering of Light by Small "
-        "Particles, 1983, chapter 4",
+        "Scattering by spheres of one material, such as droplets, averaged over their sizes: the phase "
+        "function of fog and clouds, with rainbow, glory and corona. The medium's coefficients are given "
+        "beside it and do not follow from these spheres.\n\n"
+        "Tables are made when the scene is built: in 2 seconds for fog of 10 um, a minute for drops of 100 um; "
+        "the time grows with the square of the radius, and as the sizes differ less.",
+        "G. Mie, Beitraege zur Optik trueber Medien, Ann. Phys. 330 (1908) 377; Bohren & Huffman, Absorption "
+        "and Scattering of Light by Small Particles, 1983, chapter 4",
         rows(),
         {R"(<phase type="mie">
     <string name="radius" value="2um"/> <string name="distribution" value="gamma"/>

@@ -11,8 +11,8 @@ namespace aureole {
 
 /// The distribution that the rows of `radius_docs` describe, in metres. Errors
 /// are located at a parameter.
-optics::RadiusDistribution read_radii(const Properties &properties);
+optics::RadiusDistribution read_radii(const Properties& properties);
 
 std::vector<ParameterDoc> radius_docs();
 
-} // namespace aureole
+}  // namespace aureole
