@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phase function of spheres against a published table, closed forms of the rainbow, and the limit of small
-// spheres.
+// The phase function of spheres against a published table, closed forms of the rainbow, and the limit of
+// small spheres.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,8 +35,8 @@ double value(const PhaseFunction& phase, double degrees, double nm) {
   return double(phase.eval_pdf({0, 0, -1}, {float(std::sin(a)), 0, float(std::cos(a))}, {w, {}}).value[0]);
 }
 
-// The sample run of program BHMIE: radius 0.525 um, index 1.55, 632.8 nm. S11 over its value straight on (Bohren
-// & Huffman, Absorption and Scattering of Light by Small Particles, 1983, appendix A).
+// The sample run of program BHMIE: radius 0.525 um, index 1.55, 632.8 nm. S11 over its value straight on
+// (Bohren & Huffman, Absorption and Scattering of Light by Small Particles, 1983, appendix A).
 TEST(MiePhase, AgreesWithBohrenAndHuffman) {
   constexpr double kValues[] = {1.0,        0.785390,   0.356897,   0.0766119,  0.0355355, 0.0701845,
                                 0.0574313,  0.0219660,  0.0125959,  0.0173750,  0.0124601, 0.00679093,
@@ -63,8 +63,8 @@ TEST(MiePhase, SmallSpheresScatterAsRayleighSays) {
 
 TEST(MiePhase, FogbowIsWhereAiryHasIt) {
   // Descartes' ray of the first bow: cos^2(i) = (n^2 - 1)/3, the deflection pi + 2 i - 4 r. Airy's bow of
-  // droplets of 10 um at 550 nm is 3.87 degrees inside of it; Mie's theory, of light that is polarised across,
-  // and a spread of 3 %, gives 3.97.
+  // droplets of 10 um at 550 nm is 3.87 degrees inside of it; Mie's theory, of light that is polarised
+  // across, and a spread of 3 %, gives 3.97.
   constexpr double n = 1.3339;
   const auto phase = mie(R"(<string name="radius" value="10um"/><float name="size_spread" value="0.03"/>
       <float name="int_ior" value="1.3339"/><float name="ext_ior" value="1"/>)",

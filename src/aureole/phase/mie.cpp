@@ -26,9 +26,9 @@ double size_parameter(const optics::RadiusDistribution& radii, double host_index
 }
 
 /// Wavelengths at which phase functions are tabulated, increasing. Their features move in proportion to the
-/// size parameter; resonances of spheres of one size repeat over about one unit of it, a spread of sizes blurs
-/// them. Rainbows do not blur: dispersion turns that of water by some 3 degrees per unit of ln(lambda), and it
-/// is 120 degrees x^(-2/3) wide (Airy), of which nodes must be a fourth apart.
+/// size parameter; resonances of spheres of one size repeat over about one unit of it, a spread of sizes
+/// blurs them. Rainbows do not blur: dispersion turns that of water by some 3 degrees per unit of ln(lambda),
+/// and it is 120 degrees x^(-2/3) wide (Airy), of which nodes must be a fourth apart.
 std::vector<double> wavelength_nodes(const SpectralGrid& grid, const optics::RadiusDistribution& radii,
                                      double host_index) {
   constexpr double kSizeStep = 0.25, kRainbow = 4 * 3 / 120.0;
@@ -96,8 +96,8 @@ AUREOLE_PLUGIN(
         "Scattering by spheres of one material, such as droplets, averaged over their sizes: the phase "
         "function of fog and clouds, with rainbow, glory and corona. The medium's coefficients are given "
         "beside it and do not follow from these spheres.\n\n"
-        "Tables are made when the scene is built: in 2 seconds for fog of 10 um, a minute for drops of 100 um; "
-        "the time grows with the square of the radius, and as the sizes differ less.",
+        "Tables are made when the scene is built: in 2 seconds for fog of 10 um, a minute for drops of 100 "
+        "um; the time grows with the square of the radius, and as the sizes differ less.",
         "G. Mie, Beitraege zur Optik trueber Medien, Ann. Phys. 330 (1908) 377; Bohren & Huffman, Absorption "
         "and Scattering of Light by Small Particles, 1983, chapter 4",
         rows(),

@@ -52,8 +52,8 @@ struct Numbers {
   TabulatedPhase table() const { return TabulatedPhase(mu, nm, values, kGrid); }
 };
 
-/// A forward peak of a thousandth of a degree, a bow, and a glory; the bow moves with the wavelength. The nodes
-/// of mu are uneven, and none of them is zero.
+/// A forward peak of a thousandth of a degree, a bow, and a glory; the bow moves with the wavelength. The
+/// nodes of mu are uneven, and none of them is zero.
 Numbers droplets() {
   Numbers n;
   n.nm = {400, 450, 520, 700};
@@ -132,8 +132,8 @@ TEST(TabulatedPhase, SamplesFollowTheDistribution) {
       mu.push_back(std::clamp(double(dot(s.wo, kTravel)), -1.0, 1.0));
       ASSERT_NEAR(length(s.wo), 1, 1e-5);
       if (i % 97 == 0) {
-        // What comes with the direction is the value there; the peak is too narrow for single precision to say
-        // so from its directions at a part in a thousand.
+        // What comes with the direction is the value there; the peak is too narrow for single precision to
+        // say so from its directions at a part in a thousand.
         const Spectrum p = table.eval(-kTravel, s.wo, w);
         ASSERT_NEAR(double(p[0] / s.value[0]), 1, 0.02) << mu.back();
       }
