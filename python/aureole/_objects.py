@@ -94,3 +94,25 @@ class EmitterSample:
     distance: FloatArray
     valid: npt.NDArray[np.bool_]
     is_delta: bool
+
+
+@dataclass(frozen=True)
+class PhaseSample:
+    """Directions drawn by ``Phase.sample``.
+
+    Attributes
+    ----------
+    wo : ndarray of float64, shape (..., 3)
+        Sampled directions; zeros where `valid` is false.
+    value : ndarray of float64, shape (...)
+        Value of the phase function [1/sr].
+    pdf : ndarray of float64, shape (...)
+        Density [1/sr] of wo.
+    valid : ndarray of bool, shape (...)
+        False where there is no direction.
+    """
+
+    wo: FloatArray
+    value: FloatArray
+    pdf: FloatArray
+    valid: npt.NDArray[np.bool_]

@@ -186,6 +186,7 @@ spectra dicts as `load_dict` takes them. A child without a name goes by its id, 
       .def("__repr__", &repr_of);
   bind_bsdfs(m);
   bind_emitters(m);
+  bind_phases(m);
   bind_textures(m);
 
   m.def(

@@ -186,14 +186,18 @@ std::string text(double v) {
   return s.str();
 }
 
+const std::vector<BsdfCase>& cases() {
+  static const std::vector<BsdfCase> all = all_bsdf_cases();
+  return all;
+}
+
 class Harness : public ::testing::TestWithParam<std::size_t> {};
 
 TEST_P(Harness, Passes) {
-  const std::vector<BsdfCase> cases = all_bsdf_cases();
   HarnessOptions options;
-  options.family_size = cases.size();
+  options.family_size = cases().size();
   options.dump_folder = ::testing::TempDir();
-  const HarnessResult result = check_case(cases[GetParam()], options);
+  const HarnessResult result = check_case(cases()[GetParam()], options);
   for (const std::string& failure : result.failures) ADD_FAILURE() << failure;
   const CheckResult& f = result.check;
   RecordProperty("smallest_p", text(f.smallest_p));
@@ -202,8 +206,8 @@ TEST_P(Harness, Passes) {
   RecordProperty("largest_mass_error", text(f.largest_mass_error));
 }
 
-INSTANTIATE_TEST_SUITE_P(Bsdf, Harness, ::testing::Range(std::size_t(0), all_bsdf_cases().size()),
-                         [](const auto& info) { return all_bsdf_cases()[info.param].name; });
+INSTANTIATE_TEST_SUITE_P(Bsdf, Harness, ::testing::Range(std::size_t(0), cases().size()),
+                         [](const auto& info) { return cases()[info.param].name; });
 
 // A harness that never fails would pass every test above: each of these breaks one rule.
 enum class Fault {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The cases over which `check_phase` runs: all registered phase functions (tests/phase/phase_harness_test.cpp).
-// A plug-in's own test file adds parameter sets by `PhaseCases`.
+// The cases over which `check_phase` runs: all registered phase functions
+// (tests/phase/phase_harness_test.cpp). A plug-in's own test file adds parameter sets by `PhaseCases`.
 #pragma once
 
 #include <functional>

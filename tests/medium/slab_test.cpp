@@ -85,7 +85,7 @@ TEST_P(SlabTest, FluxesAreThoseOfTheTable) {
       std::printf("%s %.6f +- %.6f, table %.6f (%+.2f standard errors)\n", above ? "R" : "T", p.all,
                   p.all_error, expected, (p.all - expected) / p.all_error);
     EXPECT_NEAR(p.all, expected, 4.5 * p.all_error + 1e-6) << (above ? "R" : "T");
-    EXPECT_LT(p.all_error, 0.006);
+    EXPECT_LT(p.all_error, 0.012);
   }
 }
 

@@ -75,8 +75,8 @@ TEST_P(PhaseHarness, Passes) {
 INSTANTIATE_TEST_SUITE_P(Phase, PhaseHarness, ::testing::Range(std::size_t(0), all_phase_cases().size()),
                          [](const auto& info) { return all_phase_cases()[info.param].name; });
 
-// A check that never fails would pass every test above: each of these breaks one rule. That the rules see faults
-// of densities is tested in tests/instrument/check.
+// A check that never fails would pass every test above: each of these breaks one rule. That the rules see
+// faults of densities is tested in tests/instrument/check.
 enum class Fault { none, absorbs, area };
 
 /// Flakes with one fault.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Phase functions against closed forms and against values of Mitsuba 3.9.1 (scalar_rgb), and the texts of their
-// errors.
+// Phase functions against closed forms and against values of Mitsuba 3.9.1 (scalar_rgb), and the texts of
+// their errors.
 #include <gtest/gtest.h>
 
 #include <cmath>

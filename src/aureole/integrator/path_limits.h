@@ -22,6 +22,10 @@ struct PathLimits {
         max_scattering(int(p.get_int("max_scattering", -1, {-1, 1e9}))),
         hide_emitters(p.get_bool("hide_emitters", false)) {}
 
+  /// The largest probability of surviving roulette. Paths in media that hardly absorb are long: a loss of 5 %
+  /// at every vertex would make the few that survive hundreds of times as bright as the others.
+  static float most_survival(const Scene& scene) { return scene.has_media() ? 0.999f : 0.95f; }
+
   /// Whether paths of so many edges count.
   bool reaches(int edges) const { return max_depth < 0 || edges <= max_depth; }
 

@@ -130,7 +130,8 @@ public:
     go_on(i, vertex, b.d);
     ++s.scattered;
     if (s.scattered < limits_.roulette_depth) return true;
-    const float survival = std::min(0.95f, s.density.hero_symmetric_throughput() / s.whole);
+    const float survival =
+        std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() / s.whole);
     if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
     return true;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scattering by particles far smaller than the wavelength, such as the molecules of air, of unpolarised light:
+// Scattering by particles far smaller than the wavelength, such as the molecules of air, of unpolarised
+// light:
 //     p = 3/(16 pi (1 + 2 gamma)) (1 + 3 gamma + (1 - gamma) cos^2(theta)),   gamma = rho/(2 - rho),
 // rho the depolarisation of molecules that are not alike in all directions (S. Chandrasekhar, Radiative
 // Transfer, 1960, section 18; A. Bucholtz, Rayleigh-scattering calculations for the terrestrial atmosphere,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fibres and flakes that reflect as mirrors, with the normals of an ellipsoid: E. Heitz, J. Dupuy, C. Crassin &
-// C. Dachsbacher, "The SGGX microflake distribution", 2015, the specular phase function (equation 17).
+// Fibres and flakes that reflect as mirrors, with the normals of an ellipsoid: E. Heitz, J. Dupuy, C. Crassin
+// & C. Dachsbacher, "The SGGX microflake distribution", 2015, the specular phase function.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <vector>
 
-#include "aureole/phase/phase.h"
-#include "aureole/phase/table/tabulated_phase.h"
+#include "aureole/phase/table/tabulated_phase_function.h"
 #include "aureole/plugin/number_list.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
 namespace {
 
-TabulatedPhase tabulate(const Properties& p) {
+TabulatedPhase read_table(const Properties& p) {
   const std::vector<double> values = get_number_list(p, "values");
   if (values.size() < 2) throw p.error("values", "needs at least two numbers");
   if (values.size() > 100000) throw p.error("values", "more than 100000 numbers");
@@ -26,23 +25,10 @@ TabulatedPhase tabulate(const Properties& p) {
   return TabulatedPhase(mu, std::vector<double>{grid.min_nm}, values, grid);
 }
 
-class TabPhase final : public PhaseFunction {
+class TabPhase final : public TabulatedPhaseFunction {
 public:
-  explicit TabPhase(const Properties& properties) : PhaseFunction(properties), table_(tabulate(properties)) {}
-
-  PhaseEval eval_pdf(const Vec3& wi, const Vec3& wo, const PhaseContext& ctx) const override {
-    const Spectrum p = table_.eval(wi, wo, ctx.wavelengths);
-    return {p, p};
-  }
-  std::optional<PhaseSample> sample(const Vec3& wi, float u1, Vec2 u2,
-                                    const PhaseContext& ctx) const override {
-    const TabulatedPhase::Sample s = table_.sample(wi, u1, u2, ctx.wavelengths);
-    if (!(s.value[0] > 0)) return {};
-    return PhaseSample{s.wo, s.value, s.value};
-  }
-
-private:
-  TabulatedPhase table_;
+  explicit TabPhase(const Properties& properties)
+      : TabulatedPhaseFunction(properties, read_table(properties)) {}
 };
 
 AUREOLE_PLUGIN(

@@ -109,13 +109,15 @@ inline Micrograph picture_of(const std::vector<Disc>& discs, double side, const 
           }
       }
   const int reach = int(4 * o.blur) + 1;
+  std::vector<double> gaussian;
+  for (int k = -reach; k <= reach; ++k) gaussian.push_back(std::exp(-0.5 * k * k / (o.blur * o.blur)));
   const auto blur = [&](int dx, int dy) {
     std::vector<double> out(cover.size());
     for (int y = 0; y < h; ++y)
       for (int x = 0; x < w; ++x) {
         double sum = 0, weight = 0;
         for (int k = -reach; k <= reach; ++k) {
-          const double g = std::exp(-0.5 * k * k / (o.blur * o.blur));
+          const double g = gaussian[size_t(k + reach)];
           const int i = std::clamp(x + k * dx, 0, w - 1), j = std::clamp(y + k * dy, 0, h - 1);
           sum += g * cover[size_t(j) * w + i], weight += g;
         }

@@ -8,9 +8,10 @@
 
 namespace aureole {
 
-/// The options `lossless` and `black_below` do not matter: all light that a phase function takes goes somewhere,
-/// from whatever side. Reciprocity is that of value times the area shown to wi. `p` is the point of a medium
-/// that varies in space. Throws Error where the options make no sense, and whatever `progress` throws.
+/// The options `lossless` and `black_below` do not matter: all light that a phase function takes goes
+/// somewhere, from whatever side. Reciprocity is that of value times the area shown to wi. `p` is the point
+/// of a medium that varies in space. Throws Error where the options make no sense, and whatever `progress`
+/// throws.
 CheckResult check_phase(const PhaseFunction& phase, const CheckOptions& options, const Vec3& p = {});
 
 }  // namespace aureole

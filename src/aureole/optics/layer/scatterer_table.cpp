@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "aureole/optics/arrangement/ring_mean.h"
 
@@ -64,9 +65,15 @@ ScattererTable::ScattererTable(const ScattererMixture& mixture, double extent,
                         int(std::ceil(last)), true, parallel_for);
     uncorrelated_azimuths_.emplace(product, last, RingAzimuths::kSpots, parallel_for);
   } else if (map_) {
-    uncorrelated_azimuths_.emplace([&](double x, double y) { return double(at(x, y).uncorrelated); },
-                                   last - 1, RingAzimuths::kShapes, parallel_for);
-    coherent_azimuths_.emplace([&](double x, double y) { return double(at(x, y).coherent); }, last - 1,
+    // A part that is zero everywhere has no azimuths to look for: U where all scatterers are alike, C where
+    // sizes are correlated.
+    using Part = std::function<double(double, double)>;
+    const Part zero = [](double, double) { return 0.0; };
+    const Part uncorrelated = [&](double x, double y) { return double(at(x, y).uncorrelated); };
+    const Part coherent = [&](double x, double y) { return double(at(x, y).coherent); };
+    uncorrelated_azimuths_.emplace(mixture.is_uniform() ? zero : uncorrelated, last - 1,
+                                   RingAzimuths::kShapes, parallel_for);
+    coherent_azimuths_.emplace(mixture.has_correlated_sizes() ? zero : coherent, last - 1,
                                RingAzimuths::kShapes, parallel_for);
   }
 }

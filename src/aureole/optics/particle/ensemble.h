@@ -36,7 +36,7 @@ struct EnsembleAccuracy {
   /// what remains is about a third of that). The ripple of large spheres takes some 10 nodes per unit of 2 pi
   /// radius n/lambda, most of all for what they scatter straight back.
   double averaging = 1e-3, phase_averaging = 1e-2;
-  std::size_t most_radii = 8192;  ///< per population and wavelength; beyond, `converged` is false
+  std::size_t most_radii = 16384;  ///< per population and wavelength; beyond, `converged` is false
   PhaseAccuracy phase;
 };
 

@@ -47,8 +47,9 @@ void PartialWaves::find_efficiencies() {
     extinction += weight * (a.real() + b.real());
     scattering += weight * (std::norm(a) + std::norm(b));
     backward += (n % 2 ? -weight : weight) * (a - b);
-    cosine += weight / (double(n) * (n + 1)) * along(a, b);
-    if (n < int(a_.size())) cosine += double(n) * (n + 2) / (n + 1) * (along(a, a_[n]) + along(b, b_[n]));
+    const double share = 1 / (double(n) * (n + 1));
+    cosine += weight * share * along(a, b);
+    if (n < int(a_.size())) cosine += double(n) * n * (n + 2) * share * (along(a, a_[n]) + along(b, b_[n]));
   }
   const double x2 = x_ * x_;
   extinction_ = 2 / x2 * extinction;
@@ -115,8 +116,8 @@ void PartialWaves::intensities(std::span<const double> mu, std::span<double> at,
   std::vector<Step> steps(terms_.size());
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     const Term& t = terms_[k];
-    const double n = double(k + 1);
-    steps[k] = {t.ar + t.br, t.ai + t.bi, t.ar - t.br, t.ai - t.bi, (2 * n + 1) / n, (n + 1) / n};
+    const double per_n = 1 / double(k + 1);
+    steps[k] = {t.ar + t.br, t.ai + t.bi, t.ar - t.br, t.ai - t.bi, 2 + per_n, 1 + per_n};
   }
   for (std::size_t first = 0; first < mu.size(); first += kLanes) {
     const std::size_t lanes = std::min(kLanes, mu.size() - first);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -71,97 +72,107 @@ double PhaseTable::sample(std::span<const double> cdf, double u) const {
 
 PhaseTables tabulate_phases(const PhaseEvaluator& evaluate, std::size_t count, double peak, double step,
                             const PhaseAccuracy& accuracy) {
-  // By the angle from the nearer pole, which both halves share: values in front, then behind.
+  // By the angle from the nearer pole, which both halves share.
   struct Column {
     std::vector<double> front, back;
+    bool is_node = false;  // otherwise the middle of a step, known and not needed so far
   };
   std::map<double, Column> columns;
   std::vector<std::vector<double>> at(count), mirrored(count);
-  const auto find = [&](const std::vector<double>& angles) {
-    std::vector<double> mu(angles.size());
-    for (std::size_t i = 0; i < mu.size(); ++i) mu[i] = std::max(0.0, std::cos(angles[i]));
+  const auto find = [&](const std::set<double>& angles) {
+    std::vector<double> mu;
+    for (const double angle : angles) mu.push_back(std::max(0.0, std::cos(angle)));
     for (auto* values : {&at, &mirrored})
       for (auto& row : *values) row.assign(mu.size(), 0);
     evaluate(mu, at, mirrored);
-    std::vector<Column> found(mu.size());
-    for (std::size_t i = 0; i < mu.size(); ++i)
+    std::size_t i = 0;
+    for (const double angle : angles) {
+      Column& column = columns[angle];
       for (std::size_t f = 0; f < count; ++f) {
         for (const double value : {at[f][i], mirrored[f][i]})
           if (!(value >= 0 && std::isfinite(value)))
             throw std::domain_error("phase function must not be negative, got " + std::to_string(value) +
                                     " at mu = " + std::to_string(mu[i]));
-        found[i].front.push_back(at[f][i]), found[i].back.push_back(mirrored[f][i]);
+        column.front.push_back(at[f][i]), column.back.push_back(mirrored[f][i]);
       }
-    return found;
+      ++i;
+    }
   };
-  std::vector<double> angles{0};
-  for (double width = peak; angles.back() + 1.5 * width < kPi / 2; width = std::min(1.4 * width, step))
-    angles.push_back(angles.back() + width);
-  angles.push_back(kPi / 2);
-  auto first = find(angles);
-  for (std::size_t i = 0; i < angles.size(); ++i) columns[angles[i]] = std::move(first[i]);
-
   const auto table_of = [&](std::size_t f) {
     PhaseTable table;
     for (const auto& [angle, column] : columns)
-      table.mu.push_back(-std::cos(angle)), table.p.push_back(column.back[f]);
+      if (column.is_node) table.mu.push_back(-std::cos(angle)), table.p.push_back(column.back[f]);
     table.mu.back() = 0;
     for (auto i = std::next(columns.rbegin()); i != columns.rend(); ++i)
-      table.mu.push_back(std::cos(i->first)), table.p.push_back(i->second.front[f]);
+      if (i->second.is_node) table.mu.push_back(std::cos(i->first)), table.p.push_back(i->second.front[f]);
     return table;
   };
 
-  PhaseTables result;
-  struct Split {
+  struct Step {
     double low, high;
-    int pieces;
+    double middle() const { return 0.5 * (low + high); }
   };
-  std::vector<std::pair<double, double>> open;
-  for (std::size_t i = 0; i + 1 < angles.size(); ++i) open.push_back({angles[i], angles[i + 1]});
+  std::vector<Step> open;
+  double angle = 0;
+  for (double width = peak; angle + 1.5 * width < kPi / 2; width = std::min(1.4 * width, step)) {
+    open.push_back({angle, angle + width});
+    angle += width;
+  }
+  open.push_back({angle, kPi / 2});
+
+  PhaseTables result;
+  std::size_t nodes = 0;
   while (!open.empty()) {
-    std::vector<double> floors, middles;
+    std::set<double> wanted;
+    for (const Step& s : open)
+      for (const double a : {s.low, s.middle(), s.high})
+        if (!columns.count(a)) wanted.insert(a);
+    find(wanted);
+    for (const Step& s : open) columns[s.low].is_node = columns[s.high].is_node = true;
+    nodes = 0;
+    for (const auto& c : columns) nodes += c.second.is_node ? 2 : 0;
+    std::vector<double> floors;
     for (std::size_t f = 0; f < count; ++f)
       floors.push_back(accuracy.floor * table_of(f).integral() / (4 * kPi));
-    for (const auto& [low, high] : open) middles.push_back(0.5 * (low + high));
-    auto found = find(middles);
-    const bool full = 2 * (columns.size() + open.size()) > accuracy.most_nodes;
-    std::vector<Split> split;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      const auto [low, high] = open[i];
-      const Column &a = columns[low], &b = columns[high];
+    std::vector<Step> next;
+    for (const Step& s : open) {
+      const Column &a = columns[s.low], &b = columns[s.high], &c = columns[s.middle()];
       // cos(low) - cos(middle) over cos(low) - cos(high), without their cancellation.
-      const double quarter = 0.25 * (high - low), t = std::sin(low + quarter) * std::sin(quarter) /
-                                                      (std::sin(low + 2 * quarter) * std::sin(2 * quarter));
+      const double quarter = 0.25 * (s.high - s.low),
+                   t = std::sin(s.low + quarter) * std::sin(quarter) /
+                       (std::sin(s.low + 2 * quarter) * std::sin(2 * quarter));
       double worst = 0;
       for (std::size_t f = 0; f < count; ++f) {
         const auto test = [&](double p, double q, double middle) {
           const double scale = std::max(middle, floors[f]);
           if (scale > 0) worst = std::max(worst, std::abs(p + t * (q - p) - middle) / scale);
         };
-        test(a.front[f], b.front[f], found[i].front[f]);
-        test(a.back[f], b.back[f], found[i].back[f]);
+        test(a.front[f], b.front[f], c.front[f]);
+        test(a.back[f], b.back[f], c.back[f]);
       }
-      if (worst <= accuracy.relative || full || high - low < 1e-9) {
+      if (worst <= accuracy.relative || nodes > accuracy.most_nodes || s.high - s.low < 1e-9) {
         result.error = std::max(result.error, worst);
-      } else {
-        // The error falls as the square of the step: this many halvings may do.
-        const int halvings = std::clamp(int(std::ceil(0.5 * std::log2(worst / accuracy.relative))), 1, 4);
-        columns[middles[i]] = std::move(found[i]);
-        split.push_back({low, high, 1 << halvings});
+        continue;
       }
+      // Of a smooth function half of the step has a quarter of the error.
+      if (worst <= 2 * accuracy.relative) {
+        columns[s.middle()].is_node = true;
+        result.error = std::max(result.error, worst / 2);
+        continue;
+      }
+      // The error falls as the square of the step: so many halvings may do.
+      const int halvings = std::clamp(int(std::ceil(0.5 * std::log2(worst / (2 * accuracy.relative)))), 1, 4);
+      std::vector<Step> pieces{s};
+      for (int k = 0; k < halvings; ++k) {
+        std::vector<Step> halves;
+        for (const Step& whole : pieces)
+          halves.push_back({whole.low, whole.middle()}), halves.push_back({whole.middle(), whole.high});
+        pieces = std::move(halves);
+      }
+      next.insert(next.end(), pieces.begin(), pieces.end());
+      nodes += 2 * (pieces.size() - 1);
     }
-    open.clear();
-    std::vector<double> inner;
-    for (const Split& s : split)
-      for (int k = 1; k < s.pieces; ++k)
-        if (2 * k != s.pieces) inner.push_back(s.low + k * ((s.high - s.low) / s.pieces));
-    if (!inner.empty()) {
-      auto more = find(inner);
-      for (std::size_t i = 0; i < inner.size(); ++i) columns[inner[i]] = std::move(more[i]);
-    }
-    for (const Split& s : split)
-      for (auto at_low = columns.find(s.low); at_low->first < s.high; ++at_low)
-        open.push_back({at_low->first, std::next(at_low)->first});
+    open = std::move(next);
   }
   for (std::size_t f = 0; f < count; ++f) {
     PhaseTable table = table_of(f);

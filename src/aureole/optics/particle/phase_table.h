@@ -30,7 +30,8 @@ struct PhaseTable {
 
 struct PhaseAccuracy {
   /// Largest error of linear interpolation, relative to the local value or, where that is smaller, to `floor`
-  /// of the mean over the sphere. Tested in the middle of each step.
+  /// of the mean over the sphere. Tested in the middle of each step, which is halved without another test where
+  /// that is off by up to twice as much.
   double relative = 2e-3, floor = 1e-3;
   std::size_t most_nodes = 60000;
 };

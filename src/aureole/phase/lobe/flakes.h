@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Microflakes: tiny mirrors whose normals are those of an ellipsoid (Heitz, Dupuy, Crassin & Dachsbacher 2015,
-// "The SGGX microflake distribution"). A symmetric, positive definite matrix S says how large the ellipsoid
-// looks: a(w) = sqrt(w^T S w) is the area that it shows along the unit vector w. The density of normals is
+// Microflakes: tiny mirrors whose normals are those of an ellipsoid (Heitz, Dupuy, Crassin & Dachsbacher
+// 2015, "The SGGX microflake distribution"). A symmetric, positive definite matrix S says how large the
+// ellipsoid looks: a(w) = sqrt(w^T S w) is the area that it shows along the unit vector w. The density of
+// normals is
 //     D(n) = 1/(pi sqrt(det S) (n^T S^-1 n)^2).
 #pragma once
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of the scattering angle over half of the sphere, one per wavelength, on shared nodes: tabulated over
-// x = 1 - cos(angle from the pole), in [0, 1], and linear in x between nodes. The pole is the direction straight
-// on for one half and straight back for the other, so that either has its full precision. Equal steps of x are
-// equal solid angles, for which the shares of light are sums of trapezoids, whose inverse is a square root.
+// Functions of the scattering angle over half of the sphere, one per wavelength, on shared nodes: tabulated
+// over x = 1 - cos(angle from the pole), in [0, 1], and linear in x between nodes. The pole is the direction
+// straight on for one half and straight back for the other, so that either has its full precision. Equal
+// steps of x are equal solid angles, for which the shares of light are sums of trapezoids, whose inverse is a
+// square root.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phase functions tabulated over the scattering angle and the wavelength, linear in cos(theta) and in the
-// wavelength between nodes. Density and value are one and the same: between two nodes of wavelength a direction
-// is drawn from either, with probabilities that are the weights of the interpolation.
+// wavelength between nodes. Density and value are one and the same: between two nodes of wavelength a
+// direction is drawn from either, with probabilities that are the weights of the interpolation.
 #pragma once
 
 #include <cstddef>
@@ -17,9 +17,9 @@ class TabulatedPhase {
 public:
   /// `mu`, cosines of the scattering angle, increase from -1 (straight back) to 1 (straight on); `nm`
   /// increases; `values` has a row per mu, of one value >= 0 per wavelength, in any unit: each wavelength is
-  /// normalised. Beyond the first and last wavelength their functions hold. Throws std::logic_error for arrays
-  /// that do not fit, std::domain_error where a wavelength has no light at all or a value is negative or no
-  /// finite number.
+  /// normalised. Beyond the first and last wavelength their functions hold. Throws std::logic_error for
+  /// arrays that do not fit, std::domain_error where a wavelength has no light at all or a value is negative
+  /// or no finite number.
   TabulatedPhase(std::span<const double> mu, std::span<const double> nm, std::span<const double> values,
                  const SpectralGrid& grid);
 

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// The phase function of a table, for plug-ins that make tables: of this family, and of media whose particles
+// are given.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "aureole/optics/particle/phase_table.h"
+#include "aureole/phase/phase.h"
+#include "aureole/phase/table/tabulated_phase.h"
+
+namespace aureole {
+
+/// Phase functions of optics at increasing wavelengths, one per wavelength and all on one grid of angles, as
+/// `optics::Ensemble::phases` returns them. Throws as the constructor of `TabulatedPhase` does.
+inline TabulatedPhase tabulate(const optics::PhaseTables& phases, std::span<const double> nm,
+                               const SpectralGrid& grid) {
+  const std::vector<double>& mu = phases.tables.at(0).mu;
+  std::vector<double> values(mu.size() * nm.size());
+  for (std::size_t w = 0; w < nm.size(); ++w)
+    for (std::size_t i = 0; i < mu.size(); ++i) values[i * nm.size() + w] = phases.tables.at(w).p[i];
+  return TabulatedPhase(mu, nm, values, grid);
+}
+
+class TabulatedPhaseFunction : public PhaseFunction {
+public:
+  /// `properties`: of the plug-in that makes the table.
+  TabulatedPhaseFunction(const Properties& properties, TabulatedPhase table)
+      : PhaseFunction(properties), table_(std::move(table)) {}
+
+  PhaseEval eval_pdf(const Vec3& wi, const Vec3& wo, const PhaseContext& ctx) const override {
+    const Spectrum p = table_.eval(wi, wo, ctx.wavelengths);
+    return {p, p};
+  }
+  std::optional<PhaseSample> sample(const Vec3& wi, float u1, Vec2 u2,
+                                    const PhaseContext& ctx) const override {
+    const TabulatedPhase::Sample s = table_.sample(wi, u1, u2, ctx.wavelengths);
+    if (!(s.value[0] > 0)) return {};
+    return PhaseSample{s.wo, s.value, s.value};
+  }
+  bool needs_choice() const override { return table_.wavelength_nodes() > 1; }
+
+private:
+  TabulatedPhase table_;
+};
+
+}  // namespace aureole
