@@ -157,8 +157,9 @@ void ShapeModel::build(const PluginInfo& plugin, const Properties& element, Geom
   emitter_ = only_child<Emitter>(element, "emitter");
   sensor_ = only_child<Sensor>(element, "sensor");
   bsdf_ = only_child<Bsdf>(element, "bsdf");
-  media_ = {element.get_object<Medium>("exterior"), element.get_object<Medium>("interior"),
-            int(element.get_int("priority", 0, {0, 127}))};
+  if (plugin.documents("interior"))  // curves bound no space
+    media_ = {element.get_object<Medium>("exterior"), element.get_object<Medium>("interior"),
+              int(element.get_int("priority", 0, {0, 127}))};
   if (emitter_ && !emitter_->sits_on_shape())
     throw Error(emitter_->properties().where(), "an emitter of type \"" + emitter_->properties().type() +
                                                     "\" cannot sit on a shape; use \"area\"");
