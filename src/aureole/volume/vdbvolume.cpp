@@ -18,18 +18,21 @@ public:
     for (std::size_t i = 0; i < 3; ++i) {
       constexpr int kFarthest = 1 << 30;  // of a coordinate: far from overflow
       if (from.lower[i] < -kFarthest || from.upper[i] > kFarthest)
-        throw Error(fmt::format("the grid \"{}\" has voxels at {} to {}, which is too far out", from.name,
-                                from.lower[i], from.upper[i]));
+        throw Error(fmt::format("is too large: the grid \"{}\" has voxels at {} to {}, which is too far out",
+                                from.name, from.lower[i], from.upper[i]));
       const std::int64_t size = std::int64_t(from.upper[i]) - from.lower[i] + 3;
       constexpr std::int64_t kLongest = 1 << 20;
       if (size > kLongest)
-        throw Error(fmt::format("the grid \"{}\" spans {} voxels along an axis; {} are possible", from.name,
-                                size, kLongest));
+        throw Error(
+            fmt::format("is too large: the grid \"{}\" spans {} voxels along an axis; {} are possible",
+                        from.name, size, kLongest));
       size_[i] = int(size);
       first_[i] = floor_block(from.lower[i]);
       blocks_[i] = floor_block(from.upper[i]) - first_[i] + 1;
       if (count > kMostBlocks / std::size_t(blocks_[i]))
-        throw Error(fmt::format("the grid \"{}\" spans too many voxels", from.name));
+        throw Error(
+            fmt::format("is too large: the box around the grid \"{}\" has more than {} blocks of 8^3 voxels",
+                        from.name, kMostBlocks));
       count *= std::size_t(blocks_[i]);
     }
     map_.assign(count, kBackground);
@@ -76,8 +79,8 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMostBlocks = std::size_t(1) << 28;
-  static constexpr std::int32_t kBackground = -1;  // below: tiles
+  static constexpr std::size_t kMostBlocks = std::size_t(1) << 24;  ///< 2048^3 voxels, were they all there
+  static constexpr std::int32_t kBackground = -1;                   // below: tiles
 
   static int floor_block(int i) { return i >> 3; }
   std::array<int, 3> coordinates(const std::array<int, 3>& c) const {
@@ -145,7 +148,7 @@ private:
         set_numbers(voxels, from.channels);
     } catch (const Error& problem) {
       if (!problem.where().file.empty()) throw;
-      throw p.error("filename", problem.message());
+      throw p.error("filename", "\"" + p.get_file("filename").string() + "\" " + problem.message());
     }
   }
 
