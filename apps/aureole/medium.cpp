@@ -46,7 +46,7 @@ MediumPtr find_medium(const Scene& scene, const std::string& file, const std::st
   if (id.empty() && all.size() == 1) return all[0];
   std::string message = !id.empty()   ? "no medium has the id \"" + id + "\"" + did_you_mean(id, known)
                         : all.empty() ? "no shape of the scene has a medium"
-                                      : fmt::format("there are {} media: name one after \"#\"", all.size());
+                                      : fmt::format("name one of the {} media after \"#\"", all.size());
   if (all.empty() && !id.empty()) message += "; no shape of the scene has a medium";
   if (!known.empty()) message += fmt::format("; there are {}", fmt::join(known, ", "));
   throw Error({file, 0, 0}, message);

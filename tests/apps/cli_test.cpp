@@ -144,7 +144,7 @@ TEST_F(Cli, MediumTellsItsFigures) {
   }
   EXPECT_NE(content(folder.path / "fog.json.svg").find("</svg>"), std::string::npos);
   refused_arguments({"medium", s + "#fogg"}, "did you mean \"fog\"");
-  refused_arguments({"medium", s}, "there are 2 media");
+  refused_arguments({"medium", s}, "name one of the 2 media");
   refused_arguments({"medium", s + "#fog", "--length", "3"}, "unit");
   refused(
       with("<shape type=\"cube\"><bsdf type=\"null\"/><medium name=\"interior\" "

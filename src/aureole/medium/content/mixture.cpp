@@ -51,7 +51,7 @@ Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Mediu
       extinction_ = SampledSpectrum::from_function(grid, [&](double nm) { return unit * of_host(nm); });
     } else {
       // Finer than a phase function alone needs: coefficients are seen directly.
-      constexpr double kLeastPerUnitOfLog = 24;
+      constexpr double kLeastPerUnitOfLog = 16;
       std::vector<optics::RadiusDistribution> radii;
       for (const optics::Ingredient& i : content.ingredients()) radii.push_back(i.radii);
       const double index = host.index(grid.min_nm);
