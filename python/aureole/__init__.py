@@ -15,10 +15,12 @@ from ._objects import BsdfSample, EmitterSample, Lobe, MediumCoefficients, Phase
 from ._python_bsdf import PythonBsdf, as_bsdf  # noqa: E402
 from ._render import InterruptedWarning, render, render_iter  # noqa: E402
 from ._scene import ParameterError, Scene, load_dict, load_file, load_string  # noqa: E402
+from ._volume import read_vol, write_vol  # noqa: E402
 
 __all__ = [
     "Aperture", "Bsdf", "BsdfSample", "CheckRecord", "CheckReport", "Emitter", "EmitterSample", "Error", "Estimate",
     "Image", "InterruptedWarning", "Lobe", "Medium", "MediumCoefficients", "Microstructure", "Object", "ParameterError",
-    "Particles", "Phase", "PhaseSample", "Problem", "PythonBsdf", "Scene", "SceneError", "Texture", "Transform", "__version__", "as_bsdf", "check", "load_dict",
-    "load_file", "load_string", "microstructure", "optics", "plot", "read_image", "render", "render_iter", "spectrum",
+    "Particles", "Phase", "PhaseSample", "Problem", "PythonBsdf", "Scene", "SceneError", "Texture", "Transform", "__version__",
+    "as_bsdf", "check", "load_dict", "load_file", "load_string", "microstructure", "optics", "plot", "read_image", "read_vol",
+    "render", "render_iter", "spectrum", "write_vol",
 ]

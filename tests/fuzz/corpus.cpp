@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 namespace {
 
 bool is_data_file(const fs::path& file) {
-  for (const char* other : {".xml", ".md", ".py"})
+  for (const char* other : {".xml", ".md", ".py", ".cpp"})
     if (file.extension() == other) return false;
   return true;
 }

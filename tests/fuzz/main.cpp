@@ -2,12 +2,20 @@
 // aureole_fuzz: damages scenes and looks whether each of them ends in a picture or in located errors.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <charconv>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
+#include <exception>
+#include <filesystem>
 #include <fstream>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
 
+#include "aureole/core/error.h"
 #include "corpus.h"
 #include "fuzz_case.h"
 #include "harness/paths.h"
@@ -27,7 +35,7 @@ struct Arguments {
   int jobs = 2;
   std::size_t most_failures = 100;
   std::filesystem::path folder = "fuzz", corpus_folder;
-  bool self_test = false, check_corpus = false;
+  bool self_test = false, check_corpus = false, help = false;
 };
 
 std::string description(const Case& c) {
@@ -119,27 +127,85 @@ int fuzz(const Corpus& corpus, const Arguments& a) {
   return !s.failures.empty();
 }
 
-}  // namespace
-}  // namespace aureole::fuzz
+constexpr const char* kHelp =
+    "aureole_fuzz: damages the scenes of the repository in random ways, loads and renders them\n"
+    "  --cases N          number of cases (default 1000)\n"
+    "  --seed N           another seed makes other cases (default 1)\n"
+    "  --first N          number of the first case (default 0)\n"
+    "  --case N           run this case alone, in this process, and print how it ends\n"
+    "  --jobs N           processes at a time (default 2)\n"
+    "  --folder PATH      for the files of cases that fail (default fuzz)\n"
+    "  --most-failures N  stop after so many (default 100)\n"
+    "  --check-corpus     load the scenes without changing them\n"
+    "  --write-corpus PATH  write the unchanged scenes into this folder\n"
+    "  --self-test        plant a crash, a hang, ... and look whether they are found\n";
 
-int main(int argc, char** argv) {
-  using namespace aureole::fuzz;
+template <class T>
+T number(std::string_view option, std::string_view text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < T(0))
+    throw Error(fmt::format("{}: \"{}\" is not a whole number from 0 on", option, text));
+  return value;
+}
+
+/// Read by hand: CLI11 takes longer to compile than the rest of the fuzzer.
+Arguments arguments(int argc, char** argv) {
   Arguments a;
-  CLI::App app("Damages the scenes of the repository in random ways, loads and renders them", "aureole_fuzz");
-  app.add_option("--cases", a.cases, "number of cases (default 1000)");
-  app.add_option("--seed", a.seed, "another seed makes other cases (default 1)");
-  app.add_option("--first", a.first, "number of the first case (default 0)");
-  app.add_option("--case", a.single, "run this case alone, in this process, and print how it ends");
-  app.add_option("--jobs", a.jobs, "processes at a time (default 2)");
-  app.add_option("--folder", a.folder, "for the files of cases that fail (default fuzz)");
-  app.add_option("--most-failures", a.most_failures, "stop after so many (default 100)");
-  app.add_flag("--check-corpus", a.check_corpus, "load the scenes without changing them");
-  app.add_option("--write-corpus", a.corpus_folder, "write the unchanged scenes into this folder");
-  app.add_flag("--self-test", a.self_test, "plant a crash, a hang, ... and look whether they are found");
-  CLI11_PARSE(app, argc, argv);
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view option = argv[i];
+    const auto value = [&]() -> std::string_view {
+      if (++i == argc) throw Error(fmt::format("{}: no value", option));
+      return argv[i];
+    };
+    if (option == "--cases")
+      a.cases = number<std::uint64_t>(option, value());
+    else if (option == "--seed")
+      a.seed = number<std::uint64_t>(option, value());
+    else if (option == "--first")
+      a.first = number<std::uint64_t>(option, value());
+    else if (option == "--case")
+      a.single = number<std::int64_t>(option, value());
+    else if (option == "--jobs")
+      a.jobs = number<int>(option, value());
+    else if (option == "--folder")
+      a.folder = value();
+    else if (option == "--most-failures")
+      a.most_failures = number<std::size_t>(option, value());
+    else if (option == "--check-corpus")
+      a.check_corpus = true;
+    else if (option == "--write-corpus")
+      a.corpus_folder = value();
+    else if (option == "--self-test")
+      a.self_test = true;
+    else if (option == "--help")
+      a.help = true;
+    else
+      throw Error(fmt::format("unknown option \"{}\"\n{}", option, kHelp));
+  }
+  return a;
+}
+
+int run(const Arguments& a) {
+  if (a.help) {
+    fmt::print("{}", kHelp);
+    return 0;
+  }
   if (a.self_test) return self_test(a.folder);
   const Corpus corpus(aureole::test::source_dir());
   if (!a.corpus_folder.empty()) return write_corpus(corpus, a.corpus_folder);
   if (a.check_corpus) return check_corpus(corpus, a);
   return a.single >= 0 ? replay(corpus, a) : fuzz(corpus, a);
+}
+
+}  // namespace
+}  // namespace aureole::fuzz
+
+int main(int argc, char** argv) {
+  try {
+    return aureole::fuzz::run(aureole::fuzz::arguments(argc, argv));
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return 2;
+  }
 }

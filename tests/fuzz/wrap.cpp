@@ -116,6 +116,13 @@ std::vector<std::string> wrap_example(const PluginInfo& plugin, const std::strin
   if (family == "ingredient")
     return {usual(kLight + ball("<bsdf type=\"dielectric\"/><medium type=\"suspension\" name=\"interior\">" +
                                 example + "</medium>"))};
+  if (family == "volume") {
+    const auto as = [&](const char* parameter) {
+      return usual(kLight + ball(R"(<bsdf type="null"/><medium type="heterogeneous" name="interior">)" +
+                                 changed(example, parameter) + "</medium>"));
+    };
+    return {as("sigma_t"), as("albedo"), as("emission"), as("temperature")};
+  }
   return {usual(kLight + example)};
 }
 

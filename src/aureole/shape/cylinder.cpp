@@ -62,6 +62,7 @@ public:
   }
   Bounds3 bounds() const override { return cylinder_.bounds(); }
   std::size_t primitive_count() const override { return 1; }
+  std::string opening() const override { return "a cylinder has no caps"; }
 
   SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
   std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const override;

@@ -49,6 +49,7 @@ public:
   }
   Bounds3 bounds() const override { return disc_.bounds(); }
   std::size_t primitive_count() const override { return 1; }
+  std::string opening() const override { return "a disk has an edge"; }
 
   SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override {
     const double phi = 2 * kPiD * point.uv.y, c = std::cos(phi), s = std::sin(phi);

@@ -8,6 +8,7 @@
 #include <unordered_set>
 
 #include "aureole/shape/mesh/file_materials.h"
+#include "aureole/shape/mesh/open_edges.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
@@ -88,12 +89,27 @@ MtlLibrary read_libraries(const Properties& geometry, const FileMaterials& mater
   return all;
 }
 
+/// Why the parts of a model together enclose no space; empty where they do.
+std::string opening_of(const std::vector<ModelPart>& parts) {
+  if (parts.size() == 1) return parts[0].shape->opening();
+  std::vector<const Mesh*> meshes;
+  for (const ModelPart& part : parts)
+    if (const auto* mesh = dynamic_cast<const Mesh*>(part.shape.get())) meshes.push_back(mesh);
+  return open_edges_text(count_open_edges(meshes));
+}
+
 /// A shape with its BSDF, emitter and sensor.
 class ShapeModel final : public Model {
 public:
-  ShapeModel(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
+  ShapeModel(const PluginInfo& plugin, const Properties& element, GeometrySource& source) : Model(element) {
+    build(plugin, element, source);
+    check_media(element);
+  }
 
 private:
+  void build(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
+  /// A medium on one side of a surface with a gap is a note: its scene may close it with further shapes.
+  void check_media(const Properties& element) const;
   /// The element's parameters without what hangs on the shape.
   static Properties geometry_of(const Properties& element);
   void hang(GeometrySource& source);
@@ -127,13 +143,23 @@ Properties ShapeModel::geometry_of(const Properties& element) {
   return geometry;
 }
 
-ShapeModel::ShapeModel(const PluginInfo& plugin, const Properties& element, GeometrySource& source)
-    : Model(element) {
+void ShapeModel::check_media(const Properties& element) const {
+  if (!media_.given() || media_.outside == media_.inside) return;
+  const std::string opening = opening_of(parts_);
+  if (opening.empty()) return;
+  element.note(media_.inside ? "interior" : "exterior",
+               "the surface that bounds this medium is open (" + opening +
+                   "): light that passes through the gap stays in the medium that it came from, unless other "
+                   "shapes close it");
+}
+
+void ShapeModel::build(const PluginInfo& plugin, const Properties& element, GeometrySource& source) {
   emitter_ = only_child<Emitter>(element, "emitter");
   sensor_ = only_child<Sensor>(element, "sensor");
   bsdf_ = only_child<Bsdf>(element, "bsdf");
-  media_ = {element.get_object<Medium>("exterior"), element.get_object<Medium>("interior"),
-            int(element.get_int("priority", 0, {0, 127}))};
+  if (plugin.documents("interior"))  // curves bound no space
+    media_ = {element.get_object<Medium>("exterior"), element.get_object<Medium>("interior"),
+              int(element.get_int("priority", 0, {0, 127}))};
   if (emitter_ && !emitter_->sits_on_shape())
     throw Error(emitter_->properties().where(), "an emitter of type \"" + emitter_->properties().type() +
                                                     "\" cannot sit on a shape; use \"area\"");

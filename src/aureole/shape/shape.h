@@ -65,6 +65,9 @@ public:
   /// 0. Parts without triangles are null.
   virtual std::vector<std::shared_ptr<const Shape>> split(std::span<const std::size_t> part_of) const;
 
+  /// Why the surface encloses no space ("4 edges belong to one triangle alone"); empty where it does.
+  virtual std::string opening() const { return {}; }
+
   /// Repairs made by the reader ("3 degenerate triangles dropped"), for `aureole info` and a note.
   const std::vector<std::string>& remarks() const { return remarks_; }
 

@@ -24,6 +24,10 @@ struct alignas(16) UpsampledColor {
     }
     return of_unbounded(upsample_unbounded(r, g, b));
   }
+  /// The same, but black has all members 0: its many representations compare equal.
+  static UpsampledColor of_rgb_or_black(float r, float g, float b) {
+    return std::max({r, g, b}) > 0 ? of_rgb(r, g, b) : UpsampledColor{};
+  }
   static UpsampledColor of_unbounded(const UnboundedRgb& u) {
     return {u.polynomial.c0, u.polynomial.c1, u.polynomial.c2, u.scale};
   }

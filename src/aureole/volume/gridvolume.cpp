@@ -95,9 +95,7 @@ private:
   void set_colors(const VoxelData& data) {
     const auto color = [&](int x, int y, int z) {
       const float* v = &data.values[data.voxel(x, y, z)];
-      // Black has many representations; one of them makes empty bricks alike.
-      return v[0] == 0 && v[1] == 0 && v[2] == 0 ? UpsampledColor{}
-                                                 : UpsampledColor::of_rgb(v[0], v[1], v[2]);
+      return UpsampledColor::of_rgb_or_black(v[0], v[1], v[2]);
     };
     set(Colors(data.size, repeats(), color, [](auto&&...) { return std::optional<UpsampledColor>(); }));
   }

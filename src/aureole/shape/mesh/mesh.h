@@ -68,6 +68,7 @@ public:
                           const Wavelengths& w) const override;
   Error no_attribute(const SourceLocation& where, const std::string& name) const override;
   std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const override;
+  std::string opening() const override;
 
   /// The geometry as it is rendered; edges and neighbours are found from the position indices.
   const MeshData& data() const { return data_; }

@@ -3,7 +3,7 @@
 // layer of its neighbours, so that the eight corners of an interpolation lie in one brick at fixed distances;
 // the borders repeat what lies beyond them. A look-up has no branches. Bricks that hold one value throughout
 // are stored once per value: the empty part of a sparse grid takes four bytes for 512 voxels. Against a plain
-// array look-ups take a tenth longer at 128^3 voxels and a tenth less at 256^3 (docs/decisions.md).
+// array look-ups take a fifth longer at 128^3 voxels and a tenth less at 256^3 (bench/volume_bench.cpp).
 #pragma once
 
 #include <algorithm>

@@ -60,9 +60,12 @@ float most_between(const SigmoidPolynomial& p, float from_nm, float to_nm) {
 
 }  // namespace
 
+VoxelFilter VoxelFilter::read_without_wrap(const Properties& p) {
+  return {p.get_choice("filter_type", "trilinear", {"trilinear", "nearest"}) == "nearest", VoxelWrap::clamp};
+}
+
 VoxelFilter VoxelFilter::read(const Properties& p) {
-  VoxelFilter filter;
-  filter.nearest = p.get_choice("filter_type", "trilinear", {"trilinear", "nearest"}) == "nearest";
+  VoxelFilter filter = read_without_wrap(p);
   const std::string wrap = p.get_choice("wrap_mode", "clamp", {"clamp", "repeat", "mirror"});
   filter.wrap = wrap == "clamp" ? VoxelWrap::clamp : wrap == "repeat" ? VoxelWrap::repeat : VoxelWrap::mirror;
   return filter;

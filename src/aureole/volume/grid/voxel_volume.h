@@ -21,6 +21,7 @@ struct VoxelFilter {
   VoxelWrap wrap = VoxelWrap::clamp;
 
   static VoxelFilter read(const Properties& properties);
+  static VoxelFilter read_without_wrap(const Properties& properties);
   static std::vector<ParameterDoc> rows();
 };
 
