@@ -6,6 +6,7 @@
 
 #include "aureole/instrument/medium_figures.h"
 #include "aureole/medium/medium.h"
+#include "aureole/optics/medium/recipes.h"
 #include "volume/volume_test_support.h"
 
 namespace aureole::test {
@@ -79,6 +80,16 @@ TEST(SuspensionMedium, PureWater) {
   const MediumPtr m = suspension(choice("recipe", "water"));
   EXPECT_NEAR(at(*m).a(), 0.0565, 1e-4);           // Pope & Fry 1997
   EXPECT_NEAR(at(*m).s, 16.06 * 0.93e-4, 0.5e-5);  // Morel 1974
+}
+
+TEST(SuspensionMedium, BetweenTabulatedWavelengths) {
+  // Soot is tabulated at a dozen wavelengths from 360 to 830 nm, here at each alone.
+  const auto smoke = build<Medium>(medium_xml("suspension", choice("recipe", "smoke")));
+  for (const double nm : {371.0, 433.0, 487.0, 555.0, 634.0, 702.0, 817.0}) {
+    const auto c = optics::smoke(1e-3).spectrum({nm}, false).coefficients[0];
+    EXPECT_NEAR(at(*smoke, nm).t / c.extinction(), 1, 5e-3) << nm;
+    EXPECT_NEAR(at(*smoke, nm).s / c.scattering, 1, 5e-3) << nm;
+  }
 }
 
 TEST(SuspensionMedium, MassFractionsNeedDensities) {
