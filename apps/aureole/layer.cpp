@@ -22,6 +22,7 @@
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 #include "command.h"
+#include "nested_objects.h"
 
 namespace aureole {
 namespace {
@@ -34,15 +35,6 @@ struct LayerOptions {
   int samples = 1 << 16;
 };
 
-/// Calls `visit` for all objects among the parameters and nested in those.
-void walk(const Properties& properties, const std::function<void(const ObjectPtr&)>& visit) {
-  for (const auto& e : properties.entries())
-    if (const auto* nested = std::get_if<ObjectPtr>(&e.value); nested && *nested) {
-      visit(*nested);
-      walk((*nested)->properties(), visit);
-    }
-}
-
 /// The BSDF with that id, or of the shape with that id.
 std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& file, const std::string& id) {
   std::shared_ptr<const Bsdf> found;
@@ -54,7 +46,7 @@ std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& fil
   };
   for (const ModelPart& part : scene.parts().surfaces) {
     offer(part.element->id(), part.bsdf);
-    walk(*part.element, [&](const ObjectPtr& o) {
+    visit_nested(*part.element, [&](const ObjectPtr& o) {
       const auto model = std::dynamic_pointer_cast<const Model>(o);
       const bool has_parts = model && !model->parts().empty();
       offer(o->id(), has_parts ? model->parts()[0].bsdf : std::dynamic_pointer_cast<const Bsdf>(o));

@@ -5,13 +5,13 @@ from ._processor import require_processor as _require_processor
 _require_processor()
 
 from . import optics, plot, spectrum  # noqa: E402
-from ._aureole import Aperture, Bsdf, Emitter, Object, Phase, Texture, __version__  # noqa: E402
+from ._aureole import Aperture, Bsdf, Emitter, Medium, Object, Phase, Texture, __version__  # noqa: E402
 from ._check import CheckRecord, CheckReport, check  # noqa: E402
 from ._dict import Transform  # noqa: E402
 from ._errors import Error, Problem, SceneError  # noqa: E402
 from ._image import Image, read_image  # noqa: E402
 from ._microstructure import Estimate, Microstructure, Particles, microstructure  # noqa: E402
-from ._objects import BsdfSample, EmitterSample, Lobe, PhaseSample  # noqa: E402
+from ._objects import BsdfSample, EmitterSample, Lobe, MediumCoefficients, PhaseSample  # noqa: E402
 from ._python_bsdf import PythonBsdf, as_bsdf  # noqa: E402
 from ._render import InterruptedWarning, render, render_iter  # noqa: E402
 from ._scene import ParameterError, Scene, load_dict, load_file, load_string  # noqa: E402
@@ -19,8 +19,8 @@ from ._volume import read_vol, write_vol  # noqa: E402
 
 __all__ = [
     "Aperture", "Bsdf", "BsdfSample", "CheckRecord", "CheckReport", "Emitter", "EmitterSample", "Error", "Estimate",
-    "Image", "InterruptedWarning", "Lobe", "Microstructure", "Object", "ParameterError", "Particles", "Phase",
-    "PhaseSample", "Problem", "PythonBsdf", "Scene", "SceneError", "Texture", "Transform", "__version__", "as_bsdf", "check", "load_dict",
-    "load_file", "load_string", "microstructure", "optics", "plot", "read_image", "read_vol", "render", "render_iter", "spectrum",
-    "write_vol",
+    "Image", "InterruptedWarning", "Lobe", "Medium", "MediumCoefficients", "Microstructure", "Object", "ParameterError",
+    "Particles", "Phase", "PhaseSample", "Problem", "PythonBsdf", "Scene", "SceneError", "Texture", "Transform", "__version__",
+    "as_bsdf", "check", "load_dict", "load_file", "load_string", "microstructure", "optics", "plot", "read_image", "read_vol",
+    "render", "render_iter", "spectrum", "write_vol",
 ]

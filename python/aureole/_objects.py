@@ -116,3 +116,33 @@ class PhaseSample:
     value: FloatArray
     pdf: FloatArray
     valid: npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class MediumCoefficients:
+    """Result of ``Medium.coefficients``. Lengths are in units of the scene.
+
+    Attributes
+    ----------
+    sigma_t : ndarray of float64, shape (...)
+        Extinction [1/length].
+    sigma_s : ndarray of float64, shape (...)
+        Scattering [1/length].
+    emission : ndarray of float64, shape (...)
+        Radiance emitted per length [W/(m^2 sr nm) per length].
+    """
+
+    sigma_t: FloatArray
+    sigma_s: FloatArray
+    emission: FloatArray
+
+    @property
+    def sigma_a(self) -> Any:
+        """Absorption [1/length], shape (...)."""
+        return np.subtract(self.sigma_t, self.sigma_s)[()]
+
+    @property
+    def albedo(self) -> Any:
+        """The part of the extinction that scatters, 0 where there is none, shape (...)."""
+        total = np.asarray(self.sigma_t)
+        return (np.asarray(self.sigma_s) / np.where(total > 0, total, 1))[()]

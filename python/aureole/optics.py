@@ -20,12 +20,15 @@ from ._correlations import (HardDiscs, PairCorrelation, PointStructureFactor, St
                             hard_disc_pair_correlation, hard_discs, pair_correlation, point_structure_factor,
                             structure_factor)
 from ._errors import Error
+from ._sizes import SizeDistribution, size_distribution
 from ._vectorised import broadcast, limit_results, shaped
 
-__all__ = ["ApertureShape", "Fresnel", "HardDiscs", "Mie", "PairCorrelation", "PointStructureFactor", "StructureFactor",
+__all__ = ["ApertureShape", "Fresnel", "HardDiscs", "Mie", "PairCorrelation", "PointStructureFactor", "SizeDistribution",
+           "StructureFactor",
            "annulus", "circle", "ellipse", "fresnel", "fresnel_diffuse_reflectance", "hard_disc_pair_correlation",
            "hard_discs", "mask", "mie", "mie_amplitudes", "mie_phase_function", "ngon", "pair_correlation",
-           "point_structure_factor", "polygon", "rectangle", "star", "structure_factor"]
+           "point_structure_factor", "polygon", "rectangle", "size_distribution",
+           "star", "structure_factor"]
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]

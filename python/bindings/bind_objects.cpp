@@ -187,6 +187,7 @@ spectra dicts as `load_dict` takes them. A child without a name goes by its id, 
   bind_bsdfs(m);
   bind_emitters(m);
   bind_phases(m);
+  bind_media(m);
   bind_textures(m);
 
   m.def(

@@ -127,6 +127,7 @@ void bind_optics(nb::module_& m) {
         });
       },
       arg("eta"), arg("result").noconvert());
+  bind_sizes(m);
   bind_apertures(m);
   bind_correlations(m);
 }

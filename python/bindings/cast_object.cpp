@@ -4,6 +4,7 @@
 #include "aureole/aperture/aperture.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/emitter/emitter.h"
+#include "aureole/medium/medium.h"
 #include "aureole/phase/phase.h"
 #include "aureole/texture/texture.h"
 #include "objects.h"
@@ -17,6 +18,7 @@ nb::object cast_object(const ObjectPtr& object) {
   if (auto p = std::dynamic_pointer_cast<Aperture>(object)) return nb::cast(p);
   if (auto p = std::dynamic_pointer_cast<Texture>(object)) return nb::cast(p);
   if (auto p = std::dynamic_pointer_cast<PhaseFunction>(object)) return nb::cast(p);
+  if (auto p = std::dynamic_pointer_cast<Medium>(object)) return nb::cast(p);
   return nb::cast(object);
 }
 

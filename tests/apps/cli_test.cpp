@@ -8,6 +8,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
 
@@ -111,6 +112,46 @@ TEST_F(Cli, OtherCommands) {
   EXPECT_EQ(path.exit_code, 0);
   EXPECT_NE(path.output.find("belong to no pixel"), std::string::npos) << path.output;
   EXPECT_NE(path.output.find("splats"), std::string::npos) << path.output;
+}
+
+TEST_F(Cli, MediumTellsItsFigures) {
+  // 1 cm of it absorbs a decadic absorbance of 1: T = 0.1. The unit of the scene is the centimetre.
+  const std::string s = scene(with(
+      "<string name=\"length_unit\" value=\"cm\"/><shape type=\"cube\"><bsdf type=\"null\"/><medium "
+      "name=\"interior\" type=\"solution\" id=\"ink\"><string name=\"solvent\" value=\"vacuum\"/><ingredient "
+      "type=\"dye\"><float name=\"absorbance_1cm\" value=\"1\"/></ingredient></medium></shape><shape "
+      "type=\"sphere\"><bsdf type=\"null\"/><medium name=\"interior\" type=\"homogeneous\" id=\"fog\"><float "
+      "name=\"sigma_t\" value=\"0.02\"/><float name=\"albedo\" value=\"0.5\"/><phase type=\"hg\"><float "
+      "name=\"g\" value=\"0.7\"/></phase></medium></shape>"));
+  const auto figures = [&](const std::string& id) {
+    const auto file = folder.path / (id + ".json");
+    const Outcome o =
+        run({"medium", s + "#" + id, "--json", file.string(), "--plot", file.string() + ".svg"});
+    EXPECT_EQ(o.exit_code, 0) << o.output;
+    return nlohmann::json::parse(content(file));
+  };
+  const auto ink = figures("ink"), fog = figures("fog");
+  for (const auto& row : ink["wavelengths"]) {
+    EXPECT_NEAR(double(row["transmittance"]), 0.1, 1e-5);
+    EXPECT_NEAR(double(row["sigma_a"]), 230.2585, 1e-2);
+    EXPECT_EQ(double(row["sigma_s"]), 0);
+  }
+  EXPECT_NEAR(double(ink["xyz_unscattered"][1]), 0.1, 1e-5);
+  for (const auto& row : fog["wavelengths"]) {
+    EXPECT_NEAR(double(row["sigma_s"]), 1, 1e-5);
+    EXPECT_NEAR(double(row["mean_free_path"]), 0.5, 1e-6);
+    EXPECT_NEAR(double(row["g"]), 0.7, 1e-4);
+  }
+  EXPECT_NE(content(folder.path / "fog.json.svg").find("</svg>"), std::string::npos);
+  refused_arguments({"medium", s + "#fogg"}, "did you mean \"fog\"");
+  refused_arguments({"medium", s}, "name one of the 2 media");
+  refused_arguments({"medium", s + "#fog", "--length", "3"}, "unit");
+  refused(
+      with("<shape type=\"cube\"><bsdf type=\"null\"/><medium name=\"interior\" "
+           "type=\"suspension\"><ingredient type=\"spheres\"><string name=\"radius\" value=\"1um\"/><float "
+           "name=\"int_ior\" value=\"1.5\"/><float name=\"volume_fraction\" "
+           "value=\"0.9\"/></ingredient></medium></shape>"),
+      "more particles than fit");
 }
 
 TEST_F(Cli, CompareTellsSameFromDifferent) {

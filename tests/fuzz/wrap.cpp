@@ -113,6 +113,9 @@ std::vector<std::string> wrap_example(const PluginInfo& plugin, const std::strin
   }
   if (family == "medium")
     return {usual(kLight + ball("<bsdf type=\"dielectric\"/>" + changed(example, "interior")))};
+  if (family == "ingredient")
+    return {usual(kLight + ball("<bsdf type=\"dielectric\"/><medium type=\"suspension\" name=\"interior\">" +
+                                example + "</medium>"))};
   if (family == "volume") {
     const auto as = [&](const char* parameter) {
       return usual(kLight + ball(R"(<bsdf type="null"/><medium type="heterogeneous" name="interior">)" +

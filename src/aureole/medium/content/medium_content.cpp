@@ -1,23 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/medium/content/medium_content.h"
 
-#include <algorithm>
-#include <cmath>
-
+#include "aureole/medium/content/volume_majorants.h"
 #include "aureole/spectrum/planck.h"
 
 namespace aureole {
-
-namespace {
-
-/// Cells of the bounds along an axis with so many samples: four samples wide, since a walk through narrower
-/// ones costs more than it saves (docs/performance.md).
-int cells_for(int samples) {
-  constexpr int kSamplesPerCell = 4, kMost = 256;
-  return std::clamp((samples + kSamplesPerCell - 1) / kSamplesPerCell, 1, kMost);
-}
-
-}  // namespace
 
 MediumContent::MediumContent(const Properties& p) {
   const bool by_parts = p.has("sigma_a") || p.has("sigma_s");
@@ -33,7 +20,7 @@ MediumContent::MediumContent(const Properties& p) {
   } else {
     extinction_ = get_volume(p, "sigma_t", 1, SpectrumRole::unbounded);
     albedo_ = get_volume(p, "albedo", 0.75, SpectrumRole::reflectance);
-    if (!extinction_->is_constant()) make_grid(*extinction_);
+    if (!extinction_->is_constant()) grid_ = majorants_of(*extinction_);
   }
   scale_ = float(p.get_float("scale", 1, Range::non_negative()));
   emission_ = get_optional_volume(p, "emission", SpectrumRole::emission);
@@ -45,14 +32,6 @@ MediumContent::MediumContent(const Properties& p) {
     throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +
                                " phase functions; a medium has one (\"blendphase\" mixes two)");
   phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
-}
-
-void MediumContent::make_grid(const Volume& extinction) {
-  std::array<int, 3> cells;
-  for (std::size_t i = 0; i < 3; ++i) cells[i] = cells_for(extinction.resolution()[i]);
-  std::vector<float> bounds(std::size_t(cells[0]) * std::size_t(cells[1]) * std::size_t(cells[2]));
-  extinction.bound(cells, bounds);
-  grid_.emplace(extinction.to_box().value_or(Transform()), cells, std::move(bounds));
 }
 
 void MediumContent::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {

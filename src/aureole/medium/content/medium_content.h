@@ -30,8 +30,6 @@ public:
   bool has_uniform_emission() const;
 
 private:
-  void make_grid(const Volume& extinction);
-
   VolumePtr extinction_, albedo_;      ///< or
   VolumePtr absorption_, scattering_;  ///< these, which are constant
   VolumePtr emission_;                 ///< or null

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/medium/content/mixture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/core/parallel.h"
+#include "aureole/medium/content/volume_majorants.h"
+#include "aureole/phase/table/mie_tables.h"
+#include "aureole/phase/table/tabulated_phase_function.h"
+
+namespace aureole {
+
+namespace {
+
+/// Between nodes a power of the wavelength, which scattering and absorption of small and of large particles
+/// are; linear where a value is 0.
+class PowerLaws {
+public:
+  PowerLaws(std::vector<double> nm, std::vector<double> values)
+      : nm_(std::move(nm)), values_(std::move(values)) {}
+
+  double operator()(double nm) const {
+    const auto above = std::upper_bound(nm_.begin() + 1, nm_.end() - 1, nm);
+    const std::size_t i = std::size_t(above - nm_.begin()) - 1;
+    const double a = values_[i], b = values_[i + 1];
+    const double t = std::clamp(std::log(nm / nm_[i]) / std::log(nm_[i + 1] / nm_[i]), 0.0, 1.0);
+    return a > 0 && b > 0 ? a * std::pow(b / a, t) : std::lerp(a, b, t);
+  }
+
+private:
+  std::vector<double> nm_, values_;
+};
+
+}  // namespace
+
+Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Medium(p) {
+  const SpectralGrid grid = p.context().grid;
+  const double unit = p.context().length_unit_m;
+  // What the host absorbs may vary much with the wavelength, and costs nothing: it is added at each node of
+  // the grid.
+  optics::ClearMedium host = content.host();
+  const optics::SpectralFunction host_absorption = std::exchange(host.absorption, nullptr);
+  const double left = 1 - content.volume_fraction();
+  const auto of_host = [&](double nm) { return host_absorption ? left * host_absorption(nm) : 0; };
+  try {
+    if (content.ingredients().empty() && !host.scattering) {
+      scattering_ = SampledSpectrum::constant(grid, 0);
+      extinction_ = SampledSpectrum::from_function(grid, [&](double nm) { return unit * of_host(nm); });
+    } else {
+      // Finer than a phase function alone needs: coefficients are seen directly.
+      constexpr double kLeastPerUnitOfLog = 16;
+      std::vector<optics::RadiusDistribution> radii;
+      for (const optics::Ingredient& i : content.ingredients()) radii.push_back(i.radii);
+      const double index = host.index(grid.min_nm);
+      const std::vector<double> nm = mie_wavelengths(grid, radii, index, kLeastPerUnitOfLog);
+      optics::EnsembleAccuracy accuracy = mie_accuracy(radii, index, grid.min_nm);
+      accuracy.averaging = 2e-3;
+      const optics::MediumSpectrum spectrum =
+          optics::Suspension(host, content.ingredients()).spectrum(nm, true, accuracy, for_ranges);
+      std::vector<double> absorption, scattering;
+      for (const optics::EnsembleCoefficients& c : spectrum.coefficients)
+        absorption.push_back(std::max(c.absorption, 0.0)), scattering.push_back(c.scattering);
+      const PowerLaws sigma_a(nm, std::move(absorption)), sigma_s(nm, std::move(scattering));
+      scattering_ = SampledSpectrum::from_function(grid, [&](double l) { return unit * sigma_s(l); });
+      extinction_ = SampledSpectrum::from_function(
+          grid, [&](double l) { return unit * (sigma_s(l) + sigma_a(l) + of_host(l)); });
+      if (!spectrum.phases.tables.empty())
+        phase_ = std::make_shared<TabulatedPhaseFunction>(p, tabulate(spectrum.phases, nm, grid));
+    }
+  } catch (const std::domain_error& e) {
+    throw Error(p.where(), e.what());
+  }
+  if (!phase_) phase_ = make_default<PhaseFunction>(p, "phase");
+  density_ = get_optional_volume(p, "density", SpectrumRole::unbounded);
+  if (density_ && !density_->is_constant()) grid_ = majorants_of(*density_);
+}
+
+ParameterDoc Mixture::density_row() {
+  return {
+      "density", "volume", "", "1",
+      "factor of all coefficients: how much of the medium there is at a point, such as a grid of a cloud"};
+}
+
+void Mixture::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const {
+  out.sigma_t = extinction_.eval(w);
+  out.sigma_s = min(scattering_.eval(w), out.sigma_t);
+  out.emission = 0.f;
+  if (!density_) return;
+  const Spectrum density = density_->eval(p, w);
+  out.sigma_t *= density, out.sigma_s *= density;
+}
+
+Spectrum Mixture::majorant(const Vec3&, const Wavelengths& w) const {
+  const Spectrum extinction = extinction_.eval(w);
+  return density_ ? extinction * density_->envelope(w) : extinction;
+}
+
+optics::ClearMedium read_clear_medium(const Properties& p, std::string_view name) {
+  const Properties::Entry* e = p.find(name);
+  const auto* material = e ? std::get_if<std::string>(&e->value) : nullptr;
+  // Read for all, so that a scene may state it for a medium that does not need it.
+  const Ior ior = material && *material == "vacuum" ? Ior() : Ior::from(p, name, "water");
+  if (!e || (material && *material == "water")) return optics::water();
+  if (material && *material == "air") return optics::air();
+  if (material && *material == "vacuum") return optics::vacuum();
+  return {.index = [ior, grid = p.context().grid](double nm) {
+    return double(ior.eval(Wavelengths::at(grid, float(nm)))[0]);
+  }};
+}
+
+std::vector<IngredientPtr> read_ingredients(const Properties& p) {
+  std::vector<IngredientPtr> all;
+  for (const auto& i : p.get_children<Ingredient>("ingredient")) all.push_back(i);
+  return all;
+}
+
+optics::Suspension mix(const Properties& p, const optics::Suspension& base,
+                       const std::vector<IngredientPtr>& ingredients, bool dependent_scattering) {
+  optics::ClearMedium host = base.host();
+  std::vector<optics::Ingredient> particles = base.ingredients();
+  for (const IngredientPtr& ingredient : ingredients) try {
+      IngredientList list;
+      ingredient->add_to(list);
+      host = optics::Solution(host, list.dyes).medium();
+      for (optics::Ingredient& i : list.particles) i.hard_spheres = dependent_scattering;
+      optics::Suspension(host, list.particles);
+      particles.insert(particles.end(), list.particles.begin(), list.particles.end());
+    } catch (const std::domain_error& e) {
+      throw Error(ingredient->properties().where(), e.what());
+    }
+  try {
+    return optics::Suspension(host, std::move(particles));
+  } catch (const std::domain_error& e) {
+    throw Error(p.where(), e.what());
+  }
+}
+
+}  // namespace aureole

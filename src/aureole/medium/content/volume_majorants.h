@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "aureole/medium/majorant_grid.h"
+#include "aureole/volume/volume.h"
+
+namespace aureole {
+
+/// Bounds of a volume that varies in space, in cells of its box.
+MajorantGrid majorants_of(const Volume& volume);
+
+}  // namespace aureole
