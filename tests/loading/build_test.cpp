@@ -40,13 +40,11 @@ TEST(Build, UnknownPlugins) {
   EXPECT_EQ(error_of("<bsdf/>"), "test.xml:3:1: <bsdf> needs the attribute \"type\"");
 }
 
-TEST(Build, UnknownAndUnsupportedElements) {
+TEST(Build, UnknownElements) {
   EXPECT_EQ(error_of("<bdsf type='a'/>"), "test.xml:3:1: unknown element <bdsf>; did you mean \"bsdf\"?");
   EXPECT_EQ(problem("<flaot name='amount' value='1'/>"), "unknown element <flaot>; did you mean \"float\"?");
   EXPECT_EQ(problem("<scale value='1'/>"), "<scale> belongs inside <transform>");
-  for (const char* tag : {"medium", "phase", "volume"})
-    EXPECT_EQ(error_of("<" + std::string(tag) + " type='a'/>"),
-              "test.xml:3:1: <" + std::string(tag) + "> is not supported yet");
+  EXPECT_EQ(error_of("<phase type='hgg'/>"), "test.xml:3:14: unknown phase \"hgg\"; did you mean \"hg\"?");
   EXPECT_EQ(error_of("<string name='lenght_unit' value='mm'/>"),
             "test.xml:3:1: unknown parameter \"lenght_unit\" of the scene; did you mean \"length_unit\"?");
 }

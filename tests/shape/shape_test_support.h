@@ -35,7 +35,10 @@ public:
 
 inline ObjectPtr make_dark_emitter() {
   static const PluginInfo plugin{
-      "emitter", "dark", {.parameters = {{"sampling_weight", "", "", "", ""}}, .needs_shape = true}, nullptr};
+      "emitter",
+      "dark",
+      {.parameters = {{"sampling_weight", "", "", "", ""}, {"medium", "", "", "", ""}}, .needs_shape = true},
+      nullptr};
   return std::make_shared<DarkEmitter>(Properties("dark", "", {}, nullptr, &plugin));
 }
 

@@ -35,10 +35,4 @@ const PluginInfo* find_plugin(std::string_view family, std::string_view name) {
   return Registry::instance().find(family, alias ? alias->replacement : name);
 }
 
-std::vector<std::string> families_to_come() {
-  std::vector<std::string> all = {"medium", "phase", "volume"};
-  std::erase_if(all, [](const std::string& name) { return Registry::instance().family(name) != nullptr; });
-  return all;
-}
-
 }  // namespace aureole

@@ -23,7 +23,4 @@ const PluginAlias* find_alias(std::string_view family, std::string_view name);
 /// The plug-in that a scene file means by `<family type="name">`, which may be a stand-in, or null.
 const PluginInfo* find_plugin(std::string_view family, std::string_view name);
 
-/// Elements of Mitsuba's format whose objects no family here has taken yet.
-std::vector<std::string> families_to_come();
-
 }  // namespace aureole

@@ -44,7 +44,7 @@ void SceneAssembly::add(const Node& child) {
   const Node* node = builder_.target(child);
   if (!node) return;  // a bad <ref>, reported
   const std::string family = object_family(*node);
-  if (family.empty() && !is_unsupported_object(*node)) {
+  if (family.empty()) {
     diagnostics_.error(unknown_element(*node));
   } else if (family == "sensor" && sensor_) {
     if (node != sensor_ && !references_.is_nested(*node))

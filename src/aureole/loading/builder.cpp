@@ -89,10 +89,6 @@ const PluginInfo* Builder::plugin_of(const Node& node, const PluginAlias** alias
 }
 
 ObjectPtr Builder::construct(const Node& node) {
-  if (is_unsupported_object(node)) {
-    diagnostics_.error(node.where, "<" + node.tag + "> is not supported yet");
-    return nullptr;
-  }
   const PluginAlias* alias = nullptr;
   const PluginInfo* plugin = plugin_of(node, &alias);
   Properties properties(plugin ? plugin->name : node.get("type"), node.get("id"), node.where, context_,
@@ -127,7 +123,7 @@ ObjectPtr Builder::given(const Node& node) {
 
 bool Builder::add_child(const Node& child, Properties& properties) {
   std::optional<Properties::Value> value;
-  if (!object_family(child).empty() || child.tag == "ref" || is_unsupported_object(child)) {
+  if (!object_family(child).empty() || child.tag == "ref") {
     if (ObjectPtr object = this->object(child)) value = std::move(object);
   } else if (child.tag == "given") {
     if (ObjectPtr object = this->object(child)) value = std::move(object);

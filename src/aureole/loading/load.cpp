@@ -176,7 +176,7 @@ LoadedObject load_object_from_string(const std::string& text, const std::filesys
     for (const Node& child : parsed.root.children) {
       const Node* target = is_object(child) ? builder.target(child) : nullptr;
       if (!target) continue;
-      if (object_family(*target).empty() && !is_unsupported_object(*target)) {
+      if (object_family(*target).empty()) {
         loading.diagnostics().error(unknown_element(*target));
         continue;
       }

@@ -56,12 +56,9 @@ std::string object_family(const Node& node) {
 
 bool is_property(const Node& node) { return contains(kProperties, node.tag) && object_family(node).empty(); }
 
-bool is_unsupported_object(const Node& node) { return contains(families_to_come(), node.tag); }
-
 std::vector<std::string> all_tags() {
   std::vector<std::string> all = Registry::instance().families();
-  for (const auto& list : {kProperties, families_to_come(), kOthers})
-    all.insert(all.end(), list.begin(), list.end());
+  for (const auto& list : {kProperties, kOthers}) all.insert(all.end(), list.begin(), list.end());
   return all;
 }
 

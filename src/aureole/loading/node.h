@@ -59,9 +59,6 @@ std::string object_family(const Node& node);
 /// True for <float>, <rgb>, <transform> and the other elements that give a parameter a value.
 bool is_property(const Node& node);
 
-/// True for objects that are part of the format but that no plug-in family exists for yet.
-bool is_unsupported_object(const Node& node);
-
 /// All element names, for suggestions.
 std::vector<std::string> all_tags();
 

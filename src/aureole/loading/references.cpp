@@ -66,7 +66,7 @@ void Ids::collect(Node& parent, Diagnostics& diagnostics) {
   for (std::size_t i = 0; i < parent.children.size(); ++i) {
     Node& node = parent.children[i];
     const Attribute* id = node.find("id");
-    const bool is_object = !object_family(node).empty() || is_unsupported_object(node) || node.tag == "given";
+    const bool is_object = !object_family(node).empty() || node.tag == "given";
     if (id && is_object && !id->failed) add(*id, {&node, &parent, i}, node.where, diagnostics);
     collect(node, diagnostics);
   }

@@ -37,6 +37,8 @@ AUREOLE_PLUGIN(
     <float name="emission" value="0"/>
     <float name="temperature" value="0"/>
     <float name="ior" value="1.33"/>
+    <boolean name="sample_emitters" value="true"/>
+    <boolean name="has_spectral_extinction" value="true"/>
     <phase type="isotropic"/>
 </medium>)",
                R"(<medium type="heterogeneous">

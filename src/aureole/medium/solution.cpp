@@ -34,7 +34,7 @@ AUREOLE_PLUGIN(
           "index, clear"},
          {"dispersion", "boolean", "", "true",
           "a solvent named as a material uses its dispersion data where there are any"},
-         {"ingredient", "ingredient", "", "", "dyes"},
+         {"ingredient", "ingredient", "", "none", "dyes"},
          Mixture::density_row()},
         {R"(<medium type="solution">
     <string name="solvent" value="ethanol"/> <boolean name="dispersion" value="false"/>

@@ -138,7 +138,8 @@ AUREOLE_PLUGIN(
          {"host_density", "float", "kg/m^3", "that of water or air", "needed for mass fractions"},
          {"dispersion", "boolean", "", "true",
           "a host named as a material uses its dispersion data where there are any"},
-         {"ingredient", "ingredient", "", "", "one or more: particles and dyes, beside those of a recipe"},
+         {"ingredient", "ingredient", "", "none",
+          "one or more: particles and dyes, beside those of a recipe"},
          {"dependent_scattering", "boolean", "", "false",
           "particles keep their distance as hard spheres do, and what neighbours scatter interferes (of milk: "
           "casein). Where it is off and would change the scattering by more than 1 % a note says so"},

@@ -25,6 +25,11 @@ MediumContent::MediumContent(const Properties& p) {
   scale_ = float(p.get_float("scale", 1, Range::non_negative()));
   emission_ = get_optional_volume(p, "emission", SpectrumRole::emission);
   temperature_ = get_optional_volume(p, "temperature", SpectrumRole::unbounded);
+  for (const char* name : {"sample_emitters", "has_spectral_extinction"}) {
+    if (p.has(name))
+      p.note(name, "lights are always sampled, and every wavelength has its own extinction: no effect");
+    p.get_bool(name, true);
+  }
   const double n = p.get_float("ior", 1, {1, 100});
   index2_ = float(n * n);
   const auto phases = p.get_children<PhaseFunction>("phase");
@@ -78,6 +83,8 @@ std::vector<ParameterDoc> MediumContent::rows() {
       {"ior", "float", "", "1",
        "refractive index within, by whose square a medium with a temperature shines more; boundaries refract "
        "by their BSDF"},
+      {"sample_emitters", "boolean", "", "true", "accepted without effect"},
+      {"has_spectral_extinction", "boolean", "", "true", "accepted without effect"},
       {"phase", "phase", "", "isotropic", "into which directions it scatters"}};
 }
 
