@@ -32,7 +32,8 @@ def write_vol(path: Union[str, "os.PathLike[str]"], values: npt.ArrayLike,
     Raises
     ------
     aureole.Error
-        For another shape, a box that is empty or inverted, or numbers that are not finite.
+        For another shape, a box that is empty or inverted, or numbers that are not finite; or where the
+        file cannot be written.
 
     Examples
     --------
@@ -58,9 +59,12 @@ def write_vol(path: Union[str, "os.PathLike[str]"], values: npt.ArrayLike,
     if corners.shape != (2, 3) or not (corners[0] < corners[1]).all():
         raise Error("box: expected a lower corner and a higher one, three numbers each")
     depth, height, width, channels = grid.shape
-    with open(path, "wb") as f:
-        f.write(_HEAD.pack(b"VOL", 3, 1, width, height, depth, channels, *corners.ravel()))
-        f.write(single.tobytes())
+    try:
+        with open(path, "wb") as f:
+            f.write(_HEAD.pack(b"VOL", 3, 1, width, height, depth, channels, *corners.ravel()))
+            f.write(single.tobytes())
+    except OSError as problem:
+        raise Error(f"{os.fspath(path)!s}: {problem.strerror}") from problem
 
 
 def read_vol(path: Union[str, "os.PathLike[str]"]) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
@@ -80,10 +84,13 @@ def read_vol(path: Union[str, "os.PathLike[str]"]) -> Tuple[npt.NDArray[np.float
     Raises
     ------
     aureole.Error
-        Where the file is none of this format, or truncated.
+        Where the file cannot be read, is none of this format, or truncated.
     """
-    with open(path, "rb") as f:
-        content = f.read()
+    try:
+        with open(path, "rb") as f:
+            content = f.read()
+    except OSError as problem:
+        raise Error(f"{os.fspath(path)!s}: {problem.strerror}") from problem
     if len(content) < _HEAD.size or content[:4] != b"VOL\x03":
         raise Error(f"{os.fspath(path)}: is no .vol file of version 3")
     _, _, encoding, width, height, depth, channels, *box = _HEAD.unpack_from(content)

@@ -78,7 +78,9 @@ double own_cpu_seconds() {
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-[[noreturn]] void run_child(const Child& c, const Supervisor::Run& run) {
+/// noexcept: what a case throws must end this process alone. Caught further up it would destroy the supervisor's
+/// data, which ends the other children.
+[[noreturn]] void run_child(const Child& c, const Supervisor::Run& run) noexcept {
   const int log = open(c.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   dup2(log, 1), dup2(log, 2);
   // Sanitizers reserve terabytes of address space: with them only the parent's check of resident memory

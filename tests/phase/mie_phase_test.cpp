@@ -106,11 +106,12 @@ TEST(MiePhase, RefusesWrongInput) {
   const std::string radius = R"(<string name="radius" value="1um"/>)";
   expect_error("", "\"radius\" is required");
   expect_error(R"(<float name="radius" value="1"/>)", "unit");
-  expect_error(R"(<string name="radius" value="50mm"/>)", "must");
+  expect_error(R"(<string name="radius" value="50mm"/>)", "up to 5000");
   expect_error(radius + R"(<string name="distribution" value="normal"/>)", "log_normal");
   expect_error(radius + R"(<float name="effective_variance" value="0.2"/>)", "no meaning");
   expect_error(radius + R"(<float name="size_spread" value="2"/>)", "in [0, 1.5]");
   expect_error(radius + R"(<string name="int_ior" value="watre"/>)", "water");
+  expect_error(R"(<string name="radius" value="0.5mm"/>)", "at the sensor's shortest wavelength");
 }
 
 }  // namespace

@@ -25,9 +25,9 @@ TabulatedPhase make_table(const Properties& p) {
   const Ior medium = Ior::from(p, "ext_ior", "air");
   const auto host = [=](double nm) { return double(medium.eval(Wavelengths::at(grid, float(nm)))[0]); };
   const auto index = read_complex_index(p, "int_ior", "water");
-  const std::vector<double> nm = mie_wavelengths(grid, {&radii, 1}, host(grid.min_nm));
-  const optics::EnsembleAccuracy accuracy = mie_accuracy({&radii, 1}, host(nm.front()), nm.front());
   try {
+    const std::vector<double> nm = mie_wavelengths(grid, {&radii, 1}, host(grid.min_nm));
+    const optics::EnsembleAccuracy accuracy = mie_accuracy({&radii, 1}, host(nm.front()), nm.front());
     const optics::Ensemble ensemble({{optics::sphere_kind(index), radii}}, nm, host, accuracy, for_ranges);
     return tabulate(ensemble.phases(for_ranges), nm, grid);
   } catch (const std::domain_error& e) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/phase/table/mie_tables.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace aureole {
 
@@ -32,7 +35,13 @@ double cells_for(const SpectralGrid& grid, const optics::RadiusDistribution& rad
 std::vector<double> mie_wavelengths(const SpectralGrid& grid,
                                     std::span<const optics::RadiusDistribution> radii, double host_index,
                                     double least_per_unit_of_log) {
-  constexpr double kMost = 64;
+  constexpr double kMost = 64, kMostSize = 5000;
+  for (const optics::RadiusDistribution& r : radii)
+    if (const double x = size_parameter(r, host_index, grid.min_nm); x > kMostSize)
+      throw std::domain_error(fmt::format(
+          "2 pi n radius/lambda is {:.0f} at the sensor's shortest wavelength, {:.6g} nm; up to {:.0f} is tabulated in a "
+          "bearable time",
+          x, grid.min_nm, kMostSize));
   const double least = least_per_unit_of_log * std::log(grid.max_nm / grid.min_nm);
   double cells = least;
   for (const optics::RadiusDistribution& r : radii) cells = std::max(cells, cells_for(grid, r, host_index));
