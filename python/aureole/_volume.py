@@ -15,6 +15,16 @@ from ._errors import Error
 _HEAD = struct.Struct("<3sB5i6f")
 
 
+def _file(path: Union[str, "os.PathLike[str]"]) -> str:
+    """The argument `path` as text."""
+    if not isinstance(path, (str, os.PathLike)):
+        raise TypeError(f"path: expected a str or a path, got a {type(path).__name__}")
+    name = os.fspath(path)
+    if not isinstance(name, str) or "\0" in name:
+        raise Error("path: is no name of a file")
+    return name
+
+
 def write_vol(path: Union[str, "os.PathLike[str]"], values: npt.ArrayLike,
               box: Sequence[Sequence[float]] = ((0, 0, 0), (1, 1, 1))) -> None:
     """Writes a grid as a .vol file (version 3, single precision).
@@ -59,12 +69,13 @@ def write_vol(path: Union[str, "os.PathLike[str]"], values: npt.ArrayLike,
     if corners.shape != (2, 3) or not (corners[0] < corners[1]).all():
         raise Error("box: expected a lower corner and a higher one, three numbers each")
     depth, height, width, channels = grid.shape
+    file = _file(path)
     try:
-        with open(path, "wb") as f:
+        with open(file, "wb") as f:
             f.write(_HEAD.pack(b"VOL", 3, 1, width, height, depth, channels, *corners.ravel()))
             f.write(single.tobytes())
     except OSError as problem:
-        raise Error(f"{os.fspath(path)!s}: {problem.strerror}") from problem
+        raise Error(f"{file}: {problem.strerror}") from problem
 
 
 def read_vol(path: Union[str, "os.PathLike[str]"]) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
@@ -86,18 +97,19 @@ def read_vol(path: Union[str, "os.PathLike[str]"]) -> Tuple[npt.NDArray[np.float
     aureole.Error
         Where the file cannot be read, is none of this format, or truncated.
     """
+    file = _file(path)
     try:
-        with open(path, "rb") as f:
+        with open(file, "rb") as f:
             content = f.read()
     except OSError as problem:
-        raise Error(f"{os.fspath(path)!s}: {problem.strerror}") from problem
+        raise Error(f"{file}: {problem.strerror}") from problem
     if len(content) < _HEAD.size or content[:4] != b"VOL\x03":
-        raise Error(f"{os.fspath(path)}: is no .vol file of version 3")
+        raise Error(f"{file}: is no .vol file of version 3")
     _, _, encoding, width, height, depth, channels, *box = _HEAD.unpack_from(content)
     if encoding != 1:
-        raise Error(f"{os.fspath(path)}: has encoding {encoding}; 1 (single precision) is supported")
+        raise Error(f"{file}: has encoding {encoding}; 1 (single precision) is supported")
     shape = (depth, height, width, channels)
     if min(shape) < 1 or len(content) < _HEAD.size + 4 * depth * height * width * channels:
-        raise Error(f"{os.fspath(path)}: is truncated or damaged")
+        raise Error(f"{file}: is truncated or damaged")
     values = np.frombuffer(content, "<f4", depth * height * width * channels, _HEAD.size).reshape(shape)
     return values.copy(), np.array(box, np.float32).reshape(2, 3)
