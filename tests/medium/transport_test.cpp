@@ -151,6 +151,27 @@ TEST(Media, ExtinctionsThreeDecadesApart) {
   expect_mean(p, 0.414947, 0.008);
 }
 
+TEST(Media, HiddenSurfacesChangeNothing) {
+  // A ball of higher priority hides those within it, however often a flight meets them.
+  const auto scene = [](bool hidden) {
+    std::string all = "<shape type=\"sphere\"><integer name=\"priority\" value=\"9\"/>" + kNull +
+                      medium(0.6, 1.2, 0.3) + "</shape>";
+    for (int k = 1; hidden && k <= 6; ++k)
+      all += "<shape type=\"sphere\"><integer name=\"priority\" value=\"2\"/>" +
+             parameter("radius", 0.15 * k) + "<bsdf type=\"dielectric\"/>" + medium(30, 0) + "</shape>";
+    return all + "<emitter type=\"point\"><point name=\"position\" x=\"3\" y=\"1\" z=\"2\"/></emitter>" +
+           kSky;
+  };
+  const std::string from = camera("origin=\"0, 0, 4\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 25, 4, 256);
+  for (const char* integrator : {"path", "ptracer"}) {
+    const std::string method = "<integrator type=\"" + std::string(integrator) + "\"/>" + from;
+    const Picture a = render(method + scene(false)), b = render(method + scene(true));
+    const double error = std::hypot(a.all_error, b.all_error);
+    EXPECT_NEAR(a.all, b.all, 4.5 * error) << integrator;
+    EXPECT_LT(error, 0.02 * a.all) << integrator;
+  }
+}
+
 /// Scenes that both integrators render: a lamp and a floor in fog, the camera outside or inside.
 TEST(Media, PathsOfLightBringTheSame) {
   const std::string scene =

@@ -39,6 +39,7 @@ public:
         i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::radiance); });
     if (log_.follows(i)) log_surface(log_, s.depth, vertex.point(), s.density.hero_symmetric_throughput());
     if (s.flight.is_hidden(vertex.surface())) {
+      ++s.vertex;  // the flight behind has random numbers of its own
       go_on(i, vertex, s.flight.ray.d);
       return Event::crossed;
     }

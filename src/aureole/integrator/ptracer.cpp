@@ -77,11 +77,12 @@ public:
     Path& path = paths_[size_t(i)];
     Vertex& vertex = vertices_.make(
         i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::importance); });
+    ++s.vertex;
     if (s.flight.is_hidden(vertex.surface())) {
       go_on(i, vertex, s.flight.ray.d);
       return Event::crossed;
     }
-    vertex.prepare(key(path.samples, ++s.vertex), s.flight);
+    vertex.prepare(key(path.samples, s.vertex), s.flight);
     if (log_.follows(i))
       log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
     return Event::surface;
