@@ -3,26 +3,12 @@
 
 #include <sstream>
 
-#include "aureole/plugin/registry.h"
+#include "harness/case_list.h"
 #include "harness/check_report.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 
 namespace aureole::testing {
-
-namespace {
-
-struct Entry {
-  std::string plugin;
-  std::function<void(BsdfCase&)> adapt;
-  std::vector<BsdfCase> extra;
-};
-std::vector<Entry>& entries() {
-  static std::vector<Entry> all;
-  return all;
-}
-
-}  // namespace
 
 HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
   CheckOptions options = c;
@@ -45,25 +31,16 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
 }
 
 BsdfCases::BsdfCases(std::string plugin, std::function<void(BsdfCase&)> adapt, std::vector<BsdfCase> extra) {
-  entries().push_back({std::move(plugin), std::move(adapt), std::move(extra)});
+  CaseList<BsdfCase>::instance().add(std::move(plugin), std::move(adapt), std::move(extra));
 }
 
 std::vector<BsdfCase> all_bsdf_cases() {
-  std::vector<BsdfCase> cases;
-  for (const std::string& plugin : Registry::instance().names("bsdf")) {
-    const auto& examples = Registry::instance().find("bsdf", plugin)->doc.examples;
-    for (std::size_t i = 0; i < examples.size(); ++i) {
-      BsdfCase c;
-      c.name = plugin + "_example_" + std::to_string(i + 1);
-      c.xml = examples[i];
-      for (const Entry& e : entries())
-        if (e.plugin == plugin && e.adapt) e.adapt(c);
-      cases.push_back(std::move(c));
-    }
-    for (const Entry& e : entries())
-      if (e.plugin == plugin) cases.insert(cases.end(), e.extra.begin(), e.extra.end());
-  }
-  return cases;
+  return CaseList<BsdfCase>::instance().all("bsdf", [](std::string name, std::string xml) {
+    BsdfCase c;
+    c.name = std::move(name);
+    c.xml = std::move(xml);
+    return c;
+  });
 }
 
 }  // namespace aureole::testing

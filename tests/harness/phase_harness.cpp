@@ -1,23 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "harness/phase_harness.h"
 
-#include "aureole/plugin/registry.h"
+#include "harness/case_list.h"
 
 namespace aureole::testing {
-
-namespace {
-
-struct Entry {
-  std::string plugin;
-  std::function<void(PhaseCase&)> adapt;
-  std::vector<PhaseCase> extra;
-};
-std::vector<Entry>& entries() {
-  static std::vector<Entry> all;
-  return all;
-}
-
-}  // namespace
 
 PhaseCase::PhaseCase(std::string a_name, std::string an_xml)
     : name(std::move(a_name)), xml(std::move(an_xml)) {
@@ -27,7 +13,7 @@ PhaseCase::PhaseCase(std::string a_name, std::string an_xml)
 
 PhaseCases::PhaseCases(std::string plugin, std::function<void(PhaseCase&)> adapt,
                        std::vector<PhaseCase> extra) {
-  entries().push_back({std::move(plugin), std::move(adapt), std::move(extra)});
+  CaseList<PhaseCase>::instance().add(std::move(plugin), std::move(adapt), std::move(extra));
 }
 
 void has_peaks(PhaseCase& c, double angle) {
@@ -36,19 +22,8 @@ void has_peaks(PhaseCase& c, double angle) {
 }
 
 std::vector<PhaseCase> all_phase_cases() {
-  std::vector<PhaseCase> cases;
-  for (const std::string& plugin : Registry::instance().names("phase")) {
-    const auto& examples = Registry::instance().find("phase", plugin)->doc.examples;
-    for (std::size_t i = 0; i < examples.size(); ++i) {
-      PhaseCase c(plugin + "_example_" + std::to_string(i + 1), examples[i]);
-      for (const Entry& e : entries())
-        if (e.plugin == plugin && e.adapt) e.adapt(c);
-      cases.push_back(std::move(c));
-    }
-    for (const Entry& e : entries())
-      if (e.plugin == plugin) cases.insert(cases.end(), e.extra.begin(), e.extra.end());
-  }
-  return cases;
+  return CaseList<PhaseCase>::instance().all(
+      "phase", [](std::string name, std::string xml) { return PhaseCase(std::move(name), std::move(xml)); });
 }
 
 }  // namespace aureole::testing

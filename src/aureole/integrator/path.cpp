@@ -134,17 +134,10 @@ private:
   [[gnu::noinline]] Event fly(int i, float t_max) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
-    const FlightRandom random{get(path.samples, s.vertex, Choice::distance),
-                              key(path.samples, s.vertex, Key::flight)};
-    Passage passage;
-    Spectrum emitted = 0.f;
-    float t;
-    const bool scattered = aureole::fly(*s.flight.medium, s.flight.ray, t_max, path.wavelengths, random,
-                                        s.density.ratio, passage, emitted, t);
-    if (!is_black(emitted)) path.result.estimate += s.density.contribution(emitted, path.wavelengths);
-    s.density.pass(passage);
-    if (!scattered) return Event::crossed;
-    const Vec3 p = s.flight.ray.o + s.flight.ray.d * t;
+    Vec3 p;
+    if (!aureole::fly(s.flight, t_max, path.wavelengths, path.samples, s.vertex, s.density,
+                      &path.result.estimate, p))
+      return Event::crossed;
     if (log_.follows(i))
       log_medium(log_, s.depth, p, *s.flight.medium, s.density.hero_symmetric_throughput());
     if (s.depth == 0) path.result.alpha = 1;

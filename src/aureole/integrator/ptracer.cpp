@@ -156,16 +156,9 @@ private:
   [[gnu::noinline]] Event fly(int i, float t_max) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
-    const FlightRandom random{get(path.samples, s.vertex, Choice::distance),
-                              key(path.samples, s.vertex, Key::flight)};
-    Passage passage;
-    Spectrum emitted = 0.f;  // is for paths of the sensor
-    float t;
-    const bool scattered = aureole::fly(*s.flight.medium, s.flight.ray, t_max, path.wavelengths, random,
-                                        s.density.ratio, passage, emitted, t);
-    s.density.pass(passage);
-    if (!scattered) return Event::crossed;
-    const Vec3 p = s.flight.ray.o + s.flight.ray.d * t;
+    Vec3 p;
+    if (!aureole::fly(s.flight, t_max, path.wavelengths, path.samples, s.vertex, s.density, nullptr, p))
+      return Event::crossed;
     if (log_.follows(i))
       log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
     if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;

@@ -1,26 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A medium whose extinction varies: distances are found by null collisions under local bounds.
-#include "aureole/medium/content/medium_content.h"
+#include "aureole/medium/content/given_medium.h"
 
 namespace aureole {
 namespace {
 
-class Heterogeneous final : public Medium {
+class Heterogeneous final : public GivenMedium {
 public:
-  explicit Heterogeneous(const Properties& p) : Medium(p), content_(p) {}
-
-  void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const override {
-    content_.eval(p, d, w, out);
-  }
-  const PhaseFunction& phase() const override { return content_.phase(); }
-  const MajorantGrid* majorants() const override { return content_.majorants(); }
-  Spectrum majorant(const Vec3& d, const Wavelengths& w) const override { return content_.majorant(d, w); }
-  bool is_uniform() const override { return content_.is_uniform(); }
-  bool has_uniform_emission() const override { return content_.has_uniform_emission(); }
-  bool emits() const override { return content_.emits(); }
-
-private:
-  MediumContent content_;
+  using GivenMedium::GivenMedium;
 };
 
 AUREOLE_PLUGIN(
@@ -29,7 +16,7 @@ AUREOLE_PLUGIN(
               "of `sigma_t` there is nothing.",
               "Miller, Georgiev & Jarosz 2019, \"A null-scattering path integral formulation of light "
               "transport\"",
-              MediumContent::rows(),
+              GivenMedium::rows(),
               {R"(<medium type="heterogeneous">
     <float name="sigma_t" value="2"/>
     <float name="albedo" value="0.9"/>

@@ -1,28 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 // A medium whose extinction is the same everywhere: distances are sampled in closed form.
-#include "aureole/medium/content/medium_content.h"
+#include "aureole/medium/content/given_medium.h"
 
 namespace aureole {
 namespace {
 
-class Homogeneous final : public Medium {
+class Homogeneous final : public GivenMedium {
 public:
-  explicit Homogeneous(const Properties& p) : Medium(p), content_(p) {
-    if (content_.majorants())
-      throw p.error("sigma_t", "varies in space; the medium \"heterogeneous\" is for that");
+  explicit Homogeneous(const Properties& p) : GivenMedium(p) {
+    if (majorants()) throw p.error("sigma_t", "varies in space; the medium \"heterogeneous\" is for that");
   }
-
-  void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const override {
-    content_.eval(p, d, w, out);
-  }
-  const PhaseFunction& phase() const override { return content_.phase(); }
-  Spectrum majorant(const Vec3& d, const Wavelengths& w) const override { return content_.majorant(d, w); }
-  bool is_uniform() const override { return content_.is_uniform(); }
-  bool has_uniform_emission() const override { return content_.has_uniform_emission(); }
-  bool emits() const override { return content_.emits(); }
-
-private:
-  MediumContent content_;
 };
 
 AUREOLE_PLUGIN(
@@ -30,7 +17,7 @@ AUREOLE_PLUGIN(
     PluginDoc{"A medium with the same extinction everywhere. Its albedo and emission may vary. It fills a "
               "closed shape as its `interior`.",
               "Chandrasekhar, Radiative Transfer, 1950, chapter I",
-              MediumContent::rows(),
+              GivenMedium::rows(),
               {R"(<medium type="homogeneous">
     <float name="sigma_t" value="2"/>
     <rgb name="albedo" value="0.9, 0.8, 0.5"/>

@@ -51,18 +51,17 @@ Spectrum emitted_along(const Medium& medium, const Ray& ray, float t_max, const 
 
 /// The extinction is the same everywhere: the distance is drawn in closed form for the hero.
 bool fly_uniformly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
-                   FlightRandom random, Passage& passage, Spectrum& emitted, float& t) {
+                   FlightRandom random, Passage& passage, Spectrum* emitted, float& t) {
   MediumCoefficients at;
   medium.eval(ray.o, ray.d, w, at);
   const Spectrum sigma = at.sigma_t;
   const float hero = sigma[0];
-  if (medium.emits())
-    emitted = emitted_along(medium, ray, t_max, sigma, at.emission, w, KeyedRandom(random.key).next());
+  if (emitted && medium.emits())
+    *emitted = emitted_along(medium, ray, t_max, sigma, at.emission, w, KeyedRandom(random.key).next());
   t = hero > 0 ? free_path(random.first) / hero : kInfinity;
   if (!(t < t_max)) {
-    t = t_max;
-    const float inverse = hero > 0 ? std::exp(hero * t) : 1.f;
-    passage.flight = passing(sigma, t) * inverse;
+    const float inverse = hero > 0 ? std::exp(hero * t_max) : 1.f;
+    passage.flight = passing(sigma, t_max) * inverse;
     passage.connection = inverse;
     passage.value = Weight(passage.flight);
     return false;
@@ -74,45 +73,60 @@ bool fly_uniformly(const Medium& medium, const Ray& ray, float t_max, const Wave
   return true;
 }
 
-/// Events under the bounds of a grid.
-bool fly_by_null_collisions(const Medium& medium, const MajorantGrid& grid, const Ray& ray, float t_max,
-                            const Wavelengths& w, FlightRandom random, const Spectrum& ratio,
-                            Passage& passage, Spectrum& emitted, float& t) {
-  const float scale = max_component(medium.majorant(ray.d, w));
-  const bool emits = medium.emits();
-  KeyedRandom further(random.key);
+/// Calls `visit(t, bound)` for the places of a Poisson process along the ray whose density is that of a grid's
+/// bounds times `scale`, in order, until it returns true. `first` decides where the first is.
+template <class Visit>
+bool visit_events(const MajorantGrid& grid, const Ray& ray, float t_max, float scale, float first,
+                  KeyedRandom& random, Visit&& visit) {
   MajorantGrid::Walk walk(grid, ray, t_max);
   MajorantGrid::Piece piece;
-  MediumCoefficients at;
-  Spectrum value = 1.f, flight = 1.f;
-  float connection = 1, depth = free_path(random.first);
+  float depth = free_path(first);
   while (walk.next(piece)) {
     const float bound = piece.bound * scale;
-    for (t = piece.begin;;) {
+    for (float t = piece.begin;;) {
       const float left = (piece.end - t) * bound;
       if (!(depth < left)) {
         depth -= left;
         break;
       }
       t += depth / bound;
-      depth = free_path(further.next());
-      medium.eval(ray.o + ray.d * t, ray.d, w, at);
-      if (emits) emitted += value * at.emission * (sum(ratio) / (bound * sum(ratio * flight)));
-      const float hero = at.sigma_t[0];
-      if (further.next() * bound < hero) {
-        passage.value = Weight(value * at.sigma_s * (1 / hero));
-        passage.flight = flight * at.sigma_t * (1 / hero);
-        return true;
-      }
-      // By rounding an extinction may exceed the bound.
-      const Spectrum nothing = max(Spectrum(bound) - at.sigma_t, 0.f) * (1 / (bound - hero));
-      value *= nothing, flight *= nothing, connection *= bound / (bound - hero);
+      depth = free_path(random.next());
+      if (visit(t, bound)) return true;
     }
   }
-  passage.value = Weight(value);
-  passage.flight = flight;
+  return false;
+}
+
+/// Events under the bounds of a grid.
+bool fly_by_null_collisions(const Medium& medium, const MajorantGrid& grid, const Ray& ray, float t_max,
+                            const Wavelengths& w, FlightRandom random, const Spectrum& ratio,
+                            Passage& passage, Spectrum* emitted, float& t) {
+  const bool emits = emitted && medium.emits();
+  KeyedRandom further(random.key);
+  MediumCoefficients at;
+  // The value of the null collisions so far is their density on a walk, too.
+  Spectrum passed = 1.f;
+  float connection = 1;
+  const float scale = max_component(medium.majorant(ray.d, w));
+  if (visit_events(grid, ray, t_max, scale, random.first, further, [&](float place, float bound) {
+        medium.eval(ray.o + ray.d * place, ray.d, w, at);
+        if (emits) *emitted += passed * at.emission * (sum(ratio) / (bound * sum(ratio * passed)));
+        const float hero = at.sigma_t[0];
+        if (further.next() * bound < hero) {
+          passage.value = Weight(passed * at.sigma_s * (1 / hero));
+          passage.flight = passed * at.sigma_t * (1 / hero);
+          t = place;
+          return true;
+        }
+        // By rounding an extinction may exceed the bound.
+        passed *= max(Spectrum(bound) - at.sigma_t, 0.f) * (1 / (bound - hero));
+        connection *= bound / (bound - hero);
+        return false;
+      }))
+    return true;
+  passage.value = Weight(passed);
+  passage.flight = passed;
   passage.connection = connection;
-  t = t_max;
   return false;
 }
 
@@ -127,7 +141,7 @@ void find_surroundings(const Scene& scene, const Light* light, Flight& flight) {
 }
 
 bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w, FlightRandom random,
-         const Spectrum& ratio, Passage& passage, Spectrum& emitted, float& t) {
+         const Spectrum& ratio, Passage& passage, Spectrum* emitted, float& t) {
   if (const MajorantGrid* grid = medium.majorants())
     return fly_by_null_collisions(medium, *grid, ray, t_max, w, random, ratio, passage, emitted, t);
   return fly_uniformly(medium, ray, t_max, w, random, passage, emitted, t);
@@ -143,34 +157,19 @@ Spectrum transmittance(const Medium& medium, const Ray& ray, float t_max, const 
   }
   // Ratio tracking (Novak, Selle & Jarosz 2014, "Residual ratio tracking for estimating attenuation in
   // participating media").
-  const float scale = max_component(medium.majorant(ray.d, w));
   KeyedRandom random(key);
-  MajorantGrid::Walk walk(*grid, ray, t_max);
-  MajorantGrid::Piece piece;
   Spectrum passed = 1.f;
-  float depth = free_path(random.next());
-  while (walk.next(piece)) {
-    const float bound = piece.bound * scale;
-    for (float t = piece.begin;;) {
-      const float left = (piece.end - t) * bound;
-      if (!(depth < left)) {
-        depth -= left;
-        break;
-      }
-      t += depth / bound;
-      depth = free_path(random.next());
-      medium.eval(ray.o + ray.d * t, ray.d, w, at);
-      passed *= max(Spectrum(1.f) - at.sigma_t * (1 / bound), 0.f);
-      // Roulette, the same for each hero.
-      const float most = max_component(passed);
-      constexpr float kLittle = 0.1f, kSurvival = 0.5f;
-      if (most < kLittle) {
-        if (!(random.next() < kSurvival)) return 0.f;
-        passed *= 1 / kSurvival;
-      }
-    }
-  }
-  return passed;
+  const float first = random.next(), scale = max_component(medium.majorant(ray.d, w));
+  const bool lost = visit_events(*grid, ray, t_max, scale, first, random, [&](float t, float bound) {
+    medium.eval(ray.o + ray.d * t, ray.d, w, at);
+    passed *= max(Spectrum(1.f) - at.sigma_t * (1 / bound), 0.f);
+    // Roulette, the same for each hero.
+    constexpr float kLittle = 0.1f, kSurvival = 0.5f;
+    if (!(max_component(passed) < kLittle)) return false;
+    passed *= 1 / kSurvival;
+    return !(random.next() < kSurvival);
+  });
+  return lost ? Spectrum(0.f) : passed;
 }
 
 }  // namespace aureole

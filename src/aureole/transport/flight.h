@@ -12,6 +12,7 @@
 #include "aureole/scene/interior_list.h"
 #include "aureole/scene/scene.h"
 #include "aureole/spectrum/path_density.h"
+#include "aureole/transport/dimensions.h"
 
 namespace aureole {
 
@@ -58,11 +59,29 @@ struct FlightRandom {
 /// is scattered before, at a distance `t`: the value of the passage then holds the scattering coefficient,
 /// and its densities that of this place. False where it arrives at t_max.
 ///
-/// `ratio` are the densities of the path so far (`PathDensity::ratio`). `emitted` receives an estimate of the
-/// light that the medium sends along the ray to its origin, weighted so that `PathDensity::contribution` of it
-/// for the path before this flight is right.
+/// `ratio` are the densities of the path so far (`PathDensity::ratio`). `emitted` receives, unless it is null, an
+/// estimate of the light that the medium sends along the ray to its origin, weighted so that
+/// `PathDensity::contribution` of it for the path before this flight is right; it must be zero before.
 bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w, FlightRandom random,
-         const Spectrum& ratio, Passage& passage, Spectrum& emitted, float& t);
+         const Spectrum& ratio, Passage& passage, Spectrum* emitted, float& t);
+
+/// The same for a path of that density, from its vertex number `vertex`: `density` becomes that at the end of
+/// the flight, `p` where it is scattered. The light that the medium emits is added to `estimate`, unless that is
+/// null.
+template <class Density>
+bool fly(const Flight& flight, float t_max, const Wavelengths& w, SampleStream& samples, int vertex,
+         Density& density, Spectrum* estimate, Vec3& p) {
+  const FlightRandom random{get(samples, vertex, Choice::distance), key(samples, vertex, Key::flight)};
+  Passage passage;
+  Spectrum emitted = 0.f;
+  float t;
+  const bool scattered = fly(*flight.medium, flight.ray, t_max, w, random, density.ratio, passage,
+                             estimate ? &emitted : nullptr, t);
+  if (estimate && !is_black(emitted)) *estimate += density.contribution(emitted, w);
+  density.pass(passage);
+  if (scattered) p = flight.ray.o + flight.ray.d * t;
+  return scattered;
+}
 
 /// An estimate of the part of the light that passes the medium along `ray`, from its origin to the distance
 /// t_max. Unbiased for each wavelength; the same number is the ratio of the density of passing on a walk

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/medium/content/medium_content.h"
+#include "aureole/medium/content/given_medium.h"
 
 #include "aureole/medium/content/volume_majorants.h"
 #include "aureole/spectrum/planck.h"
 
 namespace aureole {
 
-MediumContent::MediumContent(const Properties& p) {
+GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
   const bool by_parts = p.has("sigma_a") || p.has("sigma_s");
   if (by_parts) {
     for (const char* name : {"sigma_t", "albedo"})
@@ -14,8 +14,8 @@ MediumContent::MediumContent(const Properties& p) {
         throw p.error(name, "give either \"sigma_t\" and \"albedo\" or \"sigma_a\" and \"sigma_s\"");
     absorption_ = get_volume(p, "sigma_a", 0, SpectrumRole::unbounded);
     scattering_ = get_volume(p, "sigma_s", 0, SpectrumRole::unbounded);
-    for (const char* name : {"sigma_a", "sigma_s"})
-      if (!(*name && (std::string_view(name) == "sigma_a" ? absorption_ : scattering_)->is_constant()))
+    for (const auto& [name, part] : {std::pair{"sigma_a", absorption_}, {"sigma_s", scattering_}})
+      if (!part->is_constant())
         throw p.error(name, "varies in space; give \"sigma_t\" and \"albedo\" instead");
   } else {
     extinction_ = get_volume(p, "sigma_t", 1, SpectrumRole::unbounded);
@@ -39,7 +39,7 @@ MediumContent::MediumContent(const Properties& p) {
   phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
 }
 
-void MediumContent::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {
+void GivenMedium::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {
   const float factor = scale_ * phase_->projected_area(d, p);
   if (extinction_) {
     out.sigma_t = extinction_->eval(p, w) * factor;
@@ -54,22 +54,22 @@ void MediumContent::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, Med
         (out.sigma_t - out.sigma_s) * (black_body_radiance(w.nm, temperature_->eval_scalar(p)) * index2_);
 }
 
-Spectrum MediumContent::majorant(const Vec3&, const Wavelengths& w) const {
+Spectrum GivenMedium::majorant(const Vec3&, const Wavelengths& w) const {
   const float factor = scale_ * phase_->largest_projected_area();
   return (extinction_ ? extinction_->envelope(w) : absorption_->envelope(w) + scattering_->envelope(w)) *
          factor;
 }
 
-bool MediumContent::is_uniform() const {
+bool GivenMedium::is_uniform() const {
   return has_uniform_emission() && !grid_ && (!albedo_ || albedo_->is_constant());
 }
 
-bool MediumContent::has_uniform_emission() const {
+bool GivenMedium::has_uniform_emission() const {
   return (!emission_ || emission_->is_constant()) &&
          (!temperature_ || (temperature_->is_constant() && !grid_ && (!albedo_ || albedo_->is_constant())));
 }
 
-std::vector<ParameterDoc> MediumContent::rows() {
+std::vector<ParameterDoc> GivenMedium::rows() {
   return {
       {"sigma_t", "volume", "1/length", "1", "extinction coefficient"},
       {"albedo", "volume", "", "0.75", "single-scattering albedo: the part of the extinction that scatters"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `MediumContent`: the parameters that homogeneous and heterogeneous media share, read and evaluated.
+// `GivenMedium`: a medium whose coefficients are given, not what is in it.
 #pragma once
 
 #include <optional>
@@ -11,23 +11,21 @@
 
 namespace aureole {
 
-class MediumContent {
+class GivenMedium : public Medium {
 public:
   /// Reads sigma_t and albedo, or sigma_a and sigma_s; scale, emission, temperature and index, and the phase
-  /// function.
-  /// Throws located Errors.
-  explicit MediumContent(const Properties& properties);
+  /// function. Throws located Errors.
+  explicit GivenMedium(const Properties& properties);
   /// The rows of their table.
   static std::vector<ParameterDoc> rows();
 
-  void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const;
-  Spectrum majorant(const Vec3& d, const Wavelengths& w) const;
-  /// Bounds of the extinction in cells, where it varies.
-  const MajorantGrid* majorants() const { return grid_ ? &*grid_ : nullptr; }
-  const PhaseFunction& phase() const { return *phase_; }
-  bool emits() const { return emission_ || temperature_; }
-  bool is_uniform() const;
-  bool has_uniform_emission() const;
+  void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const final;
+  Spectrum majorant(const Vec3& d, const Wavelengths& w) const final;
+  const MajorantGrid* majorants() const final { return grid_ ? &*grid_ : nullptr; }
+  const PhaseFunction& phase() const final { return *phase_; }
+  bool emits() const final { return emission_ || temperature_; }
+  bool is_uniform() const final;
+  bool has_uniform_emission() const final;
 
 private:
   VolumePtr extinction_, albedo_;      ///< or
