@@ -30,6 +30,7 @@ def arguments():
     p.add_argument("--replicates", type=int, default=8, help="seeds of each program and sampler (default: 8)")
     p.add_argument("--height", type=int, default=256, help="height of the pictures in pixels (default: 256; media 3/8 of it)")
     p.add_argument("--threads", type=int, default=0, help="threads (default: all cores)")
+    p.add_argument("--eradiate", metavar="PYTHON", help="an interpreter with eradiate-mitsuba 0.5.0, to render the grids with it too")
     p.add_argument("--scalar", action="store_true", help="Mitsuba's scalar_spectral too (slow)")
     p.add_argument("--triangles", type=int, default=1_000_000, help="size of the mesh (default: 1000000)")
     p.add_argument("--repeats", type=int, default=3, help="runs of each measurement of the mesh (default: 3)")

@@ -39,7 +39,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Contender:
-    program: str  # "aureole", or Mitsuba's variant
+    program: str  # "aureole", "eradiate", or Mitsuba's variant
     sampler: str  # aureole's may name the error that adaptive sampling makes small: "sobol, display"
     integrator: str = ""  # Mitsuba's
 
@@ -49,7 +49,8 @@ class Contender:
 
     @property
     def label(self):
-        name = {"aureole": "aureole", "llvm_ad_spectral": "Mitsuba"}.get(self.program, "Mitsuba, scalar")
+        name = {"aureole": "aureole", "eradiate": "eradiate-mitsuba",
+                "llvm_ad_spectral": "Mitsuba"}.get(self.program, "Mitsuba, scalar")
         return f"{name} {self.integrator}".rstrip()
 
 
@@ -77,7 +78,8 @@ def find_scenes(a, folder):
 def contenders(a, scene):
     peers = [("llvm_ad_spectral", s) for s in MITSUBA_SAMPLERS] + [("scalar_spectral", "independent")] * a.scalar
     return ([Contender("aureole", s) for s in AUREOLE_SAMPLERS] +
-            [Contender(*peer, i) for i in scene.integrators for peer in peers])
+            [Contender(*peer, i) for i in scene.integrators for peer in peers] +
+            [Contender("eradiate", "independent", "eovolpath")] * (a.eradiate is not None and scene.name in peers_grids.GRIDS))
 
 
 def kind(scene, contender):
@@ -95,8 +97,8 @@ def items(a, scene):
 class Mitsuba:
     """A process that keeps scenes and compiled kernels."""
 
-    def __init__(self, variant, threads):
-        command = [sys.executable, ROOT / "bench/peers_mitsuba.py", "serve", variant, str(threads)]
+    def __init__(self, python, variant, threads):
+        command = [python, ROOT / "bench/peers_mitsuba.py", "serve", variant, str(threads)]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def __enter__(self):
@@ -185,7 +187,8 @@ def render_all(a, scene, folder, progress):
                         seconds, taken = render_aureole(a, scene, c.sampler, spp, seed, output)
                     else:
                         if c.program not in servers:
-                            servers[c.program] = Mitsuba(c.program, a.threads)
+                            python = a.eradiate if c.program == "eradiate" else sys.executable
+                            servers[c.program] = Mitsuba(python, c.program, a.threads)
                         seconds, taken = servers[c.program].render(scene, c, spp, seed, output)
                     r = results[c, spp]
                     r.spp = taken
@@ -217,7 +220,11 @@ def run(a, scene, folder, progress, conditions):
 
 def compare(scene, asked, group):
     """Rows of the table and sentences for one number of samples."""
-    means = {r.contender: r.load().mean(axis=0) for r in group}
+    all_means = {r.contender: r.load().mean(axis=0) for r in group}
+    middle = np.median([m.mean() for m in all_means.values()])
+    # Some of Mitsuba's samplers give pixels of 1e6 and more in media now and then.
+    means = {c: m for c, m in all_means.items() if abs(m.mean() - middle) < middle / 2}
+    broken = ", ".join(f"{c.label} {c.sampler}" for c in all_means if c not in means)
     reference = np.mean(list(means.values()), axis=0)
     weight = 1 / (reference**2 + 0.01 * reference.mean() ** 2)
     rows, score, noise = [], {}, {}
@@ -237,8 +244,9 @@ def compare(scene, asked, group):
         if np.median(r.seconds) > 1.1 * seconds:
             print(f"note: times of {r.contender.label} {r.contender.sampler}, {asked} spp, differ: least "
                   f"{seconds:.3f} s, median {np.median(r.seconds):.3f} s", file=sys.stderr)
+    outliers = [f"- {asked} spp, left out of the agreement for pixels without bounds: {broken}"] if broken else []
     return rows, [ratios(asked, score, 0, "efficiency"), ratios(asked, score, 1, "by pixel"),
-                  same_picture(scene, asked, means, noise, weight), ""]
+                  same_picture(scene, asked, means, noise, weight), *outliers, ""]
 
 
 def with_error(value, relative_error):
@@ -246,7 +254,7 @@ def with_error(value, relative_error):
 
 
 def ratios(asked, score, which, name):
-    best = max((c for c in score if c.program != "aureole"), key=lambda c: score[c][which][0])
+    best = max((c for c in score if c.program not in ("aureole", "eradiate")), key=lambda c: score[c][which][0])
     text = []
     for c in score:
         if c.program == "aureole":
@@ -259,10 +267,10 @@ def ratios(asked, score, which, name):
 def same_picture(scene, asked, means, noise, weight):
     """The programs' mean pictures must agree: the RMS difference beyond that of the noise, relative as in relRMSE.
 
-    Without adaptive ones, whose random numbers are those of the sampler's own pictures."""
+    Without adaptive ones, whose random numbers are those of the sampler's own pictures, and without eradiate-mitsuba."""
     pooled, square = [], 0.0
     for mine in (True, False):
-        own = [c for c in means if (c.program == "aureole") == mine and not c.is_adaptive]
+        own = [c for c in means if (c.program == "aureole") == mine and c.program != "eradiate" and not c.is_adaptive]
         pooled.append(np.mean([means[c] for c in own], axis=0))
         square += sum(noise[c] for c in own) / len(own) ** 2
     beyond = np.sqrt(max(0.0, (weight * (pooled[0] - pooled[1]) ** 2).mean() - square))
