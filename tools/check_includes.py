@@ -56,6 +56,8 @@ for base in ("src/aureole", "apps", "python/bindings"):
                     problems.append(f"{where}: {here} stands alone and must not include {there}")
                 elif here in PHYSICS and there == "core" and inside not in PHYSICS_CORE:
                     problems.append(f"{where}: core/{inside}.h is no part of the library of optics")
+                elif here == "optics" and there == "pigment":
+                    problems.append(f"{where}: optics must not include pigment, which is above it")
                 elif here == there == "optics" and not may_include(os.path.basename(folder), inside):
                     problems.append(f"{where}: optics/{os.path.basename(folder)} must not include optics/{inside}")
                 elif RANK[there] == RANK[here] and there != here and RANK[here] == RANK["bsdf"]:
