@@ -43,8 +43,9 @@ public:
     return r;
   }
 
-  RayDensity pdf_ray(const Light& light, const SurfacePoint* point, const Vec3&) const override {
-    return {light.area->pdf_area(part_of(light, *point), *point), 1};
+  RayDensity pdf_ray(const Light& light, std::size_t part, const SurfacePoint* point,
+                     const Vec3&) const override {
+    return {light.area->pdf_area(part, *point), 1};
   }
 
   SampledSpectrum power_spectrum(const Light& light) const override {

@@ -76,6 +76,24 @@ public:
     return true;
   }
 
+  /// Of a path that comes along -d, in the other mode of transport: the density of its scattering to where this one
+  /// comes from, for a direction that `respond` accepts.
+  Spectrum reverse_pdf(const Vec3& d) const {
+    BsdfContext reverse = context_;
+    reverse.mode =
+        context_.mode == TransportMode::radiance ? TransportMode::importance : TransportMode::radiance;
+    return surface().bsdf->pdf(point_.shading.to_local(d), wi_, reverse);
+  }
+  /// The same for a direction that `scatter` has found. Of a delta lobe it is the mass of `scatter` times the ratio
+  /// of the solid angles of the two sides, d(d) / d(to_previous), so that either way of sampling the path has the
+  /// density of one measure: masses of the two directions have the same spectral shape, and their scale, which all
+  /// techniques share, cancels.
+  Spectrum reverse_pdf(const Scatter& s) const {
+    if (!s.delta) return reverse_pdf(s.d);
+    if (s.eta == 1) return s.pdf;
+    return s.pdf * std::abs(wi_.z / (s.eta * s.eta * dot(point_.shading.n, s.d)));
+  }
+
   /// Samples a direction: `surface` where the path is scattered, `crossed` where it passes straight through
   /// as if there were no vertex, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
@@ -133,6 +151,13 @@ public:
     out.value = Weight(e.value);
     out.pdf = e.pdf;
     return true;
+  }
+  Spectrum reverse_pdf(const Vec3& d) const { return phase().eval_pdf(d, to_previous_, {w_, point_.p}).pdf; }
+  /// The extinction coefficient for light along d.
+  Spectrum extinction(const Vec3& d) const {
+    MediumCoefficients at;
+    point_.medium->eval(point_.p, d, w_, at);
+    return at.sigma_t;
   }
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
     const std::optional<PhaseSample> s = phase().sample(to_previous_, u1, u2, {w_, point_.p});
@@ -208,6 +233,22 @@ public:
   bool respond(const Vec3& d, Response& out) const {
     return in_medium_ ? medium_.respond(d, out) : surface_.respond(d, out);
   }
+  // For two-way methods, which compare the ways in which a path can be found:
+  /// The density with which a path that comes along -d, in the other mode of transport, is scattered to where this
+  /// one comes from.
+  Spectrum reverse_pdf(const Vec3& d) const {
+    return in_medium_ ? medium_.reverse_pdf(d) : surface_.reverse_pdf(d);
+  }
+  /// The same for a direction that `scatter` has found.
+  Spectrum reverse_pdf(const Scatter& s) const {
+    return in_medium_ ? medium_.reverse_pdf(s.d) : surface_.reverse_pdf(s);
+  }
+  /// Density of an arrival along d or -d in the measure of vertices, area or volume, per area across d: the cosine
+  /// on a surface, the extinction in a medium.
+  Spectrum density_across(const Vec3& d) const {
+    return in_medium_ ? medium_.extinction(d) : Spectrum(std::abs(dot(surface_.point().ng, d)));
+  }
+
   /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes straight
   /// through as if there were no vertex, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
