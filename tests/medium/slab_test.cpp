@@ -7,9 +7,8 @@
 // AUREOLE_THOROUGH=1 follows a million paths per number and prints what it finds.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "harness/rendered.h"
+#include "medium/slab_scenes.h"
 
 namespace aureole::testing {
 namespace {
@@ -20,34 +19,10 @@ struct Slab {
   double reflectance, transmittance;
 };
 
-bool is_thorough() { return std::getenv("AUREOLE_THOROUGH") != nullptr; }
-
-std::string number(double v) { return std::to_string(v); }
-std::string parameter(const std::string& name, double v) {
-  return "<float name=\"" + name + "\" value=\"" + number(v) + "\"/>";
-}
-
-/// A square of half width 1 at the height z, facing up or down.
-std::string level(double z, bool up, const std::string& content) {
-  return "<shape type=\"rectangle\"><transform name=\"to_world\">" +
-         std::string(up ? "" : "<rotate x=\"1\" angle=\"180\"/>") + "<translate z=\"" + number(z) +
-         "\"/></transform>" + content + "</shape>";
-}
 std::string interface(double outside, double inside) {
   if (outside == inside) return "<bsdf type=\"null\"/>";
   return "<bsdf type=\"dielectric\">" + parameter("ext_ior", outside) + parameter("int_ior", inside) +
          "</bsdf>";
-}
-/// Four mirrors around it, from below to above.
-std::string mirrors() {
-  std::string all;
-  for (const char* turn : {"0", "90", "180", "270"})
-    all +=
-        "<shape type=\"rectangle\"><bsdf type=\"twosided\"><bsdf type=\"conductor\"><string "
-        "name=\"material\" value=\"none\"/></bsdf></bsdf><transform name=\"to_world\"><scale x=\"1\" "
-        "y=\"3\"/><rotate x=\"1\" angle=\"90\"/><translate y=\"1\"/><rotate z=\"1\" angle=\"" +
-        std::string(turn) + "\"/></transform></shape>";
-  return all;
 }
 
 /// The radiance that leaves the upper face along the normal; the sky is above, or below.
