@@ -86,7 +86,7 @@ def efficiency(m: complex, radius: Optional[npt.ArrayLike] = None, *, wavelength
         ax.set_xscale("log")
         ax.grid(alpha=0.25)
     ax.set(xlabel="size parameter" if x is not None else "radius [um]", ylabel="efficiency")
-    ax.set_ylim(bottom=0)
+    ax.set_ylim(0, 1.05 * max(float(np.max(line.get_ydata())) for line in ax.lines))
     ax.legend(frameon=False, fontsize="small")
     return ax
 

@@ -174,6 +174,10 @@ def test_efficiency():
     small, large = ax.lines[0].get_ydata()
     assert small == pytest.approx(8 / 3 * 1e-8 * (0.44 / 3.44) ** 2, rel=1e-3)
     assert large == pytest.approx(2, abs=0.05)
+    # The axis grows with the curves.
+    before = ax.get_ylim()[1]
+    plot.efficiency(1.6, x=np.linspace(1, 6, 50), quantity="qsca", ax=ax)
+    assert ax.get_ylim()[1] > 4 > before
     with pytest.raises(aureole.Error, match="quantity: expected"):
         plot.efficiency(1.2, quantity="qback")
     with pytest.raises(aureole.Error, match="x: expected either"):
