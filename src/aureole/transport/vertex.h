@@ -35,6 +35,8 @@ public:
   SurfaceVertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
                 TransportMode mode)
       : point_(scene.surface_point(hit, ray)), context_{w, point_, mode}, to_previous_(-ray.d) {}
+  SurfaceVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
+      : point_(point), context_{w, point_, mode}, to_previous_(to_previous) {}
   SurfaceVertex(const SurfaceVertex&) = delete;
   SurfaceVertex& operator=(const SurfaceVertex&) = delete;
 
@@ -95,13 +97,17 @@ public:
   }
 
   /// Samples a direction: `surface` where the path is scattered, `crossed` where it passes straight through
-  /// as if there were no vertex, `blocked` where it ends.
+  /// as if there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
     const std::optional<BsdfSample> s = surface().bsdf->sample(wi_, u1, u2, context_);
     if (!s || !(s->pdf[0] > 0)) return Event::blocked;
     const Vec3 d = point_.shading.to_world(s->wo);
     if (!is_consistent(s->wo, d) || is_black(s->value)) return Event::blocked;
-    if (has(s->lobe, Lobe::null)) {
+    if (has(s->lobe, Lobe::null | Lobe::enter)) {
+      if (has(s->lobe, Lobe::enter)) {
+        enter(*s, out);
+        return Event::entered;
+      }
       out.d = -to_previous_;
       out.value = Weight(s->value * (1 / s->pdf[0]));
       return Event::crossed;
@@ -116,6 +122,16 @@ public:
   }
 
 private:
+  [[gnu::noinline]] void enter(const BsdfSample& s, Scatter& out) const {
+    out.value = Weight(s.value);
+    // In importance mode light falls on the geometric surface, while the BSDF counts it on the shading one.
+    if (context_.mode == TransportMode::importance)
+      out.value = out.value.scaled(wi_side_ != 0 ? std::abs(wi_.z / wi_side_) : 0.f);
+    out.pdf = s.pdf;
+    out.delta = s.is_delta();
+    out.eta = 1;
+  }
+
   /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change
   /// it.
   bool is_consistent(const Vec3& wo, const Vec3& d) const {
@@ -184,6 +200,8 @@ public:
   Vertex(const Scene& scene, const RayTracer::Hit& hit, const Flight& flight, const Wavelengths& w,
          TransportMode mode)
       : surface_(scene, hit, flight.ray, w, mode) {}
+  Vertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
+      : surface_(point, to_previous, w, mode) {}
   Vertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
       : medium_(point, to_previous, w), in_medium_(true) {}
 
@@ -203,6 +221,8 @@ public:
   bool is_smooth() const { return in_medium_ || surface_.is_smooth(); }
   /// Whether the path may pass without being scattered.
   bool is_passable() const { return !in_medium_ && surface().passable; }
+  /// Whether the path may go on below the surface.
+  bool has_exit() const { return !in_medium_ && surface().has_exit(); }
   /// `scatter` looks at u1, or something at the key.
   bool needs_choice() const {
     return in_medium_ ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
@@ -250,7 +270,7 @@ public:
   }
 
   /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes straight
-  /// through as if there were no vertex, `blocked` where it ends.
+  /// through as if there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
     return in_medium_ ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
   }
