@@ -6,8 +6,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "aureole/optics/gauss_legendre.h"
-
 namespace aureole::optics {
 namespace {
 
@@ -55,14 +53,22 @@ Channels::Channels(std::vector<double> indices, int half_streams, std::span<cons
     const double steep = refracted(from, n), grazing = refracted(to, n);
     const int nodes = std::max(1, half_streams / pieces + (piece < half_streams % pieces));
     const Quadrature q = gauss_legendre(nodes, grazing, steep);
-    for (std::size_t i = 0; i < q.x.size(); ++i)
-      channels_.push_back({{n, q.x[i]}, 2 * std::numbers::pi * n * n * q.x[i] * q.weight[i], false, piece});
+    double end = steep;
+    for (std::size_t i = 0; i < q.x.size(); ++i) {
+      const double next = end - q.weight[i];
+      channels_.push_back({{n, q.x[i]},
+                           2 * std::numbers::pi * n * n * q.x[i] * q.weight[i],
+                           false,
+                           end,
+                           std::max(next, 0.0)});
+      end = next;
+    }
     for (std::size_t i = 0; i < extra.size(); ++i) {
       const double s = invariant(extra[i]);
       const bool is_here = (piece == 0 || s > invariant(from)) && (piece + 1 == pieces || s <= invariant(to));
       if (!is_here) continue;
       extra_[i] = size();
-      channels_.push_back({extra[i], kNoEtendue, true, piece});
+      channels_.push_back({extra[i], kNoEtendue, true, extra[i].mu, extra[i].mu});
     }
     from = to;
   }
@@ -81,5 +87,24 @@ int Channels::count(double index) const {
 }
 
 double Channels::mu(int channel, double index) const { return refracted(channels_[channel].at, index); }
+
+Quadrature Channels::within(int channel, double index, int nodes) const {
+  const Channel& c = channels_[channel];
+  if (c.is_extra) return {{mu(channel, index)}, {1}};
+  Quadrature q = gauss_legendre(nodes, c.most_grazing, c.steepest);
+  double sum = 0;
+  for (std::size_t i = 0; i < q.x.size(); ++i) sum += q.weight[i] *= q.x[i];
+  for (std::size_t i = 0; i < q.x.size(); ++i) {
+    q.weight[i] /= sum;
+    q.x[i] = refracted({c.at.index, q.x[i]}, index);
+  }
+  return q;
+}
+
+double Channels::width(int channel, double index) const {
+  const Channel& c = channels_[channel];
+  return std::acos(refracted({c.at.index, c.most_grazing}, index)) -
+         std::acos(std::min(1.0, refracted({c.at.index, c.steepest}, index)));
+}
 
 }  // namespace aureole::optics

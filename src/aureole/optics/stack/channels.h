@@ -6,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "aureole/optics/gauss_legendre.h"
+
 namespace aureole::optics {
 
 /// A direction by its cosine mu > 0 in a medium of this index.
@@ -33,8 +35,11 @@ public:
   /// 2 pi n^2 mu dmu, the same in all media; of extra channels `kNoEtendue`.
   double etendue(int channel) const { return channels_[channel].etendue; }
   bool is_extra(int channel) const { return channels_[channel].is_extra; }
-  /// Number of the piece of the range, which increases.
-  int piece(int channel) const { return channels_[channel].piece; }
+  /// Gauss and Legendre's nodes in the range of directions that a channel stands for, by their cosines in a medium that has it, and
+  /// weights of flux, whose sum is 1. Ranges of neighbours meet, each as wide as its weight. An extra channel is one direction.
+  Quadrature within(int channel, double index, int nodes) const;
+  /// Width of that range in radians.
+  double width(int channel, double index) const;
   /// The channels of the extra directions, in the order in which they were given.
   const std::vector<int>& extra() const { return extra_; }
   const std::vector<double>& indices() const { return indices_; }  ///< increasing, each once
@@ -48,7 +53,7 @@ private:
     IndexedCosine at;
     double etendue;
     bool is_extra;
-    int piece;
+    double steepest, most_grazing;  ///< cosines of the ends of its range, in the medium of `at`
   };
   std::vector<double> indices_;
   std::vector<int> counts_;

@@ -24,6 +24,11 @@ void check_index(const std::string& where, double index) {
     refuse(where + " must have an index of refraction in [0.001, 1000]", index);
 }
 
+void check_interface(const std::string& where, const StackInterface& interface) {
+  if (interface.kind != InterfaceKind::smooth && !(interface.alpha >= 0.05 && interface.alpha <= 1))
+    refuse("roughness of the interface " + where + " must be in [0.05, 1]", interface.alpha);
+}
+
 void check_lights(std::span<const StackLight> lights, const StackDescription& d) {
   for (const StackLight& light : lights) {
     if (light.cosine && !(*light.cosine > 0 && *light.cosine <= 1))
@@ -50,6 +55,11 @@ std::vector<IndexedCosine> beam_directions(std::span<const StackLight> lights, c
   for (const StackLight& light : lights)
     if (light.cosine) directions.push_back({index_outside(d, light.from_below), *light.cosine});
   return directions;
+}
+
+bool has_beam(std::span<const StackLight> lights) {
+  return std::any_of(lights.begin(), lights.end(),
+                     [](const StackLight& light) { return light.cosine.has_value(); });
 }
 
 /// Light on the stack, one column for each of `lights`, of irradiance 1. Beams are the first extra channels.
@@ -109,12 +119,14 @@ PlaneStack::PlaneStack(StackDescription description, DiscreteOrdinates method)
       refuse("scattering of " + where + " must be finite and not negative", layer.scattering);
     if (!(layer.thickness >= 0)) refuse("thickness of " + where + " must not be negative", layer.thickness);
     check_index(where, layer.index);
+    check_interface("above " + where, layer.top);
   }
   if (description_.substrate) {
     if (!(*description_.substrate >= 0 && *description_.substrate <= 1))
       refuse("reflectance of the substrate must be in [0, 1]", *description_.substrate);
   } else {
     check_index("the medium below", description_.index_below);
+    check_interface("below the last layer", description_.bottom);
   }
 }
 
@@ -122,7 +134,7 @@ StackFluxes PlaneStack::fluxes(const StackLight& light) const { return fluxes(st
 
 std::vector<StackFluxes> PlaneStack::fluxes(std::span<const StackLight> lights) const {
   check_lights(lights, description_);
-  const StackSolver solver(description_, method_, beam_directions(lights, description_));
+  const StackSolver solver(description_, method_, false, beam_directions(lights, description_));
   const Channels& channels = solver.channels();
   const Incident incident(lights, description_, channels, 0);
   // Above a substrate all levels count; without one what leaves.
@@ -224,7 +236,7 @@ std::vector<double> PlaneStack::radiance(std::span<const StackLight> lights, std
       refuse("no light goes down below a substrate: cosines must be positive", c);
     extra.push_back({index_outside(description_, c < 0), std::abs(c)});
   }
-  const StackSolver solver(description_, method_, extra);
+  const StackSolver solver(description_, method_, has_beam(lights), extra);
   std::vector<View> views;
   for (const double c : cosines) views.push_back({c > 0 ? 0 : solver.last_level(), c});
   return radiance_at(solver, description_, method_, lights, views, azimuths);
@@ -236,7 +248,7 @@ std::vector<double> PlaneStack::radiance(std::span<const StackLight> lights, con
   check_lights(lights, description_), check_cosines(cosines), check_position(position, description_);
   std::vector<IndexedCosine> extra = beam_directions(lights, description_);
   for (const double c : cosines) extra.push_back({description_.layers[position.layer].index, std::abs(c)});
-  const StackSolver solver(description_, method_, extra, std::span(&position, 1));
+  const StackSolver solver(description_, method_, has_beam(lights), extra, std::span(&position, 1));
   std::vector<View> views;
   for (const double c : cosines) views.push_back({solver.level(0), c});
   return radiance_at(solver, description_, method_, lights, views, azimuths);
@@ -246,7 +258,7 @@ std::vector<StackField> PlaneStack::fields(const StackLight& light,
                                            std::span<const StackPosition> positions) const {
   check_lights(std::span(&light, 1), description_);
   for (const StackPosition& p : positions) check_position(p, description_);
-  const StackSolver solver(description_, method_, beam_directions(std::span(&light, 1), description_),
+  const StackSolver solver(description_, method_, false, beam_directions(std::span(&light, 1), description_),
                            positions);
   const Channels& channels = solver.channels();
   const Incident incident(std::span(&light, 1), description_, channels, 0);
@@ -289,7 +301,7 @@ StackChannels PlaneStack::channels(std::span<const double> dividing_cosines) con
     cuts.push_back({description_.index_above, c});
     before = c;
   }
-  const StackSolver solver(description_, method_, {}, {}, cuts);
+  const StackSolver solver(description_, method_, false, {}, {}, cuts);
   const Channels& channels = solver.channels();
   const int rings = int(cuts.size()) + 1, bottom = solver.last_level() - (description_.substrate ? 1 : 0);
   const auto ring_of = [&](int channel) {

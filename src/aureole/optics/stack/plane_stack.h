@@ -18,10 +18,15 @@
 
 namespace aureole::optics {
 
-/// Where two media of different index meet, and which part of light it reflects. A smooth one between equal indices is none.
-enum class InterfaceKind { smooth };
+enum class InterfaceKind { smooth, beckmann, ggx };
+
+/// Where two media of different index meet; between equal indices there is nothing. A rough one has microfacets that reflect and
+/// refract as a smooth one does (Walter, Marschner, Li & Torrance 2007, (20), (21)), with Smith's masking for each direction. What
+/// they lose, since each is met once only, goes into lobes on both sides (Kulla & Conty 2017), so that energy is conserved.
 struct StackInterface {
   InterfaceKind kind = InterfaceKind::smooth;
+  /// Roughness of the microfacets, in [0.05, 1]. Lobes are as wide: radiances of beams ask for some 8/alpha streams.
+  double alpha = 0.1;
 };
 
 struct StackLayer {

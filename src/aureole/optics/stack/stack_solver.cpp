@@ -9,6 +9,7 @@
 #include <string>
 
 #include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/optics/stack/rough_interface.h"
 
 namespace aureole::optics {
 namespace {
@@ -38,15 +39,22 @@ std::vector<double> all_indices(const StackDescription& d) {
 
 }  // namespace
 
-StackSolver::StackSolver(const StackDescription& description, const DiscreteOrdinates& method,
+StackSolver::StackSolver(const StackDescription& description, const DiscreteOrdinates& method, bool azimuths,
                          std::span<const IndexedCosine> extra, std::span<const StackPosition> positions,
                          std::span<const IndexedCosine> cuts)
     : position_levels_(positions.size(), -1),
       substrate_(description.substrate.value_or(0)),
       channels_(all_indices(description), method.streams / 2, extra, cuts) {
   double before = description.index_above;
-  const auto add_interface = [&](int layer, double index) {
-    if (index != before) elements_.push_back({Element::Kind::interface, layer, before, index, 0, 0});
+  std::vector<StackInterface> rough;
+  const auto add_interface = [&](int layer, double index, const StackInterface& interface) {
+    if (index != before) {
+      elements_.push_back({Element::Kind::interface, layer, before, index, 0, 0});
+      if (interface.kind != InterfaceKind::smooth) {
+        elements_.back().rough = int(rough.size());
+        rough.push_back(interface);
+      }
+    }
     before = index;
   };
   for (int i = 0; i < int(description.layers.size()); ++i) {
@@ -56,7 +64,7 @@ StackSolver::StackSolver(const StackDescription& description, const DiscreteOrdi
     for (int m = modes_; m < method.streams; ++m)
       if (layers_[i].scatters(m)) modes_ = m + 1;
 
-    add_interface(i, layer.index);
+    add_interface(i, layer.index, layer.top);
     std::set<double> depths{0, layer.thickness};
     for (const StackPosition& p : positions)
       if (p.layer == i) depths.insert(p.depth);
@@ -74,7 +82,13 @@ StackSolver::StackSolver(const StackDescription& description, const DiscreteOrdi
   if (description.substrate)
     elements_.push_back({Element::Kind::substrate, count, before, before, 0, 0});
   else
-    add_interface(count, description.index_below);
+    add_interface(count, description.index_below, description.bottom);
+
+  if (!rough.empty()) modes_ = method.streams;
+  if (!azimuths) modes_ = 1;
+  for (const Element& e : elements_)
+    if (e.rough >= 0)
+      rough_.push_back(rough_interface(channels_, e.index_above, e.index_below, rough[e.rough], modes_));
 }
 
 Operators StackSolver::operators(const Element& e, int mode) const {
@@ -82,7 +96,7 @@ Operators StackSolver::operators(const Element& e, int mode) const {
     case Element::Kind::layer:
       return layers_[e.layer].operators(e.scaled, mode);
     case Element::Kind::interface:
-      return smooth_interface(channels_, e.index_above, e.index_below);
+      return e.rough >= 0 ? rough_[e.rough][mode] : smooth_interface(channels_, e.index_above, e.index_below);
     case Element::Kind::substrate:
       break;
   }
@@ -140,7 +154,7 @@ Matrix StackSolver::unscattered(int channel, bool scaled) const {
                below = channel < channels_.count(e.index_below);
     if (e.kind == Element::Kind::layer && above) {
       t = std::exp(-(scaled ? e.scaled : e.optical_thickness) / channels_.mu(channel, e.index_above));
-    } else if (e.kind == Element::Kind::interface) {
+    } else if (e.kind == Element::Kind::interface && e.rough < 0) {
       const double n = std::min(e.index_above, e.index_below);
       r = above && below
               ? fresnel_reflectance(channels_.mu(channel, n), n, std::max(e.index_above, e.index_below))

@@ -18,6 +18,7 @@ public:
     int layer;                         ///< of the description; of an interface the one below it
     double index_above, index_below;   ///< equal but for interfaces
     double optical_thickness, scaled;  ///< of layers, and with the forward peak taken for light that goes on
+    int rough = -1;                    ///< of a rough interface which one
   };
   /// A layer with its forward peak removed, if it is to be.
   struct Scaled {
@@ -26,7 +27,8 @@ public:
     std::vector<double> moments;
   };
 
-  StackSolver(const StackDescription& description, const DiscreteOrdinates& method,
+  /// With `azimuths` all modes can be asked for, else only mode 0.
+  StackSolver(const StackDescription& description, const DiscreteOrdinates& method, bool azimuths,
               std::span<const IndexedCosine> extra, std::span<const StackPosition> positions = {},
               std::span<const IndexedCosine> cuts = {});
 
@@ -62,6 +64,7 @@ private:
   double substrate_ = 0;
   Channels channels_;
   std::vector<UniformLayer> layers_;
+  std::vector<std::vector<Operators>> rough_;  ///< by rough interface and mode
   int modes_ = 1;
 };
 
