@@ -158,6 +158,58 @@ TEST(Subsurface, HalfSpaceUnderASkyReflectsAsTransportSays) {
   }
 }
 
+/// The profile itself: a thin beam lights a half-space, and a sensor above sees P(r) times what the boundary lets in and,
+/// along the normal, out.
+TEST(Subsurface, PictureOfABeamIsTheProfile) {
+  constexpr int kPixels = 16;
+  constexpr double kHalf = 4, kDistance = 50, kCone = 0.05;  // a spot of radius .04
+  for (const double index : {1.0, 1.5}) {
+    const std::string model = "<bssrdf type=\"normalized_diffusion\">" + parameter("sigma_t", 1) +
+                              parameter("albedo", 0.95) + parameter("int_ior", index) +
+                              parameter("ext_ior", 1) + "</bssrdf>";
+    const Picture p = render(
+        "<integrator type=\"ptracer\"/><sensor type=\"orthographic\"><transform name=\"to_world\"><scale value=\"" +
+        number(kHalf) +
+        "\"/><lookat origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform><sampler type=\"sobol\"><integer "
+        "name=\"sample_count\" value=\"64\"/></sampler><film type=\"hdrfilm\"><integer name=\"width\" value=\"16\"/>"
+        "<integer name=\"height\" value=\"16\"/><rfilter type=\"box\"/></film></sensor><emitter type=\"spot\">" +
+        parameter("intensity", 1) + parameter("cutoff_angle", kCone) +
+        parameter("beam_width", kCone * 0.9999) + "<transform name=\"to_world\"><lookat origin=\"0, 0, " +
+        number(kDistance) +
+        "\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform></emitter><shape type=\"rectangle\"><transform "
+        "name=\"to_world\"><scale value=\"1000\"/></transform>" +
+        model + "</shape>");
+    const LoadedScene plane = scene_of("<shape type=\"rectangle\">" + model + "</shape>");
+    const Bssrdf& bssrdf = *plane.scene->intersect({{0, 0, 1}, {0, 0, -1}, kInfinity})->surface->exit->bssrdf;
+    const Wavelengths w = wavelengths(0);
+    const SurfacePoint anywhere;
+    // Closed forms of the power of the beam and of the boundary along its normal.
+    const double power = 2 * std::numbers::pi * (1 - std::cos(kCone * std::numbers::pi / 180));
+    const double r = (index - 1) / (index + 1), let_in = 1 - r * r;
+    const double diffuse_let_in = index == 1 ? 1 : 1 - 0.0918;
+    double seen = 0, all = 0;
+    for (int y = 0; y < kPixels; ++y)
+      for (int x = 0; x < kPixels; ++x) {
+        const auto place = [&](int pixel, int part) {
+          return (pixel + (part + 0.5) / 8) / kPixels * 2 * kHalf - kHalf;
+        };
+        double profile = 0, nearest = 1e9;
+        for (int part = 0; part < 64; ++part) {
+          const double distance = std::hypot(place(x, part % 8), place(y, part / 8));
+          profile += double(bssrdf.eval_pdf(float(distance), {w, anywhere}).value[0]) / 64;
+          nearest = std::min(nearest, distance);
+        }
+        if (nearest < 0.3) continue;  // the beam has a width
+        const double expected = power * let_in * let_in / diffuse_let_in * profile / std::numbers::pi;
+        const std::size_t i = std::size_t(y * kPixels + x);
+        EXPECT_NEAR(p.mean[i], expected, 6 * p.error[i] + 0.01 * expected) << x << ", " << y;
+        seen += p.mean[i], all += expected;
+      }
+    EXPECT_NEAR(seen / all, 1, 0.01);
+    EXPECT_LT(p.all_error, 0.01 * p.all);
+  }
+}
+
 /// Light that is followed from the lamp and from the sensor makes the same picture.
 TEST(Subsurface, LightTracingAgrees) {
   const auto picture = [](const std::string& integrator, const std::string& boundary) {
