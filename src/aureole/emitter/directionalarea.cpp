@@ -75,7 +75,7 @@ AUREOLE_PLUGIN(
         .summary =
             "Makes the shape it is a child of shine along its normals only: a rectangle sends a parallel "
             "beam. Light "
-            "tracing (`ptracer`) finds this light; `path` and `direct` cannot.",
+            "tracing (`ptracer`, `bdpt`) finds this light; `path` and `direct` cannot.",
         .source = "",
         .parameters = {{"radiance", "spectrum", "W/(m^2 nm), any common scale", "1",
                         "spectral exitance, the power that leaves per area (the name is Mitsuba's); may be a "
