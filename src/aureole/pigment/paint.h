@@ -34,26 +34,27 @@ struct Palette {
 };
 
 /// Throws std::domain_error, with the name of the pigment and the wavelength, where the palette has no
-/// wavelengths or no pigments, the former do not increase, a number is missing or not finite, or a name twice.
+/// wavelengths or no pigments, the former do not increase, a number is missing or not finite, or a name
+/// twice.
 void check(const Palette& palette);
 
 /// Sets negative K and S to zero, which no layer has but fits of noisy or inconsistent measurements can.
 /// Returns how many there were.
 int clamp_negative(Palette& palette);
 
-/// Parts, one for each pigment of a palette, divided by their sum. Throws std::domain_error where one is negative or not
-/// finite, or all are zero.
+/// Parts, one for each pigment of a palette, divided by their sum. Throws std::domain_error where one is
+/// negative or not finite, or all are zero.
 std::vector<double> fractions_of_parts(std::span<const double> parts);
 
-/// Mass fractions from parts by volume, by the densities of the pigments. Throws std::domain_error that names a pigment
-/// which is used and has no density.
+/// Mass fractions from parts by volume, by the densities of the pigments. Throws std::domain_error that names
+/// a pigment which is used and has no density.
 std::vector<double> fractions_of_volumes(const Palette& palette, std::span<const double> volumes);
 
 /// K and S of a layer at the wavelengths of a palette.
 using Paint = std::vector<Coefficients>;
 
-/// Two-constant mixture by mass fractions that sum to one: K = sum c_i K_i, S = sum c_i S_i (D. R. Duncan, Proc.
-/// Phys. Soc. 52, 1940).
+/// Two-constant mixture by mass fractions that sum to one: K = sum c_i K_i, S = sum c_i S_i (D. R. Duncan,
+/// Proc. Phys. Soc. 52, 1940).
 Paint mix(const Palette& palette, std::span<const double> fractions);
 
 /// Single-constant theory, for little colorant in much white or in a textile whose scattering does not

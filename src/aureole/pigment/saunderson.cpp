@@ -24,8 +24,8 @@ double masking(double mu, double alpha) {
   return 2 * mu / (mu + std::sqrt(mu * mu + alpha * alpha * (1 - mu) * (1 + mu)));
 }
 
-/// Directional albedo of facets that reflect once. The measure of normals is that of D cos(theta_m), which t in
-/// (0, 1) spreads evenly: tan^2 theta_m = alpha^2 t/(1 - t).
+/// Directional albedo of facets that reflect once. The measure of normals is that of D cos(theta_m), which t
+/// in (0, 1) spreads evenly: tan^2 theta_m = alpha^2 t/(1 - t).
 double facet_albedo(double mu, double index, double alpha) {
   using Nodes = boost::math::quadrature::gauss<double, 40>;
   const double sine = std::sqrt((1 - mu) * (1 + mu)), shown = masking(mu, alpha);

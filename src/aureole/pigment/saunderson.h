@@ -36,7 +36,8 @@ Surface smooth_surface(double index, Geometry geometry, Specular specular);
 
 /// Reflectance of a rough interface for diffuse light from outside, in [0, 1]: facets of Trowbridge and
 /// Reitz's distribution (GGX) of width alpha in [0, 1], Smith's masking of both directions (Walter et al.
-/// 2007), light that is reflected once; what is not reflected so is taken to pass. By quadrature, error below 5e-4.
+/// 2007), light that is reflected once; what is not reflected so is taken to pass. By quadrature, error below
+/// 5e-4.
 double rough_diffuse_reflectance(double index, double alpha);
 
 /// A rough interface, lit from everywhere. Since it absorbs nothing, 1 - k2 = (1 - k1)/n^2.

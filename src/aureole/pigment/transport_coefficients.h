@@ -15,9 +15,12 @@ namespace aureole::pigment {
 /// The name of a relation for S. R_inf of a half-space of isotropic scatterers, index 1, diffuse light, is
 /// .1465, .478 and .795 for albedos of .5, .9 and .99 by transport; each convention's own values are given.
 enum class Convention {
-  three_quarters,  ///< 3/4 sigma_s (1 - g): .139, .471, .793
-  diffusion,  ///< 3/4 sigma_s (1 - g) - sigma_a/4, matched to diffusion; negative for strong absorbers: .101, .465, .793
-  double_gauss  ///< sigma_s (1 - 3/4 g), discrete ordinates of two streams at cosines +-1/2: .172, .520, .818
+  /// 3/4 sigma_s (1 - g): .139, .471, .793
+  three_quarters,
+  /// 3/4 sigma_s (1 - g) - sigma_a/4, matched to diffusion; negative for strong absorbers: .101, .465, .793
+  diffusion,
+  /// sigma_s (1 - 3/4 g), discrete ordinates of two streams at cosines +-1/2: .172, .520, .818
+  double_gauss
 };
 
 /// "three_quarters", "diffusion", "double_gauss".

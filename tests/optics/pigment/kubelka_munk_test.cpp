@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The two differential equations, followed from the substrate upwards by Runge and Kutta's fourth-order method: fluxes
-/// relative to the downward one at the substrate.
+/// The two differential equations, followed from the substrate upwards by Runge and Kutta's fourth-order
+/// method: fluxes relative to the downward one at the substrate.
 Fluxes integrated(Coefficients c, double height, double substrate) {
   constexpr int kSteps = 4000;
   const double h = height / kSteps;

@@ -68,7 +68,8 @@ TEST(Paint, WrongInputIsNamed) {
 }
 
 TEST(Hiding, ThicknessOfContrast) {
-  // Without absorption R = SX/(1 + SX) over black: a quadratic equation for SX, over a white of 1 simply C/(1 - C).
+  // Without absorption R = SX/(1 + SX) over black: a quadratic equation for SX, over a white of 1 simply C/(1
+  // - C).
   EXPECT_NEAR(hiding_thickness(Coefficients{0, 2}, {}, 0.98, 0, 1), 0.98 / 0.02 / 2, 1e-10);
   const Surface surface = saunderson_surface(0.04, 0.6, Specular::included);
   const Coefficients c{0.1, 3};
