@@ -2,29 +2,19 @@
 #include "aureole/pigment/fit.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <functional>
-#include <limits>
 #include <map>
 #include <optional>
 #include <tuple>
 
 #include "aureole/pigment/domain.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
+#include "aureole/pigment/prediction.h"
 
 namespace aureole::pigment {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Values = std::vector<double>;
-
-std::optional<double> number_in(const std::string& text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return {};
-  return value;
-}
 
 double share_of(const Sample& sample, const std::string& paint) {
   for (const Component& c : sample.paints)
@@ -36,16 +26,6 @@ double share_of(const Sample& sample, const std::string& paint) {
 struct Group {
   std::vector<std::size_t> members;
 };
-
-/// Inner reflectance of what lies behind a sample, at one wavelength.
-double substrate_at(const SampleTable& table, const Surface& surface, const Sample& sample, std::size_t i) {
-  if (const auto number = number_in(sample.backing)) return *number;
-  double sum = 0;
-  int count = 0;
-  for (const Sample& other : table.samples)
-    if (other.paints.empty() && other.name == sample.backing) sum += other.values[i], ++count;
-  return inner_reflectance(surface, sum / count);
-}
 
 /// Which groups speak of one paint.
 struct Evidence {
@@ -126,7 +106,7 @@ void Fitter::check_samples() const {
       if (sample.name.empty()) throw SampleError(s, -1, "a bare substrate needs a name");
     } else if (sample.backing != "opaque") {
       if (!(sample.thickness > 0)) throw SampleError(s, -1, named + " is not opaque and needs its thickness");
-      const auto number = number_in(sample.backing);
+      const auto number = backing_reflectance(sample);
       if (number && !(*number >= 0 && *number <= 1))
         throw SampleError(s, -1,
                           named + ": the backing's reflectance must be in [0, 1], got " + sample.backing);
@@ -418,34 +398,6 @@ Fit fit(const SampleTable& table, const FitSettings& settings) {
   const Fitter fitter(table, settings);
   Fit result = fitter.solve(fitter.means());
   fitter.add_errors(result);
-  return result;
-}
-
-std::vector<double> predict(const Palette& palette, const SampleTable& table, const Sample& sample) {
-  Values fractions(palette.pigments.size());
-  for (const Component& c : sample.paints) {
-    const auto p = palette.find(c.name);
-    if (!p) throw std::domain_error("the palette has no paint \"" + c.name + "\"");
-    fractions[*p] = c.fraction;
-  }
-  Palette possible = palette;
-  clamp_negative(possible);
-  const Paint paint = mix(possible, fractions);
-  if (sample.backing == "opaque") return paint_reflectance(paint, kInfinity, {}, palette.surface);
-  if (palette.relative)
-    throw std::domain_error("sample \"" + sample.name + "\" has a thickness, but K and S are relative");
-  if (sample.backing != "none") {
-    Values substrate;
-    for (std::size_t i = 0; i < paint.size(); ++i)
-      substrate.push_back(substrate_at(table, palette.surface, sample, i));
-    return paint_reflectance(paint, sample.thickness, substrate, palette.surface);
-  }
-  Values result;
-  for (const Coefficients& c : paint) {
-    const LayerTransfer outer = outer_transfer(palette.surface, layer(c, sample.thickness));
-    result.push_back(sample.quantity == Sample::Quantity::reflectance ? outer.reflectance
-                                                                      : outer.transmittance);
-  }
   return result;
 }
 

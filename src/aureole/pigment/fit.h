@@ -38,8 +38,8 @@ struct FitReport {
 };
 
 struct Fit {
-  Palette
-      palette;  ///< as found, negative values too (see `clamp_negative`); with errors where there are repeats
+  /// As found, negative values too (see `clamp_negative`); with errors where there are repeats.
+  Palette palette;
   std::vector<FitReport> reports;  ///< one for each pigment
 };
 
@@ -50,10 +50,6 @@ struct Fit {
 /// numbers as the data: that it gives back the tint proves nothing. Throws SampleError for an impossible
 /// reflectance, and std::domain_error that says which measurement of which paint is missing.
 Fit fit(const SampleTable& table, const FitSettings& settings = {});
-
-/// A palette's prediction of one sample, as it would be measured. Throws std::domain_error where the sample
-/// has a thickness and the palette's coefficients are relative, or a paint is not in the palette.
-std::vector<double> predict(const Palette& palette, const SampleTable& table, const Sample& sample);
 
 /// One measurement that the fit did not see, and what it says of it.
 struct LeftOut {

@@ -9,6 +9,7 @@
 
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/palette_text.h"
+#include "aureole/pigment/prediction.h"
 
 namespace aureole::pigment {
 namespace {
