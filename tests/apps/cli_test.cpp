@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -259,8 +260,9 @@ TEST_F(Cli, ThePngCompressesBrightnessAsAsked) {
   for (int x = 0; x < linear.width; ++x) {
     double y[2], rgb[2][3];
     for (std::size_t c = 0; c < 3; ++c) {
-      rgb[0][c] = 0.5 * double(linear.at(x, linear.height / 2, c));
-      rgb[1][c] = srgb_decode(png.at(x, linear.height / 2, c));
+      const char* const name = std::array{"R", "G", "B"}[c];
+      rgb[0][c] = 0.5 * double(linear.at(x, linear.height / 2, std::size_t(linear.channel(name))));
+      rgb[1][c] = srgb_decode(png.at(x, linear.height / 2, std::size_t(png.channel(name))));
     }
     for (int k = 0; k < 2; ++k) y[k] = 0.2126 * rgb[k][0] + 0.7152 * rgb[k][1] + 0.0722 * rgb[k][2];
     EXPECT_NEAR(y[1], std::min(1.0, std::asinh(20 * y[0]) / std::asinh(20.0)), 0.01);

@@ -94,11 +94,13 @@ TEST(FarAway, InstancesThatMagnifyRaysBeyondTheRangeAreErrors) {
   const auto instance = [](const std::string& member, const std::string& scale) {
     return error_of_scene("<shape type=\"instance\">\n<shape type=\"shapegroup\">\n" + member +
                           "</shape>\n<transform name=\"to_world\"><scale value=\"" + scale +
-                          "\"/></transform></shape>");
+                          "\"/><translate x=\"8\"/></transform></shape>");
   };
   EXPECT_EQ(instance("<shape type=\"sphere\"/>", "1e-10"), "");
-  EXPECT_EQ(instance("<shape type=\"sphere\"/>", "1e-17").substr(0, 73),
-            "test.xml:7:1: parameter \"to_world\" of \"instance\": makes its group so sm");
+  EXPECT_EQ(
+      instance("<shape type=\"sphere\"/>", "1e-17"),
+      "test.xml:6:1: parameter \"to_world\" of \"instance\": makes its group so small that rays of this "
+      "scene have coordinates beyond 1.8e18 in it");
   EXPECT_EQ(
       instance("<shape type=\"sphere\">\n<float name=\"radius\" value=\"1e20\"/></shape>", "1e-10"),
       "test.xml:6:1: parameter \"radius\" of \"sphere\": reaches beyond the coordinate 9e17, where rays end");
