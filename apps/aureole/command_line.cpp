@@ -3,6 +3,7 @@
 #include "command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
@@ -21,6 +22,7 @@ public:
   }
 
   int run(int argc, char** argv) {
+    if (argc > 1 && argv[1][0] != '-') require_command(argv[1]);
     try {
       app_.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
@@ -30,6 +32,16 @@ public:
   }
 
 private:
+  static void require_command(const std::string& name) {
+    std::vector<std::string> names;
+    for (const Command& command : commands()) names.push_back(command.name);
+    if (std::find(names.begin(), names.end(), name) != names.end()) return;
+    std::string hint = did_you_mean(name, names);
+    if (hint.empty())
+      for (const std::string& known : names) hint += (hint.empty() ? "; there are: " : ", ") + known;
+    throw Error("unknown command \"" + name + "\"" + hint);
+  }
+
   void add(const Command& command) {
     CLI::App* sub = app_.add_subcommand(command.name, command.help);
     const auto& options = declared_.emplace_back(std::make_unique<CommandOptions>());

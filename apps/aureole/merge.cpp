@@ -10,7 +10,22 @@
 namespace aureole {
 namespace {
 
-int merge(const std::vector<std::string>& files, const std::filesystem::path& output) {
+/// For a file that is not there, which may be the name of a picture or that with ".state" after it.
+std::string where_state_is(const std::filesystem::path& given) {
+  std::filesystem::path picture = given;
+  if (picture.extension() == ".state") picture.replace_extension();
+  const std::string extension = picture.extension();
+  if (extension != ".exr" && extension != ".hdr" && extension != ".rgbe" && extension != ".pfm") return "";
+  const auto state = std::filesystem::path(picture).replace_extension(".state");
+  std::error_code ignored;
+  return fmt::format("; the state of {} is {}{}", picture.string(), state.string(),
+                     std::filesystem::exists(state, ignored) ? "" : ", which is not there either");
+}
+
+int merge(const std::vector<std::string>& files, const std::filesystem::path& output,
+          const std::string& tonemap) {
+  std::optional<Tone> tone;
+  if (!tonemap.empty()) tone = Tone::parse(tonemap);
   if (output.extension() != ".exr") throw Error("-o " + output.string() + ": the output is an .exr file");
   require_writable(output);
   const auto state_file = std::filesystem::path(output).replace_extension(".state");
@@ -18,6 +33,12 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
   for (const auto& f : files)
     if (std::filesystem::equivalent(f, state_file, ignored))
       throw Error("-o " + output.string() + ": its state file would replace the part " + f);
+  for (const auto& f : files) {
+    const std::string hint = where_state_is(f);
+    const bool is_there = std::filesystem::exists(f, ignored);
+    if (!is_there || !hint.empty())
+      throw Error({f, 0, 0}, (is_there ? "is no state file" : "there is no such file") + hint);
+  }
   RenderState sum;
   for (size_t i = 0; i < files.size(); ++i) {
     const RenderState part = RenderState::load(files[i]);
@@ -30,7 +51,7 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
       throw Error({files[i], 0, 0}, e.message());
     }
   }
-  write_pictures(sum, output);
+  write_pictures(sum, output, tone);
   sum.save(state_file);
   if (sum.units_done() < sum.units())
     fmt::print(stderr, "note: samples {}:{} are not complete: {:.1f} % are there\n", sum.begin, sum.end,
@@ -44,7 +65,9 @@ std::function<int()> declare(CommandOptions& options) {
   auto output = std::make_shared<std::string>();
   options.add("states", *files, "state files").required();
   options.add("-o,--output", *output, "output .exr").required();
-  return [=] { return merge(*files, *output); };
+  auto tonemap = std::make_shared<std::string>();
+  options.add("--tonemap", *tonemap, "as that of \"aureole render\"");
+  return [=] { return merge(*files, *output, *tonemap); };
 }
 
 AUREOLE_COMMAND("merge", "Merge the .state files of parts rendered with --samples into one picture", declare);

@@ -27,7 +27,16 @@ extern "C" void request_stop(int) {
 }
 
 struct Arguments {
-  std::string scene, output, samples, sampler, integrator, pixel, adaptive;
+  std::string scene, output, samples, sampler, integrator, pixel, adaptive, tonemap;
+
+  std::optional<Tone> tone() const {
+    if (tonemap.empty()) return {};
+    try {
+      return Tone::parse(tonemap);
+    } catch (const Error& e) {
+      throw Error("--tonemap " + e.message());
+    }
+  }
   std::vector<std::string> defines;
   std::int64_t spp = -1, seed = -1;
   int threads = 0, replicates = 1;
@@ -81,8 +90,8 @@ private:
 /// Refreshes the PNG every few seconds while a job runs.
 class Preview {
 public:
-  Preview(const RenderJob& job, std::filesystem::path output)
-      : job_(job), output_(std::move(output)), thread_([this] { loop(); }) {}
+  Preview(const RenderJob& job, std::filesystem::path output, const std::optional<Tone>& tone)
+      : job_(job), output_(std::move(output)), tone_(tone), thread_([this] { loop(); }) {}
   ~Preview() {
     done_ = true;
     thread_.join();
@@ -95,7 +104,7 @@ private:
       try {
         if (tick % 20 != 0) continue;
         const RenderState state = job_.snapshot();
-        if (state.units_done() > 0) write_preview(state, output_);
+        if (state.units_done() > 0) write_preview(state, output_, tone_);
       } catch (const std::exception& e) {
         fmt::print(stderr, "\nnote: no more previews: {}\n", e.what());
         return;
@@ -104,6 +113,7 @@ private:
   }
   const RenderJob& job_;
   std::filesystem::path output_;
+  std::optional<Tone> tone_;
   std::atomic<bool> done_{false};
   std::thread thread_;
 };
@@ -179,6 +189,7 @@ void check_numbers(const Arguments& a) {
   if (a.threads < 0 || a.threads > 4096)
     throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
+  a.tone();
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
 }
 
@@ -246,7 +257,7 @@ RenderJob::Outcome run(const Arguments& a, const std::filesystem::path& output, 
   std::signal(SIGHUP, request_stop);
   ProgressLine line(a.quiet);
   std::optional<Preview> preview;
-  if (a.preview) preview.emplace(job, output);
+  if (a.preview) preview.emplace(job, output, a.tone());
   return job.run(stop_requested, [&](const Progress& p) { line.show(p); });
 }
 
@@ -327,7 +338,7 @@ int render(const Arguments& a) {
     fmt::print(stderr, "interrupted before anything was done: no picture is written\n");
     return 1;
   }
-  write_pictures(job.state(), output);
+  write_pictures(job.state(), output, a.tone());
   job.remove_state();
   return report(a, output, job, outcome);
 }
@@ -352,10 +363,14 @@ std::function<int()> declare(CommandOptions& options) {
       .one_of(adaptive_target_names());
   options.add("--integrator", a->integrator,
               "replace the scene's integrator: path, direct, ptracer, depth, ...");
-  options.add("--checkpoint", a->checkpoint_s, "seconds between checkpoints (default 30)");
+  options.add("--checkpoint", a->checkpoint_s,
+              "seconds between checkpoints (default 30); the first comes after 2");
   options.add("--pixel", a->pixel, "replay one pixel, x,y, and print what happens");
   options.add("--resume", a->resume, "continue from the checkpoint of the same command");
   options.add("--restart", a->restart, "begin anew where a checkpoint of an earlier job is in the way");
+  options.add("--tonemap", a->tonemap,
+              "PNG of asinh(C y)/asinh(C), y the luminance times 2^E, for large ranges of brightness: "
+              "asinh:C:E (default: only highlights are compressed)");
   options.add("--preview", a->preview, "refresh the PNG while rendering");
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return render(*a); };

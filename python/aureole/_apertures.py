@@ -127,7 +127,7 @@ def polygon(vertices: npt.ArrayLike, holes: Sequence[npt.ArrayLike] = (), *, cen
         raise Error(f"holes: expected a sequence of arrays of shape (k, 2), got one of shape {holes.shape}")
     try:
         inner = [_ring(f"holes[{i}]", hole) for i, hole in enumerate(holes)]
-    except TypeError as e:
+    except (TypeError, ValueError) as e:  # ValueError: a closed file, for instance
         if "holes[" in str(e):
             raise
         raise TypeError(f"holes: expected a sequence of arrays of shape (k, 2), got {type(holes).__name__}") from None

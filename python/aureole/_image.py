@@ -129,7 +129,7 @@ class Image:
         """One channel by name, shape (height, width), or several, shape (height, width, n)."""
         if isinstance(channel, str):
             return self._all[..., self._index(channel)]
-        if not isinstance(channel, (Sequence, np.ndarray)):
+        if not isinstance(channel, (Sequence, np.ndarray)) or (isinstance(channel, np.ndarray) and channel.ndim == 0):
             raise TypeError(f"channel: expected a name or a list of names, got {type(channel).__name__}")
         return self._all[..., [self._index(c) for c in channel]]
 

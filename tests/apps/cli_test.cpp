@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -237,6 +238,41 @@ TEST_F(Cli, CtrlCWritesWhatIsDoneAndSaysHowToResume) {
   EXPECT_TRUE(std::filesystem::exists(folder.path / "out.state"));
 }
 
+TEST_F(Cli, UnknownCommandsNameTheNearestOne) {
+  refused_arguments({"rendr", "scene.xml"}, "unknown command \"rendr\"; did you mean \"render\"?");
+  refused_arguments({"xyzzyxyzzy"}, "there are: compare, docs,");
+}
+
+TEST_F(Cli, TheFirstCheckpointComesEarly) {
+  const std::string s = scene(small_scene_text(160, 120));
+  const pid_t pid = start({"render", s, "-o", out(), "--spp", "1000000"}, folder.path / "log.txt");
+  for (int i = 0; i < 100 && !std::filesystem::exists(folder.path / "out.state"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  kill(pid, SIGKILL);
+  waitpid(pid, nullptr, 0);
+  EXPECT_TRUE(std::filesystem::exists(folder.path / "out.state"));
+}
+
+TEST_F(Cli, ThePngCompressesBrightnessAsAsked) {
+  const std::string s = scene(small_scene_text());
+  ASSERT_EQ(run({"render", s, "-o", out(), "--spp", "16", "--tonemap", "asinh:20:-1"}).exit_code, 0);
+  const Image linear = read_image(out()), png = read_image(folder.path / "out.png");
+  for (int x = 0; x < linear.width; ++x) {
+    double y[2], rgb[2][3];
+    for (std::size_t c = 0; c < 3; ++c) {
+      const char* const name = std::array{"R", "G", "B"}[c];
+      rgb[0][c] = 0.5 * double(linear.at(x, linear.height / 2, std::size_t(linear.channel(name))));
+      rgb[1][c] = srgb_decode(png.at(x, linear.height / 2, std::size_t(png.channel(name))));
+    }
+    for (int k = 0; k < 2; ++k) y[k] = 0.2126 * rgb[k][0] + 0.7152 * rgb[k][1] + 0.0722 * rgb[k][2];
+    EXPECT_NEAR(y[1], std::min(1.0, std::asinh(20 * y[0]) / std::asinh(20.0)), 0.01);
+  }
+  std::filesystem::remove(out());
+  std::filesystem::remove(folder.path / "out.png");
+  for (const char* bad : {"filmic", "asinh:", "asinh:-1", "asinh:1:2:3", "asinh:nan"})
+    refused_arguments({"render", s, "-o", out(), "--tonemap", bad}, "expected asinh");
+}
+
 TEST_F(Cli, PartsMergeAndStrangersAreRefused) {
   const std::string s = scene(small_scene_text());
   const auto file = [&](const char* name) { return (folder.path / name).string(); };
@@ -254,6 +290,10 @@ TEST_F(Cli, PartsMergeAndStrangersAreRefused) {
   refused_arguments({"merge", file("a.state"), file("c.state"), "-o", out()}, "overlap");
   refused_arguments({"merge", file("a.state"), file("d.state"), "-o", out()}, "seed");
   refused_arguments({"merge", file("a.state"), s, "-o", out()}, "not a complete state file");
+  refused_arguments({"merge", file("a.exr.state"), file("b.state"), "-o", out()},
+                    "the state of " + file("a.exr") + " is " + file("a.state"));
+  refused_arguments({"merge", file("e.exr"), "-o", out()},
+                    "is " + file("e.state") + ", which is not there either");
   refused_arguments({"render", s, "-o", out(), "--samples", "8:48"}, "multiple of 16");
 }
 

@@ -34,7 +34,7 @@ struct Arguments {
   std::int64_t single = -1;
   int jobs = 2;
   std::size_t most_failures = 100;
-  std::filesystem::path folder = "fuzz", corpus_folder;
+  std::filesystem::path folder = "fuzz", corpus_folder, regressions;
   bool self_test = false, check_corpus = false, help = false;
 };
 
@@ -91,6 +91,27 @@ int write_corpus(const Corpus& corpus, const std::filesystem::path& folder) {
   return 0;
 }
 
+/// Cases that failed once, one in each subfolder: `kMainFile` and what it refers to.
+int run_regressions(const Arguments& a) {
+  std::vector<Case> cases;
+  for (const auto& entry : std::filesystem::directory_iterator(a.regressions)) {
+    if (!entry.is_directory()) continue;
+    Case& c = cases.emplace_back();
+    c.base = entry.path().filename().string();
+    for (const auto& file : std::filesystem::directory_iterator(entry.path()))
+      c.files[file.path().filename().string()] = std::make_shared<const std::string>(read_whole(file.path()));
+  }
+  const Supervisor::Run run = [&](std::uint64_t index, const std::filesystem::path& where) {
+    write_case(cases[index], where);
+    return run_case(cases[index], where);
+  };
+  const auto report = [&](const Failure& f) { fmt::print("{}: {}\n{}", cases[f.index].base, f.what, f.log); };
+  Supervisor supervisor(run, Limits{}, a.jobs, std::filesystem::absolute(a.folder));
+  const Summary s = supervisor.run(0, cases.size(), cases.size() + 1, report);
+  fmt::print("{} of {} cases that failed once fail\n", s.failures.size(), cases.size());
+  return !s.failures.empty() || cases.empty();
+}
+
 int fuzz(const Corpus& corpus, const Arguments& a) {
   const auto folder = std::filesystem::absolute(a.folder);
   const Supervisor::Run run = [&](std::uint64_t index, const std::filesystem::path& where) {
@@ -137,6 +158,7 @@ constexpr const char* kHelp =
     "  --folder PATH      for the files of cases that fail (default fuzz)\n"
     "  --most-failures N  stop after so many (default 100)\n"
     "  --check-corpus     load the scenes without changing them\n"
+    "  --regressions PATH   run the cases in the subfolders of this folder instead\n"
     "  --write-corpus PATH  write the unchanged scenes into this folder\n"
     "  --self-test        plant a crash, a hang, ... and look whether they are found\n";
 
@@ -176,6 +198,8 @@ Arguments arguments(int argc, char** argv) {
       a.check_corpus = true;
     else if (option == "--write-corpus")
       a.corpus_folder = value();
+    else if (option == "--regressions")
+      a.regressions = value();
     else if (option == "--self-test")
       a.self_test = true;
     else if (option == "--help")
@@ -192,6 +216,7 @@ int run(const Arguments& a) {
     return 0;
   }
   if (a.self_test) return self_test(a.folder);
+  if (!a.regressions.empty()) return run_regressions(a);
   const Corpus corpus(aureole::test::source_dir());
   if (!a.corpus_folder.empty()) return write_corpus(corpus, a.corpus_folder);
   if (a.check_corpus) return check_corpus(corpus, a);

@@ -168,6 +168,11 @@ bool wavelength_range(SceneEdit& e) {
   static const char* const kEnds[] = {"360",   "830",    "1nm", "10nm", "500", "500.0001", "2um", "100um",
                                       "10GHz", "400THz", "1e6", "1e-3", "0",   "1e30",     "1m"};
   for (pugi::xml_node node : e.elements()) {
+    // Tables of spheres take minutes at the wavelengths of X-rays, within the sizes that are allowed.
+    const std::string_view type = node.attribute("type").value();
+    if (type == "suspension" || type == "mie" || std::string_view(node.name()) == "ingredient") return false;
+  }
+  for (pugi::xml_node node : e.elements()) {
     if (std::string_view(node.name()) != "film") continue;
     for (const char* name : {"wavelength_min", "wavelength_max", "response"}) {
       if (e.random.chance(0.3)) continue;

@@ -37,6 +37,18 @@ TEST(Upgrade, OnlyOldFiles) {
       "maxDepth");
 }
 
+TEST(Upgrade, NamesWithCapitalsAreReadWithANote) {
+  Upgraded u("<shape type='Rectangle'><bsdf type='RoughConductor'/><emitter type='Area'/></shape>", "3.0.0");
+  EXPECT_EQ(u.node().get("type"), "rectangle");
+  EXPECT_EQ(u.child(0).get("type"), "roughconductor");
+  EXPECT_EQ(u.child(1).get("type"), "area");
+  ASSERT_EQ(u.notes().size(), 3u);
+  EXPECT_NE(u.notes()[2].find("shape \"Rectangle\" is read as \"rectangle\""), std::string::npos)
+      << u.notes()[2];
+  // What is unknown in small letters, too, stays as it is for the error about it.
+  EXPECT_EQ(Upgraded("<shape type='Heightfield'/>", "3.0.0").node().get("type"), "Heightfield");
+}
+
 TEST(Upgrade, RenamesWhatTodaysPluginsCallOtherwise) {
   EXPECT_EQ(
       Upgraded("<bsdf type='diffuse'><rgb name='diffuseReflectance' value='1'/></bsdf>").child(0).get("name"),

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """aureole.optics against closed forms, quadrature, published values and code that shares nothing with it."""
 import doctest
+import os
 import signal
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -14,6 +15,13 @@ from aureole import _apertures, _correlations, optics
 
 UM = 1e-6
 SQUARE = [(-UM, -UM), (UM, -UM), (UM, UM), (-UM, UM)]
+
+
+def closed_file():
+    with open(os.devnull, encoding="utf-8") as file:
+        return file
+
+
 POINTS = np.random.default_rng(5).uniform(0, 10, (50, 2))
 
 
@@ -370,7 +378,8 @@ class TestApertures:
             call()
 
     @pytest.mark.parametrize("call", [lambda: optics.circle("5um"), lambda: optics.ngon(1e-6, 5.5), lambda: optics.polygon(5),
-                                      lambda: optics.polygon(SQUARE, holes=5), lambda: optics.polygon(SQUARE, centroid=1),
+                                      lambda: optics.polygon(SQUARE, holes=5),
+                                      lambda: optics.polygon(SQUARE, holes=closed_file()), lambda: optics.polygon(SQUARE, centroid=1),
                                       lambda: optics.mask("picture.png", 1e-6), lambda: optics.circle(1e-6).transform("x"),
                                       lambda: optics.circle(1e-6).transform(None), lambda: optics.ApertureShape()])
     def test_wrong_types(self, call):

@@ -70,6 +70,8 @@ def test_pictures_of_arrays(tmp_path):
         aureole.Image(array, ["a"])
     with pytest.raises(KeyError, match="there are R, G, B"):
         image["X"]
+    with pytest.raises(TypeError, match="^channel: expected a name"):
+        image[np.array("R")]
 
 
 def test_variance_seed_and_threads(scene):

@@ -3,8 +3,10 @@
 // reaches.
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <limits>
 
+#include "aureole/render/job.h"
 #include "aureole/scene/scene.h"
 #include "loading/load_text.h"
 
@@ -40,30 +42,90 @@ TEST(FarAway, RaysWithoutAPlaceMeetNothing) {
   EXPECT_FALSE(scene->intersect({{0, 0, -5}, {0, 0, 1}, nan}));
 }
 
-TEST(FarAway, ObjectsThatNoRayReachesAreErrors) {
-  const std::string moved = "<transform name=\"to_world\"><translate x=\"3e38\"/></transform></shape>";
-  EXPECT_EQ(error_of_scene("<shape type=\"rectangle\"><transform name=\"to_world\"><scale "
-                           "value=\"1e30\"/></transform></shape>"),
-            "test.xml:3:1: \"rectangle\" reaches beyond the coordinate 1.8e18, where rays end");
-  EXPECT_EQ(error_of_scene("<shape type=\"sphere\">" + moved),
-            "test.xml:3:1: \"sphere\" reaches beyond the coordinate 1.8e18, where rays end");
-  EXPECT_EQ(error_of_scene("<shape type=\"sphere\"><float name=\"radius\" value=\"1e30\"/></shape>"),
-            "test.xml:3:1: \"sphere\" reaches beyond the coordinate 1.8e18, where rays end");
-  const std::string light =
-      "<emitter type=\"point\"><point name=\"position\" x=\"3e38\" y=\"0\" z=\"0\"/></emitter>";
-  EXPECT_EQ(error_of_scene(light + light),
-            "test.xml:3:1: \"point\" reaches beyond the coordinate 1.8e18, where rays end");
+TEST(FarAway, ErrorsStandWhereThePlaceIsStated) {
+  const std::string reaches = "reaches beyond the coordinate 9e17, where rays end";
+  for (const char* distance : {"1e18", "3e38", "1e300"}) {
+    const std::string moved =
+        "\n<transform name=\"to_world\"><translate x=\"" + std::string(distance) + "\"/></transform>";
+    for (const char* object :
+         {"shape type=\"sphere\"", "shape type=\"rectangle\"", "emitter type=\"spot\""}) {
+      const std::string type = std::string(object).substr(std::string(object).find('"'));
+      EXPECT_EQ(error_of_scene("<" + std::string(object) + ">" + moved + "</" +
+                               std::string(object, std::string(object).find(' ')) + ">"),
+                "test.xml:4:1: parameter \"to_world\" of " + type +
+                    ": leads beyond the coordinate 9e17, where rays end");
+    }
+  }
+  EXPECT_EQ(error_of_scene("<shape type=\"rectangle\">\n<transform name=\"to_world\"><scale value=\"1e30\"/>"
+                           "</transform></shape>"),
+            "test.xml:4:1: parameter \"to_world\" of \"rectangle\": " + reaches);
+  EXPECT_EQ(error_of_scene("<shape type=\"sphere\">\n<float name=\"radius\" value=\"1e30\"/></shape>"),
+            "test.xml:4:1: parameter \"radius\" of \"sphere\": " + reaches);
+  EXPECT_EQ(error_of_scene("<emitter type=\"point\">\n<point name=\"position\" x=\"3e38\" y=\"0\" z=\"0\"/>"
+                           "</emitter>"),
+            "test.xml:4:1: parameter \"position\" of \"point\": " + reaches);
 }
 
-TEST(FarAway, SensorsSeeNothing) {
-  const auto scene =
-      load_scene_from_string(test::kHead +
-                                 "<sensor type=\"perspective\"><transform "
-                                 "name=\"to_world\"><translate x=\"1e30\"/></transform></sensor>"
-                                 "<shape type=\"sphere\"/><emitter type=\"constant\"/></scene>",
-                             "test.xml")
-          .scene;
-  EXPECT_FALSE(scene->intersect(scene->sensor().sample_ray({1, 1}, {}).ray));
+TEST(FarAway, SensorsWhoseRaysCannotBeTracedAreErrors) {
+  const auto error = [](const std::string& sensor) {
+    try {
+      load_scene_from_string(test::kHead + sensor + "<shape type=\"sphere\"/></scene>", "test.xml");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(
+      error("<sensor type=\"perspective\">\n<transform name=\"to_world\"><lookat origin=\"-1e30, -5, 2\" "
+            "target=\"0, 0, 0\" up=\"0, 0, 1\"/></transform></sensor>"),
+      "test.xml:3:1: parameter \"to_world\" of \"perspective\": leads beyond the coordinate 9e17, where rays end");
+  EXPECT_EQ(
+      error("<sensor type=\"orthographic\">\n<transform name=\"to_world\"><scale value=\"1e20\"/>"
+            "</transform></sensor>"),
+      "test.xml:3:1: parameter \"to_world\" of \"orthographic\": its rays begin beyond the coordinate 9e17, where "
+      "rays end");
+  EXPECT_EQ(
+      error("<sensor type=\"perspective\"><transform name=\"to_world\"><translate x=\"8e17\"/></transform>"
+            "</sensor>"),
+      "");
+}
+
+TEST(FarAway, InstancesThatMagnifyRaysBeyondTheRangeAreErrors) {
+  const auto instance = [](const std::string& member, const std::string& scale) {
+    return error_of_scene("<shape type=\"instance\">\n<shape type=\"shapegroup\">\n" + member +
+                          "</shape>\n<transform name=\"to_world\"><scale value=\"" + scale +
+                          "\"/><translate x=\"8\"/></transform></shape>");
+  };
+  EXPECT_EQ(instance("<shape type=\"sphere\"/>", "1e-10"), "");
+  EXPECT_EQ(
+      instance("<shape type=\"sphere\"/>", "1e-17"),
+      "test.xml:6:1: parameter \"to_world\" of \"instance\": makes its group so small that rays of this "
+      "scene have coordinates beyond 1.8e18 in it");
+  EXPECT_EQ(
+      instance("<shape type=\"sphere\">\n<float name=\"radius\" value=\"1e20\"/></shape>", "1e-10"),
+      "test.xml:6:1: parameter \"radius\" of \"sphere\": reaches beyond the coordinate 9e17, where rays end");
+}
+
+TEST(FarAway, LostRaysMakeSamplesInvalid) {
+  // Light is scattered once in 1e19 units of length: most places are beyond the range.
+  const auto lost = [](const std::string& integrator) {
+    const LoadedScene loaded = load_scene_from_string(
+        test::kHead + "<integrator type=\"" + integrator +
+            "\"/><sensor type=\"perspective\"><medium type=\"homogeneous\" id=\"haze\"><float name=\"sigma_t\" "
+            "value=\"1e-19\"/><float name=\"albedo\" value=\"1\"/></medium><film type=\"hdrfilm\">"
+            "<integer name=\"width\" value=\"4\"/><integer name=\"height\" value=\"4\"/></film></sensor>"
+            "<emitter type=\"point\"><rgb name=\"intensity\" value=\"1e30\"/><ref id=\"haze\"/></emitter></scene>",
+        "test.xml");
+    RenderOptions options;
+    options.end = 16;
+    RenderJob job(loaded, options);
+    const std::atomic<bool> stop{false};
+    job.run(stop);
+    return double(job.state().invalid_samples) / (16 * 16);
+  };
+  // At most half of the paths end within the far clip plane or are absorbed by roulette.
+  EXPECT_GT(lost("path"), 0.5);
+  EXPECT_GT(lost("ptracer"), 0.5);
 }
 
 TEST(FarAway, ResponsesAndEmissionsThatOverflow) {

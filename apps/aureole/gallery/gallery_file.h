@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "aureole/render/tone.h"
+
 namespace aureole {
 
 using Defines = std::vector<std::pair<std::string, std::string>>;
@@ -23,11 +25,6 @@ struct PictureEffort {
   int width = 0, height = 0;
   std::int64_t samples = 0;
   double seconds = 0;  ///< instead of samples where above 0
-};
-
-/// asinh(compression y)/asinh(compression) of the luminance y times 2^exposure; white is y = 1.
-struct Tone {
-  double exposure = 0, compression = 0;
 };
 
 struct GalleryPicture {

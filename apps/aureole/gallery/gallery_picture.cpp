@@ -90,40 +90,6 @@ RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, 
   return out;
 }
 
-Image toned(const Image& picture, const Tone& tone) {
-  int channel[3] = {picture.channel("R"), picture.channel("G"), picture.channel("B")};
-  if (channel[0] < 0 || channel[1] < 0 || channel[2] < 0)
-    channel[0] = channel[1] = channel[2] = std::max(0, picture.channel("Y"));
-  Image out{picture.width, picture.height, {"R", "G", "B"}, {}, true};
-  out.pixels.resize(std::size_t(picture.width) * picture.height * 3);
-  const double gain = std::exp2(tone.exposure), b = tone.compression;
-  for (int y = 0; y < picture.height; ++y)
-    for (int x = 0; x < picture.width; ++x) {
-      double c[3];
-      for (int k = 0; k < 3; ++k) {
-        c[k] = gain * picture.at(x, y, std::size_t(channel[k]));
-        if (!std::isfinite(c[k])) c[k] = 0;
-      }
-      const double luminance = 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-      if (!(luminance > 0)) {
-        for (int k = 0; k < 3; ++k) out.at(x, y, std::size_t(k)) = 0;
-        continue;
-      }
-      const double target = std::min(1.0, b > 0 ? std::asinh(b * luminance) / std::asinh(b) : luminance);
-      // Desaturates colours outside of the display's gamut, keeping hue and brightness.
-      double keep = 1;
-      for (double& v : c) {
-        v *= target / luminance;
-        if (v < 0) keep = std::min(keep, target / (target - v));
-        if (v > 1) keep = std::min(keep, (1 - target) / (v - target));
-      }
-      for (int k = 0; k < 3; ++k)
-        out.at(x, y, std::size_t(k)) =
-            srgb_encode(float(std::clamp(target + keep * (c[k] - target), 0.0, 1.0)));
-    }
-  return out;
-}
-
 std::string render_command(const GalleryPicture& picture, GallerySize size) {
   std::string out = "aureole render " + quoted(picture.scene.string());
   for (const auto& [name, value] : all_defines(picture, size)) out += " -D " + quoted(name + "=" + value);

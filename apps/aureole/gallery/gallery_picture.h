@@ -30,9 +30,6 @@ RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, 
                                const std::filesystem::path& state, const std::atomic<bool>& stop,
                                const std::function<void(const Progress&)>& report);
 
-/// Colours for display.
-Image toned(const Image& picture, const Tone& tone);
-
 /// The `aureole render` command that makes the same picture.
 std::string render_command(const GalleryPicture& picture, GallerySize size);
 

@@ -35,39 +35,41 @@ void check_index_range(const Properties& properties, std::string_view name, cons
 }
 
 Ior Ior::from(const Properties& properties, std::string_view name, const std::string& fallback) {
-  // A plug-in that documents `dispersion` lets a scene ask for the constant indices that other renderers use.
-  const bool may_disperse = !properties.plugin() || !properties.plugin()->documents("dispersion") ||
-                            properties.get_bool("dispersion", true);
-  Ior ior;
-  std::string material = fallback;
-  bool named = false;
-  if (const Properties::Entry* e = properties.find(name)) {
-    if (std::holds_alternative<double>(e->value) || std::holds_alternative<std::int64_t>(e->value)) {
-      ior.constant_ = float(properties.get_float(name, Range::positive()));
-      return ior;
+  return properties.tolerate(Ior(), [&] {
+    // A plug-in that documents `dispersion` lets a scene ask for the constant indices that other renderers use.
+    const bool may_disperse = !properties.plugin() || !properties.plugin()->documents("dispersion") ||
+                              properties.get_bool("dispersion", true);
+    Ior ior;
+    std::string material = fallback;
+    bool named = false;
+    if (const Properties::Entry* e = properties.find(name)) {
+      if (std::holds_alternative<double>(e->value) || std::holds_alternative<std::int64_t>(e->value)) {
+        ior.constant_ = float(properties.get_float(name, Range::positive()));
+        return ior;
+      }
+      if (!std::holds_alternative<std::string>(e->value))
+        throw properties.error(name, "expected a number or the name of a material");
+      material = std::get<std::string>(e->value);
+      named = true;
     }
-    if (!std::holds_alternative<std::string>(e->value))
-      throw properties.error(name, "expected a number or the name of a material");
-    material = std::get<std::string>(e->value);
-    named = true;
-  }
-  const auto constant = find_refractive_index(material, false);
-  if (!constant)
-    throw properties.error(
-        name, "unknown material \"" + material + "\"" + did_you_mean(material, refractive_index_names()));
-  // A material that is a table even without dispersion is a conductor.
-  if (constant->is_dispersive())
-    throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
-  // A default is the constant of other renderers, so that their scenes look the same; a material that a scene
-  // names is the real one.
-  const auto index = find_refractive_index(material, named && may_disperse);
-  ior.constant_ = float(index->at(kSodiumD).real());
-  if (!index->is_dispersive()) return ior;
-  const SpectralGrid& grid = properties.context().grid;
-  check_index_range(properties, name, material, *index);
-  ior.dispersive_ = true;
-  ior.table_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
-  return ior;
+    const auto constant = find_refractive_index(material, false);
+    if (!constant)
+      throw properties.error(
+          name, "unknown material \"" + material + "\"" + did_you_mean(material, refractive_index_names()));
+    // A material that is a table even without dispersion is a conductor.
+    if (constant->is_dispersive())
+      throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
+    // A default is the constant of other renderers, so that their scenes look the same; a material that a scene
+    // names is the real one.
+    const auto index = find_refractive_index(material, named && may_disperse);
+    ior.constant_ = float(index->at(kSodiumD).real());
+    if (!index->is_dispersive()) return ior;
+    const SpectralGrid& grid = properties.context().grid;
+    check_index_range(properties, name, material, *index);
+    ior.dispersive_ = true;
+    ior.table_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
+    return ior;
+  });
 }
 
 AUREOLE_FAMILY(FamilyInfo{

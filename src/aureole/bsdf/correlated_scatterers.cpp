@@ -67,11 +67,14 @@ public:
           "between a millionth of a wavelength and 10^9 wavelengths");
     const LayerRanges ranges{area_fraction_.minimum(), area_fraction_.maximum(), radius_scale_.minimum(),
                              radius_scale_.maximum()};
-    LayerTables tables =
-        make_layer_tables(p, std::move(shapes), ranges, phase_nm_, substrate_, obliquity_.is_reciprocal());
-    model_ = std::move(tables.model);
-    sampler_ = std::move(tables.sampler);
-    balance_ = std::move(tables.balance);
+    tables_ = p.shared_model<LayerTables>([&] {
+      return std::make_shared<const LayerTables>(
+          make_layer_tables(p, std::move(shapes), ranges, phase_nm_, substrate_, obliquity_.is_reciprocal()));
+    });
+    if (!tables_) return;
+    model_ = tables_->model;
+    sampler_ = tables_->sampler;
+    balance_ = tables_->balance;
     needs_tangent_ = !model_->is_isotropic();
     fill_ = model_->fill();
   }
@@ -263,6 +266,7 @@ private:
   float fill_ = 1;
   double phase_nm_;  // 2 pi correlation_radius in nm: k a times the wavelength
   ScalarTexture area_fraction_, radius_scale_, rotation_;
+  std::shared_ptr<const LayerTables> tables_;  ///< keeps them for equal layers; null in a scene with errors
   std::shared_ptr<const ScattererModel> model_;
   std::shared_ptr<const ScattererSampler> sampler_;  // null: cosine
   std::optional<ScattererBalance> balance_;

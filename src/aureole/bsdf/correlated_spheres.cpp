@@ -53,7 +53,7 @@ public:
     if (!layer.structure->is_isotropic())
       p.note("correlation",
              "domains of all orientations are taken: spheres scatter by the mean over the ring");
-    tables_ = std::make_unique<SphereTables>(layer, grid);
+    tables_ = p.shared_model<SphereTables>([&] { return std::make_shared<const SphereTables>(layer, grid); });
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -99,7 +99,7 @@ private:
                     "must not exceed 5000; discs of \"correlated_scatterers\" diffract alike");
   }
 
-  std::unique_ptr<const SphereTables> tables_;
+  std::shared_ptr<const SphereTables> tables_;
 };
 
 AUREOLE_PLUGIN(

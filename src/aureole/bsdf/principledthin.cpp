@@ -150,8 +150,9 @@ private:
     const Ggx ggx = s.transmission_ggx();
     const float d = 0.25f * ggx.d(half.h) * ggx.g1_over_cos(i);
     e.pdf += Spectrum(s.p_specular_transmit * d / s.total);
-    // Mitsuba leaves out directions on the wrong side of the half vector. Exchanging the directions gives
-    // another condition: the model is not reciprocal, and light that travels towards wo asks from there.
+    // Mitsuba leaves out directions on the wrong side of the half vector; Burley (2015) has no such condition.
+    // Exchanging the directions gives another one: Mitsuba's model is not reciprocal, and light that travels
+    // towards wo asks from there.
     const Vec3& to = ctx.mode == TransportMode::radiance ? o : i;
     const float along = to.x * half.h.x + to.y * half.h.y;
     const bool visible =
@@ -173,8 +174,10 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Burley's principled (Disney) BSDF for thin sheets such as leaves, paper and panes, which are one "
         "surface without refraction; both sides are alike. It is made for the eye: sheen adds to the "
-        "diffuse reflection, and of rough transmission a part is left out by a condition that is not "
-        "symmetric, so that it is not reciprocal there. Reflections between the two faces are not counted.",
+        "diffuse reflection. Reflections between the two faces are not counted. Burley's rough transmission, "
+        "reflection turned to the other side, is reciprocal; Mitsuba's, which this is, leaves out directions "
+        "on the wrong side of the half vector of the reflection, a condition that changes when directions are "
+        "exchanged: from 85 to 60 degrees light passes, from 60 to 85 none.",
         "B. Burley, Extending the Disney BRDF to a BSDF with integrated subsurface scattering, SIGGRAPH "
         "2015 course notes; constants and lobes as in Mitsuba 3.9",
         {{"base_color", "texture", "", "0.5", "colour of the material"},

@@ -53,6 +53,8 @@ public:
     return Event::surface;
   }
 
+  void lose(int i) { paths_[size_t(i)].result.invalidate(); }
+
   bool connect(int i, Connection& out) {
     State& s = states_[i];
     if (!s.smooth) return false;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +36,8 @@ private:
 struct RadianceEstimate {
   Spectrum estimate{0.f};  ///< L_i / (N p_lambda(lambda_i)), as Film::measure takes it
   float alpha = 0;
+  /// The path could not be followed: its sample is left out and counted.
+  void invalidate() { estimate = std::numeric_limits<float>::quiet_NaN(); }
 };
 
 /// One of the paths of a batch, which belongs to a sample of a pixel.

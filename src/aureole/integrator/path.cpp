@@ -63,6 +63,8 @@ public:
     return Event::surface;
   }
 
+  void lose(int i) { paths_[size_t(i)].result.invalidate(); }
+
   bool connect(int i, Connection& out) {
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];

@@ -25,6 +25,7 @@ public:
   void see(int path, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
     sum[path] += radiance;
   }
+  void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
 
   Spectrum sum[kBatch];
 
@@ -88,6 +89,8 @@ public:
       log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
     return Event::surface;
   }
+
+  void lose(int i) { paths_[size_t(i)].result.invalidate(); }
 
   bool connect(int i, Connection& out) {
     const State& s = states_[i];

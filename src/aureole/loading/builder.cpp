@@ -53,7 +53,8 @@ ObjectPtr Builder::object(const Node& node) {
       if (!object_family(child).empty() || child.tag == "ref") this->object(child);
   } else {
     object = construct(*t);
-    if (object && may_keep) pool_->add(keys_.of(*t), object);
+    // Of a scene with errors objects may lack their tables (`Properties::shared_model`).
+    if (object && may_keep && !diagnostics_.has_errors()) pool_->add(keys_.of(*t), object);
   }
   return built_[t] = object;  // `slot` may be invalid by now: construct() adds children
 }
@@ -93,6 +94,8 @@ ObjectPtr Builder::construct(const Node& node) {
   const PluginInfo* plugin = plugin_of(node, &alias);
   Properties properties(plugin ? plugin->name : node.get("type"), node.get("id"), node.where, context_,
                         plugin);
+
+  properties.set_content(keys_.content_of(node, *context_));
 
   bool good = plugin != nullptr;
   for (const Node& child : node.children) {
@@ -156,6 +159,7 @@ ObjectPtr Builder::create(const Node& node, const PluginInfo& plugin, const Prop
     return object;
   } catch (const Error& e) {
     report(node, e, diagnostics_);
+    for (const Error& further : properties.further_problems()) report(node, further, diagnostics_);
   } catch (const std::exception& e) {
     diagnostics_.error(node.where, "\"" + plugin.name + "\": " + e.what());
   }

@@ -2,6 +2,7 @@
 // Hashes: of a scene's content, by which a checkpoint recognises the scene it belongs to, and of single
 // elements, by which objects are found again after a change.
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -72,6 +73,25 @@ public:
   KeyMaker(const References& references, const std::map<std::string, ObjectPtr>& given)
       : references_(references), given_(given) {}
 
+  /// Of what the element is made: without its name, and without ids.
+  std::uint64_t content(const Node& node) {
+    if (const Node* target = references_.follow(node); target && target != &node) return content(*target);
+    if (const auto known = contents_.find(&node); known != contents_.end()) return known->second;
+    Hash hash;
+    hash.text(node.tag);
+    for (const Attribute& a : node.attributes) {
+      if (a.name == "id" || a.name == "name") continue;
+      hash.text(a.name);
+      hash.text(a.value);
+      if (references_.names_file(a)) add_file(a.value, hash);
+    }
+    for (const Node& child : node.children) {
+      hash.text(child.get("name"));
+      hash.number(content(child));
+    }
+    return contents_[&node] = hash.value();
+  }
+
   std::uint64_t key(const Node& node, bool without_children_of_shape = false) {
     if (const Node* target = references_.follow(node); target && target != &node) return key(*target);
     if (const auto known = known_.find(&node); known != known_.end() && !without_children_of_shape)
@@ -113,7 +133,7 @@ private:
 
   const References& references_;
   const std::map<std::string, ObjectPtr>& given_;
-  std::unordered_map<const Node*, std::uint64_t> known_;
+  std::unordered_map<const Node*, std::uint64_t> known_, contents_;
 };
 
 }  // namespace
@@ -126,6 +146,14 @@ PoolKeys::PoolKeys(const References& references, const std::map<std::string, Obj
 PoolKeys::~PoolKeys() = default;
 ObjectPool::Key PoolKeys::of(const Node& node) {
   return {maker_->key(node), object_family(node) == "shape" ? maker_->key(node, true) : 0};
+}
+std::uint64_t PoolKeys::content_of(const Node& node, const BuildContext& context) {
+  Hash hash;
+  hash.number(maker_->content(node));
+  for (const double x :
+       {context.grid.min_nm, context.grid.max_nm, double(context.grid.cells), context.length_unit_m})
+    hash.number(std::bit_cast<std::uint64_t>(x));
+  return hash.value();
 }
 
 std::uint64_t content_hash(const Node& root, const References& references) {

@@ -69,6 +69,7 @@ public:
     if (pool) pool->begin(owned_->context);
     Builder builder(references, context(), diagnostics(), options.given, pool);
     owned_->context.scene = &builder;
+    owned_->context.models = pool ? pool->models() : std::make_shared<ModelCache>();
     build(builder);
     owned_->context.scene = nullptr;
     stop_at_errors();

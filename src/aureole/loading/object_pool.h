@@ -23,6 +23,9 @@ public:
     std::uint64_t geometry = 0;  ///< of a shape: without its BSDF, emitter and sensor
   };
 
+  /// The tables of all builds.
+  const std::shared_ptr<ModelCache>& models() const { return models_; }
+
   /// Begins a build: marks all geometry as unused. Empties the pool if the spectral grid or the unit of
   /// length has changed.
   void begin(const BuildContext& context);
@@ -63,6 +66,7 @@ private:
 
   std::unordered_map<std::uint64_t, ObjectPtr> objects_;
   std::vector<std::unique_ptr<Entry>> shapes_;
+  std::shared_ptr<ModelCache> models_ = std::make_shared<ModelCache>();
   SpectralGrid grid_;
   double length_unit_m_ = 0;
 };
@@ -74,6 +78,9 @@ public:
   PoolKeys(const References& references, const std::map<std::string, ObjectPtr>& given);
   ~PoolKeys();
   ObjectPool::Key of(const Node& node);
+  /// A hash of what an object is made of: of the element without its name and without ids, and of the settings
+  /// of the scene.
+  std::uint64_t content_of(const Node& node, const BuildContext& context);
 
 private:
   struct Maker;

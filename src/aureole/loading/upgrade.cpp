@@ -5,6 +5,7 @@
 #include <cctype>
 
 #include "aureole/core/units.h"
+#include "aureole/loading/aliases.h"
 #include "aureole/loading/upgrade_adapters.h"
 #include "aureole/loading/values.h"
 
@@ -225,6 +226,19 @@ void upgrade_sky(Node& emitter, const std::string& type, Diagnostics& diagnostic
   to_world.children.insert(to_world.children.begin(), std::move(axes));
 }
 
+/// Older exporters write "Rectangle" for "rectangle".
+void lower_type(Node& object, Diagnostics& diagnostics) {
+  Attribute* type = object.find("type");
+  const std::string family = object_family(object);
+  if (!type || type->failed || family.empty() || find_plugin(family, type->value)) return;
+  std::string lower = type->value;
+  for (char& c : lower) c = char(std::tolower(static_cast<unsigned char>(c)));
+  if (lower == type->value || !find_plugin(family, lower)) return;
+  diagnostics.note(type->where, family + " \"" + type->value + "\" is read as \"" + lower +
+                                    "\": names of plug-ins have no capital letters");
+  type->value = lower;
+}
+
 void upgrade_node(Node& node, Diagnostics& diagnostics) {
   if (node.tag == "lookAt") node.tag = "lookat";
   if (node.tag == "srgb") upgrade_srgb(node);
@@ -274,6 +288,7 @@ std::string snake_case(std::string_view name) {
 
 void upgrade(Node& node, Diagnostics& diagnostics) {
   for (Node& child : node.children) upgrade(child, diagnostics);
+  lower_type(node, diagnostics);
   // Ids that start with an underscore, which Mitsuba 2 renamed, are ordinary ids here.
   if (node.file && node.file->version < SceneVersion{2, 0, 0}) upgrade_node(node, diagnostics);
 }

@@ -73,6 +73,12 @@ bool Transform::is_singular() const {
   return !(std::abs(determinant3()) > 1e-12 * scale);
 }
 
+bool Transform::stays_near() const {
+  for (int i = 0; i < 3; ++i)
+    if (!(std::abs(m_[i][3]) <= kFarthestPlace)) return false;
+  return true;
+}
+
 Transform Transform::inverse() const {
   Matrix a = m_, r = Transform().m_;
   for (int c = 0; c < 4; ++c) {

@@ -9,6 +9,10 @@
 
 namespace aureole {
 
+/// The largest coordinate of anything in a scene. Rays between any two places have origins and directions up to
+/// twice that, which is what Embree takes, and sums of squares of coordinates stay within the range of float.
+inline constexpr double kFarthestPlace = 9e17;
+
 class Transform {
 public:
   using Matrix = std::array<std::array<double, 4>, 4>;  ///< row-major, column vectors
@@ -30,7 +34,9 @@ public:
   const Matrix& matrix() const { return m_; }
   double determinant3() const;  ///< of the upper-left 3x3 part
   bool is_singular() const;     ///< not invertible to working precision, or not finite
-  Transform inverse() const;    ///< requires !is_singular()
+  /// The origin is moved no farther than to kFarthestPlace.
+  bool stays_near() const;
+  Transform inverse() const;  ///< requires !is_singular()
 
   Vec3 point(const Vec3& p) const;   ///< affine part only
   Vec3 vector(const Vec3& v) const;  ///< 3x3 part

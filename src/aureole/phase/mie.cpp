@@ -19,20 +19,22 @@
 namespace aureole {
 namespace {
 
-TabulatedPhase make_table(const Properties& p) {
+std::shared_ptr<const TabulatedPhase> make_table(const Properties& p) {
   const SpectralGrid grid = p.context().grid;
   const optics::RadiusDistribution radii = read_radii(p);
   const Ior medium = Ior::from(p, "ext_ior", "air");
   const auto host = [=](double nm) { return double(medium.eval(Wavelengths::at(grid, float(nm)))[0]); };
   const auto index = read_complex_index(p, "int_ior", "water");
-  try {
-    const std::vector<double> nm = mie_wavelengths(grid, {&radii, 1}, host(grid.min_nm));
-    const optics::EnsembleAccuracy accuracy = mie_accuracy({&radii, 1}, host(nm.front()), nm.front());
-    const optics::Ensemble ensemble({{optics::sphere_kind(index), radii}}, nm, host, accuracy, for_ranges);
-    return tabulate(ensemble.phases(for_ranges), nm, grid);
-  } catch (const std::domain_error& e) {
-    throw p.error("radius", e.what());
-  }
+  return p.shared_model<TabulatedPhase>([&] {
+    try {
+      const std::vector<double> nm = mie_wavelengths(grid, {&radii, 1}, host(grid.min_nm));
+      const optics::EnsembleAccuracy accuracy = mie_accuracy({&radii, 1}, host(nm.front()), nm.front());
+      const optics::Ensemble ensemble({{optics::sphere_kind(index), radii}}, nm, host, accuracy, for_ranges);
+      return std::make_shared<const TabulatedPhase>(tabulate(ensemble.phases(for_ranges), nm, grid));
+    } catch (const std::domain_error& e) {
+      throw p.error("radius", e.what());
+    }
+  });
 }
 
 class MiePhase final : public TabulatedPhaseFunction {

@@ -28,7 +28,7 @@ TabulatedPhase read_table(const Properties& p) {
 class TabPhase final : public TabulatedPhaseFunction {
 public:
   explicit TabPhase(const Properties& properties)
-      : TabulatedPhaseFunction(properties, read_table(properties)) {}
+      : TabulatedPhaseFunction(properties, std::make_shared<const TabulatedPhase>(read_table(properties))) {}
 };
 
 AUREOLE_PLUGIN(

@@ -106,21 +106,26 @@ double Properties::checked(const Entry& e, double v, Range r) const {
 bool Properties::get_bool(std::string_view name, bool fallback) const {
   const Entry* e = find(name);
   if (!e) return fallback;
-  if (const bool* b = std::get_if<bool>(&e->value)) return *b;
-  throw wrong_type(*e, "a boolean");
+  return tolerate(fallback, [&] {
+    if (const bool* b = std::get_if<bool>(&e->value)) return *b;
+    throw wrong_type(*e, "a boolean");
+  });
 }
 
 std::int64_t Properties::get_int(std::string_view name, std::int64_t fallback, Range range) const {
   const Entry* e = find(name);
   if (!e) return fallback;
-  if (const auto* i = std::get_if<std::int64_t>(&e->value)) return checked(*e, double(*i), range), *i;
-  if (const auto* d = std::get_if<double>(&e->value); d && *d == std::floor(*d) && std::abs(*d) < 9e15)
-    return checked(*e, *d, range), std::int64_t(*d);
-  throw wrong_type(*e, "an integer");
+  return tolerate(fallback, [&] {
+    if (const auto* i = std::get_if<std::int64_t>(&e->value)) return checked(*e, double(*i), range), *i;
+    if (const auto* d = std::get_if<double>(&e->value); d && *d == std::floor(*d) && std::abs(*d) < 9e15)
+      return checked(*e, *d, range), std::int64_t(*d);
+    throw wrong_type(*e, "an integer");
+  });
 }
 
 double Properties::get_float(std::string_view name, double fallback, Range range) const {
-  return has(name) ? get_float(name, range) : (require_documented(name), fallback);
+  if (!has(name)) return require_documented(name), fallback;
+  return tolerate(fallback, [&] { return get_float(name, range); });
 }
 
 double Properties::get_float(std::string_view name, Range range) const {
@@ -134,8 +139,10 @@ double Properties::get_float(std::string_view name, Range range) const {
 std::string Properties::get_string(std::string_view name, const std::string& fallback) const {
   const Entry* e = find(name);
   if (!e) return fallback;
-  if (const auto* s = std::get_if<std::string>(&e->value)) return *s;
-  throw wrong_type(*e, "a string");
+  return tolerate(fallback, [&] {
+    if (const auto* s = std::get_if<std::string>(&e->value)) return *s;
+    throw wrong_type(*e, "a string");
+  });
 }
 
 std::string Properties::get_string(std::string_view name) const {
@@ -152,42 +159,51 @@ std::string Properties::get_choice(std::string_view name, const std::string& fal
   if (std::find(allowed.begin(), allowed.end(), s) != allowed.end()) return s;
   std::string list;
   for (const auto& a : allowed) list += (list.empty() ? "" : ", ") + a;
-  throw error(name, "\"" + s + "\" is not one of " + list + did_you_mean(s, allowed));
+  return tolerate(fallback, [&]() -> std::string {
+    throw error(name, "\"" + s + "\" is not one of " + list + did_you_mean(s, allowed));
+  });
 }
 
 Vec3 Properties::get_vec3(std::string_view name, const Vec3& fallback) const {
   const Entry* e = find(name);
   if (!e) return fallback;
-  const Vec3* v = std::get_if<Vec3>(&e->value);
-  if (!v) throw wrong_type(*e, "a point or vector");
-  if (!is_finite(*v)) throw error(name, "must be finite");
-  return *v;
+  return tolerate(fallback, [&] {
+    const Vec3* v = std::get_if<Vec3>(&e->value);
+    if (!v) throw wrong_type(*e, "a point or vector");
+    if (!is_finite(*v)) throw error(name, "must be finite");
+    return *v;
+  });
 }
 
 Transform Properties::get_transform(std::string_view name) const {
   const Entry* e = find(name);
   if (!e) return {};
-  const Transform* t = std::get_if<Transform>(&e->value);
-  if (!t) throw wrong_type(*e, "a transform");
-  if (t->is_singular()) throw error(name, "the transform is singular (it cannot be inverted)");
-  return *t;
+  return tolerate(Transform(), [&] {
+    const Transform* t = std::get_if<Transform>(&e->value);
+    if (!t) throw wrong_type(*e, "a transform");
+    if (t->is_singular()) throw error(name, "the transform is singular (it cannot be inverted)");
+    if (!t->stays_near()) throw error(name, "leads beyond the coordinate 9e17, where rays end");
+    return *t;
+  });
 }
 
 double Properties::get_length_m(std::string_view name, double fallback_m, Range range) const {
   const Entry* e = find(name);
   if (!e) return fallback_m;
-  if (std::holds_alternative<double>(e->value) || std::holds_alternative<std::int64_t>(e->value))
-    throw error(name, "a physical length needs a unit: write <string name=\"" + std::string(name) +
-                          "\" value=\"5um\"/>");
-  const auto* s = std::get_if<std::string>(&e->value);
-  if (!s) throw wrong_type(*e, "a length such as \"5um\"");
-  double v = 0;
-  try {
-    v = parse_length_m(*s);
-  } catch (const Error& problem) {
-    throw error(name, problem.message());
-  }
-  return checked(*e, v, range);
+  return tolerate(fallback_m, [&] {
+    if (std::holds_alternative<double>(e->value) || std::holds_alternative<std::int64_t>(e->value))
+      throw error(name, "a physical length needs a unit: write <string name=\"" + std::string(name) +
+                            "\" value=\"5um\"/>");
+    const auto* s = std::get_if<std::string>(&e->value);
+    if (!s) throw wrong_type(*e, "a length such as \"5um\"");
+    double v = 0;
+    try {
+      v = parse_length_m(*s);
+    } catch (const Error& problem) {
+      throw error(name, problem.message());
+    }
+    return checked(*e, v, range);
+  });
 }
 
 std::filesystem::path Properties::get_file(std::string_view name) const {
@@ -221,7 +237,33 @@ double Properties::most_expected(std::string_view name) const {
   return most;
 }
 
+ObjectPtr Properties::make(const std::function<ObjectPtr(const Properties&)>& create) const {
+  making_.now = true;
+  making_.problems.clear();
+  ObjectPtr object;
+  try {
+    object = create(*this);
+  } catch (const Error& e) {
+    // What is said of a parameter that had a problem already follows from that.
+    const auto says_same = [&](const Error& known) {
+      return known.where().line > 0 && known.where().str() == e.where().str();
+    };
+    if (making_.problems.empty()) {
+      making_.now = false;
+      throw;
+    }
+    if (std::none_of(making_.problems.begin(), making_.problems.end(), says_same))
+      making_.problems.push_back(e);
+  }
+  making_.now = false;
+  if (making_.problems.empty()) return object;
+  const Error first = making_.problems.front();
+  making_.problems.erase(making_.problems.begin());
+  throw first;
+}
+
 void Properties::take_reads(const Properties& part) const {
+  making_.problems.insert(making_.problems.end(), part.making_.problems.begin(), part.making_.problems.end());
   const auto same = [](const Entry& a, const Entry& b) {
     if (a.name != b.name) return false;
     const auto *x = std::get_if<ObjectPtr>(&a.value), *y = std::get_if<ObjectPtr>(&b.value);
@@ -236,6 +278,11 @@ void Properties::take_reads(const Properties& part) const {
 
 void Properties::mark_all_read() const {
   for (const Entry& e : entries_) e.used = true;
+}
+
+void Properties::mark_documented_read() const {
+  for (const Entry& e : entries_)
+    if (e.name.empty() || (plugin_ && plugin_->documents(e.name))) e.used = true;
 }
 
 void Properties::report_unused(Diagnostics& diagnostics) const {

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/math/transform.h"
+#include "aureole/plugin/model_cache.h"
 #include "aureole/plugin/object.h"
 #include "aureole/spectrum/wavelengths.h"
 
@@ -39,6 +41,7 @@ struct BuildContext {
   double length_unit_m = 1.0;          ///< metres per scene unit
   Diagnostics* diagnostics = nullptr;  ///< receives notes; may be null
   SceneLookup* scene = nullptr;        ///< null outside of a scene, and once it is built
+  std::shared_ptr<ModelCache> models;  ///< tables that equal objects share; null: nothing is shared
 };
 
 /// A spectrum as written in a scene file; the parameter that it is given for decides its meaning
@@ -81,6 +84,8 @@ public:
   const BuildContext& context() const { return *context_; }
   const std::shared_ptr<const BuildContext>& shared_context() const { return context_; }
   const PluginInfo* plugin() const { return plugin_; }
+  /// A hash of all that is written for the object but its name and id; 0: unknown.
+  void set_content(std::uint64_t hash) { content_ = hash; }
 
   /// Of a shape: names of the attributes that textures on it show, sorted. Its reader keeps no others.
   const std::vector<std::string>& shown_attributes() const { return shown_attributes_; }
@@ -138,14 +143,45 @@ public:
   /// A message to the user about a parameter that is accepted but has no effect here.
   void note(std::string_view name, const std::string& message) const;
 
+  /// Tables that take long to compute and depend on the parameters of the object, the wavelengths and the unit
+  /// of length alone: those of an equal object, or else what `make` returns, a std::shared_ptr<const T>. Null
+  /// where the scene is known to have errors: nothing will be rendered, and the user need not wait for tables.
+  template <class T, class Make>
+  std::shared_ptr<const T> shared_model(Make&& make) const {
+    if (!making_.problems.empty() || (context_->diagnostics && context_->diagnostics->has_errors()))
+      return mark_documented_read(), nullptr;
+    if (!context_->models || content_ == 0) return make();
+    bool is_new = false;
+    auto model = context_->models->get<T>(content_, [&] { return is_new = true, make(); });
+    if (!is_new) mark_documented_read();  // as `make` did for the equal object
+    return model;
+  }
+
   /// Records that values of the parameter, which are known only later (those of a mesh attribute), must not
   /// exceed `maximum`. Shared by all copies of these properties.
   void expect_at_most(std::string_view name, double maximum) const;
   /// That maximum; infinite where there is none.
   double most_expected(std::string_view name) const;
 
+  /// The value of `read`; `fallback` where it throws an Error while a plug-in is being made (`make`). Then the
+  /// constructor goes on, so that all problems of an object are found at once, and the object is not made.
+  template <class T, class Read>
+  T tolerate(T fallback, Read&& read) const {
+    if (!making_.now) return read();
+    try {
+      return read();
+    } catch (const Error& e) {
+      making_.problems.push_back(e);
+      return fallback;
+    }
+  }
+  /// Calls `create`, the constructor of a plug-in. Throws the first of the problems with the parameters;
+  /// `further_problems` has the others.
+  ObjectPtr make(const std::function<ObjectPtr(const Properties&)>& create) const;
+  const std::vector<Error>& further_problems() const { return making_.problems; }
+
   /// Marks as read every parameter that was read of `part`, a copy of some of these parameters, for
-  /// `report_unused` and `queried`.
+  /// `report_unused` and `queried`. Takes its problems, too.
   void take_reads(const Properties& part) const;
   /// Marks all parameters as read: for an object that was kept and not built again.
   void mark_all_read() const;
@@ -163,6 +199,7 @@ private:
     throw wrong_type(e, T::kFamily);
   }
   Error wrong_type(const Entry& e, std::string_view expected) const;
+  void mark_documented_read() const;
   void require_documented(std::string_view name) const;
   double checked(const Entry& e, double value, Range range) const;
 
@@ -170,9 +207,22 @@ private:
   SourceLocation where_;
   std::shared_ptr<const BuildContext> context_;
   const PluginInfo* plugin_;
+  std::uint64_t content_ = 0;
   std::vector<Entry> entries_;
   std::vector<std::string> shown_attributes_;
   mutable std::vector<std::string> queried_;
+  /// Of the constructor that is running with these parameters. A copy is used by no constructor yet.
+  struct Making {
+    bool now = false;
+    std::vector<Error> problems;
+
+    Making() = default;
+    Making(const Making&) {}
+    Making& operator=(const Making&) { return *this = Making(); }
+    Making(Making&&) = default;
+    Making& operator=(Making&&) = default;
+  };
+  mutable Making making_;
   std::shared_ptr<std::vector<std::pair<std::string, double>>> most_expected_;  ///< shared by all copies
 };
 

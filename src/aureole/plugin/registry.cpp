@@ -56,6 +56,7 @@ void Registry::add(PluginInfo info) {
   if (find(info.family, info.name))
     throw std::logic_error("plug-in registered twice: " + info.family + " " + info.name);
   if (const FamilyInfo* known = family(info.family)) add_shared_parameters(info, *known);
+  info.create = [create = std::move(info.create)](const Properties& p) { return p.make(create); };
   plugins_.push_back(std::move(info));
 }
 

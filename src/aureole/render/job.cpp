@@ -17,6 +17,8 @@ struct RenderJob::Lock {
 
 namespace {
 
+constexpr double kFirstCheckpoint_s = 2;
+
 double now_s() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -119,7 +121,9 @@ void RenderJob::finish(RenderState& state) const {
 RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
                                   const std::function<void(const Progress&)>& report) {
   const double start = now_s(), spent_before = state_.seconds;
-  double last_checkpoint = start;
+  // The first comes early: a job that is killed in its first half minute must not begin anew.
+  double last_checkpoint = start,
+         until_checkpoint = std::min(kFirstCheckpoint_s, options_.checkpoint_interval_s);
   const std::int64_t units = state_.units(), done_at_start = state_.units_done();
   const double samples_per_unit =
       double(state_.identity.width) * state_.identity.height * kSampleBlock / double(state_.tiles());
@@ -165,9 +169,9 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
           last_report = t;
           report_units(finished, t - start);
         }
-        if (!options_.state_file.empty() && t - last_checkpoint > options_.checkpoint_interval_s) {
+        if (!options_.state_file.empty() && t - last_checkpoint > until_checkpoint) {
           checkpoint(spent_before + t - start);
-          last_checkpoint = now_s();
+          last_checkpoint = now_s(), until_checkpoint = options_.checkpoint_interval_s;
         }
       }
     } catch (...) {

@@ -77,13 +77,15 @@ void write_picture(const RenderState& s, const Image& picture, const std::filesy
     write_hdr(file, colors_of(picture));
 }
 
-void write_pictures(const RenderState& s, const std::filesystem::path& file) {
+void write_pictures(const RenderState& s, const std::filesystem::path& file,
+                    const std::optional<Tone>& tone) {
   write_picture(s, s.picture(), file);
-  write_preview(s, file);
+  write_preview(s, file, tone);
 }
 
-void write_preview(const RenderState& s, const std::filesystem::path& file) {
-  write_png(png_of(file), display_picture(s.rgb_picture()));
+void write_preview(const RenderState& s, const std::filesystem::path& file, const std::optional<Tone>& tone) {
+  const Image rgb = s.rgb_picture();
+  write_png(png_of(file), tone ? toned(rgb, *tone) : display_picture(rgb));
 }
 
 void require_writable(const std::filesystem::path& file) {

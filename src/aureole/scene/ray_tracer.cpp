@@ -35,7 +35,7 @@ RTCIntersectContext context_for(RayTracer::Rays kind) {
 
 /// Packets of 8 and of 16 lanes. Lanes beyond n and untraceable rays are not `valid`.
 template <class Rtc>
-void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) {
+void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) const {
   constexpr int kLanes = sizeof r.org_x / sizeof(float), kVector = 8;
   using Floats = float __attribute__((vector_size(4 * kVector)));
   using Ints = int __attribute__((vector_size(4 * kVector)));
@@ -48,7 +48,7 @@ void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) {
       Floats x;
       std::memcpy(&x, from[k] + lane, sizeof x);
       std::memcpy(to[k] + lane, &x, sizeof x);
-      const float limit = k < 6 ? kFarthest : std::numeric_limits<float>::infinity();
+      const float limit = k < 6 ? farthest_ : std::numeric_limits<float>::infinity();
       good &= (x <= limit) & (x >= -limit);
     }
     std::memcpy(valid + lane, &good, sizeof good);
@@ -61,7 +61,7 @@ void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) {
 }
 
 template <class Rtc, class Query>
-void RayTracer::intersect_lanes(const RayPacket& rays, int n, Hit* hits, Query&& query) {
+void RayTracer::intersect_lanes(const RayPacket& rays, int n, Hit* hits, Query&& query) const {
   alignas(64) Rtc p;
   alignas(64) int valid[RayPacket::kSize];
   load(rays, n, p.ray, valid);
@@ -72,7 +72,7 @@ void RayTracer::intersect_lanes(const RayPacket& rays, int n, Hit* hits, Query&&
   for (int i = 0; i < n; ++i) {
     const bool instanced = p.hit.instID[0][i] != RTC_INVALID_GEOMETRY_ID;
     Hit& h = hits[i];
-    h.geometry = instanced ? p.hit.geomID[i] : 0;
+    h.geometry = instanced ? p.hit.geomID[i] : valid[i] ? 0 : Hit::kLost;
     h.primitive = p.hit.primID[i];
     h.u = p.hit.u[i], h.v = p.hit.v[i], h.t = p.ray.tfar[i];
     static_assert(RTC_INVALID_GEOMETRY_ID == ~0u);
@@ -81,7 +81,7 @@ void RayTracer::intersect_lanes(const RayPacket& rays, int n, Hit* hits, Query&&
 }
 
 template <class Rtc, class Query>
-void RayTracer::occluded_lanes(const RayPacket& rays, int n, bool* blocked, Query&& query) {
+void RayTracer::occluded_lanes(const RayPacket& rays, int n, bool* blocked, Query&& query) const {
   alignas(64) Rtc p;
   alignas(64) int valid[RayPacket::kSize];
   load(rays, n, p, valid);
@@ -113,6 +113,7 @@ RayTracer::RayTracer(std::span<const ModelPart> parts, const RayTracer* reuse) {
       RTCGeometry geometry = part.instance->make_geometry(device_.get(), group->handle.get());
       rtcAttachGeometryByID(scene_, geometry, unsigned(i));
       rtcReleaseGeometry(geometry);
+      farthest_ = std::min(farthest_, part.instance->farthest(kFarthest));
     } else {
       rtcAttachGeometryByID(scene_, geometry_of(part.shape, reuse)->handle.get(), unsigned(i));
     }
@@ -186,7 +187,7 @@ bool RayTracer::is_for(std::span<const ModelPart> parts) const {
 }
 
 RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
-  if (!is_traceable(ray)) return {};
+  if (!is_traceable(ray)) return {{Hit::kLost}, ~0u};
   RTCRayHit r;
   load_ray(ray, r.ray);
   r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;

@@ -19,13 +19,7 @@ namespace aureole {
 /// Embree takes coordinates up to this magnitude; an invalid ray makes builds of it that check their input,
 /// as Debian's does, end the program.
 inline constexpr float kFarthest = 1.8e18f;
-
-/// False for a ray with NaN in it or beyond that range, which meets nothing.
-inline bool is_traceable(const Ray& ray) {
-  bool good = !std::isnan(ray.t_max);
-  for (int i = 0; i < 3; ++i) good &= (std::abs(ray.o[i]) <= kFarthest) & (std::abs(ray.d[i]) <= kFarthest);
-  return good;
-}
+static_assert(2 * kFarthestPlace <= double(kFarthest));
 
 /// Up to 16 rays that are traced together.
 class RayPacket {
@@ -59,7 +53,19 @@ public:
   struct Hit : ShapeHit {
     std::uint32_t shape = ~0u;  ///< index into the shapes; ~0 where nothing was met
     explicit operator bool() const { return shape != ~0u; }
+    /// Nothing was met because the ray could not be traced.
+    bool is_lost() const { return shape == ~0u && geometry == kLost; }
+    static constexpr std::uint32_t kLost = ~0u;
   };
+  /// Coordinates of origins and directions up to this magnitude can be traced: kFarthest, or less where an
+  /// instance magnifies them.
+  float farthest() const { return farthest_; }
+  /// False for a ray with NaN in it or beyond that range: it is lost, and blocked where it is tested.
+  bool is_traceable(const Ray& ray) const {
+    bool good = !std::isnan(ray.t_max);
+    for (int i = 0; i < 3; ++i) good &= (std::abs(ray.o[i]) <= farthest_) & (std::abs(ray.d[i]) <= farthest_);
+    return good;
+  }
   Hit intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
@@ -73,11 +79,11 @@ public:
 
 private:
   template <class Rtc>
-  static void load(const RayPacket& rays, int n, Rtc& r, int* valid);
+  void load(const RayPacket& rays, int n, Rtc& r, int* valid) const;
   template <class Rtc, class Query>
-  static void intersect_lanes(const RayPacket& rays, int n, Hit* hits, Query&& query);
+  void intersect_lanes(const RayPacket& rays, int n, Hit* hits, Query&& query) const;
   template <class Rtc, class Query>
-  static void occluded_lanes(const RayPacket& rays, int n, bool* blocked, Query&& query);
+  void occluded_lanes(const RayPacket& rays, int n, bool* blocked, Query&& query) const;
 
   /// A shape or an instance of the scene.
   struct Item {
@@ -107,6 +113,7 @@ private:
   std::shared_ptr<RTCSceneTy> owned_scene_;
   RTCScene scene_ = nullptr;  ///< the same
   Bounds3 bounds_;
+  float farthest_ = kFarthest;
 };
 
 }  // namespace aureole

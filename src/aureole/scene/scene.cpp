@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <unordered_set>
 
 #include "aureole/spectrum/wavelength_choice.h"
 
@@ -10,24 +11,47 @@ namespace aureole {
 
 namespace {
 
-/// Throws if the box exceeds kFarthest, the range of rays; below, sums and squares of coordinates stay
-/// finite.
-void require_near(const Properties& object, const Bounds3& box) {
+/// The largest coordinate of a box, 0 of an empty one, infinite where one is NaN.
+float reach_of(const Bounds3& box) {
+  float reach = 0;
   for (const Vec3& corner : {box.lower, box.upper})
-    for (int i = 0; i < 3; ++i)
-      if (!(std::abs(corner[i]) <= kFarthest) && !box.empty())
-        throw Error(object.where(),
-                    "\"" + object.type() + "\" reaches beyond the coordinate 1.8e18, where rays end");
+    for (int i = 0; i < 3 && !box.empty(); ++i)
+      reach = std::isnan(corner[i]) ? kInfinity : std::max(reach, std::abs(corner[i]));
+  return reach;
+}
+
+/// An error where the object's place is stated.
+Error misplaced(const Properties& object, const std::string& message) {
+  for (const char* name : {"to_world", "position", "origin", "center", "radius"})
+    if (object.has(name)) return object.error(name, message);
+  return Error(object.where(), "\"" + object.type() + "\": " + message);
+}
+
+/// Throws if the box exceeds kFarthestPlace.
+void require_near(const Properties& object, const Bounds3& box) {
+  if (reach_of(box) > float(kFarthestPlace))
+    throw misplaced(object, "reaches beyond the coordinate 9e17, where rays end");
 }
 
 }  // namespace
 
 Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   if (!parts_.sensor) throw Error("the scene has no sensor");
-  for (const ModelPart& part : parts_.surfaces) require_near(*part.element, part.bounds());
+  Bounds3 places;
+  std::unordered_set<const ShapeList*> groups;
+  for (const ModelPart& part : parts_.surfaces) {
+    if (part.instance && groups.insert(&part.instance->list()).second)
+      for (const ShapePtr& shape : part.instance->list().shapes)
+        require_near(shape->properties(), shape->bounds());
+    require_near(*part.element, part.bounds());
+    places.extend(part.bounds());
+  }
   make_lights();
   for (const Light& light : emitters_)
-    if (!light.shape && !light.is_infinite()) require_near(light.properties(), light.emission_bounds(0).box);
+    if (!light.shape && !light.is_infinite()) {
+      require_near(light.properties(), light.emission_bounds(0).box);
+      places.extend(light.emission_bounds(0).box);
+    }
   make_surfaces();
   find_media();
   bound_emitters();
@@ -39,8 +63,30 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   const Vec3 center = box.empty() ? Vec3{} : box.center();
   const float radius = box.empty() ? 1.f : std::max(1e-6f, 0.5f * length(box.diagonal()));
   sensor_ = PlacedSensor::of(*parts_.sensor, parts_.sensor_area, center, radius);
+  place_sensor(places);
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
+}
+
+void Scene::place_sensor(Bounds3 places) const {
+  const FilmPart& part = sensor_.part;
+  for (const Vec2 film : {part.lower, part.upper, 0.5f * (part.lower + part.upper)}) {
+    const SensorRay seen = sensor_.sample_ray(film, {0.5f, 0.5f});
+    Bounds3 start;
+    start.lower = start.upper = seen.ray.o;
+    if (!is_finite(seen.ray.d)) throw misplaced(sensor_.properties(), "its rays have no direction");
+    if (reach_of(start) > float(kFarthestPlace))
+      throw misplaced(sensor_.properties(), "its rays begin beyond the coordinate 9e17, where rays end");
+    places.extend(start);
+  }
+  // Rays between two of these places have directions of twice their coordinates.
+  const float reach = 2 * reach_of(places);
+  if (reach <= tracer_->farthest()) return;
+  for (const ModelPart& instance : parts_.surfaces)
+    if (instance.instance && !(instance.instance->farthest(kFarthest) >= reach))
+      throw misplaced(
+          *instance.element,
+          "makes its group so small that rays of this scene have coordinates beyond 1.8e18 in it");
 }
 
 void Scene::make_lights() {

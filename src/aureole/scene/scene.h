@@ -74,6 +74,8 @@ public:
   const std::vector<std::string>& notes() const { return notes_; }
 
 private:
+  /// Throws where rays of the sensor cannot be traced. `places`: of the objects in the scene.
+  void place_sensor(Bounds3 places) const;
   void make_lights();
   void make_surfaces();
   void find_media();

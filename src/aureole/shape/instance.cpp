@@ -112,6 +112,15 @@ SurfaceDerivatives Instance::to_world(const SurfaceDerivatives& d) const {
   return {linear(to_world_, d.dp_du), linear(to_world_, d.dp_dv)};
 }
 
+float Instance::farthest(float limit) const {
+  double least = limit;
+  for (const auto& row : to_group_) {
+    const double size = std::abs(double(row[0])) + std::abs(double(row[1])) + std::abs(double(row[2]));
+    least = std::min(least, (double(limit) - std::abs(double(row[3]))) / size);
+  }
+  return float(std::max(least, 0.0) * (1 - 1e-6));  // rounding of the transformed ray
+}
+
 Bounds3 Instance::bounds() const {
   const Bounds3& b = list_->bounds;
   Bounds3 all;

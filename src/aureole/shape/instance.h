@@ -30,6 +30,8 @@ public:
   SurfacePoint surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray, bool tangent) const;
   SurfaceDerivatives to_world(const SurfaceDerivatives& d) const;
   Bounds3 bounds() const;
+  /// Origins and directions of rays up to this magnitude are transformed to such of at most `limit`.
+  float farthest(float limit) const;
 
 private:
   /// Rows of an affine map.

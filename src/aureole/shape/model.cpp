@@ -206,7 +206,14 @@ void ShapeModel::build(const PluginInfo& plugin, const Properties& element, Geom
       divide(geometry, *kept->materials, *library, kept.get(), source);
       if (!parts_.empty()) return;
     }
-  const auto shape = std::dynamic_pointer_cast<const Shape>(source.geometry(plugin, geometry));
+  ObjectPtr made;
+  try {
+    made = source.geometry(plugin, geometry);
+  } catch (const Error&) {
+    element.take_reads(geometry);  // with the further problems of these parameters
+    throw;
+  }
+  const auto shape = std::dynamic_pointer_cast<const Shape>(made);
   if (!shape) throw std::logic_error("the plug-in \"" + plugin.name + "\" is registered in a wrong family");
   element.take_reads(geometry);
   add_part(shape, bsdf_ ? bsdf_ : default_bsdf(element, emitter_ != nullptr));
@@ -314,8 +321,11 @@ std::size_t ShapeList::memory_bytes() const {
 std::shared_ptr<Model> make_model(const PluginInfo& plugin, const Properties& element,
                                   GeometrySource& source) {
   // Shapes with geometry of their own document a `bsdf`; groups and instances do not.
-  if (plugin.documents("bsdf")) return std::make_shared<ShapeModel>(plugin, element, source);
-  const auto model = std::dynamic_pointer_cast<Model>(plugin.create(element));
+  const auto model = std::dynamic_pointer_cast<Model>(
+      plugin.documents("bsdf") ? element.make([&](const Properties& p) -> ObjectPtr {
+        return std::make_shared<ShapeModel>(plugin, p, source);
+      })
+                               : plugin.create(element));
   if (!model) throw std::logic_error("the plug-in \"" + plugin.name + "\" is registered in a wrong family");
   return model;
 }

@@ -11,10 +11,12 @@ namespace {
 
 class Checkerboard final : public Texture {
 public:
-  explicit Checkerboard(const Properties& properties)
+  /// What its colours are, reflectances or emissions, only the place tells where the texture is used.
+  explicit Checkerboard(const Properties& properties, SpectrumRole role = SpectrumRole::unbounded)
       : Texture(properties),
-        color0_(get_texture(properties, "color0", 0.4, SpectrumRole::reflectance)),
-        color1_(get_texture(properties, "color1", 0.2, SpectrumRole::reflectance)),
+        role_(role),
+        color0_(get_texture(properties, "color0", 0.4, role)),
+        color1_(get_texture(properties, "color1", 0.2, role)),
         to_uv_(properties.get_transform("to_uv")) {}
 
   Spectrum eval(const SurfacePoint& point, const Wavelengths& w) const override {
@@ -31,6 +33,9 @@ public:
   }
   float maximum() const override { return std::max(color0_->maximum(), color1_->maximum()); }
   float minimum() const override { return std::min(color0_->minimum(), color1_->minimum()); }
+  TexturePtr in_role(SpectrumRole role) const override {
+    return role == role_ ? nullptr : std::make_shared<const Checkerboard>(properties(), role);
+  }
 
 private:
   const Texture& square(const SurfacePoint& point) const {
@@ -39,18 +44,21 @@ private:
     return u == v ? *color0_ : *color1_;
   }
 
+  SpectrumRole role_;
   TexturePtr color0_, color1_;
   UvTransform to_uv_;
 };
 
 AUREOLE_PLUGIN(Checkerboard, "texture", "checkerboard",
-               PluginDoc{"Two colours or textures in alternating squares, two by two per unit of uv.",
-                         "",
-                         {{"color0", "texture", "", "0.4", "the squares at uv = (0, 0) and (0.5, 0.5)"},
-                          {"color1", "texture", "", "0.2", "the other squares"},
-                          {"to_uv", "transform", "", "identity",
-                           "applied to uv first; scale it up for smaller squares"}},
-                         {R"(<texture type="checkerboard">
+               PluginDoc{
+                   "Two colours or textures in alternating squares, two by two per unit of uv. Numbers and "
+                   "colours mean what the texture is used for, a reflectance or an emission.",
+                   "",
+                   {{"color0", "texture", "", "0.4", "the squares at uv = (0, 0) and (0.5, 0.5)"},
+                    {"color1", "texture", "", "0.2", "the other squares"},
+                    {"to_uv", "transform", "", "identity",
+                     "applied to uv first; scale it up for smaller squares"}},
+                   {R"(<texture type="checkerboard">
     <rgb name="color0" value="0.1, 0.1, 0.1"/>
     <rgb name="color1" value="0.5, 0.5, 0.5"/>
     <transform name="to_uv">

@@ -141,7 +141,8 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
   else if (const auto* literal = std::get_if<SpectrumLiteral>(&e->value))
     return make_constant(properties, name, tabulate(properties, name, *literal, role));
   else if (std::holds_alternative<ObjectPtr>(e->value)) {
-    const auto texture = properties.get_object<Texture>(name);
+    TexturePtr texture = properties.get_object<Texture>(name);
+    if (TexturePtr meant = texture->in_role(role)) texture = std::move(meant);
     check_range(properties, name, *texture, role);
     if (role == SpectrumRole::reflectance) properties.expect_at_most(name, 1);
     return texture;
@@ -153,7 +154,8 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
 
 TexturePtr get_texture(const Properties& properties, std::string_view name, double fallback,
                        SpectrumRole role) {
-  if (TexturePtr texture = get_optional_texture(properties, name, role)) return texture;
+  const auto given = [&] { return get_optional_texture(properties, name, role); };
+  if (TexturePtr texture = properties.tolerate(TexturePtr(), given)) return texture;
   return make_constant(properties, name, tabulate_number(properties.context().grid, fallback, role));
 }
 

@@ -41,6 +41,8 @@ public:
   virtual float maximum() const = 0;
   /// Smallest value over the surface and all wavelengths.
   virtual float minimum() const = 0;
+  /// The texture where its numbers and colours mean that quantity; null: it is the same for all.
+  virtual std::shared_ptr<const Texture> in_role(SpectrumRole) const { return nullptr; }
   /// Columns and rows of a picture, for emitters that project it.
   virtual std::pair<int, int> resolution() const { return {1, 1}; }
 };

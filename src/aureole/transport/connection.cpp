@@ -13,6 +13,12 @@ Spectrum null_transmittance(const SurfacePoint& point, const Vec3& d, const Wave
 
 }  // namespace
 
+bool is_lost(const Scene& scene, Connection& c) {
+  if (scene.tracer().is_traceable(c.flight.ray)) return false;
+  c.lose();
+  return true;
+}
+
 void travel(Connection& c, float t, const Wavelengths& w) {
   const float unit = length(c.flight.ray.d);  // of the ray's distances
   c.key = c.key * 0x9e3779b9u + 1;            // each medium on the way has numbers of its own
@@ -38,7 +44,10 @@ Event cross(const SurfacePoint& point, Connection& c, const Wavelengths& w) {
 }
 
 bool connect(const Scene& scene, Connection& c, const Wavelengths& w) {
-  if (scene.has_binary_visibility() && !c.through_emitters) return !scene.tracer().occluded(c.flight.ray);
+  if (scene.has_binary_visibility() && !c.through_emitters) {
+    if (!scene.tracer().occluded(c.flight.ray)) return true;
+    return is_lost(scene, c);
+  }
   for (;;) {
     const Event event = cross(scene, scene.tracer().intersect(c.flight.ray), c, w);
     if (event != Event::crossed) return event == Event::escape;

@@ -3,6 +3,8 @@
 // visibility. This file has the only visibility tests, and the only march through passable surfaces.
 #pragma once
 
+#include <limits>
+
 #include "aureole/scene/scene.h"
 #include "aureole/transport/anchor.h"
 #include "aureole/transport/flight.h"
@@ -47,6 +49,8 @@ struct Connection {
   }
   /// The light arrives: `light` becomes the contribution.
   void finish() { light *= passed * (1 / sum(own + other * passed)); }
+  /// It cannot be traced: the sample is invalid, which is counted.
+  void lose() { light = std::numeric_limits<float>::quiet_NaN(); }
 };
 
 /// A connection has gone on to the distance `t` along its ray: attenuates it by the medium that it is in.
@@ -57,9 +61,13 @@ Event cross(const SurfacePoint& point, Connection& connection, const Wavelengths
 
 /// The same of what the ray tracer has found, with the media before it.
 inline Event cross(const Scene& scene, const RayTracer::Hit& hit, Connection& c, const Wavelengths& w) {
+  if (hit.is_lost()) return c.lose(), Event::escape;
   if (scene.has_media() && c.flight.medium) travel(c, hit ? hit.t : c.flight.ray.t_max, w);
   return hit ? cross(scene.surface_point(hit, c.flight.ray), c, w) : Event::escape;
 }
+
+/// Whether a connection that is not open could not be traced; then it counts as open, with invalid light.
+bool is_lost(const Scene& scene, Connection& connection);
 
 /// Tests one connection; returns whether its light arrives. Those of a batch: `connect_all` of the driver.
 bool connect(const Scene& scene, Connection& connection, const Wavelengths& w);

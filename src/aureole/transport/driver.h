@@ -13,6 +13,8 @@
 //     bool scatter(int path);                             false: the path ends at the vertex, or goes on below it
 //     PathList emerge();                                  the paths that went on below and are at a vertex again
 //     const Wavelengths& wavelengths(int path);
+//     void lose(int path);                                the ray has left the range of float: the path ends,
+//                                                         and its sample must become invalid
 #pragma once
 
 #include <type_traits>
@@ -28,6 +30,7 @@ template <class Steps>
 PathList arrive_all(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
   PathList vertices;
   rays.intersect(scene.tracer(), kind, [&](int path, const RayTracer::Hit& hit) {
+    if (hit.is_lost()) return steps.lose(path);
     const Event event = steps.arrive(path, hit);
     if (event == Event::surface || event == Event::medium)
       vertices.add(path);
@@ -68,8 +71,10 @@ void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchC
     if (steps.connect(path, c)) connections.rays.add(path, c.flight.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, connections);
-  connections.rays.test_visibility(
-      scene.tracer(), [&](int path, bool open) { steps.connected(path, connections.of_path[path], open); });
+  connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {
+    Connection& c = connections.of_path[path];
+    steps.connected(path, c, open || is_lost(scene, c));
+  });
 }
 
 /// The next directions: adds the rays of the paths that go on.

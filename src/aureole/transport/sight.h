@@ -8,6 +8,7 @@ namespace aureole {
 
 /// Steps for `follow`. `Viewer` has
 ///     const Wavelengths& wavelengths(int path);
+///     void lose(int path);                                as in driver.h
 ///     void see(int path, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum&
 ///     radiance);
 /// which is called for each light along the ray of direction d: with its point (null if it is at infinity)
@@ -24,6 +25,7 @@ public:
     lines_[path].light = factor;
   }
   const Ray& ray(int path) const { return lines_[path].flight.ray; }
+  void lose(int path) { viewer_.lose(path); }
 
   Event arrive(int path, const RayTracer::Hit& hit) {
     Connection& line = lines_[path];

@@ -28,34 +28,37 @@ Spectrum fresnel_conductor_diffuse(const Spectrum& eta, const Spectrum& k) {
 }  // namespace
 
 ConductorIndex ConductorIndex::from(const Properties& properties) {
-  ConductorIndex c;
-  const SpectralGrid& grid = properties.context().grid;
-  const std::string material = properties.get_string("material", "none");
-  const TexturePtr eta = get_optional_texture(properties, "eta", SpectrumRole::unbounded);
-  const TexturePtr k = get_optional_texture(properties, "k", SpectrumRole::unbounded);
-  if (material != "none") {
-    if (eta || k) throw properties.error(eta ? "eta" : "k", "give either a material or eta and k, not both");
-    const auto index = find_refractive_index(material, false);
-    // Dielectrics are constants without dispersion: they belong to other BSDFs.
-    if (!index || !index->is_dispersive())
-      throw properties.error("material", "\"" + material + "\" is not a known conductor" +
-                                             did_you_mean(material, conductor_names()));
-    check_index_range(properties, "material", material, *index);
-    c.eta_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
-    c.k_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).imag(); });
-    c.tabulate_diffuse();
+  return properties.tolerate(ConductorIndex(), [&] {
+    ConductorIndex c;
+    const SpectralGrid& grid = properties.context().grid;
+    const std::string material = properties.get_string("material", "none");
+    const TexturePtr eta = get_optional_texture(properties, "eta", SpectrumRole::unbounded);
+    const TexturePtr k = get_optional_texture(properties, "k", SpectrumRole::unbounded);
+    if (material != "none") {
+      if (eta || k)
+        throw properties.error(eta ? "eta" : "k", "give either a material or eta and k, not both");
+      const auto index = find_refractive_index(material, false);
+      // Dielectrics are constants without dispersion: they belong to other BSDFs.
+      if (!index || !index->is_dispersive())
+        throw properties.error("material", "\"" + material + "\" is not a known conductor" +
+                                               did_you_mean(material, conductor_names()));
+      check_index_range(properties, "material", material, *index);
+      c.eta_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
+      c.k_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).imag(); });
+      c.tabulate_diffuse();
+      return c;
+    }
+    if (!eta && !k) return c;
+    if ((!eta || eta->is_constant()) && (!k || k->is_constant())) {
+      c.eta_ = eta ? eta->average() : SampledSpectrum::constant(grid, 0);
+      c.k_ = k ? k->average() : SampledSpectrum::constant(grid, 1);
+      c.tabulate_diffuse();
+      return c;
+    }
+    c.eta_texture_ = get_texture(properties, "eta", 0, SpectrumRole::unbounded);
+    c.k_texture_ = get_texture(properties, "k", 1, SpectrumRole::unbounded);
     return c;
-  }
-  if (!eta && !k) return c;
-  if ((!eta || eta->is_constant()) && (!k || k->is_constant())) {
-    c.eta_ = eta ? eta->average() : SampledSpectrum::constant(grid, 0);
-    c.k_ = k ? k->average() : SampledSpectrum::constant(grid, 1);
-    c.tabulate_diffuse();
-    return c;
-  }
-  c.eta_texture_ = get_texture(properties, "eta", 0, SpectrumRole::unbounded);
-  c.k_texture_ = get_texture(properties, "k", 1, SpectrumRole::unbounded);
-  return c;
+  });
 }
 
 Spectrum ConductorIndex::reflectance(float cos_i, const BsdfContext& ctx) const {

@@ -34,44 +34,62 @@ private:
   std::vector<double> nm_, values_;
 };
 
-}  // namespace
+/// The coefficients of a mixture [1/length] and its phase function.
+struct MixtureTables {
+  SampledSpectrum extinction, scattering;
+  std::shared_ptr<const TabulatedPhase> phase;  ///< null: the default
+};
 
-Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Medium(p) {
-  const SpectralGrid grid = p.context().grid;
-  const double unit = p.context().length_unit_m;
+MixtureTables tabulate_mixture(const optics::Suspension& content, const SpectralGrid& grid, double unit) {
+  MixtureTables made;
   // What the host absorbs may vary much with the wavelength, and costs nothing: it is added at each node of
   // the grid.
   optics::ClearMedium host = content.host();
   const optics::SpectralFunction host_absorption = std::exchange(host.absorption, nullptr);
   const double left = 1 - content.volume_fraction();
   const auto of_host = [&](double nm) { return host_absorption ? left * host_absorption(nm) : 0; };
-  try {
-    if (content.ingredients().empty() && !host.scattering) {
-      scattering_ = SampledSpectrum::constant(grid, 0);
-      extinction_ = SampledSpectrum::from_function(grid, [&](double nm) { return unit * of_host(nm); });
-    } else {
-      // Finer than a phase function alone needs: coefficients are seen directly.
-      constexpr double kLeastPerUnitOfLog = 16;
-      std::vector<optics::RadiusDistribution> radii;
-      for (const optics::Ingredient& i : content.ingredients()) radii.push_back(i.radii);
-      const double index = host.index(grid.min_nm);
-      const std::vector<double> nm = mie_wavelengths(grid, radii, index, kLeastPerUnitOfLog);
-      optics::EnsembleAccuracy accuracy = mie_accuracy(radii, index, grid.min_nm);
-      accuracy.averaging = 2e-3;
-      const optics::MediumSpectrum spectrum =
-          optics::Suspension(host, content.ingredients()).spectrum(nm, true, accuracy, for_ranges);
-      std::vector<double> absorption, scattering;
-      for (const optics::EnsembleCoefficients& c : spectrum.coefficients)
-        absorption.push_back(std::max(c.absorption, 0.0)), scattering.push_back(c.scattering);
-      const PowerLaws sigma_a(nm, std::move(absorption)), sigma_s(nm, std::move(scattering));
-      scattering_ = SampledSpectrum::from_function(grid, [&](double l) { return unit * sigma_s(l); });
-      extinction_ = SampledSpectrum::from_function(
-          grid, [&](double l) { return unit * (sigma_s(l) + sigma_a(l) + of_host(l)); });
-      if (!spectrum.phases.tables.empty())
-        phase_ = std::make_shared<TabulatedPhaseFunction>(p, tabulate(spectrum.phases, nm, grid));
+  if (content.ingredients().empty() && !host.scattering) {
+    made.scattering = SampledSpectrum::constant(grid, 0);
+    made.extinction = SampledSpectrum::from_function(grid, [&](double nm) { return unit * of_host(nm); });
+    return made;
+  }
+  // Finer than a phase function alone needs: coefficients are seen directly.
+  constexpr double kLeastPerUnitOfLog = 16;
+  std::vector<optics::RadiusDistribution> radii;
+  for (const optics::Ingredient& i : content.ingredients()) radii.push_back(i.radii);
+  const double index = host.index(grid.min_nm);
+  const std::vector<double> nm = mie_wavelengths(grid, radii, index, kLeastPerUnitOfLog);
+  optics::EnsembleAccuracy accuracy = mie_accuracy(radii, index, grid.min_nm);
+  accuracy.averaging = 2e-3;
+  const optics::MediumSpectrum spectrum =
+      optics::Suspension(host, content.ingredients()).spectrum(nm, true, accuracy, for_ranges);
+  std::vector<double> absorption, scattering;
+  for (const optics::EnsembleCoefficients& c : spectrum.coefficients)
+    absorption.push_back(std::max(c.absorption, 0.0)), scattering.push_back(c.scattering);
+  const PowerLaws sigma_a(nm, std::move(absorption)), sigma_s(nm, std::move(scattering));
+  made.scattering = SampledSpectrum::from_function(grid, [&](double l) { return unit * sigma_s(l); });
+  made.extinction = SampledSpectrum::from_function(
+      grid, [&](double l) { return unit * (sigma_s(l) + sigma_a(l) + of_host(l)); });
+  if (!spectrum.phases.tables.empty())
+    made.phase = std::make_shared<const TabulatedPhase>(tabulate(spectrum.phases, nm, grid));
+  return made;
+}
+
+}  // namespace
+
+Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Medium(p) {
+  const auto tables = p.shared_model<MixtureTables>([&] {
+    try {
+      return std::make_shared<const MixtureTables>(
+          tabulate_mixture(content, p.context().grid, p.context().length_unit_m));
+    } catch (const std::domain_error& e) {
+      throw Error(p.where(), e.what());
     }
-  } catch (const std::domain_error& e) {
-    throw Error(p.where(), e.what());
+  });
+  if (tables) {
+    tables_ = tables;
+    scattering_ = tables->scattering, extinction_ = tables->extinction;
+    if (tables->phase) phase_ = std::make_shared<TabulatedPhaseFunction>(p, tables->phase);
   }
   if (!phase_) phase_ = make_default<PhaseFunction>(p, "phase");
   density_ = get_optional_volume(p, "density", SpectrumRole::unbounded);

@@ -30,6 +30,7 @@ public:
   bool emits() const final { return false; }
 
 private:
+  std::shared_ptr<const void> tables_;       ///< kept for equal mixtures
   SampledSpectrum extinction_, scattering_;  ///< [1/length]
   PhaseFunctionPtr phase_;
   VolumePtr density_;  ///< or null: 1

@@ -3,6 +3,7 @@
 // are given.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -25,24 +26,24 @@ inline TabulatedPhase tabulate(const optics::PhaseTables& phases, std::span<cons
 
 class TabulatedPhaseFunction : public PhaseFunction {
 public:
-  /// `properties`: of the plug-in that makes the table.
-  TabulatedPhaseFunction(const Properties& properties, TabulatedPhase table)
+  /// `properties`: of the plug-in that makes the table, which is null in a scene with errors.
+  TabulatedPhaseFunction(const Properties& properties, std::shared_ptr<const TabulatedPhase> table)
       : PhaseFunction(properties), table_(std::move(table)) {}
 
   PhaseEval eval_pdf(const Vec3& wi, const Vec3& wo, const PhaseContext& ctx) const override {
-    const Spectrum p = table_.eval(wi, wo, ctx.wavelengths);
+    const Spectrum p = table_->eval(wi, wo, ctx.wavelengths);
     return {p, p};
   }
   std::optional<PhaseSample> sample(const Vec3& wi, float u1, Vec2 u2,
                                     const PhaseContext& ctx) const override {
-    const TabulatedPhase::Sample s = table_.sample(wi, u1, u2, ctx.wavelengths);
+    const TabulatedPhase::Sample s = table_->sample(wi, u1, u2, ctx.wavelengths);
     if (!(s.value[0] > 0)) return {};
     return PhaseSample{s.wo, s.value, s.value};
   }
-  bool needs_choice() const override { return table_.wavelength_nodes() > 1; }
+  bool needs_choice() const override { return !table_ || table_->wavelength_nodes() > 1; }
 
 private:
-  TabulatedPhase table_;
+  std::shared_ptr<const TabulatedPhase> table_;
 };
 
 }  // namespace aureole

@@ -194,9 +194,10 @@ void VoxelVolume::bound_grid(const Grid& grid, const Value& value, const std::ar
       const double to = double(n) * (c + 1) / cells[i] + double(slip_[i]) - shift;
       // Beyond the borders there are only copies of the voxels at them, and with `repeat` those of the other
       // side, which count for cells at either border.
-      const int lower = std::max(int(std::floor(from)), -1);
-      const int upper = int(std::floor(to)) + (filter_.nearest ? 0 : 1);
-      spans[i].push_back({std::min(lower, n - 1), std::min(upper, n)});
+      // Clamped before the conversion: far from the origin rounding slips by more voxels than an int counts.
+      const double lower = std::clamp(std::floor(from), -1.0, n - 1.0);
+      const double upper = std::clamp(std::floor(to) + (filter_.nearest ? 0 : 1), 0.0, double(n));
+      spans[i].push_back({int(lower), int(upper)});
     }
   }
   const std::size_t nx = std::size_t(cells[0]), ny = std::size_t(cells[1]);

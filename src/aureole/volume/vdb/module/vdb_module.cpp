@@ -7,6 +7,8 @@
 #include <new>
 #include <stdexcept>
 
+#include "vdb_lengths.h"
+
 namespace aureole {
 namespace {
 
@@ -53,6 +55,7 @@ bool convert(const openvdb::GridBase::Ptr& base, int channels, SparseVoxels& out
 }
 
 void read(const char* path, const char* wanted, SparseFile& out) {
+  if (!vdb_lengths_are_good(path)) throw Fault("is damaged: a length in its header leads beyond its end");
   openvdb::initialize();
   openvdb::io::File file(path);
   file.open(/*delayLoad=*/false);

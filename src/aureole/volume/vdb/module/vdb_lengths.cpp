@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdb_lengths.h"
+
+#include <cstdint>
+#include <fstream>
+
+namespace aureole {
+namespace {
+
+constexpr std::int64_t kMagic = 0x56444220;
+constexpr std::uint32_t kFirstVersion = 222, kCurrentVersion = 224;
+
+class Reader {
+public:
+  explicit Reader(const char* path) : in_(path, std::ios::binary | std::ios::ate) {
+    size_ = in_ ? std::int64_t(in_.tellg()) : 0;
+    in_.seekg(0);
+  }
+  bool good() const { return good_ && in_.good(); }
+  template <class T>
+  T number() {
+    T value{};
+    in_.read(reinterpret_cast<char*>(&value), sizeof value);
+    return value;
+  }
+  void skip(std::int64_t bytes) { go_to(std::int64_t(in_.tellg()) + bytes); }
+  void skip_text() { skip(number<std::uint32_t>()); }
+  void skip_metadata() {
+    const auto count = number<std::uint32_t>();
+    for (std::uint32_t i = 0; i < count && good(); ++i) {
+      skip_text();  // name
+      skip_text();  // type
+      skip_text();  // value, with its length before it as a text
+    }
+  }
+  std::int64_t position() { return in_.tellg(); }
+  void go_to(std::int64_t position) {
+    if (position < 0 || position > size_) good_ = false;
+    if (good_) in_.seekg(position);
+  }
+
+private:
+  std::ifstream in_;
+  std::int64_t size_ = 0;
+  bool good_ = true;
+};
+
+}  // namespace
+
+bool vdb_lengths_are_good(const char* path) {
+  Reader in(path);
+  if (in.number<std::int64_t>() != kMagic) return true;
+  const auto version = in.number<std::uint32_t>();
+  if (version < kFirstVersion || version > kCurrentVersion) return true;
+  in.skip(2 * sizeof(std::uint32_t));  // version of the library
+  const bool has_offsets = in.number<char>() != 0;
+  in.skip(36);  // unique identifier
+  in.skip_metadata();
+  const auto grids = in.number<std::int32_t>();
+  for (std::int32_t i = 0; i < grids && in.good(); ++i) {
+    in.skip_text();  // name
+    in.skip_text();  // type
+    in.skip_text();  // the grid that it is an instance of
+    const auto grid = in.number<std::int64_t>();
+    in.skip(sizeof(std::int64_t));  // where its values begin
+    const auto end = in.number<std::int64_t>();
+    if (!has_offsets) return in.good();  // the grids follow one another without a list
+    in.go_to(grid);
+    in.skip(sizeof(std::uint32_t));  // compression
+    in.skip_metadata();
+    in.skip_text();  // type of the transform
+    in.go_to(end);
+  }
+  return in.good();
+}
+
+}  // namespace aureole

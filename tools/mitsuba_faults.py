@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Renders the scenes of the table "Faults of Mitsuba 3.9.1" in docs/mitsuba.md with Mitsuba and with aureole, and
+prints both beside the right value: needs `pip install mitsuba==3.9.1` and the path of the program.
+
+    tools/mitsuba_faults.py build/release/bin/aureole"""
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+import mitsuba
+import numpy
+
+mitsuba.set_variant("scalar_spectral")
+
+FILM = ('<film type="hdrfilm"><integer name="width" value="4"/><integer name="height" value="4"/><rfilter type="box"/>'
+        '<string name="pixel_format" value="luminance"/></film>')
+
+
+def camera(samples):
+    return ('<sensor type="perspective"><float name="fov" value="1"/><transform name="to_world"><lookat origin="0, 0, 5" '
+            f'target="0, 0, 0" up="0, 1, 0"/></transform>{FILM}<sampler type="independent">'
+            f'<integer name="sample_count" value="{samples}"/></sampler></sensor>')
+
+
+SKY = '<emitter type="constant"/>'
+BLACK = '<bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf>'
+
+
+def path(content, samples=4096):
+    return '<integrator type="path"/>' + camera(samples) + SKY + content
+
+
+def checkerboard():
+    squares = ('<texture type="checkerboard" name="opacity"><float name="color0" value="0"/><float name="color1" '
+               'value="1"/><transform name="to_uv"><scale value="0.0001"/></transform></texture>')
+    return path(f'<shape type="rectangle"><bsdf type="mask">{squares}{BLACK}</bsdf></shape>', 256), 1
+
+
+def point_lights():
+    return ('<integrator type="direct"><integer name="emitter_samples" value="2"/></integrator>' + camera(64) +
+            '<shape type="rectangle"/><emitter type="point"><point name="position" x="0" y="0" z="1"/></emitter>',
+            0.5 / math.pi)
+
+
+def blend():
+    return path('<shape type="rectangle"><bsdf type="blendbsdf"><float name="weight" value="0.25"/>' + BLACK +
+                '<bsdf type="conductor"><string name="material" value="none"/></bsdf></bsdf></shape>'), .25
+
+
+def rotation():
+    # Of a rectangle turned by 60 degrees about y the width is halved and the height stays: it covers the view above .9.
+    view = camera(256).replace('"0, 0, 5"', '"0, 2, 5"').replace('target="0, 0, 0"', 'target="0, 2, 0"')
+    return ('<integrator type="path"/>' + view + SKY + '<shape type="rectangle"><transform name="to_world"><rotate y="2" '
+            f'angle="60"/></transform>{BLACK}</shape>'), 1
+
+
+def meter():
+    floor = ('<shape type="rectangle"><transform name="to_world"><scale value="1e5"/><rotate x="1" angle="-90"/>'
+             f'<translate y="-1.001"/></transform>{BLACK}</shape>')
+    film = FILM.replace('value="4"', 'value="1"')
+    sensor = (f'<sensor type="irradiancemeter">{film}<sampler type="independent"><integer name="sample_count" '
+              'value="16384"/></sampler></sensor>')
+    return ('<integrator type="path"/>' + SKY + floor + '<shape type="sphere"><transform name="to_world"><rotate x="1" '
+            f'angle="90"/></transform>{sensor}</shape>'), math.pi / 2
+
+
+def clear_at_some_wavelengths():
+    # Light passes the slab unchanged below 550 nm; above, 1/e of it. Mitsuba's volpathmis gives the right value.
+    slab = ('<shape type="cube"><transform name="to_world"><scale x="100" y="100" z="0.5"/></transform><bsdf type="null"/>'
+            '<medium type="homogeneous" name="interior"><spectrum name="sigma_t" value="360:0, 549:0, 551:1, 830:1"/><float '
+            'name="albedo" value="0"/></medium></shape>')
+    return path(slab, 4096).replace('type="path"', 'type="volpath"'), None
+
+
+CASES = {"checkerboard read as a number": checkerboard, "direct: two samples of a point light": point_lights,
+         "blendbsdf of a mirror and black": blend, "rotate about an axis of length 2": rotation,
+         "irradiancemeter on a turned sphere": meter, "no extinction below 550 nm": clear_at_some_wavelengths}
+
+
+def of_mitsuba(content):
+    return float(numpy.array(mitsuba.render(mitsuba.load_string(f'<scene version="3.0.0">{content}</scene>'))).mean())
+
+
+def of_aureole(program, content):
+    with tempfile.TemporaryDirectory() as folder:
+        scene, picture = os.path.join(folder, "scene.xml"), os.path.join(folder, "out.exr")
+        with open(scene, "w", encoding="utf-8") as file:
+            file.write(f'<scene version="3.0.0">{content}</scene>')
+        subprocess.run([program, "render", scene, "-o", picture, "-q"], check=True)
+        return float(numpy.array(mitsuba.Bitmap(picture)).mean())
+
+
+def main():
+    for name, case in CASES.items():
+        content, right = case()
+        ours = of_aureole(sys.argv[1], content) if len(sys.argv) > 1 else math.nan
+        print(f"{name:40} Mitsuba {of_mitsuba(content):8.4f}   aureole {ours:8.4f}   right "
+              f"{'?' if right is None else f'{right:.4f}'}")
+
+
+if __name__ == "__main__":
+    main()
