@@ -85,6 +85,8 @@ public:
     return Event::surface;
   }
 
+  void lose(int i) { paths_[size_t(i)].result.invalidate(); }
+
   bool connect(int i, Connection& out) {
     State& s = states_[i];
     const Vertex& vertex = s.present->vertex;

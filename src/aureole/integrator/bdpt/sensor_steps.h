@@ -67,6 +67,8 @@ public:
     return Event::surface;
   }
 
+  void lose(int i) { paths_[size_t(i)].result.invalidate(); }
+
   /// Whether connections are possible at the vertex of the path.
   bool is_connectable(int i) { return !states_[i].last && vertices_[i].is_smooth(); }
 
