@@ -10,6 +10,7 @@
 #include <cstdlib>
 
 #include "harness/rendered.h"
+#include "medium/scene_text.h"
 
 namespace aureole::testing {
 namespace {
@@ -21,11 +22,6 @@ struct Slab {
 };
 
 bool is_thorough() { return std::getenv("AUREOLE_THOROUGH") != nullptr; }
-
-std::string number(double v) { return std::to_string(v); }
-std::string parameter(const std::string& name, double v) {
-  return "<float name=\"" + name + "\" value=\"" + number(v) + "\"/>";
-}
 
 /// A square of half width 1 at the height z, facing up or down.
 std::string level(double z, bool up, const std::string& content) {

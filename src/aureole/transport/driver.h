@@ -12,6 +12,11 @@
 //     void connected(int path, const Connection& c, bool open);
 //     bool scatter(int path);                             false: the path ends at the vertex
 //     const Wavelengths& wavelengths(int path);
+// and where there are
+//     void put_segments(BatchConnections* room);          room for connections that `arrive` makes, from places
+//                                                         along the segment that it has followed
+//     bool looks_for_emission();                          whether vertices have a second connection,
+//     bool connect_to_emission(int path, Connection& out);
 #pragma once
 
 #include <type_traits>
@@ -59,16 +64,24 @@ template <class Steps>
                                });
 }
 
-/// One connection of each path.
-template <class Steps>
-void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections) {
+/// One connection of each path, which `connect(path, connection)` makes.
+template <class Steps, class Connect>
+void connect_each(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections,
+                  Connect&& connect) {
   for (const int path : paths) {
     Connection& c = connections.of_path[path];
-    if (steps.connect(path, c)) connections.rays.add(path, c.flight.ray);
+    if (connect(path, c)) connections.rays.add(path, c.flight.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, connections);
   connections.rays.test_visibility(
       scene.tracer(), [&](int path, bool open) { steps.connected(path, connections.of_path[path], open); });
+}
+
+/// One connection of each path with a light or the sensor.
+template <class Steps>
+void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections) {
+  connect_each(scene, steps, paths, connections,
+               [&](int path, Connection& c) { return steps.connect(path, c); });
 }
 
 /// The next directions: adds the rays of the paths that go on.
@@ -85,12 +98,22 @@ template <class Steps>
 [[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
   constexpr bool kScatters = requires { steps.scatter(0); };
   constexpr bool kConnects = requires(Connection & c) { steps.connect(0, c); };
+  constexpr bool kHasSegments = requires { steps.put_segments(nullptr); };
+  constexpr bool kLooksForEmission = requires { steps.looks_for_emission(); };
   std::conditional_t<kConnects, BatchConnections, char> connections;
+  if constexpr (kHasSegments) steps.put_segments(&connections);
   for (; !rays.empty(); kind = RayTracer::Rays::incoherent) {
     [[maybe_unused]] const PathList vertices = arrive_all(scene, steps, rays, kind);
+    if constexpr (kHasSegments)
+      if (!connections.rays.empty()) march_all(scene, steps, connections);
     if constexpr (kConnects) connect_all(scene, steps, vertices, connections);
+    if constexpr (kLooksForEmission)
+      if (steps.looks_for_emission())
+        connect_each(scene, steps, vertices, connections,
+                     [&](int path, Connection& c) { return steps.connect_to_emission(path, c); });
     if constexpr (kScatters) scatter_all(steps, vertices, rays);
   }
+  if constexpr (kHasSegments) steps.put_segments(nullptr);
 }
 
 }  // namespace aureole
