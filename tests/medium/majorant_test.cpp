@@ -41,10 +41,21 @@ TEST_P(Majorants, AreAboveTheExtinctionAndCoverTheBox) {
   SeededRandom random(std::uint64_t(100 + round));
   const auto below = [&](int n) { return int(random.next() * float(n)); };
   const auto between = [&](float a, float b) { return a + (b - a) * random.next(); };
-  const std::array<int, 3> n{1 + below(40), 1 + below(40), 1 + below(40)};
+  const std::array<int, 3> n{1 + below(70), 1 + below(40), 1 + below(40)};
   const int channels = round % 2 ? 3 : 1;
   std::vector<float> values(std::size_t(n[0] * n[1] * n[2] * channels));
   for (float& v : values) v = std::max(random.next() - .7f, 0.f);
+  if (round % 3 != 0) {
+    // Empty but for a box, so that there are blocks of empty cells to cross.
+    std::array<std::array<int, 2>, 3> box;
+    for (std::size_t i = 0; i < 3; ++i) box[i] = {below(n[i]), 1 + below(6)};
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const int voxel = int(k) / channels;
+      const std::array<int, 3> at{voxel % n[0], voxel / n[0] % n[1], voxel / n[0] / n[1]};
+      for (std::size_t i = 0; i < 3; ++i)
+        if (at[i] < box[i][0] || at[i] >= box[i][0] + box[i][1]) values[k] = 0;
+    }
+  }
   const auto file = write_bytes(folder.path() / "m.vol", make_vol(n, channels, values).bytes());
   const auto number = [&](const char* name, float v) {
     return std::string(" ") + name + "=\"" + std::to_string(v) + "\"";
@@ -102,7 +113,7 @@ TEST_P(Majorants, AreAboveTheExtinctionAndCoverTheBox) {
     }
     check_gap(covered_to, end);
   }
-  EXPECT_GT(hits, 100);
+  EXPECT_GT(hits, round % 3 != 0 ? 0 : 100);
 }
 
 INSTANTIATE_TEST_SUITE_P(Grids, Majorants, ::testing::Range(0, 24));

@@ -6,14 +6,12 @@
 #include <cstdlib>
 #include <string>
 
+#include "medium/scene_text.h"
+
 namespace aureole::testing {
 
 /// AUREOLE_THOROUGH=1: many more paths, and results are printed.
 inline bool is_thorough() { return std::getenv("AUREOLE_THOROUGH") != nullptr; }
-
-inline std::string parameter(const std::string& name, double v) {
-  return "<float name=\"" + name + "\" value=\"" + std::to_string(v) + "\"/>";
-}
 
 /// A square of half width `half` at the height z, facing up or down.
 inline std::string level(double z, bool up, const std::string& content, double half = 1) {

@@ -28,9 +28,11 @@ public:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     // Media absorb here and scatter nothing back.
-    if (s.flight.medium)
-      s.density.attenuate(Weight(transmittance(*s.flight.medium, s.flight.ray, hit ? hit.t : kInfinity,
-                                               path.wavelengths, path.samples.key(s.dimension))));
+    if (s.flight.medium) {
+      const Straight light = transmittance(*s.flight.medium, s.flight.ray, hit ? hit.t : kInfinity,
+                                           path.wavelengths, path.samples.key(s.dimension));
+      s.density.attenuate(Weight(light.passed * light.roulette));
+    }
     if (!hit) return escape(i);
     Vertex& vertex = vertices_.make(
         i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::radiance); });

@@ -9,7 +9,7 @@
 #include "aureole/transport/dimensions.h"
 #include "aureole/transport/driver.h"
 #include "aureole/transport/emerge.h"
-#include "aureole/transport/endpoints.h"
+#include "aureole/transport/segment.h"
 
 namespace aureole {
 namespace {
@@ -17,7 +17,12 @@ namespace {
 class PathSteps {
 public:
   PathSteps(const Scene& scene, const PathLimits& limits, std::span<Path> paths, const BatchLog& log)
-      : scene_(scene), limits_(limits), paths_(paths), log_(log) {
+      : scene_(scene),
+        media_(scene.emitting_media() && scene.emitting_media()->can_be_connected() ? scene.emitting_media()
+                                                                                    : nullptr),
+        limits_(limits),
+        paths_(paths),
+        log_(log) {
     for (size_t i = 0; i < paths.size(); ++i) {
       states_[i].flight.ray = paths[i].ray;
       find_surroundings(scene, nullptr, states_[i].flight);
@@ -27,6 +32,8 @@ public:
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
+  void put_segments(BatchConnections* room) { segments_ = room; }
+  bool looks_for_emission() const { return media_ != nullptr; }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
@@ -73,7 +80,20 @@ public:
     return connect_to_light(scene_, vertex, s.flight, s.density,
                             scene_.lights().is_single() ? 0.f : get(path.samples, s.vertex, Choice::light),
                             get(s.pairs, Pair::connection), path.wavelengths, {},
-                            scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out);
+                            scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out,
+                            vertex.is_surface() ? nullptr : &s.by_light);
+  }
+
+  bool connect_to_emission(int i, Connection& out) {
+    const State& s = states_[i];
+    const Vertex& vertex = vertices_[i];
+    if (s.last || !vertex.is_smooth()) return false;
+    Path& path = paths_[size_t(i)];
+    // The numbers of the connection with a light: the two add up.
+    return aureole::connect_to_emission(scene_, vertex, s.flight, s.density,
+                                        get(path.samples, s.vertex, Choice::light),
+                                        get(s.pairs, Pair::connection), path.wavelengths,
+                                        key(path.samples, s.vertex, Key::connection) ^ kOther, out);
   }
 
   void connected(int i, const Connection& c, bool open) {
@@ -101,6 +121,7 @@ public:
       below_.add(i);
       return false;
     }
+    if (!vertex.is_surface()) s.density.light_ratio += s.by_light * (1 / b.pdf[0]);
     s.from = {vertex.p(), vertex.facing()};
     go_on(i, vertex, b.d);
     ++s.depth;
@@ -138,6 +159,8 @@ public:
   }
 
 private:
+  static constexpr std::uint32_t kOther = 0x2545f491u;  ///< makes another key of one
+
   struct State {
     Flight flight;
     PathDensity density;  ///< up to and including the direction of `flight`
@@ -148,6 +171,8 @@ private:
     int vertex = -1;   ///< vertices before the present one, surfaces that were passed without scattering
                        ///< among them
     const float* pairs = nullptr;  ///< random numbers of the present vertex
+    Spectrum by_light;  ///< at a vertex in a medium: the density of its place had a light chosen it, relative
+                        ///< to that of the hero's walk
     float eta2 = 1;     ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
                         ///< for roulette
     bool last = false;  ///< the present surface may only be passed
@@ -162,10 +187,13 @@ private:
   [[gnu::noinline]] Event fly(int i, float t_max) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
+    const std::optional<Equiangular> places = connect_segment(i, t_max);
     Vec3 p;
+    Spectrum chosen;
     if (!aureole::fly(s.flight, t_max, path.wavelengths, path.samples, s.vertex, s.density,
-                      &path.result.estimate, p))
+                      &path.result.estimate, p, media_, s.from, &chosen))
       return Event::crossed;
+    s.by_light = places ? chosen * places->pdf(dot(p - s.flight.ray.o, s.flight.ray.d)) : Spectrum(0.f);
     if (log_.follows(i))
       log_medium(log_, s.depth, p, *s.flight.medium, s.density.hero_symmetric_throughput());
     if (s.depth == 0) path.result.alpha = 1;
@@ -176,6 +204,27 @@ private:
     s.pairs = path.samples.directions(++s.vertex);
     vertices_.make(i, [&] { return Vertex({p, s.flight.medium}, -s.flight.ray.d, path.wavelengths); });
     return Event::medium;
+  }
+
+  /// Connects a place along the flight, whichever the flight itself will choose, where a light is near. Not where
+  /// connections look for emission, whose weights do not count this technique.
+  std::optional<Equiangular> connect_segment(int i, float t_max) {
+    const State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    if (media_ || !limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering ||
+        s.density.beta.is_black())
+      return {};
+    // The numbers of the vertex that the flight may lead to: what the two bring adds up.
+    const std::uint32_t random = key(path.samples, s.vertex + 1, Key::connection) ^ kOther;
+    const auto places =
+        places_by_light(scene_, s.flight, t_max, path.wavelengths, KeyedRandom(random).next());
+    if (!places) return {};
+    const float* pairs = path.samples.directions(s.vertex + 1);
+    if (connect_along(scene_, s.flight, s.density, *places, get(path.samples, s.vertex, Choice::distance),
+                      get(path.samples, s.vertex + 1, Choice::light), get(pairs, Pair::connection),
+                      path.wavelengths, random + 1, segments_->of_path[i]))
+      segments_->rays.add(i, segments_->of_path[i].flight.ray);
+    return places;
   }
 
   Event escape(int i) {
@@ -205,12 +254,14 @@ private:
   }
 
   const Scene& scene_;
+  const EmittingMedia* media_;  ///< those that connections look for, or null
   const PathLimits& limits_;
   std::span<Path> paths_;
   const BatchLog& log_;
   State states_[kBatch];
   PerPath<Vertex> vertices_;
   PathList below_;  ///< that have gone on below a surface
+  BatchConnections* segments_ = nullptr;
 };
 
 class PathIntegrator final : public Integrator {

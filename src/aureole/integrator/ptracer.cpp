@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "aureole/integrator/path_limits.h"
+#include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/dimensions.h"
 #include "aureole/transport/emerge.h"
@@ -26,8 +27,10 @@ public:
     sum[path] += radiance;
   }
   void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
+  void glow(int path, const Spectrum& estimate) { media[path] += estimate; }
 
   Spectrum sum[kBatch];
+  Spectrum media[kBatch];  ///< estimates of the light of media
 
 private:
   std::span<Path> paths_;
@@ -48,13 +51,17 @@ public:
   bool emit(int i) {
     Path& path = paths_[size_t(i)];
     State& s = states_[i];
-    const auto choice =
-        scene_.lights().choose_by_power(path.samples.get2(SampleStream::choice(0, int(Choice::light))));
+    Vec2 u = path.samples.get2(SampleStream::choice(0, int(Choice::light)));
+    const EmittingMedia* media = scene_.emitting_media();
+    const float share = media ? float(media->power() / (media->power() + scene_.lights().power())) : 0.f;
+    if (u.x < share) return emit_from_medium(i, *media, u.x / share, share);
+    if (share > 0) u.x = std::min((u.x - share) / (1 - share), 0x1.fffffep-1f);
+    const auto choice = scene_.lights().choose_by_power(u);
     if (!choice) return false;
     const auto emitted = choice->light->sample_ray(choice->part, get(path.samples, 0, Pair::connection),
                                                    get(path.samples, 0, Pair::scatter), path.wavelengths);
     if (!emitted || is_black(emitted->value)) return false;
-    const float pdf = choice->probability * emitted->pdf_position * emitted->pdf_direction;
+    const float pdf = (1 - share) * choice->probability * emitted->pdf_position * emitted->pdf_direction;
     if (!(pdf > 0)) return false;
     s.density.beta = Weight(emitted->value);
     s.density.survive(pdf);
@@ -167,6 +174,31 @@ public:
   }
 
 private:
+  /// The same from a place in a medium.
+  bool emit_from_medium(int i, const EmittingMedia& media, float u, float share) {
+    Path& path = paths_[size_t(i)];
+    State& s = states_[i];
+    KeyedRandom third(key(path.samples, 0));
+    const EmittingMedia::Place place = media.sample_by_power(
+        std::min(u, 0x1.fffffep-1f), get(path.samples, 0, Pair::connection), third.next());
+    const Vec3 d = square_to_uniform_sphere(get(path.samples, 0, Pair::scatter));
+    s.flight.ray = {place.p, d, kInfinity};
+    find_surroundings(scene_, s.flight);
+    if (s.flight.medium != place.medium) return false;
+    if (const MajorantGrid* grid = place.medium->majorants(); grid && !(grid->at(place.p) > 0)) return false;
+    MediumCoefficients at;
+    place.medium->eval(place.p, d, path.wavelengths, at);
+    const float pdf = share * place.pdf * uniform_sphere_pdf();
+    if (is_black(at.emission) || !(pdf > 0)) return false;
+    s.density.beta = Weight(at.emission);
+    s.density.survive(pdf);
+    s.whole = s.density.hero_symmetric_throughput();
+    if (log_.follows(i))
+      log_(fmt::format("  medium \"{}\": from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
+                       place.medium->id(), place.p.x, place.p.y, place.p.z, d.x, d.y, d.z));
+    return true;
+  }
+
   struct State {
     Flight flight;
     LightPathDensity density;
@@ -245,7 +277,7 @@ private:
     for (size_t i = 0; i < paths.size(); ++i) {
       if (log.follows(int(i)) && !is_black(seen.sum[i]))
         log(fmt::format("  the sensor sees an emitter: mean {:.6g}", mean(seen.sum[i])));
-      paths[i].result.estimate = single_estimate(seen.sum[i], paths[i].wavelengths);
+      paths[i].result.estimate = single_estimate(seen.sum[i], paths[i].wavelengths) + seen.media[i];
     }
   }
 

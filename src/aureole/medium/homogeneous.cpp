@@ -24,6 +24,7 @@ AUREOLE_PLUGIN(
     <float name="scale" value="0.5"/>
     <float name="emission" value="0"/>
     <float name="temperature" value="0"/>
+    <float name="sampling_weight" value="1"/>
     <float name="ior" value="1.33"/>
     <boolean name="sample_emitters" value="true"/>
     <boolean name="has_spectral_extinction" value="true"/>

@@ -8,10 +8,55 @@ namespace aureole {
 
 MajorantGrid::MajorantGrid(const Transform& to_box, const std::array<int, 3>& cells,
                            std::vector<float> bounds)
-    : cells_(cells), bounds_(std::move(bounds)) {
+    : to_box_(to_box), cells_(cells), bounds_(std::move(bounds)) {
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 4; ++j) rows_[i][j] = float(to_box.matrix()[size_t(i)][size_t(j)] * cells[size_t(i)]);
   for (const float b : bounds_) maximum_ = std::max(maximum_, b);
+  find_empty_blocks();
+}
+
+void MajorantGrid::find_empty_blocks() {
+  const auto place = [](const std::array<int, 3>& n, int x, int y, int z) {
+    return (size_t(z) * size_t(n[1]) + size_t(y)) * size_t(n[0]) + size_t(x);
+  };
+  // Level by level: whether blocks are empty, from those of half their size. Blocks at the border may reach
+  // beyond it.
+  std::array<int, 3> n = cells_;
+  std::vector<char> empty(bounds_.size());
+  for (size_t i = 0; i < bounds_.size(); ++i) {
+    bounds_[i] = std::max(bounds_[i], 0.f);
+    empty[i] = bounds_[i] == 0;
+  }
+  for (int level = 1; n[0] > 1 || n[1] > 1 || n[2] > 1; ++level) {
+    const std::array<int, 3> half = n;
+    for (int& k : n) k = (k + 1) / 2;
+    std::vector<char> merged(size_t(n[0]) * size_t(n[1]) * size_t(n[2]), 1);
+    for (int z = 0; z < half[2]; ++z)
+      for (int y = 0; y < half[1]; ++y)
+        for (int x = 0; x < half[0]; ++x)
+          merged[place(n, x / 2, y / 2, z / 2)] &= empty[place(half, x, y, z)];
+    if (std::none_of(merged.begin(), merged.end(), [](char e) { return e; })) return;
+    for (int z = 0; z < cells_[2]; ++z)
+      for (int y = 0; y < cells_[1]; ++y)
+        for (int x = 0; x < cells_[0]; ++x)
+          if (merged[place(n, x >> level, y >> level, z >> level)])
+            bounds_[place(cells_, x, y, z)] = -float(level);
+    empty = std::move(merged);
+  }
+}
+
+float MajorantGrid::at(const Vec3& p) const {
+  int cell[3];
+  for (int i = 0; i < 3; ++i) {
+    const float* m = rows_[i];
+    const float x = m[0] * p.x + m[1] * p.y + m[2] * p.z + m[3];
+    const int n = cells_[size_t(i)];
+    if (!(x >= 0 && x <= float(n))) return 0;
+    cell[i] = std::min(int(x), n - 1);
+  }
+  return std::max(
+      bounds_[(size_t(cell[2]) * size_t(cells_[1]) + size_t(cell[1])) * size_t(cells_[0]) + size_t(cell[0])],
+      0.f);
 }
 
 MajorantGrid::Walk::Walk(const MajorantGrid& grid, const Ray& ray, float t_max) {
@@ -45,15 +90,20 @@ MajorantGrid::Walk::Walk(const MajorantGrid& grid, const Ray& ray, float t_max) 
     }
     stride *= cells;
   }
-  bounds_ = grid.bounds_.data();
+  grid_ = &grid;
   t_ = begin, end_ = end;
 }
 
 bool MajorantGrid::Walk::next(Piece& piece) {
   while (t_ < end_) {
+    const float bound = grid_->bounds_[size_t(cell_)];
+    if (bound < 0) {
+      cross_empty_block(int(-bound));
+      continue;
+    }
     const int axis = crossing_[0] < crossing_[1] ? (crossing_[0] < crossing_[2] ? 0 : 2)
                                                  : (crossing_[1] < crossing_[2] ? 1 : 2);
-    const float from = t_, to = std::min(crossing_[axis], end_), bound = bounds_[cell_];
+    const float from = t_, to = std::min(crossing_[axis], end_);
     // Rounding may put the first faces before the beginning: such cells are passed at once.
     t_ = std::max(from, to);
     if (left_[axis]-- > 0)
@@ -69,6 +119,35 @@ bool MajorantGrid::Walk::next(Piece& piece) {
     }
   }
   return false;
+}
+
+/// To the far side of the block of 2^level cells along each axis that the present one lies in.
+void MajorantGrid::Walk::cross_empty_block(int level) {
+  const int mask = (1 << level) - 1;
+  int inside[3];  // cells of the block beyond the present one along each axis
+  float far[3];
+  int axis = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int at = stride_[i] > 0 ? grid_->cells_[size_t(i)] - 1 - left_[i] : left_[i];
+    inside[i] = std::min(stride_[i] > 0 ? mask - (at & mask) : at & mask, left_[i]);
+    far[i] = inside[i] > 0 ? crossing_[i] + float(inside[i]) * step_[i] : crossing_[i];
+    if (far[i] < far[axis]) axis = i;
+  }
+  const float to = far[axis];
+  t_ = std::max(t_, to);
+  if (inside[axis] == left_[axis] || !(to < end_)) {  // out of the grid, or beyond the ray's end
+    t_ = end_;
+    return;
+  }
+  for (int i = 0; i < 3; ++i) {
+    // Along the other axes as many faces as lie before that place.
+    const int passed = i == axis           ? inside[i] + 1
+                       : crossing_[i] < to ? std::min(int((to - crossing_[i]) / step_[i]) + 1, inside[i])
+                                           : 0;
+    if (passed == 0) continue;
+    left_[i] -= passed, cell_ += passed * stride_[i];
+    crossing_[i] += float(passed) * step_[i];
+  }
 }
 
 }  // namespace aureole

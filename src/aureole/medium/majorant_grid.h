@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `MajorantGrid`: upper bounds of a medium's density in the cells of a regular grid, and the walk of a ray
-// through them.
+// through them. Empty space is crossed in strides: an empty cell knows the largest block of 2^k cells along each
+// axis, aligned to multiples of that, that holds it and is empty throughout.
 #pragma once
 
 #include <array>
@@ -33,7 +34,9 @@ public:
     bool next(Piece& piece);
 
   private:
-    const float* bounds_ = nullptr;
+    void cross_empty_block(int level);
+
+    const MajorantGrid* grid_ = nullptr;
     float t_ = 0, end_ = 0;
     int cell_ = 0;                           ///< index of the present one
     int left_[3] = {};                       ///< cells up to the border of the grid along each axis
@@ -42,13 +45,19 @@ public:
   };
 
   const std::array<int, 3>& cells() const { return cells_; }
+  const Transform& to_box() const { return to_box_; }
+  /// The bound at a point of the world; zero outside of the box.
+  float at(const Vec3& p) const;
   float maximum() const { return maximum_; }
   std::size_t memory_bytes() const { return bounds_.size() * sizeof(float); }
 
 private:
+  void find_empty_blocks();
+
+  Transform to_box_;
   float rows_[3][4];  ///< from the world to coordinates in cells
   std::array<int, 3> cells_;
-  std::vector<float> bounds_;
+  std::vector<float> bounds_;  ///< of empty cells -k, the level of their block
   float maximum_ = 0;
 };
 

@@ -37,6 +37,8 @@ public:
   virtual bool is_uniform() const = 0;
   virtual bool has_uniform_emission() const = 0;
   virtual bool emits() const = 0;
+  /// Factor of the probability with which connections look for its emission; 0: never.
+  virtual float sampling_weight() const { return 1; }
 };
 using MediumPtr = std::shared_ptr<const Medium>;
 

@@ -64,6 +64,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   const float radius = box.empty() ? 1.f : std::max(1e-6f, 0.5f * length(box.diagonal()));
   sensor_ = PlacedSensor::of(*parts_.sensor, parts_.sensor_area, center, radius);
   place_sensor(places);
+  check_sensor_medium();
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
 }
@@ -248,6 +249,7 @@ void Scene::weigh_lights() {
           "the emitter's power is too large to be computed with; scale the scene or the emission down");
     spectra.push_back(power);
   }
+  find_emitting_media(response, spectra);
   if (std::none_of(powers.begin(), powers.end(), [](double p) { return p > 0; }) && !any_medium_emits_)
     notes_.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(

@@ -17,6 +17,8 @@
 
 namespace aureole {
 
+class EmittingMedia;
+
 class Scene {
 public:
   /// Builds the surfaces, the ray tracer, the lights with their tree and the density of wavelengths. Reuses
@@ -68,6 +70,8 @@ public:
   /// Emitters at infinity that rays leaving the scene may see.
   const std::vector<const Light*>& infinite_emitters() const { return infinite_; }
   const LightSampler& lights() const { return lights_; }
+  /// The media that emit, of those that fill something; null: none.
+  const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return tracer_->bounds(); }
   /// Notes for the user about the scene as a whole.
@@ -81,6 +85,10 @@ private:
   void find_media();
   void bound_emitters();
   void weigh_lights();
+  /// Adds the spectra of their powers.
+  void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
+  /// Throws Error where the sensor is in a medium that its surfaces do not close.
+  void check_sensor_medium() const;
 
   SceneParts parts_;
   /// One for each of the parts, then those of the shapes of groups, then exits of those with a BSSRDF.
@@ -90,6 +98,7 @@ private:
   PlacedSensor sensor_;
   std::shared_ptr<const RayTracer> tracer_;
   LightSampler lights_;
+  std::shared_ptr<const EmittingMedia> emitting_media_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
   bool any_passable_ = false;            ///< connections may have to pass surfaces or media

@@ -36,7 +36,9 @@ struct Connection {
   /// Densities, relative to that of the path's hero, of this connection and of finding it by other techniques,
   /// the second as if the medium were clear.
   Spectrum own, other;
-  Spectrum passed;  ///< part of the light that has passed media
+  Spectrum passed;         ///< part of the light that has passed media
+  Spectrum passed_before;  ///< the same without the medium that it is in
+  const Medium* source;    ///< the medium whose emission it brings, which must be at its end; null: a surface
 
   /// From a point along `direction` to another, off the surfaces that they lie on.
   void set(const Anchor& from, const Vec3& direction, const Anchor& to);
@@ -45,10 +47,19 @@ struct Connection {
   /// Where it begins, in scenes with media.
   void begin_in(const Flight& surroundings, std::uint32_t random_key) {
     flight.medium = surroundings.medium, flight.inside = surroundings.inside;
-    key = random_key, passed = 1.f;
+    key = random_key, passed = passed_before = 1.f;
+    source = nullptr;
   }
   /// The light arrives: `light` becomes the contribution.
-  void finish() { light *= passed * (1 / sum(own + other * passed)); }
+  void finish() {
+    if (source && flight.medium != source) {
+      light = 0.f;
+      return;
+    }
+    // A walk finds the emission of a uniform medium wherever it is scattered there.
+    const Spectrum& walked = source && !source->majorants() ? passed_before : passed;
+    light *= passed * (1 / sum(own + other * walked));
+  }
   /// It cannot be traced: the sample is invalid, which is counted.
   void lose() { light = std::numeric_limits<float>::quiet_NaN(); }
 };

@@ -15,6 +15,11 @@
 //     const Wavelengths& wavelengths(int path);
 //     void lose(int path);                                the ray has left the range of float: the path ends,
 //                                                         and its sample must become invalid
+// and where there are
+//     void put_segments(BatchConnections* room);          room for connections that `arrive` makes, from places
+//                                                         along the segment that it has followed
+//     bool looks_for_emission();                          whether vertices have a second connection,
+//     bool connect_to_emission(int path, Connection& out);
 #pragma once
 
 #include <type_traits>
@@ -63,18 +68,37 @@ template <class Steps>
                                });
 }
 
-/// One connection of each path.
-template <class Steps>
-void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections) {
+/// One connection of each path, which `connect(path, connection)` makes.
+template <class Steps, class Connect>
+void connect_each(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections,
+                  Connect&& connect) {
   for (const int path : paths) {
     Connection& c = connections.of_path[path];
-    if (steps.connect(path, c)) connections.rays.add(path, c.flight.ray);
+    if (connect(path, c)) connections.rays.add(path, c.flight.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, connections);
   connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {
     Connection& c = connections.of_path[path];
     steps.connected(path, c, open || is_lost(scene, c));
   });
+}
+
+/// One connection of each path with a light or the sensor.
+template <class Steps>
+void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections) {
+  connect_each(scene, steps, paths, connections,
+               [&](int path, Connection& c) { return steps.connect(path, c); });
+}
+
+/// All connections of the vertices.
+template <class Steps>
+void connect_vertices(const Scene& scene, Steps& steps, const PathList& vertices,
+                      BatchConnections& connections) {
+  connect_all(scene, steps, vertices, connections);
+  if constexpr (requires { steps.looks_for_emission(); })
+    if (steps.looks_for_emission())
+      connect_each(scene, steps, vertices, connections,
+                   [&](int path, Connection& c) { return steps.connect_to_emission(path, c); });
 }
 
 /// The next directions: adds the rays of the paths that go on.
@@ -91,26 +115,32 @@ template <class Steps>
                                   BatchConnections& connections) {
   const PathList vertices = steps.emerge();
   if (vertices.count == 0) return;
-  connect_all(scene, steps, vertices, connections);
+  connect_vertices(scene, steps, vertices, connections);
   scatter_all(steps, vertices, rays);
 }
 
 /// Follows the paths of `rays` to their ends. Steps without `connect` have no connections, those without
-/// `scatter` no vertices, those without `emerge` no surfaces that paths go on below. Not inlined, so that the records of the batch lie behind one pointer: on its caller's
-/// stack their addresses would be computed anew at every access.
+/// `scatter` no vertices, those without `emerge` no surfaces that paths go on below. Not inlined, so that the
+/// records of the batch lie behind one pointer: on its caller's stack their addresses would be computed anew at
+/// every access.
 template <class Steps>
 [[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
   constexpr bool kScatters = requires { steps.scatter(0); };
   constexpr bool kConnects = requires(Connection & c) { steps.connect(0, c); };
   constexpr bool kEmerges = requires { steps.emerge(); };
+  constexpr bool kHasSegments = requires { steps.put_segments(nullptr); };
   std::conditional_t<kConnects, BatchConnections, char> connections;
+  if constexpr (kHasSegments) steps.put_segments(&connections);
   for (; !rays.empty(); kind = RayTracer::Rays::incoherent) {
     [[maybe_unused]] const PathList vertices = arrive_all(scene, steps, rays, kind);
-    if constexpr (kConnects) connect_all(scene, steps, vertices, connections);
+    if constexpr (kHasSegments)
+      if (!connections.rays.empty()) march_all(scene, steps, connections);
+    if constexpr (kConnects) connect_vertices(scene, steps, vertices, connections);
     if constexpr (kScatters) scatter_all(steps, vertices, rays);
     if constexpr (kEmerges)
       if (scene.has_exits()) emerge_all(scene, steps, rays, connections);
   }
+  if constexpr (kHasSegments) steps.put_segments(nullptr);
 }
 
 }  // namespace aureole

@@ -3,6 +3,7 @@
 // light sampling would have found a light that a path has met.
 #pragma once
 
+#include "aureole/transport/keyed_random.h"
 #include "aureole/transport/vertex.h"
 
 namespace aureole {
@@ -14,12 +15,15 @@ struct SampleCounts {
 
 /// Chooses a light and a direction towards it for the vertex at the end of `path`, which `flight` has
 /// led to, and sets the connection
-/// with its unoccluded contribution. `key` is for random numbers on its way. False if it carries no light.
+/// with its unoccluded contribution. `key` is for random numbers on its way. `by_light`: the density, relative
+/// to that of the path's hero, of ways to this vertex beside walking from which lights are connected as well;
+/// null: there are none. False if it carries no light.
 // Always inlined: numbers of samples of 1 cost nothing then.
 [[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const Vertex& vertex,
                                                     const Flight& flight, const PathDensity& path, float u1,
                                                     Vec2 u2, const Wavelengths& w, SampleCounts counts,
-                                                    std::uint32_t key, Connection& out) {
+                                                    std::uint32_t key, Connection& out,
+                                                    const Spectrum* by_light = nullptr) {
   const Vec3 facing = vertex.facing();
   const auto choice = scene.lights().choose(vertex.p(), facing, u1);
   if (!choice || !(choice->probability > 0)) return false;
@@ -35,7 +39,7 @@ struct SampleCounts {
     out.set(vertex.anchor(), direct->wo, Anchor::of(*direct));
   if (scene.has_media()) {
     out.begin_in(vertex.surroundings(direct->wo, flight), key);
-    out.own = path.ratio * own, out.other = path.ratio * other;
+    out.own = (by_light ? path.ratio + *by_light : path.ratio) * own, out.other = path.ratio * other;
     out.light = path.beta.of(response.value.of(direct->radiance)) / w.pdf;
   } else {
     out.light = path.connected(response.value, direct->radiance, own, other, w);
@@ -43,10 +47,32 @@ struct SampleCounts {
   return true;
 }
 
-/// The vertex from which light sampling could have found a light that a path has hit: the path's last one.
-struct LightReference {
-  Vec3 p, facing;
-};
+/// The same for a place in a medium that emits: `u1` chooses the medium, `u2` is for the place.
+inline bool connect_to_emission(const Scene& scene, const Vertex& vertex, const Flight& flight,
+                                const PathDensity& path, float u1, Vec2 u2, const Wavelengths& w,
+                                std::uint32_t key, Connection& out) {
+  const EmittingMedia& media = *scene.emitting_media();
+  KeyedRandom random(key);
+  EmittingMedia::Place place;
+  if (!media.sample(vertex.p(), vertex.facing(), u1, u2, random.next(), place)) return false;
+  const Vec3 to = place.p - vertex.p();
+  const float d2 = length_squared(to);
+  if (!(d2 > 0)) return false;
+  const Vec3 d = to * (1 / std::sqrt(d2));
+  MediumCoefficients at;
+  place.medium->eval(place.p, d, w, at);
+  Response response;
+  if (is_black(at.emission) || !vertex.respond(d, response)) return false;
+  const float rate =
+      emission_rate(*place.medium, place.p, d, at.sigma_t, media.inverse_size(*place.medium), w);
+  if (!(rate > 0)) return false;  // outside of the medium's box
+  out.set(vertex.anchor(), d, Anchor::in_space(place.p));
+  out.begin_in(vertex.surroundings(d, flight), key + 1);
+  out.source = place.medium;
+  out.own = path.ratio * (place.pdf * d2), out.other = path.ratio * response.pdf * rate;
+  out.light = path.beta.of(response.value.of(at.emission)) / w.pdf;
+  return true;
+}
 
 /// The density with which `connect_to_light` would have chosen `point` of a part of the light or, that being null,
 /// infinity along `d`.

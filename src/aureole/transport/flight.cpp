@@ -4,21 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/core/random.h"
+#include "aureole/transport/keyed_random.h"
 
 namespace aureole {
 
 namespace {
-
-/// Numbers in [0, 1) from a key.
-class KeyedRandom {
-public:
-  explicit KeyedRandom(std::uint32_t key) : state_(mix_bits(key + 0x9e3779b97f4a7c15u)) {}
-  float next() { return unit_float(std::uint32_t(mix_bits(state_ += 0x9e3779b97f4a7c15u) >> 32)); }
-
-private:
-  std::uint64_t state_;
-};
 
 /// The distance to the next event of a Poisson process of density 1.
 float free_path(float u) { return -std::log1p(-u); }
@@ -34,30 +24,46 @@ float attenuated_length(float sigma, float t) {
   return depth > 1e-3f ? -std::expm1(-depth) / sigma : t * (1 - 0.5f * depth);
 }
 
+/// The density per length and solid angle with which connections would have found emission at p.
+float connection_density(const Glow& glow, const Medium& medium, const Vec3& p) {
+  return glow.media->pdf(medium, glow.from.p, glow.from.facing, p) * length_squared(p - glow.from.p);
+}
+
 /// The light that a medium of the extinction `sigma` emits along the ray.
-Spectrum emitted_along(const Medium& medium, const Ray& ray, float t_max, const Spectrum& sigma,
-                       const Spectrum& emission, const Wavelengths& w, float u) {
+void add_glow(const Medium& medium, const Ray& ray, float t_max, const Spectrum& sigma,
+              const Spectrum& emission, const Wavelengths& w, float u, Glow& glow) {
   // A medium without end that does not absorb would shine without bound.
   const float end = std::min(t_max, kFarthest);
-  if (medium.has_uniform_emission())
-    return emission * make_spectrum([&](int i) { return attenuated_length(sigma[i], end); });
+  const float inverse_size = glow.media ? glow.media->inverse_size(medium) : 0.f;
+  if (medium.has_uniform_emission() && !(inverse_size > 0)) {
+    glow.seen += emission * make_spectrum([&](int i) { return attenuated_length(sigma[i], end); }) *
+                 (1 / sum(glow.ratio));
+    return;
+  }
   // One place, drawn as a mean wavelength would be absorbed: the same for each hero.
   const float middle = mean(sigma), length = attenuated_length(middle, end);
   const float t = middle * end > 1e-3f ? -std::log1p(-u * middle * length) / middle : u * end;
+  const Vec3 p = ray.o + ray.d * t;
   MediumCoefficients at;
-  medium.eval(ray.o + ray.d * t, ray.d, w, at);
-  return at.emission * passing(sigma, t) * (length * std::exp(middle * t));
+  medium.eval(p, ray.d, w, at);
+  const Spectrum light = at.emission * passing(sigma, t) * (length * std::exp(middle * t));
+  const float found = inverse_size > 0 ? connection_density(glow, medium, p) : 0.f;
+  if (!(found > 0)) {
+    glow.seen += light * (1 / sum(glow.ratio));
+    return;
+  }
+  const float rate = emission_rate(medium, p, ray.d, sigma, inverse_size, w);
+  glow.seen += light * (rate / sum(glow.ratio * rate + glow.light_ratio * found));
 }
 
 /// The extinction is the same everywhere: the distance is drawn in closed form for the hero.
 bool fly_uniformly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
-                   FlightRandom random, Passage& passage, Spectrum* emitted, float& t) {
+                   FlightRandom random, Passage& passage, Glow* glow, float& t) {
   MediumCoefficients at;
   medium.eval(ray.o, ray.d, w, at);
   const Spectrum sigma = at.sigma_t;
   const float hero = sigma[0];
-  if (emitted && medium.emits())
-    *emitted = emitted_along(medium, ray, t_max, sigma, at.emission, w, KeyedRandom(random.key).next());
+  if (glow) add_glow(medium, ray, t_max, sigma, at.emission, w, KeyedRandom(random.key).next(), *glow);
   t = hero > 0 ? free_path(random.first) / hero : kInfinity;
   if (!(t < t_max)) {
     const float inverse = hero > 0 ? std::exp(hero * t_max) : 1.f;
@@ -67,9 +73,10 @@ bool fly_uniformly(const Medium& medium, const Ray& ray, float t_max, const Wave
     return false;
   }
   if (!medium.is_uniform()) medium.eval(ray.o + ray.d * t, ray.d, w, at);
-  passage.connection = std::exp(hero * t) / hero;
-  const Spectrum relative = passing(sigma, t) * passage.connection;
+  const float inverse = std::exp(hero * t) / hero;
+  const Spectrum relative = passing(sigma, t) * inverse;
   passage.flight = relative * sigma;
+  passage.connection = inverse;
   passage.value = Weight(relative * at.sigma_s);
   return true;
 }
@@ -100,9 +107,8 @@ bool visit_events(const MajorantGrid& grid, const Ray& ray, float t_max, float s
 
 /// Events under the bounds of a grid.
 bool fly_by_null_collisions(const Medium& medium, const MajorantGrid& grid, const Ray& ray, float t_max,
-                            const Wavelengths& w, FlightRandom random, const Spectrum& ratio,
-                            Passage& passage, Spectrum* emitted, float& t) {
-  const bool emits = emitted && medium.emits();
+                            const Wavelengths& w, FlightRandom random, Passage& passage, Glow* glow,
+                            float& t) {
   KeyedRandom further(random.key);
   MediumCoefficients at;
   // The value of the null collisions so far is their density on a walk, too.
@@ -111,12 +117,18 @@ bool fly_by_null_collisions(const Medium& medium, const MajorantGrid& grid, cons
   const float scale = max_component(medium.majorant(ray.d, w));
   if (visit_events(grid, ray, t_max, scale, random.first, further, [&](float place, float bound) {
         medium.eval(ray.o + ray.d * place, ray.d, w, at);
-        if (emits) *emitted += passed * at.emission * (sum(ratio) / (bound * sum(ratio * passed)));
+        if (glow && !is_black(at.emission)) {
+          Spectrum found = glow->ratio * passed * bound;
+          if (glow->media)
+            found +=
+                glow->light_ratio * (connection * connection_density(*glow, medium, ray.o + ray.d * place));
+          glow->seen += passed * at.emission * (1 / sum(found));
+        }
         const float hero = at.sigma_t[0];
         if (further.next() * bound < hero) {
           passage.value = Weight(passed * at.sigma_s * (1 / hero));
           passage.flight = passed * at.sigma_t * (1 / hero);
-          passage.connection = connection * (1 / hero);
+          passage.connection = connection / hero;
           t = place;
           return true;
         }
@@ -136,42 +148,80 @@ bool fly_by_null_collisions(const Medium& medium, const MajorantGrid& grid, cons
 
 void find_surroundings(const Scene& scene, const Light* light, Flight& flight) {
   if (!scene.has_media()) return;
-  scene.shapes_around(flight.ray, flight.inside);
   const Medium* stated = light ? light->emitter->medium() : scene.sensor().sensor->medium();
+  if (!stated) return find_surroundings(scene, flight);
+  scene.shapes_around(flight.ray, flight.inside);
+  flight.medium = stated;
+}
+
+void find_surroundings(const Scene& scene, Flight& flight) {
+  scene.shapes_around(flight.ray, flight.inside);
   const Surface* filling = flight.inside.filling();
-  flight.medium = stated ? stated : filling ? filling->inside : scene.medium_at(flight.ray);
+  flight.medium = filling ? filling->inside : scene.medium_at(flight.ray);
 }
 
 bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w, FlightRandom random,
-         const Spectrum& ratio, Passage& passage, Spectrum* emitted, float& t) {
+         Passage& passage, Glow* glow, float& t) {
   if (const MajorantGrid* grid = medium.majorants())
-    return fly_by_null_collisions(medium, *grid, ray, t_max, w, random, ratio, passage, emitted, t);
-  return fly_uniformly(medium, ray, t_max, w, random, passage, emitted, t);
+    return fly_by_null_collisions(medium, *grid, ray, t_max, w, random, passage, glow, t);
+  return fly_uniformly(medium, ray, t_max, w, random, passage, glow, t);
 }
 
-Spectrum transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
-                       std::uint32_t key) {
-  MediumCoefficients at;
-  const MajorantGrid* grid = medium.majorants();
-  if (!grid) {
-    medium.eval(ray.o, ray.d, w, at);
-    return passing(at.sigma_t, t_max);
-  }
-  // Ratio tracking (Novak, Selle & Jarosz 2014, "Residual ratio tracking for estimating attenuation in
-  // participating media").
+float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Spectrum& sigma_t,
+                    float inverse_size, const Wavelengths& w) {
+  if (const MajorantGrid* grid = medium.majorants())
+    return grid->at(p) * max_component(medium.majorant(d, w));
+  return std::max(mean(sigma_t), inverse_size);
+}
+
+namespace {
+
+/// Ratio tracking (Novak, Selle & Jarosz 2014, "Residual ratio tracking for estimating attenuation in
+/// participating media"); `go_on(passed, random)` is asked after each event.
+template <class GoOn>
+Spectrum track_ratio(const Medium& medium, const MajorantGrid& grid, const Ray& ray, float t_max,
+                     const Wavelengths& w, std::uint32_t key, GoOn&& go_on) {
   KeyedRandom random(key);
+  MediumCoefficients at;
   Spectrum passed = 1.f;
   const float first = random.next(), scale = max_component(medium.majorant(ray.d, w));
-  const bool lost = visit_events(*grid, ray, t_max, scale, first, random, [&](float t, float bound) {
+  visit_events(grid, ray, t_max, scale, first, random, [&](float t, float bound) {
     medium.eval(ray.o + ray.d * t, ray.d, w, at);
     passed *= max(Spectrum(1.f) - at.sigma_t * (1 / bound), 0.f);
-    // Roulette, the same for each hero.
-    constexpr float kLittle = 0.1f, kSurvival = 0.5f;
-    if (!(max_component(passed) < kLittle)) return false;
-    passed *= 1 / kSurvival;
-    return !(random.next() < kSurvival);
+    return !go_on(passed, random);
   });
-  return lost ? Spectrum(0.f) : passed;
+  return passed;
+}
+
+Spectrum passed_uniformly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w) {
+  MediumCoefficients at;
+  medium.eval(ray.o, ray.d, w, at);
+  return passing(at.sigma_t, t_max);
+}
+
+}  // namespace
+
+Straight transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
+                       std::uint32_t key) {
+  const MajorantGrid* grid = medium.majorants();
+  if (!grid) return {passed_uniformly(medium, ray, t_max, w)};
+  Straight result;
+  result.passed =
+      track_ratio(medium, *grid, ray, t_max, w, key, [&](const Spectrum& passed, KeyedRandom& random) {
+        // Roulette, the same for each hero.
+        constexpr float kLittle = 0.1f, kSurvival = 0.5f;
+        if (!(max_component(passed) * result.roulette < kLittle)) return true;
+        result.roulette = random.next() < kSurvival ? result.roulette / kSurvival : 0.f;
+        return result.roulette > 0;
+      });
+  return result;
+}
+
+Spectrum passed_to(const Medium& medium, const Ray& ray, float t, const Wavelengths& w, std::uint32_t key) {
+  const MajorantGrid* grid = medium.majorants();
+  if (!grid) return passed_uniformly(medium, ray, t, w);
+  return track_ratio(medium, *grid, ray, t, w, key,
+                     [](const Spectrum& passed, KeyedRandom&) { return !is_black(passed); });
 }
 
 }  // namespace aureole

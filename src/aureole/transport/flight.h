@@ -9,6 +9,7 @@
 #pragma once
 
 #include "aureole/medium/medium.h"
+#include "aureole/scene/emitting_media.h"
 #include "aureole/scene/interior_list.h"
 #include "aureole/scene/scene.h"
 #include "aureole/spectrum/path_density.h"
@@ -42,6 +43,8 @@ struct Flight {
 /// The medium and the closed shapes around the origin of a ray, which is that of the sensor or, given `light`,
 /// leaves that one.
 void find_surroundings(const Scene& scene, const Light* light, Flight& flight);
+/// The same by the boundaries alone, where nothing states the medium.
+void find_surroundings(const Scene& scene, Flight& flight);
 
 /// A place where a path is scattered in a medium.
 struct MediumPoint {
@@ -55,38 +58,73 @@ struct FlightRandom {
   std::uint32_t key;
 };
 
+/// A vertex from which connections have looked for lights; `facing` as of `Vertex::facing`.
+struct LightReference {
+  Vec3 p, facing;
+};
+
+/// The light that a medium emits along a flight, towards its beginning.
+struct Glow {
+  /// Densities of the path before the flight: of walking, and as if the last vertex had been found by light
+  /// sampling (`PathDensity`).
+  Spectrum ratio, light_ratio;
+  /// The lights among which connections from the last vertex have looked for emission; null: they have not.
+  const EmittingMedia* media;
+  LightReference from;
+  /// An estimate of the light over the sum of the densities of all ways to find it.
+  Spectrum seen{0.f};
+};
+
 /// Follows a path along `ray`, whose direction has unit length, to the distance t_max. Returns true where it
 /// is scattered before, at a distance `t`: the value of the passage then holds the scattering coefficient,
-/// and its densities that of this place, `connection` that of a given one. False where it arrives at t_max.
-///
-/// `ratio` are the densities of the path so far (`PathDensity::ratio`). `emitted` receives, unless it is null, an
-/// estimate of the light that the medium sends along the ray to its origin, weighted so that
-/// `PathDensity::contribution` of it for the path before this flight is right; it must be zero before.
+/// its density of flying that of this place, and that of connections that of a technique that goes to the
+/// place without a choice. False where it arrives at t_max. Adds to `glow`, unless that is null.
 bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w, FlightRandom random,
-         const Spectrum& ratio, Passage& passage, Spectrum* emitted, float& t);
+         Passage& passage, Glow* glow, float& t);
 
 /// The same for a path of that density, from its vertex number `vertex`: `density` becomes that at the end of
 /// the flight, `p` where it is scattered. The light that the medium emits is added to `estimate`, unless that is
-/// null.
+/// null; `media` and `from` are those of `Glow`. Where it is scattered `chosen` receives, unless it is null, the
+/// density of the path had its last place been chosen with density 1, relative to the hero's of flying there.
 template <class Density>
 bool fly(const Flight& flight, float t_max, const Wavelengths& w, SampleStream& samples, int vertex,
-         Density& density, Spectrum* estimate, Vec3& p) {
+         Density& density, Spectrum* estimate, Vec3& p, const EmittingMedia* media = nullptr,
+         const LightReference& from = {}, Spectrum* chosen = nullptr) {
   const FlightRandom random{get(samples, vertex, Choice::distance), key(samples, vertex, Key::flight)};
   Passage passage;
-  Spectrum emitted = 0.f;
   float t;
-  const bool scattered = fly(*flight.medium, flight.ray, t_max, w, random, density.ratio, passage,
-                             estimate ? &emitted : nullptr, t);
-  if (estimate && !is_black(emitted)) *estimate += density.contribution(emitted, w);
+  bool scattered;
+  if (estimate && flight.medium->emits()) {
+    Glow glow{density.ratio, density.light_ratio, density.has_light_ratio() ? media : nullptr, from};
+    scattered = fly(*flight.medium, flight.ray, t_max, w, random, passage, &glow, t);
+    if (!is_black(glow.seen)) *estimate += density.beta.of(glow.seen) / w.pdf;
+  } else {
+    scattered = fly(*flight.medium, flight.ray, t_max, w, random, passage, nullptr, t);
+  }
+  if (scattered) {
+    if (chosen) *chosen = density.ratio * passage.connection;
+    p = flight.ray.o + flight.ray.d * t;
+  }
   density.pass(passage);
-  if (scattered) p = flight.ray.o + flight.ray.d * t;
   return scattered;
 }
 
-/// An estimate of the part of the light that passes the medium along `ray`, from its origin to the distance
-/// t_max. Unbiased for each wavelength; the same number is the ratio of the density of passing on a walk
-/// to that of a connection.
-Spectrum transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
+/// The formal density per length with which a flight finds emission at a place of a medium, as the weights of
+/// all techniques take it, without that of passing what lies before. `size` is the inverse of the medium's.
+float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Spectrum& sigma_t,
+                    float inverse_size, const Wavelengths& w);
+
+/// Light that goes straight through a medium.
+struct Straight {
+  /// The part that arrives: an estimate, unbiased for each wavelength, or exact. The same number is the ratio of
+  /// the density of passing on a walk to that of passing without being scattered.
+  Spectrum passed{1.f};
+  float roulette = 1;  ///< factor of the estimate that is in no density; 0 where it was ended
+};
+/// Along `ray` from its origin to the distance t_max.
+Straight transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
                        std::uint32_t key);
+/// The same without roulette, so that a path may be scattered there.
+Spectrum passed_to(const Medium& medium, const Ray& ray, float t, const Wavelengths& w, std::uint32_t key);
 
 }  // namespace aureole

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "aureole/transport/driver.h"
+#include "aureole/transport/keyed_random.h"
 
 namespace aureole {
 
@@ -12,7 +13,9 @@ namespace aureole {
 ///     void see(int path, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum&
 ///     radiance);
 /// which is called for each light along the ray of direction d: with its point (null if it is at infinity)
-/// and the part of its radiance that arrives.
+/// and the part of its radiance that arrives; and perhaps
+///     void glow(int path, const Spectrum& estimate);
+/// for the light of media along the ray, divided by the density of its wavelengths.
 template <class Viewer>
 class SightSteps {
 public:
@@ -31,6 +34,8 @@ public:
     Connection& line = lines_[path];
     const Wavelengths& w = viewer_.wavelengths(path);
     if (line.flight.medium) {
+      if constexpr (requires { viewer_.glow(0, Spectrum()); })
+        if (line.flight.medium->emits()) viewer_.glow(path, glow(line, hit ? hit.t : kInfinity, w));
       travel(line, hit ? hit.t : kInfinity, w);
       line.light *= line.passed;
       line.passed = 1.f;
@@ -48,6 +53,16 @@ public:
   }
 
 private:
+  static Spectrum glow(const Connection& line, float t_max, const Wavelengths& w) {
+    KeyedRandom random(line.key);
+    const FlightRandom numbers{random.next(), line.key + 1};
+    Glow seen{1.f, 0.f, nullptr, {}};
+    Passage passage;
+    float t;
+    fly(*line.flight.medium, line.flight.ray, t_max, w, numbers, passage, &seen, t);
+    return line.light * seen.seen / w.pdf;
+  }
+
   const Scene& scene_;
   Viewer& viewer_;
   Connection lines_[kBatch];

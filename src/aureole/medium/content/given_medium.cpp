@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/medium/content/given_medium.h"
 
+#include <fmt/format.h>
+
 #include "aureole/medium/content/volume_majorants.h"
 #include "aureole/spectrum/planck.h"
 
@@ -20,9 +22,17 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
   } else {
     extinction_ = get_volume(p, "sigma_t", 1, SpectrumRole::unbounded);
     albedo_ = get_volume(p, "albedo", 0.75, SpectrumRole::reflectance);
-    if (!extinction_->is_constant()) grid_ = majorants_of(*extinction_);
   }
   scale_ = float(p.get_float("scale", 1, Range::non_negative()));
+  constexpr double kMost = 1e18;  // far beyond, products overflow
+  const double most = extinction_ ? double(extinction_->maximum())
+                                  : double(absorption_->maximum()) + double(scattering_->maximum());
+  if (!(most * double(scale_) <= kMost))
+    throw p.error(p.has("scale") ? "scale"
+                  : by_parts     ? "sigma_s"
+                                 : "sigma_t",
+                  fmt::format("the extinction becomes {:.3g}; {:g} per unit of length are possible",
+                              most * double(scale_), kMost));
   emission_ = get_optional_volume(p, "emission", SpectrumRole::emission);
   temperature_ = get_optional_volume(p, "temperature", SpectrumRole::unbounded);
   for (const char* name : {"sample_emitters", "has_spectral_extinction"}) {
@@ -30,6 +40,7 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
       p.note(name, "lights are always sampled, and every wavelength has its own extinction: no effect");
     p.get_bool(name, true);
   }
+  sampling_weight_ = float(p.get_float("sampling_weight", 1, Range::non_negative()));
   const double n = p.get_float("ior", 1, {1, 100});
   index2_ = float(n * n);
   const auto phases = p.get_children<PhaseFunction>("phase");
@@ -37,6 +48,13 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
     throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +
                                " phase functions; a medium has one (\"blendphase\" mixes two)");
   phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
+  if (extinction_ && !extinction_->is_constant() && scale_ > 0) {
+    // Emission is met at null collisions: there must be some wherever there may be emission, whatever the
+    // extinction is there.
+    const double factor = double(scale_) * double(phase_->largest_projected_area());
+    const Vec3 diagonal = extinction_->to_box().value_or(Transform()).inverse().vector({1, 1, 1});
+    grid_ = majorants_of(*extinction_, emission_ ? float(1 / (double(length(diagonal)) * factor)) : 0.f);
+  }
 }
 
 void GivenMedium::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {
@@ -80,6 +98,8 @@ std::vector<ParameterDoc> GivenMedium::rows() {
       {"emission", "volume", "W/(m^2 sr nm) per length", "none", "radiance emitted per length"},
       {"temperature", "volume", "K", "none",
        "the medium shines as a body of this temperature does, in proportion to its absorption (Kirchhoff's law)"},
+      {"sampling_weight", "float", "", "1",
+       "factor of the probability with which light sampling looks for its emission; 0: never"},
       {"ior", "float", "", "1",
        "refractive index within, by whose square a medium with a temperature shines more; boundaries refract "
        "by their BSDF"},

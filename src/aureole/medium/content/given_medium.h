@@ -26,13 +26,14 @@ public:
   bool emits() const final { return emission_ || temperature_; }
   bool is_uniform() const final;
   bool has_uniform_emission() const final;
+  float sampling_weight() const final { return sampling_weight_; }
 
 private:
   VolumePtr extinction_, albedo_;      ///< or
   VolumePtr absorption_, scattering_;  ///< these, which are constant
   VolumePtr emission_;                 ///< or null
   VolumePtr temperature_;              ///< [K], or null
-  float scale_ = 1, index2_ = 1;
+  float scale_ = 1, index2_ = 1, sampling_weight_ = 1;
   PhaseFunctionPtr phase_;
   std::optional<MajorantGrid> grid_;
 };

@@ -16,11 +16,12 @@ int cells_for(int samples) {
 
 }  // namespace
 
-MajorantGrid majorants_of(const Volume& volume) {
+MajorantGrid majorants_of(const Volume& volume, float least) {
   std::array<int, 3> cells;
   for (std::size_t i = 0; i < 3; ++i) cells[i] = cells_for(volume.resolution()[i]);
   std::vector<float> bounds(std::size_t(cells[0]) * std::size_t(cells[1]) * std::size_t(cells[2]));
   volume.bound(cells, bounds);
+  for (float& b : bounds) b = std::max(b, least);
   return MajorantGrid(volume.to_box().value_or(Transform()), cells, std::move(bounds));
 }
 

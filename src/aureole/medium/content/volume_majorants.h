@@ -6,7 +6,7 @@
 
 namespace aureole {
 
-/// Bounds of a volume that varies in space, in cells of its box.
-MajorantGrid majorants_of(const Volume& volume);
+/// Bounds of a volume that varies in space, in cells of its box: `least` where they are smaller.
+MajorantGrid majorants_of(const Volume& volume, float least = 0);
 
 }  // namespace aureole

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// `LightTree`: a bounding-volume tree over parts of lights that is descended at random by an estimate of the
+// light that each side sends to a point (Conty Estevez & Kulla 2018, "Importance sampling of many lights with
+// adaptive tree splitting"; importance as in Pharr, Jakob & Humphreys 2023, section 12.6.3).
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "aureole/emitter/emitter.h"
+
+namespace aureole {
+
+class LightTree {
+public:
+  LightTree() = default;
+  /// `power` of a leaf is its share of the power of all.
+  explicit LightTree(std::vector<EmissionBounds> leaves);
+
+  struct Choice {
+    std::size_t leaf;
+    float probability;
+    float u;  ///< what is left of the random number
+  };
+  /// A leaf for the point p with normal n (zero for a point that light may reach from both sides), where the
+  /// probability of asking for it was `probability`. Nothing where no light can reach p. Requires leaves.
+  std::optional<Choice> choose(const Vec3& p, const Vec3& n, float u, float probability = 1) const;
+  /// The probability of that choice.
+  float probability(const Vec3& p, const Vec3& n, std::size_t leaf, float probability = 1) const;
+  /// A leaf by the light that it sends to the places along a ray up to the distance t_max, by distance and
+  /// power alone. Nothing where no connection finds any leaf.
+  std::optional<std::size_t> choose_along(const Ray& ray, float t_max, float u) const;
+
+  bool empty() const { return leaves_.empty(); }
+  std::size_t leaf_count() const { return leaves_.size(); }
+  const EmissionBounds& leaf(std::size_t i) const { return leaves_[i]; }
+  /// Whether connections can find any of the leaves (`EmissionBounds::focus`).
+  bool can_be_connected() const { return !nodes_.empty() && nodes_[0].bounds.focus > 0; }
+
+private:
+  struct Node {
+    EmissionBounds bounds;
+    float sin_normals = 0, sin_emission = 1;
+    Vec3 center;
+    float radius_squared = 0;
+    std::int32_t right = -1;  ///< index of the second child (the first follows); -1 in a leaf
+    std::int32_t parent = -1;
+    std::uint32_t leaf = 0;
+  };
+
+  std::int32_t build(std::vector<std::uint32_t>& order, std::size_t begin, std::size_t end,
+                     std::int32_t parent);
+  static float importance(const Node& node, const Vec3& p, const Vec3& n);
+  static float importance_along(const Node& node, const Ray& ray, float t_max);
+
+  std::vector<EmissionBounds> leaves_;
+  std::vector<Node> nodes_;
+  std::vector<std::int32_t> node_of_leaf_;
+};
+
+}  // namespace aureole

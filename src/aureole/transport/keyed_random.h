@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// `KeyedRandom`: numbers for decisions that need any number of them (docs/conventions.md, "Random numbers").
+#pragma once
+
+#include "aureole/core/random.h"
+
+namespace aureole {
+
+/// Numbers in [0, 1) from a key.
+class KeyedRandom {
+public:
+  explicit KeyedRandom(std::uint32_t key) : state_(mix_bits(key + 0x9e3779b97f4a7c15u)) {}
+  float next() { return unit_float(std::uint32_t(mix_bits(state_ += 0x9e3779b97f4a7c15u) >> 32)); }
+
+private:
+  std::uint64_t state_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures of media on grids: the grid, its resolution and the bounds made of it must not show.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "harness/rendered.h"
+#include "medium/scene_text.h"
+#include "volume/volume_test_support.h"
+
+namespace aureole::testing {
+namespace {
+
+using aureole::test::choice;
+using aureole::test::grid_xml;
+using aureole::test::make_vol;
+using aureole::test::TemporaryFolder;
+using aureole::test::write_bytes;
+
+/// The same picture up to noise, in all and in every pixel.
+void expect_same(const Picture& a, const Picture& b, const std::string& what, double largest_error = 0.02) {
+  const double error = std::hypot(a.all_error, b.all_error);
+  EXPECT_NEAR(a.all, b.all, 4.5 * error + 1e-4 * a.all) << what;
+  EXPECT_LT(error, largest_error * a.all) << what;
+  for (std::size_t i = 0; i < a.mean.size(); ++i)
+    EXPECT_NEAR(a.mean[i], b.mean[i], 6 * std::hypot(a.error[i], b.error[i]) + 1e-3 * a.all)
+        << what << ", pixel " << i;
+}
+
+/// A grid that fills [-1, 1]^3, as the parameter `name`.
+std::string filling(const std::filesystem::path& file, const std::string& name, const std::string& filter) {
+  std::string all = grid_xml(file, choice("filter_type", filter) +
+                                       "<transform name=\"to_world\"><translate x=\"-0.5\" y=\"-0.5\" "
+                                       "z=\"-0.5\"/><scale value=\"2\"/></transform>");
+  return all.insert(all.find(' '), " name=\"" + name + "\"");
+}
+
+/// A cube of a medium between a floor, a lamp near it and the sky.
+Picture picture(const std::string& integrator, const std::string& content, int samples = 128) {
+  return render(
+      "<integrator type=\"" + integrator + "\"/>" +
+      camera("origin=\"0, -6, 2\" target=\"0, 0, 0\" up=\"0, 0, 1\"", 30, 4, samples) +
+      "<shape type=\"cube\">" + kNull + content +
+      "</shape><shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"3\"/><translate "
+      "z=\"-1.1\"/></transform></shape><shape type=\"sphere\"><point name=\"center\" x=\"-0.4\" "
+      "y=\"-1.2\" z=\"0.5\"/><float name=\"radius\" value=\"0.1\"/><emitter type=\"area\"><float "
+      "name=\"radiance\" value=\"20\"/></emitter></shape><emitter type=\"constant\"><float "
+      "name=\"radiance\" value=\"0.3\"/></emitter>");
+}
+std::string heterogeneous(const std::string& grid, double scale) {
+  return "<medium type=\"heterogeneous\" name=\"interior\">" + grid + parameter("scale", scale) +
+         parameter("albedo", 0.8) + "<phase type=\"hg\">" + parameter("g", 0.4) + "</phase></medium>";
+}
+
+TEST(GridTransport, AConstantGridIsHomogeneous) {
+  TemporaryFolder folder;
+  const auto file =
+      write_bytes(folder.path() / "one.vol", make_vol({3, 3, 3}, 1, std::vector<float>(27, 0.5f)).bytes());
+  for (const char* integrator : {"path", "ptracer"})
+    expect_same(picture(integrator, heterogeneous(filling(file, "sigma_t", "trilinear"), 2.4)),
+                picture(integrator, medium(0.24, 0.96, 0.4)), integrator);
+}
+
+TEST(GridTransport, AnyMajorantGivesTheSame) {
+  // The same field in 4^3 voxels under one bound, in 16^3 under 4^3 of them, and where the largest value, in a
+  // corner that little light passes, loosens the bounds of all.
+  TemporaryFolder folder;
+  const auto write = [&](int fineness, float corner, const std::string& name) {
+    const int n = 4 * fineness;
+    std::vector<float> values;
+    for (int z = 0; z < n; ++z)
+      for (int y = 0; y < n; ++y)
+        for (int x = 0; x < n; ++x) {
+          const int cell = (z / fineness * 4 + y / fineness) * 4 + x / fineness;
+          values.push_back(cell == 63 ? corner : cell % 3 == 0 ? 0.f : float(cell * 37 % 11) / 10);
+        }
+    return write_bytes(folder.path() / name, make_vol({n, n, n}, 1, values).bytes());
+  };
+  const auto render_of = [](const std::filesystem::path& file) {
+    return picture("path", heterogeneous(filling(file, "sigma_t", "nearest"), 3));
+  };
+  const Picture coarse = render_of(write(1, 1, "coarse.vol"));
+  expect_same(coarse, render_of(write(4, 1, "fine.vol")), "finer");
+  // Voxels of 3 in a field of 1, behind a factor of 8: all of the bounds of 4^3 voxels are eight times as high.
+  const Picture loose = render_of(write(1, 8, "loose.vol")), tight = render_of(write(4, 8, "tight.vol"));
+  expect_same(loose, tight, "looser");
+}
+
+TEST(GridTransport, ExtinctionsThreeDecadesApart) {
+  TemporaryFolder folder;
+  std::vector<float> values;
+  for (int i = 0; i < 8; ++i) values.insert(values.end(), {0.9f, 0.03f, 0.0009f});
+  const auto file = write_bytes(folder.path() / "rgb.vol", make_vol({2, 2, 2}, 3, values).bytes());
+  for (const char* integrator : {"path", "ptracer"})
+    expect_same(picture(integrator, heterogeneous(filling(file, "sigma_t", "trilinear"), 6)),
+                picture(integrator,
+                        "<medium type=\"homogeneous\" name=\"interior\"><rgb name=\"sigma_t\" "
+                        "value=\"0.9, 0.03, 0.0009\"/>" +
+                            parameter("scale", 6) + parameter("albedo", 0.8) + "<phase type=\"hg\">" +
+                            parameter("g", 0.4) + "</phase></medium>"),
+                integrator);
+}
+
+TEST(GridTransport, ThickGridsKeepTheFurnaceWhite) {
+  // Where little light arrives straight ahead connections end by roulette, which must be in no weight.
+  TemporaryFolder folder;
+  std::vector<float> values(6 * 6 * 6);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = i * 7 % 5 < 2 ? 0.f : float(i * 7 % 5) / 4;
+  const auto file = write_bytes(folder.path() / "thick.vol", make_vol({6, 6, 6}, 1, values).bytes());
+  const Picture p =
+      render(path() + camera("origin=\"0, -6, 2\" target=\"0, 0, 0\" up=\"0, 0, 1\"", 15, 4, 256) +
+             "<shape type=\"cube\">" + kNull + "<medium type=\"heterogeneous\" name=\"interior\">" +
+             filling(file, "sigma_t", "trilinear") + parameter("scale", 6) + parameter("albedo", 1) +
+             "</medium></shape>" + kSky);
+  expect_mean(p, 1, 0.003);
+  expect_pixels(p, 1);
+}
+
+}  // namespace
+}  // namespace aureole::testing
