@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stacks of plane layers, one for each wavelength. aureole/_stack.py checks the arguments and shapes the results.
+// Stacks of plane layers, one for each wavelength. aureole/_stack.py checks the arguments and shapes the
+// results.
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -34,9 +35,10 @@ StackLight light(double cosine, bool from_below) {
 
 class PlaneStacks {
 public:
-  /// `values` by stack and layer: absorption, scattering, thickness, g, index, roughness of the top. `outside` by stack: index above,
-  /// index below, reflectance of a substrate or NaN, roughness of the bottom. `kinds`: interfaces from the top, one more than layers.
-  /// `moments` by stack and layer. Tables by layer.
+  /// `values` by stack and layer: absorption, scattering, thickness, g, index, roughness of the top.
+  /// `outside` by stack: index above, index below, reflectance of a substrate or NaN, roughness of the
+  /// bottom. `kinds`: interfaces from the top, one more than layers. `moments` by stack and layer. Tables by
+  /// layer.
   PlaneStacks(const Array<const double, 3>& values, const Array<const double, 2>& outside,
               const std::vector<int>& kinds, const std::vector<int>& phases,
               const Array<const double, 3>& moments, const std::vector<std::vector<double>>& table_mu,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Layers under an oblique beam, one and two of them, on nothing or on a Lambertian surface: fluxes, and radiance by direction,
-// against discrete ordinates of PythonicDISORT (optics/stack/references).
+// Layers under an oblique beam, one and two of them, on nothing or on a Lambertian surface: fluxes, and
+// radiance by direction, against discrete ordinates of PythonicDISORT (optics/stack/references).
 //
 // AUREOLE_THOROUGH=1 follows a million paths per number and prints what it finds.
 #include <gtest/gtest.h>

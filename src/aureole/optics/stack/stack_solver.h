@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stack cut into elements (layers, interfaces, substrate), and the light at the levels between them, mode by mode. Inside of
-// the library only.
+// A stack cut into elements (layers, interfaces, substrate), and the light at the levels between them, mode
+// by mode. Inside of the library only.
 #pragma once
 
 #include <span>
@@ -51,8 +51,9 @@ public:
   std::vector<Light> light(int mode, const Matrix& from_above, const Matrix& from_below,
                            std::span<const int> levels) const;
 
-  /// What light of one channel is at each level after it was put into another, without scattering: down at level i in row i, up in
-  /// row last_level() + 1 + i, columns alike. `scaled`: forward peaks are not scattering.
+  /// What light of one channel is at each level after it was put into another, without scattering: down at
+  /// level i in row i, up in row last_level() + 1 + i, columns alike. `scaled`: forward peaks are not
+  /// scattering.
   Matrix unscattered(int channel, bool scaled) const;
 
 private:
