@@ -32,7 +32,6 @@ struct Slab {
 };
 
 // Values of adding-doubling and discrete-ordinate programs; the first row is van de Hulst 1980.
-// 1980, table 35.
 TEST(PlaneStack, SlabTable) {
   for (const Slab& s :
        {Slab{.9, 2, .75, 1, false, .09739, .66096, 5e-6}, Slab{.5, 1, .9, 1, false, .004957, .590719, 6e-7},
@@ -185,6 +184,9 @@ TEST(PlaneStack, ClearSlabs) {
     EXPECT_NEAR(f.unscattered_reflectance, f.reflectance, 1e-12);
     EXPECT_NEAR(f.transmittance, 1 - f.reflectance, 1e-12);
   }
+  const StackFluxes none = PlaneStack(stack_of({hg_layer(0, 0.5, 0)})).fluxes(StackLight::beam(0.5));
+  EXPECT_EQ(none.transmittance, 1);
+  EXPECT_EQ(none.unscattered_transmittance, 1);
   StackDescription water = stack_of({slide(1.33)});
   water.index_above = 1.33;
   const PlaneStack surface(water, {128});

@@ -38,9 +38,7 @@ public:
   const UniformLayer& layer(int layer) const { return layers_[layer]; }
   int last_level() const { return int(elements_.size()); }
   int level(int position) const { return position_levels_[position]; }  ///< of those that were given
-  double index(int level) const {
-    return level == 0 ? elements_[0].index_above : elements_[level - 1].index_below;
-  }
+  double index(int level) const { return level == 0 ? index_above_ : elements_[level - 1].index_below; }
   /// Modes that scatter at all.
   int modes() const { return modes_; }
 
@@ -62,7 +60,8 @@ private:
   std::vector<Element> elements_;
   std::vector<int> position_levels_;
   std::vector<Scaled> scaled_;
-  double substrate_ = 0;
+  double index_above_;
+  double substrate_;
   Channels channels_;
   std::vector<UniformLayer> layers_;
   std::vector<std::vector<Operators>> rough_;  ///< by rough interface and mode
