@@ -2,6 +2,7 @@
 """Stacks of plane layers by discrete ordinates."""
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
@@ -16,7 +17,8 @@ Reals = npt.NDArray[np.float64]
 _KINDS = ("smooth", "beckmann", "ggx")
 
 
-class StackLayer(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class StackLayer:
     """A layer of a `PlaneStack`. Numbers may be arrays, over wavelengths for instance; all of a stack broadcast.
 
     Attributes
@@ -255,7 +257,7 @@ class PlaneStack:
         result = np.empty((self._count, mu.size, phi.size))
         self._stacks.radiance(_beam(cosine), bool(from_below), -1 if layer is None else self._layer("layer", layer), depths.reshape(-1),
                               np.ascontiguousarray(mu).reshape(-1), np.ascontiguousarray(phi).reshape(-1), result)
-        return result.reshape(self._shape + mu.shape + phi.shape)[()]  # type: ignore[no-any-return]
+        return result.reshape(self._shape + mu.shape + phi.shape)[()]
 
     def fields(self, layer: int, depths: npt.ArrayLike, *, cosine: Optional[float] = None, from_below: bool = False) -> StackFields:
         """Light inside of a layer.

@@ -45,7 +45,6 @@ public:
   double width(int channel, double index) const;
   /// The channels of the extra directions, in the order in which they were given.
   const std::vector<int>& extra() const { return extra_; }
-  const std::vector<double>& indices() const { return indices_; }  ///< increasing, each once
 
   /// Extra channels carry so little that what they scatter changes no digit of the others; operators are kept
   /// in a form that does not lose the digits of their own.
