@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The physics of the renderer as functions of arrays: spheres, interfaces, openings, positions of scatterers.
+"""The physics of the renderer as functions of arrays: spheres, interfaces, openings, positions of scatterers, layers.
 
 All functions broadcast as numpy does, take anything that `numpy.asarray` takes, compute in double precision on all
 cores and can be interrupted. Wrong arguments are an `aureole.Error` or a TypeError that names them. Angles are given
@@ -21,10 +21,11 @@ from ._correlations import (HardDiscs, PairCorrelation, PointStructureFactor, St
                             structure_factor)
 from ._errors import Error
 from ._sizes import SizeDistribution, size_distribution
+from ._stack import PlaneStack, StackFields, StackFluxes, StackLayer
 from ._vectorised import broadcast, limit_results, shaped
 
-__all__ = ["ApertureShape", "Fresnel", "HardDiscs", "Mie", "PairCorrelation", "PointStructureFactor", "SizeDistribution",
-           "StructureFactor",
+__all__ = ["ApertureShape", "Fresnel", "HardDiscs", "Mie", "PairCorrelation", "PlaneStack", "PointStructureFactor", "SizeDistribution",
+           "StackFields", "StackFluxes", "StackLayer", "StructureFactor",
            "annulus", "circle", "ellipse", "fresnel", "fresnel_diffuse_reflectance", "hard_disc_pair_correlation",
            "hard_discs", "mask", "mie", "mie_amplitudes", "mie_phase_function", "ngon", "pair_correlation",
            "point_structure_factor", "polygon", "rectangle", "size_distribution",

@@ -128,6 +128,7 @@ void bind_optics(nb::module_& m) {
       },
       arg("eta"), arg("result").noconvert());
   bind_sizes(m);
+  bind_stack(m);
   bind_apertures(m);
   bind_correlations(m);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Layers under an oblique beam, one and two of them, on nothing or on a Lambertian surface: fluxes, and radiance by direction,
-// against discrete ordinates of PythonicDISORT (optics/stack/references).
+// Layers under an oblique beam, one and two of them, on nothing or on a Lambertian surface: fluxes, and
+// radiance by direction, against discrete ordinates of PythonicDISORT (optics/stack/references).
 //
 // AUREOLE_THOROUGH=1 follows a million paths per number and prints what it finds.
 #include <gtest/gtest.h>
@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "aureole/optics/stack/plane_stack.h"
 #include "harness/rendered.h"
 #include "medium/slab_scenes.h"
 #include "optics/stack/references/references.h"
@@ -60,6 +61,14 @@ Picture measure(const std::string& meters, int count, int samples, const std::st
                 "\"/><integer name=\"height\" value=\"1\"/><rfilter type=\"box\"/></film></sensor>" + scene);
 }
 
+/// Mirrors, and the sky above or below, of radiance 1.
+std::string surroundings(bool above) {
+  const std::string black = "<bsdf type=\"diffuse\">" + parameter("reflectance", 0) + "</bsdf>";
+  const std::string lamp = "<emitter type=\"area\">" + parameter("radiance", 1) + "</emitter>";
+  const std::string sky = "<emitter type=\"constant\">" + parameter("radiance", 1) + "</emitter>";
+  return level(-2, true, above ? black : black + lamp) + (above ? sky : "") + mirrors();
+}
+
 class SlabReference : public ::testing::TestWithParam<int> {
 protected:
   const DisortReference& r = optics::kDisort[GetParam()];
@@ -68,14 +77,10 @@ protected:
 /// By reciprocity: the sky above, or below, of radiance 1, seen at the angle of the beam.
 TEST_P(SlabReference, FluxesOfAnObliqueBeam) {
   const double sine = std::sqrt(1 - r.cosine * r.cosine);
-  const std::string sky = "<emitter type=\"constant\">" + parameter("radiance", 1) + "</emitter>";
-  const std::string black = "<bsdf type=\"diffuse\">" + parameter("reflectance", 0) + "</bsdf>";
-  const std::string lamp = "<emitter type=\"area\">" + parameter("radiance", 1) + "</emitter>";
   for (const bool above : {true, false}) {
     if (!above && r.substrate > 0) continue;
-    const Picture p = measure(
-        meter(1, sine, 0, r.cosine, 0.5), 1, is_thorough() ? 65536 : 2048,
-        layers(r, 1) + level(-2, true, above ? black : black + lamp) + (above ? sky : "") + mirrors());
+    const Picture p = measure(meter(1, sine, 0, r.cosine, 0.5), 1, is_thorough() ? 65536 : 2048,
+                              layers(r, 1) + surroundings(above));
     const double expected = r.fluxes[above ? 0 : 1];
     if (is_thorough())
       std::printf("%s %.6f +- %.6f, DISORT %.6f (%+.2f standard errors)\n", above ? "R" : "T", p.all,
@@ -118,6 +123,36 @@ TEST_P(SlabReference, Radiance) {
                 error);
   EXPECT_NEAR(ratio, 1, 4.5 * error);
   EXPECT_LT(error, 0.01);
+}
+
+/// Two layers of different index, of an oblique beam, by adding and doubling: interfaces from above and below
+/// the critical angle.
+TEST(RefractingLayers, AreThoseOfDiscreteOrdinates) {
+  const double cosine = 0.4, sine = std::sqrt(1 - cosine * cosine);
+  optics::StackDescription d;
+  for (const double index : {1.33, 1.6})
+    d.layers.push_back(optics::StackLayer::of_optical_thickness(
+        1, 0.9, optics::LegendrePhase::henyey_greenstein(0.5), index));
+  const optics::StackFluxes f = optics::PlaneStack(d, {128}).fluxes(optics::StackLight::beam(cosine));
+  const auto interface = [](double outside, double inside) {
+    return "<bsdf type=\"dielectric\">" + parameter("ext_ior", outside) + parameter("int_ior", inside) +
+           "</bsdf>";
+  };
+  const DisortReference::Layer layer{1, 0.9, 1, 0.5, 0};
+  const std::string slabs =
+      level(1, true, interface(1, 1.33) + medium(layer, 2, "interior")) +
+      level(0.5, true, interface(1.33, 1.6) + medium(layer, 2, "interior") + medium(layer, 2, "exterior")) +
+      level(0, false, interface(1, 1.6) + medium(layer, 2, "interior"));
+  for (const bool above : {true, false}) {
+    const Picture p =
+        measure(meter(1, sine, 0, cosine, 0.5), 1, is_thorough() ? 65536 : 4096, slabs + surroundings(above));
+    const double expected = above ? f.reflectance : f.transmittance;
+    if (is_thorough())
+      std::printf("%s %.6f +- %.6f, discrete ordinates %.6f\n", above ? "R" : "T", p.all, p.all_error,
+                  expected);
+    EXPECT_NEAR(p.all, expected, 3 * p.all_error + 0.003 * expected);
+    EXPECT_LT(p.all_error, 0.01);
+  }
 }
 
 // One layer; a thick one that scatters alike; two on a surface; forward and backward lobes.

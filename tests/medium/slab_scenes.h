@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts of scenes with plane layers. The slabs lie between horizontal squares; between mirrors all around, or where the squares
-// are wide enough, they are infinite.
+// Parts of scenes with plane layers. The slabs lie between horizontal squares; between mirrors all around, or
+// where the squares are wide enough, they are infinite.
 #pragma once
 
 #include <cstdlib>

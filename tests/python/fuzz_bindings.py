@@ -329,6 +329,8 @@ INSTANCES = {
     "aureole.Scene": ["scene()"], "aureole.Image": ["image()", "rendered()"], "aureole.Transform": ["aureole.Transform.rotate([0, 1, 0], 30)"], "aureole.Texture": ["texture()"], "aureole.Emitter": ["emitter()"],
     "aureole.Aperture": ["aperture()"], "aureole.Bsdf": ["bsdf()", "bsdf('dielectric')", "bsdf('blendbsdf', a={'type': 'diffuse'}, b={'type': 'conductor'}, weight=0.3)", "_aureole.python_bsdf(Lambert())"],
     "aureole.CheckReport": ["report()"], "aureole.CheckRecord": ["report().checks[0]"], "aureole.optics.ApertureShape": ["optics.circle(5e-6)", "optics.mask(np.eye(4), 1e-6)"],
+    "aureole.optics.PlaneStack": ["optics.PlaneStack([optics.StackLayer(1, 0.1, [0.9, 1], g=0.5)], streams=4)"],
+    "aureole._aureole.PlaneStacks": ["optics.PlaneStack([optics.StackLayer(1, 0.1, [0.9, 1], g=0.5)], streams=4)._stacks"],
     "aureole.optics.StructureFactor": ["optics.StructureFactor.percus_yevick(0.4)"], "aureole._aureole.OpenScene": ["scene()._open"], "aureole._aureole.Picture": ["rendered()._picture", "image()._picture"],
     "aureole._aureole.Array": ["_aureole.Array(np.ones((2, 3)))"], "aureole._aureole.StructureFactor": ["_aureole.percus_yevick_factor(0.4)"], "aureole._aureole.Object": ["scene()['sensor.film']"],
 }
@@ -352,6 +354,8 @@ EXAMPLES = {
     "aureole.Scene.__setitem__": [["'glass.alpha'", "0.3"], ["'ball.bsdf'", "mutated({'type': 'diffuse'}, R)"], ["torn_text('lamp.emitter.radiance', R)", "2.0"], ["'mesh.vertices'", "np.ones((3, 3))"], ["'sensor.film.width'", "5"]],
     "aureole.Image.save": [["file('a.exr')"], ["file('a.png')", "1.0"], ["file('a.hdr')"], ["file('a.pfm')"], ["file('a.txt')"]], "aureole.read_image": [["file('a.exr')"], ["torn(file('a.exr'), R)"], ["torn(file('a.exr'), R)"]],
     "aureole.plot.spectrum": [["[400, 500, 600]", "[1, 2, 3]"]], "aureole.plot.phase_function": [["[0, 90, 180]", "[1, 2, 3]"], ["x=3", "m=1.5"]], "aureole.plot.structure_factor": [["[0, 1, 2]", "[1, 1, 1]", "0.1"]],
+    "aureole.optics.PlaneStack": [["[optics.StackLayer(1, 0.1, 0.9, index=1.5, interface='ggx'), optics.StackLayer(2, 1)]", "streams=4", "substrate=0.5"]],
+    "aureole.optics.PlaneStack.radiance": [["[0.5, -0.5]", "[0, 1]", "cosine=0.5"]], "aureole.optics.PlaneStack.fields": [["0", "[0, 1]"]], "aureole.optics.PlaneStack.fluxes": [["0.5"]],
     "aureole.optics.StructureFactor.table": [["[0, 1.0]", "[0.5, 1.0]"]], "aureole.optics.StructureFactor.at": [["[[0.5, 1]]"]], "aureole.spectrum.illuminant": [["'D65'", "[400, 500]"]],
     "aureole.spectrum.material": [["'bk7'"]], "aureole.spectrum.refractive_index": [["'bk7'", "[500, 600]"]], "aureole.Transform.__matmul__": [["aureole.Transform()"]], "aureole.plot.corona": [["radius='8um'", "area_fraction=0.5", "resolution=8"]],
     "aureole.Scene.__getitem__": [["'glass.alpha'"], ["torn_text('lamp.emitter.radiance', R)"]], "aureole.Scene.__contains__": [["'glass.alpha'"]], "aureole.Scene.__delitem__": [["'glass.alpha'"]],

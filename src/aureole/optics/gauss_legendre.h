@@ -10,8 +10,8 @@ struct Quadrature {
   std::vector<double> x, weight;
 };
 
-/// `n` nodes in [from, to], from the last to the first: exact for polynomials of degree 2n - 1. Newton's method from the
-/// asymptotic places of the zeros (Abramowitz & Stegun 1964, 22.16.6).
+/// `n` nodes in [from, to], from the last to the first: exact for polynomials of degree 2n - 1. Newton's
+/// method from the asymptotic places of the zeros (Abramowitz & Stegun 1964, 22.16.6).
 Quadrature gauss_legendre(int n, double from = -1, double to = 1);
 
 }  // namespace aureole::optics

@@ -18,28 +18,12 @@ namespace aureole::optics {
 namespace {
 
 using testing::hg_layer;
+using testing::refractive_stack;
 using testing::slide;
+using testing::stack_of;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-StackDescription stack_of(std::vector<StackLayer> layers) {
-  StackDescription d;
-  d.layers = std::move(layers);
-  return d;
-}
-
-/// Two layers of different index on a third one, absorbing or not.
-StackDescription example(bool absorbing, int seed = 1) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<> u(0, 1);
-  StackDescription d;
-  for (const double n : {1.5, 1.33, 1.7})
-    d.layers.push_back(
-        hg_layer(0.2 + 3 * u(random), absorbing ? 0.5 + 0.5 * u(random) : 1, 1.6 * u(random) - 0.8, n));
-  d.index_below = 1.2;
-  return d;
-}
 
 struct Slab {
   double albedo, thickness, g, index;
@@ -47,7 +31,7 @@ struct Slab {
   double reflectance, transmittance, digits;
 };
 
-// Values of adding-doubling and discrete-ordinate programs; those of albedo .9 and index 1 in van de Hulst 1980, table 35.
+// Values of adding-doubling and discrete-ordinate programs; the first row is van de Hulst 1980.
 TEST(PlaneStack, SlabTable) {
   for (const Slab& s :
        {Slab{.9, 2, .75, 1, false, .09739, .66096, 5e-6}, Slab{.5, 1, .9, 1, false, .004957, .590719, 6e-7},
@@ -72,7 +56,7 @@ TEST(PlaneStack, EnergyIsConserved) {
   double worst = 0;
   for (const int streams : {2, 4, 8, 34})
     for (int seed = 1; seed < 6; ++seed) {
-      StackDescription d = example(false, seed);
+      StackDescription d = refractive_stack(false, seed);
       if (seed == 4) d.layers[1].thickness = 1e4;
       const PlaneStack stack(d, {streams});
       const StackLight lights[] = {StackLight::beam(1), StackLight::beam(0.01), StackLight::beam(0.5, true),
@@ -88,7 +72,7 @@ TEST(PlaneStack, EnergyIsConserved) {
 
 TEST(PlaneStack, Reciprocity) {
   // What is seen from one direction of a beam from another: I/n^2 is the same the other way round.
-  const StackDescription d = example(true);
+  const StackDescription d = refractive_stack(true);
   for (const bool delta_m : {false, true}) {
     const PlaneStack stack(d, {16, delta_m});
     const double azimuths[] = {0.3, 2.5};
@@ -107,7 +91,7 @@ TEST(PlaneStack, Reciprocity) {
 }
 
 TEST(PlaneStack, SplitLayersAreOne) {
-  StackDescription whole = example(true), split = whole;
+  StackDescription whole = refractive_stack(true), split = whole;
   split.layers.clear();
   for (const StackLayer& layer : whole.layers)
     for (const double share : {0.05, 0.6, 0.35}) {
@@ -191,40 +175,6 @@ TEST(PlaneStack, HalfSpaceOfChandrasekhar) {
   }
 }
 
-// Kubelka & Munk 1931 with the coefficients of two streams, K = 2 sigma_a and S = sigma_s (1 - 3/4 g), in the form of sinh and cosh.
-TEST(PlaneStack, TwoStreamsAreKubelkaAndMunk) {
-  for (const double albedo : {0.3, 0.9, 0.999})
-    for (const double g : {0.0, 0.6})
-      for (const double tau : {0.1, 3.0})
-        for (const double below : {0.0, 0.5}) {
-          StackDescription d = stack_of({hg_layer(tau, albedo, g)});
-          d.substrate = below;
-          const double k = 2 * (1 - albedo), s = albedo * (1 - 0.75 * g);
-          const double a = 1 + k / s, b = std::sqrt(a * a - 1), z = b * s * tau;
-          const double coth = b / std::tanh(z), r = (1 - below * (a - coth)) / (a - below + coth);
-          const PlaneStack stack(d, {2, false});
-          EXPECT_NEAR(stack.fluxes(StackLight::diffuse()).reflectance, r, 1e-12);
-          const StackPosition at[] = {{0, 0}, {0, 0.4 * tau}, {0, tau}};
-          for (const StackField& f : stack.fields(StackLight::diffuse(), at)) {
-            EXPECT_NEAR(f.absorption_down, k, 1e-9);
-            EXPECT_NEAR(f.backscatter_down, s, 1e-9);
-            if (f.flux_up > 0) {
-              EXPECT_NEAR(f.absorption_up, k, 1e-9);
-              EXPECT_NEAR(f.backscatter_up, s, 1e-9);
-            }
-          }
-        }
-}
-
-TEST(PlaneStack, FourStreamsAreBetterThanTwo) {
-  const StackDescription d = stack_of({hg_layer(3, 0.9, 0.5)});
-  const double exact = PlaneStack(d, {64}).fluxes(StackLight::diffuse()).reflectance;
-  const double two = PlaneStack(d, {2}).fluxes(StackLight::diffuse()).reflectance,
-               four = PlaneStack(d, {4}).fluxes(StackLight::diffuse()).reflectance;
-  std::printf("two-flux %.5f, four-flux %.5f, 64 streams %.5f\n", two, four, exact);
-  EXPECT_LT(std::abs(four - exact), 0.1 * std::abs(two - exact));
-}
-
 TEST(PlaneStack, ClearSlabs) {
   // 2 R/(1 + R) of two faces, at any angle; the same seen from below; light of a sky by quadrature.
   const PlaneStack glass(stack_of({slide(1.5)}), {32});
@@ -234,105 +184,15 @@ TEST(PlaneStack, ClearSlabs) {
     EXPECT_NEAR(f.unscattered_reflectance, f.reflectance, 1e-12);
     EXPECT_NEAR(f.transmittance, 1 - f.reflectance, 1e-12);
   }
+  const StackFluxes none = PlaneStack(stack_of({hg_layer(0, 0.5, 0)})).fluxes(StackLight::beam(0.5));
+  EXPECT_EQ(none.transmittance, 1);
+  EXPECT_EQ(none.unscattered_transmittance, 1);
   StackDescription water = stack_of({slide(1.33)});
   water.index_above = 1.33;
   const PlaneStack surface(water, {128});
   EXPECT_NEAR(surface.fluxes(StackLight::diffuse()).reflectance, fresnel_diffuse_reflectance(1 / 1.33), 1e-5);
   EXPECT_NEAR(surface.fluxes(StackLight::diffuse(true)).reflectance, fresnel_diffuse_reflectance(1.33), 1e-5);
   EXPECT_NEAR(surface.fluxes(StackLight::beam(0.5)).reflectance, 1, 1e-11) << "beyond the critical angle";
-}
-
-TEST(PlaneStack, FluxesInsideAreContinuousAndBalance) {
-  const StackDescription d = example(true);
-  const PlaneStack stack(d, {24});
-  const StackLight light = StackLight::beam(0.7);
-  const StackFluxes f = stack.fluxes(light);
-  std::vector<StackPosition> at;
-  double absorbed = 0;
-  using Rule = boost::math::quadrature::gauss<double, 15>;
-  std::vector<double> weights;
-  for (int i = 0; i < 3; ++i) {
-    const double thickness = d.layers[i].thickness;
-    for (std::size_t k = 0; k < Rule::abscissa().size(); ++k)
-      for (const double sign : {-1.0, 1.0}) {
-        if (Rule::abscissa()[k] == 0 && sign > 0) continue;
-        at.push_back({i, 0.5 * thickness * (1 + sign * Rule::abscissa()[k])});
-        weights.push_back(0.5 * thickness * Rule::weights()[k] * d.layers[i].absorption);
-      }
-  }
-  const auto fields = stack.fields(light, at);
-  for (std::size_t i = 0; i < at.size(); ++i)
-    absorbed += weights[i] * (fields[i].fluence_down + fields[i].fluence_up);
-  EXPECT_NEAR(absorbed, f.absorptance(), 1e-8) << "absorption, by fluence, of all depths";
-
-  // The net flux goes through interfaces as it is, and is what is left of the incident light.
-  const StackPosition ends[] = {{0, 0}, {0, d.layers[0].thickness}, {1, 0}, {2, d.layers[2].thickness}};
-  const auto edge = stack.fields(light, ends);
-  const auto net = [&](int i) { return edge[i].flux_down - edge[i].flux_up; };
-  EXPECT_NEAR(net(0), 1 - f.reflectance, 1e-12);
-  EXPECT_NEAR(net(1), net(2), 1e-12);
-  EXPECT_NEAR(net(3), f.transmittance, 1e-12);
-}
-
-TEST(PlaneStack, CoefficientsByDepthMakeTheTwoFluxEquations) {
-  const StackDescription d = stack_of({hg_layer(4, 0.9, 0.7)});
-  const PlaneStack stack(d, {32});
-  const double step = 1e-4;
-  const StackPosition at[] = {{0, 1 - step}, {0, 1}, {0, 1 + step}};
-  const auto f = stack.fields(StackLight::diffuse(), at);
-  const double down = (f[2].flux_down - f[0].flux_down) / (2 * step),
-               up = (f[2].flux_up - f[0].flux_up) / (2 * step);
-  EXPECT_NEAR(
-      down,
-      -(f[1].absorption_down + f[1].backscatter_down) * f[1].flux_down + f[1].backscatter_up * f[1].flux_up,
-      1e-7);
-  EXPECT_NEAR(
-      -up,
-      -(f[1].absorption_up + f[1].backscatter_up) * f[1].flux_up + f[1].backscatter_down * f[1].flux_down,
-      1e-7);
-}
-
-TEST(PlaneStack, RadianceAddsUpToFluxes) {
-  const PlaneStack stack(stack_of({hg_layer(2, 0.9, 0.5, 1.4), hg_layer(1, 0.7, 0.3, 1.4)}), {48, false});
-  using Rule = boost::math::quadrature::gauss<double, 30>;
-  std::vector<double> cosines, weights;
-  for (std::size_t k = 0; k < Rule::abscissa().size(); ++k)
-    for (const double sign : {-1.0, 1.0}) {
-      const double mu = 0.5 * (1 + sign * Rule::abscissa()[k]);
-      cosines.push_back(mu), weights.push_back(kPi * Rule::weights()[k] * mu);
-    }
-  const StackLight lights[] = {StackLight::beam(0.45), StackLight::diffuse()};
-  std::vector<double> azimuths;
-  for (int i = 0; i < 32; ++i) azimuths.push_back(2 * kPi * i / 32);
-  const auto radiance = stack.radiance(lights, cosines, azimuths);
-  const auto fluxes = stack.fluxes(lights);
-  for (int l = 0; l < 2; ++l) {
-    double sum = 0;
-    for (std::size_t c = 0; c < cosines.size(); ++c)
-      for (int a = 0; a < 32; ++a) sum += weights[c] / 32 * radiance[(l * cosines.size() + c) * 32 + a];
-    EXPECT_NEAR(sum, fluxes[l].reflectance - (l == 0 ? fluxes[l].unscattered_reflectance : 0), 1e-5);
-  }
-}
-
-TEST(PlaneStack, FiniteChannels) {
-  const StackDescription d = stack_of({hg_layer(1.5, 1, 0.6, 1.4)});
-  const PlaneStack stack(d, {32});
-  const double cosines[] = {0.9, 0.6, 0.3};
-  const StackChannels c = stack.channels(cosines);
-  ASSERT_EQ(c.reflected.size(), 16u);
-  EXPECT_NEAR(c.projected_solid_angle[0], kPi * (1 - 0.81), 1e-12);
-  double all = 0;
-  for (int j = 0; j < 4; ++j) {
-    double sum = 0;
-    for (int i = 0; i < 4; ++i) {
-      sum += c.reflected[i * 4 + j] + c.transmitted[i * 4 + j];
-      all += c.reflected[i * 4 + j] * c.projected_solid_angle[j] / kPi;
-      EXPECT_NEAR(c.reflected[i * 4 + j] * c.projected_solid_angle[j],
-                  c.reflected[j * 4 + i] * c.projected_solid_angle[i], 1e-12);
-    }
-    EXPECT_NEAR(sum, 1, 1e-9);
-  }
-  EXPECT_NEAR(all, PlaneStack(d, {64}).fluxes(StackLight::diffuse()).reflectance, 1e-4) << "a Lambertian sky";
 }
 
 TEST(PlaneStack, Grazing) {
@@ -382,21 +242,6 @@ TEST(PlaneStack, BadInputIsRefused) {
   const StackPosition outside[] = {{0, 2}};
   EXPECT_NE(refusal([&] { stack.fields(StackLight::diffuse(), outside); }).find("depth in layer 0"),
             std::string::npos);
-}
-
-TEST(LegendrePhase, TablesAndFormulasHaveTheSameMoments) {
-  const auto evaluate = [](std::span<const double> mu, std::vector<std::vector<double>>& at,
-                           std::vector<std::vector<double>>& mirrored) {
-    for (std::size_t i = 0; i < mu.size(); ++i)
-      at[0][i] = henyey_greenstein(mu[i], 0.8), mirrored[0][i] = henyey_greenstein(-mu[i], 0.8);
-  };
-  const PhaseTable table = tabulate_phases(evaluate, 1, 0.01, 0.1, {.relative = 1e-5}).tables[0];
-  const auto of_table = LegendrePhase::table(table).moments(60),
-             of_formula = LegendrePhase::henyey_greenstein(0.8).moments(60);
-  for (int l = 0; l < 60; ++l) EXPECT_NEAR(of_table[l], of_formula[l], 1e-5);
-  for (int l = 0; l < 4; ++l) EXPECT_NEAR(of_table[l], table.legendre(l), 1e-12);
-  const LegendrePhase rayleigh = LegendrePhase::of_moments({1, 0, 0.1});
-  EXPECT_NEAR(rayleigh.eval(0.5), 3 / (16 * kPi) * 1.25, 1e-15);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rough interfaces of stacks: energy, reciprocity, the smooth limit, and what microfacets reflect and pass, by integration over
-// their normals. Path traced ones are in tests/medium.
+// Rough interfaces of stacks: energy, reciprocity, the smooth limit, and what microfacets reflect and pass,
+// by integration over their normals. Path traced ones are in tests/medium.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,8 +55,8 @@ struct Albedo {
   double reflected, passed;
 };
 
-/// What Beckmann's or GGX's facets of index 1.5 reflect and refract of light at this cosine, met once: integral over the normals
-/// that it sees, in slopes.
+/// What Beckmann's or GGX's facets of index 1.5 reflect and refract of light at this cosine, met once:
+/// integral over the normals that it sees, in slopes.
 Albedo single_scattering(const StackInterface& interface, double mu) {
   const auto unmasked = [&](double c) {
     const double t = interface.alpha * std::sqrt(1 - c * c) / c, a = 1 / t;

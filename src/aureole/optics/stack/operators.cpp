@@ -12,8 +12,8 @@ namespace {
 
 Matrix symmetric(const Matrix& a) { return 0.5 * (a + a.transpose()); }
 
-/// (1 - a b)^-1, all orders of reflection between two parts. A channel that is reflected totally by both, as in the glass of
-/// a slide, has neither light nor an inverse; its row is left out.
+/// (1 - a b)^-1, all orders of reflection between two parts. A channel that is reflected totally by both, as
+/// in the glass of a slide, has neither light nor an inverse; its row is left out.
 Eigen::PartialPivLU<Matrix> interreflection(const Matrix& a, const Matrix& b) {
   Matrix m = -a * b;
   m.diagonal() = m.diagonal().unaryExpr([](double x) { return x == -1 ? 1 : 1 + x; });
@@ -53,9 +53,10 @@ UniformLayer::UniformLayer(const Channels& channels, double index, double albedo
       scale_(albedo / (4 * std::numbers::pi * index * index)),
       forward_(Vector::Zero(count_)) {
   for (int i = 0; i < count_; ++i) mu_[i] = channels.mu(i, index);
-  // What a quadrature of nodes mapped by refraction does not get of the light that is scattered, or gets too much of, is given
-  // to the forward direction (Grant & Hunt 1969, Proc. R. Soc. A 313, 183; Wiscombe 1976, J. Quant. Spectrosc. Radiat. Transfer
-  // 16, 637): energy is exact, and reciprocity is kept. Of the double Gauss rule it is a matter of rounding errors.
+  // What a quadrature of nodes mapped by refraction does not get of the light that is scattered, or gets too
+  // much of, is given to the forward direction (Grant & Hunt 1969, Proc. R. Soc. A 313, 183; Wiscombe 1976,
+  // J. Quant. Spectrosc. Radiat. Transfer 16, 637): energy is exact, and reciprocity is kept. Of the double
+  // Gauss rule it is a matter of rounding errors.
   const Vector lost = rates(0).difference * root_etendue_;
   forward_ = lost.array() / root_etendue_.array() - (1 - albedo) / mu_.array();
 }
@@ -67,8 +68,9 @@ bool UniformLayer::scatters(int mode) const {
 
 UniformLayer::Rates UniformLayer::rates(int mode) const {
   Rates rates{Matrix::Zero(count_, count_), Matrix::Zero(count_, count_)};
-  // Normalised associated functions sqrt((l - m)!/(l + m)!) P_l^m, times sqrt(e)/mu. The addition theorem with mu -> -mu gives
-  // each term the sign (-1)^(l + m), so terms of one parity are in A - B only, the others in A + B.
+  // Normalised associated functions sqrt((l - m)!/(l + m)!) P_l^m, times sqrt(e)/mu. The addition theorem
+  // with mu -> -mu gives each term the sign (-1)^(l + m), so terms of one parity are in A - B only, the
+  // others in A + B.
   const int terms = int(moments_.size()) - mode;
   if (scatters(mode)) {
     Matrix even(count_, (terms + 1) / 2), odd(count_, terms / 2);
@@ -99,13 +101,14 @@ Operators UniformLayer::attenuation(double optical_thickness) const {
   return {Matrix::Zero(count_, count_), pass.asDiagonal(), Matrix::Zero(count_, count_)};
 }
 
-// With s = x_down + x_up, d = x_down - x_up the equation of transfer is ds/dtau = -(A + B) d, dd/dtau = -(A - B) s. Between equal
-// lights on both sides d = E s at the upper face, E = (A - B) tanh(h G)/G, and between opposite ones s = O d,
-// O = tanh(h G)/G (A + B), where G^2 = (A + B)(A - B) and h is half of the thickness. A thin layer has tanh(z)/z by the third
-// approximant of Lambert's continued fraction (Abramowitz & Stegun 1964, 4.5.70), thicker ones by doubling: tanh(2 z) = 2 tanh(z)/
-// (1 + tanh(z)^2). D = 1 - tanh(z)^2 is carried along, so that transmittance keeps its digits in thick layers. At albedo 1 fluxes
-// sqrt(e) are a left null vector of A - B and of E, whatever the rounding of the rest: energy does not drift with the number of
-// doublings, as it does where reflection and transmission are doubled.
+// With s = x_down + x_up, d = x_down - x_up the equation of transfer is ds/dtau = -(A + B) d, dd/dtau = -(A -
+// B) s. Between equal lights on both sides d = E s at the upper face, E = (A - B) tanh(h G)/G, and between
+// opposite ones s = O d, O = tanh(h G)/G (A + B), where G^2 = (A + B)(A - B) and h is half of the thickness.
+// A thin layer has tanh(z)/z by the third approximant of Lambert's continued fraction (Abramowitz & Stegun
+// 1964, 4.5.70), thicker ones by doubling: tanh(2 z) = 2 tanh(z)/ (1 + tanh(z)^2). D = 1 - tanh(z)^2 is
+// carried along, so that transmittance keeps its digits in thick layers. At albedo 1 fluxes sqrt(e) are a
+// left null vector of A - B and of E, whatever the rounding of the rest: energy does not drift with the
+// number of doublings, as it does where reflection and transmission are doubled.
 Operators UniformLayer::operators(double optical_thickness, int mode) const {
   if (!(optical_thickness > 0) || !scatters(mode)) return attenuation(optical_thickness);
   const auto [sum, difference] = rates(mode);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reflection and transmission of a part of a stack as matrices over channels, for one azimuthal mode, and how parts are
-// put on top of one another (van de Hulst 1980, Multiple Light Scattering, chapter 4; Plass, Kattawar & Catchings 1973,
-// Appl. Opt. 12, 314). Inside of the library only: here is Eigen.
+// Reflection and transmission of a part of a stack as matrices over channels, for one azimuthal mode, and how
+// parts are put on top of one another (van de Hulst 1980, Multiple Light Scattering, chapter 4; Plass,
+// Kattawar & Catchings 1973, Appl. Opt. 12, 314). Inside of the library only: here is Eigen.
 //
-// Matrices act on x = sqrt(e) L, e the channel's etendue and L = I/n^2 its basic radiance. In this form reciprocity is
-// symmetry: the matrices of reflection are symmetric, those of transmission each other's transpose. sqrt(e) x is a flux.
-// Mode m of a function of azimuth is the mean of it times cos(m phi).
+// Matrices act on x = sqrt(e) L, e the channel's etendue and L = I/n^2 its basic radiance. In this form
+// reciprocity is symmetry: the matrices of reflection are symmetric, those of transmission each other's
+// transpose. sqrt(e) x is a flux. Mode m of a function of azimuth is the mean of it times cos(m phi).
 #pragma once
 
 #include <Eigen/Dense>
@@ -27,14 +27,16 @@ struct Operators {
   static Operators stacked(const Operators& upper, const Operators& lower);
 };
 
-/// Light between two parts, from what falls on the upper one from above and on the lower one from below (columns).
+/// Light between two parts, from what falls on the upper one from above and on the lower one from below
+/// (columns).
 struct FieldBetween {
   Matrix down, up;
   FieldBetween(const Operators& upper, const Operators& lower, const Matrix& from_above,
                const Matrix& from_below);
 };
 
-/// A layer of one material: optical thickness, albedo and moments of the phase function, scaled if they are to be.
+/// A layer of one material: optical thickness, albedo and moments of the phase function, scaled if they are
+/// to be.
 class UniformLayer {
 public:
   UniformLayer(const Channels& channels, double index, double albedo, std::vector<double> moments);

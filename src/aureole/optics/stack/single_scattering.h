@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light of a beam that is scattered once, in closed form, by the whole phase function and by its truncated series: the
-// correction of radiances after delta-M scaling (Nakajima & Tanaka 1988, the method TMS). Inside of the library only.
+// Light of a beam that is scattered once, in closed form, by the whole phase function and by its truncated
+// series: the correction of radiances after delta-M scaling (Nakajima & Tanaka 1988, the method TMS). Inside
+// of the library only.
 #pragma once
 
 #include <span>

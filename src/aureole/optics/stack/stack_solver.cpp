@@ -43,6 +43,7 @@ StackSolver::StackSolver(const StackDescription& description, const DiscreteOrdi
                          std::span<const IndexedCosine> extra, std::span<const StackPosition> positions,
                          std::span<const IndexedCosine> cuts)
     : position_levels_(positions.size(), -1),
+      index_above_(description.index_above),
       substrate_(description.substrate.value_or(0)),
       channels_(all_indices(description), method.streams / 2, extra, cuts) {
   double before = description.index_above;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stack cut into elements (layers, interfaces, substrate), and the light at the levels between them, mode by mode. Inside of
-// the library only.
+// A stack cut into elements (layers, interfaces, substrate), and the light at the levels between them, mode
+// by mode. Inside of the library only.
 #pragma once
 
 #include <span>
@@ -38,9 +38,7 @@ public:
   const UniformLayer& layer(int layer) const { return layers_[layer]; }
   int last_level() const { return int(elements_.size()); }
   int level(int position) const { return position_levels_[position]; }  ///< of those that were given
-  double index(int level) const {
-    return level == 0 ? elements_[0].index_above : elements_[level - 1].index_below;
-  }
+  double index(int level) const { return level == 0 ? index_above_ : elements_[level - 1].index_below; }
   /// Modes that scatter at all.
   int modes() const { return modes_; }
 
@@ -51,8 +49,9 @@ public:
   std::vector<Light> light(int mode, const Matrix& from_above, const Matrix& from_below,
                            std::span<const int> levels) const;
 
-  /// What light of one channel is at each level after it was put into another, without scattering: down at level i in row i, up in
-  /// row last_level() + 1 + i, columns alike. `scaled`: forward peaks are not scattering.
+  /// What light of one channel is at each level after it was put into another, without scattering: down at
+  /// level i in row i, up in row last_level() + 1 + i, columns alike. `scaled`: forward peaks are not
+  /// scattering.
   Matrix unscattered(int channel, bool scaled) const;
 
 private:
@@ -61,7 +60,8 @@ private:
   std::vector<Element> elements_;
   std::vector<int> position_levels_;
   std::vector<Scaled> scaled_;
-  double substrate_ = 0;
+  double index_above_;
+  double substrate_;
   Channels channels_;
   std::vector<UniformLayer> layers_;
   std::vector<std::vector<Operators>> rough_;  ///< by rough interface and mode

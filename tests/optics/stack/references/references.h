@@ -12,10 +12,12 @@ struct DisortReference {
     double optical_thickness, albedo, share, g1, g2;
   };
   std::vector<Layer> layers;
-  /// up at the top; down at the bottom, and unscattered; up, down and unscattered at the depth; up at the bottom
+  /// up at the top; down at the bottom, and unscattered; up, down and unscattered at the depth; up at the
+  /// bottom
   double fluxes[7];
   double cosines[5];
-  /// Radiance of a beam of irradiance 1, by cosine and azimuth: up at the top, down at the bottom, both at the depth.
+  /// Radiance of a beam of irradiance 1, by cosine and azimuth: up at the top, down at the bottom, both at
+  /// the depth.
   double up[15], down[15], up_inside[15], down_inside[15];
 };
 inline constexpr double kDisortAzimuths[] = {0, 1.0471975511965976, 3.141592653589793};
