@@ -130,6 +130,7 @@ void bind_optics(nb::module_& m) {
   bind_sizes(m);
   bind_apertures(m);
   bind_correlations(m);
+  bind_diffraction(m);
 }
 
 }  // namespace aureole::python
