@@ -116,6 +116,7 @@ public:
   }
   /// Ends and amplitudes as the constructor takes them.
   std::pair<std::vector<double>, std::vector<Complex>> balanced(double power, std::size_t most_edges) const {
+    limit_work("edges", double(edges_.size()), 5000);
     std::pair<std::vector<double>, std::vector<Complex>> result;
     for (const DiffractingEdge& e :
          naming("amplitudes", [&] { return optics::balanced_edges(edges_, zeroth_, power, most_edges); })) {
