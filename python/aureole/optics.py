@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The physics of the renderer as functions of arrays: spheres, interfaces, openings, positions of scatterers, layers.
+"""The physics of the renderer as functions of arrays: spheres, interfaces, openings, positions of scatterers, diffraction, layers.
 
 All functions broadcast as numpy does, take anything that `numpy.asarray` takes, compute in double precision on all
 cores and can be interrupted. Wrong arguments are an `aureole.Error` or a TypeError that names them. Angles are given
@@ -19,17 +19,22 @@ from ._aureole import ApertureShape
 from ._correlations import (HardDiscs, PairCorrelation, PointStructureFactor, StructureFactor,
                             hard_disc_pair_correlation, hard_discs, pair_correlation, point_structure_factor,
                             structure_factor)
+from ._diffraction import (RadioMaterial, fraunhofer, fresnel_integral, kirchhoff, knife_edge, radio_materials, radio_permittivity,
+                           rayleigh_sommerfeld, transition_function, utd_coefficient, utd_field)
+from ._edge_waves import EdgeConstants, EdgeWaves, edge_constants, gaussian_beam_power, mean_edge_kernel, triangle_transform
 from ._errors import Error
 from ._sizes import SizeDistribution, size_distribution
 from ._stack import PlaneStack, StackFields, StackFluxes, StackLayer
 from ._vectorised import broadcast, limit_results, shaped
 
-__all__ = ["ApertureShape", "Fresnel", "HardDiscs", "Mie", "PairCorrelation", "PlaneStack", "PointStructureFactor", "SizeDistribution",
-           "StackFields", "StackFluxes", "StackLayer", "StructureFactor",
-           "annulus", "circle", "ellipse", "fresnel", "fresnel_diffuse_reflectance", "hard_disc_pair_correlation",
-           "hard_discs", "mask", "mie", "mie_amplitudes", "mie_phase_function", "ngon", "pair_correlation",
-           "point_structure_factor", "polygon", "rectangle", "size_distribution",
-           "star", "structure_factor"]
+__all__ = ["ApertureShape", "EdgeConstants", "EdgeWaves", "Fresnel", "HardDiscs", "Mie", "PairCorrelation",
+           "PlaneStack", "PointStructureFactor", "RadioMaterial", "SizeDistribution", "StackFields", "StackFluxes", "StackLayer", "StructureFactor", "annulus", "circle",
+           "edge_constants", "ellipse", "fraunhofer", "fresnel", "fresnel_diffuse_reflectance", "fresnel_integral",
+           "gaussian_beam_power", "hard_disc_pair_correlation", "hard_discs", "kirchhoff", "knife_edge", "mask",
+           "mean_edge_kernel", "mie", "mie_amplitudes", "mie_phase_function", "ngon", "pair_correlation",
+           "point_structure_factor", "polygon", "radio_materials", "radio_permittivity", "rayleigh_sommerfeld",
+           "rectangle", "size_distribution", "star", "structure_factor", "transition_function", "triangle_transform",
+           "utd_coefficient", "utd_field"]
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]

@@ -131,6 +131,7 @@ void bind_optics(nb::module_& m) {
   bind_stack(m);
   bind_apertures(m);
   bind_correlations(m);
+  bind_diffraction(m);
 }
 
 }  // namespace aureole::python

@@ -178,6 +178,13 @@ TEST(EdgeKernel, TheMeanIsTheIntegralOverCentres) {
     }
 }
 
+TEST(EdgeKernel, HasOneLobeForAllEdges) {
+  EXPECT_THROW(diffracted_intensity({}, {1, 0}, 1, ZerothOrder::of_edges()), std::logic_error);
+  EXPECT_EQ(diffracted_intensity({2.0, 4.0}, {1, 0}, 2 * M_PI, ZerothOrder::kept()), 4.0);
+  const ProjectedEdge edge{{0, 0}, {0, 1}, 1};
+  EXPECT_EQ(mean_edge_kernel(std::span(&edge, 1), 0, 0.5, {0, 0}, 1, 1), 0);
+}
+
 // How much of the light on an obstacle is lent at the distance y from its edge: the mean of D_c over centres about y. D_c of single beams
 // whose centre lies outside is above 1, since their edges' waves without the gradient's term have more power than falls on the obstacle.
 TEST(EdgeKernel, WhatIsLentStaysBelowWhatFalls) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "aureole/optics/faddeeva.h"
 
@@ -79,6 +80,8 @@ EdgeWaves edge_waves(std::span<const DiffractingEdge> edges, PlanePoint q, std::
 }
 
 double diffracted_intensity(const EdgeWaves& waves, PlanePoint q, double k, ZerothOrder zeroth) {
+  if (zeroth.removal == ZerothOrder::Removal::edge)
+    throw std::logic_error("the waves of edges are summed already: chi of each edge is for edge_field");
   return k * k / (4 * pi * pi) * zeroth.remainder(square(q), 0) * std::norm(waves.field);
 }
 

@@ -68,7 +68,7 @@ struct EdgeWaves {
 /// With |F_j|^2 in `squares`, one per edge: W of the edge j is squares[j]/(sum length_j), 0 where the sum is 0. No allocation.
 EdgeWaves edge_waves(std::span<const DiffractingEdge> edges, PlanePoint q, std::span<double> squares);
 
-/// (k/2 pi)^2 (1 - chi) |F|^2, per steradian and for the power of the beam: what is multiplied with W.
+/// (k/2 pi)^2 (1 - chi) |F|^2, per steradian and for the power of the beam: what is multiplied with W. chi is that of the beam, or none.
 double diffracted_intensity(const EdgeWaves& waves, PlanePoint q, double k, ZerothOrder zeroth);
 
 /// A straight edge projected into the scattering plane, the region on its left.

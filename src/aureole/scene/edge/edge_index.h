@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// `EdgeIndex`: the edges and faces of triangle meshes near a ray, for diffraction (docs/diffraction.md).
+#pragma once
+
+#include "aureole/scene/edge/beam_tree.h"
+#include "aureole/scene/edge/mesh_edges.h"
+
+namespace aureole {
+
+/// Whether part of a segment or triangle lies in a beam.
+bool is_in_beam(const Vec3& a, const Vec3& b, const Beam& beam);
+bool is_in_beam(const std::array<Vec3, 3>& triangle, const Beam& beam);
+
+class EdgeIndex {
+public:
+  struct Face {
+    std::array<Vec3, 3> p;
+    MeshFace face;
+  };
+
+  EdgeIndex() = default;
+  /// Copies what it needs of the sets.
+  explicit EdgeIndex(std::span<const TriangleSet> sets);
+
+  const std::vector<MeshEdge>& edges() const { return edges_; }
+  const std::vector<Face>& faces() const { return faces_; }
+  std::size_t memory_bytes() const;
+
+  /// Calls visit(edge) for the edges in the beam that are outlines for its direction. The order is that of the tree, the same for
+  /// equal scenes. Allocates nothing.
+  template <class Visit>
+  void visit_edges(const Beam& beam, const Visit& visit) const {
+    edge_tree_.visit(beam, [&](std::uint32_t i) {
+      const MeshEdge& edge = edges_[i];
+      if (edge.is_outline(beam.d) && is_in_beam(edge.a, edge.b, beam)) visit(edge);
+    });
+  }
+  /// The same for faces, whichever side of them the light meets.
+  template <class Visit>
+  void visit_faces(const Beam& beam, const Visit& visit) const {
+    face_tree_.visit(beam, [&](std::uint32_t i) {
+      if (is_in_beam(faces_[i].p, beam)) visit(faces_[i]);
+    });
+  }
+
+private:
+  std::vector<MeshEdge> edges_;
+  std::vector<Face> faces_;
+  BeamTree edge_tree_, face_tree_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The edges of triangle meshes at which light can be diffracted.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "aureole/math/vec.h"
+#include "aureole/shape/mesh/mesh_patches.h"
+
+namespace aureole {
+
+/// Triangles in the world.
+struct TriangleSet {
+  std::span<const Vec3> positions;
+  std::span<const TriangleIndices> triangles;
+};
+
+/// A triangle of one of several sets.
+struct MeshFace {
+  std::uint32_t set, triangle;
+};
+
+/// An edge that bounds the outline of its surface, seen from some direction at least: the boundary of a surface, or a fold.
+struct MeshEdge {
+  Vec3 a, b;    ///< seen from the side of n0 the first face lies to the left
+  Vec3 n0, n1;  ///< unit normals of its faces, away from the same side of the surface; n1 is 0 at a boundary
+  MeshFace face0, face1;
+  bool is_boundary;  ///< of one face, or of more than two, whichever way they run
+  bool is_concave;   ///< a fold towards the side of its normals
+
+  /// Whether, in parallel light along `d`, one of the faces is lit from the front and the other one from the back.
+  bool is_outline(const Vec3& d) const { return is_boundary || dot(n0, d) * dot(n1, d) <= 0; }
+};
+
+/// Edges of all sets together. Vertices at one position are one: seams of texture coordinates or normals and borders between meshes that
+/// touch are no edges. Nor are folds of less than 1e-4 rad, and edges or triangles of no extent.
+std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets);
+
+}  // namespace aureole

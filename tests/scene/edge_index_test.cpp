@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/edge_index.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+#include <tuple>
+
+namespace aureole {
+namespace {
+
+struct Triangles {
+  std::vector<Vec3> positions;
+  std::vector<TriangleIndices> triangles;
+  operator TriangleSet() const { return {positions, triangles}; }
+};
+
+/// Normals outside, every side with vertices of its own, as a file with normals has them.
+Triangles cube() {
+  Triangles t;
+  for (int axis = 0; axis < 3; ++axis)
+    for (float side : {-1.f, 1.f}) {
+      const auto first = std::uint32_t(t.positions.size());
+      for (auto [u, v] : {std::pair(-1.f, -1.f), {1.f, -1.f}, {1.f, 1.f}, {-1.f, 1.f}}) {
+        Vec3 p;
+        p[axis] = side, p[(axis + 1) % 3] = u * side, p[(axis + 2) % 3] = v;
+        t.positions.push_back(p);
+      }
+      t.triangles.push_back({first, first + 1, first + 2});
+      t.triangles.push_back({first, first + 2, first + 3});
+    }
+  return t;
+}
+
+std::vector<MeshEdge> edges_of(std::vector<TriangleSet> sets) { return find_mesh_edges(sets); }
+
+TEST(MeshEdges, OfACubeAreItsTwelve) {
+  const Triangles box = cube();
+  const auto edges = edges_of({box});
+  ASSERT_EQ(edges.size(), 12u);
+  for (const MeshEdge& e : edges) {
+    EXPECT_FALSE(e.is_boundary);
+    EXPECT_FALSE(e.is_concave);
+    EXPECT_NEAR(dot(e.n0, e.n1), 0, 1e-6);
+    // The face lies to the left of its edge, seen from outside.
+    EXPECT_GT(dot(cross(e.b - e.a, e.n0), 0.5f * (e.a + e.b)), 0);
+  }
+  const auto outline = [&](const Vec3& d) {
+    return std::count_if(edges.begin(), edges.end(), [&](const MeshEdge& e) { return e.is_outline(d); });
+  };
+  EXPECT_EQ(outline(normalize(Vec3{1, 2, 3})), 6);
+  EXPECT_EQ(outline(normalize(Vec3{1, 2, 0.01f})), 6);
+}
+
+TEST(MeshEdges, SeamsAreNoneAndFoldsBetweenMeshesAre) {
+  const Triangles floor{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  const Triangles beside{{{1, 0, -0.f}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+  EXPECT_EQ(edges_of({floor}).size(), 4u);
+  EXPECT_EQ(edges_of({floor, beside}).size(), 6u);
+  const Triangles wall{{{1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 0, 1}}, {{0, 1, 2}, {0, 2, 3}}};
+  const Triangles wall_turned{wall.positions, {{2, 1, 0}, {3, 2, 0}}};
+  for (const Triangles& w : {wall, wall_turned}) {
+    const auto edges = edges_of({floor, w});
+    ASSERT_EQ(edges.size(), 7u);
+    const auto fold =
+        std::find_if(edges.begin(), edges.end(), [](const MeshEdge& e) { return !e.is_boundary; });
+    ASSERT_NE(fold, edges.end());
+    EXPECT_TRUE(fold->is_concave);
+    EXPECT_EQ(fold->face0.set, 0u);
+    EXPECT_EQ(fold->face1.set, 1u);
+    // Normals on one side of the surface, however the wall is wound.
+    EXPECT_NEAR(dot(fold->n0, Vec3{0, 0, 1}), 1, 1e-6);
+    EXPECT_NEAR(dot(fold->n1, Vec3{-1, 0, 0}), 1, 1e-6);
+  }
+  // A third face at an edge makes it count from every side; triangles and edges of no extent are left out.
+  const Triangles flag{{{1, 0, 0}, {1, 1, 0}, {1.5f, 0.5f, -1}, {1, 0.5f, 0}},
+                       {{0, 1, 2}, {0, 1, 3}, {0, 0, 1}}};
+  const auto edges = edges_of({floor, wall, flag});
+  EXPECT_EQ(std::count_if(edges.begin(), edges.end(), [](const MeshEdge& e) { return e.is_boundary; }),
+            6 + 1 + 2);
+  EXPECT_TRUE(edges_of({}).empty());
+}
+
+/// Brute force: points along the segment.
+bool near(const Vec3& a, const Vec3& b, const Beam& beam, float radius) {
+  for (int i = 0; i <= 2000; ++i) {
+    const Vec3 v = a + (b - a) * (float(i) / 2000) - beam.o;
+    const float t = dot(v, beam.d);
+    if (t >= beam.begin && t <= beam.end && length_squared(v - beam.d * t) <= radius * radius) return true;
+  }
+  return false;
+}
+
+struct Random {
+  std::mt19937 engine{9};
+  float operator()() { return std::uniform_real_distribution<float>(-1, 1)(engine); }
+  Vec3 point() { return {(*this)(), (*this)(), (*this)()}; }
+};
+
+TEST(EdgeIndex, FindsWhatBruteForceFinds) {
+  Random random;
+  Triangles soup;
+  for (int i = 0; i < 400; ++i) {
+    const Vec3 p = random.point();
+    const float size = i % 10 ? 0.1f : 1.5f;
+    for (int j = 0; j < 3; ++j) soup.positions.push_back(p + size * random.point());
+    const auto n = std::uint32_t(3 * i);
+    soup.triangles.push_back({n, n + 1, n + 2});
+  }
+  const TriangleSet set = soup;
+  const EdgeIndex index(std::span(&set, 1));
+  EXPECT_EQ(index.edges().size(), 1200u);
+  int found_edges = 0, found_faces = 0;
+  for (int trial = 0; trial < 60; ++trial) {
+    Beam beam{random.point(), normalize(random.point()), 0.02f + 0.2f * std::abs(random()), -0.4f, 0.3f};
+    if (trial % 4 == 0) beam.d = {0, 0, trial % 8 ? 1.f : -1.f};
+    std::set<const void*> edges, faces;
+    index.visit_edges(beam, [&](const MeshEdge& e) { EXPECT_TRUE(edges.insert(&e).second); });
+    index.visit_faces(beam, [&](const EdgeIndex::Face& f) { EXPECT_TRUE(faces.insert(&f).second); });
+    for (const MeshEdge& e : index.edges()) {
+      const bool found = edges.count(&e) > 0;
+      EXPECT_TRUE(found || !near(e.a, e.b, beam, 0.99f * beam.radius));
+      EXPECT_TRUE(!found || near(e.a, e.b, beam, beam.radius + 0.002f));
+    }
+    for (const EdgeIndex::Face& f : index.faces()) {
+      // Chords from a corner to the opposite side.
+      bool inside = false, well_inside = false;
+      for (int i = 0; i <= 60; ++i) {
+        const Vec3 q = f.p[1] + (f.p[2] - f.p[1]) * (float(i) / 60);
+        for (int j = 0; j <= 60; ++j) {
+          const Vec3 v = f.p[0] + (q - f.p[0]) * (float(j) / 60) - beam.o;
+          const float t = dot(v, beam.d), r2 = length_squared(v - beam.d * t);
+          well_inside |= t >= beam.begin && t <= beam.end && r2 <= 0.9f * beam.radius * beam.radius;
+          inside |=
+              t >= beam.begin - 0.05f && t <= beam.end + 0.05f && r2 <= std::pow(beam.radius + 0.06f, 2);
+        }
+      }
+      const bool found = faces.count(&f) > 0;
+      EXPECT_TRUE(found || !well_inside);
+      EXPECT_TRUE(!found || inside);
+    }
+    found_edges += int(edges.size()), found_faces += int(faces.size());
+  }
+  EXPECT_GT(found_edges, 200);
+  EXPECT_GT(found_faces, 200);
+}
+
+/// A sphere of 2 n^2 triangles.
+Triangles sphere(int n) {
+  Triangles t;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const double theta = M_PI * i / n, phi = 2 * M_PI * j / n;
+      t.positions.push_back({float(std::sin(theta) * std::cos(phi)), float(std::sin(theta) * std::sin(phi)),
+                             float(std::cos(theta))});
+    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) {
+      const auto at = [&](int a, int b) { return std::uint32_t(a * n + b % n); };
+      t.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      t.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return t;
+}
+
+// The outline of a sphere in the whole beam, and what the cones of normals save: every edge is a fold, few are outlines.
+TEST(EdgeIndex, OutlinesOfASphere) {
+  const Triangles ball = sphere(100);
+  const TriangleSet set = ball;
+  const EdgeIndex index(std::span(&set, 1));
+  EXPECT_GT(index.edges().size(), 20000u);
+  for (const Vec3& d : {normalize(Vec3{1, 0.3f, 0.2f}), Vec3{0, 0, 1}}) {
+    double length_of_outline = 0;
+    std::size_t count = 0, expected = 0;
+    index.visit_edges({{0, 0, 0}, d, 3, -3, 3},
+                      [&](const MeshEdge& e) { length_of_outline += length(e.b - e.a), ++count; });
+    for (const MeshEdge& e : index.edges()) expected += e.is_outline(d);
+    EXPECT_EQ(count, expected);
+    EXPECT_LT(count, 1000u);
+    EXPECT_GT(length_of_outline, 6.2);
+  }
+}
+
+TEST(EdgeIndex, OfNothingFindsNothing) {
+  const EdgeIndex index;
+  index.visit_edges({{0, 0, 0}, {0, 0, 1}, 1, 0, 1}, [](const MeshEdge&) { FAIL(); });
+  index.visit_faces({{0, 0, 0}, {0, 0, 1}, 1, 0, 1}, [](const EdgeIndex::Face&) { FAIL(); });
+  EXPECT_EQ(EdgeIndex(std::span<const TriangleSet>()).memory_bytes(), 0u);
+}
+
+// Items at one place, which no plane divides.
+TEST(BeamTree, EqualBoxes) {
+  std::vector<Bounds3> boxes(1000);
+  for (Bounds3& b : boxes) b.extend(Vec3{1, 1, 1});
+  int count = 0;
+  BeamTree(boxes).visit({{1, 1, 0}, {0, 0, 1}, 0.1f, 0, 2}, [&](std::uint32_t) { ++count; });
+  EXPECT_EQ(count, 1000);
+}
+
+}  // namespace
+}  // namespace aureole
