@@ -120,7 +120,7 @@ TEST_P(BssrdfHarness, IsFiniteAtTheEndsOfItsRange) {
   }
 }
 
-/// What enters and what is reflected is all light, of a boundary that loses none.
+/// Light that enters and light that is reflected are all light, of a boundary that loses none.
 TEST_P(BssrdfHarness, BoundaryAddsUp) {
   const auto model = build<Bssrdf>(GetParam().xml);
   const SurfacePoint point;

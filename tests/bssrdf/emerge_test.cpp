@@ -42,8 +42,8 @@ SurfacePoint entry_of(const Scene& scene) {
   return *scene.intersect({{0.01f, 0.02f, 10}, {0, 0, -1}, kInfinity});
 }
 
-/// The part of the light that leaves, per wavelength, by exits drawn from every hero in turn and combined as a path
-/// combines them; the standard error of its mean over batches.
+/// The part of the light that leaves, per wavelength, by exits drawn from every hero in turn and combined as
+/// a path combines them; the standard error of its mean over batches.
 struct Leaving {
   double light[kWavelengths] = {}, error[kWavelengths] = {};
 };
@@ -73,8 +73,8 @@ Leaving leaving(const Scene& scene, int samples) {
   return all;
 }
 
-/// The integral of P over distances up to `end` by steps of ln r. Of a sphere of radius R the surface within a chord c of a
-/// point is pi c^2, as of a plane: there all exits lie within 2 R.
+/// The integral of P over distances up to `end` by steps of ln r. Of a sphere of radius R the surface within
+/// a chord c of a point is pi c^2, as of a plane: there all exits lie within 2 R.
 double expected(const Bssrdf& model, const SurfacePoint& entry, int wavelength, double end) {
   const Wavelengths w = wavelengths(wavelength);
   constexpr int kSteps = 4000;
@@ -129,8 +129,10 @@ TEST(Emerge, LeavesTheShapeThatItEntered) {
 }
 
 std::string sensor(int samples, const std::string& more = "") {
-  return "<sensor type=\"orthographic\"><transform name=\"to_world\"><scale value=\"0.5\"/><lookat origin=\"0, 0, 5\" "
-         "target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform><sampler type=\"sobol\"><integer name=\"sample_count\" "
+  return "<sensor type=\"orthographic\"><transform name=\"to_world\"><scale value=\"0.5\"/><lookat "
+         "origin=\"0, 0, 5\" "
+         "target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform><sampler type=\"sobol\"><integer "
+         "name=\"sample_count\" "
          "value=\"" +
          std::to_string(samples) +
          "\"/></sampler><film type=\"hdrfilm\"><integer name=\"width\" value=\"4\"/><integer name=\"height\" "
@@ -138,28 +140,28 @@ std::string sensor(int samples, const std::string& more = "") {
          more;
 }
 
-/// By reciprocity the radiance that leaves a half-space along its normal under a uniform sky is the reflectance of light
-/// along the normal: of isotropic scattering and normalised diffusion that of transport (medium/slab_test.cpp has the
-/// same numbers of full transport).
+/// By reciprocity the radiance that leaves a half-space along its normal under a uniform sky is the
+/// reflectance of light along the normal: of isotropic scattering and normalised diffusion that of transport
+/// (medium/slab_test.cpp has the same numbers of full transport).
 TEST(Subsurface, HalfSpaceUnderASkyReflectsAsTransportSays) {
   struct Row {
     double albedo, index, reflectance;
   };
   for (const Row& row : {Row{.9, 1, .414947}, Row{.99, 1, .752721}, Row{.9, 1.5, .259919}}) {
-    const Picture p = render(
-        "<integrator type=\"path\"/>" + sensor(16) + "<emitter type=\"constant\">" +
-        parameter("radiance", 1) +
-        "</emitter><shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"1000\"/></transform><bssrdf "
-        "type=\"normalized_diffusion\">" +
-        parameter("sigma_t", 20) + parameter("albedo", row.albedo) + parameter("int_ior", row.index) +
-        parameter("ext_ior", 1) + "</bssrdf></shape>");
+    const Picture p = render("<integrator type=\"path\"/>" + sensor(16) + "<emitter type=\"constant\">" +
+                             parameter("radiance", 1) +
+                             "</emitter><shape type=\"rectangle\"><transform name=\"to_world\"><scale "
+                             "value=\"1000\"/></transform><bssrdf "
+                             "type=\"normalized_diffusion\">" +
+                             parameter("sigma_t", 20) + parameter("albedo", row.albedo) +
+                             parameter("int_ior", row.index) + parameter("ext_ior", 1) + "</bssrdf></shape>");
     EXPECT_NEAR(p.all, row.reflectance, 4.5 * p.all_error + 5e-4);
     EXPECT_LT(p.all_error, 0.01);
   }
 }
 
-/// The profile itself: a thin beam lights a half-space, and a sensor above sees P(r) times what the boundary lets in and,
-/// along the normal, out.
+/// The profile itself: a thin beam lights a half-space, and a sensor above sees P(r) times what the boundary
+/// lets in and, along the normal, out.
 TEST(Subsurface, PictureOfABeamIsTheProfile) {
   constexpr int kPixels = 16;
   constexpr double kHalf = 4, kDistance = 50, kCone = 0.05;  // a spot of radius .04
@@ -168,11 +170,15 @@ TEST(Subsurface, PictureOfABeamIsTheProfile) {
                               parameter("albedo", 0.95) + parameter("int_ior", index) +
                               parameter("ext_ior", 1) + "</bssrdf>";
     const Picture p = render(
-        "<integrator type=\"ptracer\"/><sensor type=\"orthographic\"><transform name=\"to_world\"><scale value=\"" +
+        "<integrator type=\"ptracer\"/><sensor type=\"orthographic\"><transform name=\"to_world\"><scale "
+        "value=\"" +
         number(kHalf) +
-        "\"/><lookat origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform><sampler type=\"sobol\"><integer "
-        "name=\"sample_count\" value=\"64\"/></sampler><film type=\"hdrfilm\"><integer name=\"width\" value=\"16\"/>"
-        "<integer name=\"height\" value=\"16\"/><rfilter type=\"box\"/></film></sensor><emitter type=\"spot\">" +
+        "\"/><lookat origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform><sampler "
+        "type=\"sobol\"><integer "
+        "name=\"sample_count\" value=\"64\"/></sampler><film type=\"hdrfilm\"><integer name=\"width\" "
+        "value=\"16\"/>"
+        "<integer name=\"height\" value=\"16\"/><rfilter type=\"box\"/></film></sensor><emitter "
+        "type=\"spot\">" +
         parameter("intensity", 1) + parameter("cutoff_angle", kCone) +
         parameter("beam_width", kCone * 0.9999) + "<transform name=\"to_world\"><lookat origin=\"0, 0, " +
         number(kDistance) +
@@ -280,9 +286,10 @@ TEST(Subsurface, BadInputIsRefused) {
   bad(bssrdf(good + "<bsdf type=\"diffuse\"/>"), "must refract");
   bad(bssrdf(good + "<bsdf type=\"dielectric\"/>" + parameter("int_ior", 1.5)), "has its indices");
   bad(bssrdf(good + "<medium type=\"homogeneous\"/>"), "give either a medium");
-  bad(bssrdf(
-          "<medium type=\"heterogeneous\"><volume type=\"constvolume\" name=\"sigma_t\"><float name=\"value\" "
-          "value=\"1\"/></volume><phase type=\"sggx\"><string name=\"S\" value=\"0.1,0.1,1,0,0,0\"/></phase></medium>"),
+  bad(bssrdf("<medium type=\"heterogeneous\"><volume type=\"constvolume\" name=\"sigma_t\"><float "
+             "name=\"value\" "
+             "value=\"1\"/></volume><phase type=\"sggx\"><string name=\"S\" "
+             "value=\"0.1,0.1,1,0,0,0\"/></phase></medium>"),
       "scatters differently");
   bad(bssrdf(good) + "<bsdf type=\"diffuse\"/>", "nest this one in the bssrdf");
   bad(bssrdf(good) + "<medium type=\"homogeneous\" name=\"interior\"/>", "stands for what is inside");

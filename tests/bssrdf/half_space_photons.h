@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Monte Carlo transport in a half-space, the reference for BSSRDFs. It shares nothing with them or with the renderer:
-// photons with a weight, in double precision, scattered by Henyey & Greenstein's phase function (L. Wang, S. Jacques, L.
-// Zheng, MCML, Computer Methods and Programs in Biomedicine 47, 1995, has the method).
+// Monte Carlo transport in a half-space, the reference for BSSRDFs. It shares nothing with them or with the
+// renderer: photons with a weight, in double precision, scattered by Henyey & Greenstein's phase function (L.
+// Wang, S. Jacques, L. Zheng, MCML, Computer Methods and Programs in Biomedicine 47, 1995, has the method).
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace aureole::testing {
 
-/// A half-space of extinction 1, lit by a thin beam along its normal. Light that the surface reflects on the way in does
-/// not count.
+/// A half-space of extinction 1, lit by a thin beam along its normal. Light that the surface reflects on the
+/// way in does not count.
 struct HalfSpace {
   double albedo, g, index;
 

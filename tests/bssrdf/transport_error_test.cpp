@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// BSSRDFs against transport: where a thin beam lights a half-space, how far from it does light leave? The differences
-// are those of the models; the test prints them (docs/subsurface.md) and holds them within bounds.
+// BSSRDFs against transport: where a thin beam lights a half-space, how far from it does light leave? The
+// differences are those of the models; the test prints them (docs/subsurface.md) and holds them within
+// bounds.
 //
 // AUREOLE_THOROUGH=1 follows 200,000 photons per case.
 #include <gtest/gtest.h>

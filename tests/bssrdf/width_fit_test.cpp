@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The widths of normalised diffusion profiles (optics/medium/diffusion_width.cpp): the fit that made the numbers, and a
-// check of some of them by fewer photons.
+// The widths of normalised diffusion profiles (optics/medium/diffusion_width.cpp): the fit that made the
+// numbers, and a check of some of them by fewer photons.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -3,10 +3,10 @@
 // leaves at others; only where it leaves is modelled, not its way (Nicodemus et al. 1977, Geometrical
 // Considerations and Nomenclature for Reflectance):
 //     S(x_i, w_i; x_o, w_o) = T(w_i) P(x_i, |x_o - x_i|) T(w_o)/(c pi),
-// where T is the part of light that the boundary transmits in a direction, c its mean over a uniform sky (so that
-// what leaves is not reduced once more), and P [1/length^2] the part of the light that has entered which leaves
-// per area. `boundary` draws whether light is reflected or enters, `exit` has the last factor, and the plug-ins
-// have P. Paths from the sensor go from x_o to x_i: P depends on the point where the path enters.
+// where T is the part of light that the boundary transmits in a direction, c its mean over a uniform sky (so
+// that light is not reduced twice on its way out), and P [1/length^2] the part of the light that has entered
+// which leaves per area. `boundary` draws whether light is reflected or enters, `exit` has the last factor,
+// plug-ins have P. Paths from the sensor go from x_o to x_i: P depends on the point where the path enters.
 #pragma once
 
 #include <memory>
@@ -34,15 +34,15 @@ public:
 
   /// The BSDF of the surface as light meets it from outside: what it reflects, and the lobe `enter`.
   const BsdfPtr& boundary() const { return boundary_; }
-  /// That of the surface as light leaves it. Its value is T(w_o)/(c pi) times the cosine for any `wi` outside.
+  /// That of the surface as light leaves it: T(w_o)/(c pi) times the cosine, for any `wi` outside.
   const Bsdf& exit() const { return *exit_; }
 
   /// P at a distance, and the density with which `sample_distance` finds it.
   virtual BssrdfEval eval_pdf(float distance, const BssrdfContext& ctx) const = 0;
   /// A distance drawn for the hero by u in [0, 1): its density is 2 pi distance times that per area.
   virtual float sample_distance(float u, const BssrdfContext& ctx) const = 0;
-  /// A distance beyond which hardly any light leaves, at all wavelengths of the path: it bounds how far from the
-  /// plane of the entry exits are looked for.
+  /// A distance beyond which hardly any light leaves, at all wavelengths of the path: it bounds how far from
+  /// the plane of the entry exits are looked for.
   virtual float reach(const BssrdfContext& ctx) const = 0;
 
 protected:

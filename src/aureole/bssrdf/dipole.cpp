@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The diffusion dipole: P(r) = alpha/(4 pi) sum over the source and its image of z (s + 1/d) exp(-s d)/d^2, with
-// d^2 = r^2 + z^2 and s = sqrt(3 sigma_a sigma_tr) (optics/medium/dipole.h). Since (s + 1/d) exp(-s d)/d is minus the
-// derivative of exp(-s d)/d, each term's part of the light beyond a distance is z exp(-s d)/d over exp(-s z), which
-// is inverted to draw distances. Light that is scattered once is a sum of exponentials over 2 pi r
-// (optics/medium/single_scattering.h), of which one is chosen.
+// The diffusion dipole: P(r) = alpha/(4 pi) sum over the source and its image of z (s + 1/d) exp(-s d)/d^2,
+// with d^2 = r^2 + z^2 and s = sqrt(3 sigma_a sigma_tr) (optics/medium/dipole.h). Since (s + 1/d) exp(-s d)/d
+// is minus the derivative of exp(-s d)/d, each term's part of the light beyond a distance is z exp(-s d)/d
+// over exp(-s z), which is inverted to draw distances. Light that is scattered once is a sum of exponentials
+// over 2 pi r (optics/medium/single_scattering.h), of which one is chosen.
 #include "aureole/optics/medium/dipole.h"
 
 #include <algorithm>
@@ -92,8 +92,8 @@ private:
       extinction = d.extinction_.eval(w), albedo = d.albedo_.eval(w);
       single = albedo * d.single_total_;
     }
-    /// The part of the light that leaves. Where nothing is scattered: of a body as if little were, so that distances
-    /// can be drawn.
+    /// The part of the light that leaves. Where nothing is scattered: of a body as if little were, so that
+    /// distances can be drawn.
     Spectrum total() const { return max(half_albedo, 1e-6f) * (left_source + left_image) + single; }
   };
 
@@ -170,22 +170,22 @@ std::vector<ParameterDoc> rows() {
   std::vector<ParameterDoc> all = matter_rows();
   all.push_back(
       {"single_scattering", "boolean", "", "false",
-       "add the light that has been scattered once (Henyey & Greenstein's phase function), as of a beam along "
-       "the normal"});
+       "add the light that has been scattered once (Henyey & Greenstein's phase function), as of a beam "
+       "along the normal"});
   return all;
 }
 
 AUREOLE_PLUGIN(
     DipoleBssrdf, "bssrdf", "dipole",
     PluginDoc{
-        "Light that has been scattered many times below the surface, as a flat half-space would send it back, "
-        "by the diffusion approximation. Good where light is hardly absorbed and beyond some reduced mean free paths "
-        "from where it entered; too dark near it, and for bodies that absorb (docs/subsurface.md has figures; "
-        "\"normalized_diffusion\" is closer). Factors of the boundary's transmission on the way out are divided by "
-        "their mean, which the original model loses.",
-        "H. W. Jensen, S. R. Marschner, M. Levoy, P. Hanrahan, A practical model for subsurface light transport, "
-        "SIGGRAPH 2001, equations 4 and 5, with the exact diffuse Fresnel reflectance; exits: A. King, C. Kulla, A. "
-        "Conty, M. Fajardo, BSSRDF importance sampling, SIGGRAPH talks 2013",
+        "Light that has been scattered many times below the surface, as a flat half-space would send it "
+        "back, by the diffusion approximation. Good where light is hardly absorbed and beyond some reduced "
+        "mean free paths from where it entered; too dark near it, and for bodies that absorb "
+        "(docs/subsurface.md has figures; \"normalized_diffusion\" is closer). Factors of the boundary's "
+        "transmission on the way out are divided by their mean, which the original model loses.",
+        "H. W. Jensen, S. R. Marschner, M. Levoy, P. Hanrahan, A practical model for subsurface light "
+        "transport, SIGGRAPH 2001, equations 4 and 5, with the exact diffuse Fresnel reflectance; exits: "
+        "A. King, C. Kulla, A. Conty, M. Fajardo, BSSRDF importance sampling, SIGGRAPH talks 2013",
         rows(),
         {R"(<bssrdf type="dipole">
     <rgb name="sigma_a" value="0.2, 1, 2"/>

@@ -4,7 +4,8 @@
 // whose integral is A whatever d is. A is the reflectance of the half-space, from the matter by the theory of
 // transport (optics/medium/half_space.h), d = l/s, l the reduced mean free path
 // (optics/medium/diffusion_width.h). Of the light (exp(-r/d) + 3 exp(-r/(3 d)))/4 leaves beyond r: with x =
-// exp(-r/(3 d)) a cubic, x^3 + 3 x = 4 (1 - u), of which the only real root is x = 2 sinh(asinh(2 (1 - u))/3).
+// exp(-r/(3 d)) a cubic, x^3 + 3 x = 4 (1 - u), of which the only real root is
+// x = 2 sinh(asinh(2 (1 - u))/3).
 #include <cmath>
 #include <vector>
 
@@ -111,23 +112,24 @@ private:
 std::vector<ParameterDoc> rows() {
   std::vector<ParameterDoc> all = matter_rows();
   all.push_back({"illumination", "string", "", "normal",
-                 "for which light the whole reflectance is exact, or is given: normal (along the normal) or "
-                 "diffuse (a uniform sky)"});
+                 "for which light the whole reflectance is exact, or is given: normal (along the normal) "
+                 "or diffuse (a uniform sky)"});
   all.push_back({"width", "string", "", "transport",
-                 "the width of the profile: transport (fitted to transport at the body's index) or published "
-                 "(the formula of the source, for equal indices inside and outside)"});
+                 "the width of the profile: transport (fitted to transport at the body's index) or "
+                 "published (the formula of the source, for equal indices inside and outside)"});
   return all;
 }
 
 AUREOLE_PLUGIN(
     NormalizedDiffusion, "bssrdf", "normalized_diffusion",
     PluginDoc{
-        "Light that has been scattered below the surface, single scattering included, by two exponentials that "
-        "were fitted to transport in a half-space. The whole light that a half-space sends back along its normal is "
-        "exact for isotropic scattering; the reflectance may be a texture. docs/subsurface.md has errors of the "
-        "profile.",
-        "P. H. Christensen, B. Burley, Approximate reflectance profiles for efficient subsurface scattering, Pixar "
-        "Technical Memo 15-04, 2015; S. Chandrasekhar, Radiative Transfer, 1950, section 38",
+        "Light that has been scattered below the surface, single scattering included, by two exponentials "
+        "that were fitted to transport in a half-space. The whole light that a half-space sends back along "
+        "its normal is exact for isotropic scattering; the reflectance may be a texture. "
+        "docs/subsurface.md has errors of the profile.",
+        "P. H. Christensen, B. Burley, Approximate reflectance profiles for efficient subsurface "
+        "scattering, Pixar Technical Memo 15-04, 2015; S. Chandrasekhar, Radiative Transfer, 1950, section "
+        "38",
         rows(),
         {R"(<bssrdf type="normalized_diffusion">
     <rgb name="reflectance" value="0.8, 0.6, 0.5"/>

@@ -9,8 +9,8 @@
 
 namespace aureole {
 
-/// The mean [1/sr], over azimuths about `about.n`, of the light that is scattered by `angle` (radians) from that
-/// direction of travel, at the point p.
+/// The mean [1/sr], over azimuths about `about.n`, of the light that is scattered by `angle` (radians) from
+/// that direction of travel, at the point p.
 Spectrum mean_over_azimuth(const PhaseFunction& phase, const Frame& about, double angle, const Vec3& p,
                            const Wavelengths& w);
 

@@ -10,8 +10,8 @@
 //     bool connect(int path, Connection& out);            false: the vertex has no connection
 //     bool needs_march();                                 whether connections may pass surfaces
 //     void connected(int path, const Connection& c, bool open);
-//     bool scatter(int path);                             false: the path ends at the vertex, or goes on below it
-//     PathList emerge();                                  the paths that went on below and are at a vertex again
+//     bool scatter(int path);                             false: the path ends here, or goes on below
+//     PathList emerge();                                  those that went on below, at a vertex again
 //     const Wavelengths& wavelengths(int path);
 //     void lose(int path);                                the ray has left the range of float: the path ends,
 //                                                         and its sample must become invalid
@@ -108,8 +108,8 @@ void scatter_all(Steps& steps, const PathList& paths, BatchRays& rays) {
     if (steps.scatter(path)) rays.add(path, steps.ray(path));
 }
 
-/// The exits of paths that have gone on below a surface, as vertices. Apart from the other steps, so that these cost the
-/// same in scenes without such surfaces.
+/// The exits of paths that have gone on below a surface, as vertices. Apart from the other steps, so that
+/// these cost the same in scenes without such surfaces.
 template <class Steps>
 [[gnu::noinline]] void emerge_all(const Scene& scene, Steps& steps, BatchRays& rays,
                                   BatchConnections& connections) {
@@ -120,9 +120,8 @@ template <class Steps>
 }
 
 /// Follows the paths of `rays` to their ends. Steps without `connect` have no connections, those without
-/// `scatter` no vertices, those without `emerge` no surfaces that paths go on below. Not inlined, so that the
-/// records of the batch lie behind one pointer: on its caller's stack their addresses would be computed anew at
-/// every access.
+/// `scatter` no vertices, those without `emerge` no exits. Not inlined, so that the records of the batch lie
+/// behind one pointer: on its caller's stack their addresses would be computed anew at every access.
 template <class Steps>
 [[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
   constexpr bool kScatters = requires { steps.scatter(0); };

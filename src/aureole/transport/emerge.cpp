@@ -50,8 +50,8 @@ public:
   }
 
 private:
-  /// Of the ray at the distance r in its plane. It ends at the sphere that holds nearly all light, but what lies flat
-  /// beyond it is found, too. The same for all wavelengths.
+  /// Of the ray at the distance r in its plane. It ends at the sphere that holds nearly all light, but what
+  /// lies flat beyond it is found, too. The same for all wavelengths.
   float half_length(float r) const {
     const float left = reach_ * reach_ - r * r;
     return std::max(left > 0 ? std::sqrt(left) : 0.f, r);
@@ -86,7 +86,7 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
     ray.t_max = dot(end - ray.o, ray.d);
     if (point.surface == entry.surface && point.instance == entry.instance) {
       const BssrdfEval e = probes.at(point);
-      // What it contributes to the path: the same whichever wavelength is the hero.
+      // Its contribution to the path, the same whichever wavelength is the hero.
       const float density = mean(ratio * e.pdf),
                   share = density > 0 ? mean(throughput * e.value) / density : 0;
       if (share > 0 && share < kInfinity) {

@@ -269,8 +269,8 @@ public:
     return in_medium_ ? medium_.extinction(d) : Spectrum(std::abs(dot(surface_.point().ng, d)));
   }
 
-  /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes straight
-  /// through as if there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
+  /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes as if
+  /// there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
     return in_medium_ ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
   }

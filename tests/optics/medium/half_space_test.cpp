@@ -27,7 +27,8 @@ TEST(HalfSpace, ReflectsAsOtherPrograms) {
   EXPECT_NEAR(along_normal(.9, 1), .414947, 1e-6);
   EXPECT_NEAR(along_normal(.99, 1), .752721, 1e-6);
   EXPECT_NEAR(along_normal(.9, 1.5), .259919, 1e-6);
-  // A uniform sky: R_inf of isotropic scattering by exact transport, as Kubelka-Munk coefficients are judged by.
+  // A uniform sky: R_inf of isotropic scattering by exact transport, as Kubelka-Munk coefficients are judged
+  // by.
   EXPECT_NEAR(half_space_reflectance(.5, 1, Illumination::diffuse), .1465, 5e-5);
   EXPECT_NEAR(half_space_reflectance(.9, 1, Illumination::diffuse), .4780, 5e-5);
 }
@@ -74,8 +75,8 @@ TEST(Dipole, RefusesWhatIsNone) {
   EXPECT_THROW(dipole_albedo(1.1, 1.5), std::domain_error);
 }
 
-/// By the depth at which the beam is scattered, and in all by H functions' first order: without internal reflection the
-/// isotropic total is albedo/2 (1 - ln 2).
+/// By the depth at which the beam is scattered, and in all by H functions' first order: without internal
+/// reflection the isotropic total is albedo/2 (1 - ln 2).
 TEST(SingleScattering, IsTheIntegralOverDepths) {
   EXPECT_NEAR(SingleScattering(0, 1).total(), (1 - std::numbers::ln2) / 2, 1e-5);
   boost::math::quadrature::exp_sinh<double> integrator;

@@ -51,7 +51,8 @@ public:
     if (!s || s->wo.z > 0) return s;
     const Spectrum n = relative_index_.eval(ctx.wavelengths);
     if (s->is_delta() && min_component(n) != max_component(n)) {
-      // A smooth boundary that disperses gives the hero's part alone: the others follow from Fresnel's equations.
+      // A smooth boundary that disperses gives the hero's part alone: the others follow from Fresnel's
+      // equations.
       const Spectrum t = Spectrum(1.f) - fresnel_dielectric(wi.z, n);
       const float undo = ctx.mode == TransportMode::radiance ? n[0] * n[0] : 1.f;
       if (!(t[0] > 0)) return {};

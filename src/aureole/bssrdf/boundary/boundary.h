@@ -9,8 +9,8 @@ namespace aureole {
 
 struct Boundary {
   SampledSpectrum relative_index;  ///< inside over outside, at the nodes of the scene's grid
-  /// Reflects as the boundary does. Light that is transmitted has the lobe `enter`: a value without the factor
-  /// of the squared index by which radiance changes, since it returns to where it came from.
+  /// Reflects as the boundary does. Light that is transmitted has the lobe `enter`: a value without the
+  /// factor of the squared index by which radiance changes, since it returns to where it came from.
   BsdfPtr entry;
   BsdfPtr exit;  ///< T(w_o)/(c pi) cos theta_o, T and c as in bssrdf.h
 };

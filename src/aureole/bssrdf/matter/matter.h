@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a translucent body is made of, as the parameters of a BSSRDF give it: by a medium, by coefficients, or by
-// the colour that it shows.
+// The matter of a translucent body, as the parameters of a BSSRDF give it: by a medium, by coefficients, or
+// by the colour that it shows.
 #pragma once
 
 #include <vector>
@@ -20,8 +20,8 @@ struct Matter {
   double transport(std::size_t node) const { return absorption[node] + reduced_scattering(node); }
 };
 
-/// The colour of a thick body lit along its normal, without what its boundary reflects, and the reduced mean free
-/// path 1/(sigma_a + sigma_s (1 - g)).
+/// The colour of a thick body lit along its normal, without what its boundary reflects, and the reduced mean
+/// free path 1/(sigma_a + sigma_s (1 - g)).
 struct ShownMatter {
   TexturePtr reflectance;
   SampledSpectrum mean_free_path;  ///< in units of the scene, positive

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that leaves a half-space where a thin beam has entered it, by the diffusion approximation with a source
-// in the medium and its mirror image above (Farrell, Patterson & Wilson 1992; Jensen, Marschner, Levoy & Hanrahan
-// 2001, "A practical model for subsurface light transport", equation 4). Lengths in m.
+// Light that leaves a half-space where a thin beam has entered it, by the diffusion approximation with a
+// source in the medium and its mirror image above (Farrell, Patterson & Wilson 1992; Jensen, Marschner, Levoy
+// & Hanrahan 2001, "A practical model for subsurface light transport", equation 4). Lengths in m.
 #pragma once
 
 #include "aureole/optics/medium/diffusion.h"
@@ -28,8 +28,9 @@ private:
   double source_, image_, effective_, albedo_;
 };
 
-/// The total in closed form, alpha/2 (1 + exp(-4/3 A s)) exp(-s) with s = sqrt(3 (1 - alpha)), alpha the reduced
-/// albedo and A = (1 + F)/(1 - F), F the diffuse Fresnel reflectance from inside (Jensen et al. 2001, section 4.2).
+/// The total in closed form, alpha/2 (1 + exp(-4/3 A s)) exp(-s) with s = sqrt(3 (1 - alpha)), alpha the
+/// reduced albedo and A = (1 + F)/(1 - F), F the diffuse Fresnel reflectance from inside (Jensen et al. 2001,
+/// section 4.2).
 double dipole_reflectance(double reduced_albedo, double index);
 
 /// The reduced albedo at which that is `reflectance`. Throws std::domain_error outside of [0, 1].

@@ -39,8 +39,8 @@ private:
   }
 };
 
-/// H at the nodes: 1/H(mu) = sqrt(1 - albedo) + albedo/2 integral of mu' H(mu')/(mu + mu') (Chandrasekhar 1950,
-/// section 38), by iteration.
+/// H at the nodes: 1/H(mu) = sqrt(1 - albedo) + albedo/2 integral of mu' H(mu')/(mu + mu') (Chandrasekhar
+/// 1950, section 38), by iteration.
 std::vector<double> h_function(double albedo, const Cosines& c) {
   std::vector<double> h(c.size(), 1.0);
   for (int step = 0; step < 2000; ++step) {
