@@ -20,7 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENT = ROOT / "docs" / "performance.md"
 MITSUBA = "3.9.1"
-PARTS = ("cbox", "matpreview", "mesh")
+PARTS = ("cbox", "matpreview", "fog", "fog_chromatic", "milk", "smoke", "sparse_cloud", "mesh")
 
 
 def arguments():
@@ -28,8 +28,9 @@ def arguments():
     p.add_argument("--only", nargs="+", choices=PARTS, default=list(PARTS), help="which parts; others stay as written")
     p.add_argument("--spp", nargs="+", type=int, default=[64, 256], help="samples per pixel (default: 64 256)")
     p.add_argument("--replicates", type=int, default=8, help="seeds of each program and sampler (default: 8)")
-    p.add_argument("--height", type=int, default=256, help="height of the pictures in pixels (default: 256)")
+    p.add_argument("--height", type=int, default=256, help="height of the pictures in pixels (default: 256; media 3/8 of it)")
     p.add_argument("--threads", type=int, default=0, help="threads (default: all cores)")
+    p.add_argument("--eradiate", metavar="PYTHON", help="an interpreter with eradiate-mitsuba 0.5.0, to render the grids with it too")
     p.add_argument("--scalar", action="store_true", help="Mitsuba's scalar_spectral too (slow)")
     p.add_argument("--triangles", type=int, default=1_000_000, help="size of the mesh (default: 1000000)")
     p.add_argument("--repeats", type=int, default=3, help="runs of each measurement of the mesh (default: 3)")
@@ -195,9 +196,9 @@ def measure(a):
     threads = f"{a.threads} thread{'s' * (a.threads > 1)}"
     conditions = (f"{threads}, {processor()}; aureole {version[-1] if version else '?'}, Mitsuba {MITSUBA} with "
                   f"LLVM {llvm}.")
-    scenes = [s for s in peers_efficiency.find_scenes(a) if s.name in a.only]
     with tempfile.TemporaryDirectory(prefix="aureole-peers-") as folder:
         folder = Path(folder)
+        scenes = [s for s in peers_efficiency.find_scenes(a, folder) if s.name in a.only]
         items = [i for s in scenes for i in peers_efficiency.items(a, s)]
         if "mesh" in a.only:
             items += peers_mesh.items(a)

@@ -11,9 +11,13 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 
+import peers_grids
+
 ROOT = Path(__file__).resolve().parents[1]
 MITSUBA_SAMPLERS = ("independent", "stratified", "multijitter", "orthogonal", "ldsampler")
 AUREOLE_SAMPLERS = ("sobol", "sobol, absolute", "sobol, display", "sobol, relative", "independent")
+MEDIA = ("fog", "fog_chromatic", "milk", "smoke", "sparse_cloud")
+MEDIA_INTEGRATORS = ("volpath", "volpathmis")
 COLUMNS = ("program", "sampler", "spp", "seconds", "Msamples/s", "mean", "variance", "relRMSE", "efficiency",
            "by pixel")
 
@@ -25,12 +29,19 @@ class Scene:
     defines: tuple
     width: int
     height: int
+    integrators: tuple = ("",)  # Mitsuba's, where the scene asks for one by the parameter of that name
+
+    @property
+    def title(self):
+        return {"cbox": "cbox-spectral", "fog_chromatic": "chromatic fog", "milk": "milk behind rough glass",
+                "sparse_cloud": "sparse cloud"}.get(self.name, self.name)
 
 
 @dataclass(frozen=True)
 class Contender:
-    program: str  # "aureole", or Mitsuba's variant
+    program: str  # "aureole", "eradiate", or Mitsuba's variant
     sampler: str  # aureole's may name the error that adaptive sampling makes small: "sobol, display"
+    integrator: str = ""  # Mitsuba's
 
     @property
     def is_adaptive(self):
@@ -38,11 +49,13 @@ class Contender:
 
     @property
     def label(self):
-        return {"aureole": "aureole", "llvm_ad_spectral": "Mitsuba"}.get(self.program, "Mitsuba, scalar")
+        name = {"aureole": "aureole", "eradiate": "eradiate-mitsuba",
+                "llvm_ad_spectral": "Mitsuba"}.get(self.program, "Mitsuba, scalar")
+        return f"{name} {self.integrator}".rstrip()
 
 
-def find_scenes(a):
-    """Those of Mitsuba's scenes that are there; says which are missing."""
+def find_scenes(a, folder):
+    """Those of Mitsuba's scenes that are there, and says which are missing; and bench/scenes, with grids in a folder."""
     shared = Path(os.environ.get("AUREOLE_SHARED") or ROOT / ".." / "shared").resolve()
     h, w = a.height, (a.height * 683 + 256) // 512  # matpreview.xml is 683 x 512
     all_scenes = (Scene("cbox", shared / "data/mitsuba/scenes/cbox/cbox-spectral.xml", (("res", str(h)),), h, h),
@@ -54,12 +67,19 @@ def find_scenes(a):
         elif s.name in a.only:
             print(f"{s.name}: skipped, there is no {s.file} (set AUREOLE_SHARED to the folder that holds "
                   "data/mitsuba/scenes)", file=sys.stderr)
+    h = a.height * 3 // 8  # media need more samples
+    for name in MEDIA:
+        defines = (("width", str(h)), ("height", str(h)))
+        if name in a.only and name in peers_grids.GRIDS:
+            defines += (("grid", str(peers_grids.make(name, folder))),)
+        yield Scene(name, ROOT / f"bench/scenes/{name}.xml", defines, h, h, MEDIA_INTEGRATORS)
 
 
-def contenders(a):
-    scalar = [Contender("scalar_spectral", "independent")] if a.scalar else []
+def contenders(a, scene):
+    peers = [("llvm_ad_spectral", s) for s in MITSUBA_SAMPLERS] + [("scalar_spectral", "independent")] * a.scalar
     return ([Contender("aureole", s) for s in AUREOLE_SAMPLERS] +
-            [Contender("llvm_ad_spectral", s) for s in MITSUBA_SAMPLERS] + scalar)
+            [Contender(*peer, i) for i in scene.integrators for peer in peers] +
+            [Contender("eradiate", "independent", "eovolpath")] * (a.eradiate is not None and scene.name in peers_grids.GRIDS))
 
 
 def kind(scene, contender):
@@ -71,14 +91,14 @@ def size(scene, spp):
 
 
 def items(a, scene):
-    return [(kind(scene, c), size(scene, spp)) for c in contenders(a) for spp in a.spp for _ in range(a.replicates)]
+    return [(kind(scene, c), size(scene, spp)) for c in contenders(a, scene) for spp in a.spp for _ in range(a.replicates)]
 
 
 class Mitsuba:
     """A process that keeps scenes and compiled kernels."""
 
-    def __init__(self, variant, threads):
-        command = [sys.executable, ROOT / "bench/peers_mitsuba.py", "serve", variant, str(threads)]
+    def __init__(self, python, variant, threads):
+        command = [python, ROOT / "bench/peers_mitsuba.py", "serve", variant, str(threads)]
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
 
     def __enter__(self):
@@ -88,8 +108,9 @@ class Mitsuba:
         self.process.kill()
         self.process.wait()
 
-    def render(self, scene, sampler, spp, seed, output):
-        request = {"file": str(scene.file), "defines": dict(scene.defines), "sampler": sampler, "spp": spp,
+    def render(self, scene, contender, spp, seed, output):
+        defines = dict(scene.defines) | ({"integrator": contender.integrator} if contender.integrator else {})
+        request = {"file": str(scene.file), "defines": defines, "sampler": contender.sampler, "spp": spp,
                    "seed": seed, "output": str(output)}
         try:
             self.process.stdin.write(json.dumps(request) + "\n")
@@ -98,10 +119,10 @@ class Mitsuba:
         except BrokenPipeError:
             line = ""
         if not line:
-            sys.exit(f"Mitsuba ended unexpectedly ({scene.name}, {sampler}, exit status {self.process.wait()})")
+            sys.exit(f"Mitsuba ended unexpectedly ({scene.name}, {contender.sampler}, exit status {self.process.wait()})")
         reply = json.loads(line)
         if "error" in reply:
-            sys.exit(f"Mitsuba, {scene.name}, {sampler}:\n{reply['error']}")
+            sys.exit(f"Mitsuba, {scene.name}, {contender.sampler}:\n{reply['error']}")
         return reply["seconds"], reply["spp"]
 
 
@@ -153,21 +174,22 @@ def variance(pictures, weight=1.0):
 
 def render_all(a, scene, folder, progress):
     """Renders everything; programs and samplers take turns, so that a machine that slows down slows down all."""
-    who = contenders(a)
+    who = contenders(a, scene)
     results = {(c, spp): Result(c, 0, [], []) for spp in a.spp for c in who}
     servers = {}
     try:
         for seed in range(a.replicates):
             for spp in a.spp:
                 for c in who[seed % len(who):] + who[:seed % len(who)]:
-                    output = folder / f"{scene.name}-{c.program}-{c.sampler}-{spp}-{seed}.npy"
+                    output = folder / f"{scene.name}-{c.program}-{c.integrator}-{c.sampler}-{spp}-{seed}.npy"
                     begin = time.perf_counter()
                     if c.program == "aureole":
                         seconds, taken = render_aureole(a, scene, c.sampler, spp, seed, output)
                     else:
                         if c.program not in servers:
-                            servers[c.program] = Mitsuba(c.program, a.threads)
-                        seconds, taken = servers[c.program].render(scene, c.sampler, spp, seed, output)
+                            python = a.eradiate if c.program == "eradiate" else sys.executable
+                            servers[c.program] = Mitsuba(python, c.program, a.threads)
+                        seconds, taken = servers[c.program].render(scene, c, spp, seed, output)
                     r = results[c, spp]
                     r.spp = taken
                     r.seconds.append(seconds)
@@ -191,15 +213,18 @@ def run(a, scene, folder, progress, conditions):
     for r in results.values():
         for p in r.pictures:
             p.unlink()
-    title = "cbox-spectral" if scene.name == "cbox" else scene.name
-    return "\n".join([f"### {title}, {scene.width}x{scene.height}", "",
+    return "\n".join([f"### {scene.title}, {scene.width}x{scene.height}", "",
                       f"{a.replicates} seeds; {conditions}", "",
                       f"| {' | '.join(COLUMNS)} |", "|---" * len(COLUMNS) + "|", *rows, "", *summary]).rstrip()
 
 
 def compare(scene, asked, group):
     """Rows of the table and sentences for one number of samples."""
-    means = {r.contender: r.load().mean(axis=0) for r in group}
+    all_means = {r.contender: r.load().mean(axis=0) for r in group}
+    middle = np.median([m.mean() for m in all_means.values()])
+    # Some of Mitsuba's samplers give pixels of 1e6 and more in media now and then.
+    means = {c: m for c, m in all_means.items() if abs(m.mean() - middle) < middle / 2}
+    broken = ", ".join(f"{c.label} {c.sampler}" for c in all_means if c not in means)
     reference = np.mean(list(means.values()), axis=0)
     weight = 1 / (reference**2 + 0.01 * reference.mean() ** 2)
     rows, score, noise = [], {}, {}
@@ -219,8 +244,9 @@ def compare(scene, asked, group):
         if np.median(r.seconds) > 1.1 * seconds:
             print(f"note: times of {r.contender.label} {r.contender.sampler}, {asked} spp, differ: least "
                   f"{seconds:.3f} s, median {np.median(r.seconds):.3f} s", file=sys.stderr)
+    outliers = [f"- {asked} spp, left out of the agreement for pixels without bounds: {broken}"] if broken else []
     return rows, [ratios(asked, score, 0, "efficiency"), ratios(asked, score, 1, "by pixel"),
-                  same_picture(scene, asked, means, noise, weight), ""]
+                  same_picture(scene, asked, means, noise, weight), *outliers, ""]
 
 
 def with_error(value, relative_error):
@@ -228,23 +254,23 @@ def with_error(value, relative_error):
 
 
 def ratios(asked, score, which, name):
-    best = max((c for c in score if c.program != "aureole"), key=lambda c: score[c][which][0])
+    best = max((c for c in score if c.program not in ("aureole", "eradiate")), key=lambda c: score[c][which][0])
     text = []
     for c in score:
         if c.program == "aureole":
             (mine, my_error), (other, other_error) = score[c][which], score[best][which]
             text.append(f"{c.sampler} {with_error(mine / other, float(np.hypot(my_error, other_error)))}")
-    other = best.label.replace("Mitsuba", best.sampler)
+    other = f"{best.label.removeprefix('Mitsuba').strip(', ')} {best.sampler}".strip()
     return f"- {asked} spp, {name}: aureole / best of Mitsuba ({other}): **{', '.join(text)}**"
 
 
 def same_picture(scene, asked, means, noise, weight):
     """The programs' mean pictures must agree: the RMS difference beyond that of the noise, relative as in relRMSE.
 
-    Without adaptive ones, whose random numbers are those of the sampler's own pictures."""
+    Without adaptive ones, whose random numbers are those of the sampler's own pictures, and without eradiate-mitsuba."""
     pooled, square = [], 0.0
     for mine in (True, False):
-        own = [c for c in means if (c.program == "aureole") == mine and not c.is_adaptive]
+        own = [c for c in means if (c.program == "aureole") == mine and c.program != "eradiate" and not c.is_adaptive]
         pooled.append(np.mean([means[c] for c in own], axis=0))
         square += sum(noise[c] for c in own) / len(own) ** 2
     beyond = np.sqrt(max(0.0, (weight * (pooled[0] - pooled[1]) ** 2).mean() - square))

@@ -2,7 +2,8 @@
 """Mitsuba in a process of its own, for peers.py.
 
     peers_mitsuba.py check                            can the LLVM variant compile? prints LLVM's version
-    peers_mitsuba.py serve VARIANT THREADS            renders what is asked on stdin, a JSON object a line
+    peers_mitsuba.py serve VARIANT THREADS            renders what is asked on stdin, a JSON object a line; `eradiate` is
+                                                      eradiate-mitsuba's spectral variant, with its bounds of grids
     peers_mitsuba.py load THREADS FILE [render]       times reading a file, or reading it and rendering its first pixels
 """
 import json
@@ -35,6 +36,9 @@ def check():
 
 class Server:
     def __init__(self, variant, threads):
+        self.eradiate = variant == "eradiate"
+        if self.eradiate:
+            variant = "llvm_ad_spectral_polarized"  # its only vectorised spectral one
         self.dr, self.mi = start(variant, threads)
         self.jit, self.threads = variant.startswith("llvm"), threads
         self.scenes, self.warm = {}, set()
@@ -46,7 +50,10 @@ class Server:
         """The scene as mi.load_file makes it, but with another sampler."""
         mi = self.mi
         key = file, tuple(sorted(defines.items())), sampler
-        if key not in self.scenes:
+        if key not in self.scenes and self.eradiate:
+            import peers_eradiate
+            self.scenes[key] = peers_eradiate.load(mi, file, defines, sampler)
+        elif key not in self.scenes:
             mi.file_resolver().prepend(os.path.dirname(file))
             config = mi.parser.ParserConfig(mi.variant())
             state = mi.parser.parse_file(config, file, **defines)

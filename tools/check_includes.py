@@ -8,7 +8,7 @@ import re
 import sys
 
 LAYERS = [["core"], ["math"], ["spectrum"], ["optics", "pigment"], ["plugin"],
-          ["shape", "texture", "bsdf", "aperture", "correlation", "volume", "phase", "ingredient", "medium", "emitter", "sensor", "film", "filter", "sampler"],
+          ["shape", "texture", "bsdf", "aperture", "correlation", "volume", "phase", "ingredient", "medium", "bssrdf", "emitter", "sensor", "film", "filter", "sampler"],
           ["scene"], ["transport"], ["integrator"], ["loading"], ["render", "instrument"], ["apps"], ["python"]]
 RANK = {name: i for i, layer in enumerate(LAYERS) for name in layer}
 ALONE = {"apps": "apps", "python/bindings": "python"}  # folders without subfolders
@@ -16,9 +16,9 @@ PHYSICS = {"optics", "pigment"}  # never see a renderer type, not even a float S
 PHYSICS_CORE = {"parallel_for", "random"}  # of core what the library aureole_optics has (src/aureole/optics/CMakeLists.txt)
 # Headers of a family that other families may include; where a family is not named here, <family>/<family>.h alone.
 INTERFACES = {"shape": {"shape", "model", "surface_point", "area_sampler", "shape_area", "mesh/mesh_attribute"},
-              "bsdf": {"bsdf", "fresnel/complex_index"}, "phase": {"phase", "table/tabulated_phase_function", "table/mie_tables"},
+              "bsdf": {"bsdf", "fresnel/complex_index", "fresnel/fresnel"}, "phase": {"phase", "mean_cosine", "table/tabulated_phase_function", "table/mie_tables"},
               "emitter": {"emitter", "light"}, "sensor": {"sensor", "placed_sensor"}}
-OPTICS_ROOMS = {"interface": 0, "particle": 0, "aperture": 0, "sky": 0, "arrangement": 1, "medium": 1, "layer": 2}  # a room includes lower ones
+OPTICS_ROOMS = {"interface": 0, "particle": 0, "aperture": 0, "sky": 0, "diffraction": 1, "arrangement": 1, "medium": 1, "stack": 1, "layer": 2}  # a room includes lower ones
 
 
 def may_include(room, other):
@@ -56,6 +56,8 @@ for base in ("src/aureole", "apps", "python/bindings"):
                     problems.append(f"{where}: {here} stands alone and must not include {there}")
                 elif here in PHYSICS and there == "core" and inside not in PHYSICS_CORE:
                     problems.append(f"{where}: core/{inside}.h is no part of the library of optics")
+                elif here == "optics" and there == "pigment":
+                    problems.append(f"{where}: optics must not include pigment, which is above it")
                 elif here == there == "optics" and not may_include(os.path.basename(folder), inside):
                     problems.append(f"{where}: optics/{os.path.basename(folder)} must not include optics/{inside}")
                 elif RANK[there] == RANK[here] and there != here and RANK[here] == RANK["bsdf"]:

@@ -59,20 +59,20 @@ def filling():
     return profile + line((inner - 8 * MENISCUS, LEVEL), (0, LEVEL))
 
 
-def revolve(profile):
+def revolve(profile, segments=SEGMENTS):
     """Vertices (position and normal) and triangles; rows of the same place but another normal share no vertices."""
     vertices, triangles = [], []
     for (x, z), (nx, nz) in profile:
-        for k in range(SEGMENTS):
-            c, s = math.cos(2 * math.pi * k / SEGMENTS), math.sin(2 * math.pi * k / SEGMENTS)
+        for k in range(segments):
+            c, s = math.cos(2 * math.pi * k / segments), math.sin(2 * math.pi * k / segments)
             vertices.append((x * c, x * s, z, nx * c, nx * s, nz))
     for row in range(len(profile) - 1):
         (x0, z0), (x1, z1) = profile[row][0], profile[row + 1][0]
         if math.hypot(x1 - x0, z1 - z0) < 1e-9:
             continue
-        for k in range(SEGMENTS):
-            a, b = row * SEGMENTS + k, row * SEGMENTS + (k + 1) % SEGMENTS
-            c, d = a + SEGMENTS, b + SEGMENTS
+        for k in range(segments):
+            a, b = row * segments + k, row * segments + (k + 1) % segments
+            c, d = a + segments, b + segments
             if x0 > 1e-9:
                 triangles.append((a, b, c) if x1 < 1e-9 else (a, b, d))
             if x1 > 1e-9:
@@ -80,8 +80,8 @@ def revolve(profile):
     return vertices, triangles
 
 
-def write(path, profile):
-    vertices, triangles = revolve(profile)
+def write(path, profile, segments=SEGMENTS):
+    vertices, triangles = revolve(profile, segments)
     header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(vertices)}"]
     header += [f"property float {name}" for name in ("x", "y", "z", "nx", "ny", "nz")]
     header += [f"element face {len(triangles)}", "property list uchar int vertex_indices", "end_header"]

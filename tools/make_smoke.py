@@ -64,6 +64,21 @@ def cloud(rng, at):
     return np.clip(density + 0.9 * turbulence(rng, at, 16, 3) - 0.1, 0, None) * (density > 0)
 
 
+def centres(size):
+    """Centres of the voxels of a unit cube (3 x depth x height x width), of `size` voxels along x, y, z."""
+    width, height, depth = size
+    z, y, x = np.meshgrid(*[(np.arange(n, dtype=np.float32) + 0.5) / n for n in (depth, height, width)], indexing="ij")
+    return np.stack([x, y, z])
+
+
+def write_vol(path, grid):
+    """A grid (depth x height x width) of the unit cube in Mitsuba's format, as 32-bit numbers."""
+    depth, height, width = grid.shape
+    with open(path, "wb") as f:
+        f.write(b"VOL\x03" + struct.pack("<5i6f", 1, width, height, depth, 1, 0, 0, 0, 1, 1, 1) + grid.astype("<f4").tobytes())
+    print(f"{path}: {width} x {height} x {depth}, mean {grid.mean():.3g}, {(grid == 0).mean():.1%} empty")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("file")
@@ -71,13 +86,9 @@ def main():
     parser.add_argument("--size", type=int, nargs="+", default=[128], help="voxels along x, y, z, or one number for all")
     parser.add_argument("--seed", type=int, default=1)
     args = parser.parse_args()
-    width, height, depth = args.size if len(args.size) == 3 else args.size * 3
-    z, y, x = np.meshgrid(*[(np.arange(n, dtype=np.float32) + 0.5) / n for n in (depth, height, width)], indexing="ij")
-    density = {"smoke": smoke, "cloud": cloud}[args.kind](np.random.default_rng(args.seed), np.stack([x, y, z]))
-    density = (density / density.max()).astype("<f4")
-    with open(args.file, "wb") as f:
-        f.write(b"VOL\x03" + struct.pack("<5i6f", 1, width, height, depth, 1, 0, 0, 0, 1, 1, 1) + density.tobytes())
-    print(f"{args.file}: {width} x {height} x {depth}, mean {density.mean():.3g}, {(density == 0).mean():.1%} empty")
+    size = args.size if len(args.size) == 3 else args.size * 3
+    density = {"smoke": smoke, "cloud": cloud}[args.kind](np.random.default_rng(args.seed), centres(size))
+    write_vol(args.file, density / density.max())
 
 
 if __name__ == "__main__":

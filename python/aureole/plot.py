@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Plots with matplotlib: lobes, spectra in their colours, phase functions, coronas, pair statistics.
+"""Plots with matplotlib: lobes, spectra in their colours, phase functions, efficiencies, coronas, pair statistics.
 
 Every function takes axes to draw on, makes new ones where `ax` is None, and returns them. matplotlib is needed only
 when a function is called: ``pip install aureole[plot]``.
@@ -16,15 +16,15 @@ from . import _corona
 from ._arrays import integer, real, scalar, text
 from ._errors import Error
 from ._plot_check import check_report
+from ._plot_particles import efficiency, phase_function
 from ._plot_support import as_bsdf, axes_for, colour_of, curve, flag, incident, matplotlib, wavelengths_of
 from ._vectorised import choice
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["check_report", "corona", "corona_profile", "lobe_map", "lobe_polar", "pair_correlation", "phase_function",
-           "spectrum",
-           "structure_factor"]
+__all__ = ["check_report", "corona", "corona_profile", "efficiency", "lobe_map", "lobe_polar", "pair_correlation",
+           "phase_function", "spectrum", "structure_factor"]
 
 _VISIBLE = np.arange(380.0, 781.0, 5.0)
 
@@ -234,93 +234,6 @@ def spectrum(wavelength: npt.ArrayLike, values: npt.ArrayLike, *, label: Optiona
     ax.grid(alpha=0.25)
     if label is not None:
         ax.legend(frameon=False)
-    return ax
-
-
-def phase_function(theta: Optional[npt.ArrayLike] = None, values: Optional[npt.ArrayLike] = None, *,
-                   x: Optional[float] = None, m: Optional[complex] = None, polar: bool = True, log: bool = True,
-                   decades: float = 6, label: Optional[str] = None, color: Any = None,
-                   ax: "Optional[Axes]" = None) -> "Axes":
-    """A phase function over the angle of scattering: given values, or that of spheres.
-
-    Parameters
-    ----------
-    theta : array_like, shape (n,)
-        Angles in degrees, 0 forward, in [0, 180]. Not needed for spheres.
-    values : array_like, shape (n,)
-        The phase function in 1/sr. Not for spheres.
-    x, m : float and complex
-        Spheres of this size parameter and relative refractive index, unpolarised light (`optics.mie_phase_function`).
-    polar : bool
-        Polar axes, mirrored to the full circle, with 0 to the right; otherwise the angle is the x axis.
-    log : bool
-        Logarithmic values, in polar axes over `decades` below the largest.
-    decades : float
-    label : str, optional
-        For the legend.
-    color : optional
-        Of the curve, as matplotlib has it.
-    ax : matplotlib Axes, optional
-        Polar ones for ``polar=True``.
-
-    Returns
-    -------
-    matplotlib Axes
-    """
-    if (x is None) != (m is None):
-        raise Error(f"{'x' if x is None else 'm'}: expected a value, since {'m' if x is None else 'x'} is given")
-    if x is not None:
-        if values is not None:
-            raise Error("values: expected either values or spheres (x and m), got both")
-        from . import optics
-
-        size = scalar("x", x, positive=True)
-        if theta is None:
-            # Oscillations are 180/x degrees wide.
-            theta = np.linspace(0, 180, int(min(max(721, 40 * size), 40_001)))
-        angles = np.atleast_1d(real("theta", theta, minimum=0, maximum=180, unit="degrees"))
-        values = optics.mie_phase_function(size, m, np.cos(np.radians(angles))).reshape(-1)  # type: ignore[arg-type]
-    elif theta is None or values is None:
-        raise Error(f"{'theta' if theta is None else 'values'}: expected an array, or spheres by x and m")
-    degrees, p, _ = curve("theta", real("theta", theta, minimum=0, maximum=180, unit="degrees"), "values",
-                          real("values", values, minimum=0))
-    span = scalar("decades", decades, positive=True, maximum=300)
-    logarithmic = flag("log", log)
-    new = ax is None
-    ax = axes_for(ax, polar=flag("polar", polar))
-    if polar:
-        angles = np.radians(np.concatenate([-degrees[::-1], degrees]))
-        p = np.concatenate([p[::-1], p])
-        view: Any = ax
-        if logarithmic and np.any(p > 0):
-            peak = float(p.max())
-            floor = peak * 10**-span
-            if not new and ax.lines and view.get_yscale() == "log":
-                floor, top = min(floor, view.get_rmin()), max(peak * 2, view.get_rmax())
-            else:
-                top = peak * 2
-            p = np.maximum(p, floor)
-            ax.plot(angles, p, label=label, color=color, lw=1.4)
-            view.set_rscale("log")
-            view.set_rlim(floor, top)
-            every = max(1, math.ceil(math.log10(top / floor) / 5))
-            view.set_rticks([10.0**k for k in range(math.ceil(math.log10(floor)), math.floor(math.log10(top)) + 1,
-                                                    every)])
-        else:
-            ax.plot(angles, p, label=label, color=color, lw=1.4)
-        view.set_thetagrids(range(0, 360, 30), [f"{min(a, 360 - a)}°" for a in range(0, 360, 30)])
-        view.set_rlabel_position(100)
-        view.tick_params(axis="y", labelsize="x-small", colors="0.35")
-        ax.set_title("phase function [1/sr]", fontsize="medium")
-    else:
-        ax.plot(degrees, p, label=label, color=color, lw=1.4)
-        ax.set(xlim=(0, 180), xticks=range(0, 181, 30), xlabel="scattering angle [degrees]",
-               ylabel="phase function [1/sr]",
-               yscale="log" if logarithmic else "linear")
-    ax.grid(alpha=0.35)
-    if label is not None:
-        ax.legend(frameon=False, fontsize="small", loc="lower left" if polar else "best",
-                  bbox_to_anchor=(-0.12, -0.1) if polar else None)
     return ax
 
 

@@ -113,6 +113,7 @@ std::vector<std::string> wrap_example(const PluginInfo& plugin, const std::strin
   }
   if (family == "medium")
     return {usual(kLight + ball("<bsdf type=\"dielectric\"/>" + changed(example, "interior")))};
+  if (family == "bssrdf") return {usual(kLight + ball(example))};
   if (family == "ingredient")
     return {usual(kLight + ball("<bsdf type=\"dielectric\"/><medium type=\"suspension\" name=\"interior\">" +
                                 example + "</medium>"))};

@@ -236,7 +236,7 @@ INSTANTIATE_TEST_SUITE_P(
                       R"(<integrator type="path"><integer name="max_depth" value="4"/></integrator>)",
                       R"(<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>)",
                       R"(<integrator type="direct"/>)", R"(<integrator type="ptracer"/>)",
-                      R"(<integrator type="depth"/>)",
+                      R"(<integrator type="bdpt"/>)", R"(<integrator type="depth"/>)",
                       R"(<integrator type="moment"><integrator type="aov">
                            <string name="aovs" value="p:position, a:albedo"/>
                            <integrator type="direct"><integer name="shading_samples" value="2"/></integrator>

@@ -71,7 +71,9 @@ struct TestEmitter : Emitter {
                                        const Wavelengths&) const override {
     return {};
   }
-  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3&) const override { return {}; }
+  RayDensity pdf_ray(const Light&, std::size_t, const SurfacePoint*, const Vec3&) const override {
+    return {};
+  }
   SampledSpectrum power_spectrum(const Light&) const override { return {}; }
   EmissionBounds emission_bounds(const Light&, std::size_t) const override { return {}; }
 };

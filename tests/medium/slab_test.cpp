@@ -7,9 +7,9 @@
 // AUREOLE_THOROUGH=1 follows a million paths per number and prints what it finds.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
+#include "aureole/optics/stack/plane_stack.h"
 #include "harness/rendered.h"
+#include "medium/slab_scenes.h"
 
 namespace aureole::testing {
 namespace {
@@ -18,36 +18,16 @@ struct Slab {
   double albedo, thickness, g, index;
   bool between_slides;  ///< of index 1.5
   double reflectance, transmittance;
+  double alpha = 0;  ///< roughness (GGX) of both faces
 };
 
-bool is_thorough() { return std::getenv("AUREOLE_THOROUGH") != nullptr; }
-
-std::string number(double v) { return std::to_string(v); }
-std::string parameter(const std::string& name, double v) {
-  return "<float name=\"" + name + "\" value=\"" + number(v) + "\"/>";
-}
-
-/// A square of half width 1 at the height z, facing up or down.
-std::string level(double z, bool up, const std::string& content) {
-  return "<shape type=\"rectangle\"><transform name=\"to_world\">" +
-         std::string(up ? "" : "<rotate x=\"1\" angle=\"180\"/>") + "<translate z=\"" + number(z) +
-         "\"/></transform>" + content + "</shape>";
-}
-std::string interface(double outside, double inside) {
+std::string interface(double outside, double inside, double alpha = 0) {
   if (outside == inside) return "<bsdf type=\"null\"/>";
-  return "<bsdf type=\"dielectric\">" + parameter("ext_ior", outside) + parameter("int_ior", inside) +
-         "</bsdf>";
-}
-/// Four mirrors around it, from below to above.
-std::string mirrors() {
-  std::string all;
-  for (const char* turn : {"0", "90", "180", "270"})
-    all +=
-        "<shape type=\"rectangle\"><bsdf type=\"twosided\"><bsdf type=\"conductor\"><string "
-        "name=\"material\" value=\"none\"/></bsdf></bsdf><transform name=\"to_world\"><scale x=\"1\" "
-        "y=\"3\"/><rotate x=\"1\" angle=\"90\"/><translate y=\"1\"/><rotate z=\"1\" angle=\"" +
-        std::string(turn) + "\"/></transform></shape>";
-  return all;
+  const std::string indices = parameter("ext_ior", outside) + parameter("int_ior", inside) + "</bsdf>";
+  if (alpha == 0) return "<bsdf type=\"dielectric\">" + indices;
+  return "<bsdf type=\"roughdielectric\"><string name=\"distribution\" value=\"ggx\"/><boolean "
+         "name=\"energy_preserving\" value=\"true\"/>" +
+         parameter("alpha", alpha) + indices;
 }
 
 /// The radiance that leaves the upper face along the normal; the sky is above, or below.
@@ -63,8 +43,8 @@ Picture measure(const Slab& slab, bool above) {
       "\"/></sampler><film type=\"hdrfilm\"><integer name=\"width\" value=\"8\"/><integer name=\"height\" "
       "value=\"8\"/><rfilter type=\"box\"/></film></sensor>";
   const double around = slab.between_slides ? 1.5 : 1;
-  scene += level(1, true, interface(around, slab.index) + medium);
-  scene += level(0, false, interface(around, slab.index) + medium);
+  scene += level(1, true, interface(around, slab.index, slab.alpha) + medium);
+  scene += level(0, false, interface(around, slab.index, slab.alpha) + medium);
   if (slab.between_slides)
     scene += level(1.5, true, interface(1, 1.5)) + level(-0.5, false, interface(1, 1.5));
   const std::string black = "<bsdf type=\"diffuse\">" + parameter("reflectance", 0) + "</bsdf>";
@@ -86,6 +66,27 @@ TEST_P(SlabTest, FluxesAreThoseOfTheTable) {
                   p.all_error, expected, (p.all - expected) / p.all_error);
     EXPECT_NEAR(p.all, expected, 4.5 * p.all_error + 1e-6) << (above ? "R" : "T");
     EXPECT_LT(p.all_error, 0.012);
+  }
+}
+
+/// By adding and doubling (optics/stack), whose operators of rough interfaces keep energy as the BSDF does.
+TEST(RoughSlab, IsThatOfDiscreteOrdinates) {
+  for (const double alpha : {0.15, 0.4}) {
+    const Slab slab{.9, 2, .5, 1.5, false, 0, 0, alpha};
+    optics::StackDescription d;
+    d.layers = {optics::StackLayer::of_optical_thickness(
+        slab.thickness, slab.albedo, optics::LegendrePhase::henyey_greenstein(slab.g), slab.index)};
+    d.layers[0].top = d.bottom = {optics::InterfaceKind::ggx, alpha};
+    const optics::StackFluxes f = optics::PlaneStack(d, {64}).fluxes(optics::StackLight::beam(1));
+    for (const bool above : {true, false}) {
+      const double expected = above ? f.reflectance : f.transmittance;
+      const Picture p = measure(slab, above);
+      if (is_thorough())
+        std::printf("alpha %.2f: %s %.6f +- %.6f, discrete ordinates %.6f\n", alpha, above ? "R" : "T", p.all,
+                    p.all_error, expected);
+      EXPECT_NEAR(p.all, expected, 3 * p.all_error + 0.003 * expected) << (above ? "R" : "T");
+      EXPECT_LT(p.all_error, 0.012 * expected + 0.001);
+    }
   }
 }
 

@@ -76,6 +76,36 @@ TEST(SuspensionMedium, SmallSpheresFollowRayleigh) {
   EXPECT_NEAR(measure_medium(*m, nm, {}, {0, 0, 1})[0].asymmetry, 0, 0.01);
 }
 
+TEST(SuspensionMedium, CoatedSpheresAreThoseOfBohrenAndHuffman) {
+  // The sample run of program BHCOAT (Absorption and Scattering of Light by Small Particles, 1983, appendix B): radii
+  // .171 and 6.265 um, 3 um, Qext = 2.32803, Qsca = 1.14341, and g = .94340 of the same spheres by scattnlay.
+  auto infrared = std::make_shared<BuildContext>(*testing::make_context(2990, 3010));
+  const auto coated = [&](const std::string& core) {
+    return build<Medium>(
+        medium_xml("suspension", choice("host", "vacuum") + "<ingredient type=\"coated_spheres\">" +
+                                     choice("radius", "6.265um") + core + number("int_ior", 1.59) +
+                                     number("k", 0.66) + number("coat_ior", 1.409) +
+                                     number("coat_k", 0.1747) + number("number_density", 1e9) +
+                                     "</ingredient>"),
+        infrared);
+  };
+  const double shadows = 1e9 * M_PI * 6.265e-6 * 6.265e-6;
+  for (const MediumPtr& m :
+       {coated(number("core_fraction", 0.171 / 6.265)), coated(choice("coat_thickness", "6.094um"))}) {
+    EXPECT_NEAR(at(*m, 3000).t / shadows, 2.32803, 1e-4);
+    EXPECT_NEAR(at(*m, 3000).s / shadows, 1.14341, 1e-4);
+    const double nm[] = {3000};
+    EXPECT_NEAR(measure_medium(*m, nm, {}, {0, 0, 1})[0].asymmetry, 0.94340, 1e-3);
+  }
+  // Where the coat is thicker than the sphere there is no core.
+  const MediumPtr plain = build<Medium>(
+      medium_xml("suspension", choice("host", "vacuum") + "<ingredient type=\"spheres\">" +
+                                   choice("radius", "6.265um") + number("int_ior", 1.409) +
+                                   number("k", 0.1747) + number("number_density", 1e9) + "</ingredient>"),
+      infrared);
+  EXPECT_NEAR(at(*coated(choice("coat_thickness", "7um")), 3000).t / at(*plain, 3000).t, 1, 1e-6);
+}
+
 TEST(SuspensionMedium, PureWater) {
   const MediumPtr m = suspension(choice("recipe", "water"));
   EXPECT_NEAR(at(*m).a(), 0.0565, 1e-4);           // Pope & Fry 1997
@@ -178,6 +208,18 @@ TEST(SuspensionMedium, RefusesWrongInput) {
   expect_error(spheres(number("mass_fraction", 0.1)), "density");
   expect_error(number("host", 1.4) + spheres(number("mass_fraction", 0.1) + number("density", 1000)),
                "density of the medium");
+  const auto coated = [](const std::string& parameters) {
+    return "<ingredient type=\"coated_spheres\">" + choice("radius", "1um") + number("volume_fraction", 0.1) +
+           parameters + "</ingredient>";
+  };
+  const std::string indices = number("int_ior", 1.5) + number("coat_ior", 1.4);
+  expect_error(coated(number("int_ior", 1.5)), "\"coat_ior\" is required");
+  expect_error(coated(indices), "either \"core_fraction\" or \"coat_thickness\"");
+  expect_error(coated(indices + number("core_fraction", 0.5) + choice("coat_thickness", "1um")), "either");
+  expect_error(coated(indices + number("core_fraction", 1.5)), "(0, 1)");
+  expect_error(coated(choice("int_ior", "Au") + number("coat_ior", 1.4) + number("k", 1) +
+                      number("core_fraction", 0.5)),
+               "leave \"k\" out");
   expect_error(choice("host", "watre") + spheres(number("volume_fraction", 0.1)), "water");
   expect_error(spheres(number("volume_fraction", 0.1)), "a solution holds dyes", "solution");
   expect_error("<ingredient type=\"dye\">" + number("molar_absorptivity", 1) + "</ingredient>",

@@ -163,7 +163,7 @@ TEST(Media, HiddenSurfacesChangeNothing) {
            kSky;
   };
   const std::string from = camera("origin=\"0, 0, 4\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 25, 4, 256);
-  for (const char* integrator : {"path", "ptracer"}) {
+  for (const char* integrator : {"path", "ptracer", "bdpt"}) {
     const std::string method = "<integrator type=\"" + std::string(integrator) + "\"/>" + from;
     const Picture a = render(method + scene(false)), b = render(method + scene(true));
     const double error = std::hypot(a.all_error, b.all_error);
@@ -172,7 +172,7 @@ TEST(Media, HiddenSurfacesChangeNothing) {
   }
 }
 
-/// Scenes that both integrators render: a lamp and a floor in fog, the camera outside or inside.
+/// Scenes that all of them render: a lamp and a floor in fog, the camera outside or inside.
 TEST(Media, PathsOfLightBringTheSame) {
   const std::string scene =
       "<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"2\"/><translate "
@@ -187,12 +187,14 @@ TEST(Media, PathsOfLightBringTheSame) {
     const std::string from =
         camera("origin=\"" + std::string(origin) + "\" target=\"0, 0, 0\" up=\"0, 0, 1\"", 35, 4, 256);
     const Picture a = render(path() + from + scene);
-    const Picture b = render("<integrator type=\"ptracer\"/>" + from + scene);
-    EXPECT_NEAR(a.all, b.all, 4.5 * std::hypot(a.all_error, b.all_error)) << origin;
-    EXPECT_LT(std::hypot(a.all_error, b.all_error), 0.02 * a.all);
-    for (std::size_t i = 0; i < a.mean.size(); ++i)
-      EXPECT_NEAR(a.mean[i], b.mean[i], 6 * std::hypot(a.error[i], b.error[i]) + 1e-3 * a.all)
-          << "pixel " << i;
+    for (const char* integrator : {"ptracer", "bdpt"}) {
+      const Picture b = render("<integrator type=\"" + std::string(integrator) + "\"/>" + from + scene);
+      EXPECT_NEAR(a.all, b.all, 4.5 * std::hypot(a.all_error, b.all_error)) << integrator << " " << origin;
+      EXPECT_LT(std::hypot(a.all_error, b.all_error), 0.02 * a.all);
+      for (std::size_t i = 0; i < a.mean.size(); ++i)
+        EXPECT_NEAR(a.mean[i], b.mean[i], 6 * std::hypot(a.error[i], b.error[i]) + 1e-3 * a.all)
+            << integrator << ", pixel " << i;
+    }
   }
 }
 

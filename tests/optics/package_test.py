@@ -13,8 +13,8 @@ from pathlib import Path
 
 page, build, cmake, compiler = sys.argv[1:]
 folder = Path(build) / "optics-package"
-# All that is loaded: the C and C++ runtime, the two libraries that the page names, and GoogleTest.
-LOADED = re.compile(r"(linux-vdso|ld-linux\S*|lib(c|m|stdc\+\+|gcc_s|pthread|kissfft-float|polyclipping|gtest|gtest_main))\.so")
+# All that is loaded: the C and C++ runtime, the three libraries that the page names, and GoogleTest.
+LOADED = re.compile(r"(linux-vdso|ld-linux\S*|lib(c|m|stdc\+\+|gcc_s|pthread|kissfft-float|polyclipping|cerf|gtest|gtest_main))\.so")
 FOREIGN = re.compile(r"\b(tbb::|rtc[A-Z]|embree|Imf|png_|jpeg_|TIFF|cv::|pugi::|fmt::|nlohmann)")
 
 

@@ -94,6 +94,14 @@ TEST(MiePhase, GlorySurroundsTheWayBack) {
   EXPECT_GT(value(*phase, 180, 550), 1.5 * value(*phase, 170, 550));
 }
 
+TEST(MiePhase, DefaultDropsDisperse) {
+  const std::string radius = R"(<string name="radius" value="1um"/>)";
+  const auto of = [&](const std::string& index) { return value(*mie(radius + index, 400, 420), 140, 400); };
+  const double drop = of("");
+  EXPECT_EQ(drop, of(R"(<string name="int_ior" value="water"/>)"));
+  EXPECT_NE(drop, of(R"(<boolean name="dispersion" value="false"/>)"));
+}
+
 TEST(MiePhase, RefusesWrongInput) {
   const auto expect_error = [](const std::string& parameters, const std::string& text) {
     try {

@@ -146,6 +146,44 @@ def test_phase_function_of_values():
     assert plot.phase_function(theta, p, polar=False).get_yscale() == "log"
 
 
+def test_phase_function_of_a_plugin():
+    phase = aureole.load_dict({"type": "hg", "g": 0.6})
+    ax = plot.phase_function(phase=phase, theta=np.linspace(0, 180, 91), polar=False)
+    theta, p = ax.lines[0].get_xydata().T
+    expected = (1 - 0.36) / (4 * np.pi * (1.36 - 1.2 * np.cos(np.radians(theta))) ** 1.5)
+    np.testing.assert_allclose(p, expected, rtol=1e-5)
+    with pytest.raises(aureole.Error, match="values: expected one of"):
+        plot.phase_function(phase=phase, x=1, m=1.3)
+    with pytest.raises(TypeError, match="phase: expected a phase function"):
+        plot.phase_function(phase="hg")
+
+
+def test_efficiency():
+    radius = np.geomspace(1e-8, 1e-5, 40)
+    given = flat_axes()
+    ax = plot.efficiency(1.33 + 0.01j, radius, wavelength=500, medium=1.5, ax=given)
+    assert ax is given and ax.get_xlabel() == "radius [um]" and ax.get_xscale() == "log"
+    assert [line.get_label() for line in ax.lines] == ["extinction", "scattering", "absorption"]
+    extinction, scattering, absorption = (line.get_xydata() for line in ax.lines)
+    np.testing.assert_allclose(extinction[:, 0], radius * 1e6)
+    np.testing.assert_allclose(scattering[:, 1] + absorption[:, 1], extinction[:, 1], rtol=1e-9)
+    np.testing.assert_allclose(extinction[:, 1], optics.mie(2 * np.pi * radius * 1.5 / 500e-9, 1.33 + 0.01j).qext)
+    # Small spheres scatter as Rayleigh says, 8/3 x^4 |(m^2 - 1)/(m^2 + 2)|^2, large ones twice what they cover.
+    ax = plot.efficiency(1.2, x=[1e-2, 3000.0], quantity="qsca", label="m = 1.2")
+    assert ax.get_xlabel() == "size parameter" and ax.get_legend().get_texts()[0].get_text() == "m = 1.2"
+    small, large = ax.lines[0].get_ydata()
+    assert small == pytest.approx(8 / 3 * 1e-8 * (0.44 / 3.44) ** 2, rel=1e-3)
+    assert large == pytest.approx(2, abs=0.05)
+    # The axis grows with the curves.
+    before = ax.get_ylim()[1]
+    plot.efficiency(1.6, x=np.linspace(1, 6, 50), quantity="qsca", ax=ax)
+    assert ax.get_ylim()[1] > 4 > before
+    with pytest.raises(aureole.Error, match="quantity: expected"):
+        plot.efficiency(1.2, quantity="qback")
+    with pytest.raises(aureole.Error, match="x: expected either"):
+        plot.efficiency(1.2, radius, x=1.0)
+
+
 def first_minimum(angle, value):
     inner = np.flatnonzero((value[1:-1] < value[:-2]) & (value[1:-1] <= value[2:]))[0] + 1
     return angle[inner]

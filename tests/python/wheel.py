@@ -64,7 +64,7 @@ def check_contents(wheel: Path, folder: Path) -> None:
     for expected in ("aureole/__init__.py", "aureole/py.typed", "aureole/_aureole.pyi"):
         assert expected in names, f"{expected} is missing in {wheel.name}"
     licences = {Path(n).name for n in names if ".dist-info/licenses/" in n}
-    assert {"LICENSE", "LICENSE.hosek_wilkie"} <= licences, f"licences: {licences}"
+    assert {"LICENSE", "LICENSE.hosek_wilkie", "LICENSE.kimera"} <= licences, f"licences: {licences}"
     assert "-manylinux_" in wheel.name, f"{wheel.name}: not a wheel for other machines"
     libraries = [folder / n for n in names if ".so" in Path(n).suffixes]
     own = {path.name for path in libraries}

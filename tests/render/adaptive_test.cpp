@@ -340,14 +340,16 @@ TEST(Adaptive, FromTheScene) {
 }
 
 TEST(Adaptive, RefusesPathsFromEmitters) {
-  LoadOptions load;
-  load.integrator = "ptracer";
-  const auto scene = load_scene_from_string(small_scene_text(), "small.xml", load);
-  RenderOptions options;
-  options.adaptive = AdaptiveTarget::display;
-  EXPECT_THROW(RenderJob(scene, options), Error);
-  options.adaptive.reset();
-  EXPECT_NO_THROW(RenderJob(scene, options));
+  for (const char* integrator : {"ptracer", "bdpt"}) {
+    LoadOptions load;
+    load.integrator = integrator;
+    const auto scene = load_scene_from_string(small_scene_text(), "small.xml", load);
+    RenderOptions options;
+    options.adaptive = AdaptiveTarget::display;
+    EXPECT_THROW(RenderJob(scene, options), Error);
+    options.adaptive.reset();
+    EXPECT_NO_THROW(RenderJob(scene, options));
+  }
 }
 
 }  // namespace

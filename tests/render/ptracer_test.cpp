@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light tracing finds what the path tracer finds: two estimators without a common line but for the models,
+// Light tracing and two-way paths find what the path tracer finds: estimators without a common line but for the models,
 // compared per pixel by z-test on scenes that each show one mode (tests/render/scenes/ptracer-*.xml). And its
 // splats make the same picture, bit for bit, for any number of threads, across interruptions, for parts
 // merged.
@@ -56,34 +56,41 @@ TEST_P(LightTracing, AgreesWithPathTracing) {
   RenderOptions options;
   options.replicates = kSanitized ? 2 : 32;
   if (kSanitized) options.end = 16;
-  RenderState states[2];  // of different seeds: both find a background with the same samples
-  for (int i = 0; i < 2; ++i) {
-    options.seed = std::uint64_t(i);
+  const auto traced = [&](const char* integrator, std::uint64_t seed) {
     LoadOptions load;
-    load.defines = {{"integrator", i == 0 ? "ptracer" : "path"}};
-    states[i] = rendered(load_scene(file, load), options);
+    load.defines = {{"integrator", integrator}};
+    options.seed = seed;
+    return rendered(load_scene(file, load), options);
+  };
+  // Of different seeds: both find a background with the same samples.
+  const RenderState reference = traced("path", 1);
+  const auto [mean_b, error_b] = mean_luminance(reference);
+  for (const char* integrator : {"ptracer", "bdpt"}) {
+    // Two-way paths need fewer samples.
+    if (!kSanitized && integrator == std::string("bdpt")) options.end = 64;
+    const RenderState state = traced(integrator, 0);
+    if (kSanitized) continue;
+    const Image picture = state.picture();
+    const Comparison c = compare_images(picture, reference.picture());
+    ASSERT_TRUE(c.z);
+    const auto [mean_a, error_a] = mean_luminance(state);
+    const double error = std::hypot(error_a, error_b);
+    std::printf("%-8s %-10s mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n",
+                integrator, GetParam(), c.z->mean_square, 100 * c.z->outside, (mean_a - mean_b) / error,
+                100 * (mean_a / mean_b - 1));
+    EXPECT_GE(c.z->mean_square, kZMeanSquareMin) << integrator;
+    EXPECT_LE(c.z->mean_square, kZMeanSquareMax) << integrator;
+    EXPECT_LE(c.z->outside, kZOutsideMax) << integrator;
+    EXPECT_NEAR(mean_a, mean_b, 4 * error) << integrator;
+    // The noise must be small enough for the comparison to mean something.
+    EXPECT_LT(error, 0.003 * mean_b) << integrator;
+    double noise = 0;
+    for (const char* channel : {"variance.R", "variance.G", "variance.B"})
+      for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x)
+          noise += std::sqrt(picture.at(x, y, size_t(picture.channel(channel))));
+    EXPECT_LT(noise / (3.0 * picture.width * picture.height), 0.05 * c.mean_b) << integrator;
   }
-  if (kSanitized) return;
-  const Image picture = states[0].picture();
-  const Comparison c = compare_images(picture, states[1].picture());
-  ASSERT_TRUE(c.z);
-  const auto [mean_a, error_a] = mean_luminance(states[0]);
-  const auto [mean_b, error_b] = mean_luminance(states[1]);
-  const double error = std::hypot(error_a, error_b);
-  std::printf("%-10s mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n", GetParam(),
-              c.z->mean_square, 100 * c.z->outside, (mean_a - mean_b) / error, 100 * (mean_a / mean_b - 1));
-  EXPECT_GE(c.z->mean_square, kZMeanSquareMin);
-  EXPECT_LE(c.z->mean_square, kZMeanSquareMax);
-  EXPECT_LE(c.z->outside, kZOutsideMax);
-  EXPECT_NEAR(mean_a, mean_b, 4 * error);
-  // The noise must be small enough for the comparison to mean something.
-  EXPECT_LT(error, 0.003 * mean_b);
-  double noise = 0;
-  for (const char* channel : {"variance.R", "variance.G", "variance.B"})
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x)
-        noise += std::sqrt(picture.at(x, y, size_t(picture.channel(channel))));
-  EXPECT_LT(noise / (3.0 * picture.width * picture.height), 0.05 * c.mean_b);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, LightTracing,
@@ -109,29 +116,35 @@ TEST(LightTracingMeters, AgreeWithPathTracing) {
     RenderOptions options;
     options.replicates = kSanitized ? 2 : 32;
     if (kSanitized) options.end = 16;
-    double mean[2], variance[2];
-    for (int i = 0; i < 2; ++i) {
-      options.seed = std::uint64_t(i);
+    const auto measured = [&](const char* integrator, std::uint64_t seed) {
+      options.seed = seed;
       LoadOptions load;
-      load.integrator = i == 0 ? "ptracer" : "path";
+      load.integrator = integrator;
       const Image image = rendered(load_scene_from_string(R"(<scene version="3.0.0">)" + scene + "</scene>",
                                                           "meter.xml", load),
                                    options)
                               .picture();
-      mean[i] = image.at(0, 0, size_t(image.channel("G")));
-      variance[i] = image.at(0, 0, size_t(image.channel("variance.G")));
+      return std::pair(double(image.at(0, 0, size_t(image.channel("G")))),
+                       double(image.at(0, 0, size_t(image.channel("variance.G")))));
+    };
+    const auto [expected, variance] = measured("path", 1);
+    for (const char* integrator : {"ptracer", "bdpt"}) {
+      const auto [mean, own_variance] = measured(integrator, 0);
+      if (kSanitized) continue;
+      const double error = std::sqrt(own_variance + variance);
+      EXPECT_NEAR(mean, expected, 4.5 * error) << integrator << scene;
+      EXPECT_LT(error, 3e-3 * expected) << integrator << scene;
     }
-    if (kSanitized) continue;
-    const double error = std::sqrt(variance[0] + variance[1]);
-    EXPECT_NEAR(mean[0], mean[1], 4.5 * error) << scene;
-    EXPECT_LT(error, 3e-3 * mean[1]) << scene;
   }
 }
 
-// Light that no other integrator finds: a beam of irradiance 1 from a square straight down to the floor.
+// Light that only paths from emitters find: a beam of irradiance 1 from a square straight down to the floor.
 TEST(LightTracingBeam, OfADirectionalAreaHasItsIrradiance) {
-  const auto scene = load_scene_from_string(
-      R"(<scene version="3.0.0"><integrator type="ptracer"/>
+  for (const char* integrator : {"ptracer", "bdpt"}) {
+    LoadOptions load;
+    load.integrator = integrator;
+    const auto scene = load_scene_from_string(
+        R"(<scene version="3.0.0">
          <sensor type="perspective"><float name="fov" value="20"/>
            <transform name="to_world"><lookat origin="0, 0, 4" target="0, 0, 0" up="0, 1, 0"/></transform>
            <sampler type="sobol"><integer name="sample_count" value="16384"/></sampler>
@@ -141,11 +154,12 @@ TEST(LightTracingBeam, OfADirectionalAreaHasItsIrradiance) {
            <bsdf type="diffuse"><spectrum name="reflectance" value="0.6"/></bsdf></shape>
          <shape type="rectangle"><transform name="to_world"><rotate x="1" angle="180"/><translate z="5"/></transform>
            <emitter type="directionalarea"><spectrum name="radiance" value="1"/></emitter></shape></scene>)",
-      "beam.xml");
-  const Image image = rendered(scene, {}).picture();
-  double mean = 0;
-  for (const float v : image.pixels) mean += v / double(image.pixels.size());
-  EXPECT_NEAR(mean, 0.6 / 3.14159265, 0.01 * 0.6 / 3.14159265);
+        "beam.xml", load);
+    const Image image = rendered(scene, {}).picture();
+    double mean = 0;
+    for (const float v : image.pixels) mean += v / double(image.pixels.size());
+    EXPECT_NEAR(mean, 0.6 / 3.14159265, 0.01 * 0.6 / 3.14159265) << integrator;
+  }
 }
 
 LoadedScene small_light_scene(const std::string& extra_film = "") {

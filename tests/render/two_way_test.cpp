@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// One job for paths that leave light on their own pixel and anywhere else: half of what `path` finds and half
-// of what `ptracer` finds make the same picture as either, bit for bit however the work is divided.
+// One job for paths that leave light on their own pixel and anywhere else: `bdpt` makes the same picture, bit for
+// bit, however the work is divided, and each of its techniques finds what the others find.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "aureole/render/job.h"
@@ -13,41 +14,13 @@ namespace {
 
 const std::atomic<bool> kGo{false};
 
-class HalfOfBoth final : public Integrator {
-public:
-  HalfOfBoth(std::shared_ptr<const Integrator> pixels, std::shared_ptr<const Integrator> film)
-      : Integrator(pixels->properties()), pixels_(std::move(pixels)), film_(std::move(film)) {}
-
-  Leaves leaves() const override { return Leaves::both; }
-
-  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
-             const BatchLog& log) const override {
-    pixels_->trace(scene, paths, splats, log);
-    RadianceEstimate halves[kBatch];
-    for (std::size_t i = 0; i < paths.size(); ++i) halves[i] = paths[i].result;
-    film_->trace(scene, paths, splats, log);
-    for (std::size_t i = 0; i < paths.size(); ++i) {
-      paths[i].result.estimate = (halves[i].estimate + paths[i].result.estimate) * 0.5f;
-      paths[i].result.alpha = halves[i].alpha;
-    }
-    for (Splat& s : splats) s.estimate *= 0.5f;
-  }
-
-private:
-  std::shared_ptr<const Integrator> pixels_, film_;
-};
-
 LoadedScene load(const std::string& text, const char* integrator) {
   LoadOptions options;
   options.integrator = integrator;
   return load_scene_from_string(text, "two_way.xml", options);
 }
 
-LoadedScene two_way(const std::string& text) {
-  LoadedScene loaded = load(text, "path");
-  loaded.integrator = std::make_shared<HalfOfBoth>(loaded.integrator, load(text, "ptracer").integrator);
-  return loaded;
-}
+LoadedScene two_way(const std::string& text) { return load(text, "bdpt"); }
 
 RenderState rendered(const LoadedScene& scene, const RenderOptions& options) {
   RenderJob job(scene, options);
@@ -63,7 +36,7 @@ bool same_bits_of_both(const RenderState& a, const RenderState& b) {
   return true;
 }
 
-/// Without glass and point lights, which paths from one side do not find.
+/// Without glass and point lights, which some techniques do not find.
 const std::string kDiffuse = R"(<scene version="3.0.0">
 <sensor type="perspective"><float name="fov" value="50"/>
   <transform name="to_world"><lookat origin="0, 1, 4" target="0, .5, 0" up="0, 1, 0"/></transform>
@@ -95,6 +68,41 @@ TEST(TwoWayJob, AgreesWithThePathTracer) {
     splatted += measured[1];
   }
   EXPECT_GT(splatted, 0) << "the floor";
+}
+
+// Light that is scattered twice before it reaches the sensor, by each of the four techniques that find it alone.
+TEST(TwoWayTechniques, EachFindsWhatTheOthersFind) {
+  const auto only = [](int s, int t) {
+    std::string text = kDiffuse;
+    text.insert(text.find("<sensor"),
+                fmt::format(R"(<integrator type="bdpt"><integer name="strategy_s" value="{}"/>
+      <integer name="strategy_t" value="{}"/></integrator>)",
+                            s, t));
+    RenderOptions options;
+    options.replicates = 32, options.end = 64, options.seed = std::uint64_t(s);
+    return rendered(load_scene_from_string(text, "technique.xml"), options).picture();
+  };
+  const Image reference = only(1, 3);
+  for (const int s : {0, 2, 3}) {
+    const Comparison c = compare_images(only(s, 4 - s), reference);
+    ASSERT_TRUE(c.z);
+    std::printf("s = %d: mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n", s,
+                c.z->mean_square, 100 * c.z->outside, c.z->mean_difference, 100 * c.z->mean_relative);
+    EXPECT_TRUE(c.z->passes) << s;
+    EXPECT_LT(c.rmse, 0.2 * c.mean_b) << s;
+  }
+}
+
+TEST(TwoWayTechniques, ThoseThatNothingFindsAreErrors) {
+  for (const char* parameters :
+       {R"(<integer name="strategy_t" value="0"/>)",
+        R"(<integer name="strategy_t" value="1"/><integer name="strategy_s" value="1"/>)",
+        R"(<integer name="strategy_s" value="-2"/>)"}) {
+    std::string text = kDiffuse;
+    text.insert(text.find("<sensor"),
+                std::string("<integrator type=\"bdpt\">") + parameters + "</integrator>");
+    EXPECT_THROW(load_scene_from_string(text, "technique.xml"), Error) << parameters;
+  }
 }
 
 TEST(TwoWayJob, ThreadsPartsAndFilesDoNotChangeABit) {

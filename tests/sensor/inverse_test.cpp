@@ -114,6 +114,47 @@ TEST_P(InverseOfSensor, DensitiesIntegrateToOne) {
   EXPECT_LT(4.5 * std::sqrt(squares), 0.03);
 }
 
+// The area that neighbouring rays of one point of the aperture enclose.
+TEST_P(InverseOfSensor, DensityAcrossIsThatOfNeighbouringRays) {
+  const auto object = build_object(GetParam().xml);
+  const PlacedSensor sensor =
+      PlacedSensor::of(dynamic_cast<const Sensor&>(*object), nullptr, {0.1f, 0.2f, 0.3f}, 1.3f);
+  SeededRandom random(5);
+  const Vec2 lower = sensor.part.lower, size = sensor.part.upper - lower;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec2 u = random.next2(), lens = random.next2(),
+               film{lower.x + size.x * (0.01f + 0.95f * u.x), lower.y + size.y * (0.01f + 0.95f * u.y)};
+    const PlacedSensor* member = &sensor;
+    for (const PlacedSensor& m : sensor.members)
+      if (m.part.samples(film) && m.part.samples({film.x + 1, film.y})) member = &m;
+    if (member == &sensor && !sensor.members.empty()) continue;  // between two of them
+    const SensorRay ray = sensor.sample_ray(film, lens);
+    const Vec3 p = ray.ray.o + ray.ray.d * random.next();
+    const auto aside = [&](Vec2 step) {
+      const Ray r = sensor.sample_ray({film.x + step.x, film.y + step.y}, lens).ray;
+      return r.o + r.d * (dot(p - r.o, ray.ray.d) / dot(r.d, ray.ray.d)) - p;
+    };
+    const Vec3 dx = (aside({0.5f, 0}) - aside({-0.5f, 0})), dy = (aside({0, 0.5f}) - aside({0, -0.5f}));
+    const auto found = sensor.eval(p, ray.ray.d);
+    ASSERT_TRUE(found);
+    const double density = 1 / (double(length(cross(dx, dy))) * double(member->part.sample_area()));
+    EXPECT_NEAR(found->pdf_across, density, 0.01 * density) << film.x << " " << film.y;
+  }
+}
+
+TEST(SensorInverse, OfADistantOneIsTheCrossSectionOfTheScene) {
+  const auto object =
+      build_object("<sensor type='distant'><vector name='direction' value='0, 1, 0'/></sensor>");
+  const PlacedSensor sensor =
+      PlacedSensor::of(dynamic_cast<const Sensor&>(*object), nullptr, {0.1f, 0.2f, 0.3f}, 1.3f);
+  const auto found = sensor.eval({1, 7, 0.3f}, {0, 1, 0});
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->pdf_across, 1 / (M_PI * 1.3 * 1.3), 1e-5);
+  EXPECT_EQ(found->pdf_position, found->pdf_across);
+  EXPECT_EQ(found->pdf_direction, 1);
+  EXPECT_FALSE(sensor.eval({1, 7, 1.6f}, {0, 1, 0})) << "beside the scene";
+}
+
 TEST(SensorInverse, ApertureAndMembersShareTheirDensity) {
   const auto object = build_object(kCases[1].xml);
   const PlacedSensor lens =

@@ -28,7 +28,9 @@ public:
                                        const Wavelengths&) const override {
     return std::nullopt;
   }
-  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3&) const override { return {}; }
+  RayDensity pdf_ray(const Light&, std::size_t, const SurfacePoint*, const Vec3&) const override {
+    return {};
+  }
   SampledSpectrum power_spectrum(const Light&) const override { return {}; }
   EmissionBounds emission_bounds(const Light&, std::size_t) const override { return {}; }
 };

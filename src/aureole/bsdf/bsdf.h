@@ -30,6 +30,7 @@ enum class Lobe : unsigned {
   transmit = 16,
   through = 32,  ///< leaves the direction unchanged
   null = 64,     ///< as if nothing were there: connections pass, and it is no vertex of a path
+  enter = 128,   ///< into a body of which only the surface is followed: light leaves it elsewhere (bssrdf/bssrdf.h)
 };
 constexpr Lobe operator|(Lobe a, Lobe b) { return Lobe(unsigned(a) | unsigned(b)); }
 constexpr Lobe operator&(Lobe a, Lobe b) { return Lobe(unsigned(a) & unsigned(b)); }

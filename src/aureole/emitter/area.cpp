@@ -60,14 +60,15 @@ public:
                       cosine_hemisphere_pdf(local.z)};
   }
 
-  RayDensity pdf_ray(const Light& light, const SurfacePoint* point, const Vec3& d) const override {
+  RayDensity pdf_ray(const Light& light, std::size_t part, const SurfacePoint* point,
+                     const Vec3& d) const override {
     const float cosine = dot(point->ng, d);
-    return {light.area->pdf_area(part_of(light, *point), *point),
-            cosine > 0 ? cosine_hemisphere_pdf(cosine) : 0.f};
+    return {light.area->pdf_area(part, *point), cosine > 0 ? cosine_hemisphere_pdf(cosine) : 0.f};
   }
 
-  float pdf_direct(const Light& light, const Vec3& reference, const SurfacePoint& point) const override {
-    return light.area->pdf_direct(reference, part_of(light, point), point);
+  float pdf_direct(const Light& light, const Vec3& reference, std::size_t part,
+                   const SurfacePoint& point) const override {
+    return light.area->pdf_direct(reference, part, point);
   }
 
   SampledSpectrum power_spectrum(const Light& light) const override {

@@ -41,7 +41,7 @@ public:
     return r;
   }
 
-  RayDensity pdf_ray(const Light& light, const SurfacePoint*, const Vec3&) const override {
+  RayDensity pdf_ray(const Light& light, std::size_t, const SurfacePoint*, const Vec3&) const override {
     return density_from_infinity(light, 1);
   }
 

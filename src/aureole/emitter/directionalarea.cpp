@@ -43,8 +43,9 @@ public:
     return r;
   }
 
-  RayDensity pdf_ray(const Light& light, const SurfacePoint* point, const Vec3&) const override {
-    return {light.area->pdf_area(part_of(light, *point), *point), 1};
+  RayDensity pdf_ray(const Light& light, std::size_t part, const SurfacePoint* point,
+                     const Vec3&) const override {
+    return {light.area->pdf_area(part, *point), 1};
   }
 
   SampledSpectrum power_spectrum(const Light& light) const override {
@@ -74,7 +75,7 @@ AUREOLE_PLUGIN(
         .summary =
             "Makes the shape it is a child of shine along its normals only: a rectangle sends a parallel "
             "beam. Light "
-            "tracing (`ptracer`) finds this light; `path` and `direct` cannot.",
+            "tracing (`ptracer`, `bdpt`) finds this light; `path` and `direct` cannot.",
         .source = "",
         .parameters = {{"radiance", "spectrum", "W/(m^2 nm), any common scale", "1",
                         "spectral exitance, the power that leaves per area (the name is Mitsuba's); may be a "

@@ -21,7 +21,7 @@ bool Emitter::sits_on_shape() const {
 
 Spectrum Emitter::eval(const SurfacePoint&, const Vec3&, const Wavelengths&) const { return 0.f; }
 Spectrum Emitter::eval_escaped(const Vec3&, const Wavelengths&) const { return 0.f; }
-float Emitter::pdf_direct(const Light&, const Vec3&, const SurfacePoint&) const { return 0; }
+float Emitter::pdf_direct(const Light&, const Vec3&, std::size_t, const SurfacePoint&) const { return 0; }
 float Emitter::pdf_direct_escaped(const Vec3&, const Vec3&, const Vec3&) const { return 0; }
 
 EmittedRay ray_from_infinity(const Light& light, const Vec3& d, Vec2 position) {

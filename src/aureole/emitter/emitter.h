@@ -95,9 +95,10 @@ public:
                                                            const Wavelengths& wavelengths) const {
     return sample_direct(light, reference, part, u, wavelengths);
   }
-  /// Solid-angle density with which sample_direct of `point`'s part chooses it from `reference`; 0 for delta
-  /// emitters.
-  virtual float pdf_direct(const Light& light, const Vec3& reference, const SurfacePoint& point) const;
+  /// Solid-angle density with which sample_direct of the part that `point` lies on chooses it from `reference`; 0
+  /// for delta emitters. Of the point `p` and `ng` are needed only.
+  virtual float pdf_direct(const Light& light, const Vec3& reference, std::size_t part,
+                           const SurfacePoint& point) const;
   /// Density with which sample_direct_facing with the same `facing` (zero: sample_direct) chooses a direction
   /// that left the scene.
   virtual float pdf_direct_escaped(const Vec3& reference, const Vec3& facing, const Vec3& d) const;
@@ -108,9 +109,10 @@ public:
                                                Vec2 direction, const Wavelengths& wavelengths) const = 0;
 
   /// The densities with which sample_ray of a part chooses a ray of light of direction `d`: from `point` of
-  /// that part or, that being null, of an emitter that sits on no shape. Of a delta direction it is the mass
-  /// of its own direction.
-  virtual RayDensity pdf_ray(const Light& light, const SurfacePoint* point, const Vec3& d) const = 0;
+  /// that part, of which `p` and `ng` are needed only, or, that being null, of an emitter that sits on no shape.
+  /// Of a delta direction it is the mass of its own direction.
+  virtual RayDensity pdf_ray(const Light& light, std::size_t part, const SurfacePoint* point,
+                             const Vec3& d) const = 0;
 
   /// Power of a part per wavelength on the scene's grid (arbitrary but common scale for all emitters: W/nm).
   virtual SampledSpectrum power_spectrum(const Light& light) const = 0;

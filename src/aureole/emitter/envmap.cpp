@@ -53,7 +53,7 @@ public:
     return r;
   }
 
-  RayDensity pdf_ray(const Light& light, const SurfacePoint*, const Vec3& d) const override {
+  RayDensity pdf_ray(const Light& light, std::size_t, const SurfacePoint*, const Vec3& d) const override {
     return density_from_infinity(light, pdf(mis_compensation_ ? everything_ : distribution_, {}, -d));
   }
 

@@ -46,8 +46,11 @@ struct Light {
                                                    const Wavelengths& wavelengths) const {
     return emitter->sample_direct_facing(*this, reference, facing, part, u, wavelengths);
   }
+  float pdf_direct(const Vec3& reference, std::size_t part, const SurfacePoint& point) const {
+    return emitter->pdf_direct(*this, reference, part, point);
+  }
   float pdf_direct(const Vec3& reference, const SurfacePoint& point) const {
-    return emitter->pdf_direct(*this, reference, point);
+    return pdf_direct(reference, part_of(point), point);
   }
   float pdf_direct_escaped(const Vec3& reference, const Vec3& facing, const Vec3& d) const {
     return emitter->pdf_direct_escaped(reference, facing, d);
@@ -56,8 +59,11 @@ struct Light {
                                        const Wavelengths& wavelengths) const {
     return emitter->sample_ray(*this, part, position, direction, wavelengths);
   }
+  RayDensity pdf_ray(std::size_t part, const SurfacePoint* point, const Vec3& d) const {
+    return emitter->pdf_ray(*this, part, point, d);
+  }
   RayDensity pdf_ray(const SurfacePoint* point, const Vec3& d) const {
-    return emitter->pdf_ray(*this, point, d);
+    return pdf_ray(point ? part_of(*point) : 0, point, d);
   }
   SampledSpectrum power_spectrum() const { return emitter->power_spectrum(*this); }
   EmissionBounds emission_bounds(std::size_t part) const { return emitter->emission_bounds(*this, part); }

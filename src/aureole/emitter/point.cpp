@@ -47,7 +47,7 @@ public:
     return r;
   }
 
-  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3&) const override {
+  RayDensity pdf_ray(const Light&, std::size_t, const SurfacePoint*, const Vec3&) const override {
     return {1, uniform_sphere_pdf()};
   }
 

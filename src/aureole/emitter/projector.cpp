@@ -64,7 +64,7 @@ public:
     return r;
   }
 
-  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3& d) const override {
+  RayDensity pdf_ray(const Light&, std::size_t, const SurfacePoint*, const Vec3& d) const override {
     Vec2 uv;
     const Vec3 local = placement_.axes.to_local(d);
     if (!project(local, uv)) return {1, 0};

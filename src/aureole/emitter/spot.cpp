@@ -76,7 +76,7 @@ public:
     return r;
   }
 
-  RayDensity pdf_ray(const Light&, const SurfacePoint*, const Vec3& d) const override {
+  RayDensity pdf_ray(const Light&, std::size_t, const SurfacePoint*, const Vec3& d) const override {
     const bool lit = falloff(placement_.axes.to_local(d)) > 0;
     return {1, lit ? uniform_cone_pdf(cutoff_one_minus_cosine_) : 0};
   }

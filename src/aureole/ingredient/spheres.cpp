@@ -1,38 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Spheres of one material and many sizes, by Mie's theory.
-#include <array>
-
 #include "aureole/bsdf/fresnel/complex_index.h"
+#include "aureole/ingredient/amount/amount_parameters.h"
 #include "aureole/ingredient/ingredient.h"
 #include "aureole/plugin/radius_parameters.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {
 namespace {
-
-using optics::Amount;
-
-Amount read_amount(const Properties& p) {
-  struct Way {
-    const char* name;
-    Amount::Kind kind;
-    Range range;
-  };
-  const std::array<Way, 3> ways = {{{"number_density", Amount::Kind::number, Range::non_negative()},
-                                    {"volume_fraction", Amount::Kind::volume, Range::unit()},
-                                    {"mass_fraction", Amount::Kind::mass, Range::unit()}}};
-  const Way* given = nullptr;
-  for (const Way& way : ways)
-    if (p.has(way.name)) {
-      if (given)
-        throw p.error(way.name, "give either \"" + std::string(given->name) + "\" or \"" + way.name + "\"");
-      given = &way;
-    }
-  if (!given)
-    throw Error(p.where(),
-                "\"spheres\" needs one of \"number_density\", \"volume_fraction\" and \"mass_fraction\"");
-  return {given->kind, p.get_float(given->name, given->range)};
-}
 
 class Spheres final : public Ingredient {
 public:
@@ -42,7 +17,7 @@ public:
                    .particles = nullptr,
                    .radii = read_radii(p),
                    .amount = read_amount(p),
-                   .density = p.get_float("density", 0, Range::positive())} {
+                   .density = read_density(p)} {
     if (!p.has("int_ior"))
       throw p.error("int_ior", "the parameter \"int_ior\" is required, a number or a material's name");
     particles_.particles = optics::sphere_kind(read_complex_index(p, "int_ior", "water"));
@@ -56,17 +31,14 @@ private:
 
 std::vector<ParameterDoc> rows() {
   std::vector<ParameterDoc> all = radius_docs();
-  all.insert(
-      all.end(),
-      {{"int_ior", "float or string", "", "required",
-        "index of the spheres: a number, a dielectric or a metal"},
-       {"k", "spectrum", "", "0", "imaginary part of the index of dielectric spheres: absorption"},
-       {"dispersion", "boolean", "", "true", "named materials use their dispersion data where there are any"},
-       {"number_density", "float", "1/m^3", "none", "spheres in a cubic metre"},
-       {"volume_fraction", "float", "", "none", "part of the volume that they fill"},
-       {"mass_fraction", "float", "", "none",
-        "part of the mass; needs their density and that of the liquid or gas around them"},
-       {"density", "float", "kg/m^3", "none", "of the material of the spheres"}});
+  all.insert(all.end(),
+             {{"int_ior", "float or string", "", "required",
+               "index of the spheres: a number, a dielectric or a metal"},
+              {"k", "spectrum", "", "0", "imaginary part of the index of dielectric spheres: absorption"},
+              {"dispersion", "boolean", "", "true",
+               "named materials use their dispersion data where there are any"}});
+  const std::vector<ParameterDoc> amount = amount_docs();
+  all.insert(all.end(), amount.begin(), amount.end());
   return all;
 }
 

@@ -6,6 +6,7 @@
 
 #include "aureole/core/parallel.h"
 #include "aureole/math/vec.h"
+#include "aureole/phase/mean_cosine.h"
 #include "aureole/spectrum/observer.h"
 
 namespace aureole {
@@ -18,40 +19,6 @@ const SpectralGrid& grid_of(const Medium& medium) { return medium.properties().c
 Wavelengths group(const SpectralGrid& grid, std::span<const double> nm, std::size_t first) {
   return Wavelengths::at(
       grid, make_spectrum([&](int i) { return float(nm[std::min(first + std::size_t(i), nm.size() - 1)]); }));
-}
-
-/// The mean of the phase function over azimuths about `d`.
-Spectrum mean_over_azimuth(const PhaseFunction& phase, const Frame& about, double angle, const Vec3& p,
-                           const Wavelengths& w) {
-  // Of spheres, and particles turned at random, all azimuths are alike.
-  const int azimuths = phase.is_isotropic_medium() ? 1 : 16;
-  const float s = float(std::sin(angle)), c = float(std::cos(angle));
-  Spectrum sum = 0.f;
-  for (int k = 0; k < azimuths; ++k) {
-    const float phi = float(2 * M_PI * (k + 0.5) / azimuths);
-    const Vec3 wo = about.to_world({s * std::cos(phi), s * std::sin(phi), c});
-    sum += phase.eval_pdf(-about.n, wo, {w, p}).value;
-  }
-  return sum * (1.f / float(azimuths));
-}
-
-/// The first moment over the integral, per wavelength, by midpoints of equal steps of sqrt(angle): forward
-/// peaks may be seconds of arc wide.
-std::array<double, kWavelengths> mean_cosine(const PhaseFunction& phase, const Frame& about, const Vec3& p,
-                                             const Wavelengths& w) {
-  constexpr int kSteps = 4096;
-  std::array<double, kWavelengths> sum{}, moment{};
-  for (int i = 0; i < kSteps; ++i) {
-    const double t = (i + 0.5) / kSteps, angle = M_PI * t * t;
-    const double weight = std::sin(angle) * t, cosine = std::cos(angle);
-    const Spectrum value = mean_over_azimuth(phase, about, angle, p, w);
-    for (std::size_t k = 0; k < sum.size(); ++k) {
-      const double share = weight * double(value[int(k)]);
-      sum[k] += share, moment[k] += share * cosine;
-    }
-  }
-  for (std::size_t k = 0; k < sum.size(); ++k) moment[k] = sum[k] > 0 ? moment[k] / sum[k] : 0;
-  return moment;
 }
 
 }  // namespace

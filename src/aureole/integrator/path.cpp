@@ -8,6 +8,7 @@
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/dimensions.h"
 #include "aureole/transport/driver.h"
+#include "aureole/transport/emerge.h"
 #include "aureole/transport/endpoints.h"
 
 namespace aureole {
@@ -96,6 +97,10 @@ public:
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
     s.density.extend(b.value, b.pdf, b.delta);
+    if (event == Event::entered) {
+      below_.add(i);
+      return false;
+    }
     s.from = {vertex.p(), vertex.facing()};
     go_on(i, vertex, b.d);
     ++s.depth;
@@ -109,6 +114,27 @@ public:
     }
     // The last ray can only bring emission.
     return limits_.reaches(s.depth + 2) || scene_.may_meet_emitter(s.flight.ray);
+  }
+
+  /// The way below a surface is no edge of the path: light that leaves it at an exit counts as light that the
+  /// surface scatters.
+  PathList emerge() {
+    PathList vertices;
+    for (const int i : std::exchange(below_, {})) {
+      State& s = states_[i];
+      Path& path = paths_[size_t(i)];
+      SurfacePoint exit;
+      if (!aureole::emerge(scene_, vertices_[i].point(), path.wavelengths, path.samples, ++s.vertex,
+                           s.density, s.flight, exit))
+        continue;
+      if (log_.follows(i)) log_exit(log_, exit, s.density.hero_symmetric_throughput());
+      Vertex& vertex = vertices_.make(
+          i, [&] { return Vertex(exit, -s.flight.ray.d, path.wavelengths, TransportMode::radiance); });
+      s.pairs = path.samples.directions(++s.vertex);
+      vertex.prepare(0, s.flight);
+      vertices.add(i);
+    }
+    return vertices;
   }
 
 private:
@@ -184,6 +210,7 @@ private:
   const BatchLog& log_;
   State states_[kBatch];
   PerPath<Vertex> vertices_;
+  PathList below_;  ///< that have gone on below a surface
 };
 
 class PathIntegrator final : public Integrator {

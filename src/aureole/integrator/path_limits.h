@@ -41,6 +41,11 @@ inline void log_surface(const BatchLog& log, int depth, const SurfacePoint& hit,
                   hit.surface->bsdf->properties().type(), throughput));
 }
 
+inline void log_exit(const BatchLog& log, const SurfacePoint& exit, float throughput) {
+  log(fmt::format("  enters, and leaves at ({:.6g}, {:.6g}, {:.6g}), throughput {:.6g}", exit.p.x, exit.p.y,
+                  exit.p.z, throughput));
+}
+
 inline void log_medium(const BatchLog& log, int depth, const Vec3& p, const Medium& medium,
                        float throughput) {
   log(fmt::format("  depth {}: scattered by {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), throughput {:.6g}", depth,

@@ -10,6 +10,7 @@
 #include "aureole/integrator/path_limits.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/dimensions.h"
+#include "aureole/transport/emerge.h"
 #include "aureole/transport/endpoints.h"
 #include "aureole/transport/sight.h"
 
@@ -119,7 +120,7 @@ public:
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
     const bool last = !limits_.reaches(s.scattered + 3);
-    if (last && !vertex.is_passable()) return false;
+    if (last && !vertex.is_passable() && !vertex.has_exit()) return false;
     const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
     Scatter b;
     const Event event = vertex.scatter(lobe, get(path.samples, s.vertex, Pair::scatter), b);
@@ -129,8 +130,12 @@ public:
       go_on(i, vertex, b.d);
       return true;
     }
-    if (last || b.value.is_black()) return false;
+    if ((last && event != Event::entered) || b.value.is_black()) return false;
     s.density.extend(b.value, b.pdf, b.delta);
+    if (event == Event::entered) {
+      below_.add(i);
+      return false;
+    }
     go_on(i, vertex, b.d);
     ++s.scattered;
     if (s.scattered < limits_.roulette_depth) return true;
@@ -139,6 +144,26 @@ public:
     if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
     return true;
+  }
+
+  /// As that of `path`.
+  PathList emerge() {
+    PathList vertices;
+    for (const int i : std::exchange(below_, {})) {
+      State& s = states_[i];
+      Path& path = paths_[size_t(i)];
+      SurfacePoint exit;
+      if (!aureole::emerge(scene_, vertices_[i].point(), path.wavelengths, path.samples, ++s.vertex,
+                           s.density, s.flight, exit))
+        continue;
+      if (log_.follows(i)) log_exit(log_, exit, s.density.hero_symmetric_throughput() / s.whole);
+      Vertex& vertex = vertices_.make(
+          i, [&] { return Vertex(exit, -s.flight.ray.d, path.wavelengths, TransportMode::importance); });
+      ++s.vertex;
+      vertex.prepare(0, s.flight);
+      vertices.add(i);
+    }
+    return vertices;
   }
 
 private:
@@ -177,6 +202,7 @@ private:
   const BatchLog& log_;
   State states_[kBatch];
   PerPath<Vertex> vertices_;
+  PathList below_;     ///< that have gone on below a surface
   Vec2 film_[kBatch];  ///< where a connection's light falls
 };
 

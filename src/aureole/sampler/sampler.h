@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/core/random.h"
 #include "aureole/math/vec.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
@@ -52,6 +53,14 @@ public:
   SampleStream() = default;
   SampleStream(const Sampler& sampler, std::uint64_t pixel_key, std::uint32_t sample)
       : sampler_(&sampler), pixel_key_(pixel_key), sample_(sample) {}
+
+  /// The stream of a second path of the same sample, with the same dimensions: that from the emitters of a two-way
+  /// method.
+  SampleStream of_second_path() const {
+    SampleStream s(*sampler_, mix_bits(pixel_key_), sample_);
+    s.first_ = first_;
+    return s;
+  }
 
   /// Dimensions are counted from here on: those before are the camera's.
   void set_first(int dimension) { first_ = dimension; }

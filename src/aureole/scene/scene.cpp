@@ -127,7 +127,14 @@ void Scene::make_surfaces() {
   for (const ModelPart& part : parts_.surfaces)
     if (part.instance && first.try_emplace(&part.instance->list(), count).second)
       count += part.instance->list().shapes.size();
-  surfaces_.resize(count);
+  std::vector<std::pair<std::size_t, const Bssrdf*>> entries;
+  const auto note_entry = [&](std::size_t index, const SurfaceMedia& media) {
+    if (media.bssrdf) entries.emplace_back(index, media.bssrdf.get());
+  };
+  for (const auto& [list, begin] : first)
+    for (std::size_t i = 0; i < list->shapes.size(); ++i) note_entry(begin + i, list->media[i]);
+  for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) note_entry(i, parts_.surfaces[i].media);
+  surfaces_.resize(count + entries.size());
   for (const auto& [list, begin] : first)
     for (std::size_t i = 0; i < list->shapes.size(); ++i)
       surfaces_[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i], list->media[i]);
@@ -144,6 +151,11 @@ void Scene::make_surfaces() {
     }
   }
   for (const Surface& surface : surfaces_) any_passable_ |= surface.passable;
+  for (const auto& [entry, bssrdf] : entries) {
+    surfaces_[count] = Surface(surfaces_[entry], *bssrdf);
+    surfaces_[entry].exit = &surfaces_[count++];
+  }
+  has_exits_ = !entries.empty();
 }
 
 void Scene::find_media() {

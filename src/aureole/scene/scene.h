@@ -53,6 +53,8 @@ public:
   bool has_binary_visibility() const { return !any_passable_; }
   /// Some space is not vacuum, or shapes overlap by priority: paths keep account of what they are in.
   bool has_media() const { return has_media_; }
+  /// Light may leave surfaces elsewhere than it has entered them.
+  bool has_exits() const { return has_exits_; }
   /// The medium at the origin of a ray, or null, as the next surface without priority says at which a medium
   /// ends.
   const Medium* medium_at(const Ray& ray) const;
@@ -81,7 +83,7 @@ private:
   void weigh_lights();
 
   SceneParts parts_;
-  /// One for each of the parts, then those of the shapes of groups.
+  /// One for each of the parts, then those of the shapes of groups, then exits of those with a BSSRDF.
   std::vector<Surface> surfaces_;
   std::vector<Light> emitters_;  ///< those of shapes first, in their order
   std::vector<const Light*> infinite_;
@@ -91,6 +93,7 @@ private:
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
   bool any_passable_ = false;            ///< connections may have to pass surfaces or media
+  bool has_exits_ = false;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
   Bounds3 media_bounds_;     ///< of the surfaces on which a medium ends
   Bounds3 priority_bounds_;  ///< of those with a priority

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/bssrdf/bssrdf.h"
 #include "aureole/emitter/light.h"
 #include "aureole/shape/instance.h"
 #include "aureole/shape/model.h"
@@ -20,9 +21,14 @@ struct alignas(64) Surface {
   /// Media on the side of the normal and on the other; null is vacuum.
   const Medium *outside = nullptr, *inside = nullptr;
 
-  // For an instance, which is not a surface itself: its transform and its group's surfaces; else null.
+  /// For an instance, which is not a surface itself: its transform; else null.
   const Instance* instance = nullptr;
-  const Surface* members = nullptr;
+  union {
+    const Surface* members = nullptr;  ///< of an instance: its group's surfaces
+    /// Of a surface with a BSSRDF: the same surface as light leaves it that has entered elsewhere.
+    const Surface* exit;
+    const Bssrdf* bssrdf;  ///< of such an exit
+  };
 
   // Copies of BSDF properties that every vertex needs.
   Lobe lobes = Lobe::none;
@@ -30,6 +36,9 @@ struct alignas(64) Surface {
   bool bounds_media : 1 = false;  ///< `outside` and `inside` lie at it; else the same medium is on both sides
   bool needs_choice : 1 = true, needs_tangent : 1 = true;
   std::int8_t priority = 0;  ///< of overlapping dielectrics the highest counts
+
+  /// Light that is refracted into it leaves elsewhere.
+  bool has_exit() const { return has(lobes, Lobe::enter); }
 
   /// The medium on the side that the direction `d` leads to, where `around` is that of the other.
   const Medium* medium_along(const Vec3& d, const Vec3& ng, const Medium* around) const {
@@ -48,6 +57,11 @@ struct alignas(64) Surface {
         needs_choice(b.needs_choice()),
         needs_tangent(b.needs_tangent()),
         priority(std::int8_t(media.priority)) {}
+  /// The exit of a surface with a BSSRDF.
+  Surface(const Surface& entry, const Bssrdf& b) : Surface(entry) {
+    bsdf = &b.exit(), light = nullptr, bssrdf = &b;
+    lobes = bsdf->lobes(), needs_choice = bsdf->needs_choice(), needs_tangent = bsdf->needs_tangent();
+  }
 };
 static_assert(sizeof(Surface) == 64);
 

@@ -70,6 +70,18 @@ public:
     return SensorConnection{-direction_, p, middle, 1 / (kPi * radius * radius)};
   }
 
+  std::optional<SensorResponse> eval(const PlacedSensor& placed, const Vec3& p, const Vec3&) const override {
+    const Vec3 from_center = p - placed.scene_center;
+    const Vec3 across = from_center - direction_ * dot(from_center, direction_);
+    const float radius = placed.scene_radius;
+    if (target_ != Target::scene || length_squared(across) > radius * radius) return {};
+    SensorResponse response;
+    response.film = {placed.part.left + 0.5f, 0.5f};
+    response.pdf_position = response.pdf_across = 1 / (kPi * radius * radius);
+    response.pdf_direction = 1;
+    return response;
+  }
+
 private:
   enum class Target { scene, point, shape };
 

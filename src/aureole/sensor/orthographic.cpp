@@ -50,6 +50,7 @@ public:
     if (!at.part.samples(response.film)) return {};
     response.pdf_position = at.pixels_per_area / at.part.sample_area();
     response.pdf_direction = 1;
+    response.pdf_across = response.pdf_position;
     return response;
   }
 

@@ -96,6 +96,8 @@ std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec
   const float inverse_cosine = length(local) / local.z, pixel = at.pixel_size;
   response.pdf_direction =
       inverse_cosine * inverse_cosine * inverse_cosine / (pixel * pixel * at.part.sample_area());
+  const float distance = q.z * inverse_cosine;
+  response.pdf_across = distance > 0 ? response.pdf_direction / (distance * distance) : 0;
   return response;
 }
 

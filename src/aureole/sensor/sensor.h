@@ -40,6 +40,9 @@ struct SensorResponse {
   // lens.
   float pdf_position = 0;   ///< of the point of the aperture [1/m^2], or a mass where that is one point
   float pdf_direction = 0;  ///< [1/sr], or a mass where that is one direction
+  /// Of the rays from that point of the aperture, or of those of that one direction: the density with which they
+  /// pass the given point, per area across the ray [1/m^2].
+  float pdf_across = 0;
 };
 
 /// The part of a film that a sensor fills: all of it, but for the sensors of a batch. In pixels from the

@@ -110,6 +110,7 @@ private:
   void build(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
   /// A medium on one side of a surface with a gap is a note: its scene may close it with further shapes.
   void check_media(const Properties& element) const;
+  void take_bssrdf(const Properties& element);
   /// The element's parameters without what hangs on the shape.
   static Properties geometry_of(const Properties& element);
   void hang(GeometrySource& source);
@@ -137,13 +138,19 @@ Properties ShapeModel::geometry_of(const Properties& element) {
     const auto* object = std::get_if<ObjectPtr>(&e.value);
     const Object* o = object ? object->get() : nullptr;
     if (!dynamic_cast<const Bsdf*>(o) && !dynamic_cast<const Emitter*>(o) &&
-        !dynamic_cast<const Sensor*>(o) && !dynamic_cast<const Medium*>(o))
+        !dynamic_cast<const Sensor*>(o) && !dynamic_cast<const Medium*>(o) && !dynamic_cast<const Bssrdf*>(o))
       geometry.add(e.name, e.value, e.where);
   }
   return geometry;
 }
 
 void ShapeModel::check_media(const Properties& element) const {
+  if (media_.bssrdf) {
+    const std::string opening = opening_of(parts_);
+    if (!opening.empty())
+      element.note("bssrdf", "the surface of this body is open (" + opening +
+                                 "): it counts as one that goes on below without end");
+  }
   if (!media_.given() || media_.outside == media_.inside) return;
   const std::string opening = opening_of(parts_);
   if (opening.empty()) return;
@@ -153,6 +160,21 @@ void ShapeModel::check_media(const Properties& element) const {
                    "shapes close it");
 }
 
+void ShapeModel::take_bssrdf(const Properties& element) {
+  media_.bssrdf = only_child<const Bssrdf>(element, "bssrdf");
+  if (!media_.bssrdf) return;
+  if (bsdf_)
+    throw Error(bsdf_->properties().where(),
+                "the shape has a bssrdf, which has the BSDF of its boundary: nest this one in the bssrdf");
+  if (media_.inside)
+    throw element.error(
+        "interior",
+        "the shape has a bssrdf, which stands for what is inside: nest this medium in the bssrdf");
+  if (media_.priority != 0)
+    throw element.error("priority", "a shape with a bssrdf has no inside that could overlap others");
+  bsdf_ = media_.bssrdf->boundary();
+}
+
 void ShapeModel::build(const PluginInfo& plugin, const Properties& element, GeometrySource& source) {
   emitter_ = only_child<Emitter>(element, "emitter");
   sensor_ = only_child<Sensor>(element, "sensor");
@@ -160,11 +182,14 @@ void ShapeModel::build(const PluginInfo& plugin, const Properties& element, Geom
   if (plugin.documents("interior"))  // curves bound no space
     media_ = {element.get_object<Medium>("exterior"), element.get_object<Medium>("interior"),
               int(element.get_int("priority", 0, {0, 127}))};
+  if (plugin.documents("bssrdf")) take_bssrdf(element);
   if (emitter_ && !emitter_->sits_on_shape())
     throw Error(emitter_->properties().where(), "an emitter of type \"" + emitter_->properties().type() +
                                                     "\" cannot sit on a shape; use \"area\"");
 
-  const std::vector<ShownAttribute> shown = shown_attributes({bsdf_.get(), emitter_.get(), sensor_.get()});
+  const std::vector<ShownAttribute> shown =
+      shown_attributes({media_.bssrdf ? static_cast<const Object*>(media_.bssrdf.get()) : bsdf_.get(),
+                        emitter_.get(), sensor_.get()});
   Properties geometry = geometry_of(element);
   std::set<std::string> names;
   for (const ShownAttribute& s : shown) names.insert(s.texture->attribute_name().text());

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/bssrdf/bssrdf.h"
 #include "aureole/emitter/emitter.h"
 #include "aureole/medium/medium.h"
 #include "aureole/plugin/registry.h"
@@ -22,6 +23,7 @@ namespace aureole {
 struct SurfaceMedia {
   MediumPtr outside, inside;
   int priority = 0;  ///< of a closed shape that may overlap others: the highest fills the space; 0: none
+  BssrdfPtr bssrdf = nullptr;  ///< stands for what is inside, or null
   bool given() const { return outside || inside; }
 };
 

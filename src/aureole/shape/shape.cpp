@@ -27,6 +27,9 @@ AUREOLE_FAMILY(FamilyInfo{
     .parameters = {
         {"bsdf", "bsdf", "", "diffuse of reflectance 0.5, or 0 on an emitter",
          "What the surface is made of."},
+        {"bssrdf", "bssrdf", "", "none",
+         "A translucent body, by the places at which light leaves that has entered: in place of a medium inside. "
+         "It has the boundary's BSDF."},
         {"emitter", "emitter", "", "none", "Makes the surface shine; usually an area emitter."},
         {"sensor", "sensor", "", "none", "Measures on the surface: an irradiancemeter."},
         {"interior", "medium", "", "none",

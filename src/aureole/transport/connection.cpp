@@ -38,8 +38,9 @@ Event cross(const SurfacePoint& point, Connection& c, const Wavelengths& w) {
   }
   c.flight.ray.d = c.target - c.flight.ray.o;
   // The march ends beyond a surface that the target lies on: going back would hit that surface again and
-  // again.
-  return dot(c.flight.ray.d, c.d) > 0 ? Event::crossed : Event::escape;
+  // again. So would a segment within the plane of a surface, whose ends are moved to different sides of it.
+  const bool turned = dot(c.flight.ray.d, point.ng) * dot(c.d, point.ng) < 0;
+  return dot(c.flight.ray.d, c.d) > 0 && !turned ? Event::crossed : Event::escape;
 }
 
 bool connect(const Scene& scene, Connection& c, const Wavelengths& w) {

@@ -15,6 +15,7 @@ namespace aureole {
 enum class Event : std::uint8_t {
   surface,  ///< it ends at a vertex on a surface
   medium,   ///< it ends at a vertex within a medium
+  entered,  ///< it goes on below a surface with a BSSRDF (transport/emerge.h)
   escape,   ///< it leaves the scene or reaches its target
   crossed,  ///< it has passed a null surface or a medium's boundary and must be traced again
   blocked,  ///< it is occluded or absorbed

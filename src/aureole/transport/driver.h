@@ -10,7 +10,8 @@
 //     bool connect(int path, Connection& out);            false: the vertex has no connection
 //     bool needs_march();                                 whether connections may pass surfaces
 //     void connected(int path, const Connection& c, bool open);
-//     bool scatter(int path);                             false: the path ends at the vertex
+//     bool scatter(int path);                             false: the path ends at the vertex, or goes on below it
+//     PathList emerge();                                  the paths that went on below and are at a vertex again
 //     const Wavelengths& wavelengths(int path);
 //     void lose(int path);                                the ray has left the range of float: the path ends,
 //                                                         and its sample must become invalid
@@ -83,18 +84,32 @@ void scatter_all(Steps& steps, const PathList& paths, BatchRays& rays) {
     if (steps.scatter(path)) rays.add(path, steps.ray(path));
 }
 
+/// The exits of paths that have gone on below a surface, as vertices. Apart from the other steps, so that these cost the
+/// same in scenes without such surfaces.
+template <class Steps>
+[[gnu::noinline]] void emerge_all(const Scene& scene, Steps& steps, BatchRays& rays,
+                                  BatchConnections& connections) {
+  const PathList vertices = steps.emerge();
+  if (vertices.count == 0) return;
+  connect_all(scene, steps, vertices, connections);
+  scatter_all(steps, vertices, rays);
+}
+
 /// Follows the paths of `rays` to their ends. Steps without `connect` have no connections, those without
-/// `scatter` no vertices. Not inlined, so that the records of the batch lie behind one pointer: on its caller's
+/// `scatter` no vertices, those without `emerge` no surfaces that paths go on below. Not inlined, so that the records of the batch lie behind one pointer: on its caller's
 /// stack their addresses would be computed anew at every access.
 template <class Steps>
 [[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
   constexpr bool kScatters = requires { steps.scatter(0); };
   constexpr bool kConnects = requires(Connection & c) { steps.connect(0, c); };
+  constexpr bool kEmerges = requires { steps.emerge(); };
   std::conditional_t<kConnects, BatchConnections, char> connections;
   for (; !rays.empty(); kind = RayTracer::Rays::incoherent) {
     [[maybe_unused]] const PathList vertices = arrive_all(scene, steps, rays, kind);
     if constexpr (kConnects) connect_all(scene, steps, vertices, connections);
     if constexpr (kScatters) scatter_all(steps, vertices, rays);
+    if constexpr (kEmerges)
+      if (scene.has_exits()) emerge_all(scene, steps, rays, connections);
   }
 }
 

@@ -48,15 +48,17 @@ struct LightReference {
   Vec3 p, facing;
 };
 
-/// The density with which `connect_to_light` would have chosen the light at `point` or, that being null, at
+/// The density with which `connect_to_light` would have chosen `point` of a part of the light or, that being null,
 /// infinity along `d`.
 inline float light_density(const Scene& scene, const LightReference& from, const Light& light,
+                           std::size_t part, const SurfacePoint* point, const Vec3& d) {
+  return scene.lights().probability(from.p, from.facing, light, part) *
+         (point ? light.pdf_direct(from.p, part, *point) : light.pdf_direct_escaped(from.p, from.facing, d));
+}
+/// The same of a point that a ray has met.
+inline float light_density(const Scene& scene, const LightReference& from, const Light& light,
                            const SurfacePoint* point, const Vec3& d) {
-  if (!point)
-    return scene.lights().probability(from.p, from.facing, light, 0) *
-           light.pdf_direct_escaped(from.p, from.facing, d);
-  return scene.lights().probability(from.p, from.facing, light, light.part_of(*point)) *
-         light.pdf_direct(from.p, *point);
+  return light_density(scene, from, light, point ? light.part_of(*point) : 0, point, d);
 }
 
 /// Connects the vertex at the end of a path of light with the sensor, where it is seen at `film`. False where

@@ -67,7 +67,8 @@ bool fly_uniformly(const Medium& medium, const Ray& ray, float t_max, const Wave
     return false;
   }
   if (!medium.is_uniform()) medium.eval(ray.o + ray.d * t, ray.d, w, at);
-  const Spectrum relative = passing(sigma, t) * (std::exp(hero * t) / hero);
+  passage.connection = std::exp(hero * t) / hero;
+  const Spectrum relative = passing(sigma, t) * passage.connection;
   passage.flight = relative * sigma;
   passage.value = Weight(relative * at.sigma_s);
   return true;
@@ -115,6 +116,7 @@ bool fly_by_null_collisions(const Medium& medium, const MajorantGrid& grid, cons
         if (further.next() * bound < hero) {
           passage.value = Weight(passed * at.sigma_s * (1 / hero));
           passage.flight = passed * at.sigma_t * (1 / hero);
+          passage.connection = connection * (1 / hero);
           t = place;
           return true;
         }

@@ -57,7 +57,7 @@ struct FlightRandom {
 
 /// Follows a path along `ray`, whose direction has unit length, to the distance t_max. Returns true where it
 /// is scattered before, at a distance `t`: the value of the passage then holds the scattering coefficient,
-/// and its densities that of this place. False where it arrives at t_max.
+/// and its densities that of this place, `connection` that of a given one. False where it arrives at t_max.
 ///
 /// `ratio` are the densities of the path so far (`PathDensity::ratio`). `emitted` receives, unless it is null, an
 /// estimate of the light that the medium sends along the ray to its origin, weighted so that

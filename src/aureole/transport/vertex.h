@@ -35,6 +35,8 @@ public:
   SurfaceVertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
                 TransportMode mode)
       : point_(scene.surface_point(hit, ray)), context_{w, point_, mode}, to_previous_(-ray.d) {}
+  SurfaceVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
+      : point_(point), context_{w, point_, mode}, to_previous_(to_previous) {}
   SurfaceVertex(const SurfaceVertex&) = delete;
   SurfaceVertex& operator=(const SurfaceVertex&) = delete;
 
@@ -76,14 +78,36 @@ public:
     return true;
   }
 
+  /// Of a path that comes along -d, in the other mode of transport: the density of its scattering to where this one
+  /// comes from, for a direction that `respond` accepts.
+  Spectrum reverse_pdf(const Vec3& d) const {
+    BsdfContext reverse = context_;
+    reverse.mode =
+        context_.mode == TransportMode::radiance ? TransportMode::importance : TransportMode::radiance;
+    return surface().bsdf->pdf(point_.shading.to_local(d), wi_, reverse);
+  }
+  /// The same for a direction that `scatter` has found. Of a delta lobe it is the mass of `scatter` times the ratio
+  /// of the solid angles of the two sides, d(d) / d(to_previous), so that either way of sampling the path has the
+  /// density of one measure: masses of the two directions have the same spectral shape, and their scale, which all
+  /// techniques share, cancels.
+  Spectrum reverse_pdf(const Scatter& s) const {
+    if (!s.delta) return reverse_pdf(s.d);
+    if (s.eta == 1) return s.pdf;
+    return s.pdf * std::abs(wi_.z / (s.eta * s.eta * dot(point_.shading.n, s.d)));
+  }
+
   /// Samples a direction: `surface` where the path is scattered, `crossed` where it passes straight through
-  /// as if there were no vertex, `blocked` where it ends.
+  /// as if there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
     const std::optional<BsdfSample> s = surface().bsdf->sample(wi_, u1, u2, context_);
     if (!s || !(s->pdf[0] > 0)) return Event::blocked;
     const Vec3 d = point_.shading.to_world(s->wo);
     if (!is_consistent(s->wo, d) || is_black(s->value)) return Event::blocked;
-    if (has(s->lobe, Lobe::null)) {
+    if (has(s->lobe, Lobe::null | Lobe::enter)) {
+      if (has(s->lobe, Lobe::enter)) {
+        enter(*s, out);
+        return Event::entered;
+      }
       out.d = -to_previous_;
       out.value = Weight(s->value * (1 / s->pdf[0]));
       return Event::crossed;
@@ -98,6 +122,16 @@ public:
   }
 
 private:
+  [[gnu::noinline]] void enter(const BsdfSample& s, Scatter& out) const {
+    out.value = Weight(s.value);
+    // In importance mode light falls on the geometric surface, while the BSDF counts it on the shading one.
+    if (context_.mode == TransportMode::importance)
+      out.value = out.value.scaled(wi_side_ != 0 ? std::abs(wi_.z / wi_side_) : 0.f);
+    out.pdf = s.pdf;
+    out.delta = s.is_delta();
+    out.eta = 1;
+  }
+
   /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change
   /// it.
   bool is_consistent(const Vec3& wo, const Vec3& d) const {
@@ -134,6 +168,13 @@ public:
     out.pdf = e.pdf;
     return true;
   }
+  Spectrum reverse_pdf(const Vec3& d) const { return phase().eval_pdf(d, to_previous_, {w_, point_.p}).pdf; }
+  /// The extinction coefficient for light along d.
+  Spectrum extinction(const Vec3& d) const {
+    MediumCoefficients at;
+    point_.medium->eval(point_.p, d, w_, at);
+    return at.sigma_t;
+  }
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
     const std::optional<PhaseSample> s = phase().sample(to_previous_, u1, u2, {w_, point_.p});
     if (!s || !(s->pdf[0] > 0)) return Event::blocked;
@@ -159,6 +200,8 @@ public:
   Vertex(const Scene& scene, const RayTracer::Hit& hit, const Flight& flight, const Wavelengths& w,
          TransportMode mode)
       : surface_(scene, hit, flight.ray, w, mode) {}
+  Vertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
+      : surface_(point, to_previous, w, mode) {}
   Vertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
       : medium_(point, to_previous, w), in_medium_(true) {}
 
@@ -178,6 +221,8 @@ public:
   bool is_smooth() const { return in_medium_ || surface_.is_smooth(); }
   /// Whether the path may pass without being scattered.
   bool is_passable() const { return !in_medium_ && surface().passable; }
+  /// Whether the path may go on below the surface.
+  bool has_exit() const { return !in_medium_ && surface().has_exit(); }
   /// `scatter` looks at u1, or something at the key.
   bool needs_choice() const {
     return in_medium_ ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
@@ -208,8 +253,24 @@ public:
   bool respond(const Vec3& d, Response& out) const {
     return in_medium_ ? medium_.respond(d, out) : surface_.respond(d, out);
   }
+  // For two-way methods, which compare the ways in which a path can be found:
+  /// The density with which a path that comes along -d, in the other mode of transport, is scattered to where this
+  /// one comes from.
+  Spectrum reverse_pdf(const Vec3& d) const {
+    return in_medium_ ? medium_.reverse_pdf(d) : surface_.reverse_pdf(d);
+  }
+  /// The same for a direction that `scatter` has found.
+  Spectrum reverse_pdf(const Scatter& s) const {
+    return in_medium_ ? medium_.reverse_pdf(s.d) : surface_.reverse_pdf(s);
+  }
+  /// Density of an arrival along d or -d in the measure of vertices, area or volume, per area across d: the cosine
+  /// on a surface, the extinction in a medium.
+  Spectrum density_across(const Vec3& d) const {
+    return in_medium_ ? medium_.extinction(d) : Spectrum(std::abs(dot(surface_.point().ng, d)));
+  }
+
   /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes straight
-  /// through as if there were no vertex, `blocked` where it ends.
+  /// through as if there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
     return in_medium_ ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
   }

@@ -6,20 +6,40 @@
 #include "aureole/texture/texture.h"
 
 namespace aureole {
+namespace {
+
+/// A default that `Ior` reads is a constant, that of other renderers. They have no bodies by Mie's theory, and the
+/// rainbow of a default drop would have no colours: here it is the material as it is.
+SampledSpectrum real_index(const Properties& p, std::string_view name, const std::string& fallback) {
+  const SpectralGrid& grid = p.context().grid;
+  if (!p.find(name) && p.get_bool("dispersion", true))
+    if (const auto material = find_refractive_index(fallback); material && material->is_dispersive()) {
+      check_index_range(p, name, fallback, *material);
+      return SampledSpectrum::from_function(grid, [&](double nm) { return material->at(nm).real(); });
+    }
+  const Ior ior = Ior::from(p, name, fallback);
+  return SampledSpectrum::from_function(
+      grid, [&](double nm) { return double(ior.eval(Wavelengths::at(grid, float(nm)))[0]); });
+}
+
+}  // namespace
 
 std::function<std::complex<double>(double)> read_complex_index(const Properties& p, std::string_view name,
-                                                               const std::string& fallback) {
-  const TexturePtr k = get_optional_texture(p, "k", SpectrumRole::unbounded);
-  if (k && !k->is_constant()) throw p.error("k", "must not vary over the surface");
+                                                               const std::string& fallback,
+                                                               std::string_view k_name) {
+  const TexturePtr k = get_optional_texture(p, k_name, SpectrumRole::unbounded);
+  if (k && !k->is_constant()) throw p.error(k_name, "must not vary over the surface");
   if (const Properties::Entry* e = p.find(name))
     if (const auto* metal_name = std::get_if<std::string>(&e->value))
       if (const auto metal = find_refractive_index(*metal_name, false); metal && metal->is_dispersive()) {
-        if (k) throw p.error("k", "\"" + *metal_name + "\" has its own absorption: leave \"k\" out");
+        if (k)
+          throw p.error(k_name, "\"" + *metal_name + "\" has its own absorption: leave \"" +
+                                    std::string(k_name) + "\" out");
         check_index_range(p, name, *metal_name, *metal);
         return [metal](double nm) { return metal->at(nm); };
       }
   const SpectralGrid grid = p.context().grid;
-  const Ior real = Ior::from(p, name, fallback);
+  const SampledSpectrum real = real_index(p, name, fallback);
   const SampledSpectrum absorption = k ? k->average() : SampledSpectrum::constant(grid, 0);
   return [=](double nm) {
     const Wavelengths w = Wavelengths::at(grid, float(nm));

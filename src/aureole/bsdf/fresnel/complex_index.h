@@ -12,10 +12,11 @@
 namespace aureole {
 
 /// n + i k as a function of the wavelength in nm, from `name`: a number, the name of a dielectric, or that of
-/// a metal. Dielectrics take their absorption from the parameter "k", a spectrum, which a plug-in documents
+/// a metal. Dielectrics take their absorption from the parameter `k_name`, a spectrum, which a plug-in documents
 /// beside it; metals have their own. Errors are located and suggest names.
 std::function<std::complex<double>(double)> read_complex_index(const Properties& properties,
                                                                std::string_view name,
-                                                               const std::string& fallback);
+                                                               const std::string& fallback,
+                                                               std::string_view k_name = "k");
 
 }  // namespace aureole

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/gauss_legendre.h"
 #include "aureole/optics/particle/hard_spheres.h"
 
 namespace aureole::optics {
@@ -50,31 +51,6 @@ std::vector<RadiusNode> without_ends(std::vector<RadiusNode> nodes, double k) {
   sum = area = 0;
   while (last > first + 1 && (area += absorbed(nodes[first])) < 1e-6 * all_absorbed) ++first;
   return {nodes.begin() + std::ptrdiff_t(first), nodes.begin() + std::ptrdiff_t(last)};
-}
-
-struct Quadrature {
-  std::vector<double> mu, weight;  ///< of [0, 1], to be mirrored
-};
-/// Half of the nodes of Gauss and Legendre's rule with an even number of them.
-Quadrature gauss_legendre(int half) {
-  const int n = 2 * half;
-  Quadrature q;
-  for (int i = 0; i < half; ++i) {
-    double z = std::cos(kPi * (i + 0.75) / (n + 0.5)), slope = 0;
-    for (int iteration = 0; iteration < 50; ++iteration) {
-      double p = 1, before = 0;
-      for (int k = 0; k < n; ++k) {
-        const double next = ((2 * k + 1) * z * p - k * before) / (k + 1);
-        before = p, p = next;
-      }
-      slope = n * (z * p - before) / (z * z - 1);
-      const double step = p / slope;
-      z -= step;
-      if (std::abs(step) < 1e-15) break;
-    }
-    q.mu.push_back(z), q.weight.push_back(2 / ((1 - z * z) * slope * slope));
-  }
-  return q;
 }
 
 /// Adds the intensity of `nodes` in [begin, end) to `at` and `mirrored`.
@@ -247,13 +223,15 @@ void Ensemble::correlate(std::vector<Average>& averages, const ParallelFor& para
           const double lambda = lambda_nm_[i / kinds], host = host_[i / kinds];
           // |S|^2 has degree 2 x, the structure factor oscillates as exp(4 i x).
           const double x = wave_number(lambda, host) * a.nodes.back().radius;
-          const Quadrature q = gauss_legendre(std::min(2000, 24 + int(2 * x)));
-          std::vector<double> at(q.mu.size(), 0), mirrored(q.mu.size(), 0);
-          add_differential(population, a.nodes, lambda, host, q.mu, at, mirrored);
+          const int half = std::min(2000, 24 + int(2 * x));
+          const Quadrature q = gauss_legendre(2 * half);
+          const std::span<const double> mu(q.x.data(), half);  // of [0, 1], to be mirrored
+          std::vector<double> at(half, 0), mirrored(half, 0);
+          add_differential(population, a.nodes, lambda, host, mu, at, mirrored);
           a.correlated = a.correlated_cosine = 0;
-          for (std::size_t j = 0; j < q.mu.size(); ++j) {
+          for (std::size_t j = 0; j < mu.size(); ++j) {
             a.correlated += 2 * kPi * q.weight[j] * (at[j] + mirrored[j]);
-            a.correlated_cosine += 2 * kPi * q.weight[j] * q.mu[j] * (at[j] - mirrored[j]);
+            a.correlated_cosine += 2 * kPi * q.weight[j] * mu[j] * (at[j] - mirrored[j]);
           }
         }
       },

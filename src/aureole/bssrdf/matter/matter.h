@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a translucent body is made of, as the parameters of a BSSRDF give it: by a medium, by coefficients, or by
+// the colour that it shows.
+#pragma once
+
+#include <vector>
+
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+
+/// Coefficients at each node of the scene's grid, 1/length of the scene.
+struct Matter {
+  std::vector<double> absorption, scattering, asymmetry;  ///< sigma_a, sigma_s, g
+
+  std::size_t size() const { return absorption.size(); }
+  double extinction(std::size_t node) const { return absorption[node] + scattering[node]; }
+  double reduced_scattering(std::size_t node) const { return scattering[node] * (1 - asymmetry[node]); }
+  double transport(std::size_t node) const { return absorption[node] + reduced_scattering(node); }
+};
+
+/// The colour of a thick body lit along its normal, without what its boundary reflects, and the reduced mean free
+/// path 1/(sigma_a + sigma_s (1 - g)).
+struct ShownMatter {
+  TexturePtr reflectance;
+  SampledSpectrum mean_free_path;  ///< in units of the scene, positive
+};
+
+/// Rows of the parameters of both, for plug-ins that read them.
+std::vector<ParameterDoc> matter_rows();
+
+/// Whether the parameters give a colour.
+bool is_shown_matter(const Properties& properties);
+/// Throw located errors.
+ShownMatter read_shown_matter(const Properties& properties);
+Matter read_matter(const Properties& properties);
+
+}  // namespace aureole

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+// Bidirectional path tracing: a path from an emitter and one from the sensor, each vertex of one connected with each
+// of the other. All techniques by which a path can be found count, by spectral MIS (transport/two_way.h).
+#include "aureole/integrator/bdpt/light_steps.h"
+#include "aureole/integrator/bdpt/sensor_steps.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+namespace {
+
+/// Steps of the driver: the connections of the sensor's subpaths with one vertex of each path of light, from the
+/// last one of each on.
+class InnerConnections {
+public:
+  InnerConnections(bdpt::SensorSteps& sensor, const bdpt::LightSteps* light)
+      : sensor_(sensor), light_(light) {}
+
+  /// All of them at the vertices where some of the paths are.
+  void make(const Scene& scene, const PathList& vertices, BatchConnections& connections) {
+    if (!light_) return;
+    PathList rest;
+    for (const int path : vertices) {
+      ends_[path] = light_->last_vertex(path);
+      if (ends_[path] && sensor_.is_connectable(path)) rest.add(path);
+    }
+    while (rest.count > 0) {
+      connect_all(scene, *this, rest, connections);
+      PathList next;
+      for (const int path : rest)
+        if ((ends_[path] = ends_[path]->previous)) next.add(path);
+      rest = next;
+    }
+  }
+
+  bool connect(int path, Connection& out) { return sensor_.connect(path, *ends_[path], out); }
+  bool needs_march() const { return sensor_.needs_march(); }
+  void connected(int path, const Connection& c, bool open) { sensor_.connected(path, c, open); }
+  const Wavelengths& wavelengths(int path) const { return sensor_.wavelengths(path); }
+
+private:
+  bdpt::SensorSteps& sensor_;
+  const bdpt::LightSteps* light_;
+  const bdpt::LightVertex* ends_[kBatch];
+};
+
+class BidirectionalPathTracer final : public Integrator {
+public:
+  explicit BidirectionalPathTracer(const Properties& p)
+      : Integrator(p),
+        settings_{
+            PathLimits(p),
+            {int(p.get_int("strategy_s", -1, {-1, 1e9})), int(p.get_int("strategy_t", -1, {-1, 1e9}))}} {
+    const auto& [s, t] = settings_.techniques;
+    if (t == 0)
+      throw p.error("strategy_t",
+                    "a sensor's aperture is no surface that light could meet: expected 1 or more");
+    if (t == 1 && (s == 0 || s == 1))
+      throw p.error("strategy_s", "what the sensor sees directly is found with two vertices from the sensor");
+  }
+
+  Leaves leaves() const override { return Leaves::both; }
+
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log) const override {
+    for (Path& p : paths) p.result = {};
+    BatchRays rays;
+    std::optional<bdpt::LightSteps> light;
+    if (settings_.limits.reaches(2) && settings_.techniques.need_light()) {
+      light.emplace(scene, settings_, paths, splats, log);
+      for (size_t i = 0; i < paths.size(); ++i)
+        if (light->emit(int(i))) rays.add(int(i), light->ray(int(i)));
+      follow(scene, *light, rays, RayTracer::Rays::incoherent);
+    }
+    if (!settings_.limits.reaches(1)) return;
+    bdpt::SensorSteps sensor(scene, settings_, paths, log);
+    InnerConnections inner(sensor, light ? &*light : nullptr);
+    BatchConnections connections;
+    for (size_t i = 0; i < paths.size(); ++i) rays.add(int(i), paths[i].ray);
+    for (auto kind = RayTracer::Rays::coherent; !rays.empty(); kind = RayTracer::Rays::incoherent) {
+      const PathList vertices = arrive_all(scene, sensor, rays, kind);
+      connect_all(scene, sensor, vertices, connections);
+      inner.make(scene, vertices, connections);
+      scatter_all(sensor, vertices, rays);
+    }
+  }
+
+private:
+  bdpt::Settings settings_;
+};
+
+AUREOLE_PLUGIN(
+    BidirectionalPathTracer, "integrator", "bdpt",
+    PluginDoc{
+        "Bidirectional path tracing: a path from an emitter and one from the sensor are connected in every way, and "
+        "all ways to find a path are weighted by spectral multiple importance sampling. Finds caustics and light "
+        "that reaches the scene through small openings or by detours; a sample takes several times as long as one of "
+        "`path`.",
+        "Veach 1997, chapter 10; Georgiev et al. 2012, Eq. 31 to 34 (recursive weights); Wilkie et al. 2014, Eq. 8",
+        {{"max_depth", "integer", "", "-1",
+          "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
+         {"rr_depth", "integer", "", "5",
+          "Russian roulette begins after this many vertices of either part of a path, 1000 at most"},
+         {"max_scattering", "integer", "", "-1",
+          "paths that media scatter more often do not count: 1 is single scattering; -1: no limit"},
+         {"hide_emitters", "boolean", "", "false",
+          "the sensor sees through area emitters and sees no environment"},
+         {"strategy_s", "integer", "vertices", "-1",
+          "to look at single techniques: only paths with so many vertices from the emitter count, unweighted. 0: "
+          "emitters that the sensor's path meets, 1: its connections with lights, 2 and more: with paths of light; "
+          "-1: any"},
+         {"strategy_t", "integer", "vertices", "-1",
+          "the same of the vertices from the sensor, itself included. 1: connections of paths of light with the "
+          "sensor; -1: any"}},
+        {R"(<integrator type="bdpt"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
+    <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/></integrator>)",
+         R"(<integrator type="bdpt"><integer name="strategy_s" value="2"/><integer name="strategy_t" value="2"/></integrator>)"}});
+
+}  // namespace
+}  // namespace aureole

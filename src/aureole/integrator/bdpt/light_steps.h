@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: Apache-2.0
+// Subpaths of `bdpt` from the emitters.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "aureole/integrator/bdpt/subpath.h"
+#include "aureole/transport/dimensions.h"
+#include "aureole/transport/driver.h"
+
+namespace aureole::bdpt {
+
+/// Paths from the emitters, and their connections with the sensor.
+class LightSteps {
+public:
+  LightSteps(const Scene& scene, const Settings& settings, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog& log)
+      : scene_(scene),
+        limits_(settings.limits),
+        techniques_(settings.techniques),
+        paths_(paths),
+        splats_(splats),
+        log_(log) {}
+
+  const Ray& ray(int path) const { return states_[path].flight.ray; }
+  const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
+  bool needs_march() const { return !scene_.has_binary_visibility() || limits_.hide_emitters; }
+  /// The last vertex of a path that may be connected, from which `previous` leads to the others.
+  const LightVertex* last_vertex(int path) const { return states_[path].kept; }
+
+  /// Where the path begins; false where it carries no light.
+  bool emit(int i) {
+    Path& path = paths_[size_t(i)];
+    State& s = states_[i];
+    s.samples = path.samples.of_second_path();
+    const std::optional<LightChoice> choice =
+        scene_.lights().choose_by_power(s.samples.get2(SampleStream::choice(0, int(Choice::light))));
+    if (!choice) return false;
+    const auto emitted = choice->light->sample_ray(choice->part, get(s.samples, 0, Pair::connection),
+                                                   get(s.samples, 0, Pair::scatter), path.wavelengths);
+    if (!emitted || is_black(emitted->value)) return false;
+    const float pdf = choice->probability * emitted->pdf_position * emitted->pdf_direction;
+    if (!(pdf > 0)) return false;
+    s.emission = {*choice, *emitted};
+    s.density.beta = Weight(emitted->value);
+    s.density.survive(pdf);
+    s.whole = s.density.hero_symmetric_throughput();
+    // Other techniques find the emitter by its solid angle as seen from the first vertex: one vertex has the cosine
+    // of this.
+    const float cosine = choice->light->shape ? std::abs(dot(emitted->ng, emitted->d)) : 1.f;
+    s.density.earlier = choice->light->is_delta() ? 0.f : cosine / pdf;
+    s.density.light_ratio = cosine / pdf;
+    s.from = emitted->p;
+    s.flight.ray = Anchor::of(*emitted).leave(emitted->d);
+    find_surroundings(scene_, choice->light, s.flight);
+    if (log_.follows(i))
+      log_(fmt::format(
+          "  emitter \"{}\", part {}: from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
+          choice->light->properties().type(), choice->part, s.flight.ray.o.x, s.flight.ray.o.y,
+          s.flight.ray.o.z, s.flight.ray.d.x, s.flight.ray.d.y, s.flight.ray.d.z));
+    return true;
+  }
+
+  Event arrive(int i, const RayTracer::Hit& hit) {
+    State& s = states_[i];
+    const Path& path = paths_[size_t(i)];
+    if (s.flight.medium) {
+      const Event event = fly(i, hit ? hit.t : kInfinity);
+      if (event != Event::crossed) return event;
+    }
+    if (!hit) return Event::escape;
+    s.present = &vertices_.make(scene_, hit, s.flight, path.wavelengths, TransportMode::importance);
+    Vertex& vertex = s.present->vertex;
+    ++s.vertex;
+    if (s.flight.is_hidden(vertex.surface())) {
+      vertex.leave(s.flight.ray.d, scene_.has_media(), s.flight);
+      return Event::crossed;
+    }
+    vertex.prepare(vertex.surface().needs_choice ? key(s.samples, s.vertex) : 0, s.flight);
+    if (log_.follows(i))
+      log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
+    arrived(i);
+    return Event::surface;
+  }
+
+  /// An invalid splat: the path's result is set later.
+  void lose(int i) { splats_.push_back({i, {}, std::numeric_limits<float>::quiet_NaN()}); }
+
+  bool connect(int i, Connection& out) {
+    State& s = states_[i];
+    const Vertex& vertex = s.present->vertex;
+    if (!vertex.is_smooth() || !techniques_.have(s.scattered + 2, 1)) return false;
+    // Rays of the sensor pass through the surfaces of emitters.
+    if (limits_.hide_emitters && vertex.light()) return false;
+    const Path& path = paths_[size_t(i)];
+    const Vec2 lens = scene_.sensor().uses_lens() ? get(s.samples, s.vertex, Pair::connection) : Vec2{};
+    const auto seen = scene_.sensor().sample_direct(vertex.p(), lens);
+    if (!seen || !(seen->importance > 0)) return false;
+    const auto inverse = scene_.sensor().eval(vertex.p(), -seen->wo);
+    Response response;
+    if (!inverse || !vertex.respond(seen->wo, response)) return false;
+    const Spectrum other = techniques_.others(inverse->pdf_across * vertex.density_across(seen->wo) *
+                                              s.arrived.others(vertex.reverse_pdf(seen->wo)));
+    out.set(vertex.anchor(), seen->wo, Anchor::in_space(seen->p));
+    out.through_emitters = limits_.hide_emitters;
+    out.light = response.value.after(s.arrived.beta).of(Spectrum(seen->importance));
+    weigh(scene_, s.arrived.ratio, other, path.wavelengths, out);
+    if (scene_.has_media())
+      out.begin_in(vertex.surroundings(seen->wo, s.flight), key(s.samples, s.vertex, Key::connection));
+    film_[i] = seen->film;
+    return true;
+  }
+
+  void connected(int i, const Connection& c, bool open) {
+    if (open) splats_.push_back({i, film_[i], c.light});
+    if (log_.follows(i))
+      log_(fmt::format("  sensor at ({:.6g}, {:.6g}) on the film: {} mean {:.6g}", film_[i].x, film_[i].y,
+                       open ? "visible" : "hidden", open ? mean(c.light) : 0.f));
+  }
+
+  bool scatter(int i) {
+    State& s = states_[i];
+    const Vertex& vertex = s.present->vertex;
+    const bool last = !limits_.reaches(s.scattered + 3);
+    if (last && !vertex.is_passable()) return false;
+    const float lobe = vertex.needs_choice() ? get(s.samples, s.vertex, Choice::lobe) : 0.f;
+    Scatter b;
+    const Event event = vertex.scatter(lobe, get(s.samples, s.vertex, Pair::scatter), b);
+    if (event == Event::blocked) return false;
+    if (event == Event::crossed) {
+      s.density.attenuate(b.value);
+      vertex.leave(b.d, scene_.has_media(), s.flight);
+      return true;
+    }
+    if (last || b.value.is_black()) return false;
+    s.density = s.arrived;
+    s.density.scatter(b, vertex.reverse_pdf(b), vertex.density_across(b.d));
+    s.from = vertex.p();
+    vertex.leave(b.d, scene_.has_media(), s.flight);
+    ++s.scattered;
+    if (s.scattered < limits_.roulette_depth) return true;
+    const float survival =
+        std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() / s.whole);
+    if (!(get(s.samples, s.vertex, Choice::roulette) < survival)) return false;
+    s.density.survive(survival);
+    return true;
+  }
+
+private:
+  struct State : Subpath<PathStart::emitter> {
+    SampleStream samples;
+    Emission emission;
+    LightVertex* present = nullptr;
+    const LightVertex* kept = nullptr;  ///< the last one that may be connected
+    float whole = 1;                    ///< what roulette compares with
+  };
+
+  [[gnu::noinline]] Event fly(int i, float t_max) {
+    State& s = states_[i];
+    const Path& path = paths_[size_t(i)];
+    Vec3 p;
+    if (!aureole::fly(s.flight, t_max, path.wavelengths, s.samples, s.vertex, s.density, nullptr, p))
+      return Event::crossed;
+    if (log_.follows(i))
+      log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
+    if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;
+    ++s.in_media, ++s.vertex;
+    s.present = &vertices_.make(MediumPoint{p, s.flight.medium}, -s.flight.ray.d, path.wavelengths);
+    arrived(i);
+    return Event::medium;
+  }
+
+  /// At a vertex: its densities. Keeps it for connections.
+  void arrived(int i) {
+    State& s = states_[i];
+    LightVertex& present = *s.present;
+    const Vertex& vertex = present.vertex;
+    s.arrived = s.density;
+    const Vec3 d = s.flight.ray.d;
+    float spread = length_squared(vertex.p() - s.from);
+    if (s.scattered == 0) {
+      // The density of the connection is per solid angle already, but for that with a point.
+      spread = s.emission.connection_density(scene_, {vertex.p(), vertex.facing()}) *
+               (s.emission.ray.delta_position ? spread : 1.f);
+    }
+    s.arrived.arrive(!vertex.is_surface(), vertex.density_across(d), spread);
+    if (!vertex.is_smooth()) return;
+    present.density = s.arrived;
+    present.edges = s.scattered + 1, present.in_media = s.in_media;
+    present.previous = s.kept;
+    s.kept = &present;
+  }
+
+  const Scene& scene_;
+  const PathLimits& limits_;
+  const Techniques& techniques_;
+  std::span<Path> paths_;
+  std::vector<Splat>& splats_;
+  const BatchLog& log_;
+  State states_[kBatch];
+  LightVertices vertices_;
+  Vec2 film_[kBatch];  ///< where a connection's light falls
+};
+
+}  // namespace aureole::bdpt

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+// An edge as an operator that scatters light: K(x; d_i -> d_o), intensity in W/sr per length of edge, under an irradiance of
+// 1 W/m^2 across d_i, in m/sr, for a point x of the edge and directions of travel d_i, d_o (unit vectors).
+//
+// The transverse wave vector q = k (d_o - d_i) lies in the plane across d_i + d_o. Edges are projected there, along
+// d_i + d_o: then positions along the light add no phase, and K is the same when the light runs backwards. Even light is a sum
+// of beams with centres c in that plane (gaussian_beam.h), so that with the field F_c of a beam of power 1
+//   K = (k/2 pi)^2 integral over c of (1 - chi(q)) |F_c(q)|^2 W(x | c, q) d2c,
+// W per length of edge: the share |F_j|^2/sum |F_l|^2 of the edge j that x lies on, even along it. W only says where on the edges
+// of one beam a path goes; its integral over them is 1. `edge_waves` has both factors for a drawn centre, `mean_edge_kernel` the
+// integral over all centres in closed form, with another W. Over a straight edge, in shadow and over all directions along the
+// edge, K is lambda/(4 pi^2 theta^2) per radian, Keller's coefficient.
+//
+// Light that is diffracted is not there to be scattered by the obstacle. Of what falls on it from a beam, the fraction
+// D_c = (power diffracted to real directions)/(power of the beam on the obstacle) is lent: the obstacle's own scattering at a point
+// y is multiplied by 1 - D(y), D(y) the mean of D_c over centres drawn about y from the beam's intensity. Then what is lent is what
+// is diffracted, exactly, in expectation. `GaussianBeam::power` and `interfering_power` have the two powers.
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "aureole/optics/diffraction/edge_wave.h"
+
+namespace aureole::optics {
+
+struct SpaceVector {
+  double x = 0, y = 0, z = 0;
+};
+
+/// Directions of light about one that it had, by transverse wave vectors: |q| = 2 k sin(theta/2), theta the angle between them. It is
+/// Lambert's map of the sphere, which keeps areas: a density per d2q times k^2 is one per steradian, and |q| < 2 k is the whole sphere.
+class DirectionMap {
+public:
+  /// `along` is a unit vector; the other axes are any.
+  DirectionMap(SpaceVector along, double k);
+
+  PlanePoint project(SpaceVector v) const;
+  /// Nothing for |q| >= 2 k, waves that fade without a direction.
+  std::optional<SpaceVector> direction(PlanePoint q) const;
+  PlanePoint wave_vector(SpaceVector direction) const;
+
+private:
+  SpaceVector x_, y_, z_;
+  double k_;
+};
+
+/// The plane across d_i + d_o, in which K is defined. Where light turns back by pi the plane is any that contains q.
+class ScatteringPlane {
+public:
+  ScatteringPlane(SpaceVector d_i, SpaceVector d_o, double k);
+
+  PlanePoint q() const { return {q_, 0}; }
+  PlanePoint project(SpaceVector v) const;
+  /// d2c of a centre in this plane over d2c of the same centre, seen along d_i + d_o, in the plane across d_i: cos(theta/2).
+  double centre_jacobian() const { return cosine_; }
+
+private:
+  SpaceVector x_, y_;
+  double q_, cosine_;
+};
+
+/// The waves of all edges in one direction.
+struct EdgeWaves {
+  std::complex<double> field;  ///< their sum, without removal of the 0th order
+  double squares = 0;          ///< sum of |F_j|^2
+};
+/// With |F_j|^2 in `squares`, one per edge: W of the edge j is squares[j]/(sum length_j), 0 where the sum is 0. No allocation.
+EdgeWaves edge_waves(std::span<const DiffractingEdge> edges, PlanePoint q, std::span<double> squares);
+
+/// (k/2 pi)^2 (1 - chi) |F|^2, per steradian and for the power of the beam: what is multiplied with W.
+double diffracted_intensity(const EdgeWaves& waves, PlanePoint q, double k, ZerothOrder zeroth);
+
+/// A straight edge projected into the scattering plane, the region on its left.
+struct ProjectedEdge {
+  PlanePoint from, to;
+  double length = 0;  ///< in space
+};
+
+/// The integral of K over the centres in closed form. The edge at x has the wave of its own amplitude with that of all others
+/// within the coherence of the light,
+///   K = (k/2 pi)^2 (1 - chi)/q^4 (m.q) sum over edges of (m_l.q) Re integral exp(-|x - x'|^2/(8 sigma^2) - i q.(x - x')) dl',
+/// m normals per length. What it integrates to along the edges is what the K of drawn centres does, but x and its neighbours share
+/// it otherwise: it is exact for Gaussian amplitudes of any length of edge, and may be negative where waves of edges cancel. `at` is
+/// the fraction of the way along edges[index].
+double mean_edge_kernel(std::span<const ProjectedEdge> edges, std::size_t index, double at, PlanePoint q,
+                        double k, double sigma);
+
+}  // namespace aureole::optics

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/optics/diffraction/uniform_theory.h"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "aureole/optics/faddeeva.h"
+
+namespace aureole::optics {
+namespace {
+
+using std::numbers::pi;
+using Complex = std::complex<double>;
+
+const Complex kQuarter = std::polar(1.0, pi / 4);
+
+void require(bool right, const char* name, double value, const char* expected) {
+  if (!right)
+    throw std::domain_error(std::string(name) + ": expected " + expected + ", got " + std::to_string(value));
+}
+
+/// cot((pi + b)/(2 n)) F(k L a(b)) of KP equation 25, b = +-(phi -+ phi'). With the angle t from the nearest pole,
+/// pi + b = 2 pi n N + t, it is cot(t/2n) F(2 k L sin^2(t/2)); F's root cancels the pole and leaves a jump at t = 0.
+Complex term(double n, double k_distance, double b) {
+  const double turns = std::round((pi + b) / (2 * pi * n));
+  const double t = pi + b - 2 * pi * n * turns;
+  // To rounding errors of the angles the observer is on the boundary: the mean of both sides.
+  if (std::abs(t) < 4e-15) return 0;
+  const double root = std::sqrt(2 * k_distance) * std::abs(std::sin(0.5 * t));
+  const Complex over_root = std::sqrt(pi) * std::conj(kQuarter) * faddeeva(root * kQuarter);
+  return root / std::tan(0.5 * t / n) * over_root;
+}
+
+double side_of(double angle) { return std::abs(angle) < 4e-15 ? 0.5 : angle > 0 ? 1 : 0; }
+
+}  // namespace
+
+std::complex<double> transition_function(double x) {
+  require(x >= 0, "argument of the transition function", x, "at least 0");
+  if (x == INFINITY) return 1;
+  const double root = std::sqrt(x);
+  return std::sqrt(pi) * root * std::conj(kQuarter) * faddeeva(root * kQuarter);
+}
+
+Wedge::Wedge(double n) : n_(n) {
+  require(n > 1 && n <= 2, "angle outside a wedge over pi", n, "a number in (1, 2]");
+}
+
+std::complex<double> Wedge::coefficient(double k, double distance, double sin_beta, double phi, double phi_i,
+                                        WedgeFaces faces) const {
+  require(k > 0, "wave number", k, "a positive number");
+  require(distance > 0, "distance parameter", distance, "a positive length");
+  require(sin_beta > 0 && sin_beta <= 1, "sine of the angle to the edge", sin_beta, "a number in (0, 1]");
+  const double end = n_ * pi + 1e-12;
+  require(phi >= -1e-12 && phi <= end, "angle of the observer", phi, "0 to n pi");
+  require(phi_i >= -1e-12 && phi_i <= end, "angle of the source", phi_i, "0 to n pi");
+  const double difference = phi - phi_i, sum = phi + phi_i, kl = k * distance;
+  const Complex terms = term(n_, kl, difference) + term(n_, kl, -difference) + faces.n * term(n_, kl, sum) +
+                        faces.o * term(n_, kl, -sum);
+  return -kQuarter / (2 * n_ * std::sqrt(2 * pi * k) * sin_beta) * terms;
+}
+
+std::complex<double> Wedge::keller_coefficient(double k, double sin_beta, double phi, double phi_i,
+                                               bool is_hard) const {
+  const double c = std::cos(pi / n_);
+  const double first = 1 / (c - std::cos((phi - phi_i) / n_)),
+               second = 1 / (c - std::cos((phi + phi_i) / n_));
+  return kQuarter * std::sin(pi / n_) / (n_ * std::sqrt(2 * pi * k) * sin_beta) *
+         (is_hard ? first + second : first - second);
+}
+
+WedgeLight Wedge::light(double phi, double phi_i) const {
+  return {side_of(pi - std::abs(phi - phi_i)), side_of(pi - phi - phi_i),
+          side_of(phi + phi_i - (2 * n_ - 1) * pi)};
+}
+
+std::complex<double> Wedge::plane_wave_field(double k, double rho, double phi, double phi_i,
+                                             WedgeFaces faces) const {
+  const WedgeLight lit = light(phi, phi_i);
+  const auto wave = [&](double angle) { return std::polar(1.0, -k * rho * std::cos(angle)); };
+  return lit.direct * wave(phi - phi_i) + lit.reflected_o * faces.o * wave(phi + phi_i) +
+         lit.reflected_n * faces.n * wave(2 * n_ * pi - phi - phi_i) +
+         coefficient(k, rho, 1, phi, phi_i, faces) * plane_wave_spreading(rho) * std::polar(1.0, k * rho);
+}
+
+double plane_wave_distance(double s, double sin_beta) { return s * sin_beta * sin_beta; }
+double point_source_distance(double s_i, double s, double sin_beta) {
+  return s * s_i / (s + s_i) * sin_beta * sin_beta;
+}
+double point_source_spreading(double s_i, double s) { return std::sqrt(s_i / (s * (s + s_i))); }
+double plane_wave_spreading(double s) { return 1 / std::sqrt(s); }
+
+}  // namespace aureole::optics

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/optics/stack/operators.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "aureole/optics/interface/fresnel_equations.h"
+
+namespace aureole::optics {
+namespace {
+
+Matrix symmetric(const Matrix& a) { return 0.5 * (a + a.transpose()); }
+
+/// (1 - a b)^-1, all orders of reflection between two parts. A channel that is reflected totally by both, as in the glass of
+/// a slide, has neither light nor an inverse; its row is left out.
+Eigen::PartialPivLU<Matrix> interreflection(const Matrix& a, const Matrix& b) {
+  Matrix m = -a * b;
+  m.diagonal() = m.diagonal().unaryExpr([](double x) { return x == -1 ? 1 : 1 + x; });
+  return m.partialPivLu();
+}
+
+}  // namespace
+
+Operators Operators::stacked(const Operators& upper, const Operators& lower) {
+  const auto orders = interreflection(upper.r_below, lower.r_above);
+  const Matrix down = orders.solve(upper.t_down),
+               back = orders.solve(upper.r_below * lower.t_down.transpose());
+  return {symmetric(upper.r_above + upper.t_down.transpose() * (lower.r_above * down)), lower.t_down * down,
+          symmetric(lower.r_below + lower.t_down * back)};
+}
+
+FieldBetween::FieldBetween(const Operators& upper, const Operators& lower, const Matrix& from_above,
+                           const Matrix& from_below) {
+  const Matrix up_first = lower.t_down.transpose() * from_below;
+  down = interreflection(upper.r_below, lower.r_above)
+             .solve(upper.t_down * from_above + upper.r_below * up_first);
+  up = up_first + lower.r_above * down;
+}
+
+Vector root_etendues(const Channels& channels, double index) {
+  Vector root(channels.count(index));
+  for (int i = 0; i < root.size(); ++i) root[i] = std::sqrt(channels.etendue(i));
+  return root;
+}
+
+UniformLayer::UniformLayer(const Channels& channels, double index, double albedo, std::vector<double> moments)
+    : count_(channels.count(index)),
+      albedo_(albedo),
+      moments_(std::move(moments)),
+      mu_(count_),
+      root_etendue_(root_etendues(channels, index)),
+      scale_(albedo / (4 * std::numbers::pi * index * index)),
+      forward_(Vector::Zero(count_)) {
+  for (int i = 0; i < count_; ++i) mu_[i] = channels.mu(i, index);
+  // What a quadrature of nodes mapped by refraction does not get of the light that is scattered, or gets too much of, is given
+  // to the forward direction (Grant & Hunt 1969, Proc. R. Soc. A 313, 183; Wiscombe 1976, J. Quant. Spectrosc. Radiat. Transfer
+  // 16, 637): energy is exact, and reciprocity is kept. Of the double Gauss rule it is a matter of rounding errors.
+  const Vector lost = rates(0).difference * root_etendue_;
+  forward_ = lost.array() / root_etendue_.array() - (1 - albedo) / mu_.array();
+}
+
+bool UniformLayer::scatters(int mode) const {
+  return albedo_ > 0 && std::any_of(moments_.begin() + std::min<std::size_t>(mode, moments_.size()),
+                                    moments_.end(), [](double chi) { return chi != 0; });
+}
+
+UniformLayer::Rates UniformLayer::rates(int mode) const {
+  Rates rates{Matrix::Zero(count_, count_), Matrix::Zero(count_, count_)};
+  // Normalised associated functions sqrt((l - m)!/(l + m)!) P_l^m, times sqrt(e)/mu. The addition theorem with mu -> -mu gives
+  // each term the sign (-1)^(l + m), so terms of one parity are in A - B only, the others in A + B.
+  const int terms = int(moments_.size()) - mode;
+  if (scatters(mode)) {
+    Matrix even(count_, (terms + 1) / 2), odd(count_, terms / 2);
+    Vector even_weight((terms + 1) / 2), odd_weight(terms / 2);
+    Eigen::ArrayXd before = Eigen::ArrayXd::Zero(count_), p = root_etendue_.array() / mu_.array();
+    const Eigen::ArrayXd sine = (1 - mu_.array().square()).sqrt();
+    for (int k = 1; k <= mode; ++k) p *= sine * std::sqrt((2 * k - 1.0) / (2 * k));
+    for (int l = mode; l < int(moments_.size()); ++l) {
+      const int i = l - mode;
+      (i % 2 ? odd : even).col(i / 2) = p;
+      (i % 2 ? odd_weight : even_weight)[i / 2] = 2 * scale_ * (2 * l + 1) * moments_[l];
+      const Eigen::ArrayXd next =
+          ((2 * l + 1) * mu_.array() * p - std::sqrt(double(l - mode) * (l + mode)) * before) /
+          std::sqrt(double(l + 1 - mode) * (l + 1 + mode));
+      before = p, p = next;
+    }
+    rates.difference = -(even * even_weight.asDiagonal() * even.transpose());
+    rates.sum = -(odd * odd_weight.asDiagonal() * odd.transpose());
+  }
+  const Vector out = mu_.cwiseInverse() - forward_;
+  rates.difference.diagonal() += out;
+  rates.sum.diagonal() += out;
+  return rates;
+}
+
+Operators UniformLayer::attenuation(double optical_thickness) const {
+  const Vector pass = (-optical_thickness * (mu_.cwiseInverse() - forward_)).array().exp();
+  return {Matrix::Zero(count_, count_), pass.asDiagonal(), Matrix::Zero(count_, count_)};
+}
+
+// With s = x_down + x_up, d = x_down - x_up the equation of transfer is ds/dtau = -(A + B) d, dd/dtau = -(A - B) s. Between equal
+// lights on both sides d = E s at the upper face, E = (A - B) tanh(h G)/G, and between opposite ones s = O d,
+// O = tanh(h G)/G (A + B), where G^2 = (A + B)(A - B) and h is half of the thickness. A thin layer has tanh(z)/z by the third
+// approximant of Lambert's continued fraction (Abramowitz & Stegun 1964, 4.5.70), thicker ones by doubling: tanh(2 z) = 2 tanh(z)/
+// (1 + tanh(z)^2). D = 1 - tanh(z)^2 is carried along, so that transmittance keeps its digits in thick layers. At albedo 1 fluxes
+// sqrt(e) are a left null vector of A - B and of E, whatever the rounding of the rest: energy does not drift with the number of
+// doublings, as it does where reflection and transmission are doubled.
+Operators UniformLayer::operators(double optical_thickness, int mode) const {
+  if (!(optical_thickness > 0) || !scatters(mode)) return attenuation(optical_thickness);
+  const auto [sum, difference] = rates(mode);
+  constexpr double kThin = 0.25;  // largest z: the approximant is off by 1e-13
+  const double rate = mu_.cwiseInverse().maxCoeff();
+  const int doublings = std::max(0, int(std::ceil(std::log2(0.5 * optical_thickness * rate / kThin))));
+  const double half = std::ldexp(0.5 * optical_thickness, -doublings);
+
+  const Matrix one = Matrix::Identity(count_, count_), x = (half * half) * (sum * difference), x2 = x * x;
+  const Eigen::PartialPivLU<Matrix> below(Matrix(one + (4.0 / 9) * x + x2 / 63));
+  const Matrix tanh_over = below.solve(Matrix(half * one + (half / 9) * x + (half / 945) * x2));
+  Matrix even = symmetric(difference * tanh_over), odd = symmetric(tanh_over * sum);
+  Matrix rest = one - even * odd;
+  for (int i = 0; i < doublings; ++i) {
+    Matrix square = even * odd;
+    square.diagonal().array() += 1;
+    const Matrix inverse = square.inverse(), root = inverse * rest;
+    even = symmetric(2 * (inverse * even));
+    odd = symmetric(2 * (odd * inverse));
+    rest = root * root;
+  }
+  const Matrix from_even = (one + even).inverse(), from_odd = (one + odd).inverse();
+  const Matrix r = symmetric(from_even * (odd - even) * from_odd), t = symmetric(from_even * rest * from_odd);
+  return {r, t, r};
+}
+
+Operators smooth_interface(const Channels& channels, double index_above, double index_below) {
+  const int above = channels.count(index_above), below = channels.count(index_below);
+  Vector r_above = Vector::Ones(above), r_below = Vector::Ones(below);
+  Matrix t = Matrix::Zero(below, above);
+  for (int i = 0; i < std::min(above, below); ++i) {
+    // The same from both sides; asked from the thinner medium it does not lose the digits of grazing angles.
+    const double n = std::min(index_above, index_below);
+    r_above[i] = r_below[i] = fresnel_reflectance(channels.mu(i, n), n, std::max(index_above, index_below));
+    t(i, i) = 1 - r_above[i];
+  }
+  return {r_above.asDiagonal(), t, r_below.asDiagonal()};
+}
+
+Operators lambertian_substrate(const Channels& channels, double index, double reflectance, int mode) {
+  const Vector root = root_etendues(channels, index);
+  const int n = int(root.size());
+  Matrix r = Matrix::Zero(n, n);
+  if (mode == 0) r = root * root.transpose() * (reflectance / (std::numbers::pi * index * index));
+  return {r, Matrix::Zero(0, n), Matrix::Zero(0, 0)};
+}
+
+}  // namespace aureole::optics

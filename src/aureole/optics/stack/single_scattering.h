@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light of a beam that is scattered once, in closed form, by the whole phase function and by its truncated series: the
+// correction of radiances after delta-M scaling (Nakajima & Tanaka 1988, the method TMS). Inside of the library only.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "aureole/optics/stack/stack_solver.h"
+
+namespace aureole::optics {
+
+class SingleScattering {
+public:
+  SingleScattering(const StackSolver& solver, const StackDescription& description)
+      : solver_(solver), description_(description) {}
+
+  /// A beam of irradiance 1 on the stack, and where it goes by itself.
+  struct Beam {
+    int channel;
+    Vector paths;  ///< as StackSolver::unscattered
+  };
+  Beam light(int channel, bool from_below) const;
+
+  /// What is missing of the radiance in a channel, for each azimuth: the difference of both phase functions.
+  std::vector<double> correction(const Beam& beam, int channel, int level, bool goes_up,
+                                 std::span<const double> azimuths) const;
+
+private:
+  const StackSolver& solver_;
+  const StackDescription& description_;
+};
+
+}  // namespace aureole::optics

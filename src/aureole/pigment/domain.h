@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+// What functions of this room say of arguments out of range.
+#pragma once
+
+#include <charconv>
+#include <stdexcept>
+#include <string>
+
+namespace aureole::pigment {
+
+/// A number as it is read, in at most six digits.
+inline std::string number_text(double value) {
+  char text[32];
+  const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6);
+  return {text, end.ptr};
+}
+
+/// Throws std::domain_error where `ok` is false: "<name> <rule>, got <value>".
+inline void require(bool ok, double value, const std::string& name, const char* rule) {
+  if (!ok) throw std::domain_error(name + " " + rule + ", got " + number_text(value));
+}
+inline void require_fraction(double value, const char* name) {
+  require(value >= 0 && value <= 1, value, name, "must be in [0, 1]");
+}
+inline void require_not_negative(double value, const char* name) {
+  require(value >= 0, value, name, "must not be negative");
+}
+
+}  // namespace aureole::pigment

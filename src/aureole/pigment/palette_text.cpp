@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/pigment/palette_text.h"
+
+#include <charconv>
+#include <sstream>
+
+#include "aureole/pigment/samples.h"
+#include "aureole/pigment/text_table.h"
+
+namespace aureole::pigment {
+namespace {
+
+std::string exact(double value) {
+  char text[32];
+  return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
+std::string cell(const std::string& text) { return text.find(',') == text.npos ? text : "\"" + text + "\""; }
+
+/// A column of numbers of a pigment, and how its heading ends. Longer endings come first.
+struct Quantity {
+  std::string_view ending;
+  std::vector<double> Pigment::*of;
+};
+constexpr Quantity kQuantities[] = {{" K error", &Pigment::k_error},
+                                    {" S error", &Pigment::s_error},
+                                    {" K", &Pigment::k},
+                                    {" S", &Pigment::s}};
+
+Pigment& named(Palette& palette, const std::string& name) {
+  if (const auto at = palette.find(name)) return palette.pigments[*at];
+  return palette.pigments.emplace_back(Pigment{.name = name, .k = {}, .s = {}});
+}
+
+}  // namespace
+
+std::string palette_text(const Palette& palette) {
+  std::ostringstream out;
+  out << "unit," << (palette.relative ? "relative" : "1/m") << "\nsurface seen,"
+      << exact(palette.surface.seen) << "\nsurface through," << exact(palette.surface.through)
+      << "\nsurface k2," << exact(palette.surface.k2) << "\n";
+  for (const Pigment& p : palette.pigments)
+    if (p.density > 0) out << cell("density " + p.name) << "," << exact(p.density) << "\n";
+  std::vector<const std::vector<double>*> columns;
+  out << "nm";
+  for (const Pigment& p : palette.pigments)
+    for (const std::size_t q : {2, 3, 0, 1}) {
+      const std::vector<double>& values = p.*kQuantities[q].of;
+      if (values.empty()) continue;
+      out << "," << cell(p.name + std::string(kQuantities[q].ending));
+      columns.push_back(&values);
+    }
+  for (std::size_t i = 0; i < palette.nm.size(); ++i) {
+    out << "\n" << exact(palette.nm[i]);
+    for (const auto* column : columns) out << "," << exact((*column)[i]);
+  }
+  out << "\n";
+  return out.str();
+}
+
+Palette read_palette(std::istream& text) {
+  const std::vector<TextRow> rows = read_text_table(text);
+  Palette palette;
+  std::vector<std::pair<std::string, double>> densities;
+  std::size_t at = 0;
+  for (; at < rows.size() && rows[at].cells[0].text != "nm"; ++at) {
+    const TextRow& row = rows[at];
+    const std::string& key = row.cells[0].text;
+    if (row.cells.size() < 2)
+      throw TextError(row.line, 0, "expected a key and a value, or the headings from \"nm\" on");
+    if (key == "unit") {
+      if (row.cells[1].text != "relative" && row.cells[1].text != "1/m")
+        throw TextError(row.line, row.cells[1].column,
+                        "unit must be relative or 1/m, got \"" + row.cells[1].text + "\"");
+      palette.relative = row.cells[1].text == "relative";
+    } else if (key == "surface seen") {
+      palette.surface.seen = number_of(row, 1);
+    } else if (key == "surface through") {
+      palette.surface.through = number_of(row, 1);
+    } else if (key == "surface k2") {
+      palette.surface.k2 = number_of(row, 1);
+    } else if (key.starts_with("density ")) {
+      densities.emplace_back(key.substr(8), number_of(row, 1));
+    } else {
+      throw TextError(row.line, row.cells[0].column,
+                      "unknown key \"" + key +
+                          "\"; a palette begins with unit, surface seen, surface through, surface k2 "
+                          "or density, and then a line of headings from \"nm\" on");
+    }
+  }
+  if (at == rows.size()) throw TextError(0, 0, "there is no line of headings that begins with \"nm\"");
+  const TextRow& header = rows[at];
+  std::vector<std::pair<std::string, std::vector<double> Pigment::*>> columns;
+  for (std::size_t c = 1; c < header.cells.size(); ++c) {
+    const std::string& heading = header.cells[c].text;
+    bool found = false;
+    for (const Quantity& q : kQuantities) {
+      if (found || !heading.ends_with(q.ending)) continue;
+      found = true;
+      columns.emplace_back(heading.substr(0, heading.size() - q.ending.size()), q.of);
+      named(palette, columns.back().first);
+    }
+    if (!found)
+      throw TextError(header.line, header.cells[c].column,
+                      "a heading ends with K, S, K error or S error, got \"" + heading + "\"");
+  }
+  while (++at < rows.size()) {
+    const TextRow& row = rows[at];
+    if (row.cells.size() != header.cells.size())
+      throw TextError(row.line, 0,
+                      "expected " + std::to_string(header.cells.size()) + " cells, got " +
+                          std::to_string(row.cells.size()));
+    palette.nm.push_back(number_of(row, 0));
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      (named(palette, columns[c].first).*columns[c].second).push_back(number_of(row, c + 1));
+  }
+  for (const auto& [name, density] : densities) {
+    if (!palette.find(name)) throw TextError(0, 0, "a density is that of an unknown paint \"" + name + "\"");
+    named(palette, name).density = density;
+  }
+  try {
+    check(palette);
+  } catch (const std::domain_error& e) {
+    throw TextError(0, 0, e.what());
+  }
+  return palette;
+}
+
+}  // namespace aureole::pigment

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/pigment/transport_coefficients.h"
+
+#include "aureole/pigment/domain.h"
+
+namespace aureole::pigment {
+
+std::string_view name_of(Convention convention) {
+  switch (convention) {
+    case Convention::three_quarters:
+      return "three_quarters";
+    case Convention::diffusion:
+      return "diffusion";
+    case Convention::double_gauss:
+      return "double_gauss";
+  }
+  throw std::logic_error("no such convention");
+}
+
+std::vector<Convention> conventions() {
+  return {Convention::three_quarters, Convention::diffusion, Convention::double_gauss};
+}
+
+Coefficients coefficients_of_transport(double sigma_a, double sigma_s, double g, Convention convention) {
+  require_not_negative(sigma_a, "sigma_a");
+  require_not_negative(sigma_s, "sigma_s");
+  require(g >= -1 && g <= 1, g, "g", "must be in [-1, 1]");
+  const double k = 2 * sigma_a;
+  switch (convention) {
+    case Convention::three_quarters:
+      return {k, 0.75 * sigma_s * (1 - g)};
+    case Convention::diffusion:
+      return {k, 0.75 * sigma_s * (1 - g) - 0.25 * sigma_a};
+    case Convention::double_gauss:
+      return {k, sigma_s * (1 - 0.75 * g)};
+  }
+  throw std::logic_error("no such convention");
+}
+
+}  // namespace aureole::pigment

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/transport/emerge.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "aureole/core/random.h"
+#include "aureole/math/warp.h"
+
+namespace aureole {
+
+namespace {
+
+/// The ways in which exits of one entry are found.
+class Probes {
+public:
+  Probes(const SurfacePoint& entry, const Wavelengths& w)
+      : entry_(entry), ctx_{w, entry}, bssrdf_(*entry.surface->exit->bssrdf), reach_(bssrdf_.reach(ctx_)) {
+    const Frame frame = Frame::from_normal(entry.ng);
+    axes_ = {frame.n, frame.s, frame.t};
+    // Where the surface curves the tangents' rays find what the normal's pass at a small angle.
+    probabilities_ = {0.5f, 0.25f, 0.25f};
+    // A distance within the rounding of positions says nothing.
+    least_ = 2 * length(entry.p_error);
+  }
+
+  /// A ray of unit direction that ends where exits are no longer looked for.
+  Ray draw(const EmergenceRandom& random) const {
+    const std::size_t k = random.axis < 0.5f ? 0 : random.axis < 0.75f ? 1 : 2;
+    const float r = std::max(bssrdf_.sample_distance(random.place.x, ctx_), least_);
+    const Vec2 turn = cos_sin_2pi(random.place.y);
+    const float depth = half_length(r);
+    const Vec3 foot = entry_.p + (axes_[(k + 1) % 3] * turn.x + axes_[(k + 2) % 3] * turn.y) * r;
+    return {foot + axes_[k] * depth, -axes_[k], 2 * depth};
+  }
+
+  /// P and the density per area of the surface with which a point is found.
+  BssrdfEval at(const SurfacePoint& exit) const {
+    const Vec3 offset = exit.p - entry_.p;
+    BssrdfEval e;
+    e.value = bssrdf_.eval_pdf(std::max(length(offset), least_), ctx_).value;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const float height = dot(offset, axes_[k]);
+      const float r = std::max(length(offset - axes_[k] * height), least_);
+      if (!(std::abs(height) <= half_length(r))) continue;
+      e.pdf += bssrdf_.eval_pdf(r, ctx_).pdf * (probabilities_[k] * std::abs(dot(exit.ng, axes_[k])));
+    }
+    return e;
+  }
+
+private:
+  /// Of the ray at the distance r in its plane. It ends at the sphere that holds nearly all light, but what lies flat
+  /// beyond it is found, too. The same for all wavelengths.
+  float half_length(float r) const {
+    const float left = reach_ * reach_ - r * r;
+    return std::max(left > 0 ? std::sqrt(left) : 0.f, r);
+  }
+
+  const SurfacePoint& entry_;
+  BssrdfContext ctx_;
+  const Bssrdf& bssrdf_;
+  float reach_, least_;
+  std::array<Vec3, 3> axes_;
+  std::array<float, 3> probabilities_;
+};
+
+}  // namespace
+
+bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
+            const EmergenceRandom& random, const Spectrum& throughput, const Spectrum& ratio,
+            Emergence& out) {
+  const Probes probes(entry, w);
+  const Ray whole = probes.draw(random);
+  const Vec3 end = whole.o + whole.d * whole.t_max;
+  // A ray that touches a surface again and again would never end.
+  constexpr int kMostPoints = 1000;
+  float total = 0, kept = 0;
+  std::uint64_t state = random.key;
+  Ray ray = whole;
+  for (int i = 0; i < kMostPoints; ++i) {
+    const RayTracer::Hit hit = scene.tracer().intersect(ray);
+    if (!hit) break;
+    const SurfacePoint point = scene.surface_point(hit, ray);
+    ray.o = offset_origin(point, ray.d);
+    ray.t_max = dot(end - ray.o, ray.d);
+    if (point.surface == entry.surface && point.instance == entry.instance) {
+      const BssrdfEval e = probes.at(point);
+      // What it contributes to the path: the same whichever wavelength is the hero.
+      const float density = mean(ratio * e.pdf),
+                  share = density > 0 ? mean(throughput * e.value) / density : 0;
+      if (share > 0 && share < kInfinity) {
+        total += share;
+        state = mix_bits(state + 0x9e3779b97f4a7c15u);
+        if (unit_float(std::uint32_t(state >> 32)) * total < share) {
+          kept = share;
+          out.point = point, out.value = e.value, out.pdf = e.pdf;
+        }
+      }
+    }
+    if (!(ray.t_max > 0)) break;
+  }
+  if (!(kept > 0) || !(out.pdf[0] > 0)) return false;
+  out.point.surface = entry.surface->exit;
+  out.chosen = kept / total;
+  return true;
+}
+
+}  // namespace aureole

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// MIS of paths that are found from both ends (Veach 1997, chapter 10), in the recursive form of van Antwerpen
+// 2011, "Recursive MIS computation for streaming BDPT on the GPU", and Georgiev, Krivanek, Davidovic & Slusallek
+// 2012, "Light transport simulation with vertex connection and merging", Eq. 31 to 34, per wavelength.
+//
+// A path x_0 ... x_k from an emitter to the sensor can be found by each technique (s, t), s + t = k + 1: its first s
+// vertices by a walk from the emitter, its last t by one from the sensor, and a connection of the two. With q_i,j the
+// density of vertex i, had the walk from the emitter found it by wavelength j, and r_i,j that of the walk from the
+// sensor, the technique has the density q_0 ... q_(s-1) r_s ... r_k; both walks have the same hero. Balanced over
+// techniques and wavelengths, a path found by (s, t) with hero 0 counts f / (sum of the densities of all techniques
+// and wavelengths), all over its own density. A subpath keeps the sums over the techniques that connect nearer to
+// its beginning, so that each connection knows all of them.
+//
+// Null collisions are vertices of a path, too: a walk that passes them has a density for that, a connection does not.
+#pragma once
+
+#include "aureole/transport/endpoints.h"
+#include "aureole/transport/vertex.h"
+
+namespace aureole {
+
+/// Throughput and densities of one of the two subpaths. The base's `light_ratio` is, of either, that of the
+/// technique that connects the last vertex with the one before it.
+template <PathStart kStart>
+struct TwoWayDensity : BasicPathDensity<Weight, kStart> {
+  using Base = BasicPathDensity<Weight, kStart>;
+
+  /// The sum over the techniques that connect nearer to the beginning, without the density of scattering from the
+  /// last vertex back to the one before it.
+  Spectrum earlier{0.f};
+
+  /// Goes on from a vertex: `reverse` is the density of scattering back (`Vertex::reverse_pdf`), `across` that
+  /// of arriving here from ahead (`Vertex::density_across`).
+  void scatter(const Scatter& s, const Spectrum& reverse, const Spectrum& across) {
+    const Spectrum connections = s.delta ? reverse * earlier : reverse * earlier + this->light_ratio;
+    earlier = min(min(connections, kMost) * across * (1 / s.pdf[0]), kMost);
+    Base::extend(s.value, s.pdf, s.delta);
+  }
+  void pass(const Passage& p) {
+    Base::pass(p);
+    earlier *= p.flight;
+  }
+  /// Arrives at a vertex. `spread` is the area across the ray per solid angle in which it left, the squared distance.
+  void arrive(bool in_medium, const Spectrum& across, float spread) {
+    if (in_medium) {
+      // `pass` has divided by the hero's extinction, and has multiplied by that of each.
+      earlier = safe_divide(earlier, across);
+      this->light_ratio *= spread;
+    } else {
+      const float inverse = across[0] > 0 ? 1 / across[0] : 0.f;
+      earlier *= inverse;
+      this->light_ratio *= spread * inverse;
+    }
+  }
+
+  /// All techniques that connect nearer to the beginning, `reverse` being the density of scattering back from the
+  /// last vertex. To be multiplied by the density of the last vertex, found from ahead.
+  Spectrum others(const Spectrum& reverse) const { return reverse * earlier + this->light_ratio; }
+
+private:
+  /// Products of many densities stay finite.
+  static constexpr float kMost = 1e25f;
+};
+
+/// The density with which paths of light begin with the ray of direction `d` from `point` or, that being null, from
+/// an emitter that sits on no shape: per area and per solid angle, or masses.
+inline float emission_density(const Scene& scene, const Light& light, std::size_t part,
+                              const SurfacePoint* point, const Vec3& d) {
+  const RayDensity ray = light.pdf_ray(part, point, d);
+  return scene.lights().probability_by_power(light, part) * ray.position * ray.direction;
+}
+
+/// Where a path of light begins.
+struct Emission {
+  LightChoice choice{};
+  EmittedRay ray;
+
+  /// The density with which a connection from `from` would have found this place: per solid angle, or a mass of a
+  /// delta emitter.
+  float connection_density(const Scene& scene, const LightReference& from) const {
+    const Light& light = *choice.light;
+    if (light.is_delta()) return scene.lights().probability(from.p, from.facing, light, choice.part);
+    SurfacePoint point;
+    point.p = ray.p, point.ng = ray.ng;
+    return light_density(scene, from, light, choice.part, light.shape ? &point : nullptr, -ray.d);
+  }
+};
+
+using SensorSubpathDensity = TwoWayDensity<PathStart::sensor>;
+using LightSubpathDensity = TwoWayDensity<PathStart::emitter>;
+
+}  // namespace aureole
