@@ -73,6 +73,8 @@ public:
   /// splats.
   enum class Leaves { pixel, film, both };
   virtual Leaves leaves() const { return Leaves::pixel; }
+  /// Throws an Error, at its place in the file, where the scene has something that the integrator cannot follow.
+  virtual void require_scene(const Scene&) const {}
   /// Names of the channels of further numbers measured beside the film's ("albedo.R", "depth"). None where
   /// paths belong to no pixel.
   virtual std::vector<std::string> aov_names() const { return {}; }

@@ -114,6 +114,7 @@ RenderState planned_state(const LoadedScene& loaded, const RenderOptions& option
   const Film& film = scene.film();
   const Sampler& sampler = scene.sensor().sampler();
   const std::int64_t end = options.end.value_or(sampler.sample_count());
+  integrator.require_scene(scene);
   require_range(film, options, end);
   const std::vector<std::string> aovs = integrator.aov_names();
   PictureIdentity id;

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "aureole/integrator/bdpt/subpath.h"
 #include "aureole/transport/dimensions.h"
@@ -86,8 +85,7 @@ public:
     return Event::surface;
   }
 
-  /// An invalid splat: the path's result is set later.
-  void lose(int i) { splats_.push_back({i, {}, std::numeric_limits<float>::quiet_NaN()}); }
+  void lose(int i) { paths_[size_t(i)].result.invalidate(); }
 
   bool connect(int i, Connection& out) {
     State& s = states_[i];
