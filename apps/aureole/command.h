@@ -63,6 +63,7 @@ private:
 };
 
 struct Command {
+  /// "pigment fit" is the command "fit" of the group "pigment", which is a command without `declare`.
   std::string name, help;
   /// Declares the options; returns the function that runs once they are read, whose value is the program's
   /// exit code. It may throw Error: the program then prints it and returns 2.

@@ -43,7 +43,14 @@ private:
   }
 
   void add(const Command& command) {
-    CLI::App* sub = app_.add_subcommand(command.name, command.help);
+    const std::size_t blank = command.name.rfind(' ');
+    CLI::App* parent = &app_;
+    if (blank != std::string::npos) parent = app_.get_subcommand(command.name.substr(0, blank));
+    CLI::App* sub = parent->add_subcommand(command.name.substr(blank + 1), command.help);
+    if (!command.declare) {
+      sub->require_subcommand(1);
+      return;
+    }
     const auto& options = declared_.emplace_back(std::make_unique<CommandOptions>());
     const std::function<int()> action = command.declare(*options);
     for (const auto& option : options->all()) add(*sub, *option);

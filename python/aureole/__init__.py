@@ -4,7 +4,7 @@ from ._processor import require_processor as _require_processor
 
 _require_processor()
 
-from . import optics, plot, spectrum  # noqa: E402
+from . import optics, pigment, plot, spectrum  # noqa: E402
 from ._aureole import Aperture, Bsdf, Emitter, Medium, Object, Phase, Texture, __version__  # noqa: E402
 from ._check import CheckRecord, CheckReport, check  # noqa: E402
 from ._dict import Transform  # noqa: E402
@@ -21,6 +21,6 @@ __all__ = [
     "Aperture", "Bsdf", "BsdfSample", "CheckRecord", "CheckReport", "Emitter", "EmitterSample", "Error", "Estimate",
     "Image", "InterruptedWarning", "Lobe", "Medium", "MediumCoefficients", "Microstructure", "Object", "ParameterError",
     "Particles", "Phase", "PhaseSample", "Problem", "PythonBsdf", "Scene", "SceneError", "Texture", "Transform", "__version__",
-    "as_bsdf", "check", "load_dict", "load_file", "load_string", "microstructure", "optics", "plot", "read_image", "read_vol",
+    "as_bsdf", "check", "load_dict", "load_file", "load_string", "microstructure", "optics", "pigment", "plot", "read_image", "read_vol",
     "render", "render_iter", "spectrum", "write_vol",
 ]

@@ -17,6 +17,7 @@ void bind_python_bsdf(nb::module_& m);  ///< BSDFs written in Python
 void bind_scene(nb::module_& m);        ///< scenes, their parameters, rendering
 void bind_image(nb::module_& m);        ///< pictures
 void bind_optics(nb::module_& m);       ///< physics without a renderer
+void bind_pigment(nb::module_& m);      ///< paints
 void bind_spectrum(nb::module_& m);     ///< observer, illuminants, colour, refractive indices
 void bind_check(nb::module_& m);        ///< the harness for BSDFs
 void bind_microstructure(nb::module_& m);  ///< scatterers found in microscope pictures

@@ -24,6 +24,7 @@ NB_MODULE(_aureole, m) {
       "Run the command-line program; the first argument is its name. Returns the exit code.");
   bind_leaving();
   bind_errors(m);
+  bind_pigment(m);
   bind_optics(m);  // before functions that return its classes
   bind_objects(m);
   bind_python_bsdf(m);

@@ -10,43 +10,13 @@
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/bsdf/microfacet/microfacet.h"
-#include "aureole/bsdf/microfacet/microfacet_energy.h"
+#include "aureole/bsdf/microfacet/rough_coating.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
 namespace {
-
-/// The coating's transmittance from outside over the cosine, and numbers derived from it, for one index.
-struct Coating {
-  static constexpr int kCells = 128;
-
-  float transmittance[kCells + 1];
-  float f_int, leaving;  ///< the parts of diffuse light from below that are reflected and that leave
-
-  Coating(const Microfacets& d, double eta, bool energy_preserving) {
-    for (int i = 0; i <= kCells; ++i) {
-      const float mu = std::max(float(i) / kCells, 1e-5f);
-      const ScatteredEnergy e = scattered_energy(d, {std::sqrt((1 - mu) * (1 + mu)), 0, mu}, float(eta), 987);
-      transmittance[i] = float(energy_preserving ? 1 - e.reflected : e.transmitted);
-    }
-    // The integral of 2 T mu of straight pieces.
-    double mean = 0;
-    for (int i = 0; i < kCells; ++i) {
-      const double a = transmittance[i], b = transmittance[i + 1], h = 1.0 / kCells, mu = i * h;
-      mean += h * ((a + b) * mu + h * (a + 2 * b) / 3);
-    }
-    leaving = float(mean / (eta * eta));
-    f_int = energy_preserving ? 1 - leaving : float(diffuse_scattered_reflectance(d, float(1 / eta)));
-  }
-
-  float at(float mu) const {
-    const float x = std::min(mu, 1.f) * kCells;
-    const int i = std::min(int(x), kCells - 1);
-    return transmittance[i] + (transmittance[i + 1] - transmittance[i]) * (x - float(i));
-  }
-};
 
 class RoughPlastic final : public Bsdf {
 public:
@@ -110,9 +80,9 @@ private:
       }
       if (p.specular_) tint = p.specular_->eval(ctx.point, ctx.wavelengths);
       const Spectrum rho = p.diffuse_->eval(ctx.point, ctx.wavelengths);
-      const Spectrum t_i = p.interpolate(*this, [&](const Coating& c) { return c.at(cos_i); });
-      const Spectrum f_int = p.interpolate(*this, [](const Coating& c) { return c.f_int; });
-      const Spectrum leaving = p.interpolate(*this, [](const Coating& c) { return c.leaving; });
+      const Spectrum t_i = p.interpolate(*this, [&](const RoughCoating& c) { return c.at(cos_i); });
+      const Spectrum f_int = p.interpolate(*this, [](const RoughCoating& c) { return c.f_int; });
+      const Spectrum leaving = p.interpolate(*this, [](const RoughCoating& c) { return c.leaving; });
       const Spectrum entered = t_i * rho / (Spectrum(1.f) - (p.nonlinear_ ? rho * f_int : f_int));
       base = entered / (eta * eta);
       // The lobes are chosen by the energy they carry, averaged over the path's wavelengths: the same
@@ -132,7 +102,7 @@ private:
                                    : Spectrum(fresnel_dielectric(cos_im, low_).reflectance);
     const float pdf = roughness_.visible() ? seen : 0.25f * density * m.z / cos_im;
     const float cosine = cosine_hemisphere_pdf(wo.z);
-    const Spectrum t_o = interpolate(s, [&](const Coating& c) { return c.at(wo.z); });
+    const Spectrum t_o = interpolate(s, [&](const RoughCoating& c) { return c.at(wo.z); });
     return {f * s.tint * (seen * facets_.masking(wo)) + s.base * t_o * cosine,
             s.specular_probability * pdf + (1 - s.specular_probability) * cosine};
   }
@@ -159,7 +129,7 @@ private:
   Roughness roughness_;
   Microfacets facets_;
   float low_ = 1, high_ = 1;  // smallest and largest index, interior over exterior
-  std::vector<Coating> coatings_;
+  std::vector<RoughCoating> coatings_;
 };
 
 AUREOLE_PLUGIN(

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole pigment fit: K and S of paints from measured samples, and how far to believe them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "aureole/core/error.h"
+#include "aureole/core/image.h"
+#include "aureole/instrument/paint/paint_colour.h"
+#include "aureole/instrument/paint/paint_files.h"
+#include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/palette_text.h"
+#include "aureole/pigment/prediction.h"
+#include "pigment/pigment_options.h"
+
+namespace aureole {
+namespace {
+
+struct FitOptions {
+  std::string samples, white = "white", output, json, plot, illuminant = "D65";
+  SurfaceOptions surface;
+};
+
+struct Errors {
+  double mean = 0, worst = 0, rms = 0;
+  int count = 0;
+
+  void add(double difference, double of_rms) {
+    mean = (mean * count + difference) / (count + 1);
+    worst = std::max(worst, difference), rms = std::max(rms, of_rms), ++count;
+  }
+};
+
+/// Median of error/|value|, or nothing where errors are not known.
+std::string relative_error(const std::vector<double>& values, const std::vector<double>& errors) {
+  if (errors.empty()) return "-";
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (values[i] != 0) ratios.push_back(errors[i] / std::abs(values[i]));
+  if (ratios.empty()) return "-";
+  std::nth_element(ratios.begin(), ratios.begin() + std::ptrdiff_t(ratios.size() / 2), ratios.end());
+  return fmt::format("{:.2g} %", 100 * ratios[ratios.size() / 2]);
+}
+
+/// K/S of every paint, on a logarithmic axis, in the paint's own colour.
+std::string plot_of(const pigment::Palette& palette, const pigment::Observation& lamp,
+                    const std::string& file) {
+  Plot plot{"K/S of the paints of " + file, "wavelength, nm", "K/S", {}, true};
+  pigment::Palette usable = palette;
+  pigment::clamp_negative(usable);
+  for (const pigment::Pigment& p : usable.pigments) {
+    std::vector<double> ratio, reflectance;
+    for (std::size_t i = 0; i < palette.nm.size(); ++i) {
+      ratio.push_back(p.s[i] > 0 ? p.k[i] / p.s[i] : 0);
+      reflectance.push_back(pigment::outer_reflectance(
+          palette.surface, p.s[i] > 0 ? pigment::opaque_reflectance(ratio.back()) : 0));
+    }
+    plot.series.push_back(
+        spectrum_line(palette.nm, ratio, p.name, screen_colour(lamp.xyz(reflectance), lamp.white())));
+  }
+  return svg_plot(plot);
+}
+
+nlohmann::json report_json(const pigment::FitReport& r) {
+  nlohmann::json out = {{"method", name_of(r.method)},    {"samples", r.samples},
+                        {"measurements", r.measurements}, {"negative_k", r.negative_k},
+                        {"negative_s", r.negative_s},     {"undefined", r.undefined}};
+  if (r.negative_k + r.negative_s > 0) out["negative_nm"] = {r.negative_from_nm, r.negative_to_nm};
+  if (r.residual > 0) out["tints_rms"] = r.residual;
+  return out;
+}
+
+int fit(const FitOptions& o) {
+  const pigment::SampleTable table = read_sample_file(o.samples);
+  const bool ours = o.samples == kMeasuredPaints && !o.surface.given();
+  const pigment::FitSettings settings{ours ? pigment::kimera_surface() : o.surface.surface(), o.white};
+  if (!ours && !o.surface.given())
+    fmt::print(stderr,
+               "note: no interface is taken off the reflectances; --geometry or --k1 and --k2 state one\n");
+  const pigment::Fit found = fit_file(o.samples, table, settings);
+  const pigment::Palette& palette = found.palette;
+
+  fmt::print("{}: {} paints, {} measurements, {} wavelengths from {:g} to {:g} nm; K and S {}\n\n", o.samples,
+             palette.pigments.size(), table.samples.size(), palette.nm.size(), palette.nm.front(),
+             palette.nm.back(), palette.relative ? "relative to S of \"" + o.white + "\"" : "per metre");
+  fmt::print("{:<20} {:<20} {:>7} {:>9} {:>10} {:>10} {:>10}\n", "paint", "method", "samples", "measured",
+             "error of K", "error of S", "negative");
+  for (std::size_t i = 0; i < palette.pigments.size(); ++i) {
+    const pigment::Pigment& p = palette.pigments[i];
+    const pigment::FitReport& r = found.reports[i];
+    const int negative = r.negative_k + r.negative_s;
+    fmt::print("{:<20} {:<20} {:>7} {:>9} {:>10} {:>10} {:>10}{}{}\n", p.name, name_of(r.method), r.samples,
+               r.measurements, relative_error(p.k, p.k_error), relative_error(p.s, p.s_error), negative,
+               negative ? fmt::format("  ({:g} to {:g} nm)", r.negative_from_nm, r.negative_to_nm) : "",
+               r.undefined ? fmt::format("  ({} wavelengths tell nothing of S)", r.undefined) : "");
+  }
+  fmt::print(
+      "Errors are medians over wavelengths of the standard error by repeats. Negative: values of K and S that no layer has.\n");
+
+  nlohmann::json out = palette_json(palette);
+  for (std::size_t i = 0; i < found.reports.size(); ++i)
+    out["pigments"][i]["fit"] = report_json(found.reports[i]);
+
+  const pigment::Observation lamp = observe(o.illuminant, palette.nm);
+  const auto left_out = pigment::leave_one_repeat_out(table, settings);
+  if (!left_out.empty()) {
+    Errors pure, mixed;
+    for (const pigment::LeftOut& l : left_out) {
+      const pigment::Sample& s = table.samples[l.sample];
+      const double difference = pigment::ciede2000(lamp.lab(s.values), lamp.lab(l.predicted));
+      (s.paints.size() == 1 ? pure : mixed).add(difference, l.rms);
+    }
+    fmt::print("\nEach measurement predicted from the others (illuminant {}):\n", o.illuminant);
+    for (const auto& [name, e] : {std::pair{"pure paints", pure}, {"mixtures", mixed}}) {
+      if (e.count == 0) continue;
+      fmt::print(
+          "  {:<12} {:3} predictions, Delta E 2000 mean {:.2f}, largest {:.2f}; largest rms of R {:.4f}\n",
+          name, e.count, e.mean, e.worst, e.rms);
+      out["left_out"][name] = {{"count", e.count}, {"mean", e.mean}, {"worst", e.worst}, {"rms", e.rms}};
+    }
+  }
+  // Mixtures that the fit did not use test the theory itself.
+  for (const pigment::Sample& s : table.samples) {
+    const bool unused = s.paints.size() > 2 ||
+                        (s.paints.size() == 2 && s.paints[0].name != o.white && s.paints[1].name != o.white);
+    if (!unused || (palette.relative && s.backing != "opaque")) continue;
+    const double difference =
+        pigment::ciede2000(lamp.lab(s.values), lamp.lab(pigment::predict(palette, table, s)));
+    fmt::print("  not fitted: {:<40} Delta E 2000 {:.2f}\n", s.name, difference);
+    out["not_fitted"].push_back({{"sample", s.name}, {"difference", difference}});
+  }
+
+  if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
+  if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
+  if (!o.plot.empty()) write_file_atomically(o.plot, plot_of(palette, lamp, o.samples));
+  return 0;
+}
+
+std::function<int()> declare(CommandOptions& options) {
+  auto o = std::make_shared<FitOptions>();
+  options
+      .add("samples", o->samples,
+           "table of measured samples (.csv or .json), or kimera: 13 acrylics, by miciwan, CC BY 4.0")
+      .required();
+  options.add("--white", o->white, "the paint that tints are made with").shows_default();
+  o->surface.declare(options, "the measurements");
+  options.add("--illuminant", o->illuminant, "lamp of the colour differences").shows_default();
+  options.add("-o,--output", o->output, "write the palette to this file, comma-separated");
+  options.add("--json", o->json, "also write palette and report to this file");
+  options.add("--plot", o->plot, "write K/S of all paints to this SVG file");
+  return [o] { return fit(*o); };
+}
+
+AUREOLE_COMMAND("pigment fit", "K and S of paints from measured samples, with errors and checks", declare);
+
+}  // namespace
+}  // namespace aureole

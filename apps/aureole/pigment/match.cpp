@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole pigment match: recipes for a colour, and how they look under other lamps.
+#include <fmt/format.h>
+
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "aureole/core/error.h"
+#include "aureole/core/image.h"
+#include "aureole/core/parallel.h"
+#include "aureole/core/units.h"
+#include "aureole/instrument/paint/paint_colour.h"
+#include "aureole/instrument/paint/paint_files.h"
+#include "pigment/pigment_options.h"
+
+namespace aureole {
+namespace {
+
+struct MatchOptions {
+  std::string palette = "kimera", target, illuminant = "D65", json, plot, thickness;
+  std::vector<std::string> others{"A", "F11"}, least, most, only;
+  int paints = 3, solutions = 5;
+  double substrate = 1;
+  SurfaceOptions surface;
+};
+
+/// "white=0.5" in a list of bounds.
+void set_bounds(const pigment::Palette& palette, const std::vector<std::string>& texts,
+                const std::string& option, std::vector<double>& bounds) {
+  for (const std::string& text : texts) {
+    const auto equals = text.rfind('=');
+    if (equals == text.npos) throw Error(option + ": write PAINT=SHARE, got \"" + text + "\"");
+    const std::string name = text.substr(0, equals);
+    const auto at = palette.find(name);
+    if (!at) throw Error(option + ": unknown paint \"" + name + "\"" + did_you_mean(name, palette.names()));
+    double share = 0;
+    try {
+      share = parse_number(text.substr(equals + 1));
+    } catch (const Error& e) {
+      throw Error(option + " " + text + ": " + e.message());
+    }
+    if (!(share >= 0 && share <= 1)) throw Error(option + " " + text + ": a share is in [0, 1]");
+    bounds[*at] = share;
+  }
+}
+
+int match(const MatchOptions& o) {
+  const pigment::Palette whole = usable_palette(o.palette, o.surface);
+  const ColourTarget wanted = read_colour_target(o.target, whole, o.illuminant, "target");
+  const pigment::Palette& palette = wanted.palette;
+  const pigment::Observation lamp = observe(o.illuminant, palette.nm);
+  std::vector<pigment::Observation> others;
+  for (const std::string& name : o.others)
+    if (name != o.illuminant) others.push_back(observe(name, palette.nm));
+
+  pigment::MatchSettings settings;
+  settings.max_paints = o.paints, settings.solutions = o.solutions;
+  settings.least.assign(palette.pigments.size(), 0);
+  settings.most.assign(palette.pigments.size(), o.only.empty() ? 1 : 0);
+  for (const std::string& name : o.only) set_bounds(palette, {name + "=1"}, "--only", settings.most);
+  set_bounds(palette, o.least, "--least", settings.least);
+  set_bounds(palette, o.most, "--most", settings.most);
+  settings.thickness = thickness_for(palette, o.thickness);
+  settings.substrate = {o.substrate};
+
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<pigment::Match> found;
+  try {
+    found = pigment::match(
+        palette, wanted.target, lamp, others, settings,
+        [](std::size_t n, const auto& body, std::size_t grain) { for_ranges(n, body, grain); });
+  } catch (const std::domain_error& e) {
+    throw Error(e.what());
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const bool spectral = !wanted.target.reflectance.empty();
+
+  const pigment::Lab& lab = wanted.target.lab;
+  fmt::print("{}: L* {:.2f}  a* {:.2f}  b* {:.2f} under {}; {} paints, at most {} of them, {:.2f} s\n\n",
+             o.target, lab.l, lab.a, lab.b, o.illuminant, palette.pigments.size(), o.paints, seconds);
+  fmt::print("{:>9}", o.illuminant);
+  if (spectral) {
+    for (const auto& other : others) fmt::print("{:>9}", other.name());
+    fmt::print("{:>9}", "rms R");
+  }
+  fmt::print("  {:<9}recipe\n", "colour");
+  nlohmann::json out = {{"target", {lab.l, lab.a, lab.b}},
+                        {"illuminant", o.illuminant},
+                        {"solutions", nlohmann::json::array()}};
+  for (const pigment::Match& m : found) {
+    const auto recipe = components_of(palette, m.fractions);
+    fmt::print("{:9.3f}", m.difference);
+    nlohmann::json one = {{"difference", m.difference},
+                          {"lab", {m.lab.l, m.lab.a, m.lab.b}},
+                          {"recipe", nlohmann::json::object()}};
+    if (spectral) {
+      for (std::size_t i = 0; i < others.size(); ++i) {
+        fmt::print("{:9.3f}", m.differences[i]);
+        one["metamerism"][others[i].name()] = m.differences[i];
+      }
+      fmt::print("{:9.4f}", m.rms);
+      one["rms"] = m.rms;
+    }
+    fmt::print("  {:<9}{}\n", screen_colour(lamp.xyz(m.reflectance), lamp.white()),
+               pigment::recipe_text(recipe));
+    for (const auto& c : recipe) one["recipe"][c.name] = c.fraction;
+    out["solutions"].push_back(std::move(one));
+  }
+  fmt::print("Columns are CIEDE2000 differences to the target under each lamp{}.\n",
+             spectral ? "; those beyond the first are metamerism" : "");
+  if (!spectral)
+    fmt::print("The target is a colour, not a reflectance: what it does under other lamps is not known.\n");
+
+  if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
+  if (!o.plot.empty()) {
+    Plot plot{"Recipes for " + o.target, "wavelength, nm", "reflectance", {}};
+    if (spectral)
+      plot.series.push_back(spectrum_line(palette.nm, wanted.target.reflectance, "target", "black"));
+    const char* const kColours[] = {"#c03020", "#2050c0", "#208030", "#a06000", "#8030a0"};
+    for (std::size_t i = 0; i < std::min(found.size(), std::size(kColours)); ++i)
+      plot.series.push_back(spectrum_line(palette.nm, found[i].reflectance,
+                                          pigment::recipe_text(components_of(palette, found[i].fractions), 1),
+                                          kColours[i]));
+    write_file_atomically(o.plot, svg_plot(plot));
+  }
+  return 0;
+}
+
+std::function<int()> declare(CommandOptions& options) {
+  auto o = std::make_shared<MatchOptions>();
+  options.add("palette", o->palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
+  options.add("target", o->target, "#rrggbb, \"lab(50, 20, -10)\", a colour name of HTML, or FILE#SAMPLE")
+      .required();
+  options.add("-n,--paints", o->paints, "of a recipe, at most").between(1, 6).shows_default();
+  options.add("--solutions", o->solutions, "to print, at most").between(1, 1000).shows_default();
+  options.add("--illuminant", o->illuminant, "lamp under which colours shall match").shows_default();
+  options.add("--others", o->others, "lamps of the report on metamerism (default A,F11)").separated_by(',');
+  options.add("--least", o->least, "PAINT=SHARE: no recipe has less of it").takes_each_time(1);
+  options.add("--most", o->most, "PAINT=SHARE: no recipe has more of it").takes_each_time(1);
+  options.add("--only", o->only, "use this paint, and no others but those named in the same way")
+      .takes_each_time(1);
+  options.add(
+      "--thickness", o->thickness,
+      "of the layer, \"20um\"; for relative palettes a number, in 1/S of the white (default: opaque)");
+  options.add("--substrate", o->substrate, "inner reflectance of what a layer with a thickness lies on")
+      .between(0.0, 1.0)
+      .shows_default();
+  o->surface.declare(options, "the result, in place of the palette's own");
+  options.add("--json", o->json, "also write the solutions to this file");
+  options.add("--plot", o->plot, "write the reflectances of five solutions to this SVG file");
+  return [o] { return match(*o); };
+}
+
+AUREOLE_COMMAND("pigment match", "Recipes of at most n paints for a colour", declare);
+
+}  // namespace
+}  // namespace aureole

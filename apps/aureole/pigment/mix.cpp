@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole pigment mix: reflectance and colour of a mixture of paints.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "aureole/core/error.h"
+#include "aureole/core/image.h"
+#include "aureole/instrument/paint/paint_colour.h"
+#include "aureole/instrument/paint/paint_files.h"
+#include "pigment/pigment_options.h"
+
+namespace aureole {
+namespace {
+
+struct MixOptions {
+  LayerOfPaint layer;
+  double substrate = 1, step = 20;
+  std::string plot;
+  int ladder = 0;
+  SurfaceOptions surface;
+};
+
+/// Mixtures of the recipe with the first paint's share from all to nothing, in equal steps.
+std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
+                                           const std::vector<double>& fractions, int steps) {
+  const std::size_t first = std::size_t(
+      std::find_if(fractions.begin(), fractions.end(), [](double f) { return f > 0; }) - fractions.begin());
+  if (fractions[first] == 1) throw Error("--ladder: the recipe has one paint only");
+  std::vector<std::vector<double>> all;
+  for (int i = 0; i <= steps; ++i) {
+    const double share = 1 - double(i) / steps;
+    std::vector<double>& f = all.emplace_back(palette.pigments.size());
+    for (std::size_t p = 0; p < f.size(); ++p)
+      f[p] = p == first ? share : fractions[p] * (1 - share) / (1 - fractions[first]);
+  }
+  return all;
+}
+
+int mix(const MixOptions& o) {
+  const pigment::Palette palette = usable_palette(o.layer.palette, o.surface);
+  const std::vector<double> fractions =
+      recipe_fractions(palette, o.layer.recipe, o.layer.by_volume, "recipe");
+  const double thickness = thickness_for(palette, o.layer.thickness);
+  const double substrate[] = {o.substrate};
+  const pigment::Observation lamp = observe(o.layer.illuminant, palette.nm);
+  const auto reflectance = [&](const std::vector<double>& f) {
+    return pigment::paint_reflectance(pigment::mix(palette, f), thickness, substrate, palette.surface);
+  };
+  const pigment::Paint paint = pigment::mix(palette, fractions);
+  const std::vector<double> mixed = reflectance(fractions);
+
+  fmt::print(
+      "{}\n{}, illuminant {}: {}\n\n", pigment::recipe_text(components_of(palette, fractions)),
+      std::isinf(thickness) ? "opaque" : fmt::format("{} thick over {:g}", o.layer.thickness, o.substrate),
+      o.layer.illuminant, colour_text(lamp, mixed));
+  fmt::print("{:>8} {:>12} {:>12} {:>9} {:>9}\n", "nm", palette.relative ? "K, relative" : "K, 1/m",
+             palette.relative ? "S, relative" : "S, 1/m", "R inner", "R");
+  double next = palette.nm.front();
+  for (std::size_t i = 0; i < palette.nm.size(); ++i) {
+    if (palette.nm[i] < next) continue;
+    while (next <= palette.nm[i]) next += o.step;
+    fmt::print("{:8.1f} {:12.5g} {:12.5g} {:9.5f} {:9.5f}\n", palette.nm[i], paint[i].k, paint[i].s,
+               pigment::inner_reflectance(palette.surface, mixed[i]), mixed[i]);
+  }
+  nlohmann::json out = {
+      {"recipe", nlohmann::json::object()}, {"wavelengths_nm", palette.nm}, {"reflectance", mixed}};
+  for (const auto& c : components_of(palette, fractions)) out["recipe"][c.name] = c.fraction;
+  for (const auto& c : paint) out["k"].push_back(c.k), out["s"].push_back(c.s);
+  const pigment::Lab lab = lamp.lab(mixed);
+  out["lab"] = {lab.l, lab.a, lab.b};
+
+  Plot plot{pigment::recipe_text(components_of(palette, fractions)), "wavelength, nm", "reflectance", {}};
+  if (o.ladder > 0) {
+    fmt::print("\n{:>8}\n", "ladder");
+    for (const auto& step : ladder_of(palette, fractions, o.ladder)) {
+      const std::vector<double> r = reflectance(step);
+      const std::string recipe = pigment::recipe_text(components_of(palette, step));
+      fmt::print("  {}  {}\n", colour_text(lamp, r), recipe);
+      plot.series.push_back(spectrum_line(palette.nm, r, "", screen_colour(lamp.xyz(r), lamp.white())));
+    }
+  }
+  plot.series.push_back(spectrum_line(palette.nm, mixed, "",
+                                      o.ladder > 0 ? "black" : screen_colour(lamp.xyz(mixed), lamp.white())));
+  if (!o.plot.empty()) write_file_atomically(o.plot, svg_plot(plot));
+  if (!o.layer.json.empty()) write_file_atomically(o.layer.json, out.dump(1) + "\n");
+  return 0;
+}
+
+std::function<int()> declare(CommandOptions& options) {
+  auto o = std::make_shared<MixOptions>();
+  o->layer.declare(options);
+  options.add("--substrate", o->substrate, "inner reflectance of what a layer with a thickness lies on")
+      .between(0.0, 1.0)
+      .shows_default();
+  o->surface.declare(options, "the result, in place of the palette's own");
+  options.add("--step", o->step, "nm between the rows that are printed").between(0.01, 1e9).shows_default();
+  options.add("--ladder", o->ladder, "also that many steps from the recipe's first paint to the rest of it")
+      .between(1, 1000);
+  options.add("--plot", o->plot, "write the reflectance, with the ladder, to this SVG file");
+  return [o] { return mix(*o); };
+}
+
+AUREOLE_COMMAND("pigment mix", "Reflectance and colour of a mixture of paints", declare);
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pigment/pigment_options.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "aureole/core/error.h"
+#include "aureole/core/units.h"
+#include "aureole/instrument/paint/paint_colour.h"
+#include "aureole/instrument/paint/paint_files.h"
+
+namespace aureole {
+
+void SurfaceOptions::declare(CommandOptions& options, const std::string& whose) {
+  options
+      .add("--geometry", geometry,
+           "how the interface to air is lit and seen in " + whose + ": diffuse, d8 (sphere), 45_0, or none")
+      .one_of({"none", "diffuse", "d8", "45_0"});
+  options.add("--specular", specular, "light that the interface reflects: included or excluded")
+      .one_of({"included", "excluded"})
+      .shows_default();
+  options.add("--index", index, "of the binder").between(1.0, 4.0).shows_default();
+  options.add("--alpha", alpha, "roughness of the interface (GGX), with --geometry diffuse")
+      .between(0.0, 1.0);
+  options.add("--k1", k1, "Saunderson's reflectance from outside, with --k2 in place of --geometry");
+  options.add("--k2", k2, "Saunderson's reflectance from within");
+}
+
+pigment::Surface SurfaceOptions::surface() const {
+  using namespace pigment;
+  const Specular light = specular == "included" ? Specular::included : Specular::excluded;
+  try {
+    if (k1 >= 0 || k2 >= 0) {
+      if (!(k1 >= 0 && k2 >= 0)) throw Error("--k1 and --k2 are given together");
+      if (!geometry.empty()) throw Error("--geometry: is not used where --k1 and --k2 are given");
+      return saunderson_surface(k1, k2, light);
+    }
+    if (alpha > 0 && geometry != "diffuse")
+      throw Error("--alpha: a rough interface needs --geometry diffuse");
+    if (geometry == "diffuse")
+      return alpha > 0 ? rough_surface(index, alpha, light)
+                       : smooth_surface(index, Geometry::diffuse_diffuse, light);
+    if (geometry == "d8") return smooth_surface(index, Geometry::diffuse_8, light);
+    if (geometry == "45_0") return smooth_surface(index, Geometry::angle_45_0, light);
+  } catch (const std::domain_error& e) {
+    throw Error(e.what());
+  }
+  return {};
+}
+
+void LayerOfPaint::declare(CommandOptions& options) {
+  options.add("palette", palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
+  options.add("recipe", recipe, "paints and parts by mass, \"red: 1 + white: 3\", or per cent").required();
+  options.add("--volume", by_volume, "the parts are by volume; the palette needs densities");
+  options.add("--thickness", thickness,
+              "of the layer, \"20um\"; for relative palettes a number, in 1/S of the white");
+  options.add("--illuminant", illuminant, "lamp of the colours").shows_default();
+  options.add("--json", json, "also write the figures to this file");
+}
+
+pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface) {
+  pigment::Palette palette = read_palette_file(file);
+  if (const int count = pigment::clamp_negative(palette))
+    fmt::print(stderr, "note: {}: {} negative values of K and S count as zero\n", file, count);
+  if (surface.given()) palette.surface = surface.surface();
+  return palette;
+}
+
+double thickness_for(const pigment::Palette& palette, const std::string& text) {
+  if (text.empty()) return std::numeric_limits<double>::infinity();
+  double value = 0;
+  try {
+    value = palette.relative ? parse_number(text) : parse_length_m(text);
+  } catch (const Error& e) {
+    throw Error("--thickness: " + e.message() +
+                (palette.relative
+                     ? " (K and S of this palette are relative: thickness counts in 1/S of the white)"
+                     : ""));
+  }
+  if (!(value > 0)) throw Error("--thickness: must be positive, got " + text);
+  return value;
+}
+
+std::string colour_text(const pigment::Observation& lamp, const std::vector<double>& reflectance) {
+  const pigment::Lab lab = lamp.lab(reflectance);
+  return fmt::format("L* {:6.2f}  a* {:7.2f}  b* {:7.2f}  {}", lab.l, lab.a, lab.b,
+                     screen_colour(lamp.xyz(reflectance), lamp.white()));
+}
+
+PlotSeries spectrum_line(const std::vector<double>& nm, const std::vector<double>& values,
+                         const std::string& label, const std::string& colour) {
+  PlotSeries series;
+  series.x = nm, series.y = values, series.label = label, series.color = colour;
+  return series;
+}
+
+}  // namespace aureole

@@ -1,0 +1,297 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Paints by Kubelka and Munk: K and S from measurements, mixtures, recipes for a colour (docs/pigments.md).
+
+Reflectances are fractions. "Inner" ones are those of the pigmented layer within its binder, "outer" ones what an
+instrument sees through the interface to air. Wavelengths are in nm. Functions of numbers broadcast as numpy does.
+"""
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _aureole
+from ._arrays import real, scalar
+from ._errors import Error
+from ._vectorised import broadcast, choice, last_axis, shaped
+
+__all__ = ["Layer", "Match", "Paint", "Palette", "Surface", "ciede2000", "coefficients", "fit", "k_over_s", "lab", "layer",
+           "opaque_reflectance", "saunderson", "surface"]
+
+Reals = npt.NDArray[np.float64]
+
+
+class Layer(NamedTuple):
+    """Reflectance and transmittance of a layer alone."""
+
+    reflectance: Reals
+    transmittance: Reals
+
+
+def layer(k: npt.ArrayLike, s: npt.ArrayLike, thickness: npt.ArrayLike) -> Layer:
+    """A layer that absorbs `k` and scatters `s` of diffuse light per length (Kubelka 1948).
+
+    Parameters
+    ----------
+    k, s : array_like
+        At least 0, in the inverse of the unit of thickness.
+    thickness : array_like
+        At least 0.
+
+    Returns
+    -------
+    Layer
+        Inner reflectance and transmittance.
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> float(round(pigment.layer(0, 3, 2).reflectance, 6))  # S X/(1 + S X)
+    0.857143
+    """
+    shape, (k_, s_, x) = broadcast(k=real("k", k, minimum=0), s=real("s", s, minimum=0),
+                                   thickness=real("thickness", thickness, minimum=0))
+    result = np.empty((2, k_.size))
+    _aureole.pigment_layer(k_, s_, x, result)
+    return Layer(shaped(result[0], shape), shaped(result[1], shape))
+
+
+def coefficients(reflectance: npt.ArrayLike, transmittance: npt.ArrayLike,
+                 thickness: npt.ArrayLike) -> Tuple[Reals, Reals]:
+    """K and S of a layer from what it reflects and transmits: the inverse of `layer`."""
+    shape, (r, t, x) = broadcast(reflectance=real("reflectance", reflectance, minimum=0, maximum=1),
+                                 transmittance=real("transmittance", transmittance, positive=True, maximum=1),
+                                 thickness=real("thickness", thickness, positive=True))
+    result = np.empty((2, r.size))
+    _aureole.pigment_coefficients(r, t, x, result)
+    return shaped(result[0], shape), shaped(result[1], shape)
+
+
+def _mapped(function: Any, values: Reals, *before: Any) -> Any:
+    flat = np.ascontiguousarray(values).reshape(-1)
+    result = np.empty(flat.size)
+    function(*before, flat, result)
+    return shaped(result, values.shape)
+
+
+def opaque_reflectance(k_over_s: npt.ArrayLike) -> Any:
+    """Inner reflectance of a layer through which nothing shows, by K/S >= 0.
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> float(round(pigment.opaque_reflectance(0.5), 6))
+    0.381966
+    """
+    return _mapped(_aureole.pigment_opaque_reflectance, real("k_over_s", k_over_s, minimum=0))
+
+
+def k_over_s(reflectance: npt.ArrayLike) -> Any:
+    """K/S of an opaque layer, (1 - R)^2/(2 R), from its inner reflectance in (0, 1]."""
+    return _mapped(_aureole.pigment_k_over_s, real("reflectance", reflectance, positive=True, maximum=1))
+
+
+class Surface(NamedTuple):
+    """The interface between binder and air: outer R = seen + through R/(1 - k2 R). The default is none."""
+
+    seen: float = 0.0
+    through: float = 1.0
+    k2: float = 0.0
+
+    def outer(self, inner: npt.ArrayLike) -> Any:
+        """Outer reflectance of inner ones."""
+        return _mapped(_aureole.pigment_outer, real("inner", inner, minimum=0, maximum=1), tuple(self))
+
+    def inner(self, outer: npt.ArrayLike) -> Any:
+        """Inner reflectance of outer ones; an Error where no layer has them."""
+        return _mapped(_aureole.pigment_inner, real("outer", outer, minimum=0), tuple(self))
+
+
+def surface(geometry: str = "diffuse", *, index: float = 1.5, specular: str = "excluded", alpha: float = 0) -> Surface:
+    """The interface to a binder of this index.
+
+    Parameters
+    ----------
+    geometry : str
+        "diffuse" (lit and seen from everywhere), "d8" (a sphere instrument) or "45_0".
+    index : float
+        Of the binder, at least 1.
+    specular : str
+        "included" or "excluded": whether light that the interface reflects is counted.
+    alpha : float
+        Roughness (GGX) in [0, 1], for "diffuse".
+    """
+    choice("geometry", geometry, "diffuse", "d8", "45_0")
+    choice("specular", specular, "included", "excluded")
+    rough = scalar("alpha", alpha, minimum=0, maximum=1)
+    if rough > 0 and geometry != "diffuse":
+        raise Error('alpha: a rough interface needs the geometry "diffuse"')
+    return Surface(*_aureole.pigment_interface(geometry, specular, scalar("index", index, minimum=1), rough))
+
+
+def saunderson(k1: float, k2: float, *, specular: str = "included") -> Surface:
+    """Saunderson's interface by its reflectance from outside, k1, and from within, k2."""
+    choice("specular", specular, "included", "excluded")
+    return Surface(*_aureole.pigment_saunderson(scalar("k1", k1), scalar("k2", k2), specular))
+
+
+def ciede2000(a: npt.ArrayLike, b: npt.ArrayLike) -> Any:
+    """CIEDE2000 difference of colours (..., 3) of L*, a*, b* (Sharma, Wu & Dalal 2005)."""
+    first, second = real("a", a), real("b", b)
+    last_axis("a", first, 3)
+    last_axis("b", second, 3)
+    shape, (p, q) = broadcast(a=first, b=second)
+    result = np.empty(p.size // 3)
+    _aureole.pigment_difference(p.reshape(-1, 3), q.reshape(-1, 3), result)
+    return shaped(result, shape[:-1])
+
+
+def lab(nm: npt.ArrayLike, reflectance: npt.ArrayLike, illuminant: str = "D65") -> Reals:
+    """L*, a*, b* of outer reflectances (..., len(nm)) for the CIE 1931 observer."""
+    wavelengths, r = real("nm", nm, positive=True), real("reflectance", reflectance, minimum=0)
+    last_axis("reflectance", r, wavelengths.size)
+    rows = _aureole.pigment_lab(wavelengths.tolist(), r.reshape(-1, wavelengths.size).tolist(), illuminant)
+    return np.array(rows).reshape(r.shape[:-1] + (3,))
+
+
+@dataclass(frozen=True)
+class Paint:
+    """A mixture of a palette's paints: K and S over its wavelengths."""
+
+    nm: Reals
+    k: Reals
+    s: Reals
+    surface: Surface
+
+    def reflectance(self, thickness: float = math.inf, substrate: npt.ArrayLike = 0.0) -> Reals:
+        """Outer reflectance: opaque, or of a thickness (in the inverse unit of K and S) over a substrate of that inner reflectance."""
+        if math.isinf(thickness):
+            ratio = np.divide(self.k, self.s, out=np.zeros_like(self.k), where=self.s > 0)
+            inner = np.where(self.s > 0, opaque_reflectance(ratio), 0.0)
+        else:
+            free = layer(self.k, self.s, scalar("thickness", thickness, positive=True))
+            below = real("substrate", substrate, minimum=0, maximum=1)
+            inner = free.reflectance + free.transmittance**2 * below / (1 - free.reflectance * below)
+        return np.asarray(self.surface.outer(np.minimum(inner, 1.0)))
+
+
+@dataclass(frozen=True)
+class Match:
+    """A recipe: shares by mass, CIEDE2000 to the target under the lamp and under others, rms of R, and the reflectance."""
+
+    recipe: Dict[str, float]
+    difference: float
+    metamerism: Dict[str, float]
+    rms: float
+    reflectance: Reals
+
+
+@dataclass(frozen=True)
+class Palette:
+    """Paints that can be mixed.
+
+    Attributes
+    ----------
+    nm : numpy.ndarray
+        Wavelengths.
+    names : tuple of str
+    k, s : numpy.ndarray
+        (paints, wavelengths), as fitted: negative values count as zero in mixtures.
+    k_error, s_error : numpy.ndarray
+        Standard errors, NaN where not known.
+    relative : bool
+        K and S are relative to S of the white; else per metre.
+    surface : Surface
+        What the measurements were seen through.
+    """
+
+    nm: Reals
+    names: Tuple[str, ...]
+    k: Reals
+    s: Reals
+    k_error: Reals
+    s_error: Reals
+    relative: bool
+    surface: Surface
+
+    @staticmethod
+    def _of(parts: Any) -> "Palette":
+        nm, names, k, s, k_error, s_error, relative, interface = parts
+
+        def errors(rows: List[List[float]]) -> Reals:
+            return np.array([row or [math.nan] * len(nm) for row in rows])
+
+        return Palette(np.array(nm), tuple(names), np.array(k), np.array(s), errors(k_error), errors(s_error), relative,
+                       Surface(*interface))
+
+    @staticmethod
+    def load(file: Union[str, "os.PathLike[str]"]) -> "Palette":
+        """A palette as `aureole pigment fit` writes it; "kimera": 13 measured acrylics, by miciwan, CC BY 4.0."""
+        return Palette._of(_aureole.pigment_palette(os.fspath(file)))
+
+    def _parts(self) -> Any:
+        return (self.nm.tolist(), list(self.names), self.k.tolist(), self.s.tolist(), [], [], self.relative, tuple(self.surface))
+
+    def fractions(self, recipe: Union[str, Mapping[str, float]]) -> Reals:
+        """Mass fractions, one for each paint, of "red: 1 + white: 3" or {"red": 1, "white": 3}."""
+        if not isinstance(recipe, str):
+            recipe = " + ".join(f"{name}: {scalar(f'recipe[{name!r}]', amount):.17g}" for name, amount in recipe.items())
+        return np.array(_aureole.pigment_recipe(self._parts(), recipe))
+
+    def mix(self, recipe: Union[str, Mapping[str, float]]) -> Paint:
+        """A mixture by mass."""
+        fractions = self.fractions(recipe)
+        return Paint(self.nm, fractions @ np.maximum(self.k, 0), fractions @ np.maximum(self.s, 0), self.surface)
+
+    def match(self, target: npt.ArrayLike, *, paints: int = 3, solutions: int = 5, illuminant: str = "D65",
+              others: Sequence[str] = ("A", "F11"), least: Mapping[str, float] = {}, most: Mapping[str, float] = {}) -> List[Match]:
+        """Recipes of at most `paints` paints, opaque, best first.
+
+        Parameters
+        ----------
+        target : array_like
+            Three numbers: L*, a*, b* under `illuminant`. As many as wavelengths: an outer reflectance, which is also
+            compared under `others`.
+        paints, solutions : int
+            Most paints of a recipe, 1 to 6; most recipes.
+        least, most : mapping of str to float
+            Bounds of a paint's share.
+        """
+        wanted = real("target", target)
+        if wanted.shape not in ((3,), self.nm.shape):
+            raise Error(f"target: expected 3 numbers (L*, a*, b*) or {self.nm.size} (a reflectance), got shape {wanted.shape}")
+        spectral = wanted.shape == self.nm.shape
+        bounds = []
+        for name, given, default in (("least", least, 0.0), ("most", most, 1.0)):
+            values = [default] * len(self.names)
+            for paint, share in given.items():
+                if paint not in self.names:
+                    raise Error(f"{name}: unknown paint {paint!r}; there are {', '.join(self.names)}")
+                values[self.names.index(paint)] = scalar(name, share, minimum=0, maximum=1)
+            bounds.append(values)
+        found = _aureole.pigment_match(self._parts(), [] if spectral else wanted.tolist(), wanted.tolist() if spectral else [],
+                                       paints, solutions, illuminant, list(others), *bounds)
+        return [Match({n: f for n, f in zip(self.names, fractions) if f > 0}, difference, dict(zip(others, differences)), rms,
+                      np.array(reflectance)) for fractions, difference, differences, rms, reflectance in found]
+
+
+def fit(file: Union[str, "os.PathLike[str]"], *, white: str = "white", surface: Union[Surface, None] = None) -> Palette:
+    """K and S of the paints of a table of measured samples, .csv or .json (docs/pigments.md).
+
+    Parameters
+    ----------
+    file : str or path
+        "kimera": 13 measured acrylics, by miciwan, CC BY 4.0.
+    white : str
+        The paint that tints are made with.
+    surface : Surface, optional
+        What the measurements were seen through; without one reflectances are taken as they are.
+    """
+    name = os.fspath(file)
+    if surface is None:
+        surface = Surface(*_aureole.pigment_kimera_surface()) if name == "kimera" else Surface()
+    return Palette._of(_aureole.pigment_fit(name, white, tuple(surface)))

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+// Paints: layers, interfaces, fits, recipes. aureole/pigment.py checks the arguments and shapes the results.
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
+
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "aureole/instrument/paint/paint_colour.h"
+#include "aureole/instrument/paint/paint_files.h"
+#include "aureole/pigment/kubelka_munk_inverse.h"
+#include "aureole/pigment/measured_paints.h"
+#include "bindings.h"
+#include "optics_bindings.h"
+#include "vectorised.h"
+
+namespace aureole::python {
+namespace {
+
+using Numbers = std::vector<double>;
+using Table = std::vector<Numbers>;  ///< a row for each paint
+using SurfaceNumbers = std::tuple<double, double, double>;
+/// Wavelengths, names, K, S, errors of K, of S, relative, surface.
+using PaletteParts =
+    std::tuple<Numbers, std::vector<std::string>, Table, Table, Table, Table, bool, SurfaceNumbers>;
+
+SurfaceNumbers numbers_of(const pigment::Surface& s) { return {s.seen, s.through, s.k2}; }
+pigment::Surface surface_of(const SurfaceNumbers& s) {
+  return {std::get<0>(s), std::get<1>(s), std::get<2>(s)};
+}
+
+PaletteParts parts_of(const pigment::Palette& p) {
+  Table k, s, k_error, s_error;
+  for (const pigment::Pigment& one : p.pigments) {
+    k.push_back(one.k), s.push_back(one.s);
+    k_error.push_back(one.k_error), s_error.push_back(one.s_error);
+  }
+  return {p.nm, p.names(), k, s, k_error, s_error, p.relative, numbers_of(p.surface)};
+}
+
+pigment::Palette palette_of(const PaletteParts& parts) {
+  const auto& [nm, names, k, s, k_error, s_error, relative, surface] = parts;
+  pigment::Palette p;
+  p.nm = nm, p.relative = relative, p.surface = surface_of(surface);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    p.pigments.push_back({.name = names[i], .k = k.at(i), .s = s.at(i)});
+  return p;
+}
+
+/// Rows of `result`: reflectance, transmittance.
+void layer(const Reals& k, const Reals& s, const Reals& thickness, const Array<double, 2>& result) {
+  const std::size_t n = k.size();
+  require_size(s.size() == n && thickness.size() == n && result.shape(0) == 2 && result.shape(1) == n,
+               "layer");
+  double* to = result.data();
+  for_each(n, [&](std::size_t i) {
+    const pigment::LayerTransfer t = pigment::layer({k.data()[i], s.data()[i]}, thickness.data()[i]);
+    to[i] = t.reflectance, to[n + i] = t.transmittance;
+  });
+}
+
+/// Rows of `result`: K, S.
+void coefficients(const Reals& r, const Reals& t, const Reals& thickness, const Array<double, 2>& result) {
+  const std::size_t n = r.size();
+  require_size(t.size() == n && thickness.size() == n && result.shape(0) == 2 && result.shape(1) == n,
+               "coefficients");
+  double* to = result.data();
+  naming("reflectance", [&] {
+    for_each(n, [&](std::size_t i) {
+      const pigment::Coefficients c =
+          pigment::coefficients_of_transfer({r.data()[i], t.data()[i]}, thickness.data()[i]);
+      to[i] = c.k, to[n + i] = c.s;
+    });
+  });
+}
+
+/// One number to one number, named for errors.
+template <class F>
+void map_numbers(const char* name, const Reals& from, const Array<double>& to, const F& f) {
+  require_size(to.size() == from.size(), name);
+  naming(name, [&] { for_each(from.size(), [&](std::size_t i) { to.data()[i] = f(from.data()[i]); }); });
+}
+
+/// Rows of three numbers.
+void difference(const Array<const double, 2>& a, const Array<const double, 2>& b,
+                const Array<double>& result) {
+  const std::size_t n = result.size();
+  require_size(a.shape(0) == n && b.shape(0) == n && a.shape(1) == 3 && b.shape(1) == 3, "ciede2000");
+  for_each(n, [&](std::size_t i) {
+    const double *p = a.data() + 3 * i, *q = b.data() + 3 * i;
+    result.data()[i] = pigment::ciede2000({p[0], p[1], p[2]}, {q[0], q[1], q[2]});
+  });
+}
+
+SurfaceNumbers interface_of(const std::string& geometry, const std::string& specular, double index,
+                            double alpha) {
+  const auto light = specular == "included" ? pigment::Specular::included : pigment::Specular::excluded;
+  return naming("index", [&] {
+    if (geometry == "diffuse" && alpha > 0) return numbers_of(pigment::rough_surface(index, alpha, light));
+    const auto how = geometry == "diffuse" ? pigment::Geometry::diffuse_diffuse
+                     : geometry == "d8"    ? pigment::Geometry::diffuse_8
+                                           : pigment::Geometry::angle_45_0;
+    return numbers_of(pigment::smooth_surface(index, how, light));
+  });
+}
+
+SurfaceNumbers saunderson(double k1, double k2, const std::string& specular) {
+  return naming("k1, k2", [&] {
+    return numbers_of(pigment::saunderson_surface(
+        k1, k2, specular == "included" ? pigment::Specular::included : pigment::Specular::excluded));
+  });
+}
+
+PaletteParts fit(const std::string& file, const std::string& white, const SurfaceNumbers& surface) {
+  const Unlocked release;
+  const pigment::SampleTable table = read_sample_file(file);
+  return parts_of(fit_file(file, table, {.surface = surface_of(surface), .white = white}).palette);
+}
+
+/// L*, a*, b* of reflectances, a row each.
+Table lab(const Numbers& nm, const Table& reflectances, const std::string& illuminant) {
+  const pigment::Observation lamp = observe(illuminant, nm);
+  Table rows;
+  for (const Numbers& r : reflectances) {
+    const pigment::Lab c = naming("reflectance", [&] { return lamp.lab(r); });
+    rows.push_back({c.l, c.a, c.b});
+  }
+  return rows;
+}
+
+/// Fractions, difference, differences under other lamps, rms and reflectance of each solution.
+using Solution = std::tuple<Numbers, double, Numbers, double, Numbers>;
+
+std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab, const Numbers& target,
+                            int paints, int solutions, const std::string& illuminant,
+                            const std::vector<std::string>& others, const Numbers& least,
+                            const Numbers& most) {
+  const Unlocked release;
+  const pigment::Palette palette = palette_of(parts);
+  const pigment::Observation lamp = observe(illuminant, palette.nm);
+  std::vector<pigment::Observation> lamps;
+  for (const std::string& name : others) lamps.push_back(observe(name, palette.nm));
+  pigment::MatchTarget wanted;
+  wanted.reflectance = target;
+  pigment::MatchSettings settings;
+  settings.max_paints = paints, settings.solutions = solutions, settings.least = least, settings.most = most;
+  return naming("match", [&] {
+    wanted.lab = target.empty() ? pigment::Lab{target_lab.at(0), target_lab.at(1), target_lab.at(2)}
+                                : lamp.lab(target);
+    std::vector<Solution> all;
+    const auto threads = [](std::size_t n, const auto& body, std::size_t grain) {
+      for_ranges(n, body, grain);
+    };
+    for (const pigment::Match& m : pigment::match(palette, wanted, lamp, lamps, settings, threads))
+      all.emplace_back(m.fractions, m.difference, m.differences, m.rms, m.reflectance);
+    return all;
+  });
+}
+
+}  // namespace
+
+void bind_pigment(nb::module_& m) {
+  using nb::arg;
+  m.def("pigment_layer", &layer, arg("k"), arg("s"), arg("thickness"), arg("result").noconvert());
+  m.def("pigment_coefficients", &coefficients, arg("reflectance"), arg("transmittance"), arg("thickness"),
+        arg("result").noconvert());
+  m.def(
+      "pigment_opaque_reflectance",
+      [](const Reals& k_over_s, const Array<double>& result) {
+        map_numbers("k_over_s", k_over_s, result, [](double x) { return pigment::opaque_reflectance(x); });
+      },
+      arg("k_over_s"), arg("result").noconvert());
+  m.def(
+      "pigment_k_over_s",
+      [](const Reals& reflectance, const Array<double>& result) {
+        map_numbers("reflectance", reflectance, result, [](double x) { return pigment::k_over_s(x); });
+      },
+      arg("reflectance"), arg("result").noconvert());
+  m.def(
+      "pigment_outer",
+      [](const SurfaceNumbers& s, const Reals& inner, const Array<double>& result) {
+        map_numbers("inner", inner, result,
+                    [&](double x) { return pigment::outer_reflectance(surface_of(s), x); });
+      },
+      arg("surface"), arg("inner"), arg("result").noconvert());
+  m.def(
+      "pigment_inner",
+      [](const SurfaceNumbers& s, const Reals& outer, const Array<double>& result) {
+        map_numbers("outer", outer, result,
+                    [&](double x) { return pigment::inner_reflectance(surface_of(s), x); });
+      },
+      arg("surface"), arg("outer"), arg("result").noconvert());
+  m.def("pigment_difference", &difference, arg("a"), arg("b"), arg("result").noconvert());
+  m.def("pigment_interface", &interface_of, arg("geometry"), arg("specular"), arg("index"), arg("alpha"));
+  m.def("pigment_saunderson", &saunderson, arg("k1"), arg("k2"), arg("specular"));
+  m.def("pigment_fit", &fit, arg("file"), arg("white"), arg("surface"));
+  m.def("pigment_kimera_surface", [] { return numbers_of(pigment::kimera_surface()); });
+  m.def(
+      "pigment_palette", [](const std::string& file) { return parts_of(read_palette_file(file)); },
+      arg("file"));
+  m.def(
+      "pigment_recipe",
+      [](const PaletteParts& palette, const std::string& recipe) {
+        return recipe_fractions(palette_of(palette), recipe, false, "recipe");
+      },
+      arg("palette"), arg("recipe"));
+  m.def("pigment_lab", &lab, arg("nm"), arg("reflectances"), arg("illuminant"));
+  m.def("pigment_match", &match, arg("palette"), arg("lab"), arg("reflectance"), arg("paints"),
+        arg("solutions"), arg("illuminant"), arg("others"), arg("least"), arg("most"));
+}
+
+}  // namespace aureole::python

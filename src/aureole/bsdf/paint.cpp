@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+// A layer of paint under its own surface: Kubelka and Munk's reflectance of a mixture of pigments over a
+// substrate, and Saunderson's interface between binder and air, smooth or rough:
+//     f = f_interface + T(i) T(o) / (pi eta^2) * R / (1 - k2 R),
+// R = R(K, S, thickness, substrate) the reflectance within the binder and T, k2 the interface's directional
+// transmittance and its reflectance for diffuse light from within. The interface loses nothing.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/bsdf/microfacet/rough_coating.h"
+#include "aureole/bsdf/parameter/scalar_texture.h"
+#include "aureole/bsdf/pigment/palette_file.h"
+#include "aureole/math/warp.h"
+#include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+/// K and S of a mixture on the scene's grid, times the layer's thickness.
+struct Mixture {
+  SampledSpectrum k, s;
+
+  Mixture(const SpectralGrid& grid, const pigment::Palette& palette, const std::vector<double>& fractions,
+          double thickness) {
+    const pigment::Paint paint = pigment::mix(palette, fractions);
+    const auto table = [&](double pigment::Coefficients::*of) {
+      return SampledSpectrum::from_function(grid, [&, of](double nm) {
+        const auto above = std::upper_bound(palette.nm.begin(), palette.nm.end(), nm) - palette.nm.begin();
+        const std::size_t j = std::min(std::size_t(above), palette.nm.size() - 1),
+                          i = above == 0 ? 0 : std::size_t(above) - 1;
+        const double t = j > i ? (nm - palette.nm[i]) / (palette.nm[j] - palette.nm[i]) : 0;
+        return thickness * std::lerp(paint[i].*of, paint[j].*of, t);
+      });
+    };
+    k = table(&pigment::Coefficients::k), s = table(&pigment::Coefficients::s);
+  }
+};
+
+class Paint final : public Bsdf {
+public:
+  explicit Paint(const Properties& properties)
+      : Bsdf(properties),
+        thickness_factor_(ScalarTexture::from(properties, "thickness_factor", 1, Range::non_negative())),
+        blend_(ScalarTexture::from(properties, "blend", 0, Range::unit())) {
+    read_interface(properties);
+    read_layer(properties);
+  }
+
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    if (!(wi.z > 0 && wo.z > 0)) return {};
+    return at(State(*this, wi.z, ctx), wi, wo);
+  }
+
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
+    if (!(wi.z > 0)) return {};
+    const State state(*this, wi.z, ctx);
+    const bool specular = u1 < state.specular_probability;
+    if (specular && !coating_)
+      return BsdfSample{reflect(wi), 1 - state.t_i, state.specular_probability, Lobe::delta | Lobe::reflect};
+    Vec3 wo;
+    if (specular) {
+      const Microfacets& facets = roughness_->constant();
+      const Vec3 m = roughness_->visible() ? facets.sample_visible(wi, u2) : facets.sample_all(u2);
+      wo = normalize(2 * dot(wi, m) * m - wi);
+    } else {
+      wo = square_to_cosine_hemisphere(u2);
+    }
+    if (!(wo.z > 0)) return {};
+    const BsdfEval e = at(state, wi, wo);
+    if (!(e.pdf[0] > 0)) return {};
+    return BsdfSample{wo, e.value, e.pdf, Lobe::reflect | (specular ? Lobe::glossy : Lobe::diffuse)};
+  }
+
+  Spectrum diffuse_reflectance(const Vec3&, const BsdfContext& ctx) const override {
+    const Spectrum r = inner_reflectance(ctx);
+    return r * (leaving_ * (1 - seen_diffusely_)) / (Spectrum(1.f) - r * (1 - leaving_));
+  }
+
+  bool needs_tangent() const override { return substrate_bsdf_ && substrate_bsdf_->needs_tangent(); }
+  Lobe lobes() const override {
+    const Lobe base = Lobe::diffuse | Lobe::reflect;
+    return coating_ ? base | Lobe::glossy : eta_ != 1 ? base | Lobe::delta : base;
+  }
+
+private:
+  /// All that depends on wi.z, the point and the wavelengths only.
+  struct State {
+    float t_i, specular_probability;
+    Spectrum base;
+
+    State(const Paint& p, float cos_i, const BsdfContext& ctx) : t_i(p.transmittance(cos_i)) {
+      const Spectrum r = p.inner_reflectance(ctx);
+      const Spectrum entered = r * t_i / (Spectrum(1.f) - r * (1 - p.leaving_));
+      base = entered * (1 / (p.eta_ * p.eta_));
+      // The lobes are chosen by the energy they carry, averaged over the path's wavelengths: the same
+      // whichever of them is the hero.
+      const float s = 1 - t_i, d = mean(entered) * p.leaving_;
+      specular_probability = s + d > 0 ? s / (s + d) : 1;
+    }
+  };
+
+  /// Of the interface, from outside.
+  float transmittance(float cosine) const {
+    if (coating_) return coating_->at(cosine);
+    return eta_ == 1 ? 1 : 1 - fresnel_dielectric(cosine, eta_).reflectance;
+  }
+
+  BsdfEval at(const State& s, const Vec3& wi, const Vec3& wo) const {
+    const float cosine = cosine_hemisphere_pdf(wo.z);
+    BsdfEval e{s.base * (transmittance(wo.z) * cosine), (1 - s.specular_probability) * cosine};
+    if (!coating_) return e;
+    const Vec3 sum = wi + wo;
+    const float size = length(sum), cos_im = std::min(0.5f * size, 1.f);
+    if (!(size > 0)) return {};
+    const Microfacets& facets = roughness_->constant();
+    const Vec3 m = sum / size;
+    const float density = facets.density(m), seen = 0.25f * density * facets.masking_over_cos(wi);
+    e.value += fresnel_dielectric(cos_im, eta_).reflectance * seen * facets.masking(wo);
+    e.pdf += s.specular_probability * (roughness_->visible() ? seen : 0.25f * density * m.z / cos_im);
+    return e;
+  }
+
+  /// Kubelka and Munk's reflectance of the layer over its substrate (pigment/kubelka_munk.cpp has the same
+  /// forms in double precision).
+  Spectrum inner_reflectance(const BsdfContext& ctx) const {
+    const Wavelengths& w = ctx.wavelengths;
+    Spectrum k = first_->k.eval(w), s = first_->s.eval(w);
+    if (second_) {
+      const float t = blend_.eval(ctx);
+      k = lerp(k, second_->k.eval(w), t), s = lerp(s, second_->s.eval(w), t);
+    }
+    const Spectrum gamma = sqrt(k * (k + s * 2.f));
+    if (opaque_) return safe_divide(s, k + s + gamma);
+    const float x = thickness_factor_.eval(ctx);
+    const Spectrum path = gamma * (2 * x), decay = exp_of_negative(path * -1.f), lost = Spectrum(1.f) - decay;
+    // (1 - exp(-2 gamma x))/gamma, by its series where rounding would show.
+    const Spectrum series =
+        (Spectrum(1.f) - path * (Spectrum(0.5f) - path * (1 / 6.f - path * (1 / 24.f)))) * (2 * x);
+    const Spectrum q = select(path.v > Spectrum(0.02f).v, safe_divide(lost, gamma), series);
+    const Spectrum scale = Spectrum(1.f) / ((k + s) * q + (decay + 1.f));
+    const Spectrum r = s * q * scale, t2 = decay * scale * scale * 4.f;
+    const Spectrum below = substrate_bsdf_ ? min(substrate_bsdf_->diffuse_reflectance({0, 0, 1}, ctx), 1.f)
+                                           : substrate_->eval(ctx.point, w);
+    return min(r + t2 * safe_divide(below, Spectrum(1.f) - r * below), 1.f);
+  }
+
+  void read_interface(const Properties& properties) {
+    const Ior interior = Ior::from(properties, "int_ior", "polypropylene"),
+              exterior = Ior::from(properties, "ext_ior", "air");
+    eta_ = interior.at_sodium_d() / exterior.at_sodium_d();
+    if (!(eta_ >= 1)) throw properties.error("int_ior", "the binder's index must not be below that outside");
+    if (properties.has("alpha")) {
+      if (eta_ == 1)
+        throw properties.error("alpha",
+                               "the index is the same on both sides: there is no interface to be rough");
+      roughness_.emplace(properties, false);
+      coating_.emplace(roughness_->constant(), double(eta_), true);
+      leaving_ = coating_->leaving;
+    } else {
+      for (const char* name : {"distribution", "sample_visible"})
+        if (properties.has(name))
+          throw properties.error(name, "a smooth surface has no facets; give \"alpha\"");
+      leaving_ = float(1 - optics::fresnel_diffuse_reflectance(1 / double(eta_)));
+    }
+    seen_diffusely_ = 1 - leaving_ * eta_ * eta_;
+  }
+
+  void read_layer(const Properties& properties) {
+    const std::string file =
+        properties.has("palette") ? properties.get_file("palette").string() : kMeasuredPaints;
+    pigment::Palette palette;
+    try {
+      palette = read_palette_file(file);
+    } catch (const Error& e) {
+      throw properties.error("palette", e.what());
+    }
+    if (const int count = pigment::clamp_negative(palette))
+      properties.note("palette", std::to_string(count) + " negative values of K and S count as zero");
+    opaque_ = !properties.has("thickness");
+    double thickness = 1;
+    if (!opaque_ && palette.relative)
+      thickness = properties.get_float("thickness", Range::positive());
+    else if (!opaque_)
+      thickness = properties.get_length_m("thickness", 0);
+    const auto read = [&](const char* name) {
+      try {
+        const auto fractions = recipe_fractions(palette, properties.get_string(name),
+                                                properties.get_bool("by_volume", false), name);
+        return Mixture(properties.context().grid, palette, fractions, thickness);
+      } catch (const Error& e) {
+        throw properties.error(name, e.message());
+      }
+    };
+    first_ = read("recipe");
+    if (properties.has("second_recipe"))
+      second_ = read("second_recipe");
+    else if (properties.has("blend"))
+      throw properties.error("blend", "blends two recipes; give \"second_recipe\"");
+
+    const auto nested = properties.get_children<Bsdf>("bsdf");
+    if (nested.size() > 1)
+      throw Error(properties.where(),
+                  "\"paint\" lies on one nested BSDF, got " + std::to_string(nested.size()));
+    substrate_ = get_texture(properties, "substrate", 0, SpectrumRole::reflectance);
+    if (!nested.empty()) substrate_bsdf_ = nested[0];
+    if (substrate_bsdf_ && properties.has("substrate"))
+      throw properties.error("substrate", "give a nested BSDF or \"substrate\", not both");
+    for (const char* name : {"thickness_factor", "substrate", "bsdf"})
+      if (opaque_ && (properties.has(name) || (substrate_bsdf_ && name == std::string_view("bsdf"))))
+        properties.note(name, "has no effect: without a thickness the paint is opaque");
+  }
+
+  ScalarTexture thickness_factor_, blend_;
+  std::optional<Mixture> first_, second_;
+  bool opaque_ = true;
+  TexturePtr substrate_;
+  std::shared_ptr<const Bsdf> substrate_bsdf_;
+  std::optional<Roughness> roughness_;  // where the interface is rough
+  std::optional<RoughCoating> coating_;
+  float eta_ = 1;             // binder over outside
+  float leaving_ = 1;         // 1 - k2
+  float seen_diffusely_ = 0;  // k1, the interface's reflectance of diffuse light
+};
+
+AUREOLE_PLUGIN(
+    Paint, "bsdf", "paint",
+    PluginDoc{
+        "A layer of paint, mixed from the pigments of a palette: opaque, or with a thickness over a substrate that shows "
+        "through, under its own smooth or rough surface. K and S come from a file that `aureole pigment fit` writes, or are those "
+        "of 13 measured acrylics (by miciwan, CC BY 4.0). It reflects on the side of its normal and is black on the other; "
+        "`twosided` makes both sides alike.",
+        "P. Kubelka, New contributions to the optics of intensely light-scattering materials, J. Opt. Soc. Am. 38, 1948; J. L. "
+        "Saunderson, Calculation of the color of pigmented plastics, J. Opt. Soc. Am. 32, 1942",
+        {{"recipe", "string", "", "required",
+          "paints and parts by mass, \"red: 1 + white: 3\", or per cent, \"red: 25% + white: 75%\""},
+         {"palette", "file", "", "none",
+          "palette of K and S (docs/pigments.md); without one the measured acrylics: white, cold yellow, warm yellow, yellow "
+          "oxide, orange, red, red oxide, magenta, violet, blue red shade, blue green shade, green, black"},
+         {"by_volume", "boolean", "", "false", "parts are by volume; the palette needs densities"},
+         {"second_recipe", "string", "", "none", "a second recipe, mixed with the first by `blend`"},
+         {"blend", "texture", "", "0",
+          "mass fraction of the second recipe, in [0, 1]; one number for all wavelengths"},
+         {"thickness", "float or string", "", "none",
+          "of the layer, \"20um\"; for relative palettes, as the measured acrylics are, a number in 1/S of the white. Without "
+          "it the paint is opaque"},
+         {"thickness_factor", "texture", "", "1", "multiplies the thickness; one number for all wavelengths"},
+         {"bsdf", "bsdf", "", "none",
+          "what the paint lies on; it counts by its diffuse reflectance, seen along the normal"},
+         {"substrate", "texture", "", "0", "instead: the diffuse reflectance of what the paint lies on"},
+         {"int_ior", "float or string", "", "polypropylene",
+          "index of the binder at 589 nm, as a number or a material's name; with that outside there is no interface"},
+         {"ext_ior", "float or string", "", "air", "index outside, as a number or a material's name"},
+         {"dispersion", "boolean", "", "true",
+          "has no effect on a paint, whose interface has the index at 589 nm"},
+         {"alpha", "float", "", "none", "roughness of the surface; without it the surface is smooth"},
+         {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},
+         {"sample_visible", "boolean", "", "true",
+          "sample the normals that are visible (less noise), not all of them"}},
+        {R"(<bsdf type="paint">
+    <string name="recipe" value="blue green shade: 1 + cold yellow: 2 + white: 10"/>
+    <float name="alpha" value="0.2"/> <string name="distribution" value="ggx"/>
+</bsdf>)",
+         R"(<bsdf type="paint">
+    <string name="palette" value="two_paints.csv"/>
+    <string name="recipe" value="white: 1"/>
+    <string name="second_recipe" value="blue: 1 + white: 20"/>
+    <boolean name="by_volume" value="true"/>
+    <texture name="blend" type="checkerboard"> <float name="color0" value="0"/> <float name="color1" value="0.5"/> </texture>
+    <string name="thickness" value="15um"/>
+    <float name="thickness_factor" value="0.8"/>
+    <float name="substrate" value="0.1"/>
+    <string name="int_ior" value="bk7"/> <float name="ext_ior" value="1.1"/>
+    <boolean name="dispersion" value="false"/>
+    <float name="alpha" value="0.1"/> <boolean name="sample_visible" value="false"/>
+</bsdf>)",
+         R"(<bsdf type="paint">
+    <string name="recipe" value="magenta"/>
+    <float name="thickness" value="0.7"/>
+    <bsdf type="diffuse"> <float name="reflectance" value="0.9"/> </bsdf>
+</bsdf>)"}});
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/bsdf/pigment/palette_file.h"
+
+#include <fstream>
+
+#include "aureole/core/error.h"
+#include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/palette_text.h"
+#include "aureole/pigment/recipe.h"
+
+namespace aureole {
+
+pigment::Palette read_palette_file(const std::string& file) {
+  if (file == kMeasuredPaints) return pigment::kimera_fit().palette;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw Error({file, 0, 0}, "cannot read this file");
+  try {
+    return pigment::read_palette(stream);
+  } catch (const pigment::TextError& e) {
+    throw Error({file, e.line(), e.column()}, e.what());
+  }
+}
+
+std::vector<double> recipe_fractions(const pigment::Palette& palette, const std::string& recipe,
+                                     bool by_volume, const std::string& option) {
+  try {
+    std::vector<double> parts(palette.pigments.size());
+    for (const pigment::Component& c : pigment::parse_recipe(recipe)) {
+      const auto at = palette.find(c.name);
+      if (!at) {
+        std::string all;
+        for (const std::string& name : palette.names()) all += (all.empty() ? "" : ", ") + name;
+        throw Error(option + ": unknown paint \"" + c.name + "\"" + did_you_mean(c.name, palette.names()) +
+                    "; there are " + all);
+      }
+      parts[*at] = c.fraction;
+    }
+    return by_volume ? pigment::fractions_of_volumes(palette, parts) : pigment::fractions_of_parts(parts);
+  } catch (const std::domain_error& e) {
+    throw Error(option + ": " + e.what());
+  }
+}
+
+}  // namespace aureole

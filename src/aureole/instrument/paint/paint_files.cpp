@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/instrument/paint/paint_files.h"
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "aureole/core/error.h"
+#include "aureole/pigment/measured_paints.h"
+
+namespace aureole {
+namespace {
+
+using nlohmann::json;
+
+std::ifstream opened(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw Error({file, 0, 0}, "cannot read this file");
+  return stream;
+}
+
+/// A value of a JSON document and its path, "samples[3].values[12]", for errors.
+class Item {
+public:
+  Item(const std::string& file, const json& value, std::string path)
+      : file_(file), value_(value), path_(std::move(path)) {}
+
+  [[noreturn]] void fail(const std::string& message) const {
+    throw Error({file_, 0, 0}, (path_.empty() ? "" : path_ + ": ") + message);
+  }
+  bool has(const char* key) const { return value_.is_object() && value_.contains(key); }
+  Item at(const char* key) const {
+    if (!has(key)) fail("the key \"" + std::string(key) + "\" is missing");
+    return {file_, value_[key], path_.empty() ? key : path_ + "." + key};
+  }
+  std::vector<Item> items() const {
+    if (!value_.is_array()) fail("expected an array");
+    std::vector<Item> all;
+    for (std::size_t i = 0; i < value_.size(); ++i)
+      all.emplace_back(file_, value_[i], path_ + "[" + std::to_string(i) + "]");
+    return all;
+  }
+  std::vector<std::string> keys() const {
+    std::vector<std::string> all;
+    for (const auto& [key, value] : value_.items()) all.push_back(key);
+    return all;
+  }
+  double number() const {
+    if (!value_.is_number() || !std::isfinite(value_.get<double>())) fail("expected a number");
+    return value_.get<double>();
+  }
+  std::string text() const {
+    if (!value_.is_string()) fail("expected a string");
+    return value_.get<std::string>();
+  }
+  std::vector<double> numbers(double scale) const {
+    std::vector<double> all;
+    for (const Item& i : items()) all.push_back(scale * i.number());
+    return all;
+  }
+  bool is_object() const { return value_.is_object(); }
+  bool is_array() const { return value_.is_array(); }
+
+private:
+  const std::string& file_;
+  const json& value_;
+  std::string path_;
+};
+
+std::vector<pigment::Component> paints_of(const Item& item) {
+  std::string recipe;
+  if (item.is_object())
+    for (const std::string& name : item.keys()) {
+      char number[32];
+      std::snprintf(number, sizeof number, "%.17g", item.at(name.c_str()).number());
+      recipe += (recipe.empty() ? "" : " + ") + name + ": " + number;
+    }
+  else
+    recipe = item.text();
+  if (recipe.empty()) return {};
+  try {
+    return pigment::parse_recipe(recipe);
+  } catch (const std::domain_error& e) {
+    item.fail(e.what());
+  }
+}
+
+/// A factor of the numbers.
+double unit_of(const Item& item) {
+  const std::string unit = item.has("unit") ? item.at("unit").text() : "fraction";
+  if (unit != "fraction" && unit != "percent")
+    item.at("unit").fail("unit must be fraction or percent, got \"" + unit + "\"");
+  return unit == "percent" ? 0.01 : 1;
+}
+
+pigment::SampleTable sample_document(const Item& document) {
+  pigment::SampleTable table{document.at("wavelengths_nm").numbers(1), {}};
+  const double unit = unit_of(document);
+  for (const Item& item : document.at("samples").items()) {
+    pigment::Sample& s = table.samples.emplace_back();
+    if (item.has("paints")) s.paints = paints_of(item.at("paints"));
+    s.name = item.has("sample")     ? item.at("sample").text()
+             : s.paints.size() == 1 ? s.paints[0].name
+                                    : pigment::recipe_text(s.paints);
+    if (item.has("backing")) s.backing = item.at("backing").text();
+    if (item.has("thickness_um")) {
+      s.thickness = 1e-6 * item.at("thickness_um").number();
+      if (!(s.thickness > 0)) item.at("thickness_um").fail("must be positive");
+    }
+    const std::string quantity = item.has("quantity") ? item.at("quantity").text() : "R";
+    if (quantity != "R" && quantity != "T")
+      item.at("quantity").fail("must be R or T, got \"" + quantity + "\"");
+    if (quantity == "T") s.quantity = pigment::Sample::Quantity::transmittance;
+    s.values = item.at("values").numbers(unit);
+  }
+  return table;
+}
+
+/// The layout of github.com/miciwan/PaintMixing: an array of wavelengths and samples, in per cent.
+pigment::SampleTable paint_mixing(const Item& document) {
+  pigment::SampleTable table;
+  for (const Item& item : document.items()) {
+    if (item.at("type").text() == "wavelengths") {
+      table.nm = item.at("values").numbers(1);
+      continue;
+    }
+    pigment::Sample& s = table.samples.emplace_back();
+    s.name = item.at("name").text();
+    s.paints = paints_of(item.at(item.has("components") ? "components" : "name"));
+    s.values = item.at("reflectance").numbers(0.01);
+  }
+  return table;
+}
+
+pigment::SampleTable read_json_samples(const std::string& file) {
+  json document;
+  try {
+    std::ifstream stream = opened(file);
+    document = json::parse(stream);
+  } catch (const json::parse_error& e) {
+    throw Error({file, 0, 0}, e.what());  // it says line and column
+  }
+  const Item item(file, document, "");
+  return item.is_array() ? paint_mixing(item) : sample_document(item);
+}
+
+/// Calls f() and gives faults of the table a place in its file.
+template <class F>
+auto located(const std::string& file, const pigment::SampleTable& table, F&& f) {
+  try {
+    return f();
+  } catch (const pigment::SampleError& e) {
+    const pigment::Sample& s = table.samples[e.sample()];
+    const bool has_column = e.wavelength() >= 0 && std::size_t(e.wavelength()) < s.columns.size();
+    const std::string key =
+        s.line > 0
+            ? ""
+            : "samples[" + std::to_string(e.sample()) + "]" +
+                  (e.wavelength() >= 0 ? ".values[" + std::to_string(e.wavelength()) + "]" : "") + ": ";
+    throw Error({file, s.line, has_column ? s.columns[std::size_t(e.wavelength())] : 0}, key + e.what());
+  } catch (const std::domain_error& e) {
+    throw Error({file, 0, 0}, e.what());
+  }
+}
+
+}  // namespace
+
+pigment::SampleTable read_sample_file(const std::string& file) {
+  if (file == kMeasuredPaints) return pigment::kimera_samples();
+  pigment::SampleTable table;
+  if (file.ends_with(".json")) {
+    table = read_json_samples(file);
+  } else {
+    std::ifstream stream = opened(file);
+    try {
+      table = pigment::read_samples(stream);
+    } catch (const pigment::TextError& e) {
+      throw Error({file, e.line(), e.column()}, e.what());
+    }
+  }
+  located(file, table, [&] { return pigment::check(table), 0; });
+  return table;
+}
+
+pigment::Fit fit_file(const std::string& file, const pigment::SampleTable& table,
+                      const pigment::FitSettings& settings) {
+  return located(file, table, [&] { return pigment::fit(table, settings); });
+}
+
+std::vector<pigment::Component> components_of(const pigment::Palette& palette,
+                                              const std::vector<double>& fractions) {
+  std::vector<pigment::Component> recipe;
+  for (std::size_t i = 0; i < fractions.size(); ++i)
+    if (fractions[i] > 0) recipe.push_back({palette.pigments[i].name, fractions[i]});
+  return recipe;
+}
+
+json palette_json(const pigment::Palette& palette) {
+  json out = {
+      {"unit", palette.relative ? "relative" : "1/m"},
+      {"surface",
+       {{"seen", palette.surface.seen}, {"through", palette.surface.through}, {"k2", palette.surface.k2}}},
+      {"wavelengths_nm", palette.nm},
+      {"pigments", json::array()}};
+  for (const pigment::Pigment& p : palette.pigments) {
+    json one = {{"name", p.name}, {"k", p.k}, {"s", p.s}};
+    if (!p.k_error.empty()) one["k_error"] = p.k_error, one["s_error"] = p.s_error;
+    if (p.density > 0) one["density"] = p.density;
+    out["pigments"].push_back(std::move(one));
+  }
+  return out;
+}
+
+}  // namespace aureole

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""aureole.pigment: the closed forms that the C++ tests do not share, and a fit, a mixture and a match together."""
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import aureole
+from aureole import pigment
+
+
+def test_layers_and_their_inverse():
+    k, s = np.array([0.3, 1.0, 0.0])[:, None], np.array([2.0, 0.5])
+    found = pigment.layer(k, s, 0.7)
+    assert found.reflectance.shape == (3, 2)
+    gamma = np.sqrt(k * (k + 2 * s))[:2]
+    sinh, cosh = np.sinh(0.7 * gamma), np.cosh(0.7 * gamma)
+    denominator = (k[:2] + s) * sinh + gamma * cosh
+    np.testing.assert_allclose(found.reflectance[:2], s * sinh / denominator, rtol=1e-12)
+    np.testing.assert_allclose(found.transmittance[:2], gamma / denominator, rtol=1e-12)
+    back = pigment.coefficients(found.reflectance, found.transmittance, 0.7)
+    np.testing.assert_allclose(back[0][:2], np.broadcast_to(k, (3, 2))[:2], rtol=1e-9)
+    np.testing.assert_allclose(back[1], np.broadcast_to(s, (3, 2)), rtol=1e-9)
+    assert pigment.k_over_s(pigment.opaque_reflectance(0.5)) == pytest.approx(0.5)
+
+
+def test_interfaces():
+    smooth = pigment.surface("diffuse", specular="included")
+    assert smooth.seen == pytest.approx(0.0918, abs=5e-5) and smooth.k2 == pytest.approx(0.5963, abs=5e-5)
+    r = np.linspace(0, 1, 11)
+    np.testing.assert_allclose(smooth.inner(smooth.outer(r)), r, atol=1e-12)
+    assert pigment.saunderson(0.04, 0.6).seen == 0.04
+    with pytest.raises(aureole.Error, match="below what the interface itself reflects"):
+        smooth.inner(0.05)
+
+
+def test_differences():
+    assert pigment.ciede2000([50, 2.6772, -79.7751], [50, 0, -82.7485]) == pytest.approx(2.0425, abs=5e-5)
+    assert pigment.ciede2000(np.zeros((4, 3)), np.zeros(3)).shape == (4,)
+    grey = pigment.lab(np.linspace(380, 780, 41), np.full((2, 41), 0.18))
+    np.testing.assert_allclose(grey, [[116 * 0.18 ** (1 / 3) - 16, 0, 0]] * 2, atol=1e-9)
+
+
+def test_from_measurements_to_a_recipe(tmp_path):
+    palette = pigment.fit("kimera")
+    assert len(palette.names) == 13 and palette.relative and palette.k.shape == (13, 170)
+    assert (palette.s > 0).all() and np.isfinite(palette.k_error).all()
+    np.testing.assert_array_equal(palette.k, pigment.Palette.load("kimera").k)
+    recipe = {"red": 0.15, "cold yellow": 0.05, "white": 0.8}
+    paint = palette.mix(recipe)
+    found = palette.match(paint.reflectance())
+    assert found[0].difference < 1e-3 and found[0].metamerism["A"] < 0.01
+    assert found[0].recipe == pytest.approx(recipe, rel=0.01)
+    by_colour = palette.match(pigment.lab(palette.nm, paint.reflectance()), paints=2, most={"white": 0.5})
+    assert all(m.recipe.get("white", 0) <= 0.5 + 1e-9 and len(m.recipe) <= 2 for m in by_colour)
+    thin, thick = paint.reflectance(0.1, 0.9), paint.reflectance(1e4, 0.9)
+    np.testing.assert_allclose(thick, paint.reflectance(), atol=1e-9)
+    assert (thin > thick).all()
+    table = tmp_path / "samples.csv"
+    table.write_text("paints,500,600\nwhite,0.9,0.9\nred,0.2,0.5\n")
+    with pytest.raises(aureole.Error, match='"red": an opaque tint with "white" is missing'):
+        pigment.fit(table)
+
+
+@pytest.mark.parametrize("call, words", [
+    (lambda p: p.mix("magneta: 1 + white: 1"), "did you mean \"magenta\""),
+    (lambda p: p.mix({"red": -1, "white": 2}), "must be positive"),
+    (lambda p: p.match([1, 2]), "target: expected 3 numbers"),
+    (lambda p: p.match([50, 0, 0], most={"snow": 1}), "unknown paint 'snow'"),
+    (lambda p: p.match([50, 0, 0], illuminant="D66"), "D66"),
+    (lambda p: p.match([50, 0, 0], paints=9), "must be from 1 to 6"),
+    (lambda p: pigment.layer(-1, 1, 1), "k: expected at least 0"),
+    (lambda p: pigment.coefficients(0.6, 0.6, 1), "must not exceed 1"),
+    (lambda p: pigment.surface("sphere"), "geometry: expected"),
+    (lambda p: pigment.Palette.load("missing.csv"), "cannot read this file"),
+])
+def test_wrong_arguments_are_named(call, words):
+    with pytest.raises(aureole.Error, match=words):
+        call(pigment.Palette.load("kimera"))
