@@ -160,6 +160,20 @@ TEST(Subsurface, HalfSpaceUnderASkyReflectsAsTransportSays) {
   }
 }
 
+/// A mean free path about or below the rounding of positions: the body is a diffuse surface, as bright as any other.
+TEST(Subsurface, VeryDenseBodiesAreAsBright) {
+  for (const double extinction : {1e5, 1e6, 1e7, 1e12}) {
+    const Picture p = render(
+        "<integrator type=\"path\"/>" + sensor(16) + "<emitter type=\"constant\">" +
+        parameter("radiance", 1) +
+        "</emitter><shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"1000\"/><rotate x=\"1\" "
+        "y=\"0.2\" angle=\"8\"/></transform><bssrdf type=\"normalized_diffusion\">" +
+        parameter("sigma_t", extinction) + parameter("albedo", .9) + parameter("int_ior", 1) +
+        parameter("ext_ior", 1) + "</bssrdf></shape>");
+    EXPECT_NEAR(p.all, .414947, 4.5 * p.all_error + 5e-3) << extinction;
+  }
+}
+
 /// The profile itself: a thin beam lights a half-space, and a sensor above sees P(r) times what the boundary
 /// lets in and, along the normal, out.
 TEST(Subsurface, PictureOfABeamIsTheProfile) {

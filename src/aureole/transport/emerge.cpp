@@ -21,14 +21,21 @@ public:
     axes_ = {frame.n, frame.s, frame.t};
     // Where the surface curves the tangents' rays find what the normal's pass at a small angle.
     probabilities_ = {0.5f, 0.25f, 0.25f};
-    // A distance within the rounding of positions says nothing.
-    least_ = 2 * length(entry.p_error);
+    // Within the rounding of positions no ray can tell places apart.
+    least_ = 16 * length(entry.p_error);
   }
 
-  /// A ray of unit direction that ends where exits are no longer looked for.
-  Ray draw(const EmergenceRandom& random) const {
+  /// A distance in one of the planes.
+  float draw_distance(const EmergenceRandom& random) const {
+    return bssrdf_.sample_distance(random.place.x, ctx_);
+  }
+  /// Light leaves where it entered: at a distance that is too short for rays.
+  bool is_here(float distance) const { return distance < least_; }
+  BssrdfEval here(float distance) const { return bssrdf_.eval_pdf(distance, ctx_); }
+
+  /// A ray of unit direction at that distance, which ends where exits are no longer looked for.
+  Ray ray(float r, const EmergenceRandom& random) const {
     const std::size_t k = random.axis < 0.5f ? 0 : random.axis < 0.75f ? 1 : 2;
-    const float r = std::max(bssrdf_.sample_distance(random.place.x, ctx_), least_);
     const Vec2 turn = cos_sin_2pi(random.place.y);
     const float depth = half_length(r);
     const Vec3 foot = entry_.p + (axes_[(k + 1) % 3] * turn.x + axes_[(k + 2) % 3] * turn.y) * r;
@@ -39,11 +46,11 @@ public:
   BssrdfEval at(const SurfacePoint& exit) const {
     const Vec3 offset = exit.p - entry_.p;
     BssrdfEval e;
-    e.value = bssrdf_.eval_pdf(std::max(length(offset), least_), ctx_).value;
+    e.value = bssrdf_.eval_pdf(length(offset), ctx_).value;
     for (std::size_t k = 0; k < 3; ++k) {
       const float height = dot(offset, axes_[k]);
-      const float r = std::max(length(offset - axes_[k] * height), least_);
-      if (!(std::abs(height) <= half_length(r))) continue;
+      const float r = length(offset - axes_[k] * height);
+      if (is_here(r) || !(std::abs(height) <= half_length(r))) continue;
       e.pdf += bssrdf_.eval_pdf(r, ctx_).pdf * (probabilities_[k] * std::abs(dot(exit.ng, axes_[k])));
     }
     return e;
@@ -71,7 +78,14 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
             const EmergenceRandom& random, const Spectrum& throughput, const Spectrum& ratio,
             Emergence& out) {
   const Probes probes(entry, w);
-  const Ray whole = probes.draw(random);
+  const float distance = probes.draw_distance(random);
+  if (probes.is_here(distance)) {
+    const BssrdfEval e = probes.here(distance);
+    out.point = entry, out.value = e.value, out.pdf = e.pdf, out.chosen = 1;
+    out.point.surface = entry.surface->exit;
+    return e.pdf[0] > 0;
+  }
+  const Ray whole = probes.ray(distance, random);
   const Vec3 end = whole.o + whole.d * whole.t_max;
   // A ray that touches a surface again and again would never end.
   constexpr int kMostPoints = 1000;
