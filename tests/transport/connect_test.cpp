@@ -308,5 +308,32 @@ TEST(Visibility, ALightOnAPassableSurfaceEndsTheConnection) {
   EXPECT_EQ(ended, 1600);
 }
 
+// Both ends lie on one passable surface, beyond which rounding moves one or the other: the march must end.
+TEST(Connections, WithinThePlaneOfAPassableSurfaceEnd) {
+  const auto scene = scene_with(
+      shape("rectangle", rotate({1, 2, 3}, 37) + translate({0.3f, -0.2f, 0.7f}),
+            R"(<bsdf type="mask"><float name="opacity" value="0.5"/><bsdf type="diffuse"/></bsdf>)"));
+  SeededRandom random(9);
+  const Wavelengths w = scene->wavelengths().sample(0.3f);
+  std::vector<SurfacePoint> points;
+  while (points.size() < 200) {
+    const Vec3 target{0.3f + random.next() - 0.5f, -0.2f + random.next() - 0.5f, 0.7f + random.next() - 0.5f};
+    const Vec3 from{5, 4, 6};
+    if (const auto p = scene->intersect(Ray{from, normalize(target - from), kInfinity})) points.push_back(*p);
+  }
+  int connections = 0;
+  for (const SurfacePoint& a : points)
+    for (const SurfacePoint& b : points) {
+      const Vec3 to = b.p - a.p;
+      if (!(length_squared(to) > 0)) continue;
+      Connection c;
+      c.set(Anchor::of(a), normalize(to), Anchor::of(b));
+      c.light = 1.f;
+      connect(*scene, c, w);
+      ++connections;
+    }
+  EXPECT_GT(connections, 30000);
+}
+
 }  // namespace
 }  // namespace aureole::testing
