@@ -57,7 +57,7 @@ def main():
     fire = flame(rng, at)
     above = smoke(rng, at)
     # Soot glows in the outer part of a flame, where it burns; the gas cools as it rises.
-    soot = np.clip(fire - 0.05, 0, None) + 0.45 * above
+    soot = np.clip(fire - 0.05, 0, None) + 0.16 * above
     temperature = AMBIENT + (HOTTEST - AMBIENT) * np.clip(fire, 0, 1) ** 0.3 * (1 - 0.3 * at[1])
     write_vol(os.path.join(args.folder, "soot.vol"), soot)
     write_vol(os.path.join(args.folder, "temperature.vol"), temperature)
