@@ -53,6 +53,18 @@ std::vector<Defines> variants(const Json& table) {
   return out;
 }
 
+/// Loads a scene in a small size, which its film must take, and returns what it notes.
+std::vector<std::string> load_small(const fs::path& scene, Defines defines) {
+  defines.emplace_back("width", "12"), defines.emplace_back("height", "8");
+  LoadOptions options;
+  options.defines = defines;
+  const LoadedScene loaded = load_scene(scene, options);
+  const Film& film = loaded.scene->film();
+  EXPECT_EQ(film.width(), 12) << "the scene does not take its size from $width";
+  EXPECT_EQ(film.height(), 8);
+  return loaded.notes;
+}
+
 TEST(CoronaGallery, EverySceneLoadsWithEveryValue) {
   const fs::path folder = source_dir() / "scenes" / "corona";
   const Json gallery = Json::parse(content(folder / "gallery.json"));
@@ -62,16 +74,10 @@ TEST(CoronaGallery, EverySceneLoadsWithEveryValue) {
     ids.push_back(figure.at("id"));
     EXPECT_FALSE(figure.at("agreement").get<std::string>().empty()) << ids.back();
     for (const Json& table : figure.value("renders", Json::array()))
-      for (Defines defines : variants(table)) {
-        defines.emplace_back("width", "12"), defines.emplace_back("height", "8");
-        LoadOptions options;
-        options.defines = defines;
+      for (const Defines& defines : variants(table)) {
         EXPECT_NO_THROW({
-          const LoadedScene loaded = load_scene(folder / table.at("scene").get<std::string>(), options);
-          const Film& film = loaded.scene->film();
-          EXPECT_EQ(film.width(), 12) << "the scene does not take its size from $width";
-          EXPECT_EQ(film.height(), 8);
-          EXPECT_TRUE(loaded.notes.empty()) << loaded.notes.front();
+          const auto notes = load_small(folder / table.at("scene").get<std::string>(), defines);
+          EXPECT_TRUE(notes.empty()) << notes.front();
         }) << ids.back();
         ++scenes;
       }
@@ -79,6 +85,23 @@ TEST(CoronaGallery, EverySceneLoadsWithEveryValue) {
   EXPECT_EQ(ids, (std::vector<std::string>{"fig01", "fig04", "fig06", "fig07", "fig08", "fig09", "fig10",
                                            "fig11", "fig12", "fig13", "fig14"}));
   EXPECT_GT(scenes, 20);
+}
+
+TEST(MediaGallery, EverySceneLoads) {
+  const fs::path folder = source_dir() / "scenes" / "media";
+  std::vector<std::string> ids;
+  for (const Json& figure : Json::parse(content(folder / "gallery.json")).at("figures")) {
+    ids.push_back(figure.at("id"));
+    for (const Json& table : figure.at("renders")) {
+      Defines defines = variants(table).front();
+      // Tables of large spheres take minutes, which the figures of one scene need not spend here.
+      for (auto& [name, value] : defines)
+        if (name == "radius") value = "0.5um";
+      EXPECT_NO_THROW(load_small(folder / table.at("scene").get<std::string>(), defines)) << ids.back();
+    }
+  }
+  EXPECT_EQ(ids, (std::vector<std::string>{"milk", "wine", "fog", "rainbow", "fogbow", "glory", "fire",
+                                           "solids", "turbid", "powder", "sky"}));
 }
 
 struct Outcome {

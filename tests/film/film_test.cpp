@@ -114,6 +114,14 @@ TEST(HdrFilm, MatchesTheObserverOnAnyRange) {
   }
 }
 
+TEST(HdrFilm, NarrowBandsOfVisibleLightAreSeen) {
+  const Observer& o = cie_1931_observer();
+  const double y = o.y[std::size_t((450 - o.start_nm) / o.step_nm)];
+  const auto m = measure(*FilmBuilder(449, 451).build(), [](double) { return 1.0; });
+  EXPECT_NEAR(m[1] * cie_y_integral(), 2 * y, 0.02 * y);
+  EXPECT_THROW(FilmBuilder(900, 1000).build(), Error);
+}
+
 TEST(HdrFilm, UniformResponseIsTheMean) {
   const auto film = FilmBuilder(8000, 14000).set("response", "uniform"s).build();
   ASSERT_EQ(film->measured_channels(), 1);

@@ -90,7 +90,7 @@ TEST(SuspensionMedium, CoatedSpheresAreThoseOfBohrenAndHuffman) {
         infrared);
   };
   const double shadows = 1e9 * M_PI * 6.265e-6 * 6.265e-6;
-  for (const MediumPtr& m :
+  for (const auto& m :
        {coated(number("core_fraction", 0.171 / 6.265)), coated(choice("coat_thickness", "6.094um"))}) {
     EXPECT_NEAR(at(*m, 3000).t / shadows, 2.32803, 1e-4);
     EXPECT_NEAR(at(*m, 3000).s / shadows, 1.14341, 1e-4);
@@ -181,6 +181,12 @@ TEST(SuspensionMedium, NotesWhatDependentScatteringWouldChange) {
   EXPECT_NE(off[0].find("-12"), std::string::npos) << off[0];
   EXPECT_TRUE(notes(kSkim + "<boolean name=\"dependent_scattering\" value=\"true\"/>").empty());
   EXPECT_TRUE(notes(choice("recipe", "smoke")).empty());
+  // The recipe corrects casein, not the fat, which a note must not promise.
+  const auto fat =
+      notes(choice("recipe", "milk") + "<boolean name=\"dependent_scattering\" value=\"true\"/>");
+  ASSERT_EQ(fat.size(), 1u);
+  EXPECT_NE(fat[0].find("milk fat"), std::string::npos) << fat[0];
+  EXPECT_NE(fat[0].find("the recipe does not count it"), std::string::npos) << fat[0];
 }
 
 TEST(SuspensionMedium, RefusesWrongInput) {

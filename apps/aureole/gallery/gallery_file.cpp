@@ -226,7 +226,7 @@ PictureTable read_table(Members& m, const std::filesystem::path& folder, const s
   GalleryPicture picture;
   table.caption = m.text("caption", "");
   const std::string scene = m.text("scene");
-  picture.scene = folder / scene;
+  picture.scene = (folder / scene).lexically_normal();
   if (!std::filesystem::is_regular_file(picture.scene))
     throw m.error("scene", "there is no file " + picture.scene.string());
   picture.defines = m.defines("defines");

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // High-dynamic-range film: measures CIE XYZ (or the mean spectral radiance of another band).
+#include <algorithm>
 #include <cmath>
 
 #include "aureole/film/film.h"
@@ -35,7 +36,10 @@ public:
     }
     const auto observer = observer_xyz(grid);
     response_.assign(observer.begin(), observer.end());
-    if (response_[1].integral() < 1e-3)
+    // In proportion to the range, so that narrow bands of visible light pass.
+    constexpr SpectralGrid kVisible;
+    const double share = std::min(1.0, (grid.max_nm - grid.min_nm) / (kVisible.max_nm - kVisible.min_nm));
+    if (response_[1].integral() < 1e-3 * share)
       throw p.error("response",
                     "the wavelength range lies outside the visible, where the CIE observer sees nothing; "
                     "use response \"uniform\"");

@@ -71,7 +71,7 @@ optics::Suspension read_base(const Properties& p, bool dependent_scattering) {
 }
 
 /// A note for each ingredient whose particles are so close to one another that their waves interfere.
-void note_dependence(const Properties& p, const optics::Suspension& content) {
+void note_dependence(const Properties& p, const optics::Suspension& content, bool dependent_scattering) {
   constexpr double kWorthANote = 0.01;
   const SpectralGrid& grid = p.context().grid;
   const double nm = std::clamp(550.0, grid.min_nm, grid.max_nm);
@@ -81,10 +81,12 @@ void note_dependence(const Properties& p, const optics::Suspension& content) {
     if (const auto change = content.dependence(i, nm)) {
       if (std::abs(change->scattering - 1) > kWorthANote)
         p.note("dependent_scattering",
-               fmt::format("{} fill {:.2g} % of the volume: interference between neighbours would change "
-                           "their scattering at {:g} nm by {:+.1f} %; \"dependent_scattering\" counts it",
-                           ingredient.name, 100 * content.volume_fraction(i), nm,
-                           100 * (change->scattering - 1)));
+               fmt::format(
+                   "{} fill {:.2g} % of the volume: interference between neighbours would change "
+                   "their scattering at {:g} nm by {:+.1f} %; {}",
+                   ingredient.name, 100 * content.volume_fraction(i), nm, 100 * (change->scattering - 1),
+                   dependent_scattering ? "the recipe does not count it, with \"dependent_scattering\" either"
+                                        : "\"dependent_scattering\" counts it"));
     } else {
       p.note("dependent_scattering",
              fmt::format("{} fill {:.2g} % of the volume: they are too close to one another to scatter "
@@ -102,7 +104,7 @@ optics::Suspension read_content(const Properties& p) {
   if (!p.has("recipe") && ingredients.empty())
     throw Error(p.where(), "\"suspension\" needs a \"recipe\" or an <ingredient>");
   optics::Suspension content = mix(p, base, ingredients, dependent_scattering);
-  note_dependence(p, content);
+  note_dependence(p, content, dependent_scattering);
   return content;
 }
 
