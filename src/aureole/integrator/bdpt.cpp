@@ -63,9 +63,10 @@ public:
   Leaves leaves() const override { return Leaves::both; }
   void require_scene(const Scene& scene) const override {
     if (scene.has_exits())
-      throw Error(properties().where(),
-                  "\"bdpt\" does not follow light below surfaces with a BSSRDF: use \"path\" or \"ptracer\", or a "
-                  "medium inside the shape");
+      throw Error(
+          properties().where(),
+          "\"bdpt\" does not follow light below surfaces with a BSSRDF: use \"path\" or \"ptracer\", or a "
+          "medium inside the shape");
   }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
