@@ -11,9 +11,9 @@
 // layer or the value, for bad input.
 #pragma once
 
-#include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "aureole/optics/stack/legendre_phase.h"
@@ -82,8 +82,8 @@ struct StackLight {
 
 /// Parts of the incident flux. With light from below "reflected" is what returns downward.
 struct StackFluxes {
-  double reflectance = 0,
-         transmittance = 0;  ///< all light; transmittance into a substrate: what that absorbs
+  /// All light. What passes into a substrate is what that absorbs.
+  double reflectance = 0, transmittance = 0;
   /// Light that was not scattered, part of them: what interfaces reflect, and what passes all layers. On a
   /// substrate the share of the first arrivals that it keeps.
   double unscattered_reflectance = 0, unscattered_transmittance = 0;
