@@ -89,8 +89,9 @@ TEST(CoronaGallery, EverySceneLoadsWithEveryValue) {
 
 TEST(MediaGallery, EverySceneLoads) {
   const fs::path folder = source_dir() / "scenes" / "media";
+  const Json gallery = Json::parse(content(folder / "gallery.json"));
   std::vector<std::string> ids;
-  for (const Json& figure : Json::parse(content(folder / "gallery.json")).at("figures")) {
+  for (const Json& figure : gallery.at("figures")) {
     ids.push_back(figure.at("id"));
     for (const Json& table : figure.at("renders")) {
       Defines defines = variants(table).front();

@@ -48,7 +48,7 @@ std::shared_ptr<const Bsdf> paint(const std::string& body) {
 Spectrum diffuse_albedo(const Bsdf& bsdf, const Wavelengths& w) {
   SurfacePoint point;
   const BsdfContext ctx{w, point};
-  constexpr int kCosines = 24, kAzimuths = 24;
+  constexpr int kCosines = 96, kAzimuths = 4;
   Spectrum sum;
   for (int i = 0; i < kCosines; ++i) {
     const float mu_i = std::sqrt((i + 0.5f) / kCosines);  // the cosine-weighted measure
@@ -83,9 +83,9 @@ TEST(PaintBsdf, ReflectsAsTheLibrarySays) {
     Spectrum at;
     for (int i = 0; i < kWavelengths; ++i) at[i] = float(nm[i % 4]);
     const Spectrum albedo = diffuse_albedo(*bsdf, Wavelengths::at(make_context()->grid, at));
-    // The quadrature misses .2 % where the interface's reflectance rises towards grazing.
+    // The quadrature misses .1 % where the interface's reflectance rises towards grazing.
     for (int i = 0; i < 4; ++i)
-      EXPECT_NEAR(double(albedo[i]) / expected[std::size_t(i)], 1, 4e-3) << thickness << " " << nm[i];
+      EXPECT_NEAR(double(albedo[i]) / expected[std::size_t(i)], 1, 1.5e-3) << thickness << " " << nm[i];
   }
 }
 

@@ -25,12 +25,16 @@ Picture render(const std::string& content) {
   const std::size_t n = std::size_t(p.width * p.height);
   p.mean.assign(n, 0), p.error.assign(n, 0);
   double all_squares = 0;
-  for (const FilmBuffer& film : job.state().films) {
+  const auto value = [&](const FilmBuffer& film, std::size_t i) {
+    double measured[8], alpha;
+    film.mean(int(i) % p.width, int(i) / p.width, measured, &alpha);
+    return measured[channels == 3 ? 1 : 0];
+  };
+  for (std::size_t r = 0; r < std::size_t(kReplicates); ++r) {
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) {
-      double measured[8], alpha;
-      film.mean(int(i) % p.width, int(i) / p.width, measured, &alpha);
-      const double v = measured[channels == 3 ? 1 : 0];
+      double v = value(job.state().films[r], i);
+      if (!job.state().splats.empty()) v += value(job.state().splats[r], i);
       p.mean[i] += v / kReplicates, p.error[i] += v * v / kReplicates, sum += v / double(n);
     }
     p.all += sum / kReplicates, all_squares += sum * sum / kReplicates;

@@ -254,6 +254,12 @@ ObjectPtr Properties::make(const std::function<ObjectPtr(const Properties&)>& cr
     }
     if (std::none_of(making_.problems.begin(), making_.problems.end(), says_same))
       making_.problems.push_back(e);
+  } catch (const std::exception&) {
+    // A constructor that went on with a fallback may fail for that alone.
+    if (making_.problems.empty()) {
+      making_.now = false;
+      throw;
+    }
   }
   making_.now = false;
   if (making_.problems.empty()) return object;
