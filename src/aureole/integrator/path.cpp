@@ -20,6 +20,7 @@ public:
       : scene_(scene),
         media_(scene.emitting_media() && scene.emitting_media()->can_be_connected() ? scene.emitting_media()
                                                                                     : nullptr),
+        lights_choose_places_(!media_ && scene.lights().tree().can_be_connected()),
         limits_(limits),
         paths_(paths),
         log_(log) {
@@ -211,8 +212,9 @@ private:
   std::optional<Equiangular> connect_segment(int i, float t_max) {
     const State& s = states_[i];
     Path& path = paths_[size_t(i)];
-    if (media_ || !limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering ||
-        s.density.beta.is_black())
+    constexpr int kLatest = 8;  // scattered more often, light is all around
+    if (!lights_choose_places_ || s.depth >= kLatest || !limits_.reaches(s.depth + 2) ||
+        s.in_media == limits_.max_scattering || s.density.beta.is_black())
       return {};
     // The numbers of the vertex that the flight may lead to: what the two bring adds up.
     const std::uint32_t random = key(path.samples, s.vertex + 1, Key::connection) ^ kOther;
@@ -254,7 +256,8 @@ private:
   }
 
   const Scene& scene_;
-  const EmittingMedia* media_;  ///< those that connections look for, or null
+  const EmittingMedia* media_;       ///< those that connections look for, or null
+  const bool lights_choose_places_;  ///< along flights in media
   const PathLimits& limits_;
   std::span<Path> paths_;
   const BatchLog& log_;

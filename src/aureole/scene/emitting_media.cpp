@@ -131,6 +131,7 @@ EmittingMedia::EmittingMedia(std::span<const Filled> filled, const SampledSpectr
     for (int corner = 0; corner < 8; ++corner)
       b.box.extend(
           r.from_unit.point({corner & 1 ? 1.f : 0.f, corner & 2 ? 1.f : 0.f, corner & 4 ? 1.f : 0.f}));
+    can_be_connected_ |= b.power > 0;
     bounds.push_back(b);
     powers_.push_back(spectrum);
     regions_.push_back(std::move(r));

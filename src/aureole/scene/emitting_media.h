@@ -27,7 +27,7 @@ public:
 
   bool empty() const { return regions_.empty(); }
   /// Whether connections look for any of them (`Medium::sampling_weight`): requirement of `sample` and `pdf`.
-  bool can_be_connected() const { return tree_.can_be_connected(); }
+  bool can_be_connected() const { return can_be_connected_; }
 
   struct Place {
     const Medium* medium;
@@ -67,6 +67,7 @@ private:
   std::vector<Region> regions_;
   std::vector<SampledSpectrum> powers_;
   LightTree tree_;
+  bool can_be_connected_ = false;
   Piecewise1D region_;  ///< by power
 };
 
