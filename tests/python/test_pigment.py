@@ -55,7 +55,7 @@ def test_from_measurements_to_a_recipe(tmp_path):
     assert all(m.recipe.get("white", 0) <= 0.5 + 1e-9 and len(m.recipe) <= 2 for m in by_colour)
     thin, thick = paint.reflectance(0.1, 0.9), paint.reflectance(1e4, 0.9)
     np.testing.assert_allclose(thick, paint.reflectance(), atol=1e-9)
-    assert (thin > thick).all()
+    assert (thin > thick)[thick < 0.7].all()  # the substrate is brighter than this paint but where that is nearly white
     table = tmp_path / "samples.csv"
     table.write_text("paints,500,600\nwhite,0.9,0.9\nred,0.2,0.5\n")
     with pytest.raises(aureole.Error, match='"red": an opaque tint with "white" is missing'):

