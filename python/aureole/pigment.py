@@ -294,4 +294,4 @@ def fit(file: Union[str, "os.PathLike[str]"], *, white: str = "white", surface: 
     name = os.fspath(file)
     if surface is None:
         surface = Surface(*_aureole.pigment_kimera_surface()) if name == "kimera" else Surface()
-    return Palette._of(_aureole.pigment_fit(name, white, tuple(surface)))
+    return Palette._of(_aureole.pigment_fit(name, white, (surface.seen, surface.through, surface.k2)))
