@@ -127,7 +127,7 @@ TEST_P(InverseOfSensor, DensityAcrossIsThatOfNeighbouringRays) {
                film{lower.x + size.x * (0.01f + 0.95f * u.x), lower.y + size.y * (0.01f + 0.95f * u.y)};
     const PlacedSensor* member = &sensor;
     for (const PlacedSensor& m : sensor.members)
-      if (m.part.samples(film) && m.part.samples({film.x + 1, film.y})) member = &m;
+      if (m.part.samples({film.x - 1, film.y - 1}) && m.part.samples({film.x + 1, film.y + 1})) member = &m;
     if (member == &sensor && !sensor.members.empty()) continue;  // between two of them
     const SensorRay ray = sensor.sample_ray(film, lens);
     const Vec3 p = ray.ray.o + ray.ray.d * random.next();
