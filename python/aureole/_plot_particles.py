@@ -57,7 +57,8 @@ def efficiency(m: complex, radius: Optional[npt.ArrayLike] = None, *, wavelength
     --------
     >>> ax = aureole.plot.efficiency(1.33 + 0.01j)  # doctest: +SKIP
     """
-    names = [choice("quantity", q, *_EFFICIENCIES) for q in ([quantity] if isinstance(quantity, str) else quantity)]
+    asked = quantity if isinstance(quantity, (list, tuple)) else [quantity]
+    names = [choice("quantity", q, *_EFFICIENCIES) for q in asked]
     if not names:
         raise Error("quantity: expected one or more of qext, qsca and qabs, got none")
     if x is not None and radius is not None:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from . import _aureole
 from ._arrays import real
 from ._errors import Error
+from ._vectorised import choice
 
 
 class SizeDistribution(NamedTuple):
@@ -82,11 +83,8 @@ def size_distribution(kind: str, radius: float, *, spread: float = 0, weighting:
     >>> round(cloud.effective_radius * 1e6, 3)
     6.0
     """
-    kinds = ("log_normal", "gamma", "modified_gamma")
-    if kind not in kinds:
-        raise Error(f"kind: expected one of {', '.join(kinds)}, got {kind!r}")
-    if weighting not in ("number", "volume"):
-        raise Error(f'weighting: expected "number" or "volume", got {weighting!r}')
+    choice("kind", kind, "log_normal", "gamma", "modified_gamma")
+    choice("weighting", weighting, "number", "volume")
     first, second = {"log_normal": (_number("spread", spread, minimum=0, maximum=1.5), 0.0),
                      "gamma": (_number("effective_variance", effective_variance, positive=True), 0.0),
                      "modified_gamma": (_number("alpha", alpha, positive=True), _number("gamma", gamma, positive=True))}[kind]

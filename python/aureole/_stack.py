@@ -137,7 +137,8 @@ class PlaneStack:
     def __init__(self, layers: Sequence[StackLayer], *, substrate: Optional[npt.ArrayLike] = None,
                  index_above: npt.ArrayLike = 1.0, index_below: npt.ArrayLike = 1.0, bottom_interface: str = "smooth",
                  bottom_alpha: npt.ArrayLike = 0.1, streams: int = 32, delta_m: bool = True) -> None:
-        layers = list(layers)
+        if not isinstance(layers, (list, tuple)):
+            raise TypeError(f"layers: expected a list of StackLayer, got {type(layers).__name__}")
         for i, layer in enumerate(layers):
             if not isinstance(layer, StackLayer):
                 raise TypeError(f"layers: expected StackLayer, got {type(layer).__name__} (layer {i})")
