@@ -154,7 +154,7 @@ class Result:
 
     def load(self):
         x = np.stack([np.load(p) for p in self.pictures]).astype(np.float64)
-        if not np.isfinite(x).all():
+        if self.contender.program == "aureole" and not np.isfinite(x).all():
             sys.exit(f"{self.contender.label}, {self.contender.sampler}: the picture is not finite")
         return x
 
@@ -221,10 +221,11 @@ def run(a, scene, folder, progress, conditions):
 def compare(scene, asked, group):
     """Rows of the table and sentences for one number of samples."""
     all_means = {r.contender: r.load().mean(axis=0) for r in group}
-    middle = np.median([m.mean() for m in all_means.values()])
-    # Some of Mitsuba's samplers give pixels of 1e6 and more in media now and then.
+    middle = np.nanmedian([m.mean() for m in all_means.values()])
+    # Some of Mitsuba's samplers give pixels of 1e6 and more in media now and then, or none that is a number.
     means = {c: m for c, m in all_means.items() if abs(m.mean() - middle) < middle / 2}
     broken = ", ".join(f"{c.label} {c.sampler}" for c in all_means if c not in means)
+    group = [r for r in group if np.isfinite(all_means[r.contender]).all()]
     reference = np.mean(list(means.values()), axis=0)
     weight = 1 / (reference**2 + 0.01 * reference.mean() ** 2)
     rows, score, noise = [], {}, {}
