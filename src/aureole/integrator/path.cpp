@@ -145,15 +145,11 @@ public:
     for (const int i : std::exchange(below_, {})) {
       State& s = states_[i];
       Path& path = paths_[size_t(i)];
-      SurfacePoint exit;
-      if (!aureole::emerge(scene_, vertices_[i].point(), path.wavelengths, path.samples, ++s.vertex,
-                           s.density, s.flight, exit))
+      if (!aureole::emerge(scene_, vertices_, i, path.wavelengths, path.samples, TransportMode::radiance,
+                           s.vertex, s.density, s.flight))
         continue;
-      if (log_.follows(i)) log_exit(log_, exit, s.density.hero_symmetric_throughput());
-      Vertex& vertex = vertices_.make(
-          i, [&] { return Vertex(exit, -s.flight.ray.d, path.wavelengths, TransportMode::radiance); });
-      s.pairs = path.samples.directions(++s.vertex);
-      vertex.prepare(0, s.flight);
+      if (log_.follows(i)) log_exit(log_, vertices_[i].point(), s.density.hero_symmetric_throughput());
+      s.pairs = path.samples.directions(s.vertex);
       vertices.add(i);
     }
     return vertices;
@@ -232,9 +228,7 @@ private:
   Event escape(int i) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
-    if (log_.follows(i))
-      log_(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", s.depth, s.flight.ray.d.x,
-                       s.flight.ray.d.y, s.flight.ray.d.z));
+    if (log_.follows(i)) log_escape(log_, s.depth, s.flight.ray.d);
     if (s.depth == 0) {
       path.result.alpha = limits_.hide_emitters || scene_.infinite_emitters().empty() ? 0.f : 1.f;
       if (limits_.hide_emitters) return Event::escape;

@@ -8,6 +8,7 @@
 #include <algorithm>
 
 #include "aureole/integrator/integrator.h"
+#include "aureole/transport/connection.h"
 
 namespace aureole {
 
@@ -39,6 +40,21 @@ inline void log_surface(const BatchLog& log, int depth, const SurfacePoint& hit,
   log(fmt::format("  depth {}: {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), bsdf {}, throughput {:.6g}", depth,
                   hit.shape->properties().type(), hit.shape->id(), hit.p.x, hit.p.y, hit.p.z,
                   hit.surface->bsdf->properties().type(), throughput));
+}
+
+inline void log_escape(const BatchLog& log, int depth, const Vec3& d) {
+  log(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", depth, d.x, d.y, d.z));
+}
+
+/// The beginning of a path of light, `ray`.
+inline void log_emitter(const BatchLog& log, const Light& light, std::size_t part, const Ray& ray) {
+  log(fmt::format("  emitter \"{}\", part {}: from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
+                  light.properties().type(), part, ray.o.x, ray.o.y, ray.o.z, ray.d.x, ray.d.y, ray.d.z));
+}
+
+inline void log_seen(const BatchLog& log, Vec2 film, const Connection& c, bool open) {
+  log(fmt::format("  sensor at ({:.6g}, {:.6g}) on the film: {} mean {:.6g}", film.x, film.y,
+                  open ? "visible" : "hidden", open ? mean(c.light) : 0.f));
 }
 
 inline void log_exit(const BatchLog& log, const SurfacePoint& exit, float throughput) {

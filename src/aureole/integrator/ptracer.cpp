@@ -68,11 +68,7 @@ public:
     s.whole = s.density.hero_symmetric_throughput();
     s.flight.ray = Anchor::of(*emitted).leave(emitted->d);
     find_surroundings(scene_, choice->light, s.flight);
-    if (log_.follows(i))
-      log_(fmt::format(
-          "  emitter \"{}\", part {}: from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
-          choice->light->properties().type(), choice->part, s.flight.ray.o.x, s.flight.ray.o.y,
-          s.flight.ray.o.z, s.flight.ray.d.x, s.flight.ray.d.y, s.flight.ray.d.z));
+    if (log_.follows(i)) log_emitter(log_, *choice->light, choice->part, s.flight.ray);
     return true;
   }
 
@@ -117,9 +113,7 @@ public:
 
   void connected(int i, const Connection& c, bool open) {
     if (open) splats_.push_back({i, film_[i], c.light});
-    if (log_.follows(i))
-      log_(fmt::format("  sensor at ({:.6g}, {:.6g}) on the film: {} mean {:.6g}", film_[i].x, film_[i].y,
-                       open ? "visible" : "hidden", open ? mean(c.light) : 0.f));
+    if (log_.follows(i)) log_seen(log_, film_[i], c, open);
   }
 
   bool scatter(int i) {
@@ -159,15 +153,11 @@ public:
     for (const int i : std::exchange(below_, {})) {
       State& s = states_[i];
       Path& path = paths_[size_t(i)];
-      SurfacePoint exit;
-      if (!aureole::emerge(scene_, vertices_[i].point(), path.wavelengths, path.samples, ++s.vertex,
-                           s.density, s.flight, exit))
+      if (!aureole::emerge(scene_, vertices_, i, path.wavelengths, path.samples, TransportMode::importance,
+                           s.vertex, s.density, s.flight))
         continue;
-      if (log_.follows(i)) log_exit(log_, exit, s.density.hero_symmetric_throughput() / s.whole);
-      Vertex& vertex = vertices_.make(
-          i, [&] { return Vertex(exit, -s.flight.ray.d, path.wavelengths, TransportMode::importance); });
-      ++s.vertex;
-      vertex.prepare(0, s.flight);
+      if (log_.follows(i))
+        log_exit(log_, vertices_[i].point(), s.density.hero_symmetric_throughput() / s.whole);
       vertices.add(i);
     }
     return vertices;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include "aureole/spectrum/path_density.h"
+#include "aureole/transport/batch.h"
 #include "aureole/transport/dimensions.h"
 #include "aureole/transport/vertex.h"
 
@@ -51,6 +52,19 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
   density.survive(e.chosen);
   flight.ray.d = -out_of(e.point);
   exit = e.point;
+  return true;
+}
+
+/// The same for path number `i` of a batch, whose entry is vertices[i] and was vertex number `vertex`: the exit
+/// takes the entry's place there and has a number of its own.
+template <class Density>
+bool emerge(const Scene& scene, PerPath<Vertex>& vertices, int i, const Wavelengths& w, SampleStream& samples,
+            TransportMode mode, int& vertex, Density& density, Flight& flight) {
+  SurfacePoint exit;
+  if (!emerge(scene, vertices[i].point(), w, samples, ++vertex, density, flight, exit)) return false;
+  Vertex& made = vertices.make(i, [&] { return Vertex(exit, -flight.ray.d, w, mode); });
+  ++vertex;
+  made.prepare(0, flight);
   return true;
 }
 

@@ -55,11 +55,7 @@ public:
     s.from = emitted->p;
     s.flight.ray = Anchor::of(*emitted).leave(emitted->d);
     find_surroundings(scene_, choice->light, s.flight);
-    if (log_.follows(i))
-      log_(fmt::format(
-          "  emitter \"{}\", part {}: from ({:.6g}, {:.6g}, {:.6g}) along ({:.6g}, {:.6g}, {:.6g})",
-          choice->light->properties().type(), choice->part, s.flight.ray.o.x, s.flight.ray.o.y,
-          s.flight.ray.o.z, s.flight.ray.d.x, s.flight.ray.d.y, s.flight.ray.d.z));
+    if (log_.follows(i)) log_emitter(log_, *choice->light, choice->part, s.flight.ray);
     return true;
   }
 
@@ -114,9 +110,7 @@ public:
 
   void connected(int i, const Connection& c, bool open) {
     if (open) splats_.push_back({i, film_[i], c.light});
-    if (log_.follows(i))
-      log_(fmt::format("  sensor at ({:.6g}, {:.6g}) on the film: {} mean {:.6g}", film_[i].x, film_[i].y,
-                       open ? "visible" : "hidden", open ? mean(c.light) : 0.f));
+    if (log_.follows(i)) log_seen(log_, film_[i], c, open);
   }
 
   bool scatter(int i) {

@@ -234,9 +234,7 @@ private:
   Event escape(int i) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
-    if (log_.follows(i))
-      log_(fmt::format("  depth {}: escapes along ({:.6g}, {:.6g}, {:.6g})", s.scattered, s.flight.ray.d.x,
-                       s.flight.ray.d.y, s.flight.ray.d.z));
+    if (log_.follows(i)) log_escape(log_, s.scattered, s.flight.ray.d);
     if (s.scattered == 0) {
       path.result.alpha = limits_.hide_emitters || scene_.infinite_emitters().empty() ? 0.f : 1.f;
       if (limits_.hide_emitters) return Event::escape;
