@@ -57,6 +57,11 @@ struct Splat {
   Spectrum estimate;
 };
 
+/// What an integrator needs of a scene beside surfaces, lights and media.
+struct SceneNeeds {
+  std::optional<BeamWidth> edges;  ///< that diffract light in beams of that width
+};
+
 class Integrator : public Object {
 public:
   static constexpr const char* kFamily = "an integrator";
@@ -73,6 +78,8 @@ public:
   /// splats.
   enum class Leaves { pixel, film, both };
   virtual Leaves leaves() const { return Leaves::pixel; }
+  /// Known before the scene is made.
+  virtual SceneNeeds needs() const { return {}; }
   /// Throws an Error, at its place in the file, where the scene has something that the integrator cannot follow.
   virtual void require_scene(const Scene&) const {}
   /// Names of the channels of further numbers measured beside the film's ("albedo.R", "depth"). None where

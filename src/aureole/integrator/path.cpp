@@ -4,10 +4,12 @@
 
 #include <cmath>
 
+#include "aureole/integrator/diffraction_parameters.h"
 #include "aureole/integrator/path_limits.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/dimensions.h"
 #include "aureole/transport/driver.h"
+#include "aureole/transport/edges.h"
 #include "aureole/transport/emerge.h"
 #include "aureole/transport/segment.h"
 
@@ -20,7 +22,9 @@ public:
       : scene_(scene),
         media_(scene.emitting_media() && scene.emitting_media()->can_be_connected() ? scene.emitting_media()
                                                                                     : nullptr),
-        lights_choose_places_(!media_ && scene.lights().tree().can_be_connected()),
+        // Weights along flights do not count walks to edges.
+        lights_choose_places_(!media_ && !scene.edges() && scene.lights().tree().can_be_connected()),
+        walks_to_edges_(scene.edges() && !scene.edges()->empty()),
         limits_(limits),
         paths_(paths),
         log_(log) {
@@ -28,6 +32,18 @@ public:
       states_[i].flight.ray = paths[i].ray;
       find_surroundings(scene, nullptr, states_[i].flight);
     }
+  }
+
+  /// Begins a path at an edge that the sensor sees at `film`, instead of the sensor's ray; false where there is none.
+  bool begin_at_edge(int i, Vec2& film) {
+    Path& path = paths_[size_t(i)];
+    if (!limits_.reaches(3)) return false;
+    EdgePaths edges(scene_, path.wavelengths, key(path.samples, 0, Key::connection) ^ kFromSensor);
+    const Vec2 lens = edges.next2();
+    Spectrum value = 1.f;
+    EdgePaths::AtEdge at;
+    if (!edges.begin_at_sensor(lens, value, at, film)) return false;
+    return go_on_from_edge(i, edges, at, value);
   }
 
   const Ray& ray(int path) const { return states_[path].flight.ray; }
@@ -80,7 +96,8 @@ public:
     Path& path = paths_[size_t(i)];
     return connect_to_light(scene_, vertex, s.flight, s.density,
                             scene_.lights().is_single() ? 0.f : get(path.samples, s.vertex, Choice::light),
-                            get(s.pairs, Pair::connection), path.wavelengths, {},
+                            get(s.pairs, Pair::connection), path.wavelengths,
+                            {1, walks_to_edges_ ? 1 - EdgePaths::kToEdge : 1},
                             scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out,
                             vertex.is_surface() ? nullptr : &s.by_light);
   }
@@ -107,17 +124,24 @@ public:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
+    if (walks_to_edges_) {
+      EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
+      if (edges.next() < EdgePaths::kToEdge) return walk_to_edge(i, edges);
+    }
     const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
     Scatter b;
     const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
+      if (walks_to_edges_) s.density.survive(1 - EdgePaths::kToEdge);
       go_on(i, vertex, b.d);
       return true;
     }
+    if (walks_to_edges_) b.pdf *= 1 - EdgePaths::kToEdge;
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
     s.density.extend(b.value, b.pdf, b.delta);
+    s.after_edge = false;
     if (event == Event::entered) {
       below_.add(i);
       return false;
@@ -127,16 +151,25 @@ public:
     go_on(i, vertex, b.d);
     ++s.depth;
     s.eta2 *= b.eta * b.eta;
-
-    if (s.depth >= limits_.roulette_depth) {
-      const float survival =
-          std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() * s.eta2);
-      if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
-      s.density.survive(survival);
-    }
-    // The last ray can only bring emission.
-    return limits_.reaches(s.depth + 2) || scene_.may_meet_emitter(s.flight.ray);
+    return survives(i);
   }
+
+  /// What light reaches the vertices around edges.
+  void connect_around_edges(const PathList& vertices) {
+    for (const int i : vertices) {
+      const State& s = states_[i];
+      const Vertex& vertex = vertices_[i];
+      if (s.last || !vertex.is_smooth() || !limits_.reaches(s.depth + 3)) continue;
+      Path& path = paths_[size_t(i)];
+      EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kOther);
+      const Spectrum light = edges.from_light(EdgePaths::at_vertex(vertex, s.flight),
+                                              [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
+      path.result.estimate += s.density.contribution(light, path.wavelengths);
+      if (log_.follows(i) && !is_black(light))
+        log_(fmt::format("  light around an edge: mean {:.6g}", mean(light)));
+    }
+  }
+  bool looks_around_edges() const { return walks_to_edges_; }
 
   /// The way below a surface is no edge of the path: light that leaves it at an exit counts as light that the
   /// surface scatters.
@@ -156,7 +189,8 @@ public:
   }
 
 private:
-  static constexpr std::uint32_t kOther = 0x2545f491u;  ///< makes another key of one
+  // These make other keys of one.
+  static constexpr std::uint32_t kOther = 0x2545f491u, kAroundEdges = 0x7feb352du, kFromSensor = 0x846ca68bu;
 
   struct State {
     Flight flight;
@@ -173,10 +207,75 @@ private:
     float eta2 = 1;     ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
                         ///< for roulette
     bool last = false;  ///< the present surface may only be passed
+    bool after_edge =
+        false;  ///< `flight` left an edge: connections around it have counted the lights that it meets
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
     vertex.leave(d, scene_.has_media(), states_[i].flight);
+  }
+
+  /// Roulette; false where the path ends.
+  bool survives(int i) {
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    if (s.depth >= limits_.roulette_depth) {
+      const float survival =
+          std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() * s.eta2);
+      if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
+      s.density.survive(survival);
+    }
+    // The last ray can only bring emission.
+    return limits_.reaches(s.depth + 2) || (scene_.may_meet_emitter(s.flight.ray) && !s.after_edge);
+  }
+
+  /// The path leaves its vertex for an edge.
+  [[gnu::noinline]] bool walk_to_edge(int i, EdgePaths& edges) {
+    State& s = states_[i];
+    const Vertex& vertex = vertices_[i];
+    if (s.depth == 0) paths_[size_t(i)].result.alpha = 1;
+    if (s.last || !vertex.is_smooth() || !limits_.reaches(s.depth + 4)) return false;
+    Spectrum value = 1 / EdgePaths::kToEdge;
+    EdgePaths::AtEdge at;
+    if (!edges.walk(
+            EdgePaths::at_vertex(vertex, s.flight),
+            [&](const Vec3& d) { return EdgePaths::response(vertex, d); }, value, at))
+      return false;
+    s.depth += 1;
+    return go_on_from_edge(i, edges, at, value);
+  }
+
+  /// From an edge, which the path has come to with the factor `value`, perhaps by way of other edges, to a direction.
+  bool go_on_from_edge(int i, EdgePaths& edges, EdgePaths::AtEdge at, Spectrum value) {
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    for (;;) {
+      if (log_.follows(i))
+        log_(fmt::format("  depth {}: edge at ({:.6g}, {:.6g}, {:.6g})", s.depth, at.point.p.x, at.point.p.y,
+                         at.point.p.z));
+      const auto kernel = [&](const Vec3& d) { return edges.kernel(at, d); };
+      if (limits_.reaches(s.depth + 3))
+        path.result.estimate +=
+            s.density.contribution(value * edges.from_light(at.place(), kernel), path.wavelengths);
+      if (!limits_.reaches(s.depth + 3)) return false;
+      if (edges.next() >= EdgePaths::kToNextEdge) break;
+      if (!limits_.reaches(s.depth + 4)) return false;
+      value *= 1 / EdgePaths::kToNextEdge;
+      EdgePaths::AtEdge next;
+      if (!edges.walk(at.place(), kernel, value, next)) return false;
+      at = next;
+      ++s.depth;
+    }
+    value *= 1 / (1 - EdgePaths::kToNextEdge);
+    Vec3 d;
+    if (!edges.scatter(at, value, d)) return false;
+    s.density.extend(Weight(value), 1.f, true);
+    s.flight = at.flight;
+    s.flight.ray = Anchor::in_space(at.point.p).leave(d);
+    s.after_edge = true;
+    ++s.depth;
+    ++s.vertex;
+    return survives(i);
   }
 
   /// Through the medium along the ray: `medium` where the path is scattered there, `crossed` where it arrives
@@ -239,8 +338,8 @@ private:
   }
 
   void add_emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
-    if (is_black(radiance)) return;
     const State& s = states_[i];
+    if (is_black(radiance) || s.after_edge) return;
     Path& path = paths_[size_t(i)];
     path.result.estimate +=
         s.density.has_light_ratio()
@@ -252,6 +351,7 @@ private:
   const Scene& scene_;
   const EmittingMedia* media_;       ///< those that connections look for, or null
   const bool lights_choose_places_;  ///< along flights in media
+  const bool walks_to_edges_;
   const PathLimits& limits_;
   std::span<Path> paths_;
   const BatchLog& log_;
@@ -263,9 +363,14 @@ private:
 
 class PathIntegrator final : public Integrator {
 public:
-  explicit PathIntegrator(const Properties& p) : Integrator(p), limits_(p) {}
+  explicit PathIntegrator(const Properties& p)
+      : Integrator(p), limits_(p), diffraction_(get_diffraction(p)) {}
 
-  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>&,
+  SceneNeeds needs() const override { return {diffraction_}; }
+  Leaves leaves() const override { return diffraction_ ? Leaves::both : Leaves::pixel; }
+  void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
+
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
     for (Path& p : paths) p.result = {};
     if (!limits_.reaches(1)) return;
@@ -273,10 +378,38 @@ public:
     BatchRays rays;
     for (size_t i = 0; i < paths.size(); ++i) rays.add(int(i), paths[i].ray);
     follow(scene, steps, rays, RayTracer::Rays::coherent);
+    if (scene.edges() && !scene.edges()->empty()) look_at_edges(scene, paths, splats, log);
   }
 
 private:
+  /// The light that the sensor sees come from edges, wherever they are on the film: one path to a light around one edge, and one
+  /// that goes on from an edge, per sample.
+  [[gnu::noinline]] void look_at_edges(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+                                       const BatchLog& log) const {
+    if (!limits_.reaches(2)) return;
+    std::array<Path, kBatch> seen;
+    std::array<Vec2, kBatch> film;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      seen[i] = paths[i];
+      seen[i].samples = paths[i].samples.of_second_path();
+      seen[i].result = {};
+    }
+    const std::span<Path> from_edges(seen.data(), paths.size());
+    PathSteps steps(scene, limits_, from_edges, log);
+    BatchRays rays;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      if (const auto splat = light_seen_around_edge(scene, int(i), paths[i], limits_.hide_emitters))
+        splats.push_back(*splat);
+      film[i] = {-1, -1};
+      if (steps.begin_at_edge(int(i), film[i])) rays.add(int(i), steps.ray(int(i)));
+    }
+    follow(scene, steps, rays, RayTracer::Rays::incoherent);
+    for (size_t i = 0; i < paths.size(); ++i)
+      if (!is_black(seen[i].result.estimate)) splats.push_back({int(i), film[i], seen[i].result.estimate});
+  }
+
   PathLimits limits_;
+  std::optional<BeamWidth> diffraction_;
 };
 
 AUREOLE_PLUGIN(
@@ -285,15 +418,18 @@ AUREOLE_PLUGIN(
         "Path tracer: next-event estimation and BSDF sampling combined by spectral multiple importance "
         "sampling.",
         "Kajiya 1986; Veach 1997, chapters 9 and 10; Wilkie et al. 2014, Eq. 8",
-        {{"max_depth", "integer", "", "-1",
-          "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
-         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many vertices, 1000 at most"},
-         {"max_scattering", "integer", "", "-1",
-          "paths that media scatter more often do not count: 1 is single scattering; -1: no limit"},
-         {"hide_emitters", "boolean", "", "false",
-          "camera rays pass through area emitters and see no environment"}},
+        with_diffraction_parameters(
+            {{"max_depth", "integer", "", "-1",
+              "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
+             {"rr_depth", "integer", "", "5",
+              "Russian roulette begins after this many vertices, 1000 at most"},
+             {"max_scattering", "integer", "", "-1",
+              "paths that media scatter more often do not count: 1 is single scattering; -1: no limit"},
+             {"hide_emitters", "boolean", "", "false",
+              "camera rays pass through area emitters and see no environment"}}),
         {R"(<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
-    <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/></integrator>)"}});
+    <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/></integrator>)",
+         R"(<integrator type="path"><boolean name="diffraction" value="true"/><string name="beam_width" value="50 wavelengths"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include "aureole/integrator/diffraction_parameters.h"
 #include "aureole/integrator/path_limits.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
@@ -41,7 +42,12 @@ class LightSteps {
 public:
   LightSteps(const Scene& scene, const PathLimits& limits, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log)
-      : scene_(scene), limits_(limits), paths_(paths), splats_(splats), log_(log) {}
+      : scene_(scene),
+        walks_to_edges_(scene.edges() && !scene.edges()->empty()),
+        limits_(limits),
+        paths_(paths),
+        splats_(splats),
+        log_(log) {}
 
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
@@ -70,6 +76,19 @@ public:
     find_surroundings(scene_, choice->light, s.flight);
     if (log_.follows(i)) log_emitter(log_, *choice->light, choice->part, s.flight.ray);
     return true;
+  }
+
+  /// Begins a path at an edge that a light shines on, instead of a ray of the light.
+  bool begin_at_edge(int i) {
+    Path& path = paths_[size_t(i)];
+    EdgePaths edges(scene_, path.wavelengths, key(path.samples, 0, Key::connection) ^ kFromLight,
+                    limits_.hide_emitters);
+    Spectrum value = 1.f;
+    EdgePaths::AtEdge at;
+    if (!limits_.reaches(3) || !edges.begin_at_light(value, at)) return false;
+    State& s = states_[i];
+    s.whole = max_component(abs(value));
+    return go_on_from_edge(i, edges, at, value);
   }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
@@ -116,10 +135,30 @@ public:
     if (log_.follows(i)) log_seen(log_, film_[i], c, open);
   }
 
+  /// Connects the vertices with the sensor around edges.
+  void connect_around_edges(const PathList& vertices) {
+    for (const int i : vertices) {
+      const State& s = states_[i];
+      const Vertex& vertex = vertices_[i];
+      if (!vertex.is_smooth() || !limits_.reaches(s.scattered + 3)) continue;
+      Path& path = paths_[size_t(i)];
+      EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kToSensor,
+                      limits_.hide_emitters);
+      see_around_edge(i, edges, EdgePaths::at_vertex(vertex, s.flight),
+                      [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
+    }
+  }
+  bool looks_around_edges() const { return walks_to_edges_; }
+
   bool scatter(int i) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
+    if (walks_to_edges_) {
+      EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kAroundEdges,
+                      limits_.hide_emitters);
+      if (edges.next() < EdgePaths::kToEdge) return walk_to_edge(i, edges);
+    }
     const bool last = !limits_.reaches(s.scattered + 3);
     if (last && !vertex.is_passable() && !vertex.has_exit()) return false;
     const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
@@ -128,9 +167,11 @@ public:
     if (event == Event::blocked) return false;
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
+      if (walks_to_edges_) s.density.survive(1 - EdgePaths::kToEdge);
       go_on(i, vertex, b.d);
       return true;
     }
+    if (walks_to_edges_) b.pdf *= 1 - EdgePaths::kToEdge;
     if ((last && event != Event::entered) || b.value.is_black()) return false;
     s.density.extend(b.value, b.pdf, b.delta);
     if (event == Event::entered) {
@@ -139,12 +180,7 @@ public:
     }
     go_on(i, vertex, b.d);
     ++s.scattered;
-    if (s.scattered < limits_.roulette_depth) return true;
-    const float survival =
-        std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() / s.whole);
-    if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
-    s.density.survive(survival);
-    return true;
+    return survives(i);
   }
 
   /// As that of `path`.
@@ -189,6 +225,10 @@ private:
     return true;
   }
 
+  // These make other keys of one.
+  static constexpr std::uint32_t kToSensor = 0x2545f491u, kAroundEdges = 0x7feb352du,
+                                 kFromLight = 0x846ca68bu;
+
   struct State {
     Flight flight;
     LightPathDensity density;
@@ -200,6 +240,72 @@ private:
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
     vertex.leave(d, scene_.has_media(), states_[i].flight);
+  }
+
+  /// Roulette; false where the path ends.
+  bool survives(int i) {
+    State& s = states_[i];
+    if (s.scattered < limits_.roulette_depth) return true;
+    const float survival =
+        std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() / s.whole);
+    if (!(get(paths_[size_t(i)].samples, s.vertex, Choice::roulette) < survival)) return false;
+    s.density.survive(survival);
+    return true;
+  }
+
+  template <class Respond>
+  void see_around_edge(int i, EdgePaths& edges, const EdgePaths::Place& from, const Respond& respond) {
+    Vec2 film;
+    const Vec2 lens = edges.next2();
+    const Spectrum seen = edges.to_sensor(from, lens, respond, film);
+    if (is_black(seen)) return;
+    const Spectrum estimate = states_[i].density.reached(Weight(seen), 1, paths_[size_t(i)].wavelengths);
+    splats_.push_back({i, film, estimate});
+    if (log_.follows(i))
+      log_(fmt::format("  sensor around an edge at ({:.6g}, {:.6g}) on the film: mean {:.6g}", film.x, film.y,
+                       mean(estimate)));
+  }
+
+  /// As that of `path`.
+  [[gnu::noinline]] bool walk_to_edge(int i, EdgePaths& edges) {
+    State& s = states_[i];
+    const Vertex& vertex = vertices_[i];
+    if (!vertex.is_smooth() || !limits_.reaches(s.scattered + 4)) return false;
+    Spectrum value = 1 / EdgePaths::kToEdge;
+    EdgePaths::AtEdge at;
+    if (!edges.walk(
+            EdgePaths::at_vertex(vertex, s.flight),
+            [&](const Vec3& d) { return EdgePaths::response(vertex, d); }, value, at))
+      return false;
+    ++s.scattered;
+    return go_on_from_edge(i, edges, at, value);
+  }
+  bool go_on_from_edge(int i, EdgePaths& edges, EdgePaths::AtEdge at, Spectrum value) {
+    State& s = states_[i];
+    for (;;) {
+      if (log_.follows(i))
+        log_(fmt::format("  edge at ({:.6g}, {:.6g}, {:.6g})", at.point.p.x, at.point.p.y, at.point.p.z));
+      if (!limits_.reaches(s.scattered + 3)) return false;
+      const auto kernel = [&](const Vec3& d) { return value * edges.kernel(at, d); };
+      see_around_edge(i, edges, at.place(), kernel);
+      if (edges.next() >= EdgePaths::kToNextEdge) break;
+      if (!limits_.reaches(s.scattered + 4)) return false;
+      Spectrum next_value = 1 / EdgePaths::kToNextEdge;
+      EdgePaths::AtEdge next;
+      if (!edges.walk(at.place(), kernel, next_value, next)) return false;
+      at = next, value = next_value;
+      ++s.scattered;
+    }
+    value *= 1 / (1 - EdgePaths::kToNextEdge);
+    Vec3 d;
+    if (!edges.scatter(at, value, d)) return false;
+    s.density.extend(Weight(value), 1.f, true);
+    s.flight = at.flight;
+    s.flight.ray = Anchor::in_space(at.point.p).leave(d);
+    ++s.scattered;
+    ++s.vertex;
+    // Its next surface is connected with the sensor directly: the edge's neighbour is not the sensor.
+    return survives(i);
   }
 
   /// As that of `path`.
@@ -218,6 +324,7 @@ private:
   }
 
   const Scene& scene_;
+  const bool walks_to_edges_;
   const PathLimits& limits_;
   std::span<Path> paths_;
   std::vector<Splat>& splats_;
@@ -230,13 +337,15 @@ private:
 
 class ParticleTracer final : public Integrator {
 public:
-  explicit ParticleTracer(const Properties& p) : Integrator(p), limits_(p) {
+  explicit ParticleTracer(const Properties& p) : Integrator(p), limits_(p), diffraction_(get_diffraction(p)) {
     if (p.has("samples_per_pass"))
       p.note("samples_per_pass", "work is divided by itself: \"samples_per_pass\" has no effect");
     p.get_int("samples_per_pass", -1);
   }
 
   Leaves leaves() const override { return Leaves::film; }
+  SceneNeeds needs() const override { return {diffraction_}; }
+  void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
@@ -247,9 +356,23 @@ public:
     for (size_t i = 0; i < paths.size(); ++i)
       if (steps.emit(int(i))) rays.add(int(i), steps.ray(int(i)));
     follow(scene, steps, rays, RayTracer::Rays::incoherent);
+    if (scene.edges() && !scene.edges()->empty()) begin_at_edges(scene, paths, splats, log);
   }
 
 private:
+  /// Light that comes from edges first: seen by the sensor, and on its way.
+  [[gnu::noinline]] void begin_at_edges(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+                                        const BatchLog& log) const {
+    LightSteps steps(scene, limits_, paths, splats, log);
+    BatchRays rays;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      if (const auto splat = light_seen_around_edge(scene, int(i), paths[i], limits_.hide_emitters))
+        splats.push_back(*splat);
+      if (steps.begin_at_edge(int(i))) rays.add(int(i), steps.ray(int(i)));
+    }
+    follow(scene, steps, rays, RayTracer::Rays::incoherent);
+  }
+
   /// The radiance along the sensor's rays that connections can't bring to the film.
   void see_directly(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
     SeenDirectly seen(paths);
@@ -272,6 +395,7 @@ private:
   }
 
   PathLimits limits_;
+  std::optional<BeamWidth> diffraction_;
 };
 
 AUREOLE_PLUGIN(
@@ -283,16 +407,19 @@ AUREOLE_PLUGIN(
         "As "
         "many paths are traced as there are samples on the film.",
         "Veach 1997, section 10.3 (s = 0, 1) with section 5.3 for shading normals; Wilkie et al. 2014, Eq. 8",
-        {{"max_depth", "integer", "", "-1",
-          "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
-         {"rr_depth", "integer", "", "5", "Russian roulette begins after this many vertices, 1000 at most"},
-         {"max_scattering", "integer", "", "-1",
-          "paths that media scatter more often do not count: 1 is single scattering; -1: no limit"},
-         {"hide_emitters", "boolean", "", "false",
-          "the sensor sees through area emitters and sees no environment"},
-         {"samples_per_pass", "integer", "", "-1", "accepted without effect"}},
+        with_diffraction_parameters(
+            {{"max_depth", "integer", "", "-1",
+              "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},
+             {"rr_depth", "integer", "", "5",
+              "Russian roulette begins after this many vertices, 1000 at most"},
+             {"max_scattering", "integer", "", "-1",
+              "paths that media scatter more often do not count: 1 is single scattering; -1: no limit"},
+             {"hide_emitters", "boolean", "", "false",
+              "the sensor sees through area emitters and sees no environment"},
+             {"samples_per_pass", "integer", "", "-1", "accepted without effect"}}),
         {R"(<integrator type="ptracer"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
-    <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/><integer name="samples_per_pass" value="16"/></integrator>)"}});
+    <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/><integer name="samples_per_pass" value="16"/></integrator>)",
+         R"(<integrator type="ptracer"><boolean name="diffraction" value="true"/><string name="beam_width" value="fresnel 2m"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

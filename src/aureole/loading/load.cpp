@@ -140,11 +140,12 @@ LoadedParts load_parts(const std::filesystem::path& file, const std::optional<st
 
 LoadedScene make_scene(LoadedParts loaded, const Scene* previous) {
   LoadedScene made;
-  made.scene = std::make_shared<const Scene>(std::move(loaded.parts), previous);
   made.integrator = std::dynamic_pointer_cast<const Integrator>(loaded.integrator);
   if (loaded.integrator && !made.integrator)
     throw std::logic_error("the plug-in \"" + loaded.integrator->properties().type() +
                            "\" is registered in a wrong family");
+  if (made.integrator) loaded.parts.diffraction = made.integrator->needs().edges;
+  made.scene = std::make_shared<const Scene>(std::move(loaded.parts), previous);
   made.hash = loaded.hash;
   made.notes = std::move(loaded.notes);
   made.notes.insert(made.notes.end(), made.scene->notes().begin(), made.scene->notes().end());

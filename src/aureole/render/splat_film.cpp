@@ -33,7 +33,8 @@ std::vector<float> filter_integrals(const FilterTable& filter, int size, int out
 
 }  // namespace
 
-SplatFilm::SplatFilm(const Film& film, const FilterTable& filter) : film_(&film), filter_(filter) {
+SplatFilm::SplatFilm(const Film& film, const FilterTable& filter, bool may_be_negative)
+    : film_(&film), filter_(filter), may_be_negative_(may_be_negative) {
   const int outside = film.sample_border() ? filter.border() : 0;
   area_ = FilmPart::of(film, 0, 1);
   // Bands are at least as high as the filter, so that a splat reaches at most two.
@@ -51,7 +52,7 @@ void SplatFilm::append(std::span<const Splat> splats, std::span<const Path> path
   for (const Splat& s : splats) {
     bool& path_valid = valid[s.path];
     if (!path_valid || !area_.samples(s.film)) continue;
-    path_valid = is_valid_radiance(s.estimate);
+    path_valid = may_be_negative_ ? is_finite(s.estimate) : is_valid_radiance(s.estimate);
     if (!path_valid) continue;
     const size_t at = list.measured.size();
     list.measured.resize(at + channels);

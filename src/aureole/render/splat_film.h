@@ -29,7 +29,8 @@ struct SplatList {
 
 class SplatFilm {
 public:
-  SplatFilm(const Film& film, const FilterTable& filter);
+  /// `may_be_negative`: estimates are valid as long as they are finite.
+  explicit SplatFilm(const Film& film, const FilterTable& filter, bool may_be_negative = false);
 
   /// Factor that turns the radiance along a ray of the sensor into a splat at the ray's film position.
   float sample_area() const { return sample_area_; }
@@ -47,6 +48,7 @@ public:
 private:
   const Film* film_;
   FilterTable filter_;
+  bool may_be_negative_;
   FilmPart area_;      ///< where light counts
   float sample_area_;  ///< pixels^2: paths for each sample number
   int band_height_;

@@ -106,7 +106,8 @@ UnitRenderer::UnitRenderer(const Scene& scene, const Integrator& integrator, con
       seed_(seed),
       channels_(measured_channels),
       keeps_pixels_(integrator.leaves() != Integrator::Leaves::film) {
-  if (integrator.leaves() != Integrator::Leaves::pixel) splat_film_.emplace(scene.film(), filter);
+  if (integrator.leaves() != Integrator::Leaves::pixel)
+    splat_film_.emplace(scene.film(), filter, scene.edges() != nullptr);
 }
 
 std::uint64_t UnitRenderer::key_of(int x, int y, int replicate) const {
@@ -114,7 +115,9 @@ std::uint64_t UnitRenderer::key_of(int x, int y, int replicate) const {
 }
 
 bool UnitRenderer::measure(const Path& path, float sensor_weight, float* measured) const {
-  if (!is_valid_radiance(path.result.estimate)) return false;
+  // Waves of edges that cancel bring negative light.
+  if (!(scene_->edges() ? is_finite(path.result.estimate) : is_valid_radiance(path.result.estimate)))
+    return false;
   scene_->film().measure(path.result.estimate * sensor_weight, path.wavelengths, measured);
   bool valid = true;
   for (int c = 0; c < channels_; ++c) valid &= std::abs(measured[c]) < kFixedLimit;

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "aureole/scene/edge/scene_edges.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
 namespace aureole {
@@ -59,6 +60,16 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
                 ? reuse->tracer_
                 : std::make_shared<const RayTracer>(parts_.surfaces, reuse ? reuse->tracer_.get() : nullptr);
 
+  if (parts_.diffraction) {
+    const bool unchanged =
+        reuse && reuse->tracer_ == tracer_ && reuse->parts_.diffraction == parts_.diffraction &&
+        std::equal(parts_.surfaces.begin(), parts_.surfaces.end(), reuse->parts_.surfaces.begin(),
+                   reuse->parts_.surfaces.end(), [](const ModelPart& a, const ModelPart& b) {
+                     return a.shape == b.shape && a.bsdf == b.bsdf && a.instance == b.instance;
+                   });
+    edges_ = unchanged ? reuse->edges_ : std::make_shared<const SceneEdges>(parts_, *parts_.diffraction);
+    if (edges_->empty()) notes_.push_back("no mesh of the scene has edges: no light is diffracted");
+  }
   const Bounds3 box = tracer_->bounds();
   const Vec3 center = box.empty() ? Vec3{} : box.center();
   const float radius = box.empty() ? 1.f : std::max(1e-6f, 0.5f * length(box.diagonal()));

@@ -18,6 +18,7 @@
 namespace aureole {
 
 class EmittingMedia;
+class SceneEdges;
 
 class Scene {
 public:
@@ -72,6 +73,8 @@ public:
   const LightSampler& lights() const { return lights_; }
   /// The media that emit, of those that fill something; null: none.
   const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
+  /// The edges that diffract light; null: none do.
+  const SceneEdges* edges() const { return edges_.get(); }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return tracer_->bounds(); }
   /// Notes for the user about the scene as a whole.
@@ -99,6 +102,7 @@ private:
   std::shared_ptr<const RayTracer> tracer_;
   LightSampler lights_;
   std::shared_ptr<const EmittingMedia> emitting_media_;
+  std::shared_ptr<const SceneEdges> edges_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
   bool any_passable_ = false;            ///< connections may have to pass surfaces or media

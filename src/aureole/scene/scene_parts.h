@@ -4,9 +4,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "aureole/plugin/properties.h"
+#include "aureole/scene/edge/beam_width.h"
 #include "aureole/shape/model.h"
 
 namespace aureole {
@@ -18,6 +20,8 @@ struct SceneParts {
   std::shared_ptr<const ShapeArea> sensor_area;  ///< of the shape that the sensor sits on, or null
   /// The wavelengths and unit of length that all objects were built with; never null.
   std::shared_ptr<const BuildContext> context;
+  /// Edges diffract light in beams of that width; nothing: they do not.
+  std::optional<BeamWidth> diffraction;
 };
 
 }  // namespace aureole

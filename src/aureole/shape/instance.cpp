@@ -82,6 +82,10 @@ RTCGeometry Instance::make_geometry(RTCDevice device, RTCScene scene) const {
   return g;
 }
 
+Vec3 Instance::point_to_world(const Vec3& p) const {
+  return linear(to_world_, p) + Vec3{to_world_[0][3], to_world_[1][3], to_world_[2][3]};
+}
+
 SurfacePoint Instance::surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray,
                                      bool tangent) const {
   const Vec3 offset{to_group_[0][3], to_group_[1][3], to_group_[2][3]};

@@ -28,6 +28,7 @@ public:
   RTCGeometry make_geometry(RTCDevice device, RTCScene scene) const;
   /// The point of a hit on `shape`, one of the group's. Fills everything but `surface`.
   SurfacePoint surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray, bool tangent) const;
+  Vec3 point_to_world(const Vec3& p) const;
   SurfaceDerivatives to_world(const SurfaceDerivatives& d) const;
   Bounds3 bounds() const;
   /// Origins and directions of rays up to this magnitude are transformed to such of at most `limit`.

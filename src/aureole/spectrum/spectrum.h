@@ -111,4 +111,10 @@ inline bool is_valid_radiance(const Spectrum& a) {
   return !any(~ok);
 }
 
+/// True where every value is finite.
+inline bool is_finite(const Spectrum& a) {
+  const SpectrumMask ok = abs(a).v <= std::numeric_limits<float>::max();
+  return !any(~ok);
+}
+
 }  // namespace aureole

@@ -18,8 +18,8 @@ public:
   /// The weight of passing `first` and then this.
   Weight after(const Weight& first) const { return Weight(factor_ * first.factor_); }
   Weight scaled(const Spectrum& s) const { return Weight(factor_ * s); }
-  /// The largest factor by which unpolarised light can be multiplied.
-  float largest() const { return max_component(factor_); }
+  /// The largest factor, without its sign, by which unpolarised light can be multiplied.
+  float largest() const { return max_component(abs(factor_)); }
   bool is_black() const { return aureole::is_black(factor_); }
 
 private:

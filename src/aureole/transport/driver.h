@@ -20,6 +20,8 @@
 //                                                         along the segment that it has followed
 //     bool looks_for_emission();                          whether vertices have a second connection,
 //     bool connect_to_emission(int path, Connection& out);
+//     bool looks_around_edges();          whether vertices are connected around edges, too,
+//     void connect_around_edges(const PathList& vertices);
 #pragma once
 
 #include <type_traits>
@@ -99,6 +101,8 @@ void connect_vertices(const Scene& scene, Steps& steps, const PathList& vertices
     if (steps.looks_for_emission())
       connect_each(scene, steps, vertices, connections,
                    [&](int path, Connection& c) { return steps.connect_to_emission(path, c); });
+  if constexpr (requires { steps.looks_around_edges(); })
+    if (steps.looks_around_edges()) steps.connect_around_edges(vertices);
 }
 
 /// The next directions: adds the rays of the paths that go on.

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// `BeamWidth`: how wide the beams of light are that edges diffract.
+#pragma once
+
+#include <string>
+
+namespace aureole {
+
+/// The standard deviation of the intensity across a beam, over which light counts as coherent: a number of
+/// wavelengths, a length, or the root of wavelength times a distance.
+struct BeamWidth {
+  enum class Unit { wavelengths, length, fresnel };
+  Unit unit = Unit::wavelengths;
+  double value = 25;  ///< a number, or metres
+
+  bool operator==(const BeamWidth&) const = default;
+
+  /// In metres.
+  double at(double wavelength_m) const;
+  /// The same number of wavelengths at all wavelengths, so that diffracted directions are the same for all.
+  bool is_achromatic() const { return unit == Unit::wavelengths; }
+
+  /// "25" or "25 wavelengths", "3mm", "fresnel 10m". Throws Error.
+  static BeamWidth parse(const std::string& text);
+};
+
+}  // namespace aureole

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/edge_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace aureole {
+namespace {
+
+/// Towards an end from a point, with the squared distance (1 to infinity).
+struct Towards {
+  Vec3 d;
+  float distance_squared;
+
+  Towards(const PathEnd& end, const Vec3& from) {
+    if (end.is_infinite) {
+      d = end.p, distance_squared = 1;
+      return;
+    }
+    const Vec3 to = end.p - from;
+    distance_squared = std::max(length_squared(to), 1e-30f);
+    d = to * (1 / std::sqrt(distance_squared));
+  }
+};
+
+/// The part of the light that goes into directions off Keller's cone, by the deviation over the cone's width. Corners
+/// send a little everywhere.
+float along_cone(float deviation) {
+  const float k = 1 / (1 + deviation * deviation);
+  return k * k * k + 1e-3f * k;
+}
+
+NormalCone of_line(const Vec3& d) { return {d, 1e-6f}; }
+
+NormalCone merged_lines(const NormalCone& a, const NormalCone& b) {
+  return a.merged(dot(a.axis, b.axis) < 0 ? NormalCone{-b.axis, b.sine} : b);
+}
+
+float between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle) {
+  const EdgeLine line(edge);
+  const std::optional<double> keller = keller_point(line, a, b);
+  const double l = std::clamp(keller.value_or(0.5 * line.length), 0.0, line.length);
+  const Vec3 x = line.at(l).to_float();
+  const Towards to_a(a, x), to_b(b, x);
+  const Vec3 turn = to_a.d + to_b.d, e = line.direction.to_float();
+  const float off = std::abs(dot(turn, e));
+  // The stretch of the edge that light comes from.
+  const float across2 = std::max(1 - dot(to_a.d, e) * dot(to_a.d, e), 1e-6f);
+  const float stretch =
+      angle / (std::sqrt(across2) * ((a.is_infinite ? 0.f : 1 / std::sqrt(to_a.distance_squared)) +
+                                     (b.is_infinite ? 0.f : 1 / std::sqrt(to_b.distance_squared))) +
+               1e-30f);
+  const float outline = edge.is_outline(to_a.d - to_b.d) ? 1.f : 1e-3f;
+  return outline * std::min(float(line.length), 4 * stretch) * along_cone(off / angle) /
+         (to_a.distance_squared * to_b.distance_squared * (length_squared(turn) + angle * angle));
+}
+
+}  // namespace
+
+std::optional<double> keller_point(const EdgeLine& line, const PathEnd& a, const PathEnd& b) {
+  const auto place = [&](const PathEnd& end, double& along, double& across) {
+    const Double3 to = Double3(end.p) - line.origin;
+    along = dot(to, line.direction);
+    across = length(to - line.direction * along);
+  };
+  double along_a, across_a, along_b, across_b;
+  if (a.is_infinite && b.is_infinite) return {};
+  if (a.is_infinite) return keller_point(line, b, a);
+  place(a, along_a, across_a);
+  if (b.is_infinite) {
+    const double s = dot(Double3(b.p), line.direction), c2 = 1 - s * s;
+    if (!(c2 > 1e-12)) return {};
+    return along_a + s * across_a / std::sqrt(c2);
+  }
+  place(b, along_b, across_b);
+  // The shortest way, with the plane of one of the ends turned into that of the other.
+  const double sum = across_a + across_b;
+  if (!(sum > 0)) return {};
+  return (along_a * across_b + along_b * across_a) / sum;
+}
+
+EdgeTree::EdgeTree(std::span<const MeshEdge> edges) : edges_(edges) {
+  if (edges.empty()) return;
+  std::vector<std::uint32_t> order(edges.size());
+  std::iota(order.begin(), order.end(), 0u);
+  nodes_.reserve(2 * edges.size());
+  nodes_.emplace_back();
+  build(0, order, 1);
+}
+
+void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order, std::size_t depth) {
+  Bounds3 box, centers;
+  float length = 0;
+  for (const std::uint32_t i : order) {
+    const MeshEdge& edge = edges_[i];
+    box.extend(edge.a), box.extend(edge.b);
+    centers.extend(0.5f * (edge.a + edge.b));
+    length += aureole::length(edge.b - edge.a);
+  }
+  nodes_[node].center = box.center();
+  nodes_[node].radius = 0.5f * aureole::length(box.diagonal());
+  nodes_[node].length = length;
+  if (order.size() == 1) {
+    const MeshEdge& edge = edges_[order[0]];
+    nodes_[node].normals = edge.is_boundary ? NormalCone{} : NormalCone::of(edge.n0, edge.n1);
+    nodes_[node].lines = of_line(normalize(edge.b - edge.a));
+    nodes_[node].index = order[0];
+    nodes_[node].is_leaf = true;
+    return;
+  }
+  // Halves by number, across the longest side of the box of the centres: the depth is known, and the two halves of a
+  // long street or wall are as good as any others.
+  const Vec3 extent = centers.diagonal();
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const std::size_t half = order.size() / 2;
+  std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(half), order.end(),
+                   [&](std::uint32_t i, std::uint32_t j) {
+                     const float a = edges_[i].a[axis] + edges_[i].b[axis],
+                                 b = edges_[j].a[axis] + edges_[j].b[axis];
+                     return a != b ? a < b : i < j;
+                   });
+  const auto first = std::uint32_t(nodes_.size());
+  nodes_[node].index = first;
+  nodes_[node].is_leaf = false;
+  nodes_.resize(nodes_.size() + 2);
+  build(first, order.first(half), depth + 1);
+  build(first + 1, order.subspan(half), depth + 1);
+  nodes_[node].normals = nodes_[first].normals.merged(nodes_[first + 1].normals);
+  nodes_[node].lines = merged_lines(nodes_[first].lines, nodes_[first + 1].lines);
+}
+
+template <class Importance>
+std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& importance) const {
+  if (nodes_.empty()) return {};
+  std::uint32_t node = 0;
+  float probability = 1;
+  while (!nodes_[node].is_leaf) {
+    const std::uint32_t first = nodes_[node].index;
+    const float left = importance(nodes_[first]), right = importance(nodes_[first + 1]);
+    const float sum = left + right;
+    if (!(sum > 0) || !std::isfinite(sum)) return {};
+    const float share = left / sum;
+    if (u < share) {
+      u = std::min(u / share, 0x1.fffffep-1f), probability *= share, node = first;
+    } else {
+      u = std::min((u - share) / (1 - share), 0x1.fffffep-1f), probability *= 1 - share, node = first + 1;
+    }
+  }
+  if (!(importance(nodes_[node]) > 0)) return {};
+  return Choice{nodes_[node].index, probability, u};
+}
+
+std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const PathEnd& b, float angle,
+                                                         float u) const {
+  return descend(u, [&](const Node& node) {
+    if (node.is_leaf) return between(edges_[node.index], a, b, angle);
+    const Towards to_a(a, node.center), to_b(b, node.center);
+    const float r2 = node.radius * node.radius;
+    // By how much the directions to the two ends may differ from those at the node's centre.
+    const auto slack_of = [&](const PathEnd& end, const Towards& to) {
+      return end.is_infinite ? 0.f : std::min(2.f, std::sqrt(r2 / to.distance_squared) * 1.0001f + 1e-6f);
+    };
+    const float slack = slack_of(a, to_a) + slack_of(b, to_b);
+    const Vec3 turn = to_a.d + to_b.d, mean = to_a.d - to_b.d;
+    const float turn2 = length_squared(turn), mean2 = length_squared(mean);
+    if (node.normals.sine < 1) {
+      // Outline edges have faces on both sides of the light: here all faces are on one.
+      const float off = std::abs(dot(node.normals.axis, mean)) - slack, limit = std::sqrt(mean2) + slack;
+      if (off > node.normals.sine * limit) return 0.f;
+    }
+    const float turned = std::max(0.f, std::sqrt(turn2) - slack);
+    float deviation = 0;
+    if (node.lines.sine < 1) {
+      const float along = std::abs(dot(turn, node.lines.axis)),
+                  cosine = std::sqrt(1 - node.lines.sine * node.lines.sine);
+      const float beside = std::sqrt(std::max(0.f, turn2 - along * along));
+      deviation = std::max(0.f, along * cosine - beside * node.lines.sine - slack) / angle;
+    }
+    const float da = a.is_infinite ? 1.f : std::max(to_a.distance_squared, r2),
+                db = b.is_infinite ? 1.f : std::max(to_b.distance_squared, r2);
+    return node.length * along_cone(deviation) / (da * db * (turned * turned + angle * angle));
+  });
+}
+
+std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, float u) const {
+  return descend(u, [&](const Node& node) {
+    if (a.is_infinite) return node.length;
+    return node.length /
+           std::max(length_squared(a.p - node.center), 0.25f * node.radius * node.radius + 1e-30f);
+  });
+}
+
+}  // namespace aureole

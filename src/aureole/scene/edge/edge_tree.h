@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// `EdgeTree`: chooses an edge that diffracts light between two places, or from one place, in proportion to an
+// estimate of that light: a tree over edges that is descended at random, as light trees are (Conty Estevez & Kulla
+// 2018), by distances, the angle by which the light turns, and Keller's condition that it leaves an edge in the
+// angle at which it has come (Keller 1962, "Geometrical theory of diffraction").
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "aureole/scene/edge/beam_tree.h"
+#include "aureole/scene/edge/mesh_edges.h"
+#include "aureole/shape/geometry/double3.h"
+
+namespace aureole {
+
+/// An end of a path around an edge: a point, or a direction to infinity.
+struct PathEnd {
+  Vec3 p;  ///< or the unit direction towards it
+  bool is_infinite = false;
+};
+
+/// A straight line with the points of an edge, in double precision.
+struct EdgeLine {
+  explicit EdgeLine(const MeshEdge& edge)
+      : origin(edge.a), direction(Double3(edge.b) - Double3(edge.a)), length(aureole::length(direction)) {
+    direction = direction * (1 / length);
+  }
+  Double3 at(double l) const { return origin + direction * l; }
+
+  Double3 origin, direction;
+  double length;
+};
+
+class EdgeTree {
+public:
+  EdgeTree() = default;
+  /// The edges must outlive it.
+  explicit EdgeTree(std::span<const MeshEdge> edges);
+
+  struct Choice {
+    std::uint32_t edge;
+    float probability;
+    float u;  ///< what is left of the random number
+  };
+  /// An edge around which light goes from `b` to `a`. `angle`: the width of the cone into which edges diffract,
+  /// 1/(2 k sigma). Nothing where no edge is an outline between the two.
+  std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float u) const;
+  /// An edge that light from or to `a` may reach.
+  std::optional<Choice> choose_from(const PathEnd& a, float u) const;
+
+  bool empty() const { return nodes_.empty(); }
+  std::size_t memory_bytes() const { return nodes_.size() * sizeof(Node); }
+
+private:
+  struct Node {
+    Vec3 center;
+    float radius = 0;
+    float length = 0;     ///< of all edges
+    NormalCone normals;   ///< of the faces at them
+    NormalCone lines;     ///< of their directions, either way
+    std::uint32_t index;  ///< of the first of two children, or of the edge
+    bool is_leaf;
+  };
+
+  void build(std::uint32_t node, std::span<std::uint32_t> order, std::size_t depth);
+  template <class Importance>
+  std::optional<Choice> descend(float u, const Importance& importance) const;
+
+  std::span<const MeshEdge> edges_;
+  std::vector<Node> nodes_;
+};
+
+/// Where on the line of an edge the light from `b` to `a` fulfils Keller's condition, as a distance from its start;
+/// nothing where no place or every place does.
+std::optional<double> keller_point(const EdgeLine& line, const PathEnd& a, const PathEnd& b);
+
+}  // namespace aureole

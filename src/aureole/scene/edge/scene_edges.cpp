@@ -1,0 +1,335 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/scene_edges.h"
+
+#include <algorithm>
+#include <boost/math/special_functions/erf.hpp>
+#include <cmath>
+#include <numbers>
+
+#include "aureole/optics/diffraction/edge_kernel.h"
+#include "aureole/shape/instance.h"
+#include "aureole/shape/mesh/mesh.h"
+#include "aureole/shape/model.h"
+
+namespace aureole {
+namespace {
+
+using std::numbers::pi;
+
+/// Beyond this many sigma edges do not interfere: their light is coherent by exp(-r^2/(8 sigma^2)), 2e-3 there.
+constexpr double kCoherent = 7;
+/// Within this distance along the light, in sigma, edges belong to one beam.
+constexpr double kDepth = 3;
+/// Beyond this many sigma from its ends an edge is as good as endless, to exp(-12.5).
+constexpr double kEndless = 10;
+
+/// Triangles in the world, of shapes and of instances.
+class WorldTriangles {
+public:
+  explicit WorldTriangles(const SceneParts& parts) {
+    for (const ModelPart& part : parts.surfaces) {
+      if (part.instance) {
+        const ShapeList& list = part.instance->list();
+        for (std::size_t i = 0; i < list.shapes.size(); ++i)
+          add(*list.shapes[i], *list.bsdfs[i], part.instance.get());
+      } else {
+        add(*part.shape, *part.bsdf, nullptr);
+      }
+    }
+    for (std::size_t i = 0; i < triangles_.size(); ++i) sets.push_back({positions_[i], triangles_[i]});
+  }
+
+  std::vector<TriangleSet> sets;
+
+private:
+  void add(const Shape& shape, const Bsdf& bsdf, const Instance* instance) {
+    const auto* mesh = dynamic_cast<const Mesh*>(&shape);
+    if (!mesh || bsdf.lobes() == (Lobe::delta | Lobe::null)) return;
+    std::vector<Vec3> positions = mesh->data().positions;
+    if (instance)
+      for (Vec3& p : positions) p = instance->point_to_world(p);
+    positions_.push_back(std::move(positions));
+    triangles_.push_back(mesh->data().triangles);
+  }
+
+  std::vector<std::vector<Vec3>> positions_;
+  std::vector<std::vector<TriangleIndices>> triangles_;
+};
+
+/// Part of a Gaussian about `middle` that lies in [0, length].
+double mass_within(double middle, double deviation, double length) {
+  const double scale = 1 / (deviation * std::numbers::sqrt2);
+  return 0.5 * (std::erf((length - middle) * scale) + std::erf(middle * scale));
+}
+
+/// A density on an edge, [0, length]: about the place that fulfils Keller's condition, near both ends, where corners
+/// diffract, and everywhere.
+class PlaceDensity {
+public:
+  PlaceDensity(std::optional<double> keller, double deviation, double end_scale, double length)
+      : length_(length), end_scale_(end_scale) {
+    if (keller && deviation < 4 * length) {
+      middle_ = *keller, deviation_ = deviation;
+      const double mass = mass_within(middle_, deviation_, length_);
+      if (mass > 1e-6) share_ = 0.9 * std::min(1.0, 20 * mass), inverse_mass_ = 1 / mass;
+    }
+    if (end_scale_ < 0.25 * length_) end_share_ = 0.6 * (1 - share_);
+    end_mass_ = -std::expm1(-length_ / end_scale_);
+  }
+
+  double sample(double u, double v) const {
+    if (u < share_) {
+      const double scale = std::numbers::sqrt2 * deviation_;
+      const double low = std::erf(-middle_ / scale), high = std::erf((length_ - middle_) / scale);
+      return std::clamp(
+          middle_ + scale * boost::math::erf_inv(std::clamp(low + v * (high - low), -1 + 1e-15, 1 - 1e-15)),
+          0.0, length_);
+    }
+    u = (u - share_) / (1 - share_);
+    const double ends = end_share_ / (1 - share_);
+    if (u < ends) {
+      const double l = -end_scale_ * std::log1p(-v * end_mass_);
+      return std::clamp(u < 0.5 * ends ? l : length_ - l, 0.0, length_);
+    }
+    return v * length_;
+  }
+  double pdf(double l) const {
+    double p = (1 - share_ - end_share_) / length_;
+    if (share_ > 0) {
+      const double z = (l - middle_) / deviation_;
+      p += share_ * inverse_mass_ * std::exp(-0.5 * z * z) / (deviation_ * std::sqrt(2 * pi));
+    }
+    if (end_share_ > 0)
+      p += 0.5 * end_share_ * (std::exp(-l / end_scale_) + std::exp(-(length_ - l) / end_scale_)) /
+           (end_scale_ * end_mass_);
+    return p;
+  }
+
+private:
+  double length_, end_scale_, middle_ = 0, deviation_ = 1, inverse_mass_ = 0, share_ = 0, end_share_ = 0,
+                              end_mass_ = 1;
+};
+
+/// Cauchy's distribution wrapped around the circle, of mode 0.
+double sample_wrapped_cauchy(double gamma, double u) {
+  return 2 * std::atan(std::tanh(0.5 * gamma) * std::tan(pi * (u - 0.5)));
+}
+double wrapped_cauchy_pdf(double gamma, double cosine) {
+  return std::sinh(gamma) / (2 * pi * (std::cosh(gamma) - cosine));
+}
+
+/// A frame about an edge in which the light that arrives along d_i goes on at the azimuth 0.
+struct EdgeFrame {
+  EdgeFrame(const MeshEdge& edge, const Double3& d_i) : e(EdgeLine(edge).direction) {
+    cosine = dot(d_i, e);
+    Double3 across = d_i - e * cosine;
+    sine = length(across);
+    if (sine > 1e-9) {
+      x = across * (1 / sine);
+      y = cross(e, x);
+    } else {
+      make_basis(e, x, y);
+    }
+  }
+  /// How fast K falls with the azimuth, for a cone of that angle.
+  double gamma(double angle) const { return std::min(3.0, 1.5 * angle / std::max(sine, 1e-3)); }
+
+  Double3 e, x, y;
+  double cosine, sine;
+};
+
+}  // namespace
+
+SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
+    : width_(width), unit_m_(parts.context->length_unit_m) {
+  const WorldTriangles triangles(parts);
+  index_ = EdgeIndex(triangles.sets);
+  tree_ = EdgeTree(index_.edges());
+}
+
+SceneEdges::Beams SceneEdges::beams(const Wavelengths& w) const {
+  Beams b;
+  b.achromatic = width_.is_achromatic();
+  b.widest = b.angle = 0;
+  for (int i = 0; i < kWavelengths; ++i) {
+    const double metres = double(w.nm[i]) * 1e-9, sigma = width_.at(metres) / unit_m_,
+                 k = 2 * pi * unit_m_ / metres;
+    b.k[i] = float(k), b.sigma[i] = float(sigma);
+    b.widest = std::max(b.widest, float(sigma));
+    b.angle = std::max(b.angle, float(0.5 / (k * sigma)));
+  }
+  return b;
+}
+
+EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, double l, float pdf) const {
+  EdgePoint point{&edge, l, line.at(l), {}, pdf};
+  // Away from both faces. At a boundary the surface ends.
+  Vec3 off;
+  if (edge.n1 == Vec3{}) {
+    off = cross(line.direction.to_float(), edge.n0);
+  } else {
+    off = edge.n0 + edge.n1;
+    const float size = length(off);
+    off =
+        size > 1e-3f ? off * ((edge.is_concave ? -1 : 1) / size) : cross(line.direction.to_float(), edge.n0);
+  }
+  const Vec3 p = point.x.to_float();
+  // The rounding of places on faces, of the ray's origin and of the ray caster, whose errors grow with the corners of faces.
+  const float reach = max_component(abs(edge.a)) + max_component(abs(edge.b)) + float(line.length);
+  point.p = p + off * (reach * gamma_bound(32));
+  return point;
+}
+
+std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
+                                                    const float* u) const {
+  const auto choice = tree_.choose_between(a, b, beams.angle, u[0]);
+  if (!choice) return {};
+  const MeshEdge& edge = index_.edges()[choice->edge];
+  const EdgeLine line(edge);
+  const std::optional<double> keller = keller_point(line, a, b);
+  double deviation = line.length;
+  if (keller) {
+    const Double3 x = line.at(*keller);
+    const auto rate = [&](const PathEnd& end) {  // sin^2/r
+      if (end.is_infinite) return 0.0;
+      const Double3 to = Double3(end.p) - x;
+      const double r2 = std::max(dot(to, to), 1e-300), along = dot(to, line.direction);
+      return std::max(1 - along * along / r2, 1e-6) / std::sqrt(r2);
+    };
+    const Double3 to = a.is_infinite ? Double3(b.p) - x : Double3(a.p) - x;
+    const double along = dot(to, line.direction),
+                 sine = std::sqrt(std::max(1 - along * along / dot(to, to), 1e-6));
+    deviation = 1.1 * beams.angle * sine / (rate(a) + rate(b));
+  }
+  const PlaceDensity places(keller, deviation, 2.0 * beams.widest, line.length);
+  const double l = places.sample(u[1], u[2]);
+  return point_on(edge, line, l, float(choice->probability * places.pdf(l)));
+}
+
+std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* u) const {
+  const auto choice = tree_.choose_from(a, u[0]);
+  if (!choice) return {};
+  const MeshEdge& edge = index_.edges()[choice->edge];
+  const EdgeLine line(edge);
+  if (a.is_infinite)
+    return point_on(edge, line, u[1] * line.length, float(choice->probability / line.length));
+  // Evenly by the angle under which it is seen: as the inverse square of the distance.
+  const Double3 to = Double3(a.p) - line.origin;
+  const double foot = dot(to, line.direction);
+  const double across = std::max(length(to - line.direction * foot), 1e-6 * line.length);
+  const double begin = std::atan(-foot / across), end = std::atan((line.length - foot) / across);
+  const double l = std::clamp(foot + across * std::tan(begin + u[1] * (end - begin)), 0.0, line.length);
+  const double r = l - foot;
+  const double pdf = across / ((end - begin) * (across * across + r * r));
+  return point_on(edge, line, l, float(choice->probability * pdf));
+}
+
+Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o,
+                            const Beams& beams) const {
+  Double3 in = normalize(Double3(d_i)), out = normalize(Double3(d_o));
+  const Double3 turn = out - in, sum = in + out;
+  const double turn2 = dot(turn, turn), sum2 = dot(sum, sum);
+  if (!(turn2 > 1e-18) || !(sum2 > 1e-12)) return 0.f;
+  const Double3 along = sum * (1 / std::sqrt(sum2));
+  const Vec3 d = along.to_float();
+  if (!point.edge->is_outline(d)) return 0.f;
+
+  const EdgeLine own(*point.edge);
+  const float radius = float(kCoherent * beams.widest), depth = float(kDepth * beams.widest);
+  bool alone = point.at > kEndless * beams.widest && own.length - point.at > kEndless * beams.widest;
+  thread_local std::vector<const MeshEdge*> near;
+  near.clear();
+  index_.visit_edges({point.x.to_float(), d, radius, -depth, depth}, [&](const MeshEdge& edge) {
+    if (&edge != point.edge) near.push_back(&edge);
+  });
+  alone &= near.empty();
+
+  if (alone) {
+    const Double3 across = own.direction - along * dot(own.direction, along);
+    const double shown2 = dot(across, across);
+    if (!(shown2 > 1e-12)) return 0.f;
+    const double along_edge2 = dot(turn, across) * dot(turn, across) / shown2;
+    const double flux2 = std::max(0.0, turn2 - along_edge2);
+    const double factor = std::sqrt(shown2) * std::sqrt(8 * pi) / (4 * pi * pi) * flux2 / (turn2 * turn2);
+    return make_spectrum([&](int i) {
+      const double s = double(beams.k[i]) * beams.sigma[i], exponent = 2 * s * s;
+      return float(factor * beams.sigma[i] * -std::expm1(-exponent * turn2) *
+                   std::exp(-exponent * along_edge2));
+    });
+  }
+
+  // In the plane across the mean direction, from the place on. The obstacle is on the left of an edge where its first
+  // face is lit.
+  const auto space = [](const Double3& v) { return optics::SpaceVector{v.x, v.y, v.z}; };
+  thread_local std::vector<optics::ProjectedEdge> projected;
+  Spectrum result;
+  for (int i = 0; i < kWavelengths; ++i) {
+    if (i > 0 && beams.k[i] == beams.k[0]) {
+      result[i] = result[0];
+      continue;
+    }
+    const optics::ScatteringPlane plane(space(in), space(out), beams.k[i]);
+    if (i == 0) {
+      projected.clear();
+      const auto add = [&](const MeshEdge& edge) {
+        const EdgeLine line(edge);
+        const bool left = dot(edge.n0, d) < 0;
+        const auto from = plane.project(space(line.origin - point.x)),
+                   to = plane.project(space(line.at(line.length) - point.x));
+        projected.push_back(left ? optics::ProjectedEdge{from, to, line.length}
+                                 : optics::ProjectedEdge{to, from, line.length});
+      };
+      add(*point.edge);
+      for (const MeshEdge* edge : near) add(*edge);
+    }
+    const bool left = dot(point.edge->n0, d) < 0;
+    const double at = point.at / own.length;
+    result[i] = float(
+        optics::mean_edge_kernel(projected, 0, left ? at : 1 - at, plane.q(), beams.k[i], beams.sigma[i]));
+  }
+  return result;
+}
+
+Spectrum SceneEdges::far_enough(float distance, bool from_edge, const Beams& beams) {
+  const float least = from_edge ? float(kCoherent) : 1.f;
+  return make_spectrum([&](int i) { return distance > least * beams.sigma[i] ? 1.f : 0.f; });
+}
+
+std::optional<SceneEdges::Direction> SceneEdges::scatter(const EdgePoint& point, const Vec3& d_i,
+                                                         const Beams& beams, const float* u) const {
+  const EdgeFrame frame(*point.edge, Double3(d_i));
+  const int chosen = beams.achromatic ? 0 : std::min(int(u[3] * kWavelengths), kWavelengths - 1);
+  const double angle = 0.5 / (double(beams.k[chosen]) * beams.sigma[chosen]);
+  // Box and Muller's Gaussian across the cone, Cauchy's distribution around it.
+  const double normal = std::sqrt(-2 * std::log1p(-double(u[0]))) * std::cos(2 * pi * u[1]);
+  const double cosine = frame.cosine + std::max(frame.sine, 1e-3) * angle * normal;
+  if (!(std::abs(cosine) < 1)) return {};
+  const double azimuth = sample_wrapped_cauchy(frame.gamma(angle), u[2]),
+               sine = std::sqrt(1 - cosine * cosine);
+  const Double3 d =
+      frame.e * cosine + frame.x * (sine * std::cos(azimuth)) + frame.y * (sine * std::sin(azimuth));
+  Direction result{normalize(d.to_float()), 0};
+  result.pdf = scatter_pdf(point, d_i, result.d, beams);
+  if (!(result.pdf > 0)) return {};
+  return result;
+}
+
+float SceneEdges::scatter_pdf(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o,
+                              const Beams& beams) const {
+  const EdgeFrame frame(*point.edge, Double3(d_i));
+  const Double3 out(d_o);
+  const double off = dot(out, frame.e) - frame.cosine, x = dot(out, frame.x), y = dot(out, frame.y);
+  const double cosine = x / std::max(std::hypot(x, y), 1e-300);
+  double sum = 0;
+  const int count = beams.achromatic ? 1 : kWavelengths;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 0.5 / (double(beams.k[i]) * beams.sigma[i]),
+                 deviation = std::max(frame.sine, 1e-3) * angle;
+    const double z = off / deviation;
+    sum += std::exp(-0.5 * z * z) / (deviation * std::sqrt(2 * pi)) *
+           wrapped_cauchy_pdf(frame.gamma(angle), cosine);
+  }
+  return float(sum / count);
+}
+
+}  // namespace aureole

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// `SceneEdges`: the edges of a scene as scatterers of light (docs/diffraction.md): choice of a place on an edge, of a
+// direction behind it, and the kernel K of both.
+//
+// A place x on an edge has the measure of length. Light of irradiance E across its direction of travel d_i leaves dl of the
+// edge with the intensity E K(x; d_i -> d_o) dl. K is that of optics/diffraction/edge_kernel.h, `mean_edge_kernel`, so
+// that it is the same when the light runs backwards, waves of edges nearer to each other than the beams are wide
+// interfere, and may cancel: K may be negative at a place, never on the average over places.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "aureole/scene/edge/beam_width.h"
+#include "aureole/scene/edge/edge_index.h"
+#include "aureole/scene/edge/edge_tree.h"
+#include "aureole/scene/scene_parts.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+/// A place on an edge.
+struct EdgePoint {
+  const MeshEdge* edge = nullptr;
+  double at = 0;  ///< distance from edge->a
+  Double3 x;      ///< on the edge
+  Vec3 p;         ///< the same, off the surfaces that meet there, so that they don't block rays from it
+  float pdf = 0;  ///< density of the choice, per length
+
+  Vec3 on_edge() const { return x.to_float(); }
+};
+
+class SceneEdges {
+public:
+  /// Of the meshes in the scene that light cannot pass as if they were not there. Throws Error where beams are wider than
+  /// the scene.
+  SceneEdges(const SceneParts& parts, const BeamWidth& width);
+
+  /// sigma and wave number at the wavelengths of a path, in units of the scene.
+  struct Beams {
+    Spectrum k, sigma;
+    float widest;     ///< sigma
+    float angle;      ///< the largest 1/(2 k sigma): width of the cone into which a straight edge diffracts
+    bool achromatic;  ///< all have the same angle
+  };
+  Beams beams(const Wavelengths& w) const;
+
+  /// A place around which light may go between two ends. The density does not depend on which wavelength is the hero.
+  /// `u`: three numbers.
+  std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
+                                          const float* u) const;
+  /// A place that light from or to `a` may reach; two numbers.
+  std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u) const;
+
+  /// False where K is 0, since the edge is no outline for light that turns from d_i to d_o.
+  static bool turns_around(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {
+    return point.edge->is_outline(d_i + d_o);
+  }
+  /// K, for unit directions of travel [unit of length of the scene per steradian].
+  Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams) const;
+
+  /// 1 where light of a wavelength that comes to an edge from a place at that distance is diffracted as K says, 0 where the place
+  /// lies in the beam: a vertex within sigma; another edge as far as it interferes, which is in K already.
+  static Spectrum far_enough(float distance, bool from_edge, const Beams& beams);
+
+  struct Direction {
+    Vec3 d;
+    float pdf;  ///< [1/sr], the same for all wavelengths
+  };
+  /// Where light that arrives along d_i goes on, nearly as K; four numbers.
+  std::optional<Direction> scatter(const EdgePoint& point, const Vec3& d_i, const Beams& beams,
+                                   const float* u) const;
+  float scatter_pdf(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams) const;
+
+  const EdgeIndex& index() const { return index_; }
+  bool empty() const { return tree_.empty(); }
+
+private:
+  EdgePoint point_on(const MeshEdge& edge, const EdgeLine& line, double l, float pdf) const;
+
+  BeamWidth width_;
+  double unit_m_;  ///< metres per unit of length of the scene
+  EdgeIndex index_;
+  EdgeTree tree_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/transport/edges.h"
+
+namespace aureole {
+
+namespace {
+
+/// In scenes with media: what is around the way from a place along d.
+Flight leaving(const Scene& scene, const EdgePaths::Place& from, const Vec3& d) {
+  return scene.has_media() ? from.leaving(d) : Flight{};
+}
+
+Spectrum finish(const Scene& scene, Connection& c, const Wavelengths& w, const Flight& surroundings,
+                std::uint32_t key, Flight* end) {
+  c.light = 1.f;
+  if (scene.has_media()) {
+    c.begin_in(surroundings, key);
+    c.own = 1.f / kWavelengths, c.other = 0.f;  // there is no other technique
+  }
+  if (!connect(scene, c, w)) return 0.f;
+  if (scene.has_media()) c.finish();
+  if (end) *end = c.flight;
+  return c.light;
+}
+
+}  // namespace
+
+Spectrum passed_between(const Scene& scene, const Anchor& from, const Anchor& to, const Flight& surroundings,
+                        bool through_emitters, const Wavelengths& w, std::uint32_t key, Flight* end) {
+  Connection c;
+  c.set(from, normalize(to.p - from.p), to);
+  c.through_emitters = through_emitters;
+  return finish(scene, c, w, surroundings, key, end);
+}
+
+Spectrum EdgePaths::reach(const Place& from, const EdgePoint& point) const {
+  const float d2 = length_squared(point.on_edge() - from.anchor.p);
+  if (!(d2 > 0)) return 0.f;
+  return SceneEdges::far_enough(std::sqrt(d2), !from.vertex, beams_) * (1 / (point.pdf * d2));
+}
+
+bool EdgePaths::choose_lamp(const Vec3& seen_from, LampEnd& lamp) {
+  const auto choice = scene_.lights().choose_by_power(next2());
+  if (!choice || !(choice->probability > 0)) return false;
+  lamp.light = choice->light, lamp.part = choice->part, lamp.probability = choice->probability;
+  lamp.u = next2();
+  // The point of the light is chosen again as seen from the edge, by the same numbers: what is known of it before only
+  // guides the choice of an edge.
+  if (const auto s = lamp.light->sample_direct(seen_from, lamp.part, lamp.u, w_); s && s->pdf > 0) {
+    lamp.guide = s->infinite ? PathEnd{s->wo, true} : PathEnd{s->p};
+    return true;
+  }
+  if (lamp.light->is_infinite()) return false;
+  lamp.guide = {lamp.light->emission_bounds(lamp.part).box.center()};
+  return true;
+}
+
+std::optional<PathEnd> EdgePaths::sensor_guide(const Vec3& seen_from, Vec2 lens) const {
+  if (const auto seen = scene_.sensor().sample_direct(seen_from, lens)) return PathEnd{seen->p};
+  const FilmPart& part = scene_.sensor().part;
+  return PathEnd{scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o};
+}
+
+std::optional<EdgePoint> EdgePaths::choose_between(const PathEnd& a, const PathEnd& b) {
+  const float u[3] = {random_.next(), random_.next(), random_.next()};
+  auto point = edges_.choose_between(a, b, beams_, u);
+  if (point && !(point->pdf > 0)) point.reset();
+  return point;
+}
+
+std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b) {
+  auto point = choose_between(PathEnd{a}, b);
+  if (point && point->on_edge() == a) point.reset();
+  return point;
+}
+
+Spectrum EdgePaths::lit(const EdgePoint& point, const LampEnd& lamp, Anchor& start, Vec3& wo,
+                        bool& infinite) const {
+  const auto s = lamp.light->sample_direct(point.on_edge(), lamp.part, lamp.u, w_);
+  if (!s || !(s->pdf > 0)) return 0.f;
+  start = Anchor::of(*s), wo = s->wo, infinite = s->infinite;
+  return s->radiance * (1 / (s->pdf * lamp.probability));
+}
+
+Spectrum EdgePaths::through(const EdgePoint& point, const Anchor& from, const Flight& surroundings,
+                            bool through_emitters, const PathEnd& to, const Anchor* end,
+                            bool end_through_emitters) {
+  const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
+  const Anchor anchor = Anchor::in_space(point.p);
+  Flight at_edge;
+  Spectrum passed = passed_between(scene_, from, anchor, surroundings, through_emitters, w_, key, &at_edge);
+  if (is_black(passed)) return 0.f;
+  if (!to.is_infinite)
+    return passed * passed_between(scene_, anchor, *end, at_edge, end_through_emitters, w_, key + 1);
+  Connection c;
+  c.set(anchor.leave(to.p));
+  return passed * finish(scene_, c, w_, at_edge, key + 1, nullptr);
+}
+
+Spectrum EdgePaths::light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp) {
+  Anchor start;
+  Vec3 wo;
+  bool infinite;
+  Spectrum value = lit(point, lamp, start, wo, infinite);
+  // The kernel costs most, and most ways are blocked.
+  if (is_black(value) || !SceneEdges::turns_around(point, d, wo)) return 0.f;
+  value *= reach(from, point);
+  if (is_black(value)) return 0.f;
+  value *= through(point, from.anchor, leaving(scene_, from, d), false, {wo, infinite}, &start, false);
+  return is_black(value) ? value : value * edges_.kernel(point, d, wo, beams_);
+}
+
+Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens,
+                              Vec2& film) {
+  const auto seen = scene_.sensor().sample_direct(point.on_edge(), lens);
+  if (!seen || !(seen->importance > 0) || !SceneEdges::turns_around(point, d, seen->wo)) return 0.f;
+  film = seen->film;
+  Spectrum value = reach(from, point) * seen->importance;
+  if (is_black(value)) return 0.f;
+  const Anchor aperture = Anchor::in_space(seen->p);
+  value *=
+      through(point, from.anchor, leaving(scene_, from, d), hide_emitters_, {}, &aperture, hide_emitters_);
+  return is_black(value) ? value : value * edges_.kernel(point, d, seen->wo, beams_);
+}
+
+Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
+  const FilmPart& part = scene_.sensor().part;
+  const Vec3 eye = scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o;
+  LampEnd lamp;
+  if (!choose_lamp(eye, lamp)) return 0.f;
+  const auto point = choose_between(eye, lamp.guide);
+  if (!point) return 0.f;
+  const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);
+  if (!seen || !(seen->importance > 0)) return 0.f;
+  film = seen->film;
+  Anchor start;
+  Vec3 wo;
+  bool infinite;
+  Spectrum value = lit(*point, lamp, start, wo, infinite);
+  if (is_black(value)) return 0.f;
+  if (is_black(value) || !SceneEdges::turns_around(*point, -wo, seen->wo)) return 0.f;
+  value *= seen->importance / point->pdf;
+  Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
+  if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
+  value *= through(*point, Anchor::in_space(seen->p), flight, hide_emitters_, {wo, infinite}, &start, false);
+  return is_black(value) ? value : value * edges_.kernel(*point, -wo, seen->wo, beams_);
+}
+
+bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d, Spectrum& value,
+                       AtEdge& out) {
+  const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
+  value *= passed_between(scene_, from.anchor, Anchor::in_space(point.p), leaving(scene_, from, d),
+                          hide_emitters_, w_, key, &out.flight);
+  out.point = point, out.d = d;
+  return !is_black(value);
+}
+
+bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film) {
+  const FilmPart& part = scene_.sensor().part;
+  const Vec3 eye = scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o;
+  const float u[2] = {random_.next(), random_.next()};
+  const auto point = edges_.choose_from({eye}, u);
+  if (!point || !(point->pdf > 0)) return false;
+  const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);
+  if (!seen || !(seen->importance > 0)) return false;
+  film = seen->film;
+  value = seen->importance / point->pdf;
+  Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
+  if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
+  return arrive({Anchor::in_space(seen->p), &flight}, *point, -seen->wo, value, out);
+}
+
+bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
+  LampEnd lamp;
+  if (!choose_lamp(scene_.bounds().center(), lamp)) return false;
+  const float u[2] = {random_.next(), random_.next()};
+  const auto point = edges_.choose_from(lamp.guide, u);
+  if (!point || !(point->pdf > 0)) return false;
+  Anchor start;
+  Vec3 wo;
+  bool infinite;
+  value = lit(*point, lamp, start, wo, infinite) * (1 / point->pdf);
+  if (is_black(value)) return false;
+  out.point = *point, out.d = -wo;
+  const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
+  const Anchor anchor = Anchor::in_space(point->p);
+  // Followed against the light, which is the same: so that one way to find what is around serves lights at infinity, too.
+  out.flight = Flight{Ray{point->p, wo, kInfinity}, nullptr, {}};
+  if (scene_.has_media()) find_surroundings(scene_, out.flight);
+  if (!infinite) {
+    value *= passed_between(scene_, anchor, start, out.flight, false, w_, key);
+  } else {
+    Connection c;
+    c.set(anchor.leave(wo));
+    value *= finish(scene_, c, w_, out.flight, key, nullptr);
+  }
+  return !is_black(value);
+}
+
+bool EdgePaths::scatter(const AtEdge& at, Spectrum& value, Vec3& d) {
+  const float u[4] = {random_.next(), random_.next(), random_.next(), random_.next()};
+  const auto direction = edges_.scatter(at.point, at.d, beams_, u);
+  if (!direction) return false;
+  d = direction->d;
+  value *= kernel(at, d) * (1 / direction->pdf);
+  return !is_black(value);
+}
+
+}  // namespace aureole

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// Paths around edges that diffract light (docs/diffraction.md). A place on an edge is a vertex without area: light comes
+// to it and leaves it by the kernel of `SceneEdges`.
+//
+// Every path of this kind is found in one way only, so that no weights are needed. Where the place on the edge is the
+// neighbour of the path's far end (a light in `path`, the sensor in `ptracer`), it is chosen for the two places that it lies
+// between, as an end that connections look for. Else a walk goes there: it leaves its vertex for an edge with the
+// probability kToEdge, and goes on behind it by the edge's kernel.
+#pragma once
+
+#include <optional>
+
+#include "aureole/scene/edge/scene_edges.h"
+#include "aureole/transport/anchor.h"
+#include "aureole/transport/connection.h"
+#include "aureole/transport/keyed_random.h"
+#include "aureole/transport/vertex.h"
+
+namespace aureole {
+
+/// The part of the light that goes straight between two places, black where something is in the way. `end` receives the flight
+/// there, in scenes with media.
+Spectrum passed_between(const Scene& scene, const Anchor& from, const Anchor& to, const Flight& surroundings,
+                        bool through_emitters, const Wavelengths& w, std::uint32_t key,
+                        Flight* end = nullptr);
+
+/// Paths around edges of one scene, for one path.
+class EdgePaths {
+public:
+  /// Probability of leaving a vertex for an edge, and an edge for another edge.
+  static constexpr float kToEdge = 0.25f, kToNextEdge = 0.25f;
+
+  EdgePaths(const Scene& scene, const Wavelengths& w, std::uint32_t key, bool hide_emitters = false)
+      : scene_(scene),
+        edges_(*scene.edges()),
+        w_(w),
+        beams_(edges_.beams(w)),
+        random_(key),
+        hide_emitters_(hide_emitters) {}
+
+  /// A place of a path that light goes from or to around an edge: a vertex or another edge.
+  struct Place {
+    Anchor anchor;
+    const Flight* flight;            ///< that has led there, or leaves an edge
+    const Vertex* vertex = nullptr;  ///< null: an edge
+
+    Flight leaving(const Vec3& d) const { return vertex ? vertex->surroundings(d, *flight) : *flight; }
+  };
+  static Place at_vertex(const Vertex& vertex, const Flight& flight) {
+    return {vertex.anchor(), &flight, &vertex};
+  }
+  /// What a vertex scatters of even light into a direction.
+  static Spectrum response(const Vertex& vertex, const Vec3& d) {
+    Response r;
+    return vertex.respond(d, r) ? r.value.of(1.f) : Spectrum(0.f);
+  }
+  /// At an edge: the place on it and the direction of travel of the path that has come there.
+  struct AtEdge {
+    EdgePoint point;
+    Vec3 d;
+    Flight flight;  ///< there; its ray is of no meaning
+
+    Place place() const { return {Anchor::in_space(point.p), &flight}; }
+  };
+
+  /// Light of a lamp that reaches `from` around one edge, scattered there by respond(d) -> Spectrum, d the direction to the edge;
+  /// black where there is none.
+  template <class Respond>
+  Spectrum from_light(const Place& from, const Respond& respond) {
+    LampEnd lamp;
+    if (!choose_lamp(from.anchor.p, lamp)) return 0.f;
+    const auto point = choose_between(from.anchor.p, lamp.guide);
+    if (!point) return 0.f;
+    const Vec3 d = normalize(point->on_edge() - from.anchor.p);
+    const Spectrum response = respond(d);
+    return is_black(response) ? response : response * light_at(from, *point, d, lamp);
+  }
+  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`.
+  template <class Respond>
+  Spectrum to_sensor(const Place& from, Vec2 lens, const Respond& respond, Vec2& film) {
+    const auto guide = sensor_guide(from.anchor.p, lens);
+    if (!guide) return 0.f;
+    const auto point = choose_between(from.anchor.p, *guide);
+    if (!point) return 0.f;
+    const Vec3 d = normalize(point->on_edge() - from.anchor.p);
+    const Spectrum response = respond(d);
+    return is_black(response) ? response : response * sensor_at(from, *point, d, lens, film);
+  }
+  /// The sensor's response to light of a lamp around one edge.
+  Spectrum from_light_to_sensor(Vec2 lens, Vec2& film);
+
+  /// Goes from a place to an edge: false where that is not seen. `value` is multiplied by what arrives there over the density.
+  template <class Respond>
+  bool walk(const Place& from, const Respond& respond, Spectrum& value, AtEdge& out) {
+    const float u[2] = {random_.next(), random_.next()};
+    const auto point = edges_.choose_from({from.anchor.p}, u);
+    if (!point || !(point->pdf > 0)) return false;
+    const Vec3 d = normalize(point->on_edge() - from.anchor.p);
+    const Spectrum geometry = reach(from, *point);
+    if (is_black(geometry)) return false;
+    value *= respond(d) * geometry;
+    return !is_black(value) && arrive(from, *point, d, value, out);
+  }
+  /// The first edge of a path from the sensor, seen at `film`.
+  bool begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film);
+  /// The same from a lamp.
+  bool begin_at_light(Spectrum& value, AtEdge& out);
+
+  /// A direction behind the edge; `value` is multiplied by the kernel over the density. False where the path ends.
+  bool scatter(const AtEdge& at, Spectrum& value, Vec3& d);
+
+  Spectrum kernel(const AtEdge& at, const Vec3& d) const { return edges_.kernel(at.point, at.d, d, beams_); }
+  float next() { return random_.next(); }
+  Vec2 next2() { return {random_.next(), random_.next()}; }
+
+private:
+  /// A part of a light with the numbers that choose a point of it, and about where that is.
+  struct LampEnd {
+    const Light* light;
+    std::size_t part;
+    float probability;
+    Vec2 u;
+    PathEnd guide;
+  };
+  /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are small enough.
+  Spectrum reach(const Place& from, const EdgePoint& point) const;
+  bool choose_lamp(const Vec3& seen_from, LampEnd& lamp);
+  std::optional<PathEnd> sensor_guide(const Vec3& seen_from, Vec2 lens) const;
+  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b);
+  std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b);
+  Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);
+  Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
+  /// The part of the light that passes from a place to an edge and from there to `to`, which is `end` or at infinity.
+  Spectrum through(const EdgePoint& point, const Anchor& from, const Flight& surroundings,
+                   bool through_emitters, const PathEnd& to, const Anchor* end, bool end_through_emitters);
+  /// Light of the lamp that arrives at the edge along -wo, over the density of its choice.
+  Spectrum lit(const EdgePoint& point, const LampEnd& lamp, Anchor& start, Vec3& wo, bool& infinite) const;
+  bool arrive(const Place& from, const EdgePoint& point, const Vec3& d, Spectrum& value, AtEdge& out);
+
+  const Scene& scene_;
+  const SceneEdges& edges_;
+  const Wavelengths& w_;
+  const SceneEdges::Beams beams_;
+  KeyedRandom random_;
+  bool hide_emitters_;
+};
+
+}  // namespace aureole

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light around edges in pictures: the shadow of a half plane against Fresnel's integrals, which share no code with the
+// renderer; the same light however the edge is cut; paths from the sensor against paths from the lamps.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "aureole/optics/faddeeva.h"
+#include "aureole/render/job.h"
+#include "aureole/render/output.h"
+#include "aureole/render/statistics.h"
+#include "aureole/scene/edge/scene_edges.h"
+#include "harness/paths.h"
+#include "harness/rendered.h"
+#include "loading/load_text.h"
+
+namespace aureole::testing {
+namespace {
+
+using std::numbers::pi;
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kSanitized = true;  // run, without statistics
+#else
+constexpr bool kSanitized = false;
+#endif
+
+/// A black sheet that covers x < 0 at z = 0, in `pieces` along its edge, between a lamp at z = 1 m and a white screen at z = -1 m.
+/// The film shows x from -9.5 to -1.5 mm: Fresnel's numbers from -12.8 to -2.
+std::string half_plane(int pieces, const std::string& width, int samples) {
+  std::string sheet;
+  for (int i = 0; i < pieces; ++i) {
+    const double half = 5.0 / pieces, middle = -5 + half * (2 * i + 1);
+    sheet += R"(<shape type="rectangle"><transform name="to_world"><scale x="5" y=")" + std::to_string(half) +
+             R"("/><translate x="-5" y=")" + std::to_string(middle) +
+             R"("/></transform><bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)";
+  }
+  return R"(<integrator type="path"><integer name="max_depth" value="3"/><boolean name="diffraction" value="true"/>
+    <string name="beam_width" value=")" +
+         width + R"("/></integrator>
+  <sensor type="orthographic"><transform name="to_world"><scale x="0.004" y="0.004"/>
+    <lookat origin="-0.0055, 0.3, -0.5" target="-0.0055, 0.3, -1" up="0, 1, 0"/></transform>
+    <film type="specfilm"><integer name="width" value="8"/><integer name="height" value="2"/><rfilter type="box"/>
+      <float name="wavelength_min" value="549"/><float name="wavelength_max" value="551"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
+    <sampler type="independent"><integer name="sample_count" value=")" +
+         std::to_string(samples) + R"("/></sampler></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="9"/><translate z="-1"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
+  <emitter type="point"><point name="position" x="0" y="0.3" z="1"/><spectrum name="intensity" value="1"/></emitter>)" +
+         sheet;
+}
+
+TEST(RenderedEdge, ShadowOfAHalfPlaneIsFresnels) {
+  const Picture p = render(half_plane(1, "fresnel 0.5m", kSanitized ? 4 : 512));
+  ASSERT_EQ(p.width, 8);
+  if (kSanitized) return;
+  for (int column = 0; column < 8; ++column) {
+    // Intensities over a pixel of 1 mm, by the mean of knife edges there.
+    double expected = 0;
+    for (int i = 0; i < 50; ++i) {
+      const double x = -1e-3 * (1.5 + 7 - column + (i + 0.5) / 50);
+      expected += optics::knife_edge_intensity(0.5 * x * std::sqrt(4 / 550e-9)) / 50 * 0.25 / pi;
+    }
+    double mean = 0, error = 0;
+    for (int row = 0; row < p.height; ++row) {
+      mean += p.mean[std::size_t(row * 8 + column)] / p.height;
+      error += std::pow(p.error[std::size_t(row * 8 + column)] / p.height, 2);
+    }
+    error = std::sqrt(error);
+    std::printf("x %5.1f mm: %+.3f dB +- %.3f\n", -8.0 + column - 1.0, 10 * std::log10(mean / expected),
+                10 / std::log(10.0) * error / mean);
+    EXPECT_LT(error, 0.02 * mean);
+    // .15 dB: Keller's coefficient against the integral, from v = -2 on.
+    EXPECT_NEAR(10 * std::log10(mean / expected), 0, 0.15 + 10 / std::log(10.0) * 4 * error / mean);
+  }
+}
+
+TEST(RenderedEdge, ItsLightDoesNotDependOnHowItIsCut) {
+  const auto light = [](int pieces) {
+    return render(half_plane(pieces, "25 wavelengths", kSanitized ? 4 : 256));
+  };
+  const Picture whole = light(1);
+  for (const int pieces : {7, 1000}) {
+    const Picture cut = light(pieces);
+    if (kSanitized) continue;
+    const double error = std::hypot(whole.all_error, cut.all_error);
+    EXPECT_NEAR(cut.all, whole.all, 4 * error) << pieces;
+    EXPECT_LT(error, 0.02 * whole.all);
+  }
+}
+
+class RenderedEdges : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(RenderedEdges, AreTheSameFromBothEnds) {
+  const auto file =
+      test::source_dir() / "tests/render/scenes" / (std::string("diffraction-") + GetParam() + ".xml");
+  const auto luminance = [&](const char* integrator, const char* diffraction) {
+    LoadOptions load;
+    load.defines = {{"integrator", integrator}, {"diffraction", diffraction}};
+    RenderOptions options;
+    options.replicates = kSanitized ? 2 : 32;
+    if (kSanitized) options.end = 2;
+    options.seed = integrator[1] == 'a' ? 1 : 2;
+    RenderJob job(load_scene(file, load), options);
+    const std::atomic<bool> go{false};
+    EXPECT_EQ(job.run(go), RenderJob::Outcome::finished);
+    EXPECT_EQ(job.state().invalid_samples, 0u);
+    double sum = 0, squares = 0;
+    for (std::size_t r = 0; r < job.state().films.size(); ++r) {
+      double mean = 0, measured[3], alpha;
+      for (const auto* films : {&job.state().films, &job.state().splats}) {
+        if (films->empty()) continue;
+        const FilmBuffer& film = (*films)[r];
+        for (int y = 0; y < film.height(); ++y)
+          for (int x = 0; x < film.width(); ++x)
+            film.mean(x, y, measured, &alpha), mean += measured[1] / (double(film.width()) * film.height());
+      }
+      sum += mean, squares += mean * mean;
+    }
+    const double n = double(options.replicates), mean = sum / n;
+    return std::pair(mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1)));
+  };
+  const auto [a, a_error] = luminance("path", "true");
+  const auto [b, b_error] = luminance("ptracer", "true");
+  const auto [off, off_error] = luminance("path", "false");
+  if (kSanitized) return;
+  const double error = std::hypot(a_error, b_error);
+  std::printf("%s: path %.6g +- %.2g, ptracer %.6g +- %.2g, without diffraction %.6g\n", GetParam(), a,
+              a_error, b, b_error, off);
+  EXPECT_NEAR(a, b, 4 * error);
+  EXPECT_LT(error, 0.02 * a);
+  EXPECT_GT(a - off, 5 * error);  // there is diffracted light to compare
+}
+
+INSTANTIATE_TEST_SUITE_P(All, RenderedEdges, ::testing::Values("sheet", "block"),
+                         [](const auto& info) { return std::string(info.param); });
+
+/// A square sheet of half side 1 and a block beside it, in a scene with 1 um as its unit of length.
+std::shared_ptr<const Scene> sheet_and_block() {
+  return load_scene_from_string(
+             R"(<scene version="3.0.0"><string name="length_unit" value="1um"/>
+               <integrator type="path"><boolean name="diffraction" value="true"/>
+                 <string name="beam_width" value="4 wavelengths"/></integrator>
+               <sensor type="perspective"><film type="hdrfilm"/></sensor>
+               <shape type="rectangle"><transform name="to_world"><scale value="100"/></transform></shape>
+               <shape type="cube"><transform name="to_world"><scale value="30"/><translate x="200" z="10"/></transform></shape>
+               <shape type="rectangle"><bsdf type="null"/></shape>
+               <emitter type="point"/></scene>)",
+             "edges.xml")
+      .scene;
+}
+
+Wavelengths some_wavelengths(const Scene& scene) {
+  return Wavelengths::at(scene.parts().context->grid,
+                         make_spectrum([](int i) { return 420 + 35.f * float(i); }));
+}
+
+TEST(SceneEdges, BelongToSurfacesThatStopLight) {
+  const auto scene = sheet_and_block();
+  ASSERT_TRUE(scene->edges());
+  EXPECT_EQ(scene->edges()->index().edges().size(), 4u + 12u);
+  EXPECT_FALSE(
+      load_scene_from_string(
+          "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\"/></scene>",
+          "none.xml")
+          .scene->edges());
+}
+
+// The density of places is that of the samples: means of f/p over samples are integrals over all edges.
+TEST(SceneEdges, PlacesHaveTheirDensity) {
+  const auto scene = sheet_and_block();
+  const SceneEdges& edges = *scene->edges();
+  const auto beams = edges.beams(some_wavelengths(*scene));
+  const PathEnd a{{300, -80, -400}}, lamps[] = {{{-50, 20, 500}}, {normalize(Vec3{0.1f, 0.2f, 1}), true}};
+  KeyedRandom random(1);
+  const auto next = [&] { return random.next(); };
+  double length_from = 0;
+  const int n = 200000;
+  for (int i = 0; i < n; ++i) {
+    const float u[2] = {next(), next()};
+    if (const auto x = edges.choose_from(a, u)) length_from += 1 / double(x->pdf) / n;
+  }
+  EXPECT_NEAR(length_from, 4 * 200 + 12 * 60, 0.02 * 1520);
+  for (const PathEnd& lamp : lamps) {
+    // The diffracted light itself, by the density and by even places on all edges.
+    double sum = 0, even = 0, squares = 0, even_squares = 0;
+    const auto light = [&](const EdgePoint& x) {
+      const Vec3 to_a = a.p - x.on_edge(), to_b = lamp.is_infinite ? lamp.p : normalize(lamp.p - x.on_edge());
+      return double(mean(edges.kernel(x, -to_b, normalize(to_a), beams))) / length_squared(to_a);
+    };
+    for (int i = 0; i < n; ++i) {
+      const float u[3] = {next(), next(), next()};
+      if (const auto x = edges.choose_between(a, lamp, beams, u)) {
+        const double f = light(*x) / x->pdf;
+        sum += f / n, squares += f * f / n;
+      }
+      const auto& all = edges.index().edges();
+      const MeshEdge& edge = all[std::min(std::size_t(next() * float(all.size())), all.size() - 1)];
+      const EdgeLine line(edge);
+      EdgePoint y{&edge, next() * line.length, {}, {}, 1};
+      y.x = line.at(y.at);
+      const double f = light(y) * line.length * double(all.size());
+      even += f / n, even_squares += f * f / n;
+    }
+    const double error = std::sqrt((squares - sum * sum) / n),
+                 even_error = std::sqrt((even_squares - even * even) / n);
+    EXPECT_NEAR(sum, even, 4 * std::hypot(error, even_error));
+    EXPECT_LT(even_error, 0.15 * even);
+    EXPECT_LT(error, 0.02 * sum);
+  }
+}
+
+TEST(SceneEdges, DirectionsHaveTheirDensityAndKIsReciprocal) {
+  const auto scene = sheet_and_block();
+  const SceneEdges& edges = *scene->edges();
+  const auto beams = edges.beams(some_wavelengths(*scene));
+  const MeshEdge& edge = edges.index().edges()[0];
+  const EdgeLine line(edge);
+  for (const double at : {0.5, 0.02}) {
+    EdgePoint x{&edge, at * line.length, {}, {}, 1};
+    x.x = line.at(x.at);
+    for (const Vec3& d_i : {normalize(Vec3{0.1f, 0.2f, -1}), normalize(Vec3{0.6f, 0.5f, -0.4f})}) {
+      KeyedRandom random(7);
+      double inverse = 0, kernel = 0;
+      const int n = 100000;
+      for (int i = 0; i < n; ++i) {
+        const float u[4] = {random.next(), random.next(), random.next(), random.next()};
+        const auto s = edges.scatter(x, d_i, beams, u);
+        if (!s) continue;
+        EXPECT_NEAR(length(s->d), 1, 1e-5);
+        // The part of directions within .2 rad of d_i: its solid angle is known.
+        if (dot(s->d, d_i) > std::cos(0.2)) inverse += 1 / double(s->pdf) / n;
+        const Spectrum there = edges.kernel(x, d_i, s->d, beams), back = edges.kernel(x, -s->d, -d_i, beams);
+        if (i < 2000)
+          for (int k = 0; k < kWavelengths; ++k)
+            EXPECT_NEAR(there[k], back[k], 1e-4 * std::abs(there[k]) + 1e-9f) << at;
+        kernel += mean(there) / s->pdf / n;
+      }
+      EXPECT_NEAR(inverse, 2 * pi * (1 - std::cos(0.2)), 0.1 * 2 * pi * (1 - std::cos(0.2)));
+      EXPECT_GT(kernel, 0);
+    }
+  }
+}
+
+// Over the directions along a straight edge K is Keller's coefficient, without the part across the beam's own spectrum.
+TEST(SceneEdges, KOfAStraightEdgeIsKellers) {
+  const auto scene = sheet_and_block();
+  const SceneEdges& edges = *scene->edges();
+  const Wavelengths w = some_wavelengths(*scene);
+  const auto beams = edges.beams(w);
+  const MeshEdge& edge = edges.index().edges()[0];
+  const EdgeLine line(edge);
+  EdgePoint x{&edge, 0.5 * line.length, {}, {}, 1};
+  x.x = line.at(x.at);
+  const Vec3 e = line.direction.to_float(), d_i{0, 0, -1}, across = normalize(cross(e, d_i));
+  for (const double theta : {0.3, 0.6}) {
+    Spectrum sum = 0.f;
+    const double step = 1e-3;
+    for (double s = -0.15; s < 0.15; s += step) {
+      const Vec3 d = normalize(d_i * float(std::cos(theta)) + across * float(std::sin(theta)) + e * float(s));
+      sum += edges.kernel(x, d_i, d, beams) * float(step);
+    }
+    for (int k = 0; k < kWavelengths; ++k) {
+      // 2 sin(theta/2) is the angle of the symmetric kernel.
+      const double turn = 2 * std::sin(theta / 2),
+                   expected = double(w.nm[k]) * 1e-3 / (4 * pi * pi * turn * turn);
+      EXPECT_NEAR(sum[k], expected, 0.02 * expected) << theta;
+    }
+  }
+}
+
+TEST(BeamWidth, IsReadWithItsUnit) {
+  EXPECT_DOUBLE_EQ(BeamWidth::parse("25").at(1e-6), 25e-6);
+  EXPECT_DOUBLE_EQ(BeamWidth::parse("10 wavelengths").at(1e-6), 10e-6);
+  EXPECT_DOUBLE_EQ(BeamWidth::parse("3mm").at(1e-6), 3e-3);
+  EXPECT_DOUBLE_EQ(BeamWidth::parse("fresnel 4m").at(1e-6), 2e-3);
+  for (const char* bad :
+       {"", "0", "-3", "0.1", "nan", "3 parsecs", "fresnel", "fresnel 3", "fresnel -2m", "wavelengths"})
+    EXPECT_THROW(BeamWidth::parse(bad), Error) << bad;
+  const std::string message =
+      test::errors_of_file(
+          "<scene version=\"3.0.0\">\n<integrator type=\"path\"><string name=\"beam_width\" value=\"3 parsecs\"/></integrator>"
+          "<sensor type=\"perspective\"/></scene>")
+          .at(0);
+  EXPECT_NE(message.find("beam_width"), std::string::npos) << message;
+  EXPECT_NE(message.find(":2"), std::string::npos) << message;
+}
+
+}  // namespace
+}  // namespace aureole::testing
