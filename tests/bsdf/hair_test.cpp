@@ -29,7 +29,7 @@ BsdfCase make_case(const char* name, const std::string& parameters, bool lossles
 }
 const BsdfCases kCases(
     "hair", fibre,
-    {make_case("default", ""), make_case("white", kWhite, true),
+    {make_case("white", kWhite, true),
      make_case("white_tilted", kWhite + number("scale_tilt", -12) + number("int_ior", 1.8), true),
      make_case("white_rough", kWhite + number("longitudinal_roughness", 1) + number("azimuthal_roughness", 1),
                true),
@@ -136,8 +136,8 @@ TEST(Hair, MelaninsAsPublished) {
               1e-4);
 }
 
-/// Scales point to the tip, along +y: light that comes along the fibre is reflected farther back by twice the tilt,
-/// and transmitted farther on by it.
+/// A positive tilt turns what is reflected by twice as much towards +y, and what is transmitted by that much towards
+/// -y.
 TEST(Hair, ScalesTurnLobes) {
   const auto bsdf =
       bsdf_of("hair", kWhite + number("scale_tilt", 10) + number("longitudinal_roughness", 0.05));

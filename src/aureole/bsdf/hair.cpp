@@ -45,7 +45,7 @@ struct FibreDirection {
   FibreDirection(float s, float c, float p) : sin_theta(s), cos_theta(c), phi(p) {}
 };
 
-/// The longitudinal function of variance v: a Gaussian convolution on the sphere (d'Eon et al. 2011, equation 7).
+/// The longitudinal function of variance v: a Gaussian convolution on the sphere (d'Eon et al. 2011).
 /// Its density is per d(sin theta). Written without the cancellation of large exponents.
 class Longitudinal {
 public:
@@ -57,7 +57,7 @@ public:
     return scale_ * std::exp(-(dc * dc + ss * ss) / (2 * v_)) *
            scaled_bessel_i0(i.cos_theta * o.cos_theta / v_);
   }
-  /// Sine of theta_o (d'Eon, Marschner & Hanika 2013, equations 6 and 7).
+  /// Sine of theta_o (d'Eon, Marschner & Hanika 2013).
   float sample(const FibreDirection& i, Vec2 u) const {
     const float below = std::clamp(-v_ * std::log(u.x + (1 - u.x) * tail_), 0.f, 2.f);  // 1 - cos of the turn
     const float sine = std::sqrt(below * (2 - below));
@@ -89,7 +89,7 @@ private:
 
 /// Absorption of the two melanins at concentration 1, per radius of the fibre. d'Eon et al. (2011, section 6.1) have it
 /// for red, green and blue, (.419, .697, 1.37) and (.187, .4, 1.05). They lie on the power laws that are published for
-/// the pigments (Donner & Jensen 2006, section 4) to 5 % where those are taken at 650, 550 and 450 nm.
+/// the pigments (Donner & Jensen 2006) to 5 % where those are taken at 650, 550 and 450 nm.
 double eumelanin(double nm) { return 0.697 * std::pow(nm / 550, -3.33); }
 double pheomelanin(double nm) { return 0.4 * std::pow(nm / 550, -4.75); }
 
@@ -113,7 +113,7 @@ public:
         properties.note("scale", "is a factor of sigma_a and has no effect without it");
     }
 
-    // Fits of variances to roughnesses that look evenly spaced (Chiang et al. 2016, equations 7 and 8).
+    // Fits of variances to roughnesses that look evenly spaced (Chiang et al. 2016, section 4.1).
     const auto roughness = [&](const char* name) {
       return std::max(properties.get_float(name, 0.3, Range::unit()), kSmoothest);
     };
@@ -124,7 +124,7 @@ public:
     azimuthal_ =
         TrimmedLogistic(float(std::sqrt(kPi / 8) * (0.265 * a + 1.194 * a * a + 5.372 * std::pow(a, 22))));
 
-    // Scales turn each lobe along the fibre (Marschner et al. 2003, section 4.2).
+    // Scales turn each lobe along the fibre (Marschner et al. 2003).
     const double tilt = properties.get_float("scale_tilt", 2, {-90, 90}) * (kPi / 180);
     constexpr double kTurns[kLobes] = {-2, 1, 4, 0};
     for (std::size_t p = 0; p < kLobes; ++p)
@@ -191,7 +191,7 @@ private:
       for (const Spectrum& a : part) total += a;
     }
 
-    /// phi_o - phi_i of the lobe's middle (Marschner et al. 2003, equation 2).
+    /// phi_o - phi_i of the lobe's middle (Marschner et al. 2003).
     float exit(std::size_t p) const { return float(p) * (2 * gamma_t + kPi) - 2 * gamma_i; }
   };
 
@@ -248,7 +248,9 @@ AUREOLE_PLUGIN(
           "width of highlights along the fibre, from 0 to 1; below 0.01 as 0.01"},
          {"azimuthal_roughness", "float", "", "0.3",
           "width of highlights around the fibre, from 0 to 1; below 0.01 as 0.01"},
-         {"scale_tilt", "float", "degree", "2", "angle between scales and surface; they point to the tip"},
+         {"scale_tilt", "float", "degree", "2",
+          "angle between scales and surface: what the surface reflects is turned by twice as much towards the "
+          "end of the curve, the root of natural hair, and what is transmitted by that much towards its tip"},
          {"int_ior", "float or string", "", "amber",
           "index of the interior, as a number or the name of a material; 1.55"},
          {"ext_ior", "float or string", "", "air",

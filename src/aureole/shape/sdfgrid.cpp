@@ -153,7 +153,7 @@ private:
   }
 
   /// Continuous across cells: the normals of the eight cells around, weighted by how near their middles are
-  /// (Hansson-Soderlund et al. 2022, section 5). Of a neighbour along x the gradient's x is taken on the line through
+  /// (Hansson-Soderlund et al. 2022). Of a neighbour along x the gradient's x is taken on the line through
   /// the point, its y and z are the point's own, as in Mitsuba 3.
   Double3 smooth_normal(const Double3& at, const Index3& cell) const {
     double slope[3][2], weight[3];
@@ -214,7 +214,8 @@ AUREOLE_PLUGIN(
         .summary =
             "The surface on which a signed distance is zero, or any other function that is negative inside. It is "
             "given at the nodes of a grid that fills [0, 1]^3 and is trilinear between them; rays meet that "
-            "function's own zero, not triangles. Any affine to_world is exact. There are no texture coordinates, and it cannot be an emitter or a sensor. "
+            "function's own zero, not triangles. Any affine to_world is exact. There are no texture coordinates, "
+            "and it cannot be an emitter or a sensor. "
             "What lies at the faces of the grid is open.",
         .source =
             "H. Hansson-Soderlund, A. Evans, T. Akenine-Moller, Ray tracing of signed distance function grids, "
