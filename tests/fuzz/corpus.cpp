@@ -89,6 +89,17 @@ Corpus::Corpus(const fs::path& source) {
   group_begin_.push_back(scenes_.size());
   add_image_scenes();
   group_begin_.push_back(scenes_.size());
+  find_tables();
+}
+
+void Corpus::find_tables() {
+  for (BaseScene& scene : scenes_)
+    for (const auto& [name, bytes] : scene.files) {
+      if (!name.ends_with(".xml")) continue;
+      for (const char* word : {"<aperture", "<correlation", "<ingredient", "\"correlated_", "\"mie\"",
+                               "\"suspension\"", "\"paint\"", "\"energy_preserving\""})
+        scene.has_tables |= bytes->find(word) != std::string::npos;
+    }
 }
 
 void Corpus::add_data_files(const fs::path& folder) {
@@ -181,7 +192,11 @@ void Corpus::add_image_scenes() {
 const BaseScene& Corpus::pick_scene(Random& random) const {
   const std::size_t group = random.below(group_begin_.size() - 1);
   const std::size_t first = group_begin_[group], count = group_begin_[group + 1] - first;
-  return count > 0 ? scenes_[first + random.below(count)] : random.pick(scenes_);
+  if (count == 0) return random.pick(scenes_);
+  std::size_t chosen;
+  do chosen = first + random.below(count);
+  while (scenes_[chosen].has_tables && !random.chance(0.1));
+  return scenes_[chosen];
 }
 
 const std::pair<std::string, Bytes>& Corpus::data_file_like(const std::string& name, Random& random) const {

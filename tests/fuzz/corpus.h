@@ -25,6 +25,8 @@ inline constexpr char kMainFile[] = "scene.xml";
 struct BaseScene {
   std::string name;
   Files files;  ///< kMainFile and what it refers to
+  /// Its objects tabulate physics, which takes a hundred times as long as all else.
+  bool has_tables = false;
 };
 
 class Corpus {
@@ -32,7 +34,8 @@ public:
   /// `source` is the root of the repository.
   explicit Corpus(const std::filesystem::path& source);
 
-  /// A scene; those of the repository, those of examples and those of images are equally likely.
+  /// A scene; those of the repository, those of examples and those of images are equally likely, and one with
+  /// tables comes a tenth as often as another.
   const BaseScene& pick_scene(Random& random) const;
   const std::vector<BaseScene>& scenes() const { return scenes_; }
 
@@ -49,6 +52,7 @@ private:
   void add_scene(const std::filesystem::path& file, const std::filesystem::path& root);
   void add_examples();
   void add_image_scenes();
+  void find_tables();
   /// The text with numbers made small and file names made names of files in one folder, which are added.
   std::string prepare(const std::string& text, const std::filesystem::path& folder, Files& files) const;
 

@@ -62,7 +62,7 @@ bool other_type(SceneEdit& e) {
   pugi::xml_node node = e.any_object();
   if (!node) return false;
   static const char* const kElsewhere[] = {"volpath",   "ldsampler", "merge",   "ies", "heightfield",
-                                           "sunsky",    "hair",      "twoside", "",    "Diffuse",
+                                           "sunsky",    "pplastic",  "twoside", "",    "Diffuse",
                                            "microfacet"};
   const std::string family = e.random.is_gentle() || e.random.chance(0.8) ? family_of(node) : "";
   const PluginInfo& plugin = any_plugin(family, e.random);
@@ -164,6 +164,28 @@ bool random_transform(SceneEdit& e) {
   return chosen.append_copy(steps.document_element().first_child());
 }
 
+/// The whole scene in another unit of length, also where single precision has no normal numbers left.
+bool scale_of_all(SceneEdit& e) {
+  static constexpr std::pair<const char*, const char*> kScales[] = {
+      {"1e-46", "1e46"}, {"1e-44", "1e44"}, {"1e-40", "1e40"}, {"1e-38", "1e38"},
+      {"1e-30", "1e30"}, {"1e-19", "1e19"}, {"1e-10", "1e10"}, {"1e-4", "1e4"},
+      {"1e5", "1e-5"},   {"1e10", "1e-10"}, {"1e17", "1e-17"}, {"1e30", "1e-30"}};
+  const auto& [scale, inverse] = e.random.pick(kScales);
+  for (pugi::xml_node object : e.document.document_element().children()) {
+    const PluginInfo* plugin = plugin_of(object);
+    if (!plugin || !plugin->documents("to_world")) continue;
+    pugi::xml_node transform = object.find_child_by_attribute("transform", "name", "to_world");
+    if (!transform) {
+      transform = object.append_child("transform");
+      transform.append_attribute("name") = "to_world";
+    }
+    // A camera moves, but must not be scaled.
+    if (plugin->family != "shape") transform.prepend_child("scale").append_attribute("value") = inverse;
+    transform.append_child("scale").append_attribute("value") = scale;
+  }
+  return true;
+}
+
 bool wavelength_range(SceneEdit& e) {
   static const char* const kEnds[] = {"360",   "830",    "1nm", "10nm", "500", "500.0001", "2um", "100um",
                                       "10GHz", "400THz", "1e6", "1e-3", "0",   "1e30",     "1m"};
@@ -241,6 +263,7 @@ const std::vector<SceneMutation>& value_mutations() {
                                                  {"foreign parameter", 2, foreign_parameter},
                                                  {"other file", 5, other_file, true},
                                                  {"transform", 8, random_transform, true},
+                                                 {"scale of all", 3, scale_of_all, true},
                                                  {"wavelength range", 3, wavelength_range, true},
                                                  {"version", 1, other_version},
                                                  {"scene of version 0.6", 1, old_scene}};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wrap.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 
@@ -61,13 +62,14 @@ std::string with_data_files(const std::string& example,
     const bool names_file = std::string_view(found.attribute().name()) == "filename" ||
                             (plugin && plugin->names_file(parameter.attribute("name").value()));
     if (!names_file) continue;
-    const std::string ending = std::filesystem::path(found.attribute().value()).extension().string();
-    for (const auto& [name, bytes] : data) {
-      if (!name.ends_with(ending)) continue;
-      found.attribute().set_value(name.c_str());
-      used[name] = bytes;
-      break;
-    }
+    const std::string wanted = found.attribute().value(),
+                      ending = std::filesystem::path(wanted).extension().string();
+    auto file = std::find_if(data.begin(), data.end(), [&](const auto& f) { return f.first == wanted; });
+    if (file == data.end())
+      file = std::find_if(data.begin(), data.end(), [&](const auto& f) { return f.first.ends_with(ending); });
+    if (file == data.end()) continue;
+    found.attribute().set_value(file->first.c_str());
+    used[file->first] = file->second;
   }
   std::ostringstream out;
   document.save(out, " ", pugi::format_default | pugi::format_no_declaration);

@@ -3,6 +3,7 @@
 // of the other. All techniques by which a path can be found count, by spectral MIS (transport/two_way.h).
 #include <optional>
 
+#include "aureole/bsdf/near_field.h"
 #include "aureole/integrator/bdpt/light_steps.h"
 #include "aureole/integrator/bdpt/sensor_steps.h"
 #include "aureole/plugin/registry.h"
@@ -67,6 +68,16 @@ public:
           properties().where(),
           "\"bdpt\" does not follow light below surfaces with a BSSRDF: use \"path\" or \"ptracer\", or a "
           "medium inside the shape");
+    const auto refuse_fibres = [](const Bsdf& bsdf) {
+      if (has(bsdf.lobes(), kNearField))
+        throw Error(bsdf.properties().where(),
+                    "\"bdpt\" cannot walk backwards through fibres of hair: use \"path\" or \"ptracer\"");
+    };
+    for (const ModelPart& part : scene.parts().surfaces) {
+      if (part.bsdf) refuse_fibres(*part.bsdf);
+      if (part.instance)
+        for (const BsdfPtr& bsdf : part.instance->list().bsdfs) refuse_fibres(*bsdf);
+    }
   }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,

@@ -18,60 +18,38 @@ Transform box_of(const Properties& p, const VoxelData& data) {
          to_local;
 }
 
-struct Source {
-  VoxelData data;
-  const char* parameter;  ///< that it is from
-};
-
-Source read(const Properties& p) {
-  const auto array = p.get_object<Array>("data");
-  if (array && p.has("filename")) throw p.error("data", "give either filename or data");
-  const char* name = array ? "data" : "filename";
-  std::string file;
-  try {
-    if (!array) file = p.get_file(name).string();
-    VoxelData data = array ? voxels_of_array(*array) : read_vol(file);
-    check_finite(data);
-    return {std::move(data), name};
-  } catch (const Error& problem) {
-    if (!array && file.empty()) throw;  // located by get_file
-    throw p.error(name, array ? problem.message() : "\"" + file + "\" " + problem.message());
-  }
-}
-
 class GridVolume final : public VoxelVolume {
 public:
-  explicit GridVolume(const Properties& p) : GridVolume(p, read(p)) {}
+  explicit GridVolume(const Properties& p) : GridVolume(p, read_voxels(p, "data")) {}
 
 private:
-  GridVolume(const Properties& p, const Source& source)
-      : VoxelVolume(p, box_of(p, source.data), VoxelFilter::read(p)) {
-    const VoxelData& data = source.data;
+  GridVolume(const Properties& p, const VoxelData& data)
+      : VoxelVolume(p, box_of(p, data), VoxelFilter::read(p)) {
+    const char* const parameter = voxels_parameter(p, "data");
     const bool raw = p.get_bool("raw", false);
     p.get_bool("accel", true);
     if (p.has("accel")) p.note("accel", "has no effect");
     const int channels = data.channels;
     if (channels != 1 && channels != 3 && channels != 6)
-      throw p.error(
-          source.parameter,
-          fmt::format("has {} numbers at each voxel; 1, 3 (colours) and 6 are supported", channels));
+      throw p.error(parameter, fmt::format("has {} numbers at each voxel; 1, 3 (colours) and 6 are supported",
+                                           channels));
     const bool colors = channels == 3 && !raw;
-    if (colors) check_colors(p, source);
+    if (colors) check_colors(p, data, parameter);
     try {
       if (colors && !is_grey(data))
         set_colors(data);
       else
         set_numbers(data, colors ? 1 : channels);
     } catch (const Error& problem) {
-      throw p.error(source.parameter, problem.message());
+      throw p.error(parameter, problem.message());
     }
   }
 
-  static void check_colors(const Properties& p, const Source& source) {
-    for (const float v : source.data.values)
+  static void check_colors(const Properties& p, const VoxelData& data, const char* parameter) {
+    for (const float v : data.values)
       if (v < 0)
         throw p.error(
-            source.parameter,
+            parameter,
             fmt::format("a colour must not be negative, but a voxel has {}; \"raw\" is for numbers that "
                         "are no colours",
                         v));

@@ -294,6 +294,15 @@ def write_volumes():
     write_vol(VOLUMES / "smoke.vol", plume, (-1, 0, -1), (1, 2.5, 1))
     tint = np.stack([0.9 + 0 * y, 0.85 - 0.4 * y, 0.3 + 0.5 * y], -1)
     write_vol(VOLUMES / "tint.vol", tint[:4, :, :5])
+    # Two balls that flow together, and a ring, as distances at the nodes of a grid over [0, 1]^3.
+    z, y, x = np.meshgrid(*([np.linspace(0, 1, 14)] * 3), indexing="ij")
+    balls = [np.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) - r
+             for a, b, c, r in ((0.37, 0.45, 0.35, 0.22), (0.64, 0.52, 0.66, 0.17))]
+    blob = -0.08 * np.log(sum(np.exp(-ball / 0.08) for ball in balls))
+    write_vol(VOLUMES / "blob.vol", blob[..., None])
+    z, y, x = np.meshgrid(*([np.linspace(0, 1, 9)] * 3), indexing="ij")
+    ring = np.hypot(np.hypot(x - 0.5, y - 0.5) - 0.29, z - 0.5) - 0.13
+    write_vol(VOLUMES / "ring.vol", ring[..., None])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "aureole/bsdf/near_field.h"
 #include "aureole/instrument/check/rules.h"
 
 namespace aureole::check {
@@ -28,6 +29,7 @@ void check_modes_of_deltas(CheckRun& run, const Vec3& wi) {
 }
 
 void check_modes(CheckRun& run, const DirectionPairs& pairs) {
+  if (has(run.function().lobes(), kNearField)) return;
   CheckFinding finding{CheckRule::modes};
   finding.limit = 2e-3;
   for (std::size_t k = 0; k < pairs.wi.size(); ++k)

@@ -140,4 +140,20 @@ void check_finite(const VoxelData& data) {
   }
 }
 
+VoxelData read_voxels(const Properties& p, const char* array) {
+  const auto given = p.get_object<Array>(array);
+  if (given && p.has("filename")) throw p.error(array, std::string("give either filename or ") + array);
+  std::string file;
+  try {
+    if (!given) file = p.get_file("filename").string();
+    VoxelData data = given ? voxels_of_array(*given) : read_vol(file);
+    check_finite(data);
+    return data;
+  } catch (const Error& problem) {
+    if (!given && file.empty()) throw;  // located by get_file
+    throw p.error(voxels_parameter(p, array),
+                  given ? problem.message() : "\"" + file + "\" " + problem.message());
+  }
+}
+
 }  // namespace aureole

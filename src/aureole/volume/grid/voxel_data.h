@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "aureole/plugin/array.h"
+#include "aureole/plugin/properties.h"
 
 namespace aureole {
 
@@ -36,5 +37,13 @@ VoxelData voxels_of_array(const Array& array);
 
 /// Throws Error without a location where a number is not finite.
 void check_finite(const VoxelData& data);
+
+/// The grid that the file `filename` or, from a program, the array named `array` holds. All its numbers are
+/// finite; what is wrong is a located error.
+VoxelData read_voxels(const Properties& p, const char* array);
+/// The parameter that `read_voxels` took it from.
+inline const char* voxels_parameter(const Properties& p, const char* array) {
+  return p.has(array) ? array : "filename";
+}
 
 }  // namespace aureole
