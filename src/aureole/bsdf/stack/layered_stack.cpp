@@ -60,7 +60,13 @@ bool alike(const optics::StackDescription& a, const optics::StackDescription& b)
   const auto same = [](double x, double y) {
     return std::abs(x - y) <= 1e-6 * std::max(std::abs(x), std::abs(y));
   };
-  if (a.mirror || a.brdf || !same(a.substrate.value_or(0), b.substrate.value_or(0))) return false;
+  if (!same(a.substrate.value_or(0), b.substrate.value_or(0)) || bool(a.brdf) != bool(b.brdf)) return false;
+  for (const double mu : {0.05, 0.3, 0.6, 0.9, 1.0}) {
+    if (a.mirror && !same(a.mirror(mu), b.mirror(mu))) return false;
+    if (a.brdf &&
+        !(same(a.brdf(mu, mu, 0), b.brdf(mu, mu, 0)) && same(a.brdf(mu, 0.5, 1), b.brdf(mu, 0.5, 1))))
+      return false;
+  }
   for (std::size_t i = 0; i < a.layers.size(); ++i) {
     const optics::StackLayer &x = a.layers[i], &y = b.layers[i];
     if (!same(x.absorption, y.absorption) || !same(x.scattering, y.scattering)) return false;

@@ -142,7 +142,7 @@ private:
     add(result_.reflected_below, *below_, true, *below_, false);
   }
 
-  static constexpr double kNegligible = 1e-6;
+  static constexpr double kNegligible = 1e-5;
 
   const StackSolver& solver_;
   const StackDescription& d_;
