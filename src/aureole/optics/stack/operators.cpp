@@ -156,4 +156,40 @@ Operators lambertian_substrate(const Channels& channels, double index, double re
   return {r, Matrix::Zero(0, n), Matrix::Zero(0, 0)};
 }
 
+std::vector<Matrix> substrate_kernels(const Channels& channels, double index,
+                                      const std::function<double(double, double, double)>& brdf, int modes) {
+  const Vector root = root_etendues(channels, index);
+  const int n = int(root.size());
+  constexpr int kWithin = 2;
+  std::vector<Quadrature> within;
+  for (int i = 0; i < n; ++i) within.push_back(channels.within(i, index, kWithin));
+  // phi = pi t^2 has many nodes about 0, where lobes are.
+  const Quadrature turn = gauss_legendre(32 + modes, 0, 1);
+  const int steps = int(turn.x.size());
+  Matrix by_mode(modes, steps);
+  for (int k = 0; k < steps; ++k)
+    for (int m = 0; m < modes; ++m)
+      by_mode(m, k) = 2 * turn.x[k] * turn.weight[k] * std::cos(m * std::numbers::pi * turn.x[k] * turn.x[k]);
+  std::vector<Matrix> kernels(modes, Matrix::Zero(n, n));
+  Vector values(steps);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j <= i; ++j) {
+      values.setZero();
+      for (std::size_t a = 0; a < within[i].x.size(); ++a)
+        for (std::size_t b = 0; b < within[j].x.size(); ++b)
+          for (int k = 0; k < steps; ++k)
+            values[k] += within[i].weight[a] * within[j].weight[b] *
+                         brdf(within[i].x[a], within[j].x[b], std::numbers::pi * turn.x[k] * turn.x[k]);
+      const Vector means = by_mode * values * (root[i] * root[j] / (index * index));
+      for (int m = 0; m < modes; ++m) kernels[m](i, j) = kernels[m](j, i) = means[m];
+    }
+  const Vector keeps = (kernels[0] * root).cwiseQuotient(root).unaryExpr([](double r) {
+    return 1 / std::sqrt(std::max(1.0, r));
+  });
+  const double least = keeps.minCoeff();
+  if (least < 1)
+    for (Matrix& k : kernels) k *= least * least;
+  return kernels;
+}
+
 }  // namespace aureole::optics

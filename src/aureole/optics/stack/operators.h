@@ -9,6 +9,7 @@
 #pragma once
 
 #include <Eigen/Dense>
+#include <functional>
 #include <vector>
 
 #include "aureole/optics/stack/channels.h"
@@ -65,6 +66,11 @@ Operators smooth_interface(const Channels& channels, double index_above, double 
 
 /// Reflects the share `reflectance` of all flux into all directions alike. Nothing passes.
 Operators lambertian_substrate(const Channels& channels, double index, double reflectance, int mode);
+
+/// Of a substrate with this BRDF, by azimuthal mode: matrices of reflection, averaged over the ranges of both
+/// channels. What a narrow lobe has too much by that is taken away: no channel reflects more than it gets.
+std::vector<Matrix> substrate_kernels(const Channels& channels, double index,
+                                      const std::function<double(double, double, double)>& brdf, int modes);
 
 Vector root_etendues(const Channels& channels, double index);
 

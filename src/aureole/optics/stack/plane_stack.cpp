@@ -108,6 +108,7 @@ PlaneStack::PlaneStack(StackDescription description, DiscreteOrdinates method)
     : description_(std::move(description)), method_(method) {
   if (!(method_.streams >= 2 && method_.streams <= 512 && method_.streams % 2 == 0))
     refuse("streams must be an even number in [2, 512]", method_.streams);
+  if (!(method_.modes >= 0)) refuse("modes must not be negative", method_.modes);
   if (description_.layers.empty()) throw std::domain_error("a stack needs a layer");
   check_index("the medium above", description_.index_above);
   for (std::size_t i = 0; i < description_.layers.size(); ++i) {
@@ -121,6 +122,9 @@ PlaneStack::PlaneStack(StackDescription description, DiscreteOrdinates method)
     check_index(where, layer.index);
     check_interface("above " + where, layer.top);
   }
+  if (!description_.substrate && (description_.mirror || description_.brdf))
+    throw std::domain_error(
+        "a mirror or BRDF below a stack without a substrate; give its Lambertian share, 0");
   if (description_.substrate) {
     if (!(*description_.substrate >= 0 && *description_.substrate <= 1))
       refuse("reflectance of the substrate must be in [0, 1]", *description_.substrate);
@@ -151,8 +155,11 @@ std::vector<StackFluxes> PlaneStack::fluxes(std::span<const StackLight> lights) 
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const int channel = lights[i].cosine ? channels.extra()[beam++] : -1;
     const Vector paths = unscattered_light(solver, lights[i], channel);
-    const double keeps = 1 - description_.substrate.value_or(0);
-    const double u = paths[solver.last_level() + 1], d = keeps * paths[bottom];
+    // What a mirror returns was not scattered either.
+    const double u = paths[solver.last_level() + 1], d = description_.substrate
+                                                             ? (1 - *description_.substrate) * paths[bottom] -
+                                                                   paths[solver.last_level() + 1 + bottom]
+                                                             : paths[bottom];
     StackFluxes f{up[i], down[i] - back[i], u, d};
     if (lights[i].from_below) {
       std::swap(f.reflectance, f.transmittance);

@@ -11,6 +11,7 @@
 // layer or the value, for bad input.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -55,6 +56,10 @@ struct StackDescription {
   /// Reflectance, in [0, 1], of a Lambertian surface that ends the last layer: 0 is black. None: there is
   /// light below, too.
   std::optional<double> substrate;
+  /// What a substrate reflects beside its Lambertian share, seen from the medium of the last layer: as a mirror,
+  /// by the cosine, and by a reciprocal BRDF in 1/sr of two cosines and the azimuth. Null: nothing.
+  std::function<double(double)> mirror{};
+  std::function<double(double, double, double)> brdf{};
   double index_below = 1;   ///< where there is no substrate
   StackInterface bottom{};  ///< of the last layer, where there is no substrate
 };
@@ -68,6 +73,9 @@ struct DiscreteOrdinates {
   /// Nakajima & Tanaka 1988, J. Quant. Spectrosc. Radiat. Transfer 40, 51, the method TMS. Without it the
   /// phase function ends at its moment `streams` - 1.
   bool delta_m = true;
+  /// Azimuthal modes that radiances are made of, at most `streams`; 0: so many. Rough interfaces have them all,
+  /// and lobes some degrees wide are done with fewer.
+  int modes = 0;
 };
 
 /// Light of irradiance 1 on the stack, of a beam or, without a cosine, of a Lambertian sky (the same radiance

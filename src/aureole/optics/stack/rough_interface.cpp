@@ -43,6 +43,7 @@ private:
 struct Side {
   double index, mu;
   bool is_above;
+  double unmasked = 1;  ///< Smith's G1
 };
 
 /// Basic radiance that leaves along `o`, per flux that comes along `i`: symmetric.
@@ -55,7 +56,7 @@ public:
     // Both away from the interface: the azimuth between them is that of the light's turn, and half a turn.
     const double sine_i = std::sqrt(1 - i.mu * i.mu), sine_o = std::sqrt(1 - o.mu * o.mu);
     const double along = -sine_i * sine_o * cos_phi;
-    const double mask = facets_.unmasked(i.mu) * facets_.unmasked(o.mu);
+    const double mask = i.unmasked * o.unmasked;
     if (i.is_above == o.is_above) {
       const double dot = along + i.mu * o.mu, length = std::sqrt(2 + 2 * dot);
       const double m = (i.mu + o.mu) / length;  // cosine of the normal
@@ -104,7 +105,8 @@ struct Row {
 std::vector<Operators> rough_interface(const Channels& channels, double index_above, double index_below,
                                        const StackInterface& interface, int modes) {
   const int above = channels.count(index_above), below = channels.count(index_below), all = above + below;
-  const Kernel kernel(Facets(interface), index_above, index_below);
+  const Facets facets(interface);
+  const Kernel kernel(facets, index_above, index_below);
   const auto channel_of = [&](int row) { return row < above ? row : row - above; };
   const auto index_of = [&](int row) { return row < above ? index_above : index_below; };
 
@@ -118,10 +120,10 @@ std::vector<Operators> rough_interface(const Channels& channels, double index_ab
     root[row] = std::sqrt(channels.etendue(channel));
     const double n = index_of(row);
     const double width = channels.is_extra(channel) ? 0 : channels.width(channel, n);
-    rows.push_back({{{n, channels.mu(channel, n), row < above}, 1}, {}, width});
+    const auto side = [&](double mu) { return Side{n, mu, row < above, facets.unmasked(mu)}; };
+    rows.push_back({{side(channels.mu(channel, n)), 1}, {}, width});
     const Quadrature q = channels.within(channel, n, std::clamp(int(std::ceil(2 * width / lobe)), 2, 8));
-    for (std::size_t i = 0; i < q.x.size(); ++i)
-      rows[row].within.push_back({{n, q.x[i], row < above}, q.weight[i]});
+    for (std::size_t i = 0; i < q.x.size(); ++i) rows[row].within.push_back({side(q.x[i]), q.weight[i]});
   }
   // phi = pi t^2 has many nodes about 0, where lobes are.
   const Quadrature turn = gauss_legendre(64 + 2 * modes, 0, 1);

@@ -16,6 +16,12 @@ double two_ways(double a, double b, double t) {
 
 }  // namespace
 
+bool SingleScattering::corrects() const {
+  for (const StackSolver::Element& e : solver_.elements())
+    if (e.kind == StackSolver::Element::Kind::layer && solver_.scaled(e.layer).share < 1 - 1e-12) return true;
+  return false;
+}
+
 SingleScattering::Beam SingleScattering::light(int channel, bool from_below) const {
   return {channel, solver_.unscattered(channel, true).col(from_below ? 2 * solver_.last_level() + 1 : 0)};
 }

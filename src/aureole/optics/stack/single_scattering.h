@@ -16,6 +16,9 @@ public:
   SingleScattering(const StackSolver& solver, const StackDescription& description)
       : solver_(solver), description_(description) {}
 
+  /// Whether there is anything to correct.
+  bool corrects() const;
+
   /// A beam of irradiance 1 on the stack, and where it goes by itself.
   struct Beam {
     int channel;

@@ -41,10 +41,11 @@ std::vector<double> all_indices(const StackDescription& d) {
 
 StackSolver::StackSolver(const StackDescription& description, const DiscreteOrdinates& method, bool azimuths,
                          std::span<const IndexedCosine> extra, std::span<const StackPosition> positions,
-                         std::span<const IndexedCosine> cuts)
+                         std::span<const IndexedCosine> cuts, const StackSolver* like)
     : position_levels_(positions.size(), -1),
       index_above_(description.index_above),
       substrate_(description.substrate.value_or(0)),
+      mirror_(description.mirror),
       channels_(all_indices(description), method.streams / 2, extra, cuts) {
   double before = description.index_above;
   std::vector<StackInterface> rough;
@@ -85,11 +86,18 @@ StackSolver::StackSolver(const StackDescription& description, const DiscreteOrdi
   else
     add_interface(count, description.index_below, description.bottom);
 
-  if (!rough.empty()) modes_ = method.streams;
+  if (!rough.empty() || description.brdf) modes_ = method.streams;
+  if (method.modes > 0) modes_ = std::min(modes_, method.modes);
   if (!azimuths) modes_ = 1;
-  for (const Element& e : elements_)
-    if (e.rough >= 0)
-      rough_.push_back(rough_interface(channels_, e.index_above, e.index_below, rough[e.rough], modes_));
+  if (like) {
+    rough_ = like->rough_;
+  } else {
+    for (const Element& e : elements_)
+      if (e.rough >= 0)
+        rough_.push_back(std::make_shared<const std::vector<Operators>>(
+            rough_interface(channels_, e.index_above, e.index_below, rough[e.rough], modes_)));
+  }
+  if (description.brdf) brdf_ = substrate_kernels(channels_, before, description.brdf, modes_);
 }
 
 Operators StackSolver::operators(const Element& e, int mode) const {
@@ -97,11 +105,29 @@ Operators StackSolver::operators(const Element& e, int mode) const {
     case Element::Kind::layer:
       return layers_[e.layer].operators(e.scaled, mode);
     case Element::Kind::interface:
-      return e.rough >= 0 ? rough_[e.rough][mode] : smooth_interface(channels_, e.index_above, e.index_below);
+      if (e.rough < 0) return smooth_interface(channels_, e.index_above, e.index_below);
+      if (mode != kUnscattered) return (*rough_[e.rough])[mode];
+      break;
     case Element::Kind::substrate:
       break;
   }
-  return lambertian_substrate(channels_, e.index_above, substrate_, mode);
+  if (mode == kUnscattered && e.kind == Element::Kind::interface) {
+    const Operators& rough = rough_[e.rough]->front();
+    return {Matrix::Zero(rough.r_above.rows(), rough.r_above.cols()),
+            Matrix::Zero(rough.t_down.rows(), rough.t_down.cols()),
+            Matrix::Zero(rough.r_below.rows(), rough.r_below.cols())};
+  }
+  Operators o = lambertian_substrate(channels_, e.index_above, substrate_, mode);
+  if (!brdf_.empty() && mode != kUnscattered) o.r_above += brdf_[mode];
+  if (mirror_)
+    for (int i = 0; i < o.r_above.rows(); ++i) o.r_above(i, i) += mirror_(channels_.mu(i, e.index_above));
+  return o;
+}
+
+Operators StackSolver::whole(int mode) const {
+  Operators sum = operators(elements_.back(), mode);
+  for (int i = last_level() - 2; i >= 0; --i) sum = Operators::stacked(operators(elements_[i], mode), sum);
+  return sum;
 }
 
 std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_above,
@@ -162,10 +188,12 @@ Matrix StackSolver::unscattered(int channel, bool scaled) const {
               : kTotal;
       t = above && below ? 1 - r : 0;
     }
+    if (e.kind == Element::Kind::substrate && above && mirror_)
+      r = std::min(mirror_(channels_.mu(channel, e.index_above)), kTotal);
     const int up = levels + i;
     step(i + 1, i) = step(up, up + 1) = t;
     step(up, i) = above ? r : 0;
-    step(i + 1, up + 1) = below ? r : 0;
+    step(i + 1, up + 1) = below && e.kind != Element::Kind::substrate ? r : 0;
   }
   return (Matrix::Identity(2 * levels, 2 * levels) - step).inverse();
 }

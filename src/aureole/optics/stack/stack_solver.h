@@ -3,6 +3,8 @@
 // by mode. Inside of the library only.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,10 +29,11 @@ public:
     std::vector<double> moments;
   };
 
-  /// With `azimuths` all modes can be asked for, else only mode 0.
+  /// With `azimuths` all modes can be asked for, else only mode 0. Rough interfaces are those of `like`, if
+  /// that is given: a stack that differs in what fills its layers and in its substrate only.
   StackSolver(const StackDescription& description, const DiscreteOrdinates& method, bool azimuths,
               std::span<const IndexedCosine> extra, std::span<const StackPosition> positions = {},
-              std::span<const IndexedCosine> cuts = {});
+              std::span<const IndexedCosine> cuts = {}, const StackSolver* like = nullptr);
 
   const Channels& channels() const { return channels_; }
   const std::vector<Element>& elements() const { return elements_; }
@@ -49,6 +52,11 @@ public:
   std::vector<Light> light(int mode, const Matrix& from_above, const Matrix& from_below,
                            std::span<const int> levels) const;
 
+  /// Of the whole stack.
+  Operators whole(int mode) const;
+  /// A mode above all others, in which nothing is scattered: light that keeps its direction.
+  static constexpr int kUnscattered = 1 << 20;
+
   /// What light of one channel is at each level after it was put into another, without scattering: down at
   /// level i in row i, up in row last_level() + 1 + i, columns alike. `scaled`: forward peaks are not
   /// scattering.
@@ -62,9 +70,11 @@ private:
   std::vector<Scaled> scaled_;
   double index_above_;
   double substrate_;
+  std::function<double(double)> mirror_;
   Channels channels_;
   std::vector<UniformLayer> layers_;
-  std::vector<std::vector<Operators>> rough_;  ///< by rough interface and mode
+  std::vector<std::shared_ptr<const std::vector<Operators>>> rough_;  ///< by rough interface, and mode
+  std::vector<Matrix> brdf_;  ///< of the substrate, by mode, where it has one
   int modes_ = 1;
 };
 

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+// A stack of plane layers as one surface: coats of paint and varnish, leaves, prints, skin, slabs between
+// slides. The equation of radiative transfer is solved when the scene is loaded, by discrete ordinates
+// (optics/stack), and tabulated (stack/stack_table.h).
+//
+// Lobes. Light that smooth interfaces reflect and refract and no layer scatters is mirrored or passes: delta
+// lobes. Everything else is one lobe, drawn in proportion to its own value. Energy is that of the solution for
+// each direction, wavelength and choice of the hero; reciprocal, f/n_o^2.
+#include <cmath>
+#include <optional>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/stack/layered_stack.h"
+#include "aureole/plugin/registry.h"
+
+namespace aureole {
+namespace {
+
+class Layered final : public Bsdf {
+public:
+  explicit Layered(const Properties& p) : Bsdf(p) {
+    const LayeredStack stack(p);
+    is_open_ = stack.is_open(), has_delta_ = stack.has_delta();
+    table_ = p.shared_model<StackTable>([&] { return stack.tabulate(); });
+  }
+
+  BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    if (wi.z == 0 || wo.z == 0) return {};
+    const Wavelengths& w = ctx.wavelengths;
+    const Spectrum k = table_->eval(wi, wo, w);
+    const float n_i = table_->index(wi.z < 0), n_o = table_->index(wo.z < 0), cosine = std::abs(wo.z);
+    const float n = ctx.mode == TransportMode::radiance ? n_i : n_o;
+    return {k * (n * n * cosine), safe_divide(k * (n_o * n_o * cosine), table_->shares(wi, w).total())};
+  }
+
+  Spectrum eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
+    if (wi.z == 0 || wo.z == 0) return 0.f;
+    const float n = table_->index(ctx.mode == TransportMode::radiance ? wi.z < 0 : wo.z < 0);
+    return table_->eval(wi, wo, ctx.wavelengths) * (n * n * std::abs(wo.z));
+  }
+
+  std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
+    if (wi.z == 0 || (wi.z < 0 && !is_open_)) return {};
+    const Wavelengths& w = ctx.wavelengths;
+    const StackTable::Shares s = table_->shares(wi, w);
+    const Spectrum total = s.total();
+    if (!(total[0] > 0)) return {};
+    const Spectrum mirrored = safe_divide(s.mirrored, total), passed = safe_divide(s.passed, total);
+    // The delta lobes take the two ends of u1, so that they are found however small they are.
+    if (u1 < mirrored[0]) return BsdfSample{reflect(wi), s.mirrored, mirrored, Lobe::delta | Lobe::reflect};
+    if (u1 >= 1 - passed[0]) return pass(wi, s.passed, passed, ctx);
+    const float choice = std::min((u1 - mirrored[0]) / (1 - mirrored[0] - passed[0]), 0x1.fffffep-1f);
+    const Vec3 wo = table_->sample(wi, choice, u2, w);
+    if (!(std::abs(wo.z) > 0)) return {};
+    const BsdfEval e = eval_pdf(wi, wo, ctx);
+    if (!(e.pdf[0] > 0)) return {};
+    const bool is_reflected = (wi.z > 0) == (wo.z > 0);
+    return BsdfSample{wo, e.value, e.pdf, Lobe::glossy | (is_reflected ? Lobe::reflect : Lobe::transmit),
+                      table_->index(wo.z < 0) / table_->index(wi.z < 0)};
+  }
+
+  Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
+    if (wi.z < 0 && !is_open_) return 0.f;
+    return min(table_->shares(wi, ctx.wavelengths).scattered, 1.f);
+  }
+
+  bool needs_tangent() const override { return false; }
+  Lobe lobes() const override {
+    Lobe l = Lobe::glossy | Lobe::reflect;
+    if (has_delta_) l = l | Lobe::delta;
+    if (!is_open_) return l;
+    const bool goes_on = has_delta_ && table_ && table_->index(false) == table_->index(true);
+    return l | Lobe::transmit | (goes_on ? Lobe::through : Lobe::none);
+  }
+
+private:
+  std::optional<BsdfSample> pass(const Vec3& wi, const Spectrum& share, const Spectrum& mass,
+                                 const BsdfContext& ctx) const {
+    const float eta = table_->index(wi.z > 0) / table_->index(wi.z < 0);
+    if (eta == 1) return BsdfSample{-wi, share, mass, Lobe::delta | Lobe::transmit | Lobe::through};
+    const float sine2 = (1 - wi.z * wi.z) / (eta * eta);
+    if (!(sine2 < 1)) return {};
+    const float cosine = std::sqrt(1 - sine2);
+    BsdfSample s{{-wi.x / eta, -wi.y / eta, wi.z > 0 ? -cosine : cosine},
+                 share,
+                 mass,
+                 Lobe::delta | Lobe::transmit,
+                 eta};
+    if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
+    return s;
+  }
+
+  bool is_open_ = false, has_delta_ = false;
+  std::shared_ptr<const StackTable> table_;  ///< null in a scene with errors
+};
+
+AUREOLE_PLUGIN(
+    Layered, "bsdf", "layered",
+    PluginDoc{
+        "A stack of plane layers, each a medium of its own thickness and index, with smooth or rough interfaces, on "
+        "another BSDF or open below: coats of paint and varnish, leaves, prints, slabs between slides. All light is "
+        "followed within the stack, with its direction, when the scene is loaded (seconds on all cores); light leaves "
+        "where it entered, so layers must be thin beside what is seen. On a nested BSDF it reflects on the side of its "
+        "normal and is black on the other. Indices do not disperse, and a nested BSDF counts as it is at the origin of "
+        "its textures. Smooth interfaces are delta lobes. Lobes narrower than some 4 degrees (roughness below .1, phase "
+        "functions with g above .95) are blurred by the table, whose energy stays exact. Tables take 1 to 100 MB.",
+        "S. Chandrasekhar, Radiative Transfer, 1960; H. C. van de Hulst, Multiple Light Scattering, 1980; T. Nakajima & M. "
+        "Tanaka, J. Quant. Spectrosc. Radiat. Transfer 40, 1988 (single scattering)",
+        {{"medium", "medium", "", "required",
+          "what fills each layer, from the top: uniform media that do not emit"},
+         {"thickness", "string", "", "required", "of each layer, \"20um, 5um\", or \"infinite\""},
+         {"int_ior", "float or string", "", "1.5",
+          "index of each layer, \"1.5, water\", as numbers or materials' names; one for all"},
+         {"ext_ior", "float or string", "", "air", "index above the stack"},
+         {"below_ior", "float or string", "", "ext_ior", "index below the stack, where it is open"},
+         {"alpha", "float or string", "", "0",
+          "roughness of each interface from the top, \"0.2, 0\": 0, smooth, or in [0.05, 1]; those not given are smooth"},
+         {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},
+         {"bsdf", "bsdf", "", "none",
+          "what the stack lies on: it does not let light through and is the same when turned about its normal; without it the stack "
+          "is open below"},
+         {"wavelengths", "integer", "", "24", "nodes of the table over the sensor's range"},
+         {"directions", "integer", "", "24 to 64",
+          "nodes over the cosine on the thinner side, more where a lobe is narrow; the stack is solved with four times as many streams "
+          "or more"},
+         {"azimuths", "integer", "", "16 to 40", "cells over half a turn, more where a lobe is narrow"}},
+        {R"(<bsdf type="layered">
+    <medium type="homogeneous"> <float name="sigma_t" value="2e5"/> <rgb name="albedo" value="0.95, 0.8, 0.4"/> </medium>
+    <medium type="homogeneous"> <float name="sigma_a" value="1e4"/> <float name="sigma_s" value="1e5"/>
+        <phase type="hg"> <float name="g" value="0.5"/> </phase> </medium>
+    <string name="thickness" value="10um, 30um"/>
+    <string name="int_ior" value="1.5, 1.4"/> <float name="ext_ior" value="1"/>
+    <string name="alpha" value="0.3, 0"/> <string name="distribution" value="ggx"/>
+    <integer name="wavelengths" value="4"/> <integer name="directions" value="16"/> <integer name="azimuths" value="16"/>
+    <bsdf type="diffuse"> <float name="reflectance" value="0.8"/> </bsdf>
+</bsdf>)",
+         R"(<bsdf type="layered">
+    <medium type="homogeneous"> <float name="sigma_t" value="1e5"/> <float name="albedo" value="1"/>
+        <phase type="hg"> <float name="g" value="0.6"/> </phase> </medium>
+    <string name="thickness" value="20um"/>
+    <float name="int_ior" value="1.4"/> <float name="below_ior" value="1.33"/>
+    <integer name="directions" value="12"/>
+</bsdf>)"}});
+
+}  // namespace
+}  // namespace aureole

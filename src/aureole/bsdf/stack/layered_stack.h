@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the parameters of `layered` describe: plane stacks (optics/stack) by wavelength, and how finely their
+// scattering is tabulated.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/stack/stack_table.h"
+#include "aureole/medium/medium.h"
+
+namespace aureole {
+
+class LayeredStack {
+public:
+  /// Reads all parameters; throws located errors.
+  explicit LayeredStack(const Properties& p);
+
+  float index_above() const { return float(index_above_); }
+  float index_below() const { return float(index_below_); }
+  bool is_open() const { return !substrate_; }
+  bool has_delta() const;  ///< some light is not scattered
+  /// Solves the stack on all cores; throws a located error where the table would be too large.
+  std::shared_ptr<const StackTable> tabulate() const;
+
+private:
+  struct Layer {
+    MediumPtr medium;
+    double thickness_m, index;
+  };
+  void read_layers();
+  void read_interfaces();
+  void read_substrate();
+  std::vector<optics::StackDescription> descriptions(const std::vector<double>& nm) const;
+  void add_substrate(optics::StackDescription& d, double nm) const;
+  std::vector<optics::LegendrePhase> phases(const Layer& layer, const std::vector<double>& nm) const;
+  double narrowest_lobe(const std::vector<optics::StackDescription>& stacks) const;
+
+  const Properties& p_;
+  std::vector<Layer> layers_;
+  std::vector<double> alpha_;  ///< of each interface from the top; 0: smooth
+  optics::InterfaceKind distribution_;
+  double index_above_ = 1, index_below_ = 1;
+  BsdfPtr substrate_;
+};
+
+}  // namespace aureole

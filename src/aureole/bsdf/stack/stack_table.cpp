@@ -1,0 +1,279 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/bsdf/stack/stack_table.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/spectrum/neighbours.h"
+
+namespace aureole {
+namespace {
+
+constexpr int kPhiCells = 256;
+
+/// Position in [0, 1] at which the integral of a density that is linear from a to b is the part u of all.
+float sample_linear(float a, float b, float u) {
+  const float root = std::sqrt(std::max(0.f, std::lerp(a * a, b * b, u)));
+  return a + root > 0 ? std::min(u * (a + b) / (a + root), 1.f) : u;
+}
+
+}  // namespace
+
+StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<const double> azimuths,
+                       const SpectralGrid& grid, float index_above, float index_below)
+    : index_{index_above, index_below},
+      wavelengths_(std::max(2, int(kernels.size()))),
+      azimuths_(int(azimuths.size())),
+      first_nm_(float(grid.min_nm)),
+      per_nm_(float((wavelengths_ - 1) / (grid.max_nm - grid.min_nm))) {
+  phi_.assign(azimuths.begin(), azimuths.end());
+  for (int i = 0, cell = 0; i < kPhiCells; ++i) {
+    const float t = float(i) / kPhiCells;
+    while (cell + 2 < azimuths_ && phi_[std::size_t(cell) + 1] <= kPi * t * t) ++cell;
+    phi_cells_.push_back(cell);
+  }
+  const optics::StackKernels& one = kernels.front();
+  for (const int s : {0, 1}) {
+    const optics::StackKernels::Side& from = s ? one.below : one.above;
+    for (const double c : from.cosines) sides_[s].squares.push_back(float(c * c));
+    if (!from.cosines.empty()) sides_[s].squares.front() = 0, sides_[s].squares.back() = 1;
+    for (auto* table : {&sides_[s].scattered, &sides_[s].mirrored, &sides_[s].passed})
+      table->resize(from.cosines.size() * std::size_t(wavelengths_));
+  }
+  const auto w = std::size_t(wavelengths_);
+  reflected_[0].resize(one.reflected_above.size() * w), reflected_[1].resize(one.reflected_below.size() * w);
+  transmitted_.resize(one.transmitted.size() * w);
+  balance(kernels);
+  prepare_samples();
+}
+
+void StackTable::balance(std::span<const optics::StackKernels> kernels) {
+  const std::size_t above = sides_[0].squares.size(), below = sides_[1].squares.size(), all = above + below,
+                    turns = std::size_t(azimuths_);
+  // Integrals of the hat functions: over both halves of the azimuth, and over flux.
+  std::vector<double> turn(turns, 0), flux(all, 0);
+  for (std::size_t k = 0; k + 1 < turns; ++k) {
+    const double d = double(phi_[k + 1]) - double(phi_[k]);
+    turn[k] += d, turn[k + 1] += d;
+  }
+  for (const int s : {0, 1}) {
+    const std::vector<float>& squares = sides_[s].squares;
+    const double n2 = double(index_[s]) * double(index_[s]);
+    for (std::size_t i = 0; i + 1 < squares.size(); ++i) {
+      const double d = 0.25 * n2 * (double(squares[i + 1]) - double(squares[i]));
+      flux[s * above + i] += d, flux[s * above + i + 1] += d;
+    }
+  }
+  for (int w = 0; w < wavelengths_; ++w) {
+    const optics::StackKernels& k = kernels[std::min(std::size_t(w), kernels.size() - 1)];
+    const auto kernel = [&](std::size_t i, std::size_t o) {
+      if (i < above)
+        return o < above ? &k.reflected_above[(i * above + o) * turns]
+                         : &k.transmitted[(i * below + o - above) * turns];
+      return o < above ? &k.transmitted[(o * below + i - above) * turns]
+                       : &k.reflected_below[((i - above) * below + o - above) * turns];
+    };
+    std::vector<double> sums(all * all), target(all);
+    for (std::size_t i = 0; i < all; ++i) {
+      target[i] = i < above ? k.above.scattered[i] : k.below.scattered[i - above];
+      for (std::size_t o = 0; o < all; ++o)
+        for (std::size_t a = 0; a < turns; ++a) sums[i * all + o] += turn[a] * kernel(i, o)[a];
+    }
+    std::vector<double> factor(all, 1.0);
+    const auto got = [&](std::size_t i) {
+      double sum = 0;
+      for (std::size_t o = 0; o < all; ++o) sum += flux[o] * sums[i * all + o] * factor[o];
+      return factor[i] * sum;
+    };
+    for (int iteration = 0; iteration < 2000; ++iteration) {
+      double worst = 0;
+      std::vector<double> next(all);
+      for (std::size_t i = 0; i < all; ++i) {
+        const double g = got(i);
+        next[i] = g > 1e-12 ? factor[i] * std::sqrt(target[i] / g) : factor[i];
+        worst = std::max(worst, std::abs(g - target[i]));
+      }
+      factor.swap(next);
+      if (worst < 1e-8) break;
+    }
+    for (std::size_t i = 0; i < all; ++i) {
+      const float square = i < above ? sides_[0].squares[i] : sides_[1].squares[i - above];
+      if (square > 0.03f && target[i] > 1e-6)
+        correction_ = std::max(correction_, std::abs(factor[i] * factor[i] - 1));
+      const bool s = i >= above;
+      const optics::StackKernels::Side& from = s ? k.below : k.above;
+      const std::size_t at = s ? i - above : i, to = at * std::size_t(wavelengths_) + std::size_t(w);
+      // What the table holds: the same as asked for but where nothing is scattered at all.
+      sides_[s].scattered[to] = float(got(i));
+      sides_[s].mirrored[to] = float(from.mirrored[at]), sides_[s].passed[to] = float(from.passed[at]);
+    }
+    const auto store = [&](const std::vector<double>& from, std::vector<float>& to, std::size_t in,
+                           std::size_t out, std::size_t in_count, std::size_t out_count) {
+      std::size_t at = 0;
+      for (std::size_t i = 0; i < in_count; ++i)
+        for (std::size_t o = 0; o < out_count; ++o)
+          for (std::size_t a = 0; a < turns; ++a, ++at)
+            to[at * std::size_t(wavelengths_) + std::size_t(w)] =
+                float(from[at] * factor[in + i] * factor[out + o]);
+    };
+    store(k.reflected_above, reflected_[0], 0, 0, above, above);
+    store(k.transmitted, transmitted_, 0, above, above, below);
+    store(k.reflected_below, reflected_[1], above, above, below, below);
+  }
+}
+
+void StackTable::prepare_samples() {
+  const std::size_t above = sides_[0].squares.size(), below = sides_[1].squares.size(), all = above + below;
+  for (const bool in : {false, true}) {
+    Side& side = sides_[in];
+    const std::size_t count = side.squares.size();
+    side.ring.resize(std::size_t(wavelengths_) * count * all), side.cdf.resize(side.ring.size());
+    for (int w = 0; w < wavelengths_; ++w)
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t first = (std::size_t(w) * count + i) * all;
+        double sum = 0;
+        std::vector<double> up_to(all);
+        for (std::size_t j = 0; j < all; ++j) {
+          const bool out = j >= above;
+          const std::size_t o = out ? j - above : j;
+          const float* k = row(in, out, int(i), int(o)) + w;
+          double ring = 0;
+          for (int a = 0; a + 1 < azimuths_; ++a)
+            ring += 0.5 * (double(phi_[a + 1]) - double(phi_[a])) *
+                    (double(k[a * wavelengths_]) + double(k[(a + 1) * wavelengths_]));
+          ring *= double(index_[out]) * double(index_[out]);
+          if (o > 0)
+            sum += 0.5 * (double(sides_[out].squares[o]) - double(sides_[out].squares[o - 1])) *
+                   (ring + double(side.ring[first + j - 1]));
+          side.ring[first + j] = float(ring);
+          up_to[j] = sum;
+        }
+        for (std::size_t j = 0; j < all; ++j) side.cdf[first + j] = sum > 0 ? float(up_to[j] / sum) : 0;
+      }
+  }
+}
+
+StackTable::Nodes StackTable::nodes(const Wavelengths& w) const {
+  Nodes n;
+  const Spectrum position = min(max((w.nm - first_nm_) * per_nm_, 0.f), float(wavelengths_ - 1));
+  for (int j = 0; j < kWavelengths; ++j) n.at[j] = std::min(int(position[j]), wavelengths_ - 2);
+  n.fraction = make_spectrum([&](int j) { return position[j] - float(n.at[j]); });
+  return n;
+}
+
+StackTable::Place StackTable::find(const Side& side, float cosine) {
+  const float square = std::min(cosine * cosine, 1.f);
+  const float* first = side.squares.data();
+  int low = 0, count = int(side.squares.size()) - 1;  // cells
+  while (count > 1) {
+    const int half = count / 2;
+    low += first[low + half] <= square ? half : 0;
+    count -= half;
+  }
+  return {low, (square - first[low]) / (first[low + 1] - first[low])};
+}
+
+StackTable::Place StackTable::find_azimuth(const Vec3& wi, const Vec3& wo) const {
+  const float across2 = (wi.x * wi.x + wi.y * wi.y) * (wo.x * wo.x + wo.y * wo.y);
+  const float cosine = across2 > 0 ? -(wi.x * wo.x + wi.y * wo.y) / std::sqrt(across2) : 0;
+  const float phi = std::acos(std::clamp(cosine, -1.f, 1.f));
+  int cell =
+      phi_cells_[std::min(std::size_t(std::sqrt(phi * kInvPi) * kPhiCells), std::size_t(kPhiCells - 1))];
+  while (cell + 2 < azimuths_ && phi >= phi_[cell + 1]) ++cell;
+  return {cell, std::clamp((phi - phi_[cell]) / (phi_[cell + 1] - phi_[cell]), 0.f, 1.f)};
+}
+
+StackTable::Shares StackTable::shares(const Vec3& wi, const Wavelengths& w) const {
+  const Side& side = sides_[wi.z < 0];
+  if (side.squares.empty()) return {0.f, 0.f, 0.f};
+  const Place at = find(side, std::abs(wi.z));
+  const Nodes n = nodes(w);
+  const auto mean = [&](const std::vector<float>& table) {
+    Neighbours p(&table[std::size_t(at.cell) * std::size_t(wavelengths_)], n.at);
+    p.mix(Neighbours(&table[std::size_t(at.cell + 1) * std::size_t(wavelengths_)], n.at), at.fraction);
+    return p.first + (p.second - p.first) * n.fraction;
+  };
+  return {mean(side.scattered), mean(side.mirrored), mean(side.passed)};
+}
+
+Spectrum StackTable::eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const {
+  const bool in = wi.z < 0, out = wo.z < 0;
+  if ((in || out) && !is_open()) return 0.f;
+  const Place i = find(sides_[in], std::abs(wi.z)), o = find(sides_[out], std::abs(wo.z)),
+              a = find_azimuth(wi, wo);
+  const Nodes n = nodes(w);
+  const auto across = [&](int di, int d_o) {
+    const float* k = row(in, out, i.cell + di, o.cell + d_o) + a.cell * wavelengths_;
+    Neighbours p(k, n.at);
+    p.mix(Neighbours(k + wavelengths_, n.at), a.fraction);
+    return p;
+  };
+  Neighbours p = across(0, 0), q = across(1, 0);
+  p.mix(across(0, 1), o.fraction), q.mix(across(1, 1), o.fraction);
+  p.mix(q, i.fraction);
+  return p.first + (p.second - p.first) * n.fraction;
+}
+
+Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w) const {
+  const bool in = wi.z < 0;
+  const Side& side = sides_[in];
+  const Place at = find(side, std::abs(wi.z));
+  const Nodes n = nodes(w);
+  // What is read from the table is a mean of four nodes: one of them is chosen by what it scatters.
+  float weight[4], sum = 0;
+  for (int k = 0; k < 4; ++k) {
+    const int i = at.cell + k / 2, l = n.at[0] + k % 2;
+    weight[k] = side.scattered[std::size_t(i) * std::size_t(wavelengths_) + std::size_t(l)] *
+                (k / 2 ? at.fraction : 1 - at.fraction) * (k % 2 ? n.fraction[0] : 1 - n.fraction[0]);
+    sum += weight[k];
+  }
+  int k = 0;
+  for (choice *= sum; k < 3 && choice >= weight[k]; ++k) choice -= weight[k];
+  while (k > 0 && !(weight[k] > 0)) --k;  // rounding
+  const int i = at.cell + k / 2, l = n.at[0] + k % 2;
+
+  const std::size_t above = sides_[0].squares.size(), all = above + sides_[1].squares.size(),
+                    first = (std::size_t(l) * side.squares.size() + std::size_t(i)) * all;
+  const float *cdf = &side.cdf[first], *ring = &side.ring[first];
+  auto j = std::size_t(std::upper_bound(cdf, cdf + all, u.x) - cdf);
+  j = std::clamp<std::size_t>(j, 1, all - 1);
+  if (j == above) ++j;  // the step from one side to the other is no cell
+  const bool out = j > above;
+  const int o = int(out ? j - above : j) - 1;
+  const float width = cdf[j] - cdf[j - 1];
+  const float t = sample_linear(ring[j - 1], ring[j],
+                                width > 0 ? std::clamp((u.x - cdf[j - 1]) / width, 0.f, 1.f) : 0.5f);
+  const std::vector<float>& squares = sides_[out].squares;
+  const float cosine = std::sqrt(std::lerp(squares[o], squares[o + 1], t));
+
+  // The azimuth, of the row at t between two nodes. Either half alike.
+  const bool mirrored = u.y < 0.5f;
+  const float v = mirrored ? 2 * u.y : 2 * u.y - 1;
+  const float *p = row(in, out, i, o) + l, *q = row(in, out, i, o + 1) + l;
+  const auto value = [&](int a) { return std::lerp(p[a * wavelengths_], q[a * wavelengths_], t); };
+  float wanted = v * std::lerp(ring[j - 1], ring[j], t) / (index_[out] * index_[out]), phi = phi_.back();
+  float a0 = value(0);
+  for (int a = 0; a + 1 < azimuths_; ++a) {
+    const float a1 = value(a + 1), step = phi_[a + 1] - phi_[a], mass = 0.5f * step * (a0 + a1);
+    if (wanted < mass || a + 2 == azimuths_) {
+      phi = phi_[a] + step * sample_linear(a0, a1, mass > 0 ? std::clamp(wanted / mass, 0.f, 1.f) : 0.5f);
+      break;
+    }
+    wanted -= mass, a0 = a1;
+  }
+  if (mirrored) phi = -phi;
+  // Azimuth 0 goes on in the half-plane opposite to wi.
+  const float across = std::sqrt(wi.x * wi.x + wi.y * wi.y);
+  const float x = across > 0 ? -wi.x / across : 1, y = across > 0 ? -wi.y / across : 0;
+  const float sine = std::sqrt(std::max(0.f, 1 - cosine * cosine)), c = std::cos(phi), s = std::sin(phi);
+  return {sine * (x * c - y * s), sine * (y * c + x * s), out ? -cosine : cosine};
+}
+
+std::size_t StackTable::bytes() const {
+  std::size_t floats = reflected_[0].size() + reflected_[1].size() + transmitted_.size();
+  for (const Side& s : sides_)
+    floats += s.squares.size() + 3 * s.scattered.size() + s.ring.size() + s.cdf.size();
+  return floats * sizeof(float);
+}
+
+}  // namespace aureole

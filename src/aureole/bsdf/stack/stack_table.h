@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scattering of a stack of layers as a table over wavelength, both cosines and the azimuth between them,
+// and samples drawn from exactly what is read from it.
+//
+// K = f/n_o^2 is linear in the square of each cosine, in the azimuth and in the wavelength between nodes, and
+// so are, with the same nodes, the shares of light that is scattered, mirrored and passed on. The measure of
+// flux, cos theta domega = 1/2 dcos^2(theta) dphi, is uniform in the coordinates of the table: the integral of
+// f cos theta is the share that is scattered, to rounding errors, for every direction of incidence, not only
+// for the nodes. K is symmetric, so light that goes backward needs no table of its own.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "aureole/math/vec.h"
+#include "aureole/optics/stack/stack_kernels.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+class StackTable {
+public:
+  /// `kernels`: of wavelengths evenly over the grid's range, or one for all. `azimuths`: theirs, from 0 to pi. Directions below are those of a
+  /// stack without a substrate. Each kernel gets factors of its two directions with which no energy is lost
+  /// or gained (Sinkhorn & Knopp 1967).
+  StackTable(std::span<const optics::StackKernels> kernels, std::span<const double> azimuths,
+             const SpectralGrid& grid, float index_above, float index_below);
+
+  /// Of light from a direction.
+  struct Shares {
+    Spectrum scattered, mirrored, passed;
+    Spectrum total() const { return scattered + mirrored + passed; }
+  };
+  Shares shares(const Vec3& wi, const Wavelengths& w) const;
+  /// K for directions off the horizon; 0 where nothing passes.
+  Spectrum eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
+  /// A direction in proportion to K n_o^2 cos theta_o at the wavelength nm of index 0. `choice` and u are
+  /// uniform in [0, 1).
+  Vec3 sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w) const;
+
+  bool is_open() const { return !sides_[1].squares.empty(); }
+  float index(bool below) const { return index_[below]; }
+  std::size_t bytes() const;
+  /// The largest of the factors' differences from one, for directions less than 80 degrees from the normal:
+  /// how far sums over the table's nodes were from the energy.
+  double correction() const { return correction_; }
+
+private:
+  struct Side {
+    std::vector<float> squares;                      ///< of the cosines, from 0 to 1
+    std::vector<float> scattered, mirrored, passed;  ///< [cosine][wavelength]
+    /// For directions of incidence on this side: sums over azimuth of K n_o^2 by node above, then below, and
+    /// the probability of the cells up to each, [wavelength][cosine][node].
+    std::vector<float> ring, cdf;
+  };
+  struct Place {
+    int cell;
+    float fraction;
+  };
+  struct Nodes {
+    int at[kWavelengths];
+    Spectrum fraction;
+  };
+  Nodes nodes(const Wavelengths& w) const;
+  static Place find(const Side& side, float cosine);
+  Place find_azimuth(const Vec3& wi, const Vec3& wo) const;
+  void balance(std::span<const optics::StackKernels> kernels);
+  void prepare_samples();
+
+  /// The row of K for these nodes: by azimuth, then wavelength.
+  const float* row(bool in_below, bool out_below, int i, int o) const {
+    const std::size_t above = sides_[0].squares.size(), below = sides_[1].squares.size();
+    const std::size_t stride = std::size_t(azimuths_) * std::size_t(wavelengths_);
+    if (in_below != out_below)
+      return &transmitted_[((in_below ? std::size_t(o) : std::size_t(i)) * below +
+                            (in_below ? std::size_t(i) : std::size_t(o))) *
+                           stride];
+    return in_below ? &reflected_[1][(std::size_t(i) * below + std::size_t(o)) * stride]
+                    : &reflected_[0][(std::size_t(i) * above + std::size_t(o)) * stride];
+  }
+
+  float index_[2];
+  int wavelengths_, azimuths_;
+  float first_nm_, per_nm_;
+  Side sides_[2];
+  std::vector<float> phi_;
+  std::vector<int> phi_cells_;                     ///< those in which azimuths pi (i/n)^2 lie
+  std::vector<float> reflected_[2], transmitted_;  ///< [cosine][cosine][azimuth][wavelength]
+  double correction_ = 0;
+};
+
+}  // namespace aureole

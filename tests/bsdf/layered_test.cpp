@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+// `layered`: the rules of the harness, and values against radiances of single beams (optics/stack), between the
+// nodes of its table. tests/medium/layered_slab_test.cpp follows paths through the same layers.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdio>
+
+#include "aureole/bsdf/stack/layered_stack.h"
+#include "bsdf/bsdf_test_support.h"
+#include "harness/bsdf_harness.h"
+#include "harness/properties_builder.h"
+
+namespace aureole::testing {
+namespace {
+
+/// Grey, by optical thickness (the layer is 10 um thick).
+std::string medium(double thickness, double albedo, double g) {
+  return "<medium type=\"homogeneous\">" + number("sigma_t", thickness * 1e5) + number("albedo", albedo) +
+         "<phase type=\"hg\">" + number("g", g) + "</phase></medium>";
+}
+std::string stack(const std::string& content, const std::string& thickness = "10um") {
+  return "<bsdf type=\"layered\"><string name=\"thickness\" value=\"" + thickness + "\"/>" + content +
+         "</bsdf>";
+}
+const std::string kWhite = "<bsdf type=\"diffuse\"><float name=\"reflectance\" value=\"1\"/></bsdf>";
+const std::string kSmall =
+    "<integer name=\"directions\" value=\"12\"/><integer name=\"azimuths\" value=\"8\"/>";
+
+BsdfCase layered_case(std::string name, const std::string& xml, bool open, bool lossless) {
+  BsdfCase c;
+  c.name = std::move(name), c.xml = xml, c.black_below = !open, c.lossless = lossless;
+  return c;
+}
+
+const BsdfCases kLayered(
+    "layered",
+    [](BsdfCase& c) {
+      c.black_below = c.name == "layered_example_1";
+      c.lossless = c.name == "layered_example_2";
+      if (c.lossless) c.n_below = [](float) { return 1.33f; };
+    },
+    {layered_case("layered_white", stack(medium(1, 1, 0.3) + kWhite + kSmall), false, true),
+     layered_case("layered_rough_white", stack(medium(1, 1, 0) + kWhite + kSmall + number("alpha", 0.4)),
+                  false, true),
+     layered_case("layered_rough_slab",
+                  stack(medium(0.5, 1, 0) + kSmall + "<string name=\"alpha\" value=\"0.5, 0.5\"/>"), true,
+                  true),
+     layered_case("layered_varnished_gold",
+                  stack(medium(0.3, 0.5, 0) + kSmall +
+                        "<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/></bsdf>"),
+                  false, false),
+     layered_case("layered_clear_slide", stack(medium(0, 0, 0) + kSmall), true, true)});
+
+optics::StackDescription description(double thickness, double albedo, double g, double index) {
+  optics::StackDescription d;
+  d.layers = {optics::StackLayer::of_optical_thickness(thickness, albedo,
+                                                       optics::LegendrePhase::henyey_greenstein(g), index)};
+  return d;
+}
+
+TEST(LayeredBsdf, IsTheRadianceOfEachBeam) {
+  struct Layer {
+    double thickness, albedo, g, index;
+  };
+  for (const Layer& l : {Layer{1, 0.9, 0, 1.5}, {0.3, 0.5, 0.7, 1}}) {
+    optics::StackDescription d = description(l.thickness, l.albedo, l.g, l.index);
+    const auto bsdf = build<Bsdf>(stack(medium(l.thickness, l.albedo, l.g) + number("int_ior", l.index)));
+    const std::vector<optics::StackLight> lights{
+        optics::StackLight::beam(0.15), optics::StackLight::beam(0.6), optics::StackLight::beam(0.97)};
+    const std::vector<double> cosines{0.2, 0.45, 0.8, -0.2, -0.45, -0.8}, azimuths{0.1, 0.8, 2.5};
+    const std::vector<double> expected = optics::PlaneStack(d, {32}).radiance(lights, cosines, azimuths);
+    std::size_t i = 0;
+    for (const optics::StackLight& light : lights)
+      for (const double out : cosines)
+        for (const double phi : azimuths) {
+          const Vec3 wi = direction(std::acos(*light.cosine), kPiDouble), wo = direction(std::acos(out), phi);
+          EXPECT_NEAR(brdf(*bsdf, wi, wo), expected[i], 0.04 * expected[i] + 5e-4)
+              << l.index << " " << l.g << ": " << *light.cosine << " " << out << " " << phi;
+          ++i;
+        }
+  }
+}
+
+TEST(LayeredBsdf, EnergyIsThatOfTheStackForAllDirections) {
+  const auto bsdf = build<Bsdf>(stack(medium(1, 0.9, 0.5)));
+  const Setting s(TransportMode::importance);
+  for (const double mu : {0.05, 0.33, 0.71, 1.0}) {
+    const optics::StackFluxes f =
+        optics::PlaneStack(description(1, 0.9, 0.5, 1.5), {64}).fluxes(optics::StackLight::beam(mu));
+    const Vec3 wi = direction(std::acos(mu), 0.3);
+    // value/pdf is the whole energy, the same for each sample.
+    for (const float u : {0.001f, 0.4f, 0.6f}) {
+      const auto x = bsdf->sample(wi, u, {0.3f, 0.7f}, s.context());
+      ASSERT_TRUE(x);
+      EXPECT_NEAR(x->value[0] / x->pdf[0], f.reflectance + f.transmittance, 1e-3) << mu;
+    }
+  }
+}
+
+TEST(LayeredBsdf, NodesAreFineEnough) {
+  // Sums over the table's nodes miss little of the energy before it is made exact.
+  for (const auto& [g, alpha, most] : {std::array{0.8, 0.0, 0.005}, {0.0, 0.3, 0.06}}) {
+    const Properties p =
+        read_properties(stack(medium(1, 0.9, g) + kWhite + (alpha > 0 ? number("alpha", alpha) : "")));
+    const auto table = LayeredStack(p).tabulate();
+    EXPECT_LT(table->correction(), most) << g << " " << alpha;
+    std::printf("g %.1f, alpha %.1f: nodes miss %.2g of the energy, %.1f MB\n", g, alpha, table->correction(),
+                double(table->bytes()) * 1e-6);
+  }
+}
+
+TEST(LayeredBsdf, WrongParametersAreLocated) {
+  const auto says = [](const std::string& content, const std::string& text,
+                       const std::string& thickness = "10um") {
+    try {
+      build<Bsdf>(stack(content, thickness));
+      ADD_FAILURE() << "no error: " << content;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find(text), std::string::npos) << e.what();
+    }
+  };
+  const std::string m = medium(1, 0.9, 0);
+  says("", "medium");
+  says(m, "each of the 1", "10um, 5um");
+  says(m, "unit", "10");
+  says(m, "above 0", "0um");
+  says(m + number("alpha", 0.01), "[0.05, 1]");
+  says(m + "<string name=\"alpha\" value=\"0.1, 0.1, 0.1\"/>", "2 interfaces");
+  says(m + "<string name=\"int_ior\" value=\"wter\"/>", "did you mean \"water\"?");
+  says(m + number("int_ior", 0.5), "[1, 10]");
+  says(m + kWhite + kWhite, "one nested BSDF");
+  says(m + "<bsdf type=\"dielectric\"/>", "let light through");
+  says(m + kWhite + number("below_ior", 1.3), "below_ior");
+  says("<medium type=\"homogeneous\">" + number("emission", 1) + "</medium>", "emit");
+  says(m +
+           "<integer name=\"directions\" value=\"128\"/><integer name=\"azimuths\" value=\"128\"/>"
+           "<integer name=\"wavelengths\" value=\"256\"/>" +
+           kWhite + "<medium type=\"homogeneous\"><rgb name=\"albedo\" value=\"0.9, 0.5, 0.1\"/></medium>",
+       "MB", "10um, 10um");
+}
+
+}  // namespace
+}  // namespace aureole::testing

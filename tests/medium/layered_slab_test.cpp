@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// `layered` against paths through the same layers and interfaces, within 3 standard errors and .3 %: all light of
+// a sky, along the normal (a prism between mirrors), and that of one lamp (wide layers). And `paint`, whose two
+// fluxes are the layer's own where it is thick and white.
+//
+// AUREOLE_THOROUGH=1 follows a million paths per number and prints what it finds.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/pigment/palette_file.h"
+#include "harness/paths.h"
+#include "harness/properties_builder.h"
+#include "harness/rendered.h"
+#include "medium/slab_scenes.h"
+
+namespace aureole::testing {
+namespace {
+
+struct Coat {
+  const char* name;
+  double albedo, thickness, g, index, alpha;
+  const char* substrate;  ///< black, white, metal, or none: open below
+};
+
+std::string substrate_of(const Coat& c) {
+  const std::string kind = c.substrate;
+  if (kind == "metal") return "<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/></bsdf>";
+  return "<bsdf type=\"diffuse\">" + parameter("reflectance", kind == "white" ? 0.9 : 0) + "</bsdf>";
+}
+
+std::string medium_of(const Coat& c, double extinction, const std::string& name) {
+  return "<medium type=\"homogeneous\"" + name + ">" + parameter("sigma_t", extinction) +
+         parameter("albedo", c.albedo) + "<phase type=\"hg\">" + parameter("g", c.g) + "</phase></medium>";
+}
+
+std::string interface_of(const Coat& c) {
+  if (c.index == 1) return "<bsdf type=\"null\"/>";
+  const std::string indices = parameter("ext_ior", 1) + parameter("int_ior", c.index) + "</bsdf>";
+  if (c.alpha == 0) return "<bsdf type=\"dielectric\">" + indices;
+  return "<bsdf type=\"roughdielectric\"><string name=\"distribution\" value=\"ggx\"/><boolean "
+         "name=\"energy_preserving\" value=\"true\"/>" +
+         parameter("alpha", c.alpha) + indices;
+}
+
+/// The same as one surface, a metre thick.
+std::string layered(const Coat& c) {
+  const bool open = std::string(c.substrate) == "none";
+  return "<bsdf type=\"layered\"><string name=\"thickness\" value=\"1m\"/><string name=\"distribution\" "
+         "value=\"ggx\"/>" +
+         medium_of(c, c.thickness, "") + parameter("int_ior", c.index) +
+         (c.alpha > 0 ? "<string name=\"alpha\" value=\"" + number(c.alpha) +
+                            (open ? ", " + number(c.alpha) : "") + "\"/>"
+                      : "") +
+         (open ? "" : substrate_of(c)) + "</bsdf>";
+}
+
+std::string looking_down(double half, int samples) {
+  return "<integrator type=\"path\"/><sensor type=\"orthographic\"><transform name=\"to_world\"><scale "
+         "value=\"" +
+         number(half) + "\"/><lookat origin=\"0, 0, 2.5\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform>" +
+         film(8, samples) + "</sensor>";
+}
+
+/// What leaves the coat along its normal under a sky. Both its faces at the heights 0 and 1.
+Picture under_sky(const Coat& c) {
+  std::string scene = looking_down(0.99, is_thorough() ? 1024 : 24) + kSky + mirrors();
+  scene += level(1, true, interface_of(c) + medium_of(c, c.thickness, " name=\"interior\""));
+  if (std::string(c.substrate) == "none")
+    scene += level(0, false, interface_of(c) + medium_of(c, c.thickness, " name=\"interior\""));
+  else
+    scene += level(0, true, substrate_of(c) + medium_of(c, c.thickness, " name=\"exterior\""));
+  return render(scene);
+}
+
+const Coat kCoats[] = {{"ThinOverBlack", .9, .5, 0, 1.5, 0, "black"},
+                       {"ThickOverBlack", .99, 20, .5, 1.5, 0, "black"},
+                       {"AbsorbingOverWhite", .5, .5, .8, 1.33, 0, "white"},
+                       {"WhiteOverMetal", 1, 1, .3, 1.5, 0, "metal"},
+                       {"BareOverMetal", .8, .4, .8, 1, 0, "metal"},
+                       {"RoughOverWhite", .8, 1, .5, 1.5, .3, "white"},
+                       {"RoughOverMetal", .9, .3, 0, 1.5, .15, "metal"},
+                       {"RoughThick", .99, 20, .8, 1.5, .4, "black"},
+                       {"OpenRough", .9, 2, .5, 1.5, .3, "none"}};
+
+class LayeredSlab : public ::testing::TestWithParam<Coat> {};
+
+TEST_P(LayeredSlab, ReflectsTheSkyAsPathsDo) {
+  if (std::string(GetParam().name) == "RoughThick" && !is_thorough()) GTEST_SKIP() << "AUREOLE_THOROUGH=1";
+  const auto bsdf = build<Bsdf>(layered(GetParam()));
+  const Wavelengths w = Wavelengths::at(make_context()->grid, Spectrum(550.f));
+  const SurfacePoint point;
+  // All that leaves: value over density of any sample. An open slab has the sky on both sides here.
+  const auto s = bsdf->sample({0, 0, 1}, 0.5f, {0.4f, 0.6f}, {w, point, TransportMode::importance});
+  ASSERT_TRUE(s);
+  const double expected = double(s->value[0] / s->pdf[0]);
+  const Picture p = under_sky(GetParam());
+  if (is_thorough())
+    std::printf("%s: paths %.6f +- %.6f, layered %.6f (%+.2f %%)\n", GetParam().name, p.all, p.all_error,
+                expected, 100 * (expected / p.all - 1));
+  EXPECT_NEAR(p.all, expected, 3 * p.all_error + 0.003 * expected);
+  EXPECT_LT(p.all_error, 0.03 * expected);
+}
+INSTANTIATE_TEST_SUITE_P(Of, LayeredSlab, ::testing::ValuesIn(kCoats),
+                         [](const auto& i) { return std::string(i.param.name); });
+
+/// The light of a lamp at 45 degrees, seen along the normal, on layers a hundredth as thick as they are wide.
+Picture under_lamp(const std::string& surfaces) {
+  return render(
+      looking_down(0.2, is_thorough() ? 1024 : 32) + surfaces +
+      "<shape type=\"sphere\"><point name=\"center\" x=\"2\" y=\"0\" z=\"2\"/><float name=\"radius\" value=\"0.9\"/>"
+      "<emitter type=\"area\">" +
+      parameter("radiance", 1) + "</emitter></shape>");
+}
+
+class LayeredUnderLamp : public ::testing::TestWithParam<Coat> {};
+
+TEST_P(LayeredUnderLamp, ReflectsItAsPathsDo) {
+  const Coat& c = GetParam();
+  if (std::string(c.name) == "RoughOverMetal" && !is_thorough()) GTEST_SKIP() << "AUREOLE_THOROUGH=1";
+  constexpr double kThickness = 0.01;
+  const double sigma = c.thickness / kThickness;
+  const Picture paths =
+      under_lamp(level(0, true, interface_of(c) + medium_of(c, sigma, " name=\"interior\""), 2) +
+                 level(-kThickness, true, substrate_of(c) + medium_of(c, sigma, " name=\"exterior\""), 2));
+  const Picture table = under_lamp(level(0, true, layered(c), 2));
+  if (is_thorough())
+    std::printf("%s, lamp: paths %.6f +- %.6f, layered %.6f +- %.6f (%+.2f %%)\n", c.name, paths.all,
+                paths.all_error, table.all, table.all_error, 100 * (table.all / paths.all - 1));
+  EXPECT_NEAR(paths.all, table.all, 3 * std::hypot(paths.all_error, table.all_error) + 0.003 * table.all);
+  EXPECT_LT(paths.all_error, 0.06 * table.all);
+}
+INSTANTIATE_TEST_SUITE_P(Of, LayeredUnderLamp, ::testing::Values(kCoats[1], kCoats[4], kCoats[6]),
+                         [](const auto& i) { return std::string(i.param.name); });
+
+/// All that a surface reflects of light along its normal, by a lattice of samples.
+double reflected_along_normal(const Bsdf& bsdf, const Wavelengths& w) {
+  const SurfacePoint point;
+  constexpr int kSamples = 1 << 16;
+  double sum = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const auto place = [&](double step) { return float(std::fmod((i + 0.5) * step, 1.0)); };
+    // The lattice of the plastic number, in three dimensions (Roberts 2018).
+    const auto s = bsdf.sample({0, 0, 1}, place(0.8191725133961645),
+                               {place(0.6710436067037893), place(0.5497004779019703)},
+                               {w, point, TransportMode::importance});
+    if (s) sum += double(s->value[0] / s->pdf[0]);
+  }
+  return sum / kSamples;
+}
+
+TEST(PaintSlab, ThickWhiteIsThatOfPaths) {
+  const pigment::Palette palette = read_palette_file(test::example_file("two_paints.csv").string());
+  const double scattering = palette.pigments[*palette.find("white")].s.front();
+  const Wavelengths w = Wavelengths::at(make_context()->grid, Spectrum(float(palette.nm.front())));
+  for (const double alpha : {0.0, 0.3}) {
+    // S = 3/4 sigma_s without absorption; two fluxes are right for thick layers (docs/pigments.md).
+    const Coat white{"", 1, 16, 0, 1.5, alpha, "black"};
+    const auto paint = build<Bsdf>(
+        "<bsdf type=\"paint\"><string name=\"palette\" value=\"two_paints.csv\"/><string name=\"recipe\" "
+        "value=\"white\"/><string name=\"thickness\" value=\"" +
+            number(0.75 * white.thickness / scattering) + "m\"/>" + parameter("int_ior", white.index) +
+            (alpha > 0 ? "<string name=\"distribution\" value=\"ggx\"/>" + parameter("alpha", alpha) : "") +
+            "</bsdf>",
+        make_context(), test::example_file);
+    const double expected = reflected_along_normal(*paint, w);
+    const Picture p = under_sky(white);
+    if (is_thorough())
+      std::printf("alpha %.1f: paths %.5f +- %.5f, paint %.5f\n", alpha, p.all, p.all_error, expected);
+    EXPECT_NEAR(p.all, expected, 3 * p.all_error + 0.02 * expected) << alpha;
+  }
+}
+
+}  // namespace
+}  // namespace aureole::testing
