@@ -265,6 +265,7 @@ class PathIntegrator final : public Integrator {
 public:
   explicit PathIntegrator(const Properties& p) : Integrator(p), limits_(p) {}
 
+  bool shows_emitters() const override { return limits_.reaches(1) && !limits_.hide_emitters; }
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>&,
              const BatchLog& log) const override {
     for (Path& p : paths) p.result = {};
