@@ -63,15 +63,28 @@ Image as_image(const std::vector<PowerMap>& maps) {
   return image;
 }
 
-/// A line about a map: its median and the noise of its cells.
+/// A line about a map: medians over the cells where something arrives, and the noise there.
 void print_map(const PowerMap& map) {
-  const auto median = [](std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-    return values[values.size() / 2];
+  std::vector<std::size_t> lit;
+  for (std::size_t i = 0; i < map.density.size(); ++i)
+    if (map.density[i] > 0) lit.push_back(i);
+  fmt::print("{}: {:.6g} W, power in {} of {} cells", band_text(map), map.power_w, lit.size(),
+             map.density.size());
+  const auto quantile = [&](const std::vector<double>& values, double q) {
+    std::vector<double> those;
+    for (const std::size_t i : lit) those.push_back(values[i]);
+    const auto at = those.begin() + std::ptrdiff_t(q * double(those.size() - 1));
+    std::nth_element(those.begin(), at, those.end());
+    return *at;
   };
-  fmt::print("{}: {:.6g} W, median {:.2f} dB re free space, {:.2f} dBm{}\n", band_text(map), map.power_w,
-             median(map.relative_db()), median(map.received_dbm()),
-             map.error.empty() ? "" : fmt::format(", standard error {:.2f} dB", median(map.error_db())));
+  if (!lit.empty()) {
+    fmt::print(", medians {:.2f} dB re free space, {:.2f} dBm", quantile(map.relative_db(), 0.5),
+               quantile(map.received_dbm(), 0.5));
+    if (!map.error.empty())
+      fmt::print(", standard error {:.2f} dB, {:.2f} dB in the worst tenth", quantile(map.error_db(), 0.5),
+                 quantile(map.error_db(), 0.9));
+  }
+  fmt::print("\n");
 }
 
 int powermap(const Arguments& a) {

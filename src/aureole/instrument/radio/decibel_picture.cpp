@@ -28,6 +28,25 @@ DecibelScale DecibelScale::of(const std::vector<double>& values, std::string tit
 
 namespace {
 
+/// The median of the finite values around each cell, that of 3 x 3: lines of equal value would else be those of the noise.
+std::vector<double> without_outliers(const std::vector<double>& values, int width, int height) {
+  std::vector<double> result(values.size());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      double around[9];
+      int count = 0;
+      for (int j = std::max(y - 1, 0); j <= std::min(y + 1, height - 1); ++j)
+        for (int i = std::max(x - 1, 0); i <= std::min(x + 1, width - 1); ++i) {
+          const double v = values[std::size_t(j) * std::size_t(width) + std::size_t(i)];
+          if (std::isfinite(v)) around[count++] = v;
+        }
+      const std::size_t at = std::size_t(y) * std::size_t(width) + std::size_t(x);
+      std::nth_element(around, around + count / 2, around + count);
+      result[at] = std::isfinite(values[at]) ? around[count / 2] : values[at];
+    }
+  return result;
+}
+
 /// Lines of equal value between the centres of cells, by marching squares; `zoom` pixels per cell.
 void draw_contours(cv::Mat& picture, const std::vector<double>& values, int width, int height, int zoom,
                    double level) {
@@ -77,9 +96,10 @@ Image decibel_picture(const std::vector<double>& values, int width, int height, 
       const double v = values[std::size_t(y / zoom) * std::size_t(width) + std::size_t(x / zoom)];
       map.at<cv::Vec3b>(y, x) = std::isfinite(v) ? colour(v) : cv::Vec3b(60, 60, 60);
     }
+  const std::vector<double> smooth = without_outliers(values, width, height);
   for (double level = scale.contour_db * std::ceil(scale.min_db / scale.contour_db); level <= scale.max_db;
        level += scale.contour_db)
-    draw_contours(map, values, width, height, zoom, level);
+    draw_contours(map, smooth, width, height, zoom, level);
 
   const int left = map_width + kGap;
   const auto row_of = [&](double db) {

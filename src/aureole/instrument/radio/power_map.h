@@ -49,8 +49,8 @@ struct DecibelScale {
   static DecibelScale of(const std::vector<double>& values, std::string title);
 };
 
-/// A picture of a map with lines of equal value, a bar of colours and its numbers: 8-bit sRGB. Cells without power are
-/// dark grey.
+/// A picture of a map with a bar of colours, its numbers, and lines of equal value (of the median over 3 x 3 cells): 8-bit
+/// sRGB. Cells without power are dark grey.
 Image decibel_picture(const std::vector<double>& values, int width, int height, const DecibelScale& scale);
 
 }  // namespace aureole
