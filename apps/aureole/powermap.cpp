@@ -117,11 +117,7 @@ int powermap(const Arguments& a) {
   const LoadedScene loaded = load_scene(a.scene, load);
   if (!a.quiet)
     for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
-  const PlacedSensor& sensor = loaded.scene->sensor();
-  if (!sensor.receiver({sensor.part.lower.x + 0.5f, sensor.part.lower.y + 0.5f}) &&
-      sensor.properties().type() != "powermap")
-    throw Error(sensor.properties().where(), "the sensor is a \"" + sensor.properties().type() +
-                                                 "\": `aureole powermap` needs one of type \"powermap\"");
+  require_power_map(*loaded.scene);
   RenderOptions options;
   if (a.spp > 0) options.end = a.spp;
   if (a.seed >= 0) options.seed = std::uint64_t(a.seed);

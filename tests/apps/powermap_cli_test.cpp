@@ -76,9 +76,8 @@ TEST_F(PowerMapCommand, WritesPowersAndAPicture) {
 }
 
 TEST_F(PowerMapCommand, HasAMapPerBin) {
-  const std::string film = "<film type='specfilm'>" + kSize +
-                           "<string name='bin_edges' value='3GHz, 4GHz, 5GHz'/><boolean "
-                           "name='preview' value='false'/></film>";
+  const std::string film =
+      "<film type='specfilm'>" + kSize + "<string name='bin_edges' value='3GHz, 4GHz, 5GHz'/></film>";
   ASSERT_EQ(run({scene(film), "--spp", "16", "-o", "two.exr"}), 0) << output;
   const Image map = read_image(folder.path / "two.exr");
   EXPECT_EQ(map.channels.size(), 8u);
@@ -86,7 +85,8 @@ TEST_F(PowerMapCommand, HasAMapPerBin) {
 }
 
 TEST_F(PowerMapCommand, RefusesWhatItCannotMap) {
-  refused({scene(kBand, "perspective")}, "needs one of type \"powermap\"");
+  refused({scene(kBand, "perspective")}, "measures no power at points");
+  refused({scene("<film type='hdrfilm'>" + kSize + "</film>"), "--spp", "1"}, "channels are colours");
   refused({scene(kBand), "--power", "2V"}, "--power: \"2V\"");
   refused({scene(kBand), "--power", "-2"}, "no positive power");
   refused({scene(kBand), "--min-db", "3", "--max-db", "2"}, "less than --max-db");

@@ -9,6 +9,7 @@
 #include "aureole/render/job.h"
 #include "aureole/render/statistics.h"
 #include "aureole/sensor/placed_sensor.h"
+#include "aureole/shape/mesh/uv_index.h"
 #include "harness/properties_builder.h"
 #include "loading/load_text.h"
 
@@ -217,6 +218,37 @@ TEST(PowerMap, OnAShapeDividesItsTextureCoordinates) {
       EXPECT_NEAR(disc.at(column, row, 0), fluence(0.3 + u * std::cos(phi), u * std::sin(phi), -1.5), 0.02);
       EXPECT_NEAR(tube.at(column, row, 0), fluence(0.3 + std::cos(around), std::sin(around), -1.5 + v), 0.1);
     }
+}
+
+// Texture coordinates that repeat a picture a hundred times over many triangles: memory stays within bounds, and each place
+// has the triangle that holds it.
+TEST(PowerMap, TextureCoordinatesFindTheirTriangle) {
+  SeededRandom random(5);
+  std::vector<UvIndex::Triangle> repeated;
+  for (int i = 0; i < 20000; ++i) repeated.push_back({Vec2{-50, -50}, {60, -50}, {5, 70}});
+  EXPECT_EQ(UvIndex(repeated).find({0.3f, 0.4f})->triangle, 0u);
+  std::vector<UvIndex::Triangle> lattice;
+  constexpr int kSide = 30;
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const float x = float(i % kSide) / kSide, y = float(i / kSide) / kSide, h = 1.f / kSide;
+    lattice.push_back({Vec2{x, y}, {x + h, y}, {x, y + h}});
+  }
+  const UvIndex index(lattice);
+  int found = 0;
+  for (int i = 0; i < 5000; ++i) {
+    const Vec2 uv = random.next2();
+    const auto place = index.find(uv);
+    const float x = uv.x * kSide - std::floor(uv.x * kSide), y = uv.y * kSide - std::floor(uv.y * kSide);
+    if (std::abs(x + y - 1) < 1e-3f) continue;
+    ASSERT_EQ(place.has_value(), x + y < 1);
+    if (!place) continue;
+    ++found;
+    EXPECT_EQ(place->triangle, std::uint32_t(uv.y * kSide) * kSide + std::uint32_t(uv.x * kSide));
+    EXPECT_NEAR(place->barycentric.x, x, 1e-3f);
+    EXPECT_NEAR(place->barycentric.y, y, 1e-3f);
+  }
+  EXPECT_GT(found, 2000);
+  EXPECT_FALSE(index.find({1.5f, 0.5f}));
 }
 
 TEST(PowerMap, RaysAndTheirInverseAgree) {

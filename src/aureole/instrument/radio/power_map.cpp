@@ -15,6 +15,9 @@ namespace aureole {
 
 namespace {
 
+/// Whether a channel is a bin of a spectral film, not its preview.
+bool is_bin(const std::string& channel) { return channel.starts_with("S0."); }
+
 std::vector<double> decibels(const std::vector<double>& values, const auto& reference) {
   std::vector<double> db(values.size());
   for (std::size_t i = 0; i < values.size(); ++i)
@@ -84,13 +87,34 @@ std::vector<double> PowerMap::error_db() const {
   return db;
 }
 
+void require_power_map(const Scene& scene) {
+  const PlacedSensor& sensor = scene.sensor();
+  constexpr int kSide = 64;  // of a grid over the film, which may have gaps on a shape
+  bool measures = false;
+  for (int i = 0; i < kSide * kSide && !measures; ++i) {
+    const Vec2 u{(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide};
+    const Vec2 lower = sensor.part.lower, upper = sensor.part.upper;
+    measures = sensor.receiver({lower.x + (upper.x - lower.x) * u.x, lower.y + (upper.y - lower.y) * u.y})
+                   .has_value();
+  }
+  if (!measures)
+    throw Error(sensor.properties().where(), "a sensor of type \"" + sensor.properties().type() +
+                                                 "\" measures no power at points: \"powermap\" does");
+  const Film& film = sensor.film();
+  const std::vector<std::string> names = film.channel_names();
+  if (std::any_of(names.begin(), names.end(), is_bin)) return;
+  for (const SampledSpectrum& response : channel_responses(film, scene.wavelengths().grid()))
+    if (response.minimum() < 0)
+      throw Error(film.properties().where(),
+                  "its channels are colours and no bands of wavelengths: use an hdrfilm with \"response\" "
+                  "uniform, or a specfilm");
+}
+
 std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::optional<double> power_w,
                                  int free_samples) {
   const PlacedSensor& sensor = scene.sensor();
   const Film& film = sensor.film();
-  if (!sensor.receiver({float(film.crop_x()) + 0.5f, float(film.crop_y()) + 0.5f}))
-    throw Error(sensor.properties().where(), "a sensor of type \"" + sensor.properties().type() +
-                                                 "\" measures no power at points: \"powermap\" does");
+  require_power_map(scene);
   const SpectralGrid& grid = scene.wavelengths().grid();
   const std::vector<SampledSpectrum> responses = channel_responses(film, grid);
   const std::vector<double> measured = free_space(scene, free_samples);
@@ -99,7 +123,9 @@ std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::
   const std::vector<std::string> names = film.channel_names();
 
   std::vector<PowerMap> maps;
+  const bool has_bins = std::any_of(names.begin(), names.end(), is_bin);
   for (std::size_t c = 0; c < responses.size(); ++c) {
+    if (has_bins && !is_bin(names[c])) continue;
     PowerMap& map = maps.emplace_back();
     map.channel = names[c];
     map.width = picture.width, map.height = picture.height;

@@ -31,9 +31,13 @@ struct PowerMap {
   std::vector<double> error_db() const;
 };
 
+/// Throws Error where the scene's sensor measures at no points, or its film measures colours.
+void require_power_map(const Scene& scene);
+
 /// The maps of a picture of the scene's sensor, one per channel. `power_w`: all emitters together radiate this much in
 /// each channel's band; by default as much as the scene states. `free_samples`: places per cell at which free space is
-/// computed. Throws Error where the sensor measures at no points, or no emitter shines into a channel's band.
+/// computed. The preview of a spectral film is left out. Throws Error as `require_power_map`, and where no emitter shines
+/// into a channel's band.
 std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::optional<double> power_w = {},
                                  int free_samples = 16);
 

@@ -28,7 +28,7 @@ private:
   int cell_of(float x) const;
 
   std::vector<Triangle> triangles_;
-  int side_;                          ///< cells along u and v
+  int side_ = 1;                      ///< cells along u and v
   std::vector<std::uint32_t> begin_;  ///< of each cell's triangles in `in_cells_`, and the end of all
   std::vector<std::uint32_t> in_cells_;
 };
