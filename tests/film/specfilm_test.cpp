@@ -192,7 +192,7 @@ TEST(SpecFilm, Errors) {
        "either \"bins\"");
   says(error("<integer name='bins' value='0'/>"), "bins");
   says(error("<string name='bin_edges' value='400'/>"), "at least two");
-  says(error("<string name='bin_edges' value='400, 390'/>"), "increasing");
+  says(error("<string name='bin_edges' value='400, 390, 410'/>"), "increasing");
   says(error("<string name='bin_edges' value='400, 400.001'/>"), "apart");
   says(error("<string name='bin_edges' value='400, red'/>"), "red");
   says(error("<string name='bin_edges' value='300, 400'/>"), "beyond the film's range of 360");
@@ -219,10 +219,22 @@ TEST(SpecFilm, Errors) {
   }
 }
 
+TEST(SpecFilm, BinsOfFrequenciesBeginAtEitherEnd) {
+  const auto radio =
+      film("<string name='bin_edges' value='26GHz, 27GHz, 29GHz'/><boolean name='preview' value='false'/>",
+           1.03e7, 1.16e7);
+  const auto names = radio->channel_names();
+  ASSERT_EQ(names.size(), 2u);
+  EXPECT_EQ(names[0], "S0.10720547,67nm");  // the middle of c/29 GHz and c/27 GHz
+  const std::vector<double> means = measure(*radio, [](double nm) { return nm < 1.11e7 ? 3.0 : 5.0; });
+  EXPECT_NEAR(means[0], 3, 0.05);
+  EXPECT_NEAR(means[1], 5, 0.05);
+}
+
 TEST(SpecFilm, OtherErrorsDoNotMakeItsNamesUnknown) {
   const auto errors = test::errors_of_file(
       "<scene version='3.0.0'>\n<sensor type='perspective'><film type='specfilm'>\n<spectrum name='a' "
-      "value='700:1, 400:2'/><float name='b' value='1'/></film></sensor></scene>");
+      "value='700:1, 400:2, 500:1'/><float name='b' value='1'/></film></sensor></scene>");
   ASSERT_EQ(errors.size(), 2u) << ::testing::PrintToString(errors);
   EXPECT_NE(errors[0].find("must increase"), std::string::npos) << errors[0];
   EXPECT_NE(errors[1].find("unknown parameter \"b\""), std::string::npos) << errors[1];

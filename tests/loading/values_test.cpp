@@ -38,10 +38,17 @@ TEST(Values, Spectra) {
   const auto file = folder.write("a.spd", "# comment\n400 1\n\n500, 2 # more\n");
   EXPECT_EQ(bsdf("<spectrum name='reflectance' filename='" + file.string() + "'/>")->spectrum.values,
             (std::vector<double>{1, 2}));
-  const auto bad = folder.write("b.spd", "400 1\n300 2\n");
+  const auto bad = folder.write("b.spd", "200 0\n400 1\n300 2\n");
   EXPECT_EQ(problem("<spectrum name='reflectance' filename='" + bad.string() + "'/>"),
             "parameter \"reflectance\": " + bad.string() +
-                ":2: wavelengths must increase, but 300 nm follows 400 nm");
+                ":3: wavelengths must increase or decrease all the way, but 300 nm follows 400 nm");
+
+  // Frequencies, whose order is the other one.
+  const SpectrumLiteral carrier =
+      bsdf("<spectrum name='reflectance' value='26GHz:1, 28GHz:2, 1cm:3'/>")->spectrum;
+  EXPECT_EQ(carrier.values, (std::vector<double>{3, 2, 1}));
+  EXPECT_NEAR(carrier.nm[1], 299792458e9 / 28e9, 1e-3);
+  EXPECT_NEAR(carrier.nm[0], 1e7, 1e-6);
 }
 
 TEST(Values, TransformStepsMultiplyFromTheLeft) {
@@ -74,8 +81,8 @@ TEST(Values, BadTextIsQuoted) {
             "parameter \"reflectance\": \"1 2\" must have 1 or 3 numbers");
   EXPECT_EQ(problem("<rgb name='reflectance' value='#12345g'/>"),
             "parameter \"reflectance\": \"#12345g\" is not a colour of the form #rrggbb");
-  EXPECT_EQ(problem("<spectrum name='reflectance' value='500:1 400:2'/>"),
-            "parameter \"reflectance\": wavelengths must increase, but 400 nm follows 500 nm");
+  EXPECT_EQ(problem("<spectrum name='reflectance' value='500:1 400:2 450:3'/>"),
+            "parameter \"reflectance\": wavelengths must increase or decrease all the way, but 450 nm follows 400 nm");
   EXPECT_EQ(problem("<spectrum name='reflectance' value='500:1 6'/>"),
             "parameter \"reflectance\": \"6\" is not a \"wavelength:value\" pair");
   EXPECT_EQ(problem("<spectrum name='reflectance'/>"),

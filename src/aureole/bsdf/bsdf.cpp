@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/bsdf/bsdf.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
+#include "aureole/bsdf/fresnel/radio_index.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/refractive_index.h"
 
@@ -12,9 +15,8 @@ namespace {
 
 constexpr double kSodiumD = 589.3;
 
-std::string range_text(const RefractiveIndex& n) {
-  return std::to_string(int(std::lround(n.min_nm()))) + " to " +
-         std::to_string(int(std::lround(n.max_nm()))) + " nm";
+std::string range_text(double min_nm, double max_nm) {
+  return fmt::format("{:.6g} to {:.6g} nm", min_nm, max_nm);
 }
 
 }  // namespace
@@ -25,12 +27,11 @@ void check_index_range(const Properties& properties, std::string_view name, cons
   constexpr SpectralGrid kVisible;
   const SpectralGrid& grid = properties.context().grid;
   const bool below = grid.min_nm<index.min_nm(), above = grid.max_nm> index.max_nm();
-  const std::string known = "the index of \"" + material + "\" is known from " + range_text(index);
+  const std::string known =
+      "the index of \"" + material + "\" is known from " + range_text(index.min_nm(), index.max_nm());
   if ((below && grid.min_nm < kVisible.min_nm) || (above && grid.max_nm > kVisible.max_nm))
-    throw properties.error(name, known + ", but the sensor sees " +
-                                     std::to_string(int(std::lround(grid.min_nm))) + " to " +
-                                     std::to_string(int(std::lround(grid.max_nm))) +
-                                     " nm; narrow wavelength_min and wavelength_max, or give a number");
+    throw properties.error(name, known + ", but the sensor sees " + range_text(grid.min_nm, grid.max_nm) +
+                                     "; narrow wavelength_min and wavelength_max, or give a number");
   if (below || above) properties.note(name, known + "; outside that range its value at the end is used");
 }
 
@@ -51,6 +52,20 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
         throw properties.error(name, "expected a number or the name of a material");
       material = std::get<std::string>(e->value);
       named = true;
+    }
+    if (const auto radio = radio_index(properties, name, material)) {
+      const SpectralGrid& grid = properties.context().grid;
+      const std::complex<double> n = (*radio)(grid.node(grid.cells / 2));
+      if (n.imag() > 0.1 * n.real())
+        throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
+      if (n.imag() > 0)
+        properties.note(name,
+                        fmt::format("only the real part of the index of \"{}\", {:.4g} + {:.3g} i, refracts; "
+                                    "what is absorbed inside is a medium's",
+                                    material, n.real(), n.imag()));
+      ior.table_ = SampledSpectrum::from_function(grid, [&](double nm) { return (*radio)(nm).real(); });
+      ior.constant_ = float(n.real()), ior.dispersive_ = true;
+      return ior;
     }
     const auto constant = find_refractive_index(material, false);
     if (!constant)

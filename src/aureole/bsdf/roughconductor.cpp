@@ -112,7 +112,8 @@ AUREOLE_PLUGIN(
         "BRDFs, JCGT 3(2), 2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, "
         "SIGGRAPH courses 2017",
         {{"material", "string", "", "none",
-          "name of a conductor with tabulated index, such as Au or Cu_palik; none is a perfect mirror"},
+          "name of a conductor with tabulated index, such as Au or Cu_palik, or of a building material at radio "
+          "frequencies, such as itu_concrete (ITU-R P.2040-3); none is a perfect mirror"},
          {"eta", "texture", "", "0", "real part of the index, instead of a material"},
          {"k", "texture", "", "1",
           "imaginary part of the index (extinction coefficient), instead of a material"},

@@ -32,11 +32,10 @@ ExrPixel Film::read_component_format(const Properties& p) {
   return format == "float16" ? ExrPixel::half : ExrPixel::float32;
 }
 
-void Film::use_box_filter() {
+void Film::use_box_filter(const std::string& reason) {
   if (filter_->radius() <= 0.5f) return;
   if (!filter_is_default_)
-    filter_->properties().note(
-        "", "it would weight what a sensor of one value sees by the place in its pixel: a box is used");
+    filter_->properties().note("", reason);
   filter_ = std::dynamic_pointer_cast<Filter>(make_object(properties(), "rfilter", "box"));
 }
 

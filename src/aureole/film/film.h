@@ -48,8 +48,10 @@ public:
 
   /// Multiplies the responses of all channels, for the srf of a sensor.
   virtual void multiply_response(const SampledSpectrum& factor) = 0;
-  /// For a sensor of one pixel.
-  void use_box_filter();
+  /// For a sensor whose pixels are measurements; `reason` is for a note where the scene states another filter.
+  void use_box_filter(
+      const std::string& reason =
+          "it would weight what a sensor of one value sees by the place in its pixel: a box is used");
 
 protected:
   /// Reads size, crop, border, filter and `compensate`.

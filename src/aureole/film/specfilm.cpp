@@ -3,9 +3,9 @@
 #include <array>
 #include <cmath>
 
-#include "aureole/core/units.h"
 #include "aureole/film/film.h"
 #include "aureole/film/spectral_bins.h"
+#include "aureole/plugin/number_list.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/texture/texture.h"
@@ -37,20 +37,10 @@ void solve(std::vector<double> a, size_t n, Rows& b) {
   }
 }
 
-/// The wavelengths in a list such as "400, 450nm 0.5um".
-std::vector<double> wavelength_list(const Properties& p, std::string_view name) {
-  const std::string text = p.get_string(name);
-  std::vector<double> nm;
-  for (size_t at = 0; (at = text.find_first_not_of(", \t\r\n", at)) != std::string::npos;) {
-    const size_t end = std::min(text.find_first_of(", \t\r\n", at), text.size());
-    try {
-      nm.push_back(parse_wavelength_nm(std::string_view(text).substr(at, end - at)));
-    } catch (const Error& e) {
-      throw p.error(name, e.message());
-    }
-    at = end;
-  }
-  if (nm.size() < 2) throw p.error(name, "needs at least two wavelengths");
+/// The edges of bins, from either end.
+std::vector<double> bin_edges(const Properties& p) {
+  std::vector<double> nm = get_wavelength_list(p, "bin_edges");
+  if (nm.front() > nm.back()) std::reverse(nm.begin(), nm.end());
   return nm;
 }
 
@@ -93,8 +83,8 @@ public:
     const SpectralGrid& grid = p.context().grid;
     const char* source = by_edges ? "bin_edges" : "bins";
     try {
-      bins_ = by_edges ? SpectralBins(wavelength_list(p, "bin_edges"))
-                       : SpectralBins::equal(grid.min_nm, grid.max_nm, int(count));
+      bins_ =
+          by_edges ? SpectralBins(bin_edges(p)) : SpectralBins::equal(grid.min_nm, grid.max_nm, int(count));
     } catch (const Error& e) {
       if (!e.where().file.empty()) throw;
       throw p.error(source, e.message());
@@ -109,7 +99,7 @@ public:
     WavelengthRange all;
     for (const Properties::Entry& e : p.entries()) {
       if (e.name == "bin_edges")
-        for (const double nm : wavelength_list(p, e.name)) all.extend(nm);
+        for (const double nm : get_wavelength_list(p, e.name)) all.extend(nm);
       if (const auto* spectrum = std::get_if<SpectrumLiteral>(&e.value);
           spectrum && spectrum->kind != SpectrumLiteral::Kind::rgb)
         all.extend(range_of(*spectrum));
@@ -286,7 +276,8 @@ AUREOLE_PLUGIN(
         "Fichet, Pacanowski & Wilkie 2021, \"An OpenEXR layout for spectral images\"",
         {{"(any name)", "spectrum", "", "none", "a response, linear between its points; not negative"},
          {"bins", "integer", "", "none", "number of equal bins from wavelength_min to wavelength_max"},
-         {"bin_edges", "string", "nm", "none", "instead: the edges of adjoining bins"},
+         {"bin_edges", "string", "nm", "none",
+          "instead: the edges of adjoining bins, from either end; with units \"29GHz, 28GHz, 27GHz\""},
          {"preview", "boolean", "", "true",
           "bins: also store their colour as R, G, B for viewers that know no spectra (their mean where "
           "nothing is visible)"},

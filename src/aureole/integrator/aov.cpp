@@ -52,7 +52,7 @@ public:
     float* aovs[kBatch];
     for (size_t i = 0; i < paths.size(); ++i) aovs[i] = paths[i].aovs, paths[i].aovs += 4 * nested_.size();
     for (size_t k = 0; k < nested_.size(); ++k) {
-      nested_[k].integrator->trace(scene, paths, splats, log);
+      nested_[k].integrator->estimate(scene, paths, splats, log);
       for (size_t i = 0; i < paths.size(); ++i) {
         if (k == 0) results[i] = paths[i].result;
         write_colour(paths[i].result, paths[i].wavelengths, aovs[i] + 4 * k);

@@ -62,6 +62,9 @@ public:
   }
 
   Leaves leaves() const override { return Leaves::both; }
+  bool shows_emitters() const override {
+    return settings_.limits.reaches(1) && !settings_.limits.hide_emitters && settings_.techniques.have(1, 1);
+  }
   void require_scene(const Scene& scene) const override {
     if (scene.has_exits())
       throw Error(

@@ -155,6 +155,8 @@ public:
     hide_emitters_ = p.get_bool("hide_emitters", false);
   }
 
+  bool shows_emitters() const override { return !hide_emitters_; }
+
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>&, const BatchLog&) const override {
     const SampleCounts counts{float(light_samples_), float(bsdf_samples_)};
     DirectSteps steps(scene, counts, hide_emitters_, paths);

@@ -1,9 +1,65 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/integrator/integrator.h"
 
+#include <fmt/format.h>
+
 #include "aureole/plugin/registry.h"
+#include "aureole/transport/connection.h"
+#include "aureole/transport/dimensions.h"
+#include "aureole/transport/keyed_random.h"
 
 namespace aureole {
+
+namespace {
+
+/// What arrives at a receiver from an emitter that no ray meets, as an estimate of the radiance along the path's
+/// ray: over the integral of the response.
+Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path) {
+  // A walk from the sensor has no vertex -1: its numbers are free.
+  KeyedRandom random(key(path.samples, -1, Key::connection));
+  const auto choice = scene.lights().choose(receiver.p, receiver.facing(), random.next());
+  if (!choice || !(choice->probability > 0) || !choice->light->is_delta()) return 0.f;
+  const Vec2 u{random.next(), random.next()};
+  const auto direct = choice->light->sample_direct(receiver.p, choice->part, u, path.wavelengths);
+  if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return 0.f;
+  const float share = receiver.pdf(direct->wo);
+  if (!(share > 0)) return 0.f;
+  const Anchor from{receiver.p, receiver.p_error, receiver.ng};
+  const float pdf = choice->probability * direct->pdf;
+  Connection c;
+  if (direct->infinite)
+    c.set(from.leave(direct->wo));
+  else
+    c.set(from, direct->wo, Anchor::of(*direct));
+  c.light = direct->radiance * share / path.wavelengths.pdf;
+  if (scene.has_media()) {
+    Flight surroundings{c.flight.ray, nullptr, {}};
+    find_surroundings(scene, nullptr, surroundings);
+    c.begin_in(surroundings, std::uint32_t(random.next() * 0x1p32f));
+    c.own = pdf, c.other = 0.f;
+  } else {
+    c.light *= 1 / (pdf * kWavelengths);
+  }
+  if (!connect(scene, c, path.wavelengths)) return 0.f;
+  if (scene.has_media()) c.finish();
+  return c.light;
+}
+
+}  // namespace
+
+void Integrator::estimate(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+                          const BatchLog& log) const {
+  trace(scene, paths, splats, log);
+  if (!shows_emitters() || scene.lights().empty()) return;
+  for (size_t i = 0; i < paths.size(); ++i) {
+    const auto receiver = scene.sensor().receiver(paths[i].film);
+    if (!receiver) continue;
+    const Spectrum light = received(scene, *receiver, paths[i]);
+    if (log.follows(int(i)) && !is_black(light))
+      log(fmt::format("  from an emitter to the receiver: mean {:.6g}", mean(light)));
+    paths[i].result.estimate += light;
+  }
+}
 
 AUREOLE_FAMILY(FamilyInfo{.name = "integrator", .fallback = "path"});
 

@@ -42,7 +42,8 @@ struct RadianceEstimate {
 
 /// One of the paths of a batch, which belongs to a sample of a pixel.
 struct Path {
-  Ray ray;  ///< of the sensor
+  Ray ray;    ///< of the sensor
+  Vec2 film;  ///< where it was sampled [pixels from the film's top left corner]
   Wavelengths wavelengths;
   SampleStream samples;     ///< its dimensions count from where those of the sensor end
   float* aovs = nullptr;    ///< receives one number per name of `aov_names`
@@ -72,6 +73,13 @@ public:
   /// paths of its batch, nor on `log`.
   virtual void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                      const BatchLog& log) const = 0;
+
+  /// The same, with the light that arrives at a receiver (sensor/sensor.h) straight from emitters which no ray
+  /// meets, such as a point, where `shows_emitters`.
+  void estimate(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+                const BatchLog& log) const;
+  /// Whether the result has light that arrives from emitters unscattered.
+  virtual bool shows_emitters() const { return false; }
 
   /// Where paths leave light: `pixel`, only the result on their own pixel; `film`, splats, with which the
   /// result counts as one more, so that a path belongs to no pixel; `both`, the result on their own pixel and

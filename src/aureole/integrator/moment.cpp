@@ -29,7 +29,7 @@ public:
              const BatchLog& log) const override {
     RadianceEstimate results[kBatch];
     for (size_t k = 0; k < nested_.size(); ++k) {
-      nested_[k].integrator->trace(scene, paths, splats, log);
+      nested_[k].integrator->estimate(scene, paths, splats, log);
       for (size_t i = 0; i < paths.size(); ++i) {
         Path& p = paths[i];
         if (k == 0) results[i] = p.result;

@@ -369,6 +369,7 @@ public:
   SceneNeeds needs() const override { return {diffraction_}; }
   Leaves leaves() const override { return diffraction_ ? Leaves::both : Leaves::pixel; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
+  bool shows_emitters() const override { return limits_.reaches(1) && !limits_.hide_emitters; }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {

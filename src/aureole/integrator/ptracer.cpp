@@ -47,7 +47,8 @@ public:
         limits_(limits),
         paths_(paths),
         splats_(splats),
-        log_(log) {}
+        log_(log),
+        counts_crossings_(scene.sensor().counts_crossings()) {}
 
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
@@ -160,7 +161,7 @@ public:
       if (edges.next() < EdgePaths::kToEdge) return walk_to_edge(i, edges);
     }
     const bool last = !limits_.reaches(s.scattered + 3);
-    if (last && !vertex.is_passable() && !vertex.has_exit()) return false;
+    if (last && !vertex.is_passable() && !vertex.has_exit() && !counts_crossings_) return false;
     const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
     Scatter b;
     const Event event = vertex.scatter(lobe, get(path.samples, s.vertex, Pair::scatter), b);
@@ -172,8 +173,11 @@ public:
       return true;
     }
     if (walks_to_edges_) b.pdf *= 1 - EdgePaths::kToEdge;
-    if ((last && event != Event::entered) || b.value.is_black()) return false;
+    const bool ends = last && event != Event::entered;
+    if ((ends && !b.delta) || b.value.is_black()) return false;
     s.density.extend(b.value, b.pdf, b.delta);
+    if (counts_crossings_ && b.delta) pass_receivers(i, vertex, b.d);
+    if (ends) return false;
     if (event == Event::entered) {
       below_.add(i);
       return false;
@@ -228,6 +232,26 @@ private:
   // These make other keys of one.
   static constexpr std::uint32_t kToSensor = 0x2545f491u, kAroundEdges = 0x7feb352du,
                                  kFromLight = 0x846ca68bu;
+
+  /// Light that a mirror has sent along `d`, which no connection finds, where it passes the sensor's receivers.
+  void pass_receivers(int i, const Vertex& vertex, const Vec3& d) {
+    const State& s = states_[i];
+    const auto crossing = scene_.sensor().crossing(vertex.anchor().leave(d));
+    if (!crossing) return;
+    const Path& path = paths_[size_t(i)];
+    Connection c;
+    c.set(vertex.anchor(), d, Anchor::in_space(crossing->p));
+    c.through_emitters = limits_.hide_emitters;
+    c.light = s.density.reached(Weight(1.f), crossing->importance, path.wavelengths);
+    if (scene_.has_media()) {
+      c.begin_in(vertex.surroundings(d, s.flight), key(path.samples, s.vertex, Key::connection));
+      c.own = 1.f / kWavelengths, c.other = 0.f;
+    }
+    const bool open = aureole::connect(scene_, c, path.wavelengths);
+    if (open && scene_.has_media()) c.finish();
+    if (open) splats_.push_back({i, crossing->film, c.light});
+    if (log_.follows(i)) log_seen(log_, crossing->film, c, open);
+  }
 
   struct State {
     Flight flight;
@@ -329,6 +353,7 @@ private:
   std::span<Path> paths_;
   std::vector<Splat>& splats_;
   const BatchLog& log_;
+  const bool counts_crossings_;
   State states_[kBatch];
   PerPath<Vertex> vertices_;
   PathList below_;     ///< that have gone on below a surface
@@ -346,6 +371,8 @@ public:
   Leaves leaves() const override { return Leaves::film; }
   SceneNeeds needs() const override { return {diffraction_}; }
   void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
+
+  bool shows_emitters() const override { return limits_.reaches(1) && !limits_.hide_emitters; }
 
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {

@@ -72,13 +72,22 @@ Vec3 parse_vector(const Node& node, Diagnostics& diagnostics) {
 }
 
 /// Adds a point of a spectrum; the wavelengths must increase.
+/// Wavelengths may increase or decrease, as those of increasing frequencies do.
 void add_point(SpectrumLiteral& s, double nm, double value) {
   if (!(nm > 0)) throw Error("the wavelength " + number_text(nm) + " nm is not positive");
-  if (!s.nm.empty() && nm <= s.nm.back())
-    throw Error("wavelengths must increase, but " + number_text(nm) + " nm follows " +
+  const bool falls = s.nm.size() > 1 && s.nm[1] < s.nm[0];
+  if (!s.nm.empty() && (nm == s.nm.back() || (s.nm.size() > 1 && (nm < s.nm.back()) != falls)))
+    throw Error("wavelengths must increase or decrease all the way, but " + number_text(nm) + " nm follows " +
                 number_text(s.nm.back()) + " nm");
   s.nm.push_back(nm);
   s.values.push_back(value);
+}
+
+/// Points that have all been added, by increasing wavelength.
+void put_in_order(SpectrumLiteral& s) {
+  if (s.nm.front() < s.nm.back()) return;
+  std::reverse(s.nm.begin(), s.nm.end());
+  std::reverse(s.values.begin(), s.values.end());
 }
 
 SpectrumLiteral spectrum_of(const Node& node, Diagnostics& diagnostics) {
@@ -192,6 +201,7 @@ SpectrumLiteral parse_spectrum(std::string_view text) {
   }
   if (s.nm.size() < 2)
     throw Error(in_quotes(text) + " must be one number or at least two \"wavelength:value\" pairs");
+  put_in_order(s);
   return s;
 }
 
@@ -213,6 +223,7 @@ SpectrumLiteral read_spectrum_file(const std::filesystem::path& file) {
   }
   if (s.nm.size() < 2)
     throw Error({file.string(), 0, 0}, "a spectrum needs at least two lines of wavelength and value");
+  put_in_order(s);
   return s;
 }
 

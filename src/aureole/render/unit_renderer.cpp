@@ -37,7 +37,7 @@ public:
     const SensorRay camera =
         begin_camera_sample(*renderer_.scene_, key, id.x + film.crop_x(), id.y + film.crop_y(), id.index,
                             paths_[i].samples, paths_[i].wavelengths, positions_[i]);
-    paths_[i].ray = camera.ray, weights_[i] = camera.weight;
+    paths_[i].ray = camera.ray, paths_[i].film = positions_[i], weights_[i] = camera.weight;
     e.sample.position = positions_[i] - Vec2{float(film.crop_x()), float(film.crop_y())};
     if (path_count_ == kPaths || count_ == kEntries) finish(use);
   }
@@ -52,7 +52,7 @@ public:
   template <class Use>
   void finish(const Use& use) {
     if (path_count_ > 0)
-      renderer_.integrator_->trace(*renderer_.scene_, std::span(paths_, size_t(path_count_)), found_, log_);
+      renderer_.integrator_->estimate(*renderer_.scene_, std::span(paths_, size_t(path_count_)), found_, log_);
     bool valid[kPaths];
     for (int i = 0; i < path_count_; ++i) valid[i] = keep_result(i);
     if (splats_) {

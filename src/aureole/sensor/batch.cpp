@@ -64,6 +64,21 @@ public:
     return c;
   }
 
+  std::optional<Receiver> receiver(const PlacedSensor& at, Vec2 film) const override {
+    return at.members[part_at(film.x * per_pixel_)].receiver(film);
+  }
+
+  bool counts_crossings() const override {
+    return std::any_of(members_.begin(), members_.end(),
+                       [](const Member& m) { return m.sensor->counts_crossings(); });
+  }
+  /// The crossing of the first sensor that light passes: others see it by connections only.
+  std::optional<SensorCrossing> crossing(const PlacedSensor& at, const Ray& light) const override {
+    for (const PlacedSensor& member : at.members)
+      if (const auto crossing = member.crossing(light)) return crossing;
+    return {};
+  }
+
   /// The response of the first sensor that sees the ray.
   std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const override {
     for (const PlacedSensor& member : at.members)

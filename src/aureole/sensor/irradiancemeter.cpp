@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The irradiance on a shape.
-#include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/placed_sensor.h"
 #include "aureole/shape/shape_area.h"
@@ -25,26 +24,28 @@ public:
 
   bool uses_lens() const override { return true; }
 
-  /// The place within the pixel chooses the point, `lens` the direction.
+  /// The place within the pixel chooses the point.
+  std::optional<Receiver> receiver(const PlacedSensor& at, Vec2 film) const override {
+    return receiver_at(at, {film.x - std::floor(film.x), film.y - std::floor(film.y)});
+  }
+
   SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const override {
-    const auto s = at.area->sample({film.x - std::floor(film.x), film.y - std::floor(film.y)});
-    if (!s) return {{}, 0};
-    const Vec3 d = normalize(Frame::from_normal(s->ng).to_world(square_to_cosine_hemisphere(lens)));
-    return {{offset_origin(s->p, s->p_error, s->ng, d), d, kInfinity}, kPi};
+    const auto place = receiver(at, film);
+    return place ? place->sample_ray(lens) : SensorRay{{}, 0};
   }
 
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2 lens) const override {
-    const auto s = at.area->sample(lens);
+    const auto place = receiver_at(at, lens);
+    if (!place) return {};
+    return place->connect(reference, {at.part.left + 0.5f, 0.5f}, 1);
+  }
+
+private:
+  static std::optional<Receiver> receiver_at(const PlacedSensor& at, Vec2 u) {
+    const auto s = at.area->sample(u);
     if (!s) return {};
-    const Vec3 to = s->p - reference;
-    const float distance2 = length_squared(to);
-    if (!(distance2 > 0)) return {};
-    const Vec3 wo = to * (1 / std::sqrt(distance2));
-    const float cosine = -dot(wo, s->ng);
-    if (!(cosine > 0)) return {};
-    const Vec2 middle{at.part.left + 0.5f, 0.5f};
-    return SensorConnection{wo, offset_origin(s->p, s->p_error, s->ng, -wo), middle, cosine / distance2};
+    return Receiver{s->p, s->p_error, s->ng, Receiver::Measure::irradiance};
   }
 };
 

@@ -38,6 +38,11 @@ struct PlacedSensor {
     return sensor->sample_direct(*this, reference, lens);
   }
   std::optional<SensorResponse> eval(const Vec3& p, const Vec3& d) const { return sensor->eval(*this, p, d); }
+  std::optional<Receiver> receiver(Vec2 film_position) const {
+    return sensor->receiver(*this, film_position);
+  }
+  std::optional<SensorCrossing> crossing(const Ray& light) const { return sensor->crossing(*this, light); }
+  bool counts_crossings() const { return sensor->counts_crossings(); }
   const Film& film() const { return sensor->film(); }
   const Sampler& sampler() const { return sensor->sampler(); }
   const Properties& properties() const { return sensor->properties(); }

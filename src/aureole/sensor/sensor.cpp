@@ -66,7 +66,7 @@ Vec3 Sensor::unit_direction(const Properties& p, std::string_view name, const Ve
 
 void Sensor::check_shape(const ShapeArea&) const {
   throw Error(properties().where(), "a sensor of type \"" + properties().type() +
-                                        "\" cannot sit on a shape; \"irradiancemeter\" can");
+                                        "\" cannot sit on a shape; \"irradiancemeter\" and \"powermap\" can");
 }
 
 void Sensor::check_in_batch(const FilmPart& part) const {

@@ -45,6 +45,41 @@ struct SensorResponse {
   float pdf_across = 0;
 };
 
+/// A point at which a sensor measures the light that arrives from all directions, or from those of a half-space.
+struct Receiver {
+  /// The irradiance, on the side of the normal; or the fluence rate, which does not ask where light comes from.
+  enum class Measure { irradiance, fluence };
+
+  Vec3 p;
+  Vec3 p_error;  ///< bound of the rounding error of p; zero for a point that lies on no surface
+  Vec3 ng;       ///< unit normal
+  Measure measure = Measure::fluence;
+
+  /// Factor of the radiance that arrives against the unit direction `d`.
+  float response(const Vec3& d) const;
+  /// The integral of the response over all directions.
+  float total() const;
+  /// The density of `sample_ray` [1/sr]: the response over its integral.
+  float pdf(const Vec3& d) const;
+  /// The side from which it measures: its normal, or zero.
+  Vec3 facing() const { return measure == Measure::irradiance ? ng : Vec3{}; }
+
+  /// A ray in proportion to the response; its weight is `total`.
+  SensorRay sample_ray(Vec2 u) const;
+  /// As `Sensor::sample_direct` for the receiver at `film`, which had been chosen uniformly from `film_area`
+  /// [pixels^2]. Nothing where it does not measure light from there.
+  std::optional<SensorConnection> connect(const Vec3& reference, Vec2 film, float film_area) const;
+};
+
+/// Where light on its way passes the receivers of a sensor.
+struct SensorCrossing {
+  Vec3 p;
+  Vec2 film;  ///< as in Sensor::sample_ray
+  /// Area of film [pixels^2] per area of the receivers' plane [1/m^2] times response over |cos|: the power of the
+  /// ray times this is what falls on the film.
+  float importance;
+};
+
 /// The part of a film that a sensor fills: all of it, but for the sensors of a batch. In pixels from the
 /// film's top left corner.
 struct FilmPart {
@@ -80,6 +115,17 @@ public:
                                              const Vec3& /*d*/) const {
     return {};
   }
+
+  /// Where the rays of a place on the film begin, of a sensor that measures at points. Light of an emitter that no
+  /// ray meets arrives there, too (`Integrator::estimate`). Nothing for others.
+  virtual std::optional<Receiver> receiver(const PlacedSensor& /*at*/, Vec2 /*film*/) const { return {}; }
+
+  /// Where the ray of light, whose direction has unit length, passes receivers; nothing where it does not. It
+  /// finds light that nothing can be connected with: that from a mirror.
+  virtual std::optional<SensorCrossing> crossing(const PlacedSensor& /*at*/, const Ray& /*light*/) const {
+    return {};
+  }
+  virtual bool counts_crossings() const { return false; }
 
   /// Throws Error where the sensor cannot measure on that surface, on which it sits.
   virtual void check_shape(const ShapeArea& area) const;

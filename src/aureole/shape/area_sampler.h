@@ -65,6 +65,10 @@ public:
   /// Solid-angle density with which sample_direct chooses the point `point` of the patch from `reference`.
   virtual float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const = 0;
 
+  /// The point with these texture coordinates in [0, 1]^2, one of them where there are several, nothing where there
+  /// is none. Its `pdf` is not set.
+  virtual std::optional<ShapeSample> point_at_uv(Vec2 /*uv*/) const { return {}; }
+
   virtual std::size_t memory_bytes() const { return sizeof *this; }
 
   /// Of all patches.

@@ -104,6 +104,11 @@ public:
   std::pair<Vec3, float> patch_normals(std::size_t) const override { return {{0, 0, 1}, -1.f}; }
   std::optional<ShapeSample> sample_direct(const Vec3& reference, std::size_t, Vec2 u) const override;
   std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override;
+  std::optional<ShapeSample> point_at_uv(Vec2 uv) const override {
+    const double phi = 2 * kPiD * uv.x;
+    const SurfacePoint s = cylinder_.point_at(std::cos(phi), std::sin(phi), uv.y);
+    return ShapeSample{s.p, s.p_error, s.ng, uv, 0};
+  }
   float pdf_area(std::size_t, const SurfacePoint& point) const override {
     const Double3 at = place().local_point(Double3(point.p));
     const double r = std::hypot(at.x, at.y);

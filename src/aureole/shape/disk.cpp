@@ -104,6 +104,10 @@ public:
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const override {
     return pdf_direct(view(reference), reference, point.p);
   }
+  std::optional<ShapeSample> point_at_uv(Vec2 uv) const override {
+    const double phi = 2 * kPiD * uv.y;
+    return sample_at(uv.x * std::cos(phi), uv.x * std::sin(phi), 0);
+  }
 
 private:
   ShapeSample sample_at(double x, double y, float pdf) const {

@@ -28,6 +28,9 @@ public:
     return sampler_->sample_area(patch, {float(std::clamp(rest, 0.0, 0x1.fffffep-1)), u.y});
   }
 
+  /// As that of the sampler.
+  std::optional<ShapeSample> point_at_uv(Vec2 uv) const { return sampler_->point_at_uv(uv); }
+
 private:
   std::shared_ptr<const AreaSampler> sampler_;
   std::vector<double> below_;  ///< area of all patches before each one; the last is the sum

@@ -29,6 +29,7 @@ public:
   PositionSample sample_direct_position(const Vec3& reference, std::size_t, Vec2 u) const override;
   std::optional<ShapeSample> sample_area(std::size_t, Vec2 u) const override;
   float pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint&) const override;
+  std::optional<ShapeSample> point_at_uv(Vec2 uv) const override;
 
 private:
   const Sphere& sphere_;
@@ -54,6 +55,12 @@ public:
   const Ball& ball() const { return ball_; }
   /// The surface point in the direction `out` of any length from the centre.
   SurfacePoint point_in_direction(const Double3& out) const;
+  /// The one with these texture coordinates.
+  SurfacePoint point_at_uv(Vec2 uv) const {
+    const double phi = 2 * kPiD * uv.x, theta = kPiD * uv.y, across = std::sin(theta);
+    return point_in_direction(axis_[0] * (across * std::cos(phi)) + axis_[1] * (across * std::sin(phi)) +
+                              axis_[2] * std::cos(theta));
+  }
   /// Its position, error bound and geometric normal; returns the outward normal.
   template <class Point>
   Double3 set_position(Point& s, const Double3& out) const;
@@ -152,6 +159,11 @@ std::optional<ShapeSample> SphereSampler::sample_direct(const Vec3& reference, s
 std::optional<ShapeSample> SphereSampler::sample_area(std::size_t, Vec2 u) const {
   const SurfacePoint s = sphere_.point_in_direction(Double3(square_to_uniform_sphere(u)));
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, 1 / patch_area(0)};
+}
+
+std::optional<ShapeSample> SphereSampler::point_at_uv(Vec2 uv) const {
+  const SurfacePoint s = sphere_.point_at_uv(uv);
+  return ShapeSample{s.p, s.p_error, s.ng, uv, 0};
 }
 
 float SphereSampler::pdf_direct(const Vec3& reference, std::size_t, const SurfacePoint& point) const {

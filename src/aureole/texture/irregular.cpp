@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // A spectrum given at wavelengths of any spacing.
+#include <algorithm>
+
+#include "aureole/plugin/number_list.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/constant_texture.h"
 
@@ -7,13 +10,17 @@ namespace aureole {
 namespace {
 
 SampledSpectrum tabulate(const Properties& properties) {
-  const std::vector<double> nm = get_numbers(properties, "wavelengths");
-  const std::vector<double> values = get_numbers(properties, "values");
+  std::vector<double> nm = get_wavelength_list(properties, "wavelengths");
+  std::vector<double> values = get_numbers(properties, "values");
   if (nm.size() != values.size())
     throw properties.error("values", "there are " + std::to_string(nm.size()) + " wavelengths but " +
                                          std::to_string(values.size()) + " values");
+  if (nm.front() > nm.back()) {  // frequencies that increase
+    std::reverse(nm.begin(), nm.end());
+    std::reverse(values.begin(), values.end());
+  }
   for (std::size_t i = 1; i < nm.size(); ++i)
-    if (!(nm[i] > nm[i - 1])) throw properties.error("wavelengths", "must increase");
+    if (!(nm[i] > nm[i - 1])) throw properties.error("wavelengths", "must increase or decrease");
   return SampledSpectrum::from_points(properties.context().grid, nm, values);
 }
 
@@ -22,7 +29,7 @@ public:
   explicit Irregular(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
   static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
     WavelengthRange range;
-    for (const double nm : get_numbers(p, "wavelengths")) range.extend(nm);
+    for (const double nm : get_wavelength_list(p, "wavelengths")) range.extend(nm);
     return range;
   }
 };
@@ -33,7 +40,8 @@ AUREOLE_PLUGIN(
         "A spectrum given by wavelengths and values, linear between them and zero outside. Its integral is "
         "kept even where it has lines narrower than the renderer's wavelength grid.",
         "",
-        {{"wavelengths", "string", "nm", "required", "two or more increasing wavelengths"},
+        {{"wavelengths", "string", "nm", "required",
+          "two or more wavelengths in increasing or decreasing order; with units \"26GHz, 29GHz\""},
          {"values", "string", "", "required", "as many numbers"}},
         {R"(<spectrum type="irregular">
     <string name="wavelengths" value="400, 520, 700"/>

@@ -39,8 +39,17 @@ TexturePtr make_constant(const Properties& owner, std::string_view name, Sampled
   return std::make_shared<ConstantTexture>(properties, std::move(spectrum));
 }
 
-SampledSpectrum tabulate_number(const SpectralGrid& grid, double v, SpectrumRole role) {
-  return role == SpectrumRole::emission ? d65_spectrum(grid, v) : SampledSpectrum::constant(grid, float(v));
+SampledSpectrum tabulate_number(const Properties& properties, std::string_view name, double v,
+                                SpectrumRole role) {
+  const SpectralGrid& grid = properties.context().grid;
+  if (role != SpectrumRole::emission) return SampledSpectrum::constant(grid, float(v));
+  SampledSpectrum s = d65_spectrum(grid, v);
+  if (v > 0 && !(s.maximum() > 0) && properties.has(name))
+    properties.note(name,
+                    "a number is a factor of illuminant D65, which is dark where the sensor sees: write "
+                    "<spectrum name=\"" +
+                        std::string(name) + "\" value=\"" + text(v) + "\"/> for a flat spectrum");
+  return s;
 }
 
 SampledSpectrum tabulate(const Properties& properties, std::string_view name, const SpectrumLiteral& literal,
@@ -149,14 +158,14 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
   } else
     throw properties.error(name, "expected a number, a spectrum or a texture");
   check_number(properties, name, number, role);
-  return make_constant(properties, name, tabulate_number(properties.context().grid, number, role));
+  return make_constant(properties, name, tabulate_number(properties, name, number, role));
 }
 
 TexturePtr get_texture(const Properties& properties, std::string_view name, double fallback,
                        SpectrumRole role) {
   const auto given = [&] { return get_optional_texture(properties, name, role); };
   if (TexturePtr texture = properties.tolerate(TexturePtr(), given)) return texture;
-  return make_constant(properties, name, tabulate_number(properties.context().grid, fallback, role));
+  return make_constant(properties, name, tabulate_number(properties, name, fallback, role));
 }
 
 TexturePtr get_fraction(const Properties& properties, std::string_view name, std::optional<double> fallback) {

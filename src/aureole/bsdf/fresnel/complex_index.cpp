@@ -2,6 +2,7 @@
 #include "aureole/bsdf/fresnel/complex_index.h"
 
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/fresnel/radio_index.h"
 #include "aureole/spectrum/refractive_index.h"
 #include "aureole/texture/texture.h"
 
@@ -30,7 +31,13 @@ std::function<std::complex<double>(double)> read_complex_index(const Properties&
   const TexturePtr k = get_optional_texture(p, k_name, SpectrumRole::unbounded);
   if (k && !k->is_constant()) throw p.error(k_name, "must not vary over the surface");
   if (const Properties::Entry* e = p.find(name))
-    if (const auto* metal_name = std::get_if<std::string>(&e->value))
+    if (const auto* metal_name = std::get_if<std::string>(&e->value)) {
+      if (auto radio = radio_index(p, name, *metal_name)) {
+        if (k)
+          throw p.error(k_name, "\"" + *metal_name + "\" has its own absorption: leave \"" +
+                                    std::string(k_name) + "\" out");
+        return *radio;
+      }
       if (const auto metal = find_refractive_index(*metal_name, false); metal && metal->is_dispersive()) {
         if (k)
           throw p.error(k_name, "\"" + *metal_name + "\" has its own absorption: leave \"" +
@@ -38,6 +45,7 @@ std::function<std::complex<double>(double)> read_complex_index(const Properties&
         check_index_range(p, name, *metal_name, *metal);
         return [metal](double nm) { return metal->at(nm); };
       }
+    }
   const SpectralGrid grid = p.context().grid;
   const SampledSpectrum real = real_index(p, name, fallback);
   const SampledSpectrum absorption = k ? k->average() : SampledSpectrum::constant(grid, 0);

@@ -2,6 +2,7 @@
 #include "aureole/bsdf/fresnel/conductor_index.h"
 
 #include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/bsdf/fresnel/radio_index.h"
 #include "aureole/spectrum/refractive_index.h"
 
 namespace aureole {
@@ -12,6 +13,8 @@ std::vector<std::string> conductor_names() {
   std::vector<std::string> names{"none"};
   for (const std::string& name : refractive_index_names())
     if (find_refractive_index(name, false)->is_dispersive()) names.push_back(name);
+  const auto radio = radio_material_names();
+  names.insert(names.end(), radio.begin(), radio.end());
   return names;
 }
 
@@ -37,16 +40,20 @@ ConductorIndex ConductorIndex::from(const Properties& properties) {
     if (material != "none") {
       if (eta || k)
         throw properties.error(eta ? "eta" : "k", "give either a material or eta and k, not both");
+      const auto take = [&](const auto& index_at) {
+        c.eta_ = SampledSpectrum::from_function(grid, [&](double nm) { return index_at(nm).real(); });
+        c.k_ = SampledSpectrum::from_function(grid, [&](double nm) { return index_at(nm).imag(); });
+        c.tabulate_diffuse();
+        return c;
+      };
+      if (const auto radio = radio_index(properties, "material", material)) return take(*radio);
       const auto index = find_refractive_index(material, false);
       // Dielectrics are constants without dispersion: they belong to other BSDFs.
       if (!index || !index->is_dispersive())
         throw properties.error("material", "\"" + material + "\" is not a known conductor" +
                                                did_you_mean(material, conductor_names()));
       check_index_range(properties, "material", material, *index);
-      c.eta_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).real(); });
-      c.k_ = SampledSpectrum::from_function(grid, [&](double nm) { return index->at(nm).imag(); });
-      c.tabulate_diffuse();
-      return c;
+      return take([&](double nm) { return index->at(nm); });
     }
     if (!eta && !k) return c;
     if ((!eta || eta->is_constant()) && (!k || k->is_constant())) {

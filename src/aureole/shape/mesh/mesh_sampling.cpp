@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The patches of a mesh, sampled from a point.
 #include <limits>
+#include <mutex>
 
 #include "aureole/shape/geometry/double3.h"
 #include "aureole/shape/mesh/mesh.h"
+#include "aureole/shape/mesh/uv_index.h"
 #include "aureole/shape/sampling/spherical_sampling.h"
 
 namespace aureole {
@@ -61,6 +63,7 @@ public:
   PositionSample sample_direct_position(const Vec3& reference, std::size_t patch, Vec2 u) const override;
   std::optional<ShapeSample> sample_area(std::size_t patch, Vec2 u) const override;
   float pdf_direct(const Vec3& reference, std::size_t patch, const SurfacePoint& point) const override;
+  std::optional<ShapeSample> point_at_uv(Vec2 uv) const override;
   std::size_t memory_bytes() const override {
     return sizeof *this + patches_.patches.capacity() * sizeof(MeshPatch) +
            patches_.of_triangle.capacity() * sizeof(std::uint32_t);
@@ -82,6 +85,8 @@ private:
 
   const Mesh& mesh_;
   MeshPatches patches_;  ///< empty where every triangle is a patch
+  mutable std::once_flag uv_once_;
+  mutable std::optional<UvIndex> uv_index_;  ///< made where points are asked for by texture coordinates
 };
 
 std::shared_ptr<const AreaSampler> Mesh::make_area_sampler(AreaUse use) const {
@@ -197,6 +202,22 @@ std::optional<ShapeSample> MeshSampler::sample_area(std::size_t index, Vec2 u) c
   if (!(p.area > 0)) return std::nullopt;
   const Vec2 at = p.is_pair() ? u : sample_triangle_area(u);
   return shape_sample(p, at, p.point(at), 1 / p.area);
+}
+
+std::optional<ShapeSample> MeshSampler::point_at_uv(Vec2 uv) const {
+  if (mesh_.data_.uvs.empty()) return {};
+  std::call_once(uv_once_, [&] {
+    std::vector<UvIndex::Triangle> triangles;
+    for (std::size_t i = 0; i < mesh_.primitive_count(); ++i) {
+      const TriangleIndices& t = mesh_.uv_triangle(i);
+      triangles.push_back({mesh_.data_.uvs[t[0]], mesh_.data_.uvs[t[1]], mesh_.data_.uvs[t[2]]});
+    }
+    uv_index_.emplace(std::move(triangles));
+  });
+  const auto at = uv_index_->find(uv);
+  if (!at) return {};
+  const MeshPoint point = mesh_.point_at(at->triangle, at->barycentric.x, at->barycentric.y);
+  return ShapeSample{point.p, point.p_error, point.ng, uv, 0, at->triangle, at->barycentric};
 }
 
 float MeshSampler::pdf_direct(const Vec3& reference, std::size_t index, const SurfacePoint& point) const {

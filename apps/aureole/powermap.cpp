@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole powermap: the power that arrives on a plane or a shape, in the units of radio.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+
+#include "aureole/core/error.h"
+#include "aureole/core/version.h"
+#include "aureole/instrument/radio/power_map.h"
+#include "aureole/render/job.h"
+#include "aureole/render/output.h"
+#include "command.h"
+
+namespace aureole {
+namespace {
+
+std::atomic<bool> stop_requested{false};
+extern "C" void stop_map(int) { stop_requested = true; }
+
+struct Arguments {
+  std::string scene, output, integrator, power, show;
+  std::vector<std::string> defines;
+  std::int64_t spp = -1, seed = -1;
+  int threads = 0, replicates = 1;
+  double time_s = 0, min_db = std::nan(""), max_db = std::nan("");
+  bool quiet = false;
+};
+
+/// "28 GHz" for waves longer than .1 mm, else nanometres.
+std::string band_text(const PowerMap& map) {
+  const double ghz = 299792458.0 / map.wavelength_m * 1e-9;
+  return ghz < 3000 ? fmt::format("{:.4g} GHz", ghz) : fmt::format("{:.5g} nm", map.wavelength_m * 1e9);
+}
+
+void add_channel(Image& image, std::size_t channel, const std::vector<double>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i)
+    image.pixels[i * image.channels.size() + channel] = float(values[i]);
+}
+
+Image as_image(const std::vector<PowerMap>& maps) {
+  Image image;
+  image.width = maps[0].width, image.height = maps[0].height;
+  const bool has_errors = !maps[0].error.empty();
+  for (const PowerMap& map : maps) {
+    const std::string prefix = maps.size() > 1 ? map.channel + "." : "";
+    for (const char* name : {"density", "free_space", "relative_dB", "received_dBm"})
+      image.channels.push_back(prefix + name);
+    if (has_errors) image.channels.push_back(prefix + "error_dB");
+  }
+  image.pixels.resize(maps[0].density.size() * image.channels.size());
+  std::size_t channel = 0;
+  for (const PowerMap& map : maps) {
+    add_channel(image, channel++, map.density);
+    add_channel(image, channel++, map.free);
+    add_channel(image, channel++, map.relative_db());
+    add_channel(image, channel++, map.received_dbm());
+    if (has_errors) add_channel(image, channel++, map.error_db());
+  }
+  return image;
+}
+
+/// A line about a map: medians over the cells where something arrives, and the noise there.
+void print_map(const PowerMap& map) {
+  std::vector<std::size_t> lit;
+  for (std::size_t i = 0; i < map.density.size(); ++i)
+    if (map.density[i] > 0) lit.push_back(i);
+  fmt::print("{}: {:.6g} W, power in {} of {} cells", band_text(map), map.power_w, lit.size(),
+             map.density.size());
+  const auto quantile = [&](const std::vector<double>& values, double q) {
+    std::vector<double> those;
+    for (const std::size_t i : lit) those.push_back(values[i]);
+    const auto at = those.begin() + std::ptrdiff_t(q * double(those.size() - 1));
+    std::nth_element(those.begin(), at, those.end());
+    return *at;
+  };
+  if (!lit.empty()) {
+    fmt::print(", medians {:.2f} dB re free space, {:.2f} dBm", quantile(map.relative_db(), 0.5),
+               quantile(map.received_dbm(), 0.5));
+    if (!map.error.empty())
+      fmt::print(", standard error {:.2f} dB, {:.2f} dB in the worst tenth", quantile(map.error_db(), 0.5),
+                 quantile(map.error_db(), 0.9));
+  }
+  fmt::print("\n");
+}
+
+int powermap(const Arguments& a) {
+  if (a.spp == 0 || a.spp < -1)
+    throw Error(fmt::format("--spp {}: at least one sample per cell is needed", a.spp));
+  if (a.seed < -1) throw Error(fmt::format("--seed {}: must not be negative", a.seed));
+  if (a.replicates < 1) throw Error(fmt::format("--replicates {}: must be at least 1", a.replicates));
+  if (a.threads < 0 || a.threads > 4096)
+    throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
+  if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
+  if (a.min_db >= a.max_db)
+    throw Error(fmt::format("--min-db {}: must be less than --max-db, {}", a.min_db, a.max_db));
+  std::optional<double> power;
+  try {
+    if (!a.power.empty()) power = parse_power_w(a.power);
+  } catch (const Error& e) {
+    throw Error("--power: " + e.message());
+  }
+  std::filesystem::path output = a.output;
+  if (output.empty()) output = std::filesystem::path(a.scene).replace_extension(".exr");
+  if (output.extension() != ".exr")
+    throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
+  const std::filesystem::path png = std::filesystem::path(output).replace_extension(".png");
+  require_writable(output);
+  require_writable(png);
+
+  LoadOptions load;
+  load.defines = split_defines(a.defines);
+  load.integrator = a.integrator;
+  const LoadedScene loaded = load_scene(a.scene, load);
+  if (!a.quiet)
+    for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
+  require_power_map(*loaded.scene);
+  RenderOptions options;
+  if (a.spp > 0) options.end = a.spp;
+  if (a.seed >= 0) options.seed = std::uint64_t(a.seed);
+  options.threads = a.threads, options.replicates = a.replicates, options.time_limit_s = a.time_s;
+  RenderJob job(loaded, options);
+  std::signal(SIGINT, stop_map);
+  if (job.run(stop_requested) == RenderJob::Outcome::interrupted) {
+    fmt::print(stderr, "interrupted: no map is written\n");
+    return 1;
+  }
+  if (job.state().invalid_samples > 0)
+    fmt::print(stderr, "note: {} samples were invalid and left out\n", job.state().invalid_samples);
+
+  const std::vector<PowerMap> maps = power_maps(*loaded.scene, job.state().picture(), power);
+  const std::string show = !a.show.empty() ? a.show : power ? "dBm" : "relative";
+  const PowerMap& first = maps[0];
+  const std::vector<double> values = show == "dBm" ? first.received_dbm() : first.relative_db();
+  DecibelScale scale = DecibelScale::of(
+      values, show == "dBm" ? fmt::format("{}, {:.4g} W: received power in dBm, isotropic antenna",
+                                          band_text(first), first.power_w)
+                            : band_text(first) + ": power density in dB re free space");
+  if (!std::isnan(a.min_db)) scale.min_db = a.min_db;
+  if (!std::isnan(a.max_db)) scale.max_db = a.max_db;
+  if (!(scale.min_db < scale.max_db))
+    throw Error(fmt::format("--min-db and --max-db leave no range: {} to {} dB", scale.min_db, scale.max_db));
+  ExrAttributes attributes;
+  attributes.strings = {{"aureole.scene", loaded.file.filename().string()},
+                        {"aureole.integrator", loaded.integrator->properties().type()},
+                        {"units", "density, free_space: W/m^2; received_dBm: isotropic antenna"}};
+  for (const PowerMap& map : maps) {
+    const std::string prefix = maps.size() > 1 ? map.channel + "." : "";
+    attributes.floats[prefix + "power_W"] = float(map.power_w);
+    attributes.floats[prefix + "wavelength_m"] = float(map.wavelength_m);
+  }
+  write_exr(output, as_image(maps), ExrPixel::float32, attributes);
+  write_png(png, decibel_picture(values, first.width, first.height, scale));
+  if (a.quiet) return 0;
+  for (const PowerMap& map : maps) print_map(map);
+  fmt::print("{} samples per cell in {:.2f} s\n{}\n{}\n", job.state().samples_everywhere(),
+             job.state().seconds, output.string(), png.string());
+  return 0;
+}
+
+std::function<int()> declare(CommandOptions& options) {
+  auto a = std::make_shared<Arguments>();
+  options.add("scene", a->scene, "scene file whose sensor is a powermap").required();
+  options.add("-o,--output", a->output, "output .exr (default: beside the scene); the .png is beside it");
+  options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
+  options.add("--spp", a->spp, "samples per cell (default: the scene's sample_count)");
+  options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
+  options.add("--threads", a->threads, "threads (default: all cores); the map does not depend on it");
+  options.add("--time", a->time_s, "stop after this many seconds, on whole sample blocks");
+  options.add("--replicates", a->replicates,
+              "that many independent maps; stores their mean and its standard error in dB");
+  options.add("--integrator", a->integrator, "replace the scene's integrator: ptracer, path, bdpt");
+  options.add(
+      "--power", a->power,
+      "power of all emitters together in the band, \"2W\", \"500mW\" or \"33dBm\" (default: the scene's)");
+  options.add("--show", a->show, "what the PNG shows (default: dBm with --power, else relative)")
+      .one_of({"relative", "dBm"});
+  options.add("--min-db", a->min_db, "lower end of the PNG's colours (default: by the values)");
+  options.add("--max-db", a->max_db, "upper end of the PNG's colours");
+  options.add("-q,--quiet", a->quiet, "print errors only");
+  return [a] { return powermap(*a); };
+}
+
+AUREOLE_COMMAND("powermap", "Power on a plane or a shape: W/m^2, dB relative to free space, dBm", declare);
+
+}  // namespace
+}  // namespace aureole

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Building materials at radio frequencies, by names such as "itu_concrete".
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "aureole/plugin/properties.h"
+
+namespace aureole {
+
+/// n + i k as a function of the wavelength in nm, the root of the permittivity of Recommendation ITU-R P.2040-3
+/// (optics/interface/radio_material.h); nothing where `material` does not begin with "itu_". Throws an error
+/// located at the parameter `name` for an unknown material, and where the sensor sees frequencies at which the
+/// material's numbers do not hold.
+std::optional<std::function<std::complex<double>(double)>> radio_index(const Properties& properties,
+                                                                       std::string_view name,
+                                                                       const std::string& material);
+
+/// Their names, with the prefix.
+std::vector<std::string> radio_material_names();
+
+}  // namespace aureole

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/instrument/radio/power_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "aureole/core/error.h"
+#include "aureole/core/parallel.h"
+#include "aureole/core/random.h"
+#include "aureole/core/units.h"
+#include "aureole/film/film.h"
+
+namespace aureole {
+
+namespace {
+
+/// Whether a channel is a bin of a spectral film, not its preview.
+bool is_bin(const std::string& channel) { return channel.starts_with("S0."); }
+
+std::vector<double> decibels(const std::vector<double>& values, const auto& reference) {
+  std::vector<double> db(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    db[i] =
+        values[i] > 0 ? 10 * std::log10(values[i] / reference(i)) : -std::numeric_limits<double>::infinity();
+  return db;
+}
+
+/// The film's measurement of the light that would arrive at the cells in empty space, per channel of the film.
+std::vector<double> free_space(const Scene& scene, int samples) {
+  const PlacedSensor& sensor = scene.sensor();
+  const Film& film = sensor.film();
+  const int width = film.crop_width(), height = film.crop_height(), channels = film.measured_channels();
+  std::vector<double> sums(std::size_t(width) * std::size_t(height) * std::size_t(channels));
+  const int side = std::max(1, int(std::lround(std::sqrt(samples))));
+  const auto compute_row = [&](std::size_t y) {
+    std::vector<float> measured(std::size_t(channels), 0.f);
+    for (int x = 0; x < width; ++x) {
+      std::uint64_t state = mix_bits(combine_bits(y, std::uint64_t(x)));
+      const auto next = [&] {
+        return unit_float(std::uint32_t(mix_bits(state += 0x9e3779b97f4a7c15u) >> 32));
+      };
+      for (int k = 0; k < side * side; ++k) {
+        const Vec2 place{float(x + film.crop_x()) + (float(k % side) + 0.5f) / float(side),
+                         float(y) + float(film.crop_y()) + (float(k / side) + 0.5f) / float(side)};
+        const auto receiver = sensor.receiver(place);
+        // A lattice of wavelengths over the places of a cell.
+        const Wavelengths w = scene.wavelengths().sample((float(k) + 0.5f) / float(side * side), next());
+        if (!receiver) continue;
+        const auto choice = scene.lights().choose(receiver->p, receiver->facing(), next());
+        if (!choice || !(choice->probability > 0)) continue;
+        const Vec2 u{next(), next()};
+        const auto direct = choice->light->sample_direct(receiver->p, choice->part, u, w);
+        if (!direct || !(direct->pdf > 0)) continue;
+        const float factor =
+            receiver->response(direct->wo) / (choice->probability * direct->pdf * kWavelengths);
+        film.measure(direct->radiance * factor / w.pdf, w, measured.data());
+        double* sum = &sums[(y * std::size_t(width) + std::size_t(x)) * std::size_t(channels)];
+        for (int c = 0; c < channels; ++c) sum[c] += measured[std::size_t(c)] / double(side * side);
+      }
+    }
+  };
+  for_ranges(
+      std::size_t(height),
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) compute_row(y);
+      },
+      1);
+  return sums;
+}
+
+}  // namespace
+
+std::vector<double> PowerMap::relative_db() const {
+  return decibels(density, [&](std::size_t i) { return free[i]; });
+}
+
+std::vector<double> PowerMap::received_dbm() const {
+  const double aperture = wavelength_m * wavelength_m / (4 * M_PI);
+  return decibels(density, [&](std::size_t) { return 1e-3 / aperture; });
+}
+
+std::vector<double> PowerMap::error_db() const {
+  std::vector<double> db(error.size());
+  for (std::size_t i = 0; i < error.size(); ++i)
+    db[i] = density[i] > 0 ? 10 / std::log(10.0) * error[i] / density[i] : 0;
+  return db;
+}
+
+void require_power_map(const Scene& scene) {
+  const PlacedSensor& sensor = scene.sensor();
+  constexpr int kSide = 64;  // of a grid over the film, which may have gaps on a shape
+  bool measures = false;
+  for (int i = 0; i < kSide * kSide && !measures; ++i) {
+    const Vec2 u{(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide};
+    const Vec2 lower = sensor.part.lower, upper = sensor.part.upper;
+    measures = sensor.receiver({lower.x + (upper.x - lower.x) * u.x, lower.y + (upper.y - lower.y) * u.y})
+                   .has_value();
+  }
+  if (!measures)
+    throw Error(sensor.properties().where(), "a sensor of type \"" + sensor.properties().type() +
+                                                 "\" measures no power at points: \"powermap\" does");
+  const Film& film = sensor.film();
+  const std::vector<std::string> names = film.channel_names();
+  if (std::any_of(names.begin(), names.end(), is_bin)) return;
+  for (const SampledSpectrum& response : channel_responses(film, scene.wavelengths().grid()))
+    if (response.minimum() < 0)
+      throw Error(film.properties().where(),
+                  "its channels are colours and no bands of wavelengths: use an hdrfilm with \"response\" "
+                  "uniform, or a specfilm");
+}
+
+std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::optional<double> power_w,
+                                 int free_samples) {
+  const PlacedSensor& sensor = scene.sensor();
+  const Film& film = sensor.film();
+  require_power_map(scene);
+  const SpectralGrid& grid = scene.wavelengths().grid();
+  const std::vector<SampledSpectrum> responses = channel_responses(film, grid);
+  const std::vector<double> measured = free_space(scene, free_samples);
+  const std::size_t cells = std::size_t(picture.width) * std::size_t(picture.height);
+  const std::size_t channels = std::size_t(film.measured_channels());
+  const std::vector<std::string> names = film.channel_names();
+
+  std::vector<PowerMap> maps;
+  const bool has_bins = std::any_of(names.begin(), names.end(), is_bin);
+  for (std::size_t c = 0; c < responses.size(); ++c) {
+    if (has_bins && !is_bin(names[c])) continue;
+    PowerMap& map = maps.emplace_back();
+    map.channel = names[c];
+    map.width = picture.width, map.height = picture.height;
+    const auto nodes = responses[c].nodes();
+    double weight = 0, mean = 0;
+    std::vector<float> band(nodes.size(), 0.f);
+    map.min_nm = grid.max_nm, map.max_nm = grid.min_nm;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!(nodes[i] > 0)) continue;
+      const double nm = grid.node(int(i));
+      weight += nodes[i], mean += nodes[i] * nm, band[i] = 1;
+      map.min_nm = std::min(map.min_nm, nm), map.max_nm = std::max(map.max_nm, nm);
+    }
+    const SampledSpectrum within(grid, std::move(band));
+    double seen = 0;  // of the emitters' power, as the channel weights it
+    for (const Light& light : scene.emitters()) {
+      const SampledSpectrum power = light.power_spectrum();
+      map.power_w += product(within, power).integral();
+      seen += product(responses[c], power).integral();
+    }
+    if (!(weight > 0 && seen > 0))
+      throw Error(film.properties().where(),
+                  "no emitter shines where the channel \"" + map.channel + "\" sees");
+    map.wavelength_m = mean / weight * 1e-9;
+    if (power_w) map.power_w = *power_w;
+    const double scale = map.power_w / seen;
+    const int value = picture.channel(map.channel), variance = picture.channel("variance." + map.channel);
+    std::vector<float> developed(names.size());
+    for (std::size_t i = 0; i < cells; ++i) {
+      const int x = int(i) % picture.width, y = int(i) / picture.width;
+      map.density.push_back(scale * picture.at(x, y, std::size_t(value)));
+      if (variance >= 0)
+        map.error.push_back(scale * std::sqrt(double(picture.at(x, y, std::size_t(variance)))));
+      film.develop(&measured[i * channels], 0, developed.data());
+      map.free.push_back(scale * developed[c]);
+    }
+  }
+  return maps;
+}
+
+double parse_power_w(const std::string& text) {
+  struct Unit {
+    const char* name;
+    double watts;
+  };
+  constexpr Unit kUnits[] = {{"mW", 1e-3}, {"kW", 1e3}, {"W", 1}, {"", 1}};
+  double watts = 0;
+  if (text.ends_with("dBm")) {
+    watts = 1e-3 * std::pow(10, parse_number(text.substr(0, text.size() - 3)) / 10);
+  } else {
+    for (const auto& [name, factor] : kUnits)
+      if (text.ends_with(name)) {
+        watts = factor * parse_number(text.substr(0, text.size() - std::string(name).size()));
+        break;
+      }
+  }
+  if (!(watts > 0 && std::isfinite(watts)))
+    throw Error("\"" + text + "\" is no positive power: write \"2\", \"2W\", \"500mW\" or \"33dBm\"");
+  return watts;
+}
+
+}  // namespace aureole

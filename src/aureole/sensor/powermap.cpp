@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// A grid of receivers on a plane or on a shape.
+#include "aureole/plugin/registry.h"
+#include "aureole/sensor/placed_sensor.h"
+#include "aureole/shape/shape_area.h"
+
+namespace aureole {
+namespace {
+
+class PowerMap final : public Sensor {
+public:
+  explicit PowerMap(const Properties& p) : Sensor(p) {
+    read_common(p);
+    shared_film()->use_box_filter("it would spread the power of a cell over its neighbours: a box is used");
+    measure_ = p.get_choice("measure", "fluence", {"fluence", "irradiance"}) == "fluence"
+                   ? Receiver::Measure::fluence
+                   : Receiver::Measure::irradiance;
+    const Transform to_world = p.get_transform("to_world");
+    corner_ = to_world.point({-1, 1, 0});
+    right_ = to_world.vector({2, 0, 0}), down_ = to_world.vector({0, -2, 0});
+    const Vec3 across = cross(right_, down_);
+    area_ = length(across);
+    if (!(area_ > 0 && std::isfinite(area_)))
+      throw p.error("to_world", "the plane of the receivers needs an area that is neither zero nor infinite");
+    normal_ = across * (1 / area_);
+    per_right_ = cross(down_, normal_) * (1 / area_);
+    per_down_ = cross(normal_, right_) * (1 / area_);
+    if (dot(normal_, to_world.normal({0, 0, 1})) < 0) normal_ = -normal_;
+  }
+
+  void check_shape(const ShapeArea& area) const override {
+    if (properties().has("to_world"))
+      throw properties().error(
+          "to_world", "a power map on a shape measures on the surface of that: leave \"to_world\" out");
+    // Somewhere on a grid that is finer than most gaps between the charts of an atlas.
+    constexpr int kSide = 64;
+    for (int i = 0; i < kSide * kSide; ++i)
+      if (area.point_at_uv({(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide})) return;
+    throw Error(properties().where(),
+                "the shape has no texture coordinates in [0, 1] x [0, 1], which the cells of a power map "
+                "divide: give it some, or put the map on a plane by \"to_world\"");
+  }
+
+  bool uses_lens() const override { return true; }
+
+  std::optional<Receiver> receiver(const PlacedSensor& at, Vec2 film) const override {
+    const Vec2 u{(film.x - at.part.left) / at.part.width, film.y / at.part.height};
+    if (!at.area) return Receiver{corner_ + right_ * u.x + down_ * u.y, {}, normal_, measure_};
+    const auto s = at.area->point_at_uv(u);
+    if (!s) return {};
+    return Receiver{s->p, s->p_error, s->ng, measure_};
+  }
+
+  SensorRay sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const override {
+    const auto place = receiver(at, film);
+    return place ? place->sample_ray(lens) : SensorRay{{}, 0};
+  }
+
+  std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
+                                                Vec2 lens) const override {
+    const Vec2 lower = at.part.lower, size = at.part.upper - lower;
+    const Vec2 film{lower.x + size.x * lens.x, lower.y + size.y * lens.y};
+    const auto place = receiver(at, film);
+    if (!place) return {};
+    return place->connect(reference, film, at.part.sample_area());
+  }
+
+  /// Of a plane: a line may meet the surface of a shape at several places.
+  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const override {
+    const auto place = place_on_plane(at, {p, -d, kInfinity});
+    if (!place) return {};
+    SensorResponse response;
+    response.film = place->film;
+    response.pdf_direction = place->receiver.pdf(d);
+    if (!(response.pdf_direction > 0)) return {};
+    response.weight = place->receiver.total();
+    response.pdf_position = pixels_per_area(at) / at.part.sample_area();
+    response.pdf_across = response.pdf_direction / (place->t * place->t);
+    return response;
+  }
+
+  bool counts_crossings() const override { return true; }
+  std::optional<SensorCrossing> crossing(const PlacedSensor& at, const Ray& light) const override {
+    const auto place = place_on_plane(at, light);
+    if (!place) return {};
+    const float seen = place->receiver.response(-light.d), cosine = std::abs(dot(light.d, normal_));
+    if (!(seen > 0)) return {};
+    return SensorCrossing{place->receiver.p, place->film, pixels_per_area(at) * seen / cosine};
+  }
+
+private:
+  struct Place {
+    Receiver receiver;
+    Vec2 film;
+    float t;
+  };
+  /// Where a ray meets the plane; nothing beside the map, and on a shape.
+  std::optional<Place> place_on_plane(const PlacedSensor& at, const Ray& ray) const {
+    if (at.area) return {};
+    const float t = dot(corner_ - ray.o, normal_) / dot(ray.d, normal_);
+    if (!(t > 0 && t < ray.t_max)) return {};
+    const Vec3 p = ray.o + ray.d * t;
+    const Vec2 u{dot(p - corner_, per_right_), dot(p - corner_, per_down_)};
+    const Vec2 film{at.part.left + u.x * at.part.width, u.y * at.part.height};
+    if (!at.part.samples(film)) return {};
+    return Place{{p, {}, normal_, measure_}, film, t};
+  }
+  float pixels_per_area(const PlacedSensor& at) const { return at.part.width * at.part.height / area_; }
+
+  Receiver::Measure measure_;
+  Vec3 corner_, right_, down_;  ///< of the picture: its upper left corner and its sides
+  Vec3 per_right_, per_down_;   ///< dual to these: the picture's coordinates of a point of the plane
+  Vec3 normal_;
+  float area_;
+};
+
+AUREOLE_PLUGIN(
+    PowerMap, "sensor", "powermap",
+    PluginDoc{
+        .summary =
+            "A grid of receivers: each pixel of its film is a cell, and holds what arrives there per area "
+            "[W/(m^2 nm) for a spectral film], averaged over the cell. The cells divide the square [-1, 1] x [-1, "
+            "1] of the plane z = 0 of `to_world`, x to the right and y up in the picture; or, as a child of a "
+            "shape, the texture coordinates [0, 1] x [0, 1] of its surface, u to the right and v down, as in a "
+            "picture that is put on the shape. The plane is no surface: light passes it; keep it off "
+            "surfaces that lie in it. Emitters that no ray meets, such as `point`, count, too. The "
+            "reconstruction filter is a box. `path` finds light by rays from the cells; `ptracer` and, of a plane, "
+            "`bdpt` connect paths of light with them, and `ptracer` counts light from mirrors where it passes a plane; `aureole powermap` writes maps in dB.",
+        .source = "",
+        .parameters =
+            {{"to_world", "transform", "", "identity",
+              "where the plane is, by the square with corners (-1, -1, 0) and (1, 1, 0)"},
+             {"measure", "string", "", "fluence",
+              "fluence: from all directions alike, the power per cross section of a small isotropic "
+              "receiver; irradiance: on the side of the plane's z axis or of the shape's normal, with "
+              "the cosine"}},
+        .examples = {R"(<sensor type="powermap">
+    <transform name="to_world"><scale x="50" y="30"/><translate z="1.5"/></transform>
+    <string name="measure" value="fluence"/>
+    <film type="hdrfilm">
+        <integer name="width" value="100"/> <integer name="height" value="60"/>
+        <string name="wavelength_min" value="28.1GHz"/> <string name="wavelength_max" value="27.9GHz"/>
+        <string name="response" value="uniform"/> <rfilter type="box"/>
+    </film>
+    <sampler type="sobol"/>
+</sensor>)"}});
+
+}  // namespace
+}  // namespace aureole

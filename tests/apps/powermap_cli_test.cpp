@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole powermap as a user meets it: its channels, its picture, and messages for bad input, after which nothing is written.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "aureole/core/image.h"
+#include "harness/paths.h"
+#include "loading/load_text.h"
+
+namespace aureole::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PowerMapCommand : public ::testing::Test {
+protected:
+  int run(const std::vector<std::string>& arguments) {
+    const fs::path log = folder.path / "log.txt";
+    const pid_t pid = fork();
+    if (pid == 0) {
+      if (chdir(folder.path.c_str()) != 0 || !freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
+      std::vector<char*> argv{const_cast<char*>(aureole_binary().c_str()), const_cast<char*>("powermap")};
+      for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
+      argv.push_back(nullptr);
+      execv(aureole_binary().c_str(), argv.data());
+      _exit(98);
+    }
+    int status = 0;
+    waitpid(pid, &status, 0);
+    std::ifstream in(log, std::ios::binary);
+    output = {std::istreambuf_iterator<char>(in), {}};
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+  }
+  void refused(const std::vector<std::string>& arguments, const std::string& message) {
+    EXPECT_EQ(run(arguments), 2) << output;
+    EXPECT_NE(output.find(message), std::string::npos) << "expected \"" << message << "\" in: " << output;
+    EXPECT_FALSE(fs::exists(folder.path / "map.exr"));
+    EXPECT_FALSE(fs::exists(folder.path / "map.png"));
+  }
+  std::string scene(const std::string& film, const std::string& sensor = "powermap") {
+    return folder
+        .write("map.xml", "<scene version='3.0.0'><integrator type='ptracer'/><sensor type='" + sensor +
+                              "'>" + film +
+                              "</sensor><emitter type='point'><point name='position' x='0' y='0' z='2'/>"
+                              "<spectrum name='intensity' value='1'/></emitter></scene>")
+        .string();
+  }
+  TemporaryFolder folder;
+  std::string output;
+};
+
+const std::string kSize = "<integer name='width' value='8'/><integer name='height' value='8'/>";
+const std::string kBand = "<film type='hdrfilm'>" + kSize +
+                          "<string name='response' value='uniform'/><string name='wavelength_min' "
+                          "value='3.6GHz'/><string name='wavelength_max' value='3.5GHz'/></film>";
+
+TEST_F(PowerMapCommand, WritesPowersAndAPicture) {
+  ASSERT_EQ(run({scene(kBand), "--spp", "16", "--replicates", "2", "--power", "33dBm"}), 0) << output;
+  EXPECT_NE(output.find("3.549 GHz: 1.99526 W, power in 64 of 64 cells"), std::string::npos) << output;
+  const Image map = read_image(folder.path / "map.exr");
+  for (const char* name : {"density", "free_space", "relative_dB", "received_dBm", "error_dB"})
+    ASSERT_GE(map.channel(name), 0) << name;
+  for (int y = 0; y < 8; ++y)
+    for (int x = 0; x < 8; ++x) {
+      EXPECT_NEAR(map.at(x, y, std::size_t(map.channel("relative_dB"))), 0, 0.05);
+      const double density = map.at(x, y, std::size_t(map.channel("density"))), lambda = 0.299792458 / 3.549;
+      EXPECT_NEAR(map.at(x, y, std::size_t(map.channel("received_dBm"))),
+                  10 * std::log10(density * lambda * lambda / (4 * M_PI) / 1e-3), 0.01);
+    }
+  const Image picture = read_image(folder.path / "map.png");
+  EXPECT_GT(picture.width, 640);
+}
+
+TEST_F(PowerMapCommand, HasAMapPerBin) {
+  const std::string film =
+      "<film type='specfilm'>" + kSize + "<string name='bin_edges' value='3GHz, 4GHz, 5GHz'/></film>";
+  ASSERT_EQ(run({scene(film), "--spp", "16", "-o", "two.exr"}), 0) << output;
+  const Image map = read_image(folder.path / "two.exr");
+  EXPECT_EQ(map.channels.size(), 8u);
+  EXPECT_GE(map.channel("S0.67453303,05nm.relative_dB"), 0) << map.channels[0];
+}
+
+TEST_F(PowerMapCommand, RefusesWhatItCannotMap) {
+  refused({scene(kBand, "perspective")}, "measures no power at points");
+  refused({scene("<film type='hdrfilm'>" + kSize + "</film>"), "--spp", "1"}, "channels are colours");
+  refused({scene(kBand), "--power", "2V"}, "--power: \"2V\"");
+  refused({scene(kBand), "--power", "-2"}, "no positive power");
+  refused({scene(kBand), "--min-db", "3", "--max-db", "2"}, "less than --max-db");
+  refused({scene(kBand), "-o", "map.png"}, ".exr file");
+  refused({scene("<film type='hdrfilm'><string name='wavelength_min' value='3GHz'/></film>")}, "map.xml:1:");
+}
+
+}  // namespace
+}  // namespace aureole::test
