@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "aureole/integrator/path_limits.h"
 #include "aureole/plugin/registry.h"
@@ -10,6 +11,7 @@
 #include "aureole/transport/driver.h"
 #include "aureole/transport/emerge.h"
 #include "aureole/transport/segment.h"
+#include "aureole/transport/sight.h"
 
 namespace aureole {
 namespace {
@@ -18,9 +20,8 @@ class PathSteps {
 public:
   PathSteps(const Scene& scene, const PathLimits& limits, std::span<Path> paths, const BatchLog& log)
       : scene_(scene),
-        media_(scene.emitting_media() && scene.emitting_media()->can_be_connected() ? scene.emitting_media()
-                                                                                    : nullptr),
-        lights_choose_places_(!media_ && scene.lights().tree().can_be_connected()),
+        media_(connected_media(scene)),
+        lights_choose_places_(scene.lights().tree().can_be_connected()),
         limits_(limits),
         paths_(paths),
         log_(log) {
@@ -28,6 +29,7 @@ public:
       states_[i].flight.ray = paths[i].ray;
       find_surroundings(scene, nullptr, states_[i].flight);
     }
+    if (scene.has_media()) sight_.emplace(scene, *this);
   }
 
   const Ray& ray(int path) const { return states_[path].flight.ray; }
@@ -39,6 +41,7 @@ public:
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
     if (s.flight.medium) {
+      look_ahead(i, hit);
       const Event event = fly(i, hit ? hit.t : kInfinity);
       if (event != Event::crossed) return event;
     }
@@ -73,6 +76,20 @@ public:
 
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
 
+  // What is seen along lines of sight (`look_ahead`):
+  void finish_looking() {
+    if (!lines_.empty()) follow(scene_, *sight_, lines_, RayTracer::Rays::incoherent);
+  }
+  Glow glow(int i) const { return {.ratio = states_[i].looked_from.ratio}; }
+  void see(int i, const Spectrum& light) {
+    Path& path = paths_[size_t(i)];
+    path.result.estimate += states_[i].looked_from.beta.of(light) / path.wavelengths.pdf;
+    if (log_.follows(i)) log_(fmt::format("  seen through media: mean {:.6g}", mean(light)));
+  }
+  void see(int i, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
+    if (!is_black(radiance)) see(i, radiance * (1 / sum(states_[i].looked_from.ratio)));
+  }
+
   bool connect(int i, Connection& out) {
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];
@@ -93,7 +110,7 @@ public:
     // The numbers of the connection with a light: the two add up.
     return aureole::connect_to_emission(scene_, vertex, s.flight, s.density,
                                         get(path.samples, s.vertex, Choice::light),
-                                        get(s.pairs, Pair::connection), path.wavelengths,
+                                        get(s.pairs, Pair::connection), path.wavelengths, {},
                                         key(path.samples, s.vertex, Key::connection) ^ kOther, out);
   }
 
@@ -117,12 +134,18 @@ public:
     }
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
+    s.looked = false;
     s.density.extend(b.value, b.pdf, b.delta);
     if (event == Event::entered) {
       below_.add(i);
       return false;
     }
-    if (!vertex.is_surface()) s.density.light_ratio += s.by_light * (1 / b.pdf[0]);
+    s.share = 1.f;
+    if (!vertex.is_surface()) {
+      const Spectrum walked = s.density.light_ratio;
+      s.density.light_ratio += s.by_light * (1 / b.pdf[0]);
+      if (media_) s.share = safe_divide(walked, s.density.light_ratio);
+    }
     s.from = {vertex.p(), vertex.facing()};
     go_on(i, vertex, b.d);
     ++s.depth;
@@ -170,13 +193,29 @@ private:
     const float* pairs = nullptr;  ///< random numbers of the present vertex
     Spectrum by_light;  ///< at a vertex in a medium: the density of its place had a light chosen it, relative
                         ///< to that of the hero's walk
-    float eta2 = 1;     ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
-                        ///< for roulette
-    bool last = false;  ///< the present surface may only be passed
+    Spectrum share{1.f};  ///< of `EmissionSearch`
+    float eta2 = 1;  ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
+                     ///< for roulette
+    PathDensity looked_from;  ///< where the line of sight began
+    bool looked = false;  ///< it brings all that is emitted along the ray and behind what lets the ray pass
+    bool last = false;    ///< the present surface may only be passed
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
     vertex.leave(d, scene_.has_media(), states_[i].flight);
+  }
+
+  /// Where connections cannot find what shines through a medium (from the sensor, after a mirror) walks would see it
+  /// or not: a line of sight brings what passes, without chance, and walks nothing. Begins where the ray first comes
+  /// into a medium.
+  void look_ahead(int i, const RayTracer::Hit& hit) {
+    State& s = states_[i];
+    if (s.looked || s.density.has_light_ratio() || (limits_.hide_emitters && s.depth == 0)) return;
+    if (!scene_.may_meet_emitter(s.flight.ray)) return;
+    s.looked = true;
+    s.looked_from = s.density;
+    sight_->begin(i, s.flight, 1.f, key(paths_[size_t(i)].samples, s.vertex, Key::flight) ^ kOther);
+    if (sight_->arrive(i, hit) == Event::crossed) lines_.add(i, sight_->ray(i));
   }
 
   /// Through the medium along the ray: `medium` where the path is scattered there, `crossed` where it arrives
@@ -188,7 +227,7 @@ private:
     Vec3 p;
     Spectrum chosen;
     if (!aureole::fly(s.flight, t_max, path.wavelengths, path.samples, s.vertex, s.density,
-                      &path.result.estimate, p, media_, s.from, &chosen))
+                      s.looked ? nullptr : &path.result.estimate, p, {media_, s.from, s.share}, &chosen))
       return Event::crossed;
     s.by_light = places ? chosen * places->pdf(dot(p - s.flight.ray.o, s.flight.ray.d)) : Spectrum(0.f);
     if (log_.follows(i))
@@ -203,8 +242,8 @@ private:
     return Event::medium;
   }
 
-  /// Connects a place along the flight, whichever the flight itself will choose, where a light is near. Not where
-  /// connections look for emission, whose weights do not count this technique.
+  /// Connects a place along the flight, whichever the flight itself will choose, where a light is near. From there
+  /// connections look for no emission, whose weights do not count this technique (`share`).
   std::optional<Equiangular> connect_segment(int i, float t_max) {
     const State& s = states_[i];
     Path& path = paths_[size_t(i)];
@@ -239,8 +278,8 @@ private:
   }
 
   void add_emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
-    if (is_black(radiance)) return;
     const State& s = states_[i];
+    if (s.looked || is_black(radiance)) return;
     Path& path = paths_[size_t(i)];
     path.result.estimate +=
         s.density.has_light_ratio()
@@ -259,6 +298,8 @@ private:
   PerPath<Vertex> vertices_;
   PathList below_;  ///< that have gone on below a surface
   BatchConnections* segments_ = nullptr;
+  std::optional<SightSteps<PathSteps>> sight_;  ///< in scenes with media
+  BatchRays lines_;                             ///< of it
 };
 
 class PathIntegrator final : public Integrator {
