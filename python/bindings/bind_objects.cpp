@@ -185,6 +185,7 @@ spectra dicts as `load_dict` takes them. A child without a name goes by its id, 
                    "The nested objects, in order.")
       .def("__repr__", &repr_of);
   bind_bsdfs(m);
+  bind_bssrdfs(m);
   bind_emitters(m);
   bind_phases(m);
   bind_media(m);

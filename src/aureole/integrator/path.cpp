@@ -207,11 +207,12 @@ private:
 
   /// Where connections cannot find what shines through a medium (from the sensor, after a mirror) walks would see it
   /// or not: a line of sight brings what passes, without chance, and walks nothing. Begins where the ray first comes
-  /// into a medium.
+  /// into a medium. Only towards lamps: the sky is about as bright as what fog before it scatters, and of two such
+  /// numbers one by chance has less noise than a sum of which one part is by chance.
   void look_ahead(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
     if (s.looked || s.density.has_light_ratio() || (limits_.hide_emitters && s.depth == 0)) return;
-    if (!scene_.may_meet_emitter(s.flight.ray)) return;
+    if (!scene_.may_meet_shining_shape(s.flight.ray)) return;
     s.looked = true;
     s.looked_from = s.density;
     sight_->begin(i, s.flight, 1.f, key(paths_[size_t(i)].samples, s.vertex, Key::flight) ^ kOther);
