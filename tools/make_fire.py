@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes the grids of a camp fire as .vol files (needs numpy):
 
-    make_fire.py scenes/media       # scenes/media/soot.vol (relative density) and temperature.vol (K)
+    make_fire.py scenes/media       # soot.vol (relative extinction), albedo.vol and temperature.vol (K) in scenes/media
 
-Tongues of flame rise along y, bent by the turbulence of make_smoke.py; above them the gas cools and the soot stays. The same
-arguments give the same files.
+Tongues of flame rise along y, bent by the turbulence of make_smoke.py. Soot in them absorbs and glows; above them the gas
+cools, and smoke, droplets of tar and ash, scatters. The same arguments give the same files.
 """
 import argparse
 import os
@@ -16,6 +16,7 @@ from make_smoke import centres, turbulence, write_vol
 
 SIZE = (24, 40, 24)
 AMBIENT, HOTTEST = 300.0, 2050.0
+ALBEDO_SOOT, ALBEDO_SMOKE = 0.23, 0.9  # of young soot; of the smoke of damp wood
 
 
 def flame(rng, at):
@@ -57,9 +58,12 @@ def main():
     fire = flame(rng, at)
     above = smoke(rng, at)
     # Soot glows in the outer part of a flame, where it burns; the gas cools as it rises.
-    soot = np.clip(fire - 0.05, 0, None) + 0.16 * above
+    soot, smoke_part = np.clip(fire - 0.05, 0, None), 0.5 * above
+    both = soot + smoke_part
+    albedo = np.where(both > 0, (ALBEDO_SOOT * soot + ALBEDO_SMOKE * smoke_part) / np.where(both > 0, both, 1), ALBEDO_SMOKE)
     temperature = AMBIENT + (HOTTEST - AMBIENT) * np.clip(fire, 0, 1) ** 0.3 * (1 - 0.3 * at[1])
-    write_vol(os.path.join(args.folder, "soot.vol"), soot)
+    write_vol(os.path.join(args.folder, "soot.vol"), both)
+    write_vol(os.path.join(args.folder, "albedo.vol"), albedo)
     write_vol(os.path.join(args.folder, "temperature.vol"), temperature)
 
 

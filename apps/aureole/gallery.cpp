@@ -17,6 +17,7 @@
 #include "gallery/gallery_page.h"
 #include "gallery/gallery_picture.h"
 #include "gallery/gallery_plots.h"
+#include "table_progress_line.h"
 
 namespace aureole {
 namespace {
@@ -227,8 +228,11 @@ private:
     const PictureEffort& effort = p.effort[size_];
     fs::path state = exr(p);
     state.replace_extension(".state");
-    const RenderedPicture r = render_picture(p, size_, a_.threads, state, stop_requested,
-                                             [&](const Progress& now) { progress_.show(f.id, effort, now); });
+    TableProgressLine line(a_.quiet);
+    const RenderedPicture r = render_picture(
+        p, size_, a_.threads, state, stop_requested,
+        [&](const Progress& now) { progress_.show(f.id, effort, now); },
+        [&](const std::string& object, double part) { line.show(object, part); });
     if (!r.complete) return false;
     write_exr(exr(p), r.image, ExrPixel::float32, {});
     write_png(folder_ / (p.name + ".png"), toned(r.image, p.tone));

@@ -18,6 +18,7 @@
 #include "aureole/spectrum/observer.h"
 #include "command.h"
 #include "nested_objects.h"
+#include "table_progress_line.h"
 
 namespace aureole {
 namespace {
@@ -127,7 +128,11 @@ int medium(const MediumOptions& o) {
   const std::string file = o.target.substr(0, mark);
   LoadOptions load;
   load.defines = split_defines(o.defines);
-  const LoadedScene loaded = load_scene(file, load);
+  const LoadedScene loaded = [&] {
+    TableProgressLine line(false);
+    load.progress = [&](const std::string& object, double part) { line.show(object, part); };
+    return load_scene(file, load);
+  }();
   for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
   const MediumPtr found =
       find_medium(*loaded.scene, file, mark == std::string::npos ? "" : o.target.substr(mark + 1));

@@ -16,6 +16,7 @@
 #include "aureole/render/output.h"
 #include "aureole/render/sample_density.h"
 #include "command.h"
+#include "table_progress_line.h"
 
 namespace aureole {
 namespace {
@@ -71,7 +72,7 @@ public:
     const int width = 30, filled = int(part * width);
     std::fprintf(stderr, "\r[%.*s%*s] %5.1f %%  %.2f Msamples/s  %s left \033[K", filled,
                  "##############################", width - filled, "", 100 * part,
-                 p.samples_per_second * 1e-6, duration(left).c_str());
+                 p.samples_per_second * 1e-6, clock_text(left).c_str());
     std::fflush(stderr);
   }
   void clear() {
@@ -79,11 +80,6 @@ public:
   }
 
 private:
-  static std::string duration(double s) {
-    const auto n = static_cast<long>(s + 0.5);
-    return n >= 3600 ? fmt::format("{}:{:02}:{:02}", n / 3600, n / 60 % 60, n % 60)
-                     : fmt::format("{}:{:02}", n / 60, n % 60);
-  }
   bool shown_;
 };
 
@@ -321,7 +317,11 @@ int render(const Arguments& a) {
   load.defines = split_defines(a.defines);
   load.sampler = a.sampler;
   load.integrator = a.integrator;
-  const LoadedScene loaded = load_scene(a.scene, load);
+  const LoadedScene loaded = [&] {
+    TableProgressLine line(a.quiet);
+    load.progress = [&](const std::string& object, double part) { line.show(object, part); };
+    return load_scene(a.scene, load);
+  }();
   if (output.empty()) {
     output = std::filesystem::path(a.scene).replace_extension(loaded.scene->film().file_extension());
     require_output(a, output);

@@ -5,7 +5,7 @@ from ._processor import require_processor as _require_processor
 _require_processor()
 
 from . import optics, pigment, plot, spectrum  # noqa: E402
-from ._aureole import Aperture, Bsdf, Emitter, Medium, Object, Phase, Texture, __version__  # noqa: E402
+from ._aureole import Aperture, Bsdf, Bssrdf, Emitter, Medium, Object, Phase, Texture, __version__  # noqa: E402
 from ._check import CheckRecord, CheckReport, check  # noqa: E402
 from ._dict import Transform  # noqa: E402
 from ._errors import Error, Problem, SceneError  # noqa: E402
@@ -18,7 +18,7 @@ from ._scene import ParameterError, Scene, load_dict, load_file, load_string  # 
 from ._volume import read_vol, write_vol  # noqa: E402
 
 __all__ = [
-    "Aperture", "Bsdf", "BsdfSample", "CheckRecord", "CheckReport", "Emitter", "EmitterSample", "Error", "Estimate",
+    "Aperture", "Bsdf", "BsdfSample", "Bssrdf", "CheckRecord", "CheckReport", "Emitter", "EmitterSample", "Error", "Estimate",
     "Image", "InterruptedWarning", "Lobe", "Medium", "MediumCoefficients", "Microstructure", "Object", "ParameterError",
     "Particles", "Phase", "PhaseSample", "Problem", "PythonBsdf", "Scene", "SceneError", "Texture", "Transform", "__version__",
     "as_bsdf", "check", "load_dict", "load_file", "load_string", "microstructure", "optics", "pigment", "plot", "read_image", "read_vol",

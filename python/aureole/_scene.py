@@ -284,7 +284,7 @@ def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, inte
 
     Returns
     -------
-    Scene, Bsdf, Emitter, Aperture, Texture or Object
+    Scene, Bsdf, Bssrdf, Emitter, Medium, Phase, Aperture, Texture or Object
     """
     checked_text("text", text), checked_text("integrator", integrator), checked_text("sampler", sampler)
     file = file_path("path", path) if path is not None else _TEXT_FILE
@@ -314,7 +314,7 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
 
     Returns
     -------
-    Scene, Bsdf, Emitter, Aperture, Texture or Object
+    Scene, Bsdf, Bssrdf, Emitter, Medium, Phase, Aperture, Texture or Object
 
     Examples
     --------

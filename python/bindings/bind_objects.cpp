@@ -15,6 +15,7 @@
 #include "aureole/shape/shape.h"
 #include "aureole/texture/texture.h"
 #include "bindings.h"
+#include "loading_signals.h"
 #include "object_arrays.h"
 #include "objects.h"
 #include "python_bsdf.h"
@@ -185,6 +186,7 @@ spectra dicts as `load_dict` takes them. A child without a name goes by its id, 
                    "The nested objects, in order.")
       .def("__repr__", &repr_of);
   bind_bsdfs(m);
+  bind_bssrdfs(m);
   bind_emitters(m);
   bind_phases(m);
   bind_media(m);
@@ -199,7 +201,11 @@ spectra dicts as `load_dict` takes them. A child without a name goes by its id, 
         LoadedObject loaded;
         {
           const Unlocked release;
-          loaded = load_object_from_string(text, file, SpectralGrid::over(min_nm, max_nm), options);
+          const LoadingSignals signals;
+          options.progress = signals.progress();
+          loaded = signals.run([&] {
+            return load_object_from_string(text, file, SpectralGrid::over(min_nm, max_nm), options);
+          });
         }
         return cast_object(loaded.object);
       },

@@ -22,6 +22,7 @@
 #include "aureole/plugin/registry.h"
 #include "aureole/render/job.h"
 #include "bindings.h"
+#include "loading_signals.h"
 #include "objects.h"
 #include "picture.h"
 
@@ -89,8 +90,9 @@ private:
 };
 
 LoadOptions load_options(const Defines& defines, const Given& given, const std::string& integrator,
-                         const std::string& sampler) {
+                         const std::string& sampler, const LoadingSignals& signals) {
   LoadOptions options;
+  options.progress = signals.progress();
   options.defines = defines;
   options.given = given;
   options.integrator = integrator, options.sampler = sampler;
@@ -273,7 +275,9 @@ void bind_scene(nb::module_& m) {
           [](const std::filesystem::path& file, const Defines& defines, const Given& given,
              const std::string& integrator, const std::string& sampler) {
             const Unlocked release;
-            return std::make_shared<OpenScene>(file, load_options(defines, given, integrator, sampler));
+            const LoadingSignals signals;
+            const LoadOptions options = load_options(defines, given, integrator, sampler, signals);
+            return signals.run([&] { return std::make_shared<OpenScene>(file, options); });
           },
           nb::arg("file"), nb::arg("defines"), nb::arg("given"), nb::arg("integrator"), nb::arg("sampler"))
       .def_static(
@@ -281,7 +285,9 @@ void bind_scene(nb::module_& m) {
           [](const std::string& text, const std::filesystem::path& file, const Defines& defines,
              const Given& given, const std::string& integrator, const std::string& sampler) {
             const Unlocked release;
-            return std::make_shared<OpenScene>(text, file, load_options(defines, given, integrator, sampler));
+            const LoadingSignals signals;
+            const LoadOptions options = load_options(defines, given, integrator, sampler, signals);
+            return signals.run([&] { return std::make_shared<OpenScene>(text, file, options); });
           },
           nb::arg("text"), nb::arg("file"), nb::arg("defines"), nb::arg("given"), nb::arg("integrator"),
           nb::arg("sampler"))

@@ -3,6 +3,7 @@
 
 #include "aureole/aperture/aperture.h"
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/bssrdf/bssrdf.h"
 #include "aureole/emitter/emitter.h"
 #include "aureole/medium/medium.h"
 #include "aureole/phase/phase.h"
@@ -14,6 +15,7 @@ namespace aureole::python {
 nb::object cast_object(const ObjectPtr& object) {
   if (!object) return nb::none();
   if (auto p = std::dynamic_pointer_cast<Bsdf>(object)) return nb::cast(p);
+  if (auto p = std::dynamic_pointer_cast<Bssrdf>(object)) return nb::cast(p);
   if (auto p = std::dynamic_pointer_cast<Emitter>(object)) return nb::cast(p);
   if (auto p = std::dynamic_pointer_cast<Aperture>(object)) return nb::cast(p);
   if (auto p = std::dynamic_pointer_cast<Texture>(object)) return nb::cast(p);

@@ -22,6 +22,7 @@ namespace aureole::python {
 
 // Parts of bind_objects.
 void bind_bsdfs(nb::module_& m);
+void bind_bssrdfs(nb::module_& m);
 void bind_emitters(nb::module_& m);
 void bind_media(nb::module_& m);
 void bind_phases(nb::module_& m);

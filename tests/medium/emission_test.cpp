@@ -90,6 +90,7 @@ struct Content {
   const char* name;
   std::string medium;  ///< parameters
   const char* type;
+  bool lamp = false;  ///< a lamp beside it
 };
 std::vector<Content> contents() {
   const std::string rgb =
@@ -104,7 +105,12 @@ std::vector<Content> contents() {
        "homogeneous"},
       {"Grid", "SMOKE<rgb name=\"emission\" value=\"3, 1, 0.5\"/>" + parameter("scale", 2) + rgb,
        "heterogeneous"},
-      {"HotGrid", "SMOKE" + parameter("temperature", 2500) + parameter("scale", 6) + rgb, "heterogeneous"}};
+      {"HotGrid", "SMOKE" + parameter("temperature", 2500) + parameter("scale", 6) + rgb, "heterogeneous"},
+      {"ThinByALamp",
+       "<rgb name=\"sigma_t\" value=\"0.1, 0.2, 0.4\"/><rgb name=\"emission\" value=\"3, 1, 0.5\"/>" + rgb,
+       "homogeneous", true},
+      {"GridByALamp", "SMOKE<rgb name=\"emission\" value=\"3, 1, 0.5\"/>" + parameter("scale", 2) + rgb,
+       "heterogeneous", true}};
 }
 
 class Emission : public ::testing::TestWithParam<Content> {};
@@ -121,6 +127,13 @@ std::string room(const std::string& glowing) {
          parameter("radius", 0.6) + kNull + medium(0.1, 1.5, 0.3) +
          "</shape><shape type=\"sphere\"><point name=\"center\" x=\"0\" y=\"0\" z=\"0.6\"/>" +
          parameter("radius", 0.75) + kNull + glowing + "</shape>";
+}
+
+/// A lamp in reach of both, for which flights in media choose places.
+std::string lamp() {
+  return "<shape type=\"sphere\"><point name=\"center\" x=\"-0.7\" y=\"-0.3\" z=\"1.5\"/>" +
+         parameter("radius", 0.1) + "<emitter type=\"area\"><rgb name=\"radiance\" value=\"9, 20, 30\"/>" +
+         "</emitter></shape>";
 }
 
 TEST_P(Emission, ConnectionsBringWhatWalksBring) {
@@ -143,7 +156,8 @@ TEST_P(Emission, ConnectionsBringWhatWalksBring) {
                   "\"><integer name=\"max_depth\" value=\"6\"/></integrator>" +
                   camera("origin=\"0, -6, 3\" target=\"0, 0, 0.6\" up=\"0, 0, 1\"", 35, 4, samples) +
                   room("<medium type=\"" + std::string(GetParam().type) + "\" name=\"interior\">" + content +
-                       weight(w) + "</medium>"));
+                       weight(w) + "</medium>") +
+                  (GetParam().lamp ? lamp() : ""));
   };
   const Picture connected = scene("path", 1, 64), walked = scene("path", 0, 256),
                 traced = scene("ptracer", 1, 256);

@@ -61,3 +61,23 @@ def test_bad_input(fog):
     with pytest.raises(aureole.Error, match="more particles than fit"):
         aureole.load_dict({"type": "suspension", "ingredient": {"type": "spheres", "radius": "1um", "int_ior": 1.5,
                                                                   "volume_fraction": 0.9}})
+
+
+def test_loading_long_tables_can_be_interrupted():
+    """Ctrl-C in a table of minutes: the exception of the signal's handler comes out soon."""
+    import signal
+    import time
+
+    def ring(*_):
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, 0.5)
+    start = time.monotonic()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            aureole.load_dict({"type": "mie", "radius": "250um", "distribution": "gamma"})
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+    assert time.monotonic() - start < 30

@@ -62,11 +62,22 @@ std::string picture_key(const GalleryPicture& picture, GallerySize size) {
 
 RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, int threads,
                                const std::filesystem::path& state, const std::atomic<bool>& stop,
-                               const std::function<void(const Progress&)>& report) {
+                               const std::function<void(const Progress&)>& report,
+                               const TableProgress& tables) {
   const auto start = std::chrono::steady_clock::now();
   LoadOptions load;
   load.defines = all_defines(picture, size);
-  const LoadedScene scene = load_scene(picture.scene, load);
+  struct Stopped {};  // no std::exception, which would become an error of the scene
+  load.progress = [&](const std::string& object, double part) {
+    if (stop) throw Stopped();
+    tables(object, part);
+  };
+  LoadedScene scene;
+  try {
+    scene = load_scene(picture.scene, load);
+  } catch (const Stopped&) {
+    return {};
+  }
   RenderOptions options;
   options.end = samples_of(picture.effort[size]);
   options.time_limit_s = picture.effort[size].seconds;

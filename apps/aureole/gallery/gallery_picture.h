@@ -7,6 +7,7 @@
 #include <string>
 
 #include "aureole/core/image.h"
+#include "aureole/plugin/table_progress.h"
 #include "aureole/render/job.h"
 #include "gallery/gallery_file.h"
 
@@ -25,10 +26,11 @@ struct RenderedPicture {
 };
 
 /// Goes on from `state`, which a run that was stopped left there; for the caller to remove once the picture
-/// is safe.
+/// is safe. `report` and `tables` are told how far it is.
 RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, int threads,
                                const std::filesystem::path& state, const std::atomic<bool>& stop,
-                               const std::function<void(const Progress&)>& report);
+                               const std::function<void(const Progress&)>& report,
+                               const TableProgress& tables);
 
 /// The `aureole render` command that makes the same picture.
 std::string render_command(const GalleryPicture& picture, GallerySize size);

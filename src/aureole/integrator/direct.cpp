@@ -8,12 +8,16 @@
 namespace aureole {
 namespace {
 
-/// The surfaces that the sensor's rays meet and pass, what lights send there, and what is seen along sampled
-/// directions.
+/// The surfaces that the sensor's rays meet and pass, what lights and media that emit send there, and what is seen
+/// along sampled directions. No way through a medium ends there: what media let pass is in no density.
 class DirectSteps {
 public:
   DirectSteps(const Scene& scene, const SampleCounts& counts, bool hide_emitters, std::span<Path> paths)
-      : scene_(scene), counts_(counts), hide_emitters_(hide_emitters), paths_(paths) {
+      : scene_(scene),
+        media_(connected_media(scene)),
+        counts_(counts),
+        hide_emitters_(hide_emitters),
+        paths_(paths) {
     for (size_t i = 0; i < paths.size(); ++i) {
       states_[i].flight.ray = paths[i].ray;
       find_surroundings(scene, nullptr, states_[i].flight);
@@ -23,14 +27,18 @@ public:
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
+  bool looks_for_emission() const { return media_ != nullptr; }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
-    // Media absorb here and scatter nothing back.
+    // Media absorb and emit here, and scatter nothing back.
     if (s.flight.medium) {
-      const Straight light = transmittance(*s.flight.medium, s.flight.ray, hit ? hit.t : kInfinity,
-                                           path.wavelengths, path.samples.key(s.dimension));
+      Glow glow;
+      const Straight light =
+          transmittance(*s.flight.medium, s.flight.ray, hit ? hit.t : kInfinity, path.wavelengths,
+                        path.samples.key(s.dimension), s.flight.medium->emits() ? &glow : nullptr);
+      if (!is_black(glow.seen)) path.result.estimate += s.density.beta.of(glow.seen) / path.wavelengths.pdf;
       s.density.attenuate(Weight(light.passed * light.roulette));
     }
     if (!hit) return escape(i);
@@ -51,7 +59,7 @@ public:
           light->eval(vertex.point(), -s.flight.ray.d, path.wavelengths), path.wavelengths);
     }
     vertex.prepare(path.samples.key(s.dimension), s.flight);
-    s.smooth = vertex.is_smooth() && !scene_.lights().empty();
+    s.smooth = vertex.is_smooth();
     return Event::surface;
   }
 
@@ -59,11 +67,26 @@ public:
 
   bool connect(int i, Connection& out) {
     State& s = states_[i];
+    if (!s.smooth || scene_.lights().empty()) return false;
+    SampleStream& samples = paths_[size_t(i)].samples;
+    const int first = std::exchange(s.dimension, s.dimension + 3);
+    const bool found =
+        connect_to_light(scene_, vertices_[i], s.flight, s.density, samples.get1(first),
+                         samples.get2(first + 1), wavelengths(i), counts_, samples.key(first), out);
+    out.others_pass = true;
+    return found;
+  }
+
+  bool connect_to_emission(int i, Connection& out) {
+    State& s = states_[i];
     if (!s.smooth) return false;
     SampleStream& samples = paths_[size_t(i)].samples;
     const int first = std::exchange(s.dimension, s.dimension + 3);
-    return connect_to_light(scene_, vertices_[i], s.flight, s.density, samples.get1(first),
-                            samples.get2(first + 1), wavelengths(i), counts_, samples.key(first), out);
+    const bool found = aureole::connect_to_emission(scene_, vertices_[i], s.flight, s.density,
+                                                    samples.get1(first), samples.get2(first + 1),
+                                                    wavelengths(i), counts_, samples.key(first), out);
+    out.others_pass = true;
+    return found;
   }
 
   void connected(int i, const Connection& c, bool open) {
@@ -90,6 +113,17 @@ public:
     const float other =
         s.found.has_light_ratio() ? counts_.light * light_density(scene_, from, light, point, d) : 0.f;
     paths_[size_t(i)].result.estimate += s.found.met(radiance, other, wavelengths(i));
+  }
+
+  Glow glow(int i) {
+    const State& s = states_[i];
+    return {s.found.ratio,
+            s.found.light_ratio * counts_.light,
+            s.found.has_light_ratio() ? media_ : nullptr,
+            {vertices_[i].p(), vertices_[i].facing()}};
+  }
+  void see(int i, const Spectrum& light) {
+    paths_[size_t(i)].result.estimate += states_[i].found.beta.of(light) / wavelengths(i).pdf;
   }
 
   /// Continues behind a surface that lets some light pass, with the probability of passing.
@@ -135,6 +169,7 @@ private:
   }
 
   const Scene& scene_;
+  const EmittingMedia* media_;  ///< those that connections look for, or null
   const SampleCounts& counts_;
   const bool hide_emitters_;
   std::span<Path> paths_;
@@ -169,7 +204,7 @@ public:
     }
     for (auto kind = RayTracer::Rays::coherent; !rays.empty(); kind = RayTracer::Rays::incoherent) {
       const PathList vertices = arrive_all(scene, steps, rays, kind);
-      for (int k = 0; k < light_samples_; ++k) connect_all(scene, steps, vertices, connections);
+      for (int k = 0; k < light_samples_; ++k) connect_vertices(scene, steps, vertices, connections);
       for (int k = 0; k < bsdf_samples_; ++k) {
         for (const int i : vertices)
           if (steps.look(i, sight)) lines.add(i, sight.ray(i));
@@ -187,9 +222,9 @@ private:
 AUREOLE_PLUGIN(
     DirectIntegrator, "integrator", "direct",
     PluginDoc{
-        "Direct illumination: light that scatters once, by any number of light and BSDF samples combined by "
-        "spectral "
-        "multiple importance sampling. Media only absorb.",
+        "Direct illumination: light that surfaces scatter once, by any number of light and BSDF samples combined by "
+        "spectral multiple importance sampling. Media absorb and emit: what they scatter is lost. Their emission is "
+        "seen directly and lights surfaces.",
         "Veach 1997, chapter 9",
         {{"shading_samples", "integer", "", "1", "number of each of the two kinds of samples"},
          {"emitter_samples", "integer", "", "shading_samples", "samples of lights"},

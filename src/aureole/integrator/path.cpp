@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
 #include "aureole/integrator/diffraction_parameters.h"
 #include "aureole/integrator/path_limits.h"
@@ -12,6 +13,7 @@
 #include "aureole/transport/edges.h"
 #include "aureole/transport/emerge.h"
 #include "aureole/transport/segment.h"
+#include "aureole/transport/sight.h"
 
 namespace aureole {
 namespace {
@@ -20,10 +22,9 @@ class PathSteps {
 public:
   PathSteps(const Scene& scene, const PathLimits& limits, std::span<Path> paths, const BatchLog& log)
       : scene_(scene),
-        media_(scene.emitting_media() && scene.emitting_media()->can_be_connected() ? scene.emitting_media()
-                                                                                    : nullptr),
+        media_(connected_media(scene)),
         // Weights along flights do not count walks to edges.
-        lights_choose_places_(!media_ && !scene.edges() && scene.lights().tree().can_be_connected()),
+        lights_choose_places_(!scene.edges() && scene.lights().tree().can_be_connected()),
         walks_to_edges_(scene.edges() && !scene.edges()->empty()),
         limits_(limits),
         paths_(paths),
@@ -32,6 +33,7 @@ public:
       states_[i].flight.ray = paths[i].ray;
       find_surroundings(scene, nullptr, states_[i].flight);
     }
+    if (scene.has_media()) sight_.emplace(scene, *this);
   }
 
   /// Begins a path at an edge that the sensor sees at `film`, instead of the sensor's ray; false where there is none.
@@ -55,6 +57,7 @@ public:
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
     if (s.flight.medium) {
+      look_ahead(i, hit);
       const Event event = fly(i, hit ? hit.t : kInfinity);
       if (event != Event::crossed) return event;
     }
@@ -89,6 +92,20 @@ public:
 
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
 
+  // What is seen along lines of sight (`look_ahead`):
+  void finish_looking() {
+    if (!lines_.empty()) follow(scene_, *sight_, lines_, RayTracer::Rays::incoherent);
+  }
+  Glow glow(int i) const { return {.ratio = states_[i].looked_from.ratio}; }
+  void see(int i, const Spectrum& light) {
+    Path& path = paths_[size_t(i)];
+    path.result.estimate += states_[i].looked_from.beta.of(light) / path.wavelengths.pdf;
+    if (log_.follows(i)) log_(fmt::format("  seen through media: mean {:.6g}", mean(light)));
+  }
+  void see(int i, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
+    if (!is_black(radiance)) see(i, radiance * (1 / sum(states_[i].looked_from.ratio)));
+  }
+
   bool connect(int i, Connection& out) {
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];
@@ -110,7 +127,7 @@ public:
     // The numbers of the connection with a light: the two add up.
     return aureole::connect_to_emission(scene_, vertex, s.flight, s.density,
                                         get(path.samples, s.vertex, Choice::light),
-                                        get(s.pairs, Pair::connection), path.wavelengths,
+                                        get(s.pairs, Pair::connection), path.wavelengths, {},
                                         key(path.samples, s.vertex, Key::connection) ^ kOther, out);
   }
 
@@ -140,13 +157,18 @@ public:
     if (walks_to_edges_) b.pdf *= 1 - EdgePaths::kToEdge;
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
+    s.looked = false;
     s.density.extend(b.value, b.pdf, b.delta);
-    s.after_edge = false;
     if (event == Event::entered) {
       below_.add(i);
       return false;
     }
-    if (!vertex.is_surface()) s.density.light_ratio += s.by_light * (1 / b.pdf[0]);
+    s.share = 1.f;
+    if (!vertex.is_surface()) {
+      const Spectrum walked = s.density.light_ratio;
+      s.density.light_ratio += s.by_light * (1 / b.pdf[0]);
+      if (media_) s.share = safe_divide(walked, s.density.light_ratio);
+    }
     s.from = {vertex.p(), vertex.facing()};
     go_on(i, vertex, b.d);
     ++s.depth;
@@ -204,11 +226,13 @@ private:
     const float* pairs = nullptr;  ///< random numbers of the present vertex
     Spectrum by_light;  ///< at a vertex in a medium: the density of its place had a light chosen it, relative
                         ///< to that of the hero's walk
-    float eta2 = 1;     ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
-                        ///< for roulette
-    bool last = false;  ///< the present surface may only be passed
-    bool after_edge =
-        false;  ///< `flight` left an edge: connections around it have counted the lights that it meets
+    Spectrum share{1.f};  ///< of `EmissionSearch`
+    float eta2 = 1;  ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
+                     ///< for roulette
+    PathDensity looked_from;  ///< where the line of sight began
+    /// It brings all that is emitted along the ray and behind what lets the ray pass; after an edge connections have.
+    bool looked = false;
+    bool last = false;    ///< the present surface may only be passed
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
@@ -226,7 +250,7 @@ private:
       s.density.survive(survival);
     }
     // The last ray can only bring emission.
-    return limits_.reaches(s.depth + 2) || (scene_.may_meet_emitter(s.flight.ray) && !s.after_edge);
+    return limits_.reaches(s.depth + 2) || (scene_.may_meet_emitter(s.flight.ray) && !s.looked);
   }
 
   /// The path leaves its vertex for an edge.
@@ -272,10 +296,24 @@ private:
     s.density.extend(Weight(value), 1.f, true);
     s.flight = at.flight;
     s.flight.ray = Anchor::in_space(at.point.p).leave(d);
-    s.after_edge = true;
+    s.looked = true;
     ++s.depth;
     ++s.vertex;
     return survives(i);
+  }
+
+  /// Where connections cannot find what shines through a medium (from the sensor, after a mirror) walks would see it
+  /// or not: a line of sight brings what passes, without chance, and walks nothing. Begins where the ray first comes
+  /// into a medium. Only towards lamps: the sky is about as bright as what fog before it scatters, and of two such
+  /// numbers one by chance has less noise than a sum of which one part is by chance.
+  void look_ahead(int i, const RayTracer::Hit& hit) {
+    State& s = states_[i];
+    if (s.looked || s.density.has_light_ratio() || (limits_.hide_emitters && s.depth == 0)) return;
+    if (!scene_.may_meet_shining_shape(s.flight.ray)) return;
+    s.looked = true;
+    s.looked_from = s.density;
+    sight_->begin(i, s.flight, 1.f, key(paths_[size_t(i)].samples, s.vertex, Key::flight) ^ kOther);
+    if (sight_->arrive(i, hit) == Event::crossed) lines_.add(i, sight_->ray(i));
   }
 
   /// Through the medium along the ray: `medium` where the path is scattered there, `crossed` where it arrives
@@ -287,7 +325,7 @@ private:
     Vec3 p;
     Spectrum chosen;
     if (!aureole::fly(s.flight, t_max, path.wavelengths, path.samples, s.vertex, s.density,
-                      &path.result.estimate, p, media_, s.from, &chosen))
+                      s.looked ? nullptr : &path.result.estimate, p, {media_, s.from, s.share}, &chosen))
       return Event::crossed;
     s.by_light = places ? chosen * places->pdf(dot(p - s.flight.ray.o, s.flight.ray.d)) : Spectrum(0.f);
     if (log_.follows(i))
@@ -302,8 +340,8 @@ private:
     return Event::medium;
   }
 
-  /// Connects a place along the flight, whichever the flight itself will choose, where a light is near. Not where
-  /// connections look for emission, whose weights do not count this technique.
+  /// Connects a place along the flight, whichever the flight itself will choose, where a light is near. From there
+  /// connections look for no emission, whose weights do not count this technique (`share`).
   std::optional<Equiangular> connect_segment(int i, float t_max) {
     const State& s = states_[i];
     Path& path = paths_[size_t(i)];
@@ -339,7 +377,7 @@ private:
 
   void add_emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
     const State& s = states_[i];
-    if (is_black(radiance) || s.after_edge) return;
+    if (s.looked || is_black(radiance)) return;
     Path& path = paths_[size_t(i)];
     path.result.estimate +=
         s.density.has_light_ratio()
@@ -359,6 +397,8 @@ private:
   PerPath<Vertex> vertices_;
   PathList below_;  ///< that have gone on below a surface
   BatchConnections* segments_ = nullptr;
+  std::optional<SightSteps<PathSteps>> sight_;  ///< in scenes with media
+  BatchRays lines_;                             ///< of it
 };
 
 class PathIntegrator final : public Integrator {

@@ -28,7 +28,8 @@ public:
     sum[path] += radiance;
   }
   void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
-  void glow(int path, const Spectrum& estimate) { media[path] += estimate; }
+  Glow glow(int) const { return {}; }
+  void see(int path, const Spectrum& light) { media[path] += light / paths_[size_t(path)].wavelengths.pdf; }
 
   Spectrum sum[kBatch];
   Spectrum media[kBatch];  ///< estimates of the light of media

@@ -14,21 +14,24 @@
 #include "aureole/loading/object_pool.h"
 #include "aureole/loading/references.h"
 #include "aureole/plugin/properties.h"
+#include "aureole/plugin/table_progress.h"
 
 namespace aureole {
 
 struct PluginAlias;
 
-class Builder : public SceneLookup {
+class Builder : public SceneLookup, public TableListener {
 public:
-  /// `given` are the objects that <given key="..."/> stands for; `pool`, which may be null, holds those of an
-  /// earlier build.
+  /// `given` are the objects that <given key="..."/> stands for; `progress` is told of tables that take long;
+  /// `pool`, which may be null, holds the objects of an earlier build.
   Builder(const References& references, std::shared_ptr<const BuildContext> context, Diagnostics& diagnostics,
-          const std::map<std::string, ObjectPtr>& given, ObjectPool* pool = nullptr)
+          const std::map<std::string, ObjectPtr>& given, TableProgress progress = {},
+          ObjectPool* pool = nullptr)
       : references_(references),
         context_(std::move(context)),
         diagnostics_(diagnostics),
         given_(given),
+        progress_(std::move(progress)),
         pool_(pool),
         keys_(references, given) {}
 
@@ -39,6 +42,7 @@ public:
   ObjectPtr find(std::string_view family, const std::string& id) override;
   void add_file(const std::filesystem::path& file) override { files_.push_back(file); }
   const std::vector<std::filesystem::path>& files() const { return files_; }
+  const TableProgress& table_progress() const override { return progress_; }
 
   /// The object built for each element so far.
   const std::unordered_map<const Node*, ObjectPtr>& built() const { return built_; }
@@ -59,6 +63,7 @@ private:
   std::shared_ptr<const BuildContext> context_;
   Diagnostics& diagnostics_;
   const std::map<std::string, ObjectPtr>& given_;
+  TableProgress progress_;
   ObjectPool* pool_;
   PoolKeys keys_;
   std::unordered_map<const Node*, ObjectPtr> built_;  ///< null for failed ones

@@ -67,11 +67,17 @@ public:
     owned_->context.grid = grid;
     if (pool && !pool->empty()) stop_at_errors();  // a grid that errors made invalid would empty the pool
     if (pool) pool->begin(owned_->context);
-    Builder builder(references, context(), diagnostics(), options.given, pool);
-    owned_->context.scene = &builder;
+    Builder builder(references, context(), diagnostics(), options.given, options.progress, pool);
     owned_->context.models = pool ? pool->models() : std::make_shared<ModelCache>();
-    build(builder);
-    owned_->context.scene = nullptr;
+    {
+      // The context outlives the builder, also where the loading is given up.
+      struct Lookup {
+        BuildContext& context;
+        ~Lookup() { context.scene = nullptr; }
+      } const lookup{owned_->context};
+      owned_->context.scene = &builder;
+      build(builder);
+    }
     stop_at_errors();
     references.files.insert(references.files.end(), builder.files().begin(), builder.files().end());
   }

@@ -14,6 +14,7 @@
 #include "aureole/integrator/integrator.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
+#include "aureole/plugin/table_progress.h"
 #include "aureole/scene/scene.h"
 
 namespace aureole {
@@ -27,6 +28,7 @@ struct LoadOptions {
   /// Objects that the program made itself: `<given name="..." key="..."/>` stands for one of them. A key must
   /// change with the object's content: the scene's hash contains only the key.
   std::map<std::string, ObjectPtr> given;
+  TableProgress progress = {};  ///< told of tables that take long; may be null, and may throw to give up
 };
 
 /// The content of a scene file: the scene, its integrator, and its origin.

@@ -15,6 +15,7 @@
 #include "aureole/phase/table/tabulated_phase_function.h"
 #include "aureole/plugin/radius_parameters.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/plugin/table_progress.h"
 
 namespace aureole {
 namespace {
@@ -30,7 +31,8 @@ std::shared_ptr<const TabulatedPhase> make_table(const Properties& p) {
       const std::vector<double> nm = mie_wavelengths(grid, {&radii, 1}, host(grid.min_nm));
       const optics::EnsembleAccuracy accuracy = mie_accuracy({&radii, 1}, host(nm.front()), nm.front());
       const optics::Ensemble ensemble({{optics::sphere_kind(index), radii}}, nm, host, accuracy, for_ranges);
-      return std::make_shared<const TabulatedPhase>(tabulate(ensemble.phases(for_ranges), nm, grid));
+      return std::make_shared<const TabulatedPhase>(
+          tabulate(ensemble.phases(for_ranges, progress_of(p)), nm, grid));
     } catch (const std::domain_error& e) {
       throw p.error("radius", e.what());
     }

@@ -119,9 +119,10 @@ void Scene::make_lights() {
 void Scene::bound_emitters() {
   constexpr std::ptrdiff_t kFewEmitters = 8;
   const auto& emitters = parts_.emitters;
-  if (std::any_of(emitters.begin(), emitters.end(), [](const auto& e) { return e->is_infinite(); })) return;
-  if (any_medium_emits_) return;
-  if (std::ptrdiff_t(emitters_.size() - emitters.size()) > kFewEmitters) return;
+  emits_everywhere_ = any_medium_emits_ || std::any_of(emitters.begin(), emitters.end(),
+                                                       [](const auto& e) { return e->is_infinite(); });
+  many_shapes_shine_ = std::ptrdiff_t(emitters_.size() - emitters.size()) > kFewEmitters;
+  if (many_shapes_shine_) return;
   for (const Light& light : emitters_)
     if (light.shape) {
       Bounds3 b = light.shape->bounds();
@@ -276,8 +277,8 @@ void Scene::weigh_lights() {
   lights_ = LightSampler(emitters_, powers, emitted_powers);
 }
 
-bool Scene::may_meet_emitter(const Ray& ray) const {
-  if (emitter_bounds_.empty()) return true;
+bool Scene::may_meet_shining_shape(const Ray& ray) const {
+  if (many_shapes_shine_) return true;
   const Vec3 inverse{1 / ray.d.x, 1 / ray.d.y, 1 / ray.d.z};
   for (const Bounds3& b : emitter_bounds_) {
     float near = 0, far = ray.t_max;

@@ -51,7 +51,9 @@ public:
   const RayTracer& tracer() const { return *tracer_; }
   /// False where a ray meets no emitter's bounds, so that a ray that only looks for emission need not be
   /// traced.
-  bool may_meet_emitter(const Ray& ray) const;
+  bool may_meet_emitter(const Ray& ray) const { return emits_everywhere_ || may_meet_shining_shape(ray); }
+  /// The same of shapes alone, without the surroundings and media.
+  bool may_meet_shining_shape(const Ray& ray) const;
   /// Every connection is either open or blocked, so that an occlusion test is enough.
   bool has_binary_visibility() const { return !any_passable_; }
   /// Some space is not vacuum, or shapes overlap by priority: paths keep account of what they are in.
@@ -105,7 +107,8 @@ private:
   std::shared_ptr<const SceneEdges> edges_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
-  bool any_passable_ = false;            ///< connections may have to pass surfaces or media
+  bool many_shapes_shine_ = false, emits_everywhere_ = false;
+  bool any_passable_ = false;  ///< connections may have to pass surfaces or media
   bool has_exits_ = false;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
   Bounds3 media_bounds_;     ///< of the surfaces on which a medium ends

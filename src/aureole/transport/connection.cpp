@@ -19,10 +19,10 @@ bool is_lost(const Scene& scene, Connection& c) {
   return true;
 }
 
-void travel(Connection& c, float t, const Wavelengths& w) {
+void travel(Connection& c, float t, const Wavelengths& w, Glow* glow) {
   const float unit = length(c.flight.ray.d);  // of the ray's distances
   c.key = c.key * 0x9e3779b9u + 1;            // each medium on the way has numbers of its own
-  const Straight s = transmittance(*c.flight.medium, {c.flight.ray.o, c.d}, t * unit, w, c.key);
+  const Straight s = transmittance(*c.flight.medium, {c.flight.ray.o, c.d}, t * unit, w, c.key, glow);
   c.passed_before = c.passed;
   c.passed *= s.passed;
   c.light *= s.roulette;

@@ -39,6 +39,7 @@ struct Connection {
   Spectrum passed;         ///< part of the light that has passed media
   Spectrum passed_before;  ///< the same without the medium that it is in
   const Medium* source;    ///< the medium whose emission it brings, which must be at its end; null: a surface
+  bool others_pass;        ///< other techniques go through media with certainty, as if these were clear
 
   /// From a point along `direction` to another, off the surfaces that they lie on.
   void set(const Anchor& from, const Vec3& direction, const Anchor& to);
@@ -49,6 +50,7 @@ struct Connection {
     flight.medium = surroundings.medium, flight.inside = surroundings.inside;
     key = random_key, passed = passed_before = 1.f;
     source = nullptr;
+    others_pass = false;
   }
   /// The light arrives: `light` becomes the contribution.
   void finish() {
@@ -58,14 +60,15 @@ struct Connection {
     }
     // A walk finds the emission of a uniform medium wherever it is scattered there.
     const Spectrum& walked = source && !source->majorants() ? passed_before : passed;
-    light *= passed * (1 / sum(own + other * walked));
+    light *= passed * (1 / sum(own + (others_pass ? other : other * walked)));
   }
   /// It cannot be traced: the sample is invalid, which is counted.
   void lose() { light = std::numeric_limits<float>::quiet_NaN(); }
 };
 
-/// A connection has gone on to the distance `t` along its ray: attenuates it by the medium that it is in.
-void travel(Connection& connection, float t, const Wavelengths& w);
+/// A connection has gone on to the distance `t` along its ray: attenuates it by the medium that it is in. `glow` as of
+/// `transmittance`.
+void travel(Connection& connection, float t, const Wavelengths& w, Glow* glow = nullptr);
 
 /// A connection has met a surface: crossed, blocked, or escape where its end lies on that surface, too.
 Event cross(const SurfacePoint& point, Connection& connection, const Wavelengths& w);

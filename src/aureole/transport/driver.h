@@ -18,6 +18,7 @@
 // and where there are
 //     void put_segments(BatchConnections* room);          room for connections that `arrive` makes, from places
 //                                                         along the segment that it has followed
+//     void finish_looking();                              follows lines of sight that `arrive` has begun
 //     bool looks_for_emission();                          whether vertices have a second connection,
 //     bool connect_to_emission(int path, Connection& out);
 //     bool looks_around_edges();          whether vertices are connected around edges, too,
@@ -138,6 +139,7 @@ template <class Steps>
     [[maybe_unused]] const PathList vertices = arrive_all(scene, steps, rays, kind);
     if constexpr (kHasSegments)
       if (!connections.rays.empty()) march_all(scene, steps, connections);
+    if constexpr (requires { steps.finish_looking(); }) steps.finish_looking();
     if constexpr (kConnects) connect_vertices(scene, steps, vertices, connections);
     if constexpr (kScatters) scatter_all(steps, vertices, rays);
     if constexpr (kEmerges)

@@ -47,10 +47,16 @@ struct SampleCounts {
   return true;
 }
 
-/// The same for a place in a medium that emits: `u1` chooses the medium, `u2` is for the place.
+/// The media for whose emission connections look, or null.
+inline const EmittingMedia* connected_media(const Scene& scene) {
+  const EmittingMedia* media = scene.emitting_media();
+  return media && media->can_be_connected() ? media : nullptr;
+}
+
+/// As `connect_to_light`, for a place in a medium that emits: `u1` chooses the medium, `u2` is for the place.
 inline bool connect_to_emission(const Scene& scene, const Vertex& vertex, const Flight& flight,
                                 const PathDensity& path, float u1, Vec2 u2, const Wavelengths& w,
-                                std::uint32_t key, Connection& out) {
+                                SampleCounts counts, std::uint32_t key, Connection& out) {
   const EmittingMedia& media = *scene.emitting_media();
   KeyedRandom random(key);
   EmittingMedia::Place place;
@@ -69,7 +75,8 @@ inline bool connect_to_emission(const Scene& scene, const Vertex& vertex, const 
   out.set(vertex.anchor(), d, Anchor::in_space(place.p));
   out.begin_in(vertex.surroundings(d, flight), key + 1);
   out.source = place.medium;
-  out.own = path.ratio * (place.pdf * d2), out.other = path.ratio * response.pdf * rate;
+  out.own = path.ratio * (place.pdf * d2 * counts.light);
+  out.other = path.ratio * response.pdf * (rate * counts.scatter);
   out.light = path.beta.of(response.value.of(at.emission)) / w.pdf;
   return true;
 }

@@ -29,6 +29,16 @@ float connection_density(const Glow& glow, const Medium& medium, const Vec3& p) 
   return glow.media->pdf(medium, glow.from.p, glow.from.facing, p) * length_squared(p - glow.from.p);
 }
 
+/// What is emitted at a tentative collision, of which the part `passed` arrives, over the density of finding it there,
+/// `flight` for each density of the path before, and `connection` for each of a connection.
+void add_collision(const Medium& medium, const Vec3& p, const MediumCoefficients& at, const Spectrum& passed,
+                   const Spectrum& flight, float connection, Glow& glow) {
+  if (is_black(at.emission)) return;
+  Spectrum found = glow.ratio * flight;
+  if (glow.media) found += glow.light_ratio * (connection * connection_density(glow, medium, p));
+  glow.seen += passed * at.emission * (1 / sum(found));
+}
+
 /// The light that a medium of the extinction `sigma` emits along the ray.
 void add_glow(const Medium& medium, const Ray& ray, float t_max, const Spectrum& sigma,
               const Spectrum& emission, const Wavelengths& w, float u, Glow& glow) {
@@ -117,13 +127,7 @@ bool fly_by_null_collisions(const Medium& medium, const MajorantGrid& grid, cons
   const float scale = max_component(medium.majorant(ray.d, w));
   if (visit_events(grid, ray, t_max, scale, random.first, further, [&](float place, float bound) {
         medium.eval(ray.o + ray.d * place, ray.d, w, at);
-        if (glow && !is_black(at.emission)) {
-          Spectrum found = glow->ratio * passed * bound;
-          if (glow->media)
-            found +=
-                glow->light_ratio * (connection * connection_density(*glow, medium, ray.o + ray.d * place));
-          glow->seen += passed * at.emission * (1 / sum(found));
-        }
+        if (glow) add_collision(medium, ray.o + ray.d * place, at, passed, passed * bound, connection, *glow);
         const float hero = at.sigma_t[0];
         if (further.next() * bound < hero) {
           passage.value = Weight(passed * at.sigma_s * (1 / hero));
@@ -177,16 +181,19 @@ float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Sp
 namespace {
 
 /// Ratio tracking (Novak, Selle & Jarosz 2014, "Residual ratio tracking for estimating attenuation in
-/// participating media"); `go_on(passed, random)` is asked after each event.
-template <class GoOn>
+/// participating media"); `meet(p, at, bound, passed)` is called at each event, of which the part `passed` arrives,
+/// and `go_on(passed, random)` is asked after it.
+template <class Meet, class GoOn>
 Spectrum track_ratio(const Medium& medium, const MajorantGrid& grid, const Ray& ray, float t_max,
-                     const Wavelengths& w, std::uint32_t key, GoOn&& go_on) {
+                     const Wavelengths& w, std::uint32_t key, Meet&& meet, GoOn&& go_on) {
   KeyedRandom random(key);
   MediumCoefficients at;
   Spectrum passed = 1.f;
   const float first = random.next(), scale = max_component(medium.majorant(ray.d, w));
   visit_events(grid, ray, t_max, scale, first, random, [&](float t, float bound) {
-    medium.eval(ray.o + ray.d * t, ray.d, w, at);
+    const Vec3 p = ray.o + ray.d * t;
+    medium.eval(p, ray.d, w, at);
+    meet(p, at, bound, passed);
     passed *= max(Spectrum(1.f) - at.sigma_t * (1 / bound), 0.f);
     return !go_on(passed, random);
   });
@@ -202,12 +209,21 @@ Spectrum passed_uniformly(const Medium& medium, const Ray& ray, float t_max, con
 }  // namespace
 
 Straight transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
-                       std::uint32_t key) {
+                       std::uint32_t key, Glow* glow) {
   const MajorantGrid* grid = medium.majorants();
-  if (!grid) return {passed_uniformly(medium, ray, t_max, w)};
+  if (!grid) {
+    MediumCoefficients at;
+    medium.eval(ray.o, ray.d, w, at);
+    if (glow) add_glow(medium, ray, t_max, at.sigma_t, at.emission, w, KeyedRandom(key).next(), *glow);
+    return {passing(at.sigma_t, t_max)};
+  }
   Straight result;
-  result.passed =
-      track_ratio(medium, *grid, ray, t_max, w, key, [&](const Spectrum& passed, KeyedRandom& random) {
+  result.passed = track_ratio(
+      medium, *grid, ray, t_max, w, key,
+      [&](const Vec3& p, const MediumCoefficients& c, float bound, const Spectrum& passed) {
+        if (glow) add_collision(medium, p, c, passed * result.roulette, Spectrum(bound), 1, *glow);
+      },
+      [&](const Spectrum& passed, KeyedRandom& random) {
         // Roulette, the same for each hero.
         constexpr float kLittle = 0.1f, kSurvival = 0.5f;
         if (!(max_component(passed) * result.roulette < kLittle)) return true;
@@ -220,8 +236,9 @@ Straight transmittance(const Medium& medium, const Ray& ray, float t_max, const 
 Spectrum passed_to(const Medium& medium, const Ray& ray, float t, const Wavelengths& w, std::uint32_t key) {
   const MajorantGrid* grid = medium.majorants();
   if (!grid) return passed_uniformly(medium, ray, t, w);
-  return track_ratio(medium, *grid, ray, t, w, key,
-                     [](const Spectrum& passed, KeyedRandom&) { return !is_black(passed); });
+  return track_ratio(
+      medium, *grid, ray, t, w, key, [](const Vec3&, const MediumCoefficients&, float, const Spectrum&) {},
+      [](const Spectrum& passed, KeyedRandom&) { return !is_black(passed); });
 }
 
 }  // namespace aureole

@@ -63,14 +63,22 @@ struct LightReference {
   Vec3 p, facing;
 };
 
+/// Where connections have looked for the emission that a flight meets.
+struct EmissionSearch {
+  const EmittingMedia* media = nullptr;  ///< among these; null: they have not
+  LightReference from;                   ///< at this vertex
+  /// The part of the path's `light_ratio` that counts: not that of connections which look for surfaces only.
+  Spectrum share{1.f};
+};
+
 /// The light that a medium emits along a flight, towards its beginning.
 struct Glow {
   /// Densities of the path before the flight: of walking, and as if the last vertex had been found by light
   /// sampling (`PathDensity`).
-  Spectrum ratio, light_ratio;
+  Spectrum ratio{1.f}, light_ratio{0.f};
   /// The lights among which connections from the last vertex have looked for emission; null: they have not.
-  const EmittingMedia* media;
-  LightReference from;
+  const EmittingMedia* media = nullptr;
+  LightReference from{};
   /// An estimate of the light over the sum of the densities of all ways to find it.
   Spectrum seen{0.f};
 };
@@ -84,18 +92,19 @@ bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w
 
 /// The same for a path of that density, from its vertex number `vertex`: `density` becomes that at the end of
 /// the flight, `p` where it is scattered. The light that the medium emits is added to `estimate`, unless that is
-/// null; `media` and `from` are those of `Glow`. Where it is scattered `chosen` receives, unless it is null, the
+/// null, weighted against what `search` has found. Where it is scattered `chosen` receives, unless it is null, the
 /// density of the path had its last place been chosen with density 1, relative to the hero's of flying there.
 template <class Density>
 bool fly(const Flight& flight, float t_max, const Wavelengths& w, SampleStream& samples, int vertex,
-         Density& density, Spectrum* estimate, Vec3& p, const EmittingMedia* media = nullptr,
-         const LightReference& from = {}, Spectrum* chosen = nullptr) {
+         Density& density, Spectrum* estimate, Vec3& p, const EmissionSearch& search = {},
+         Spectrum* chosen = nullptr) {
   const FlightRandom random{get(samples, vertex, Choice::distance), key(samples, vertex, Key::flight)};
   Passage passage;
   float t;
   bool scattered;
   if (estimate && flight.medium->emits()) {
-    Glow glow{density.ratio, density.light_ratio, density.has_light_ratio() ? media : nullptr, from};
+    Glow glow{density.ratio, density.light_ratio * search.share,
+              density.has_light_ratio() ? search.media : nullptr, search.from};
     scattered = fly(*flight.medium, flight.ray, t_max, w, random, passage, &glow, t);
     if (!is_black(glow.seen)) *estimate += density.beta.of(glow.seen) / w.pdf;
   } else {
@@ -121,9 +130,10 @@ struct Straight {
   Spectrum passed{1.f};
   float roulette = 1;  ///< factor of the estimate that is in no density; 0 where it was ended
 };
-/// Along `ray` from its origin to the distance t_max.
+/// Along `ray` from its origin to the distance t_max. Adds to `glow`, unless that is null, what the medium emits
+/// along the way; its `ratio` is the density of arriving at t_max, too, since nothing is scattered.
 Straight transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
-                       std::uint32_t key);
+                       std::uint32_t key, Glow* glow = nullptr);
 /// The same without roulette, so that a path may be scattered there.
 Spectrum passed_to(const Medium& medium, const Ray& ray, float t, const Wavelengths& w, std::uint32_t key);
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include "aureole/transport/driver.h"
-#include "aureole/transport/keyed_random.h"
 
 namespace aureole {
 
@@ -14,8 +13,9 @@ namespace aureole {
 ///     radiance);
 /// which is called for each light along the ray of direction d: with its point (null if it is at infinity)
 /// and the part of its radiance that arrives; and perhaps
-///     void glow(int path, const Spectrum& estimate);
-/// for the light of media along the ray, divided by the density of its wavelengths.
+///     Glow glow(int path);                                densities with which the ray meets emission
+///     void see(int path, const Spectrum& light);          what of it arrives, over those of finding it
+/// for the light of media along the ray.
 template <class Viewer>
 class SightSteps {
 public:
@@ -34,9 +34,7 @@ public:
     Connection& line = lines_[path];
     const Wavelengths& w = viewer_.wavelengths(path);
     if (line.flight.medium) {
-      if constexpr (requires { viewer_.glow(0, Spectrum()); })
-        if (line.flight.medium->emits()) viewer_.glow(path, glow(line, hit ? hit.t : kInfinity, w));
-      travel(line, hit ? hit.t : kInfinity, w);
+      go_through_medium(path, line, hit ? hit.t : kInfinity, w);
       line.light *= line.passed;
       line.passed = 1.f;
       if (is_black(line.light)) return Event::blocked;
@@ -47,20 +45,21 @@ public:
       return Event::escape;
     }
     const SurfacePoint point = scene_.surface_point(hit, line.flight.ray);
-    if (const Light* light = point.surface->light)
+    if (const Light* light = point.surface->light; light && !line.flight.is_hidden(*point.surface))
       viewer_.see(path, *light, &point, line.d, line.light * light->eval(point, -line.d, w));
     return cross(point, line, w);
   }
 
 private:
-  static Spectrum glow(const Connection& line, float t_max, const Wavelengths& w) {
-    KeyedRandom random(line.key);
-    const FlightRandom numbers{random.next(), line.key + 1};
-    Glow seen{1.f, 0.f, nullptr, {}};
-    Passage passage;
-    float t;
-    fly(*line.flight.medium, line.flight.ray, t_max, w, numbers, passage, &seen, t);
-    return line.light * seen.seen / w.pdf;
+  void go_through_medium(int path, Connection& line, float t_max, const Wavelengths& w) {
+    if constexpr (requires { viewer_.glow(0); })
+      if (line.flight.medium->emits()) {
+        Glow glow = viewer_.glow(path);
+        const Spectrum before = line.light;  // `travel` puts the roulette of the whole way into it
+        travel(line, t_max, w, &glow);
+        return viewer_.see(path, before * glow.seen);
+      }
+    travel(line, t_max, w);
   }
 
   const Scene& scene_;

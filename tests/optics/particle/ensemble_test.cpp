@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -95,6 +96,24 @@ TEST(Ensemble, ThreadsDoNotChangeABit) {
   const PhaseTables a = one.phases(), b = two.phases(std_thread_for(3));
   EXPECT_EQ(a.tables[0].mu, b.tables[0].mu);
   EXPECT_EQ(a.tables[1].p, b.tables[1].p);
+}
+
+TEST(Ensemble, TellsItsProgress) {
+  const Ensemble e({{spheres(1.33), RadiusDistribution::gamma(4e-6, 0.1)}}, {450, 600}, constant(1));
+  std::vector<double> parts;
+  const PhaseTables told = e.phases(serial_for, [&](double part) { parts.push_back(part); });
+  ASSERT_GT(parts.size(), 10u);
+  EXPECT_TRUE(std::is_sorted(parts.begin(), parts.end()));
+  EXPECT_GT(parts.front(), 0);
+  EXPECT_GT(parts.back(), 0.85);
+  EXPECT_LE(parts.back(), 1);
+  EXPECT_EQ(told.tables[0].p, e.phases().tables[0].p);
+  struct Enough {};
+  EXPECT_THROW(e.phases(std_thread_for(2),
+                        [&](double part) {
+                          if (part > 0.2) throw Enough();
+                        }),
+               Enough);
 }
 
 TEST(Ensemble, AveragingConverges) {

@@ -10,6 +10,7 @@
 #include "aureole/medium/content/volume_majorants.h"
 #include "aureole/phase/table/mie_tables.h"
 #include "aureole/phase/table/tabulated_phase_function.h"
+#include "aureole/plugin/table_progress.h"
 
 namespace aureole {
 
@@ -40,7 +41,8 @@ struct MixtureTables {
   std::shared_ptr<const TabulatedPhase> phase;  ///< null: the default
 };
 
-MixtureTables tabulate_mixture(const optics::Suspension& content, const SpectralGrid& grid, double unit) {
+MixtureTables tabulate_mixture(const optics::Suspension& content, const SpectralGrid& grid, double unit,
+                               const optics::TellProgress& progress) {
   MixtureTables made;
   // What the host absorbs may vary much with the wavelength, and costs nothing: it is added at each node of
   // the grid.
@@ -62,7 +64,7 @@ MixtureTables tabulate_mixture(const optics::Suspension& content, const Spectral
   optics::EnsembleAccuracy accuracy = mie_accuracy(radii, index, grid.min_nm);
   accuracy.averaging = 2e-3;
   const optics::MediumSpectrum spectrum =
-      optics::Suspension(host, content.ingredients()).spectrum(nm, true, accuracy, for_ranges);
+      optics::Suspension(host, content.ingredients()).spectrum(nm, true, accuracy, for_ranges, progress);
   std::vector<double> absorption, scattering;
   for (const optics::EnsembleCoefficients& c : spectrum.coefficients)
     absorption.push_back(std::max(c.absorption, 0.0)), scattering.push_back(c.scattering);
@@ -81,7 +83,7 @@ Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Mediu
   const auto tables = p.shared_model<MixtureTables>([&] {
     try {
       return std::make_shared<const MixtureTables>(
-          tabulate_mixture(content, p.context().grid, p.context().length_unit_m));
+          tabulate_mixture(content, p.context().grid, p.context().length_unit_m, progress_of(p)));
     } catch (const std::domain_error& e) {
       throw Error(p.where(), e.what());
     }

@@ -118,7 +118,8 @@ double Suspension::density() const {
 }
 
 MediumSpectrum Suspension::spectrum(const std::vector<double>& lambda_nm, bool with_phases,
-                                    const EnsembleAccuracy& accuracy, const ParallelFor& parallel_for) const {
+                                    const EnsembleAccuracy& accuracy, const ParallelFor& parallel_for,
+                                    const TellProgress& progress) const {
   const double left = 1 - volume_fraction();
   std::vector<ParticlePopulation> all = populations_;
   if (host_.scattering)
@@ -131,7 +132,7 @@ MediumSpectrum Suspension::spectrum(const std::vector<double>& lambda_nm, bool w
     if (host_.absorption) c.absorption += left * host_.absorption(c.lambda_nm);
     scatters = scatters && c.scattering > 0;
   }
-  if (with_phases && scatters) result.phases = ensemble.phases(parallel_for);
+  if (with_phases && scatters) result.phases = ensemble.phases(parallel_for, progress);
   return result;
 }
 

@@ -61,8 +61,8 @@ public:
 
   /// At each wavelength (nm, increasing) of a list. sigma_a of the host counts for the volume that is left to it.
   MediumSpectrum spectrum(const std::vector<double>& lambda_nm, bool with_phases = true,
-                          const EnsembleAccuracy& accuracy = {},
-                          const ParallelFor& parallel_for = serial_for) const;
+                          const EnsembleAccuracy& accuracy = {}, const ParallelFor& parallel_for = serial_for,
+                          const TellProgress& progress = nullptr) const;
 
   /// What the option `hard_spheres` of an ingredient changes at a wavelength, whether it is on or not: worth a
   /// remark where it is off and the scattering differs from 1 by more than 1 %. Nothing where the particles fill

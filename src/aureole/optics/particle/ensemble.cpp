@@ -2,6 +2,7 @@
 #include "aureole/optics/particle/ensemble.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -246,7 +247,41 @@ std::vector<double> Ensemble::differential(std::size_t wavelength, std::span<con
   return at;
 }
 
-PhaseTables Ensemble::phases(const ParallelFor& parallel_for) const {
+namespace {
+
+/// Estimates which part of adaptive rounds is done. How many angles the later ones need is not known: at first as many as
+/// the present one and a fifth more, then less and less (spheres of 2 to 60 um in light of 360 to 830 nm).
+class RoundProgress {
+public:
+  RoundProgress(const TellProgress& tell, std::size_t tasks) : tell_(tell), tasks_(double(tasks)) {}
+
+  void begin(std::size_t angles) {
+    finished_ += angles_;
+    angles_ = double(angles), tasks_done_ = 0;
+    const double ahead = round_++ == 0 ? 1.2 : round_ == 2 ? 0.4 : 0.1;
+    expected_ = finished_ + angles_ * (1 + ahead);
+  }
+  void task_done() {
+    if (!tell_) return;
+    const double part = (finished_ + angles_ * double(++tasks_done_) / tasks_) / expected_;
+    double before = part_;
+    while (part > before && !part_.compare_exchange_weak(before, part)) {
+    }
+    tell_(std::max(part, before));
+  }
+
+private:
+  const TellProgress& tell_;
+  const double tasks_;
+  double angles_ = 0, finished_ = 0, expected_ = 1;
+  int round_ = 0;
+  std::atomic<std::size_t> tasks_done_{0};
+  std::atomic<double> part_{0};
+};
+
+}  // namespace
+
+PhaseTables Ensemble::phases(const ParallelFor& parallel_for, const TellProgress& progress) const {
   struct Task {
     std::size_t wavelength, population;
     std::span<const RadiusNode> nodes;
@@ -268,9 +303,11 @@ PhaseTables Ensemble::phases(const ParallelFor& parallel_for) const {
   }
   // The forward peak is 4/x wide, bows x^(-2/3).
   const double step = std::min(kPi / 60, 0.5 * std::pow(size, -2.0 / 3));
+  RoundProgress rounds(progress, tasks.size());
   return tabulate_phases(
       [&](std::span<const double> mu, std::vector<std::vector<double>>& at,
           std::vector<std::vector<double>>& mirrored) {
+        rounds.begin(mu.size());
         parallel_for(
             tasks.size(),
             [&](std::size_t begin, std::size_t end) {
@@ -279,6 +316,7 @@ PhaseTables Ensemble::phases(const ParallelFor& parallel_for) const {
                 task.at.assign(mu.size(), 0), task.mirrored.assign(mu.size(), 0);
                 add_differential(populations_[task.population], task.nodes, lambda_nm_[task.wavelength],
                                  host_[task.wavelength], mu, task.at, task.mirrored);
+                rounds.task_done();
               }
             },
             1);

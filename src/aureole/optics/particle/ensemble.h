@@ -4,6 +4,7 @@
 // not independent, of intensities times a structure factor.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -53,6 +54,10 @@ struct EnsembleCoefficients {
   double albedo() const { return extinction() > 0 ? scattering / extinction() : 1; }
 };
 
+/// Told which part of a computation, 0 to 1, is done: an estimate, which does not fall. Called from the threads of
+/// its `ParallelFor`, several at once; what it throws ends the computation.
+using TellProgress = std::function<void(double part)>;
+
 class Ensemble {
 public:
   /// `host`: real index of the medium around the particles. Averages over radii are found here, at each of
@@ -70,7 +75,8 @@ public:
 
   /// Phase functions of all wavelengths on one grid of angles. Throws std::domain_error where nothing is
   /// scattered at one of them.
-  PhaseTables phases(const ParallelFor& parallel_for = serial_for) const;
+  PhaseTables phases(const ParallelFor& parallel_for = serial_for,
+                     const TellProgress& progress = nullptr) const;
 
 private:
   struct Average;
