@@ -55,10 +55,10 @@ bool EdgePaths::choose_lamp(const Vec3& seen_from, LampEnd& lamp) {
   return true;
 }
 
-std::optional<PathEnd> EdgePaths::sensor_guide(const Vec3& seen_from, Vec2 lens) const {
-  if (const auto seen = scene_.sensor().sample_direct(seen_from, lens)) return PathEnd{seen->p};
+Vec3 EdgePaths::sensor_guide(const Vec3& seen_from, Vec2 lens) const {
+  if (const auto seen = scene_.sensor().sample_direct(seen_from, lens)) return seen->p;
   const FilmPart& part = scene_.sensor().part;
-  return PathEnd{scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o};
+  return scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o;
 }
 
 std::optional<EdgePoint> EdgePaths::choose_between(const PathEnd& a, const PathEnd& b) {
@@ -124,8 +124,8 @@ Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const V
 }
 
 Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
-  const FilmPart& part = scene_.sensor().part;
-  const Vec3 eye = scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o;
+  // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
+  const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
   LampEnd lamp;
   if (!choose_lamp(eye, lamp)) return 0.f;
   const auto point = choose_between(eye, lamp.guide);
@@ -156,8 +156,8 @@ bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d,
 }
 
 bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film) {
-  const FilmPart& part = scene_.sensor().part;
-  const Vec3 eye = scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o;
+  // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
+  const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
   const float u[2] = {random_.next(), random_.next()};
   const auto point = edges_.choose_from({eye}, u);
   if (!point || !(point->pdf > 0)) return false;

@@ -78,9 +78,7 @@ public:
   /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`.
   template <class Respond>
   Spectrum to_sensor(const Place& from, Vec2 lens, const Respond& respond, Vec2& film) {
-    const auto guide = sensor_guide(from.anchor.p, lens);
-    if (!guide) return 0.f;
-    const auto point = choose_between(from.anchor.p, *guide);
+    const auto point = choose_between(from.anchor.p, PathEnd{sensor_guide(from.anchor.p, lens)});
     if (!point) return 0.f;
     const Vec3 d = normalize(point->on_edge() - from.anchor.p);
     const Spectrum response = respond(d);
@@ -125,7 +123,7 @@ private:
   /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are small enough.
   Spectrum reach(const Place& from, const EdgePoint& point) const;
   bool choose_lamp(const Vec3& seen_from, LampEnd& lamp);
-  std::optional<PathEnd> sensor_guide(const Vec3& seen_from, Vec2 lens) const;
+  Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b);
   std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b);
   Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);

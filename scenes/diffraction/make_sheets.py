@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Writes the obstacles of this folder: OBJ files in mm, in the plane z = 0."""
+import math
+
+
+def write(name, comment, vertices, faces):
+    with open(name, "w", encoding="ascii") as out:
+        out.write(f"# SPDX-License-Identifier: Apache-2.0\n# {comment} Written by make_sheets.py.\n")
+        for x, y in vertices:
+            out.write(f"v {x:.6f} {y:.6f} 0\n")
+        for face in faces:
+            out.write("f " + " ".join(str(i + 1) for i in face) + "\n")
+
+
+def sheet_with_holes(name, comment, xs, ys, is_open):
+    """A sheet of rectangles between the lines xs and ys, of which some are open."""
+    vertices = [(x, y) for y in ys for x in xs]
+    n = len(xs)
+    faces = []
+    for j in range(len(ys) - 1):
+        for i in range(n - 1):
+            if not is_open(i, j):
+                a = j * n + i
+                faces += [(a, a + 1, a + n + 1), (a, a + n + 1, a + n)]
+    write(name, comment, vertices, faces)
+
+
+def star(name, points=5, outer=1.0, inner=0.42, rim=60.0):
+    count = 2 * points
+    angles = [math.pi / 2 + math.pi * i / points for i in range(count)]
+    radii = [outer if i % 2 == 0 else inner for i in range(count)]
+    vertices = [(r * math.cos(a), r * math.sin(a)) for r, a in zip(radii, angles)]
+    vertices += [(rim * math.cos(a), rim * math.sin(a)) for a in angles]
+    faces = []
+    for i in range(count):
+        j = (i + 1) % count
+        faces += [(i, count + i, count + j), (i, count + j, j)]
+    write(name, "A sheet of 60 mm with a hole: a star of five points, 1 mm from its centre.", vertices, faces)
+
+
+def comb(name, teeth=9, width=0.5, gap=0.5, length=20.0):
+    xs = [-60.0]
+    start = -(teeth * width + (teeth - 1) * gap) / 2
+    for i in range(teeth):
+        xs += [start + i * (width + gap), start + i * (width + gap) + width]
+    xs.append(60.0)
+    # Teeth hang from a bar above.
+    is_open = lambda i, j: j == 0 and i % 2 == 0
+    sheet_with_holes(name, "A comb: nine teeth of 0.5 mm, 0.5 mm apart, 20 mm long.", xs, [-length / 2, length / 2, 60.0], is_open)
+
+
+if __name__ == "__main__":
+    star("star.obj")
+    sheet_with_holes("two_slits.obj", "A sheet with two slits, 0.2 mm wide, 0.6 mm apart, 4 mm long.",
+                     [-60.0, -0.4, -0.2, 0.2, 0.4, 60.0], [-60.0, -2.0, 2.0, 60.0], lambda i, j: j == 1 and i in (1, 3))
+    comb("comb.obj")
