@@ -138,7 +138,8 @@ double from_afar(const Bsdf& bsdf, double theta_i, double theta_o, double phi) {
 }
 
 /// `path` knows the place by the direction to the sensor, `ptracer` by that to the light. From afar that makes no
-/// difference for light across a fibre, and 12 % at 23 and -11 degrees from there; the model is not reciprocal along it.
+/// difference for light across a fibre, and 12 % at 23 and -11 degrees from there; along it the model is not
+/// reciprocal.
 TEST(Hair, ReciprocalFromAfarAroundTheFibre) {
   const auto bsdf = bsdf_of("hair", number("sigma_a", 0.5));
   for (const double phi : {0.0, 0.7, 1.6, 2.5, 3.1}) {
