@@ -26,6 +26,7 @@ def camera(samples):
             f'<integer name="sample_count" value="{samples}"/></sampler></sensor>')
 
 
+FILES = tempfile.TemporaryDirectory()
 SKY = '<emitter type="constant"/>'
 BLACK = '<bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf>'
 
@@ -91,7 +92,7 @@ def melanin():
 
 def flat_grid():
     # A plane that fills the view, on a grid of 2 x 2 x 9 nodes.
-    with tempfile.NamedTemporaryFile(suffix=".vol", delete=False) as file:
+    with open(os.path.join(FILES.name, "plane.vol"), "wb") as file:
         file.write(b"VOL\x03" + struct.pack("<5i6f", 1, 2, 2, 9, 1, 0, 0, 0, 1, 1, 1))
         file.write((numpy.repeat(numpy.linspace(0, 1, 9), 4) - .45).astype("<f4").tobytes())
     return path(f'<shape type="sdfgrid"><string name="filename" value="{file.name}"/><transform name="to_world"><translate '

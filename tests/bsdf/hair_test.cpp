@@ -120,6 +120,36 @@ double absorption(const std::string& melanins, float nm) {
   return -0.5 * std::log((total - r) / ((1 - r) * (1 - r) + r * (total - r)));
 }
 
+/// Light from afar that a fibre turns by phi around it, over its width: what a sensor gets per irradiance.
+double from_afar(const Bsdf& bsdf, double theta_i, double theta_o, double phi) {
+  const Setting s;
+  const int n = 400;
+  double sum = 0;
+  for (int i = 0; i < n; ++i) {
+    const double around = std::acos((2 * i + 1.0) / n - 1);  // of wi from the x axis: cos is the place h
+    const double out = around + phi;
+    const Vec3 wi{float(std::cos(theta_i) * std::cos(around)), float(std::sin(theta_i)),
+                  float(std::cos(theta_i) * std::sin(around))};
+    const Vec3 wo{float(std::cos(theta_o) * std::cos(out)), float(std::sin(theta_o)),
+                  float(std::cos(theta_o) * std::sin(out))};
+    sum += double(bsdf.eval(wi, wo, s.context())[0]) / n;
+  }
+  return sum * std::cos(theta_i);
+}
+
+/// `path` knows the place by the direction to the sensor, `ptracer` by that to the light. From afar that makes no
+/// difference for light across a fibre, and 12 % at 23 and -11 degrees from there; along it the model is not
+/// reciprocal.
+TEST(Hair, ReciprocalFromAfarAroundTheFibre) {
+  const auto bsdf = bsdf_of("hair", number("sigma_a", 0.5));
+  for (const double phi : {0.0, 0.7, 1.6, 2.5, 3.1}) {
+    const double across = from_afar(*bsdf, 0, 0, phi);
+    EXPECT_NEAR(from_afar(*bsdf, 0, 0, -phi), across, 2e-3 * across) << phi;
+    const double one = from_afar(*bsdf, 0.4, -0.2, phi), other = from_afar(*bsdf, -0.2, 0.4, -phi);
+    EXPECT_NEAR(one, other, 0.15 * other) << phi;
+  }
+}
+
 /// d'Eon et al. 2011, section 6.1: red, green and blue.
 TEST(Hair, MelaninsAsPublished) {
   const float nm[3] = {650, 550, 450};

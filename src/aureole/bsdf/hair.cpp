@@ -231,9 +231,10 @@ AUREOLE_PLUGIN(
         "Light is reflected by the surface, which tilted scales roughen, or passes through the coloured inside "
         "with any number of reflections. All of that happens at one point: what is transmitted leaves "
         "on the far side from where it came, and the place across the width follows from the direction to the "
-        "viewer, or in light tracing (`ptracer`) from that of the light. Black from within. Both indices are "
-        "those at 589 nm. Melanins absorb by the power laws of their measured spectra (where Mitsuba upsamples "
-        "three numbers, of which it clips those above 1). `bdpt` refuses it.",
+        "viewer, or in light tracing (`ptracer`) from that of the light; the model is not reciprocal along a "
+        "fibre, where both differ. Black from within. Both indices are those at 589 nm. Melanins absorb by the "
+        "power laws of their measured spectra (where Mitsuba upsamples three numbers, of which it clips those above "
+        "1). `bdpt` refuses it.",
         "M. J.-Y. Chiang, B. Bitterli, C. Tappan, B. Burley, A practical and controllable hair and fur model for "
         "production path tracing, Computer Graphics Forum 35(2), 2016; E. d'Eon et al., An energy-conserving hair "
         "reflectance model, EGSR 2011 (M_p, coefficients of melanins); C. Donner, H. W. Jensen, A spectral BSSRDF "
