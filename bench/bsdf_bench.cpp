@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -86,10 +87,29 @@ BsdfInputs crossing_inputs(const Bsdf& bsdf, const SpectralGrid& grid) {
   return in;
 }
 
-void bench_eval_pdf(benchmark::State& state, const std::string& xml, bool crossing) {
+/// Both directions above the surface, for those that are compared with one another: `coat of ...`.
+BsdfInputs upper_inputs(const SpectralGrid& grid) {
+  BsdfInputs in(grid);
+  for (Vec3& wo : in.wo) wo.z = std::abs(wo.z);
+  return in;
+}
+
+/// Each is made once: tables take seconds, and benchmarks are started several times.
+std::shared_ptr<Bsdf> bsdf_of(const std::string& xml, const std::shared_ptr<const BuildContext>& context) {
+  static std::map<std::string, std::shared_ptr<Bsdf>> made;
+  std::shared_ptr<Bsdf>& bsdf = made[xml];
+  if (!bsdf) bsdf = build<Bsdf>(xml, context);
+  return bsdf;
+}
+
+enum class Directions { any, crossing, above };
+
+void bench_eval_pdf(benchmark::State& state, const std::string& xml, Directions directions) {
   const auto context = make_context();
-  const auto bsdf = build<Bsdf>(xml, context);
-  const BsdfInputs in = crossing ? crossing_inputs(*bsdf, context->grid) : BsdfInputs(context->grid);
+  const auto bsdf = bsdf_of(xml, context);
+  const BsdfInputs in = directions == Directions::crossing ? crossing_inputs(*bsdf, context->grid)
+                        : directions == Directions::above  ? upper_inputs(context->grid)
+                                                           : BsdfInputs(context->grid);
   const SurfacePoint point;
   unsigned i = 0;
   for (auto _ : state) {
@@ -102,7 +122,7 @@ void bench_eval_pdf(benchmark::State& state, const std::string& xml, bool crossi
 
 void bench_eval(benchmark::State& state, const std::string& xml) {
   const auto context = make_context();
-  const auto bsdf = build<Bsdf>(xml, context);
+  const auto bsdf = bsdf_of(xml, context);
   const BsdfInputs in = crossing_inputs(*bsdf, context->grid);
   const SurfacePoint point;
   unsigned i = 0;
@@ -116,7 +136,7 @@ void bench_eval(benchmark::State& state, const std::string& xml) {
 
 void bench_sample(benchmark::State& state, const std::string& xml) {
   const auto context = make_context();
-  const auto bsdf = build<Bsdf>(xml, context);
+  const auto bsdf = bsdf_of(xml, context);
   const BsdfInputs in(context->grid);
   const SurfacePoint point;
   unsigned i = 0;
@@ -157,6 +177,20 @@ const std::vector<std::pair<std::string, std::string>> kBsdfs = {
       <string name="width" value="7um"/><string name="height" value="7um"/><float name="fraction" value="0.5"/></aperture>
       <aperture type="circle"><string name="radius" value="5um"/><float name="fraction" value="0.5"/></aperture>
       <texture type="checkerboard" name="area_fraction"><float name="color0" value="0.3"/><float name="color1" value="0.5"/></texture></bsdf>)"},
+    {"coat of roughplastic", R"(<bsdf type="roughplastic"><float name="alpha" value="0.2"/>
+      <rgb name="diffuse_reflectance" value="0.2, 0.25, 0.7"/></bsdf>)"},
+    {"coat of paint, opaque", R"(<bsdf type="paint"><float name="alpha" value="0.2"/>
+      <string name="recipe" value="blue green shade: 1 + white: 10"/></bsdf>)"},
+    {"coat of paint, film",
+     R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
+      <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/></bsdf>)"},
+    {"coat of layered",
+     R"(<bsdf type="layered"><string name="alpha" value="0.3"/><string name="thickness" value="20um"/>
+      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
+      <bsdf type="diffuse"/></bsdf>)"},
+    {"coat of layered, smooth", R"(<bsdf type="layered"><string name="thickness" value="20um"/>
+      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
+      <bsdf type="diffuse"/></bsdf>)"},
 };
 
 void bench_sampler(benchmark::State& state, const std::string& type) {
@@ -251,10 +285,13 @@ void register_all() {
     });
   };
   for (const auto& [name, xml] : bsdfs) {
-    const bool crossing = name.starts_with("correlated");
+    const Directions directions = name.starts_with("correlated") ? Directions::crossing
+                                  : name.starts_with("coat")     ? Directions::above
+                                                                 : Directions::any;
     add_bsdf(name + "/eval_pdf",
-             [xml = xml, crossing](benchmark::State& s) { bench_eval_pdf(s, xml, crossing); });
-    if (crossing) add_bsdf(name + "/eval", [xml = xml](benchmark::State& s) { bench_eval(s, xml); });
+             [xml = xml, directions](benchmark::State& s) { bench_eval_pdf(s, xml, directions); });
+    if (directions == Directions::crossing)
+      add_bsdf(name + "/eval", [xml = xml](benchmark::State& s) { bench_eval(s, xml); });
     add_bsdf(name + "/sample", [xml = xml](benchmark::State& s) { bench_sample(s, xml); });
   }
   for (const std::string type : {"sobol", "independent"})

@@ -105,6 +105,19 @@ TEST(MediaGallery, EverySceneLoads) {
                                            "solids", "turbid", "powder", "sky"}));
 }
 
+TEST(PaintGallery, EverySceneLoads) {
+  const fs::path folder = source_dir() / "scenes" / "paint";
+  const Json gallery = Json::parse(content(folder / "gallery.json"));
+  std::vector<std::string> ids;
+  for (const Json& figure : gallery.at("figures")) {
+    ids.push_back(figure.at("id"));
+    for (const Json& table : figure.at("renders"))
+      for (const Defines& defines : variants(table))
+        EXPECT_NO_THROW(load_small(folder / table.at("scene").get<std::string>(), defines)) << ids.back();
+  }
+  EXPECT_EQ(ids, (std::vector<std::string>{"chart", "glaze", "varnish", "rutile", "metamers"}));
+}
+
 struct Outcome {
   int exit_code;
   std::string output;  ///< stdout and stderr

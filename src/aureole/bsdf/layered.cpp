@@ -27,16 +27,16 @@ public:
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (wi.z == 0 || wo.z == 0) return {};
     const Wavelengths& w = ctx.wavelengths;
-    const Spectrum k = table_->eval(wi, wo, w);
+    const auto [k, total] = table_->eval<true>(wi, wo, w);
     const float n_i = table_->index(wi.z < 0), n_o = table_->index(wo.z < 0), cosine = std::abs(wo.z);
     const float n = ctx.mode == TransportMode::radiance ? n_i : n_o;
-    return {k * (n * n * cosine), safe_divide(k * (n_o * n_o * cosine), table_->shares(wi, w).total())};
+    return {k * (n * n * cosine), safe_divide(k * (n_o * n_o * cosine), total)};
   }
 
   Spectrum eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (wi.z == 0 || wo.z == 0) return 0.f;
     const float n = table_->index(ctx.mode == TransportMode::radiance ? wi.z < 0 : wo.z < 0);
-    return table_->eval(wi, wo, ctx.wavelengths) * (n * n * std::abs(wo.z));
+    return table_->eval<false>(wi, wo, ctx.wavelengths).k * (n * n * std::abs(wo.z));
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {

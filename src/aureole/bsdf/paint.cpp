@@ -125,9 +125,25 @@ private:
     return e;
   }
 
-  /// Kubelka and Munk's reflectance of the layer over its substrate (pigment/kubelka_munk.cpp has the same
-  /// forms in double precision).
+  /// Kubelka and Munk's reflectance of the layer over its substrate.
   Spectrum inner_reflectance(const BsdfContext& ctx) const {
+    const Wavelengths& w = ctx.wavelengths;
+    const Transfer layer = uniform_
+                               ? Transfer{uniform_->r.eval(w), opaque_ ? Spectrum(0.f) : uniform_->t2.eval(w)}
+                               : transfer(ctx);
+    if (opaque_) return layer.r;
+    const Spectrum below = substrate_bsdf_ ? min(substrate_bsdf_->diffuse_reflectance({0, 0, 1}, ctx), 1.f)
+                                           : substrate_->eval(ctx.point, w);
+    return min(layer.r + layer.t2 * safe_divide(below, Spectrum(1.f) - layer.r * below), 1.f);
+  }
+
+  /// Reflectance and squared transmittance of the layer alone.
+  struct Transfer {
+    Spectrum r, t2;
+  };
+
+  /// pigment/kubelka_munk.cpp has the same forms in double precision.
+  Transfer transfer(const BsdfContext& ctx) const {
     const Wavelengths& w = ctx.wavelengths;
     Spectrum k = first_->k.eval(w), s = first_->s.eval(w);
     if (second_) {
@@ -135,7 +151,7 @@ private:
       k = lerp(k, second_->k.eval(w), t), s = lerp(s, second_->s.eval(w), t);
     }
     const Spectrum gamma = sqrt(k * (k + s * 2.f));
-    if (opaque_) return safe_divide(s, k + s + gamma);
+    if (opaque_) return {safe_divide(s, k + s + gamma), 0.f};
     const float x = thickness_factor_.eval(ctx);
     const Spectrum path = gamma * (2 * x), decay = exp_of_negative(path * -1.f), lost = Spectrum(1.f) - decay;
     // (1 - exp(-2 gamma x))/gamma, by its series where rounding would show.
@@ -143,10 +159,21 @@ private:
         (Spectrum(1.f) - path * (Spectrum(0.5f) - path * (1 / 6.f - path * (1 / 24.f)))) * (2 * x);
     const Spectrum q = select(path.v > Spectrum(0.02f).v, safe_divide(lost, gamma), series);
     const Spectrum scale = Spectrum(1.f) / ((k + s) * q + (decay + 1.f));
-    const Spectrum r = s * q * scale, t2 = decay * scale * scale * 4.f;
-    const Spectrum below = substrate_bsdf_ ? min(substrate_bsdf_->diffuse_reflectance({0, 0, 1}, ctx), 1.f)
-                                           : substrate_->eval(ctx.point, w);
-    return min(r + t2 * safe_divide(below, Spectrum(1.f) - r * below), 1.f);
+    return {s * q * scale, decay * scale * scale * 4.f};
+  }
+
+  /// Where neither amounts nor thickness vary the layer is a table; what lies below may vary.
+  void tabulate_uniform(const SpectralGrid& grid) {
+    if (thickness_factor_.minimum() < thickness_factor_.maximum() || blend_.minimum() < blend_.maximum())
+      return;
+    const auto table = [&](Spectrum Transfer::*of) {
+      return SampledSpectrum::from_function(grid, [&](double nm) {
+        const Wavelengths w = Wavelengths::at(grid, Spectrum(float(nm)));
+        const SurfacePoint point;
+        return double((transfer({w, point}).*of)[0]);
+      });
+    };
+    uniform_ = {table(&Transfer::r), table(&Transfer::t2)};
   }
 
   void read_interface(const Properties& properties) {
@@ -213,10 +240,15 @@ private:
     for (const char* name : {"thickness_factor", "substrate", "bsdf"})
       if (opaque_ && (properties.has(name) || (substrate_bsdf_ && name == std::string_view("bsdf"))))
         properties.note(name, "has no effect: without a thickness the paint is opaque");
+    tabulate_uniform(properties.context().grid);
   }
 
   ScalarTexture thickness_factor_, blend_;
   std::optional<Mixture> first_, second_;
+  struct UniformLayer {
+    SampledSpectrum r, t2;
+  };
+  std::optional<UniformLayer> uniform_;
   bool opaque_ = true;
   TexturePtr substrate_;
   std::shared_ptr<const Bsdf> substrate_bsdf_;

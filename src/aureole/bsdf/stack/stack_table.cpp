@@ -9,7 +9,18 @@
 namespace aureole {
 namespace {
 
-constexpr int kPhiCells = 256;
+constexpr int kPhiCells = 256, kCosineCells = 256;
+
+/// Abramowitz & Stegun 1964, 4.4.46, for both signs: within 1e-6, in a third of the time of std::acos.
+float fast_acos(float x) {
+  const float a = std::abs(x);
+  float p = -0.0012624911f;
+  for (const float c : {0.0066700901f, -0.0170881256f, 0.0308918810f, -0.0501743046f, 0.0889789874f,
+                        -0.2145988016f, 1.5707963050f})
+    p = p * a + c;
+  const float angle = std::sqrt(std::max(0.f, 1 - a)) * p;
+  return x < 0 ? kPi - angle : angle;
+}
 
 /// Position in [0, 1] at which the integral of a density that is linear from a to b is the part u of all.
 float sample_linear(float a, float b, float u) {
@@ -37,7 +48,12 @@ StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<
     const optics::StackKernels::Side& from = s ? one.below : one.above;
     for (const double c : from.cosines) sides_[s].squares.push_back(float(c * c));
     if (!from.cosines.empty()) sides_[s].squares.front() = 0, sides_[s].squares.back() = 1;
-    for (auto* table : {&sides_[s].scattered, &sides_[s].mirrored, &sides_[s].passed})
+    for (int i = 0, cell = 0; !from.cosines.empty() && i <= kCosineCells; ++i) {
+      const float c = float(i) / kCosineCells;
+      while (cell + 2 < int(from.cosines.size()) && sides_[s].squares[std::size_t(cell) + 1] <= c * c) ++cell;
+      sides_[s].cells.push_back(cell);
+    }
+    for (auto* table : {&sides_[s].scattered, &sides_[s].mirrored, &sides_[s].passed, &sides_[s].total})
       table->resize(from.cosines.size() * std::size_t(wavelengths_));
   }
   const auto w = std::size_t(wavelengths_);
@@ -106,6 +122,7 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
       // What the table holds: the same as asked for but where nothing is scattered at all.
       sides_[s].scattered[to] = float(got(i));
       sides_[s].mirrored[to] = float(from.mirrored[at]), sides_[s].passed[to] = float(from.passed[at]);
+      sides_[s].total[to] = sides_[s].scattered[to] + sides_[s].mirrored[to] + sides_[s].passed[to];
     }
     const auto store = [&](const std::vector<double>& from, std::vector<float>& to, std::size_t in,
                            std::size_t out, std::size_t in_count, std::size_t out_count) {
@@ -164,19 +181,16 @@ StackTable::Nodes StackTable::nodes(const Wavelengths& w) const {
 StackTable::Place StackTable::find(const Side& side, float cosine) {
   const float square = std::min(cosine * cosine, 1.f);
   const float* first = side.squares.data();
-  int low = 0, count = int(side.squares.size()) - 1;  // cells
-  while (count > 1) {
-    const int half = count / 2;
-    low += first[low + half] <= square ? half : 0;
-    count -= half;
-  }
+  int low = side.cells[std::size_t(std::min(cosine, 1.f) * kCosineCells)];
+  const int last = int(side.squares.size()) - 2;
+  while (low < last && square >= first[low + 1]) ++low;
   return {low, (square - first[low]) / (first[low + 1] - first[low])};
 }
 
 StackTable::Place StackTable::find_azimuth(const Vec3& wi, const Vec3& wo) const {
   const float across2 = (wi.x * wi.x + wi.y * wi.y) * (wo.x * wo.x + wo.y * wo.y);
   const float cosine = across2 > 0 ? -(wi.x * wo.x + wi.y * wo.y) / std::sqrt(across2) : 0;
-  const float phi = std::acos(std::clamp(cosine, -1.f, 1.f));
+  const float phi = fast_acos(std::clamp(cosine, -1.f, 1.f));
   int cell =
       phi_cells_[std::min(std::size_t(std::sqrt(phi * kInvPi) * kPhiCells), std::size_t(kPhiCells - 1))];
   while (cell + 2 < azimuths_ && phi >= phi_[cell + 1]) ++cell;
@@ -196,9 +210,10 @@ StackTable::Shares StackTable::shares(const Vec3& wi, const Wavelengths& w) cons
   return {mean(side.scattered), mean(side.mirrored), mean(side.passed)};
 }
 
-Spectrum StackTable::eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const {
+template <bool kWithTotal>
+StackTable::Value StackTable::eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const {
   const bool in = wi.z < 0, out = wo.z < 0;
-  if ((in || out) && !is_open()) return 0.f;
+  if ((in || out) && !is_open()) return {0.f};
   const Place i = find(sides_[in], std::abs(wi.z)), o = find(sides_[out], std::abs(wo.z)),
               a = find_azimuth(wi, wo);
   const Nodes n = nodes(w);
@@ -211,8 +226,17 @@ Spectrum StackTable::eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) 
   Neighbours p = across(0, 0), q = across(1, 0);
   p.mix(across(0, 1), o.fraction), q.mix(across(1, 1), o.fraction);
   p.mix(q, i.fraction);
-  return p.first + (p.second - p.first) * n.fraction;
+  Value value{p.first + (p.second - p.first) * n.fraction};
+  if constexpr (kWithTotal) {
+    const float* total = &sides_[in].total[std::size_t(i.cell) * std::size_t(wavelengths_)];
+    Neighbours t(total, n.at);
+    t.mix(Neighbours(total + wavelengths_, n.at), i.fraction);
+    value.total = t.first + (t.second - t.first) * n.fraction;
+  }
+  return value;
 }
+template StackTable::Value StackTable::eval<true>(const Vec3&, const Vec3&, const Wavelengths&) const;
+template StackTable::Value StackTable::eval<false>(const Vec3&, const Vec3&, const Wavelengths&) const;
 
 Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w) const {
   const bool in = wi.z < 0;
@@ -272,7 +296,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
 std::size_t StackTable::bytes() const {
   std::size_t floats = reflected_[0].size() + reflected_[1].size() + transmitted_.size();
   for (const Side& s : sides_)
-    floats += s.squares.size() + 3 * s.scattered.size() + s.ring.size() + s.cdf.size();
+    floats += s.squares.size() + 4 * s.scattered.size() + s.ring.size() + s.cdf.size();
   return floats * sizeof(float);
 }
 

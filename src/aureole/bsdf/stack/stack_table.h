@@ -32,8 +32,13 @@ public:
     Spectrum total() const { return scattered + mirrored + passed; }
   };
   Shares shares(const Vec3& wi, const Wavelengths& w) const;
+  struct Value {
+    Spectrum k;
+    Spectrum total{0.f};  ///< `Shares::total` of wi, if asked for
+  };
   /// K for directions off the horizon; 0 where nothing passes.
-  Spectrum eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
+  template <bool kWithTotal>
+  Value eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
   /// A direction in proportion to K n_o^2 cos theta_o at the wavelength nm of index 0. `choice` and u are
   /// uniform in [0, 1).
   Vec3 sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w) const;
@@ -47,8 +52,9 @@ public:
 
 private:
   struct Side {
-    std::vector<float> squares;                      ///< of the cosines, from 0 to 1
-    std::vector<float> scattered, mirrored, passed;  ///< [cosine][wavelength]
+    std::vector<float> squares;                             ///< of the cosines, from 0 to 1
+    std::vector<int> cells;                                 ///< in which evenly spaced cosines lie
+    std::vector<float> scattered, mirrored, passed, total;  ///< [cosine][wavelength]
     /// For directions of incidence on this side: sums over azimuth of K n_o^2 by node above, then below, and
     /// the probability of the cells up to each, [wavelength][cosine][node].
     std::vector<float> ring, cdf;
