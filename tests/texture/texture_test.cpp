@@ -197,8 +197,8 @@ TEST(Spectra, WrongInput) {
                   <string name="values" value="1, 2, 3"/></spectrum>)")
                 .find("2 wavelengths but 3 values"),
             std::string::npos);
-  EXPECT_NE(error(R"(<spectrum type="irregular"><string name="wavelengths" value="500, 400"/>
-                  <string name="values" value="1, 2"/></spectrum>)")
+  EXPECT_NE(error(R"(<spectrum type="irregular"><string name="wavelengths" value="500, 400, 450"/>
+                  <string name="values" value="1, 2, 3"/></spectrum>)")
                 .find("must increase"),
             std::string::npos);
   EXPECT_NE(error(R"(<spectrum type="regular"><string name="values" value="1, x"/>
