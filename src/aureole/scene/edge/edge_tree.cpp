@@ -31,13 +31,16 @@ float along_cone(float deviation) {
   return k * k * k + 1e-3f * k;
 }
 
+/// The width of an edge's cone: short edges spread light farther, by 1/(k length).
+float cone_width(float angle, float sigma, float length) { return angle * std::max(1.f, 4 * sigma / length); }
+
 NormalCone of_line(const Vec3& d) { return {d, 1e-6f}; }
 
 NormalCone merged_lines(const NormalCone& a, const NormalCone& b) {
   return a.merged(dot(a.axis, b.axis) < 0 ? NormalCone{-b.axis, b.sine} : b);
 }
 
-float between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle) {
+float between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle, float sigma) {
   const EdgeLine line(edge);
   const std::optional<double> keller = keller_point(line, a, b);
   const double l = std::clamp(keller.value_or(0.5 * line.length), 0.0, line.length);
@@ -52,7 +55,8 @@ float between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float an
                                      (b.is_infinite ? 0.f : 1 / std::sqrt(to_b.distance_squared))) +
                1e-30f);
   const float outline = edge.is_outline(to_a.d - to_b.d) ? 1.f : 1e-3f;
-  return outline * std::min(float(line.length), 4 * stretch) * along_cone(off / angle) /
+  return outline * std::min(float(line.length), 4 * stretch) *
+         along_cone(off / cone_width(angle, sigma, float(line.length))) /
          (to_a.distance_squared * to_b.distance_squared * (length_squared(turn) + angle * angle));
 }
 
@@ -91,16 +95,17 @@ EdgeTree::EdgeTree(std::span<const MeshEdge> edges) : edges_(edges) {
 
 void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order, std::size_t depth) {
   Bounds3 box, centers;
-  float length = 0;
+  float length = 0, shortest = INFINITY;
   for (const std::uint32_t i : order) {
     const MeshEdge& edge = edges_[i];
     box.extend(edge.a), box.extend(edge.b);
     centers.extend(0.5f * (edge.a + edge.b));
-    length += aureole::length(edge.b - edge.a);
+    const float own = aureole::length(edge.b - edge.a);
+    length += own, shortest = std::min(shortest, own);
   }
   nodes_[node].center = box.center();
   nodes_[node].radius = 0.5f * aureole::length(box.diagonal());
-  nodes_[node].length = length;
+  nodes_[node].length = length, nodes_[node].shortest = shortest;
   if (order.size() == 1) {
     const MeshEdge& edge = edges_[order[0]];
     nodes_[node].normals = edge.is_boundary ? NormalCone{} : NormalCone::of(edge.n0, edge.n1);
@@ -152,9 +157,9 @@ std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& imp
 }
 
 std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const PathEnd& b, float angle,
-                                                         float u) const {
+                                                         float sigma, float u) const {
   return descend(u, [&](const Node& node) {
-    if (node.is_leaf) return between(edges_[node.index], a, b, angle);
+    if (node.is_leaf) return between(edges_[node.index], a, b, angle, sigma);
     const Towards to_a(a, node.center), to_b(b, node.center);
     const float r2 = node.radius * node.radius;
     // By how much the directions to the two ends may differ from those at the node's centre.
@@ -175,7 +180,8 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
       const float along = std::abs(dot(turn, node.lines.axis)),
                   cosine = std::sqrt(1 - node.lines.sine * node.lines.sine);
       const float beside = std::sqrt(std::max(0.f, turn2 - along * along));
-      deviation = std::max(0.f, along * cosine - beside * node.lines.sine - slack) / angle;
+      deviation = std::max(0.f, along * cosine - beside * node.lines.sine - slack) /
+                  cone_width(angle, sigma, node.shortest);
     }
     const float da = a.is_infinite ? 1.f : std::max(to_a.distance_squared, r2),
                 db = b.is_infinite ? 1.f : std::max(to_b.distance_squared, r2);

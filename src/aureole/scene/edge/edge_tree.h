@@ -45,9 +45,10 @@ public:
     float probability;
     float u;  ///< what is left of the random number
   };
-  /// An edge around which light goes from `b` to `a`. `angle`: the width of the cone into which edges diffract,
-  /// 1/(2 k sigma). Nothing where no edge is an outline between the two.
-  std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float u) const;
+  /// An edge around which light goes from `b` to `a`, in beams of that `sigma`. `angle`: the width of the cone into which long
+  /// edges diffract, 1/(2 k sigma). Nothing where no edge is an outline between the two.
+  std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma,
+                                       float u) const;
   /// An edge that light from or to `a` may reach.
   std::optional<Choice> choose_from(const PathEnd& a, float u) const;
 
@@ -59,6 +60,7 @@ private:
     Vec3 center;
     float radius = 0;
     float length = 0;     ///< of all edges
+    float shortest = 0;   ///< of them
     NormalCone normals;   ///< of the faces at them
     NormalCone lines;     ///< of their directions, either way
     std::uint32_t index;  ///< of the first of two children, or of the edge

@@ -182,7 +182,7 @@ EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, doubl
 
 std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
                                                     const float* u) const {
-  const auto choice = tree_.choose_between(a, b, beams.angle, u[0]);
+  const auto choice = tree_.choose_between(a, b, beams.angle, beams.widest, u[0]);
   if (!choice) return {};
   const MeshEdge& edge = index_.edges()[choice->edge];
   const EdgeLine line(edge);
