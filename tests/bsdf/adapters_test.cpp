@@ -140,8 +140,8 @@ std::vector<BsdfCase> turned_cases(const std::string& type) {
   }
   return cases;
 }
-const BsdfCases kBump("bumpmap", turned_frame, turned_cases("bumpmap"));
-const BsdfCases kNormal("normalmap", turned_frame, turned_cases("normalmap"));
+const BsdfCases kBump("bumpmap", turned_frame, with_samples(100000, turned_cases("bumpmap")));
+const BsdfCases kNormal("normalmap", turned_frame, with_samples(100000, turned_cases("normalmap")));
 
 // ---------------------------------------------------------------- values
 

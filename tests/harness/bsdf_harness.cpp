@@ -34,6 +34,11 @@ BsdfCases::BsdfCases(std::string plugin, std::function<void(BsdfCase&)> adapt, s
   CaseList<BsdfCase>::instance().add(std::move(plugin), std::move(adapt), std::move(extra));
 }
 
+std::vector<BsdfCase> with_samples(std::size_t samples, std::vector<BsdfCase> cases) {
+  for (BsdfCase& c : cases) c.samples = samples;
+  return cases;
+}
+
 std::vector<BsdfCase> all_bsdf_cases() {
   return CaseList<BsdfCase>::instance().all("bsdf", [](std::string name, std::string xml) {
     BsdfCase c;

@@ -46,6 +46,10 @@ public:
   BsdfCases(std::string plugin, std::function<void(BsdfCase&)> adapt, std::vector<BsdfCase> extra);
 };
 
+/// The cases with that many samples for each direction and wavelength: of parameter sets whose samples come from
+/// code that another case of the plug-in, or the nested BSDF's own, tests with all of them.
+std::vector<BsdfCase> with_samples(std::size_t samples, std::vector<BsdfCase> cases);
+
 /// All cases: the examples of every registered BSDF, and those that were added.
 std::vector<BsdfCase> all_bsdf_cases();
 

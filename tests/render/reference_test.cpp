@@ -92,7 +92,7 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   options.replicates = kSanitized ? 2 : 32;
   const std::atomic<bool> go{false};
   RenderState state;
-  for (options.end = 16; *options.end <= most_samples; *options.end *= 4) {
+  for (options.end = 16; *options.end <= most_samples; *options.end *= 2) {
     RenderJob job(loaded, options);
     if (options.end > 16) job.resume(state);
     job.run(go);
@@ -109,9 +109,10 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   const Comparison c = compare_images(state.picture(), reference, kMitsubaTables);
   ASSERT_TRUE(c.z);
   RecordProperty("mean_z2", std::to_string(c.z->mean_square));
-  std::printf("%-28s mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n",
-              GetParam().name.c_str(), c.z->mean_square, 100 * c.z->outside, c.z->mean_difference,
-              100 * c.z->mean_relative);
+  std::printf(
+      "%-28s %lld samples, mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n",
+      GetParam().name.c_str(), static_cast<long long>(state.end), c.z->mean_square, 100 * c.z->outside,
+      c.z->mean_difference, 100 * c.z->mean_relative);
   EXPECT_TRUE(c.z->passes) << "mean of z^2 " << c.z->mean_square << ", outside " << 100 * c.z->outside
                            << " %, image mean " << c.z->mean_difference << " standard errors, "
                            << 100 * c.z->mean_relative << " %";

@@ -48,7 +48,8 @@ private:
   struct Line {
     double inverse_m, rgb[3];
   };
-  void tabulate(double area_fraction);
+  /// Makes g_ hold the values up to `largest_u`.
+  void tabulate(double area_fraction, double largest_u);
   std::vector<Line> lines_;
   double largest_s_, blur_;
   double tabulated_ = -1;

@@ -54,18 +54,21 @@ CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur
   }
 }
 
-void CoronaModel::tabulate(double area_fraction) {
-  if (area_fraction == tabulated_) return;
+void CoronaModel::tabulate(double area_fraction, double largest_u) {
+  if (area_fraction != tabulated_) g_.clear();
   tabulated_ = area_fraction;
-  g_.resize(kTableU + 2);
-  for (int i = 0; i < kTableU + 2; ++i)
-    g_[size_t(i)] = optics::radial_intensity(i * kStepU, 1, area_fraction);
+  // Most fits look at a small part of all u that the table could hold.
+  const size_t needed = size_t(std::min(largest_u / kStepU, double(kTableU))) + 2;
+  while (g_.size() < needed)
+    g_.push_back(optics::radial_intensity(double(g_.size()) * kStepU, 1, area_fraction));
 }
 
 void CoronaModel::set(double radius, double area_fraction) {
-  tabulate(area_fraction);
   std::vector<std::array<double, 3>> sharp(table_.size(), {0, 0, 0});
   const double ds = largest_s_ / kTableS;
+  double largest_inverse_m = 0;
+  for (const Line& l : lines_) largest_inverse_m = std::max(largest_inverse_m, l.inverse_m);
+  tabulate(area_fraction, 2 * M_PI * double(sharp.size()) * ds * radius * largest_inverse_m);
   for (const Line& l : lines_)
     for (size_t i = 0; i < sharp.size(); ++i) {
       const double at = std::min(2 * M_PI * double(i) * ds * radius * l.inverse_m / kStepU, double(kTableU));
