@@ -24,15 +24,16 @@ struct Towards {
   }
 };
 
-/// The part of the light that goes into directions off Keller's cone, by the deviation over the cone's width. Corners
-/// send a little everywhere.
-float along_cone(float deviation) {
-  const float k = 1 / (1 + deviation * deviation);
-  return k * k * k + 1e-3f * k;
+/// The part of the light that goes off Keller's cone by `off`, a difference of cosines, from an edge of that length; `rate` is by
+/// how much the light turns per distance along it. Corners send a little everywhere. Edges shorter than a beam send what the wave
+/// of all edges of the beam is there, as long as one of these lies at Keller's place.
+float along_cone(float off, float angle, float sigma, float length, float rate) {
+  const float width = angle * std::max(1.f, 4 * sigma / length);
+  const float k = 1 / (1 + (off / width) * (off / width));
+  if (length > 4 * sigma) return k * k * k + 1e-3f * k;
+  const float beside = off / (7 * sigma * rate + width);
+  return std::max(k * k * k, 0.3f / (1 + beside * beside));
 }
-
-/// The width of an edge's cone: short edges spread light farther, by 1/(k length).
-float cone_width(float angle, float sigma, float length) { return angle * std::max(1.f, 4 * sigma / length); }
 
 NormalCone of_line(const Vec3& d) { return {d, 1e-6f}; }
 
@@ -50,13 +51,12 @@ float between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float an
   const float off = std::abs(dot(turn, e));
   // The stretch of the edge that light comes from.
   const float across2 = std::max(1 - dot(to_a.d, e) * dot(to_a.d, e), 1e-6f);
-  const float stretch =
-      angle / (std::sqrt(across2) * ((a.is_infinite ? 0.f : 1 / std::sqrt(to_a.distance_squared)) +
-                                     (b.is_infinite ? 0.f : 1 / std::sqrt(to_b.distance_squared))) +
-               1e-30f);
+  const float rate = (a.is_infinite ? 0.f : 1 / std::sqrt(to_a.distance_squared)) +
+                     (b.is_infinite ? 0.f : 1 / std::sqrt(to_b.distance_squared));
+  const float stretch = angle / (std::sqrt(across2) * rate + 1e-30f);
   const float outline = edge.is_outline(to_a.d - to_b.d) ? 1.f : 1e-3f;
   return outline * std::min(float(line.length), 4 * stretch) *
-         along_cone(off / cone_width(angle, sigma, float(line.length))) /
+         along_cone(off, angle, sigma, float(line.length), rate) /
          (to_a.distance_squared * to_b.distance_squared * (length_squared(turn) + angle * angle));
 }
 
@@ -175,17 +175,18 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
       if (off > node.normals.sine * limit) return 0.f;
     }
     const float turned = std::max(0.f, std::sqrt(turn2) - slack);
-    float deviation = 0;
+    float off = 0;
     if (node.lines.sine < 1) {
       const float along = std::abs(dot(turn, node.lines.axis)),
                   cosine = std::sqrt(1 - node.lines.sine * node.lines.sine);
       const float beside = std::sqrt(std::max(0.f, turn2 - along * along));
-      deviation = std::max(0.f, along * cosine - beside * node.lines.sine - slack) /
-                  cone_width(angle, sigma, node.shortest);
+      off = std::max(0.f, along * cosine - beside * node.lines.sine - slack);
     }
     const float da = a.is_infinite ? 1.f : std::max(to_a.distance_squared, r2),
                 db = b.is_infinite ? 1.f : std::max(to_b.distance_squared, r2);
-    return node.length * along_cone(deviation) / (da * db * (turned * turned + angle * angle));
+    const float rate = (a.is_infinite ? 0.f : 1 / std::sqrt(da)) + (b.is_infinite ? 0.f : 1 / std::sqrt(db));
+    return node.length * along_cone(off, angle, sigma, node.shortest, rate) /
+           (da * db * (turned * turned + angle * angle));
   });
 }
 
