@@ -11,6 +11,7 @@
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"
 #include "aureole/scene/edge/scene_edges.h"
+#include "aureole/transport/keyed_random.h"
 #include "harness/paths.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"
@@ -233,9 +234,10 @@ TEST(SceneEdges, DirectionsHaveTheirDensityAndKIsReciprocal) {
         // The part of directions within .2 rad of d_i: its solid angle is known.
         if (dot(s->d, d_i) > std::cos(0.2)) inverse += 1 / double(s->pdf) / n;
         const Spectrum there = edges.kernel(x, d_i, s->d, beams), back = edges.kernel(x, -s->d, -d_i, beams);
-        if (i < 2000)
+        if (i < 2000) {
           for (int k = 0; k < kWavelengths; ++k)
             EXPECT_NEAR(there[k], back[k], 1e-4 * std::abs(there[k]) + 1e-9f) << at;
+        }
         kernel += mean(there) / s->pdf / n;
       }
       EXPECT_NEAR(inverse, 2 * pi * (1 - std::cos(0.2)), 0.1 * 2 * pi * (1 - std::cos(0.2)));
