@@ -8,7 +8,7 @@
 // transpose. sqrt(e) x is a flux. Mode m of a function of azimuth is the mean of it times cos(m phi).
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <vector>
 
 #include "aureole/optics/stack/channels.h"
