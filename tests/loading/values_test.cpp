@@ -81,8 +81,9 @@ TEST(Values, BadTextIsQuoted) {
             "parameter \"reflectance\": \"1 2\" must have 1 or 3 numbers");
   EXPECT_EQ(problem("<rgb name='reflectance' value='#12345g'/>"),
             "parameter \"reflectance\": \"#12345g\" is not a colour of the form #rrggbb");
-  EXPECT_EQ(problem("<spectrum name='reflectance' value='500:1 400:2 450:3'/>"),
-            "parameter \"reflectance\": wavelengths must increase or decrease all the way, but 450 nm follows 400 nm");
+  EXPECT_EQ(
+      problem("<spectrum name='reflectance' value='500:1 400:2 450:3'/>"),
+      "parameter \"reflectance\": wavelengths must increase or decrease all the way, but 450 nm follows 400 nm");
   EXPECT_EQ(problem("<spectrum name='reflectance' value='500:1 6'/>"),
             "parameter \"reflectance\": \"6\" is not a \"wavelength:value\" pair");
   EXPECT_EQ(problem("<spectrum name='reflectance'/>"),

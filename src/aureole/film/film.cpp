@@ -34,8 +34,7 @@ ExrPixel Film::read_component_format(const Properties& p) {
 
 void Film::use_box_filter(const std::string& reason) {
   if (filter_->radius() <= 0.5f) return;
-  if (!filter_is_default_)
-    filter_->properties().note("", reason);
+  if (!filter_is_default_) filter_->properties().note("", reason);
   filter_ = std::dynamic_pointer_cast<Filter>(make_object(properties(), "rfilter", "box"));
 }
 

@@ -232,7 +232,7 @@ private:
     PathDensity looked_from;  ///< where the line of sight began
     /// It brings all that is emitted along the ray and behind what lets the ray pass; after an edge connections have.
     bool looked = false;
-    bool last = false;    ///< the present surface may only be passed
+    bool last = false;  ///< the present surface may only be passed
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {

@@ -52,7 +52,8 @@ public:
   template <class Use>
   void finish(const Use& use) {
     if (path_count_ > 0)
-      renderer_.integrator_->estimate(*renderer_.scene_, std::span(paths_, size_t(path_count_)), found_, log_);
+      renderer_.integrator_->estimate(*renderer_.scene_, std::span(paths_, size_t(path_count_)), found_,
+                                      log_);
     bool valid[kPaths];
     for (int i = 0; i < path_count_; ++i) valid[i] = keep_result(i);
     if (splats_) {

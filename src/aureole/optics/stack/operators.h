@@ -8,12 +8,8 @@
 // transpose. sqrt(e) x is a flux. Mode m of a function of azimuth is the mean of it times cos(m phi).
 #pragma once
 
-<<<<<<< HEAD
-#include <Eigen/Dense>
-#include <functional>
-=======
 #include <Eigen/LU>
->>>>>>> s5-c
+#include <functional>
 #include <vector>
 
 #include "aureole/optics/stack/channels.h"
