@@ -40,7 +40,8 @@ public:
   bool begin_at_edge(int i, Vec2& film) {
     Path& path = paths_[size_t(i)];
     if (!limits_.reaches(3)) return false;
-    EdgePaths edges(scene_, path.wavelengths, key(path.samples, 0, Key::connection) ^ kFromSensor);
+    EdgePaths edges(scene_, path.wavelengths, key(path.samples, 0, Key::connection) ^ kFromSensor,
+                    limits_.hide_emitters);
     const Vec2 lens = edges.next2();
     Spectrum value = 1.f;
     EdgePaths::AtEdge at;
@@ -85,6 +86,7 @@ public:
       if (s.depth == 0) path.result.alpha = 1;
       return Event::blocked;
     }
+    if (s.after_edge && !leaves_beam(i, vertex.p())) return Event::blocked;
     s.pairs = path.samples.directions(++s.vertex);
     vertex.prepare(vertex.surface().needs_choice ? key(path.samples, s.vertex) : 0, s.flight);
     return Event::surface;
@@ -114,7 +116,7 @@ public:
     return connect_to_light(scene_, vertex, s.flight, s.density,
                             scene_.lights().is_single() ? 0.f : get(path.samples, s.vertex, Choice::light),
                             get(s.pairs, Pair::connection), path.wavelengths,
-                            {1, walks_to_edges_ ? 1 - EdgePaths::kToEdge : 1},
+                            {1, may_walk_to_edge(s, vertex) ? 1 - EdgePaths::kToEdge : 1},
                             scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out,
                             vertex.is_surface() ? nullptr : &s.by_light);
   }
@@ -141,7 +143,8 @@ public:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
-    if (walks_to_edges_) {
+    const bool may_walk = may_walk_to_edge(s, vertex);
+    if (may_walk) {
       EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
       if (edges.next() < EdgePaths::kToEdge) return walk_to_edge(i, edges);
     }
@@ -150,11 +153,11 @@ public:
     const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
-      if (walks_to_edges_) s.density.survive(1 - EdgePaths::kToEdge);
+      if (may_walk) s.density.survive(1 - EdgePaths::kToEdge);
       go_on(i, vertex, b.d);
       return true;
     }
-    if (walks_to_edges_) b.pdf *= 1 - EdgePaths::kToEdge;
+    if (may_walk) b.pdf *= 1 - EdgePaths::kToEdge;
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
     s.looked = false;
@@ -232,7 +235,9 @@ private:
     PathDensity looked_from;  ///< where the line of sight began
     /// It brings all that is emitted along the ray and behind what lets the ray pass; after an edge connections have.
     bool looked = false;
-    bool last = false;  ///< the present surface may only be passed
+    bool last = false;        ///< the present surface may only be passed
+    bool after_edge = false;  ///< `flight` left an edge, at `edge`
+    Vec3 edge;
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
@@ -253,12 +258,21 @@ private:
     return limits_.reaches(s.depth + 2) || (scene_.may_meet_emitter(s.flight.ray) && !s.looked);
   }
 
+  bool may_walk_to_edge(const State& s, const Vertex& vertex) const {
+    return walks_to_edges_ && vertex.is_smooth() && limits_.reaches(s.depth + 4);
+  }
+  /// After an edge: false where the path has come to a vertex that lies in the beam, at all wavelengths.
+  [[gnu::noinline]] bool leaves_beam(int i, const Vec3& p) {
+    State& s = states_[i];
+    s.density.attenuate(Weight(EdgePaths::may_scatter(scene_, s.edge, p, paths_[size_t(i)].wavelengths)));
+    s.after_edge = false;
+    return !s.density.beta.is_black();
+  }
   /// The path leaves its vertex for an edge.
   [[gnu::noinline]] bool walk_to_edge(int i, EdgePaths& edges) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     if (s.depth == 0) paths_[size_t(i)].result.alpha = 1;
-    if (s.last || !vertex.is_smooth() || !limits_.reaches(s.depth + 4)) return false;
     Spectrum value = 1 / EdgePaths::kToEdge;
     EdgePaths::AtEdge at;
     if (!edges.walk(
@@ -296,7 +310,8 @@ private:
     s.density.extend(Weight(value), 1.f, true);
     s.flight = at.flight;
     s.flight.ray = Anchor::in_space(at.point.p).leave(d);
-    s.looked = true;
+    s.looked = s.after_edge = true;
+    s.edge = at.point.on_edge();
     ++s.depth;
     ++s.vertex;
     return survives(i);
@@ -333,6 +348,7 @@ private:
     if (s.depth == 0) path.result.alpha = 1;
     if (!limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering || s.density.beta.is_black())
       return Event::blocked;
+    if (s.after_edge && !leaves_beam(i, p)) return Event::blocked;
     ++s.in_media;
     s.last = false;
     s.pairs = path.samples.directions(++s.vertex);

@@ -108,6 +108,7 @@ public:
       go_on(i, vertex, s.flight.ray.d);
       return Event::crossed;
     }
+    if (s.after_edge && !leaves_beam(i, vertex.p())) return Event::blocked;
     vertex.prepare(key(path.samples, s.vertex), s.flight);
     if (log_.follows(i))
       log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
@@ -156,7 +157,8 @@ public:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
-    if (walks_to_edges_) {
+    const bool may_walk = walks_to_edges_ && vertex.is_smooth() && limits_.reaches(s.scattered + 4);
+    if (may_walk) {
       EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kAroundEdges,
                       limits_.hide_emitters);
       if (edges.next() < EdgePaths::kToEdge) return walk_to_edge(i, edges);
@@ -169,11 +171,11 @@ public:
     if (event == Event::blocked) return false;
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
-      if (walks_to_edges_) s.density.survive(1 - EdgePaths::kToEdge);
+      if (may_walk) s.density.survive(1 - EdgePaths::kToEdge);
       go_on(i, vertex, b.d);
       return true;
     }
-    if (walks_to_edges_) b.pdf *= 1 - EdgePaths::kToEdge;
+    if (may_walk) b.pdf *= 1 - EdgePaths::kToEdge;
     const bool ends = last && event != Event::entered;
     if ((ends && !b.delta) || b.value.is_black()) return false;
     s.density.extend(b.value, b.pdf, b.delta);
@@ -261,6 +263,8 @@ private:
                       ///< bright it is
     int vertex = 0;   ///< vertices met; 0 at the emitter
     int scattered = 0, in_media = 0;
+    bool after_edge = false;  ///< `flight` left an edge, at `edge`
+    Vec3 edge;
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
@@ -291,11 +295,16 @@ private:
                        mean(estimate)));
   }
 
-  /// As that of `path`.
+  // As those of `path`.
+  [[gnu::noinline]] bool leaves_beam(int i, const Vec3& p) {
+    State& s = states_[i];
+    s.density.attenuate(Weight(EdgePaths::may_scatter(scene_, s.edge, p, paths_[size_t(i)].wavelengths)));
+    s.after_edge = false;
+    return !s.density.beta.is_black();
+  }
   [[gnu::noinline]] bool walk_to_edge(int i, EdgePaths& edges) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
-    if (!vertex.is_smooth() || !limits_.reaches(s.scattered + 4)) return false;
     Spectrum value = 1 / EdgePaths::kToEdge;
     EdgePaths::AtEdge at;
     if (!edges.walk(
@@ -327,9 +336,10 @@ private:
     s.density.extend(Weight(value), 1.f, true);
     s.flight = at.flight;
     s.flight.ray = Anchor::in_space(at.point.p).leave(d);
+    s.after_edge = true;
+    s.edge = at.point.on_edge();
     ++s.scattered;
     ++s.vertex;
-    // Its next surface is connected with the sensor directly: the edge's neighbour is not the sensor.
     return survives(i);
   }
 
@@ -343,6 +353,7 @@ private:
     if (log_.follows(i))
       log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
     if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;
+    if (s.after_edge && !leaves_beam(i, p)) return Event::blocked;
     ++s.in_media, ++s.vertex;
     vertices_.make(i, [&] { return Vertex({p, s.flight.medium}, -s.flight.ray.d, path.wavelengths); });
     return Event::medium;

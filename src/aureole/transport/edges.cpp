@@ -118,8 +118,7 @@ Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const V
   Spectrum value = reach(from, point) * seen->importance;
   if (is_black(value)) return 0.f;
   const Anchor aperture = Anchor::in_space(seen->p);
-  value *=
-      through(point, from.anchor, leaving(scene_, from, d), hide_emitters_, {}, &aperture, hide_emitters_);
+  value *= through(point, from.anchor, leaving(scene_, from, d), false, {}, &aperture, hide_emitters_);
   return is_black(value) ? value : value * edges_.kernel(point, d, seen->wo, beams_);
 }
 
@@ -137,7 +136,6 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   Vec3 wo;
   bool infinite;
   Spectrum value = lit(*point, lamp, start, wo, infinite);
-  if (is_black(value)) return 0.f;
   if (is_black(value) || !SceneEdges::turns_around(*point, -wo, seen->wo)) return 0.f;
   value *= seen->importance / point->pdf;
   Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
@@ -146,11 +144,11 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   return is_black(value) ? value : value * edges_.kernel(*point, -wo, seen->wo, beams_);
 }
 
-bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d, Spectrum& value,
-                       AtEdge& out) {
+bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,
+                       Spectrum& value, AtEdge& out) {
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   value *= passed_between(scene_, from.anchor, Anchor::in_space(point.p), leaving(scene_, from, d),
-                          hide_emitters_, w_, key, &out.flight);
+                          through_emitters, w_, key, &out.flight);
   out.point = point, out.d = d;
   return !is_black(value);
 }
@@ -167,7 +165,7 @@ bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& f
   value = seen->importance / point->pdf;
   Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
-  return arrive({Anchor::in_space(seen->p), &flight}, *point, -seen->wo, value, out);
+  return arrive({Anchor::in_space(seen->p), &flight}, *point, -seen->wo, hide_emitters_, value, out);
 }
 
 bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {

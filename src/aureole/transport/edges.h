@@ -97,7 +97,7 @@ public:
     const Spectrum geometry = reach(from, *point);
     if (is_black(geometry)) return false;
     value *= respond(d) * geometry;
-    return !is_black(value) && arrive(from, *point, d, value, out);
+    return !is_black(value) && arrive(from, *point, d, false, value, out);
   }
   /// The first edge of a path from the sensor, seen at `film`.
   bool begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film);
@@ -107,6 +107,10 @@ public:
   /// A direction behind the edge; `value` is multiplied by the kernel over the density. False where the path ends.
   bool scatter(const AtEdge& at, Spectrum& value, Vec3& d);
 
+  /// 1 or 0 per wavelength: whether a path that has left an edge at `from` may be scattered at `p`, which is not in the beam.
+  static Spectrum may_scatter(const Scene& scene, const Vec3& from, const Vec3& p, const Wavelengths& w) {
+    return SceneEdges::far_enough(length(p - from), false, scene.edges()->beams(w));
+  }
   Spectrum kernel(const AtEdge& at, const Vec3& d) const { return edges_.kernel(at.point, at.d, d, beams_); }
   float next() { return random_.next(); }
   Vec2 next2() { return {random_.next(), random_.next()}; }
@@ -133,7 +137,8 @@ private:
                    bool through_emitters, const PathEnd& to, const Anchor* end, bool end_through_emitters);
   /// Light of the lamp that arrives at the edge along -wo, over the density of its choice.
   Spectrum lit(const EdgePoint& point, const LampEnd& lamp, Anchor& start, Vec3& wo, bool& infinite) const;
-  bool arrive(const Place& from, const EdgePoint& point, const Vec3& d, Spectrum& value, AtEdge& out);
+  bool arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,
+              Spectrum& value, AtEdge& out);
 
   const Scene& scene_;
   const SceneEdges& edges_;
