@@ -46,6 +46,7 @@ public:
     Spectrum value = 1.f;
     EdgePaths::AtEdge at;
     if (!edges.begin_at_sensor(lens, value, at, film)) return false;
+    states_[i].whole = max_component(abs(value));
     return go_on_from_edge(i, edges, at, value);
   }
 
@@ -86,7 +87,8 @@ public:
       if (s.depth == 0) path.result.alpha = 1;
       return Event::blocked;
     }
-    if (s.after_edge && !leaves_beam(i, vertex.p())) return Event::blocked;
+    // A surface that may be passed is taken for one that is: it is no vertex then.
+    if (s.after_edge && !vertex.is_passable() && !leaves_beam(i, vertex.p())) return Event::blocked;
     s.pairs = path.samples.directions(++s.vertex);
     vertex.prepare(vertex.surface().needs_choice ? key(path.samples, s.vertex) : 0, s.flight);
     return Event::surface;
@@ -160,7 +162,7 @@ public:
     if (may_walk) b.pdf *= 1 - EdgePaths::kToEdge;
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
-    s.looked = false;
+    s.looked = s.after_edge = false;
     s.density.extend(b.value, b.pdf, b.delta);
     if (event == Event::entered) {
       below_.add(i);
@@ -233,9 +235,11 @@ private:
     float eta2 = 1;  ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
                      ///< for roulette
     PathDensity looked_from;  ///< where the line of sight began
-    /// It brings all that is emitted along the ray and behind what lets the ray pass; after an edge connections have.
+    /// It brings all that is emitted along the ray and behind what lets the ray pass; also true after an
+    /// edge, where connections from before it have counted the lights that the ray meets.
     bool looked = false;
-    bool last = false;        ///< the present surface may only be passed
+    bool last = false;  ///< the present surface may only be passed
+    float whole = 1;    ///< throughput of a path that begins at an edge: roulette asks how much of it is left
     bool after_edge = false;  ///< `flight` left an edge, at `edge`
     Vec3 edge;
   };
@@ -249,8 +253,8 @@ private:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     if (s.depth >= limits_.roulette_depth) {
-      const float survival =
-          std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() * s.eta2);
+      const float survival = std::min(PathLimits::most_survival(scene_),
+                                      s.density.hero_symmetric_throughput() * s.eta2 / s.whole);
       if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
       s.density.survive(survival);
     }

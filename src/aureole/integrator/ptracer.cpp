@@ -108,7 +108,7 @@ public:
       go_on(i, vertex, s.flight.ray.d);
       return Event::crossed;
     }
-    if (s.after_edge && !leaves_beam(i, vertex.p())) return Event::blocked;
+    if (s.after_edge && !vertex.is_passable() && !leaves_beam(i, vertex.p())) return Event::blocked;
     vertex.prepare(key(path.samples, s.vertex), s.flight);
     if (log_.follows(i))
       log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
@@ -178,6 +178,7 @@ public:
     if (may_walk) b.pdf *= 1 - EdgePaths::kToEdge;
     const bool ends = last && event != Event::entered;
     if ((ends && !b.delta) || b.value.is_black()) return false;
+    s.after_edge = false;
     s.density.extend(b.value, b.pdf, b.delta);
     if (counts_crossings_ && b.delta) pass_receivers(i, vertex, b.d);
     if (ends) return false;
@@ -402,7 +403,13 @@ private:
   /// Light that comes from edges first: seen by the sensor, and on its way.
   [[gnu::noinline]] void begin_at_edges(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                                         const BatchLog& log) const {
-    LightSteps steps(scene, limits_, paths, splats, log);
+    // Random numbers of their own.
+    std::array<Path, kBatch> second;
+    for (size_t i = 0; i < paths.size(); ++i) {
+      second[i] = paths[i];
+      second[i].samples = paths[i].samples.of_second_path();
+    }
+    LightSteps steps(scene, limits_, {second.data(), paths.size()}, splats, log);
     BatchRays rays;
     for (size_t i = 0; i < paths.size(); ++i) {
       if (const auto splat = light_seen_around_edge(scene, int(i), paths[i], limits_.hide_emitters))
@@ -410,6 +417,8 @@ private:
       if (steps.begin_at_edge(int(i))) rays.add(int(i), steps.ray(int(i)));
     }
     follow(scene, steps, rays, RayTracer::Rays::incoherent);
+    for (size_t i = 0; i < paths.size(); ++i)
+      if (!is_finite(second[i].result.estimate)) paths[i].result.invalidate();
   }
 
   /// The radiance along the sensor's rays that connections can't bring to the film.

@@ -49,7 +49,7 @@ AdaptiveTarget adaptive_of(const Scene& scene, const Integrator& integrator, con
   if (integrator.leaves() != Integrator::Leaves::pixel)
     throw Error(
         integrator.properties().where(),
-        fmt::format("paths of \"{}\" start at emitters: they can't be adaptive to pixels (\"adaptive\" "
+        fmt::format("paths of \"{}\" leave light on any pixel: they can't be adaptive to pixels (\"adaptive\" "
                     "of the sampler, or --adaptive, must be none)",
                     integrator.properties().type()));
   if (end > (std::int64_t(1) << 32) >> kMaxDensityExponent)

@@ -182,7 +182,7 @@ bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   out.point = *point, out.d = -wo;
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   const Anchor anchor = Anchor::in_space(point->p);
-  // Followed against the light, which is the same: so that one way to find what is around serves lights at infinity, too.
+  // Traced from the edge to the lamp: what passes is the same both ways, and lamps at infinity have no place to begin at.
   out.flight = Flight{Ray{point->p, wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_surroundings(scene_, out.flight);
   if (!infinite) {

@@ -71,7 +71,7 @@ bool is_in_beam(const std::array<Vec3, 3>& triangle, const Beam& beam) {
   return least >= 0 || most <= 0;
 }
 
-EdgeIndex::EdgeIndex(std::span<const TriangleSet> sets) : edges_(find_mesh_edges(sets)) {
+EdgeIndex::EdgeIndex(std::span<const TriangleSet> sets, Of what) : edges_(find_mesh_edges(sets)) {
   std::vector<Bounds3> boxes;
   std::vector<NormalCone> cones;
   for (const MeshEdge& edge : edges_) {
@@ -80,6 +80,7 @@ EdgeIndex::EdgeIndex(std::span<const TriangleSet> sets) : edges_(find_mesh_edges
     cones.push_back(edge.is_boundary ? NormalCone{} : NormalCone::of(edge.n0, edge.n1));
   }
   edge_tree_ = BeamTree(boxes, cones);
+  if (what == Of::edges) return;
   boxes.clear();
   for (std::uint32_t s = 0; s < sets.size(); ++s)
     for (std::uint32_t t = 0; t < sets[s].triangles.size(); ++t) {

@@ -20,7 +20,9 @@ public:
 
   EdgeIndex() = default;
   /// Copies what it needs of the sets.
-  explicit EdgeIndex(std::span<const TriangleSet> sets);
+  /// `edges`: faces are not kept.
+  enum class Of { edges, edges_and_faces };
+  explicit EdgeIndex(std::span<const TriangleSet> sets, Of what = Of::edges_and_faces);
 
   const std::vector<MeshEdge>& edges() const { return edges_; }
   const std::vector<Face>& faces() const { return faces_; }

@@ -24,9 +24,14 @@ struct Towards {
   }
 };
 
-/// The part of the light that goes off Keller's cone by `off`, a difference of cosines, from an edge of that length; `rate` is by
-/// how much the light turns per distance along it. Corners send a little everywhere. Edges shorter than a beam send what the wave
-/// of all edges of the beam is there, as long as one of these lies at Keller's place.
+// The numbers below are heuristics: they change the noise, not the mean.
+
+/// Weight of an edge that is no outline between two ends that only guide its choice.
+constexpr double kNoOutline = 1e-3;
+
+/// The part of the light that leaves an edge of that length off Keller's cone by `off`, a difference of cosines; `rate` is by how much
+/// the directions change per distance along it. Corners send a little everywhere. Edges shorter than four sigma interfere with others:
+/// each of them sends light wherever any within seven sigma does.
 float along_cone(float off, float angle, float sigma, float length, float rate) {
   const float width = angle * std::max(1.f, 4 * sigma / length);
   const float k = 1 / (1 + (off / width) * (off / width));
@@ -41,7 +46,7 @@ NormalCone merged_lines(const NormalCone& a, const NormalCone& b) {
   return a.merged(dot(a.axis, b.axis) < 0 ? NormalCone{-b.axis, b.sine} : b);
 }
 
-float between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle, float sigma) {
+double between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle, float sigma) {
   const EdgeLine line(edge);
   const std::optional<double> keller = keller_point(line, a, b);
   const double l = std::clamp(keller.value_or(0.5 * line.length), 0.0, line.length);
@@ -54,10 +59,10 @@ float between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float an
   const float rate = (a.is_infinite ? 0.f : 1 / std::sqrt(to_a.distance_squared)) +
                      (b.is_infinite ? 0.f : 1 / std::sqrt(to_b.distance_squared));
   const float stretch = angle / (std::sqrt(across2) * rate + 1e-30f);
-  const float outline = edge.is_outline(to_a.d - to_b.d) ? 1.f : 1e-3f;
+  const double outline = edge.is_outline(to_a.d - to_b.d) ? 1.0 : kNoOutline;
   return outline * std::min(float(line.length), 4 * stretch) *
          along_cone(off, angle, sigma, float(line.length), rate) /
-         (to_a.distance_squared * to_b.distance_squared * (length_squared(turn) + angle * angle));
+         (double(to_a.distance_squared) * to_b.distance_squared * (length_squared(turn) + angle * angle));
 }
 
 }  // namespace
@@ -90,10 +95,10 @@ EdgeTree::EdgeTree(std::span<const MeshEdge> edges) : edges_(edges) {
   std::iota(order.begin(), order.end(), 0u);
   nodes_.reserve(2 * edges.size());
   nodes_.emplace_back();
-  build(0, order, 1);
+  build(0, order);
 }
 
-void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order, std::size_t depth) {
+void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order) {
   Bounds3 box, centers;
   float length = 0, shortest = INFINITY;
   for (const std::uint32_t i : order) {
@@ -129,8 +134,8 @@ void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order, std::si
   nodes_[node].index = first;
   nodes_[node].is_leaf = false;
   nodes_.resize(nodes_.size() + 2);
-  build(first, order.first(half), depth + 1);
-  build(first + 1, order.subspan(half), depth + 1);
+  build(first, order.first(half));
+  build(first + 1, order.subspan(half));
   nodes_[node].normals = nodes_[first].normals.merged(nodes_[first + 1].normals);
   nodes_[node].lines = merged_lines(nodes_[first].lines, nodes_[first + 1].lines);
 }
@@ -142,10 +147,10 @@ std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& imp
   float probability = 1;
   while (!nodes_[node].is_leaf) {
     const std::uint32_t first = nodes_[node].index;
-    const float left = importance(nodes_[first]), right = importance(nodes_[first + 1]);
-    const float sum = left + right;
+    const double left = importance(nodes_[first]), right = importance(nodes_[first + 1]);
+    const double sum = left + right;
     if (!(sum > 0) || !std::isfinite(sum)) return {};
-    const float share = left / sum;
+    const auto share = float(left / sum);
     if (u < share) {
       u = std::min(u / share, 0x1.fffffep-1f), probability *= share, node = first;
     } else {
@@ -164,15 +169,20 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
     const float r2 = node.radius * node.radius;
     // By how much the directions to the two ends may differ from those at the node's centre.
     const auto slack_of = [&](const PathEnd& end, const Towards& to) {
-      return end.is_infinite ? 0.f : std::min(2.f, std::sqrt(r2 / to.distance_squared) * 1.0001f + 1e-6f);
+      if (end.is_infinite) return 0.f;
+      const float sine2 = r2 / to.distance_squared;  // of the angle under which the node's radius is seen
+      if (!(sine2 < 1)) return 2.f;
+      return 1.0001f * std::sqrt(2 * sine2 / (1 + std::sqrt(1 - sine2))) + 1e-6f;
     };
     const float slack = slack_of(a, to_a) + slack_of(b, to_b);
     const Vec3 turn = to_a.d + to_b.d, mean = to_a.d - to_b.d;
     const float turn2 = length_squared(turn), mean2 = length_squared(mean);
+    double outline = 1;
     if (node.normals.sine < 1) {
-      // Outline edges have faces on both sides of the light: here all faces are on one.
+      // Outline edges have faces on both sides of the light: here all faces are on one. Not never, since the ends may only be near to
+      // those that the path will have.
       const float off = std::abs(dot(node.normals.axis, mean)) - slack, limit = std::sqrt(mean2) + slack;
-      if (off > node.normals.sine * limit) return 0.f;
+      if (off > node.normals.sine * limit) outline = kNoOutline;
     }
     const float turned = std::max(0.f, std::sqrt(turn2) - slack);
     float off = 0;
@@ -182,19 +192,20 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
       const float beside = std::sqrt(std::max(0.f, turn2 - along * along));
       off = std::max(0.f, along * cosine - beside * node.lines.sine - slack);
     }
-    const float da = a.is_infinite ? 1.f : std::max(to_a.distance_squared, r2),
-                db = b.is_infinite ? 1.f : std::max(to_b.distance_squared, r2);
-    const float rate = (a.is_infinite ? 0.f : 1 / std::sqrt(da)) + (b.is_infinite ? 0.f : 1 / std::sqrt(db));
-    return node.length * along_cone(off, angle, sigma, node.shortest, rate) /
+    const double da = a.is_infinite ? 1.f : std::max(to_a.distance_squared, r2),
+                 db = b.is_infinite ? 1.f : std::max(to_b.distance_squared, r2);
+    const auto rate =
+        float((a.is_infinite ? 0 : 1 / std::sqrt(da)) + (b.is_infinite ? 0 : 1 / std::sqrt(db)));
+    return outline * node.length * along_cone(off, angle, sigma, node.shortest, rate) /
            (da * db * (turned * turned + angle * angle));
   });
 }
 
 std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, float u) const {
   return descend(u, [&](const Node& node) {
-    if (a.is_infinite) return node.length;
+    if (a.is_infinite) return double(node.length);
     return node.length /
-           std::max(length_squared(a.p - node.center), 0.25f * node.radius * node.radius + 1e-30f);
+           std::max(double(length_squared(a.p - node.center)), 0.25 * node.radius * node.radius + 1e-30);
   });
 }
 

@@ -46,7 +46,7 @@ public:
     float u;  ///< what is left of the random number
   };
   /// An edge around which light goes from `b` to `a`, in beams of that `sigma`. `angle`: the width of the cone into which long
-  /// edges diffract, 1/(2 k sigma). Nothing where no edge is an outline between the two.
+  /// edges diffract, 1/(2 k sigma). Edges that are no outlines between the two are seldom chosen.
   std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma,
                                        float u) const;
   /// An edge that light from or to `a` may reach.
@@ -67,7 +67,7 @@ private:
     bool is_leaf;
   };
 
-  void build(std::uint32_t node, std::span<std::uint32_t> order, std::size_t depth);
+  void build(std::uint32_t node, std::span<std::uint32_t> order);
   template <class Importance>
   std::optional<Choice> descend(float u, const Importance& importance) const;
 

@@ -142,8 +142,12 @@ struct EdgeFrame {
 
 SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
     : width_(width), unit_m_(parts.context->length_unit_m) {
+  const double longest = parts.context->grid.max_nm * 1e-9;
+  if (width_.at(longest) < 0.5 * longest)
+    throw Error(
+        "beam_width: beams are narrower than half of the longest wavelength, which has no direction then");
   const WorldTriangles triangles(parts);
-  index_ = EdgeIndex(triangles.sets);
+  index_ = EdgeIndex(triangles.sets, EdgeIndex::Of::edges);
   tree_ = EdgeTree(index_.edges());
 }
 
@@ -165,7 +169,7 @@ EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, doubl
   EdgePoint point{&edge, l, line.at(l), {}, pdf};
   // Away from both faces. At a boundary the surface ends.
   Vec3 off;
-  if (edge.n1 == Vec3{}) {
+  if (edge.is_boundary) {
     off = cross(line.direction.to_float(), edge.n0);
   } else {
     off = edge.n0 + edge.n1;
@@ -199,7 +203,9 @@ std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const Path
     const Double3 to = a.is_infinite ? Double3(b.p) - x : Double3(a.p) - x;
     const double along = dot(to, line.direction),
                  sine = std::sqrt(std::max(1 - along * along / dot(to, to), 1e-6));
-    deviation = 1.1 * beams.angle * sine / (rate(a) + rate(b));
+    // Light from edges shorter than a beam comes from all of their length.
+    const double width = beams.angle * std::max(1.0, 4 * beams.widest / line.length);
+    deviation = 1.1 * width * sine / (rate(a) + rate(b));
   }
   const PlaceDensity places(keller, deviation, 2.0 * beams.widest, line.length);
   const double l = places.sample(u[1], u[2]);

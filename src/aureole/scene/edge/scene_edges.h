@@ -32,9 +32,12 @@ struct EdgePoint {
 
 class SceneEdges {
 public:
-  /// Of the meshes in the scene that light cannot pass as if they were not there. Throws Error where beams are wider than
-  /// the scene.
+  /// Of the meshes in the scene that light cannot pass as if they were not there. Throws Error
+  /// where beams are narrower than half of the longest wavelength.
   SceneEdges(const SceneParts& parts, const BeamWidth& width);
+  // The tree refers to the edges of the index.
+  SceneEdges(const SceneEdges&) = delete;
+  SceneEdges& operator=(const SceneEdges&) = delete;
 
   /// sigma and wave number at the wavelengths of a path, in units of the scene.
   struct Beams {
