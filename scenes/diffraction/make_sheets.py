@@ -26,17 +26,22 @@ def sheet_with_holes(name, comment, xs, ys, is_open):
     write(name, comment, vertices, faces)
 
 
-def star(name, points=5, outer=1.0, inner=0.42, rim=60.0):
+def star(name, points=5, outer=1.0, inner=0.42, rim=600.0):
     count = 2 * points
     angles = [math.pi / 2 + math.pi * i / points for i in range(count)]
     radii = [outer if i % 2 == 0 else inner for i in range(count)]
     vertices = [(r * math.cos(a), r * math.sin(a)) for r, a in zip(radii, angles)]
-    vertices += [(rim * math.cos(a), rim * math.sin(a)) for a in angles]
     faces = []
-    for i in range(count):
-        j = (i + 1) % count
-        faces += [(i, count + i, count + j), (i, count + j, j)]
-    write(name, "A sheet of 60 mm with a hole: a star of five points, 1 mm from its centre.", vertices, faces)
+    ring, radius = 0, outer
+    while radius < rim:  # rings keep triangles from being slender, which ray tracers meet with errors
+        radius = min(2.5 * radius, rim)
+        vertices += [(radius * math.cos(a), radius * math.sin(a)) for a in angles]
+        for i in range(count):
+            j = (i + 1) % count
+            a, b, c, d = (ring + i, ring + count + i, ring + count + j, ring + j)
+            faces += [(a, b, c), (a, c, d)]
+        ring += count
+    write(name, "A sheet of 600 mm with a hole: a star of five points, 1 mm from its centre.", vertices, faces)
 
 
 def comb(name, teeth=9, width=0.5, gap=0.5, length=20.0):
@@ -53,5 +58,5 @@ def comb(name, teeth=9, width=0.5, gap=0.5, length=20.0):
 if __name__ == "__main__":
     star("star.obj")
     sheet_with_holes("two_slits.obj", "A sheet with two slits, 0.2 mm wide, 0.6 mm apart, 4 mm long.",
-                     [-60.0, -0.4, -0.2, 0.2, 0.4, 60.0], [-60.0, -2.0, 2.0, 60.0], lambda i, j: j == 1 and i in (1, 3))
+                     [-600.0, -0.4, -0.2, 0.2, 0.4, 600.0], [-600.0, -2.0, 2.0, 600.0], lambda i, j: j == 1 and i in (1, 3))
     comb("comb.obj")

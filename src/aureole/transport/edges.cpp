@@ -33,6 +33,16 @@ Spectrum passed_between(const Scene& scene, const Anchor& from, const Anchor& to
   return finish(scene, c, w, surroundings, key, end);
 }
 
+Spectrum EdgePaths::passed_to_edge(const Anchor& from, const EdgePoint& point, const Flight& surroundings,
+                                   bool through_emitters, std::uint32_t key, Flight* end) const {
+  const Anchor edge = Anchor::in_space(point.p);
+  // Rays are traced from the edge, where the ray tracer's rounding is that of the faces there and not of the way. What is around has
+  // to be followed from the other end.
+  if (scene_.has_media())
+    return passed_between(scene_, from, edge, surroundings, through_emitters, w_, key, end);
+  return passed_between(scene_, edge, from, surroundings, through_emitters, w_, key, end);
+}
+
 Spectrum EdgePaths::reach(const Place& from, const EdgePoint& point) const {
   const float d2 = length_squared(point.on_edge() - from.anchor.p);
   if (!(d2 > 0)) return 0.f;
@@ -88,7 +98,7 @@ Spectrum EdgePaths::through(const EdgePoint& point, const Anchor& from, const Fl
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   const Anchor anchor = Anchor::in_space(point.p);
   Flight at_edge;
-  Spectrum passed = passed_between(scene_, from, anchor, surroundings, through_emitters, w_, key, &at_edge);
+  const Spectrum passed = passed_to_edge(from, point, surroundings, through_emitters, key, &at_edge);
   if (is_black(passed)) return 0.f;
   if (!to.is_infinite)
     return passed * passed_between(scene_, anchor, *end, at_edge, end_through_emitters, w_, key + 1);
@@ -147,8 +157,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
 bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,
                        Spectrum& value, AtEdge& out) {
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
-  value *= passed_between(scene_, from.anchor, Anchor::in_space(point.p), leaving(scene_, from, d),
-                          through_emitters, w_, key, &out.flight);
+  value *= passed_to_edge(from.anchor, point, leaving(scene_, from, d), through_emitters, key, &out.flight);
   out.point = point, out.d = d;
   return !is_black(value);
 }

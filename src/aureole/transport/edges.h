@@ -132,6 +132,8 @@ private:
   std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b);
   Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);
   Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
+  Spectrum passed_to_edge(const Anchor& from, const EdgePoint& point, const Flight& surroundings,
+                          bool through_emitters, std::uint32_t key, Flight* end) const;
   /// The part of the light that passes from a place to an edge and from there to `to`, which is `end` or at infinity.
   Spectrum through(const EdgePoint& point, const Anchor& from, const Flight& surroundings,
                    bool through_emitters, const PathEnd& to, const Anchor* end, bool end_through_emitters);

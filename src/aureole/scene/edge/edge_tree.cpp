@@ -32,12 +32,14 @@ constexpr double kNoOutline = 1e-3;
 /// The part of the light that leaves an edge of that length off Keller's cone by `off`, a difference of cosines; `rate` is by how much
 /// the directions change per distance along it. Corners send a little everywhere. Edges shorter than four sigma interfere with others:
 /// each of them sends light wherever any within seven sigma does.
-float along_cone(float off, float angle, float sigma, float length, float rate) {
+/// `turn`: of edges of all directions, by how much the light turns; 0 where their direction is known.
+float along_cone(float off, float turn, float angle, float sigma, float length, float rate) {
   const float width = angle * std::max(1.f, 4 * sigma / length);
   const float k = 1 / (1 + (off / width) * (off / width));
-  if (length > 4 * sigma) return k * k * k + 1e-3f * k;
+  const float near = k * k * k * width / (width + turn);
+  if (length > 4 * sigma) return near + 1e-3f * k;
   const float beside = off / (7 * sigma * rate + width);
-  return std::max(k * k * k, 0.3f / (1 + beside * beside));
+  return std::max(near, 0.3f / (1 + beside * beside));
 }
 
 NormalCone of_line(const Vec3& d) { return {d, 1e-6f}; }
@@ -61,7 +63,7 @@ double between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float a
   const float stretch = angle / (std::sqrt(across2) * rate + 1e-30f);
   const double outline = edge.is_outline(to_a.d - to_b.d) ? 1.0 : kNoOutline;
   return outline * std::min(float(line.length), 4 * stretch) *
-         along_cone(off, angle, sigma, float(line.length), rate) /
+         along_cone(off, 0, angle, sigma, float(line.length), rate) /
          (double(to_a.distance_squared) * to_b.distance_squared * (length_squared(turn) + angle * angle));
 }
 
@@ -98,6 +100,77 @@ EdgeTree::EdgeTree(std::span<const MeshEdge> edges) : edges_(edges) {
   build(0, order);
 }
 
+namespace {
+
+/// The squared half diagonal of what edges fill.
+float size_of(const Bounds3& box) { return box.empty() ? 0.f : 0.25f * length_squared(box.diagonal()); }
+
+/// Where the plane lies, of fifteen across each axis, for which the sum of the edges' number times size is least: small figures are
+/// told from the long edges around them.
+struct Plane {
+  int axis = -1;
+  float at = 0;
+};
+Plane best_plane(std::span<const MeshEdge> edges, std::span<const std::uint32_t> order,
+                 const Bounds3& centers) {
+  constexpr int kBins = 16;
+  Plane best;
+  float least = INFINITY;
+  for (int axis = 0; axis < 3; ++axis) {
+    const float begin = centers.lower[axis], extent = centers.upper[axis] - begin;
+    if (!(extent > 0)) continue;
+    struct {
+      Bounds3 box;
+      float count = 0;
+    } bins[kBins];
+    for (const std::uint32_t i : order) {
+      const float at = (0.5f * (edges[i].a[axis] + edges[i].b[axis]) - begin) / extent;
+      auto& bin = bins[std::clamp(int(at * kBins), 0, kBins - 1)];
+      bin.box.extend(edges[i].a), bin.box.extend(edges[i].b);
+      ++bin.count;
+    }
+    float right[kBins] = {};
+    Bounds3 box;
+    float count = 0;
+    for (int i = kBins - 1; i > 0; --i) {
+      if (bins[i].count > 0) box.extend(bins[i].box), count += bins[i].count;
+      right[i] = size_of(box) * count;
+    }
+    box = {}, count = 0;
+    for (int i = 1; i < kBins; ++i) {
+      if (bins[i - 1].count > 0) box.extend(bins[i - 1].box), count += bins[i - 1].count;
+      const float cost = size_of(box) * count + right[i];
+      if (count > 0 && count < float(order.size()) && cost < least)
+        least = cost, best = {axis, begin + extent * float(i) / kBins};
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+std::size_t EdgeTree::divide(std::span<std::uint32_t> order, const Bounds3& centers) const {
+  const auto center = [&](std::uint32_t i, int axis) {
+    return 0.5f * (edges_[i].a[axis] + edges_[i].b[axis]);
+  };
+  if (const Plane plane = best_plane(edges_, order, centers); plane.axis >= 0) {
+    const auto middle = std::partition(order.begin(), order.end(),
+                                       [&](std::uint32_t i) { return center(i, plane.axis) < plane.at; });
+    const auto half = std::size_t(middle - order.begin());
+    // A share of at least a sixty-fourth keeps the depth in bounds.
+    if (half > order.size() / 64 && half < order.size() - order.size() / 64) return half;
+  }
+  const Vec3 extent = centers.diagonal();
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  const std::size_t half = order.size() / 2;
+  std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(half), order.end(),
+                   [&](std::uint32_t i, std::uint32_t j) {
+                     const float a = center(i, axis), b = center(j, axis);
+                     return a != b ? a < b : i < j;
+                   });
+  return half;
+}
+
 void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order) {
   Bounds3 box, centers;
   float length = 0, shortest = INFINITY;
@@ -110,7 +183,7 @@ void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order) {
   }
   nodes_[node].center = box.center();
   nodes_[node].radius = 0.5f * aureole::length(box.diagonal());
-  nodes_[node].length = length, nodes_[node].shortest = shortest;
+  nodes_[node].length = length, nodes_[node].shortest = shortest, nodes_[node].count = float(order.size());
   if (order.size() == 1) {
     const MeshEdge& edge = edges_[order[0]];
     nodes_[node].normals = edge.is_boundary ? NormalCone{} : NormalCone::of(edge.n0, edge.n1);
@@ -119,17 +192,7 @@ void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order) {
     nodes_[node].is_leaf = true;
     return;
   }
-  // Halves by number, across the longest side of the box of the centres: the depth is known, and the two halves of a
-  // long street or wall are as good as any others.
-  const Vec3 extent = centers.diagonal();
-  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  const std::size_t half = order.size() / 2;
-  std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(half), order.end(),
-                   [&](std::uint32_t i, std::uint32_t j) {
-                     const float a = edges_[i].a[axis] + edges_[i].b[axis],
-                                 b = edges_[j].a[axis] + edges_[j].b[axis];
-                     return a != b ? a < b : i < j;
-                   });
+  const std::size_t half = divide(order, centers);
   const auto first = std::uint32_t(nodes_.size());
   nodes_[node].index = first;
   nodes_[node].is_leaf = false;
@@ -184,7 +247,11 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
       const float off = std::abs(dot(node.normals.axis, mean)) - slack, limit = std::sqrt(mean2) + slack;
       if (off > node.normals.sine * limit) outline = kNoOutline;
     }
-    const float turned = std::max(0.f, std::sqrt(turn2) - slack);
+    // Of the inverse square of the angle the mean over what the node may hold: a bound would be as large for all nodes that an end
+    // is near to.
+    const float turned = std::max(0.f, std::sqrt(turn2) - slack), angle2 = angle * angle,
+                slack2 = slack * slack;
+    const float turned2 = turned * turned + angle2 + slack2 / (1 + std::log1p(slack2 / angle2));
     float off = 0;
     if (node.lines.sine < 1) {
       const float along = std::abs(dot(turn, node.lines.axis)),
@@ -196,8 +263,9 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
                  db = b.is_infinite ? 1.f : std::max(to_b.distance_squared, r2);
     const auto rate =
         float((a.is_infinite ? 0 : 1 / std::sqrt(da)) + (b.is_infinite ? 0 : 1 / std::sqrt(db)));
-    return outline * node.length * along_cone(off, angle, sigma, node.shortest, rate) /
-           (da * db * (turned * turned + angle * angle));
+    return outline * std::min(node.length, 4 * node.count * angle / (rate + 1e-30f)) *
+           along_cone(off, node.lines.sine < 1 ? 0.f : std::sqrt(turn2), angle, sigma, node.shortest, rate) /
+           (da * db * turned2);
   });
 }
 

@@ -61,6 +61,7 @@ private:
     float radius = 0;
     float length = 0;     ///< of all edges
     float shortest = 0;   ///< of them
+    float count = 0;      ///< of edges
     NormalCone normals;   ///< of the faces at them
     NormalCone lines;     ///< of their directions, either way
     std::uint32_t index;  ///< of the first of two children, or of the edge
@@ -68,6 +69,8 @@ private:
   };
 
   void build(std::uint32_t node, std::span<std::uint32_t> order);
+  /// Orders the edges by the side of a plane, and returns how many lie before it.
+  std::size_t divide(std::span<std::uint32_t> order, const Bounds3& centers) const;
   template <class Importance>
   std::optional<Choice> descend(float u, const Importance& importance) const;
 

@@ -149,6 +149,9 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   const WorldTriangles triangles(parts);
   index_ = EdgeIndex(triangles.sets, EdgeIndex::Of::edges);
   tree_ = EdgeTree(index_.edges());
+  Bounds3 box;
+  for (const ModelPart& part : parts.surfaces) box.extend(part.bounds());
+  if (!box.empty()) diameter_ = length(box.diagonal());
 }
 
 SceneEdges::Beams SceneEdges::beams(const Wavelengths& w) const {
@@ -178,8 +181,9 @@ EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, doubl
         size > 1e-3f ? off * ((edge.is_concave ? -1 : 1) / size) : cross(line.direction.to_float(), edge.n0);
   }
   const Vec3 p = point.x.to_float();
-  // The rounding of places on faces, of the ray's origin and of the ray caster, whose errors grow with the corners of faces.
-  const float reach = max_component(abs(edge.a)) + max_component(abs(edge.b)) + float(line.length);
+  // The rounding of places on faces, and of rays that come from afar: theirs grows with the way.
+  const float reach =
+      max_component(abs(edge.a)) + max_component(abs(edge.b)) + float(line.length) + diameter_;
   point.p = p + off * (reach * gamma_bound(32));
   return point;
 }

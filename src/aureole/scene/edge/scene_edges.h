@@ -82,7 +82,8 @@ private:
   EdgePoint point_on(const MeshEdge& edge, const EdgeLine& line, double l, float pdf) const;
 
   BeamWidth width_;
-  double unit_m_;  ///< metres per unit of length of the scene
+  double unit_m_;       ///< metres per unit of length of the scene
+  float diameter_ = 0;  ///< of the scene's surfaces
   EdgeIndex index_;
   EdgeTree tree_;
 };
