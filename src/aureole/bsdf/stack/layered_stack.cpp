@@ -302,13 +302,22 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
     const auto fine = [&](int wide, int most, double power) {
       return std::clamp(int(std::lround(wide * std::pow(width, -power))), wide, most);
     };
-    const auto directions = int(p_.get_int("directions", fine(24, 64, 0.45), {8, 128})),
-               azimuths = int(p_.get_int("azimuths", fine(16, 40, 0.5), {4, 128}));
-    const int streams = std::min(optics::streams_for_directions(stacks.front(), directions), 512);
+    constexpr int kFewest = 24;  // directions, where none are asked for
+    auto directions = int(p_.get_int("directions", fine(kFewest, 64, 0.45), {8, 128}));
+    const auto azimuths = int(p_.get_int("azimuths", fine(16, 40, 0.5), {4, 128}));
+    const auto streams_for = [&](int wanted) {
+      return std::min(optics::streams_for_directions(stacks.front(), wanted), 512);
+    };
     // The solution of each stack in double precision, and the table that is made of them, in single precision.
-    const double megabytes = 1e-6 * double(optics::kernel_pairs(stacks.front(), streams)) * (azimuths + 1) *
-                             (double(stacks.size()) * sizeof(double) +
-                              double(std::max<std::size_t>(stacks.size(), 2)) * sizeof(float));
+    const auto megabytes_for = [&](int wanted) {
+      return 1e-6 * double(optics::kernel_pairs(stacks.front(), streams_for(wanted))) * (azimuths + 1) *
+             (double(stacks.size()) * sizeof(double) +
+              double(std::max<std::size_t>(stacks.size(), 2)) * sizeof(float));
+    };
+    if (!p_.has("directions"))
+      while (directions > kFewest && megabytes_for(directions) > kLargestMegabytes) --directions;
+    const int streams = streams_for(directions);
+    const double megabytes = megabytes_for(directions);
     if (megabytes > kLargestMegabytes)
       throw p_.error("directions",
                      fmt::format("the tables would take {:.0f} MB while they are made; {:.0f} are "
