@@ -26,7 +26,8 @@ struct Arguments {
   std::vector<std::string> defines;
   std::int64_t spp = -1, seed = -1;
   int threads = 0, replicates = 1;
-  double time_s = 0, min_db = std::nan(""), max_db = std::nan("");
+  double time_s = 0;
+  std::vector<double> min_db, max_db;  // one number each, or none
   bool quiet = false;
 };
 
@@ -66,25 +67,43 @@ Image as_image(const std::vector<PowerMap>& maps) {
 /// A line about a map: medians over the cells where something arrives, and the noise there.
 void print_map(const PowerMap& map) {
   std::vector<std::size_t> lit;
-  for (std::size_t i = 0; i < map.density.size(); ++i)
-    if (map.density[i] > 0) lit.push_back(i);
+  const std::vector<double> relative = map.relative_db();
+  std::vector<std::size_t> compared;  // with free space
+  for (std::size_t i = 0; i < map.density.size(); ++i) {
+    if (!(map.density[i] > 0)) continue;
+    lit.push_back(i);
+    if (std::isfinite(relative[i])) compared.push_back(i);
+  }
   fmt::print("{}: {:.6g} W, power in {} of {} cells", band_text(map), map.power_w, lit.size(),
              map.density.size());
-  const auto quantile = [&](const std::vector<double>& values, double q) {
+  if (compared.size() < lit.size())
+    fmt::print(" ({} of these would be dark in free space)", lit.size() - compared.size());
+  const auto quantile = [](const std::vector<double>& values, const std::vector<std::size_t>& cells,
+                           double q) {
     std::vector<double> those;
-    for (const std::size_t i : lit) those.push_back(values[i]);
+    for (const std::size_t i : cells) those.push_back(values[i]);
     const auto at = those.begin() + std::ptrdiff_t(q * double(those.size() - 1));
     std::nth_element(those.begin(), at, those.end());
     return *at;
   };
   if (!lit.empty()) {
-    fmt::print(", medians {:.2f} dB re free space, {:.2f} dBm", quantile(map.relative_db(), 0.5),
-               quantile(map.received_dbm(), 0.5));
+    fmt::print(", medians ");
+    if (!compared.empty()) fmt::print("{:.2f} dB re free space, ", quantile(relative, compared, 0.5));
+    fmt::print("{:.2f} dBm", quantile(map.received_dbm(), lit, 0.5));
     if (!map.error.empty())
-      fmt::print(", standard error {:.2f} dB, {:.2f} dB in the worst tenth", quantile(map.error_db(), 0.5),
-                 quantile(map.error_db(), 0.9));
+      fmt::print(", standard error {:.2f} dB, {:.2f} dB in the worst tenth",
+                 quantile(map.error_db(), lit, 0.5), quantile(map.error_db(), lit, 0.9));
   }
   fmt::print("\n");
+}
+
+/// The end of the colours that an option gives.
+std::optional<double> end_of_colours(const char* option, const std::vector<double>& given) {
+  if (given.empty()) return {};
+  if (!(std::abs(given[0]) <= DecibelScale::kWidest))
+    throw Error(fmt::format("{} {}: must be between -{} and {} dB", option, given[0], DecibelScale::kWidest,
+                            DecibelScale::kWidest));
+  return given[0];
 }
 
 int powermap(const Arguments& a) {
@@ -95,8 +114,13 @@ int powermap(const Arguments& a) {
   if (a.threads < 0 || a.threads > 4096)
     throw Error(fmt::format("--threads {}: must be between 1 and 4096 (0: all cores)", a.threads));
   if (!(a.time_s >= 0)) throw Error(fmt::format("--time {}: must not be negative", a.time_s));
-  if (a.min_db >= a.max_db)
-    throw Error(fmt::format("--min-db {}: must be less than --max-db, {}", a.min_db, a.max_db));
+  const std::optional<double> min_db = end_of_colours("--min-db", a.min_db),
+                              max_db = end_of_colours("--max-db", a.max_db);
+  if (min_db && max_db && *min_db >= *max_db)
+    throw Error(fmt::format("--min-db {}: must be less than --max-db, {}", *min_db, *max_db));
+  if (min_db && max_db && *max_db - *min_db > DecibelScale::kWidest)
+    throw Error(fmt::format("--min-db {}: more than {} dB below --max-db, {}", *min_db, DecibelScale::kWidest,
+                            *max_db));
   std::optional<double> power;
   try {
     if (!a.power.empty()) power = parse_power_w(a.power);
@@ -132,17 +156,7 @@ int powermap(const Arguments& a) {
     fmt::print(stderr, "note: {} samples were invalid and left out\n", job.state().invalid_samples);
 
   const std::vector<PowerMap> maps = power_maps(*loaded.scene, job.state().picture(), power);
-  const std::string show = !a.show.empty() ? a.show : power ? "dBm" : "relative";
-  const PowerMap& first = maps[0];
-  const std::vector<double> values = show == "dBm" ? first.received_dbm() : first.relative_db();
-  DecibelScale scale = DecibelScale::of(
-      values, show == "dBm" ? fmt::format("{}, {:.4g} W: received power in dBm, isotropic antenna",
-                                          band_text(first), first.power_w)
-                            : band_text(first) + ": power density in dB re free space");
-  if (!std::isnan(a.min_db)) scale.min_db = a.min_db;
-  if (!std::isnan(a.max_db)) scale.max_db = a.max_db;
-  if (!(scale.min_db < scale.max_db))
-    throw Error(fmt::format("--min-db and --max-db leave no range: {} to {} dB", scale.min_db, scale.max_db));
+  // The map comes before its picture: whatever is wrong with that, the map is kept.
   ExrAttributes attributes;
   attributes.strings = {{"aureole.scene", loaded.file.filename().string()},
                         {"aureole.integrator", loaded.integrator->properties().type()},
@@ -153,6 +167,15 @@ int powermap(const Arguments& a) {
     attributes.floats[prefix + "wavelength_m"] = float(map.wavelength_m);
   }
   write_exr(output, as_image(maps), ExrPixel::float32, attributes);
+
+  const std::string show = !a.show.empty() ? a.show : power ? "dBm" : "relative";
+  const PowerMap& first = maps[0];
+  const std::vector<double> values = show == "dBm" ? first.received_dbm() : first.relative_db();
+  DecibelScale scale = DecibelScale::of(
+      values, show == "dBm" ? fmt::format("{}, {:.4g} W: received power in dBm, isotropic antenna",
+                                          band_text(first), first.power_w)
+                            : band_text(first) + ": power density in dB re free space");
+  scale.set_ends(min_db, max_db);
   write_png(png, decibel_picture(values, first.width, first.height, scale));
   if (a.quiet) return 0;
   for (const PowerMap& map : maps) print_map(map);
@@ -178,8 +201,9 @@ std::function<int()> declare(CommandOptions& options) {
       "power of all emitters together in the band, \"2W\", \"500mW\" or \"33dBm\" (default: the scene's)");
   options.add("--show", a->show, "what the PNG shows (default: dBm with --power, else relative)")
       .one_of({"relative", "dBm"});
-  options.add("--min-db", a->min_db, "lower end of the PNG's colours (default: by the values)");
-  options.add("--max-db", a->max_db, "upper end of the PNG's colours");
+  options.add("--min-db", a->min_db, "lower end of the PNG's colours [dB] (default: by the values)").takes(1);
+  options.add("--max-db", a->max_db, "upper end of the PNG's colours [dB], 1000 above the lower one at most")
+      .takes(1);
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return powermap(*a); };
 }

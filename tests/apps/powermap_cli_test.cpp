@@ -84,12 +84,25 @@ TEST_F(PowerMapCommand, HasAMapPerBin) {
   EXPECT_GE(map.channel("S0.67453303,05nm.relative_dB"), 0) << map.channels[0];
 }
 
+// All values are above or below the only end that is given.
+TEST_F(PowerMapCommand, AnEndOfTheColoursBeyondTheValuesLosesNoMap) {
+  for (const char* end : {"--min-db=200", "--max-db=-300"}) {
+    ASSERT_EQ(run({scene(kBand), "--spp", "1", end}), 0) << output;
+    EXPECT_TRUE(fs::remove(folder.path / "map.exr"));
+    EXPECT_TRUE(fs::remove(folder.path / "map.png"));
+  }
+}
+
 TEST_F(PowerMapCommand, RefusesWhatItCannotMap) {
   refused({scene(kBand, "perspective")}, "measures no power at points");
   refused({scene("<film type='hdrfilm'>" + kSize + "</film>"), "--spp", "1"}, "channels are colours");
   refused({scene(kBand), "--power", "2V"}, "--power: \"2V\"");
   refused({scene(kBand), "--power", "-2"}, "no positive power");
   refused({scene(kBand), "--min-db", "3", "--max-db", "2"}, "less than --max-db");
+  refused({scene(kBand), "--max-db", "nan"}, "--max-db nan");
+  refused({scene(kBand), "--min-db=-inf"}, "--min-db -inf");
+  refused({scene(kBand), "--min-db=-1e300"}, "--min-db -1e+300");
+  refused({scene(kBand), "--min-db=-600", "--max-db", "600"}, "more than 1000 dB below");
   refused({scene(kBand), "-o", "map.png"}, ".exr file");
   refused({scene("<film type='hdrfilm'><string name='wavelength_min' value='3GHz'/></film>")}, "map.xml:1:");
 }

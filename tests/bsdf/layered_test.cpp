@@ -138,6 +138,37 @@ TEST(LayeredBsdf, WrongParametersAreLocated) {
            "<integer name=\"wavelengths\" value=\"256\"/>" +
            kWhite + "<medium type=\"homogeneous\"><rgb name=\"albedo\" value=\"0.9, 0.5, 0.1\"/></medium>",
        "MB", "10um, 10um");
+  // The side below has all channels of three indices: 180 MB of tables, and two times as many of solutions.
+  says(number("below_ior", 1.3) +
+           "<integer name=\"directions\" value=\"48\"/><integer name=\"azimuths\" value=\"40\"/>"
+           "<integer name=\"wavelengths\" value=\"64\"/>"
+           "<medium type=\"homogeneous\"><rgb name=\"albedo\" value=\"0.9, 0.5, 0.1\"/></medium>",
+       "MB while they are made");
+}
+
+TEST(LayeredBsdf, NumbersKeepAllTheirDigits) {
+  const auto below = [](const std::string& indices) {
+    const Properties p = read_properties(stack(medium(1, 0.9, 0) + indices));
+    return LayeredStack(p).index_below();
+  };
+  EXPECT_EQ(below("<float name=\"ext_ior\" value=\"1.2345678\"/>"), 1.2345678f);
+  EXPECT_EQ(below(number("ext_ior", 1) + "<float name=\"below_ior\" value=\"1.00000036\"/>"), 1.00000036f);
+}
+
+TEST(LayeredBsdf, ASmoothSubstrateMirrors) {
+  const auto reflects = [](const std::string& substrate) {
+    // Through a clear layer of the index of what is above.
+    const auto bsdf = build<Bsdf>(
+        stack(medium(0, 0, 0) + kSmall + number("int_ior", 1) + number("ext_ior", 1) + substrate));
+    const Setting s(TransportMode::importance);
+    const auto x = bsdf->sample({0, 0, 1}, 0.01f, {0.3f, 0.7f}, s.context());
+    return x && x->is_delta() ? x->value[0] : 0;
+  };
+  EXPECT_NEAR(reflects("<bsdf type=\"conductor\"><string name=\"material\" value=\"none\"/></bsdf>"), 1,
+              1e-4);
+  EXPECT_NEAR(reflects("<bsdf type=\"plastic\"><float name=\"diffuse_reflectance\" value=\"0.5\"/>"
+                       "<float name=\"int_ior\" value=\"1.5\"/></bsdf>"),
+              0.04, 1e-4);
 }
 
 }  // namespace

@@ -67,7 +67,8 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
     const char* shared = std::getenv("AUREOLE_SHARED");
     const std::filesystem::path folder = shared ? shared : source_dir() / ".." / "shared";
     scene = folder / GetParam().scene.substr(7);
-    if (!std::filesystem::exists(scene)) GTEST_SKIP() << "the scene " << scene << " is not here";
+    ASSERT_TRUE(std::filesystem::exists(scene))
+        << "the scene " << scene << " is not here: set AUREOLE_SHARED to the folder of the example scenes";
   } else {
     scene = source_dir() / scene;
   }

@@ -121,7 +121,7 @@ AUREOLE_PLUGIN(
           "is open below"},
          {"wavelengths", "integer", "", "24", "nodes of the table over the sensor's range"},
          {"directions", "integer", "", "24 to 64",
-          "nodes over the cosine on the thinner side, more where a lobe is narrow; the stack is solved with four times as many streams "
+          "nodes over the cosine on the thinner side, more where a lobe is narrow and memory allows; the stack is solved with four times as many streams "
           "or more"},
          {"azimuths", "integer", "", "16 to 40", "cells over half a turn, more where a lobe is narrow"}},
         {R"(<bsdf type="layered">

@@ -49,10 +49,13 @@ public:
         paths_(paths),
         splats_(splats),
         log_(log),
-        counts_crossings_(scene.sensor().counts_crossings()) {}
+        counts_crossings_(scene.sensor().counts_crossings()),
+        counts_beams_(counts_crossings_ && limits.reaches(1) && !limits.hide_emitters) {}
 
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
+  /// Whether paths of one edge count.
+  bool counts_beams() const { return counts_beams_; }
   bool needs_march() const { return !scene_.has_binary_visibility() || limits_.hide_emitters; }
 
   /// Where the path begins; false where it carries no light.
@@ -77,6 +80,9 @@ public:
     s.flight.ray = Anchor::of(*emitted).leave(emitted->d);
     find_surroundings(scene_, choice->light, s.flight);
     if (log_.follows(i)) log_emitter(log_, *choice->light, choice->part, s.flight.ray);
+    // A beam that no connection finds; that from infinity is found by those of the receivers.
+    if (counts_beams_ && emitted->delta_direction && !choice->light->is_infinite())
+      pass_receivers(i, Anchor::of(*emitted), emitted->d, [&] { return s.flight; });
     return true;
   }
 
@@ -180,7 +186,8 @@ public:
     if ((ends && !b.delta) || b.value.is_black()) return false;
     s.after_edge = false;
     s.density.extend(b.value, b.pdf, b.delta);
-    if (counts_crossings_ && b.delta) pass_receivers(i, vertex, b.d);
+    if (counts_crossings_ && b.delta)
+      pass_receivers(i, vertex.anchor(), b.d, [&] { return vertex.surroundings(b.d, s.flight); });
     if (ends) return false;
     if (event == Event::entered) {
       below_.add(i);
@@ -237,24 +244,26 @@ private:
   static constexpr std::uint32_t kToSensor = 0x2545f491u, kAroundEdges = 0x7feb352du,
                                  kFromLight = 0x846ca68bu;
 
-  /// Light that a mirror has sent along `d`, which no connection finds, where it passes the sensor's receivers.
-  void pass_receivers(int i, const Vertex& vertex, const Vec3& d) {
+  /// Light that a mirror or a beam has sent along `d`, which no connection finds, where it passes the sensor's
+  /// receivers.
+  template <class Surroundings>
+  void pass_receivers(int i, const Anchor& from, const Vec3& d, const Surroundings& surroundings) {
     const State& s = states_[i];
-    const auto crossing = scene_.sensor().crossing(vertex.anchor().leave(d));
-    if (!crossing) return;
     const Path& path = paths_[size_t(i)];
-    Connection c;
-    c.set(vertex.anchor(), d, Anchor::in_space(crossing->p));
-    c.through_emitters = limits_.hide_emitters;
-    c.light = s.density.reached(Weight(1.f), crossing->importance, path.wavelengths);
-    if (scene_.has_media()) {
-      c.begin_in(vertex.surroundings(d, s.flight), key(path.samples, s.vertex, Key::connection));
-      c.own = 1.f / kWavelengths, c.other = 0.f;
-    }
-    const bool open = aureole::connect(scene_, c, path.wavelengths);
-    if (open && scene_.has_media()) c.finish();
-    if (open) splats_.push_back({i, crossing->film, c.light});
-    if (log_.follows(i)) log_seen(log_, crossing->film, c, open);
+    scene_.sensor().for_crossings(from.leave(d), [&](const SensorCrossing& crossing) {
+      Connection c;
+      c.set(from, d, Anchor::in_space(crossing.p));
+      c.through_emitters = limits_.hide_emitters;
+      c.light = s.density.reached(Weight(1.f), crossing.importance, path.wavelengths);
+      if (scene_.has_media()) {
+        c.begin_in(surroundings(), key(path.samples, s.vertex, Key::connection));
+        c.own = 1.f / kWavelengths, c.other = 0.f;
+      }
+      const bool open = aureole::connect(scene_, c, path.wavelengths);
+      if (open && scene_.has_media()) c.finish();
+      if (open) splats_.push_back({i, crossing.film, c.light});
+      if (log_.follows(i)) log_seen(log_, crossing.film, c, open);
+    });
   }
 
   struct State {
@@ -366,7 +375,7 @@ private:
   std::span<Path> paths_;
   std::vector<Splat>& splats_;
   const BatchLog& log_;
-  const bool counts_crossings_;
+  const bool counts_crossings_, counts_beams_;
   State states_[kBatch];
   PerPath<Vertex> vertices_;
   PathList below_;     ///< that have gone on below a surface
@@ -390,11 +399,13 @@ public:
   void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
              const BatchLog& log) const override {
     see_directly(scene, paths, log);
-    if (!limits_.reaches(2)) return;
     LightSteps steps(scene, limits_, paths, splats, log);
+    const bool goes_on = limits_.reaches(2);
+    if (!goes_on && !steps.counts_beams()) return;
     BatchRays rays;
     for (size_t i = 0; i < paths.size(); ++i)
-      if (steps.emit(int(i))) rays.add(int(i), steps.ray(int(i)));
+      if (steps.emit(int(i)) && goes_on) rays.add(int(i), steps.ray(int(i)));
+    if (!goes_on) return;
     follow(scene, steps, rays, RayTracer::Rays::incoherent);
     if (scene.edges() && !scene.edges()->empty()) begin_at_edges(scene, paths, splats, log);
   }

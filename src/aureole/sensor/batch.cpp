@@ -72,12 +72,6 @@ public:
     return std::any_of(members_.begin(), members_.end(),
                        [](const Member& m) { return m.sensor->counts_crossings(); });
   }
-  /// The crossing of the first sensor that light passes: others see it by connections only.
-  std::optional<SensorCrossing> crossing(const PlacedSensor& at, const Ray& light) const override {
-    for (const PlacedSensor& member : at.members)
-      if (const auto crossing = member.crossing(light)) return crossing;
-    return {};
-  }
 
   /// The response of the first sensor that sees the ray.
   std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const override {

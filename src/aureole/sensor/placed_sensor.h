@@ -41,7 +41,12 @@ struct PlacedSensor {
   std::optional<Receiver> receiver(Vec2 film_position) const {
     return sensor->receiver(*this, film_position);
   }
-  std::optional<SensorCrossing> crossing(const Ray& light) const { return sensor->crossing(*this, light); }
+  /// Calls f with each `Sensor::crossing` of the ray: of a batch one for each of its sensors, at most.
+  template <class F>
+  void for_crossings(const Ray& light, const F& f) const {
+    if (const auto crossing = sensor->crossing(*this, light)) f(*crossing);
+    for (const PlacedSensor& member : members) member.for_crossings(light, f);
+  }
   bool counts_crossings() const { return sensor->counts_crossings(); }
   const Film& film() const { return sensor->film(); }
   const Sampler& sampler() const { return sensor->sampler(); }

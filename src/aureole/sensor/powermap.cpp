@@ -125,7 +125,7 @@ AUREOLE_PLUGIN(
             "picture that is put on the shape. The plane is no surface: light passes it; keep it off "
             "surfaces that lie in it. Emitters that no ray meets, such as `point`, count, too. The "
             "reconstruction filter is a box. `path` finds light by rays from the cells; `ptracer` and, of a plane, "
-            "`bdpt` connect paths of light with them, and `ptracer` counts light from mirrors where it passes a plane; `aureole powermap` writes maps in dB.",
+            "`bdpt` connect paths of light with them, and `ptracer` counts light from mirrors and beams where it passes a plane; `aureole powermap` writes maps in dB.",
         .source = "",
         .parameters =
             {{"to_world", "transform", "", "identity",

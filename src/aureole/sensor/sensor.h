@@ -121,7 +121,7 @@ public:
   virtual std::optional<Receiver> receiver(const PlacedSensor& /*at*/, Vec2 /*film*/) const { return {}; }
 
   /// Where the ray of light, whose direction has unit length, passes receivers; nothing where it does not. It
-  /// finds light that nothing can be connected with: that from a mirror.
+  /// finds light that nothing can be connected with: that from a mirror. Of a batch, those of its sensors.
   virtual std::optional<SensorCrossing> crossing(const PlacedSensor& /*at*/, const Ray& /*light*/) const {
     return {};
   }

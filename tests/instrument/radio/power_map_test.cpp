@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <complex>
 
@@ -33,13 +34,13 @@ LoadedScene scene(const std::string& content) {
                                 "radio.xml", {});
 }
 std::vector<PowerMap> maps(const std::string& content, std::optional<double> power, std::int64_t samples,
-                           int replicates = 1) {
+                           int replicates = 1, int free_samples = 16) {
   const LoadedScene loaded = scene(content);
   RenderOptions options;
   options.end = samples, options.replicates = replicates;
   RenderJob job(loaded, options);
   job.run(std::atomic<bool>(false));
-  return power_maps(*loaded.scene, job.state().picture(), power);
+  return power_maps(*loaded.scene, job.state().picture(), power, free_samples);
 }
 std::string error(const std::string& content) {
   try {
@@ -114,6 +115,50 @@ TEST(PowerMapOfRadio, ANumberIsDaylightAndDarkThere) {
   const LoadedScene dark =
       scene(kSensor + "<emitter type='point'><float name='intensity' value='3'/></emitter>");
   EXPECT_NE(dark.notes[0].find("<spectrum name=\"intensity\" value=\"3\"/>"), std::string::npos);
+}
+
+// Light that free space has not: from a lamp behind the map, by a floor before it.
+TEST(PowerMapOfRadio, WithoutAFreeSpaceThereIsNoRatio) {
+  PowerMap map;
+  map.density = {1, 0, 1}, map.free = {0.1, 0, 0}, map.wavelength_m = 0.01;
+  const std::vector<double> db = map.relative_db();
+  EXPECT_NEAR(db[0], 10, 1e-9);
+  EXPECT_EQ(db[1], -std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(std::isnan(db[2]));
+  EXPECT_TRUE(std::isfinite(map.received_dbm()[2]));
+  EXPECT_EQ(DecibelScale::of(db, "").max_db, 10);
+}
+
+// One of the lamps is a thousand times brighter: a choice between them would be noise.
+TEST(PowerMapOfRadio, FreeSpaceOfSeveralLampsHasNoNoise) {
+  const std::string dim =
+      "<emitter type='point'><point name='position' x='-2.5' y='1.5' z='0.3'/>"
+      "<spectrum name='intensity' value='0.003'/></emitter>";
+  const std::string sky = "<emitter type='constant'><spectrum name='radiance' value='0.1'/></emitter>";
+  for (const double db : maps(kSensor + kLamp + dim, {}, 256)[0].relative_db()) EXPECT_NEAR(db, 0, 0.05);
+  // With one that has a size, its part is a sample's.
+  double sum = 0;
+  for (const double db : maps(kSensor + kLamp + dim + sky, {}, 1024, 1, 1024)[0].relative_db()) {
+    EXPECT_NEAR(db, 0, 1);
+    sum += db / 24;
+  }
+  EXPECT_NEAR(sum, 0, 0.15);
+}
+
+TEST(PowerMapOfRadio, EndsOfTheColoursStayApart) {
+  DecibelScale scale{-60, 0, 10, ""};
+  scale.set_ends(20, {});
+  EXPECT_EQ(scale.max_db, 30);
+  scale = {-60, 0, 10, ""}, scale.set_ends({}, -80);
+  EXPECT_EQ(scale.min_db, -90);
+  scale = {-60, 0, 10, ""}, scale.set_ends(-5000, {});
+  EXPECT_EQ(scale.max_db, -4000);
+  scale = {-60, 0, 10, ""}, scale.set_ends(-3, 0);
+  EXPECT_EQ(scale.min_db, -3);
+  EXPECT_EQ(scale.contour_db, 2);
+  const std::vector<double> values{0};
+  for (const auto& [min, max] : {std::array{0.0, 0.0}, {0, 1e300}, {1e300, 1e300}, {std::nan(""), 1}})
+    EXPECT_THROW(decibel_picture(values, 1, 1, {min, max, 10, ""}), Error) << min << " " << max;
 }
 
 TEST(PowerMapOfRadio, PowersHaveUnits) {

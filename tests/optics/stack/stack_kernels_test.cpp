@@ -31,6 +31,8 @@ TEST_P(Kernels, AreTheRadianceOfEachBeam) {
   const StackKernels k = stack_kernels(std::span(&d, 1), method, azimuths).front();
   const std::size_t above = k.above.cosines.size(), below = k.below.cosines.size();
   ASSERT_EQ(k.transmitted.size(), above * below * azimuths.size());
+  EXPECT_EQ(kernel_pairs(d, method.streams) * azimuths.size(),
+            k.reflected_above.size() + k.transmitted.size() + k.reflected_below.size());
   double most = 0;
   for (const double v : k.reflected_above) most = std::max(most, v);
   const PlaneStack stack(d, method);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/bsdf/stack/layered_stack.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -21,7 +23,7 @@ constexpr double kLargestMegabytes = 512;
 std::vector<std::string> list_of(const Properties& p, const char* name, const std::string& fallback) {
   std::string text = fallback;
   if (const Properties::Entry* e = p.find(name)) {
-    if (const auto* number = std::get_if<double>(&e->value)) return {std::to_string(*number)};
+    if (const auto* number = std::get_if<double>(&e->value)) return {fmt::format("{}", *number)};
     if (const auto* whole = std::get_if<std::int64_t>(&e->value)) return {std::to_string(*whole)};
     text = p.get_string(name);
   }
@@ -54,6 +56,19 @@ double index_of(const Properties& p, const char* name, const std::string& text) 
   if (!(n >= 1 && n <= 10))
     throw p.error(name, "indices of refraction must be in [1, 10], got " + std::to_string(n));
   return n;
+}
+
+/// The share of light that a BSDF mirrors.
+double mirrored(const Bsdf& bsdf, const Vec3& wi, const BsdfContext& context) {
+  // The mirror is one of several lobes, each of which is drawn in a part of the range of u1: looked for at its ends and,
+  // evenly, between them.
+  constexpr int kPlaces = 64;
+  for (int i = -1; i <= kPlaces; ++i) {
+    const float u1 = std::clamp((float(i) + 0.5f) / kPlaces, 0.f, 0x1.fffffep-1f);
+    if (const auto s = bsdf.sample(wi, u1, {0.5f, 0.5f}, context); s && s->is_delta())
+      return std::min(double(s->value[0]), 1.0);
+  }
+  return 0;
 }
 
 bool alike(const optics::StackDescription& a, const optics::StackDescription& b) {
@@ -120,7 +135,8 @@ void LayeredStack::read_layers() {
 
 void LayeredStack::read_interfaces() {
   index_above_ = index_of(p_, "ext_ior", list_of(p_, "ext_ior", "air").front());
-  index_below_ = index_of(p_, "below_ior", list_of(p_, "below_ior", std::to_string(index_above_)).front());
+  index_below_ =
+      p_.has("below_ior") ? index_of(p_, "below_ior", list_of(p_, "below_ior", "").front()) : index_above_;
   const std::vector<std::string> alpha = list_of(p_, "alpha", "0");
   alpha_.assign(layers_.size() + 1, 0);
   if (alpha.size() > alpha_.size())
@@ -213,14 +229,7 @@ void LayeredStack::add_substrate(optics::StackDescription& d, double nm) const {
     return Vec3{float(sine * std::cos(phi)), float(sine * std::sin(phi)), float(cosine)};
   };
   if (has(bsdf->lobes(), Lobe::delta))
-    d.mirror = [=](double cosine) {
-      const Vec3 wi = direction(cosine, 0);
-      // The mirror is one of several lobes; the values of u1 find it wherever it lies.
-      for (const float u1 : {0.f, 0.999999f, 0.5f, 0.25f, 0.75f})
-        if (const auto s = bsdf->sample(wi, u1, {0.5f, 0.5f}, place->context()); s && s->is_delta())
-          return std::min(double(s->value[0]), 1.0);
-      return 0.0;
-    };
+    d.mirror = [=](double cosine) { return mirrored(*bsdf, direction(cosine, 0), place->context()); };
   if (!bsdf->is_smooth()) return;
   const auto brdf = [=](double in, double out, double phi) {
     // Azimuth 0 goes on in the half-plane opposite to where light comes from.
@@ -293,15 +302,27 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
     const auto fine = [&](int wide, int most, double power) {
       return std::clamp(int(std::lround(wide * std::pow(width, -power))), wide, most);
     };
-    const auto directions = int(p_.get_int("directions", fine(24, 64, 0.45), {8, 128})),
-               azimuths = int(p_.get_int("azimuths", fine(16, 40, 0.5), {4, 128}));
-    const int streams = std::min(optics::streams_for_directions(stacks.front(), directions), 512);
-    const double sides = is_open() ? 3 : 1, kept = double(std::max<std::size_t>(stacks.size(), 2)),
-                 megabytes = sides * std::pow(directions + 2.0, 2) * (azimuths + 1) * kept * 4e-6;
+    constexpr int kFewest = 24;  // directions, where none are asked for
+    auto directions = int(p_.get_int("directions", fine(kFewest, 64, 0.45), {8, 128}));
+    const auto azimuths = int(p_.get_int("azimuths", fine(16, 40, 0.5), {4, 128}));
+    const auto streams_for = [&](int wanted) {
+      return std::min(optics::streams_for_directions(stacks.front(), wanted), 512);
+    };
+    // The solution of each stack in double precision, and the table that is made of them, in single precision.
+    const auto megabytes_for = [&](int wanted) {
+      return 1e-6 * double(optics::kernel_pairs(stacks.front(), streams_for(wanted))) * (azimuths + 1) *
+             (double(stacks.size()) * sizeof(double) +
+              double(std::max<std::size_t>(stacks.size(), 2)) * sizeof(float));
+    };
+    if (!p_.has("directions"))
+      while (directions > kFewest && megabytes_for(directions) > kLargestMegabytes) --directions;
+    const int streams = streams_for(directions);
+    const double megabytes = megabytes_for(directions);
     if (megabytes > kLargestMegabytes)
-      throw p_.error("directions", "the tables would take " + std::to_string(int(megabytes)) + " MB; " +
-                                       std::to_string(int(kLargestMegabytes)) +
-                                       " are possible: fewer directions, azimuths or wavelengths");
+      throw p_.error("directions",
+                     fmt::format("the tables would take {:.0f} MB while they are made; {:.0f} are "
+                                 "possible: fewer directions, azimuths or wavelengths",
+                                 megabytes, kLargestMegabytes));
     std::vector<double> phi;
     // Close together about 0, where lobes are: near the horizon they are narrower yet.
     for (int i = 0; i <= azimuths; ++i)

@@ -5,10 +5,20 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "aureole/core/error.h"
 #include "aureole/instrument/radio/power_map.h"
 #include "aureole/instrument/report/svg_plot.h"
 
 namespace aureole {
+
+namespace {
+
+double contours(const DecibelScale& scale) {
+  const double range = scale.max_db - scale.min_db;
+  return range > 30 ? 10 : range > 12 ? 5 : 2;
+}
+
+}  // namespace
 
 DecibelScale DecibelScale::of(const std::vector<double>& values, std::string title) {
   std::vector<double> finite;
@@ -20,10 +30,16 @@ DecibelScale DecibelScale::of(const std::vector<double>& values, std::string tit
   const auto quantile = [&](double q) { return finite[std::size_t(q * double(finite.size() - 1))]; };
   scale.max_db = 5 * std::ceil(quantile(0.99) / 5);
   scale.min_db = std::max(5 * std::floor(quantile(0.01) / 5), scale.max_db - 60);
-  if (scale.max_db - scale.min_db < 10) scale.min_db = scale.max_db - 10;
-  const double range = scale.max_db - scale.min_db;
-  scale.contour_db = range > 30 ? 10 : range > 12 ? 5 : 2;
+  if (scale.max_db - scale.min_db < kNarrowest) scale.min_db = scale.max_db - kNarrowest;
+  scale.contour_db = contours(scale);
   return scale;
+}
+
+void DecibelScale::set_ends(std::optional<double> min, std::optional<double> max) {
+  if (min) min_db = *min, max_db = std::clamp(max_db, *min + kNarrowest, *min + kWidest);
+  if (max) max_db = *max;
+  if (max && !min) min_db = std::clamp(min_db, *max - kWidest, *max - kNarrowest);
+  contour_db = contours(*this);
 }
 
 namespace {
@@ -76,6 +92,11 @@ void draw_contours(cv::Mat& picture, const std::vector<double>& values, int widt
 }  // namespace
 
 Image decibel_picture(const std::vector<double>& values, int width, int height, const DecibelScale& scale) {
+  // Contours are drawn level by level.
+  if (!(scale.max_db > scale.min_db && scale.max_db - scale.min_db <= DecibelScale::kWidest &&
+        std::abs(scale.max_db) < 1e6))
+    throw Error(fmt::format("no colours from {} to {} dB: they rise, by {} dB at most", scale.min_db,
+                            scale.max_db, DecibelScale::kWidest));
   const int zoom = std::max(1, 640 / std::max(width, height));
   const int map_width = width * zoom, map_height = std::max(height * zoom, 160);
   constexpr int kGap = 14, kBar = 18, kLabels = 58, kTop = 26;

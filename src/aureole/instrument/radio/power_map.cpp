@@ -21,8 +21,12 @@ bool is_bin(const std::string& channel) { return channel.starts_with("S0."); }
 std::vector<double> decibels(const std::vector<double>& values, const auto& reference) {
   std::vector<double> db(values.size());
   for (std::size_t i = 0; i < values.size(); ++i)
-    db[i] =
-        values[i] > 0 ? 10 * std::log10(values[i] / reference(i)) : -std::numeric_limits<double>::infinity();
+    if (!(values[i] > 0))
+      db[i] = -std::numeric_limits<double>::infinity();
+    else if (const double of = reference(i); of > 0)
+      db[i] = 10 * std::log10(values[i] / of);
+    else
+      db[i] = std::numeric_limits<double>::quiet_NaN();
   return db;
 }
 
@@ -33,6 +37,16 @@ std::vector<double> free_space(const Scene& scene, int samples) {
   const int width = film.crop_width(), height = film.crop_height(), channels = film.measured_channels();
   std::vector<double> sums(std::size_t(width) * std::size_t(height) * std::size_t(channels));
   const int side = std::max(1, int(std::lround(std::sqrt(samples))));
+  // Lamps that connections reach surely are summed up, which has no noise, where they are few; others are chosen from.
+  constexpr std::size_t kMostSummed = 64;
+  std::vector<const Light*> summed;
+  for (const Light& light : scene.emitters())
+    if (light.is_delta() && !light.shape && light.sampling_weight() > 0) summed.push_back(&light);
+  if (summed.size() > kMostSummed) summed.clear();
+  const auto is_summed = [&](const Light& light) {
+    return std::find(summed.begin(), summed.end(), &light) != summed.end();
+  };
+  const bool all_summed = std::all_of(scene.emitters().begin(), scene.emitters().end(), is_summed);
   const auto compute_row = [&](std::size_t y) {
     std::vector<float> measured(std::size_t(channels), 0.f);
     for (int x = 0; x < width; ++x) {
@@ -47,16 +61,20 @@ std::vector<double> free_space(const Scene& scene, int samples) {
         // A lattice of wavelengths over the places of a cell.
         const Wavelengths w = scene.wavelengths().sample((float(k) + 0.5f) / float(side * side), next());
         if (!receiver) continue;
+        const auto add = [&](const Light& light, std::size_t part, Vec2 u, float probability) {
+          const auto direct = light.sample_direct(receiver->p, part, u, w);
+          if (!direct || !(direct->pdf > 0)) return;
+          const float factor = receiver->response(direct->wo) / (probability * direct->pdf * kWavelengths);
+          film.measure(direct->radiance * factor / w.pdf, w, measured.data());
+          double* sum = &sums[(y * std::size_t(width) + std::size_t(x)) * std::size_t(channels)];
+          for (int c = 0; c < channels; ++c) sum[c] += measured[std::size_t(c)] / double(side * side);
+        };
+        for (const Light* light : summed) add(*light, 0, {}, 1);
+        if (all_summed) continue;
         const auto choice = scene.lights().choose(receiver->p, receiver->facing(), next());
         if (!choice || !(choice->probability > 0)) continue;
         const Vec2 u{next(), next()};
-        const auto direct = choice->light->sample_direct(receiver->p, choice->part, u, w);
-        if (!direct || !(direct->pdf > 0)) continue;
-        const float factor =
-            receiver->response(direct->wo) / (choice->probability * direct->pdf * kWavelengths);
-        film.measure(direct->radiance * factor / w.pdf, w, measured.data());
-        double* sum = &sums[(y * std::size_t(width) + std::size_t(x)) * std::size_t(channels)];
-        for (int c = 0; c < channels; ++c) sum[c] += measured[std::size_t(c)] / double(side * side);
+        if (!is_summed(*choice->light)) add(*choice->light, choice->part, u, choice->probability);
       }
     }
   };
@@ -67,6 +85,47 @@ std::vector<double> free_space(const Scene& scene, int samples) {
       },
       1);
   return sums;
+}
+
+/// A channel of the film that a map is made of.
+struct Band {
+  std::size_t channel;
+  double min_nm, max_nm, mean_nm;  ///< where it responds
+  double power, seen;              ///< of all emitters, and as the channel weights it
+};
+
+/// Throws Error where no emitter shines into one of them.
+std::vector<Band> bands(const Scene& scene) {
+  const Film& film = scene.sensor().film();
+  const SpectralGrid& grid = scene.wavelengths().grid();
+  const std::vector<SampledSpectrum> responses = channel_responses(film, grid);
+  const std::vector<std::string> names = film.channel_names();
+  const bool has_bins = std::any_of(names.begin(), names.end(), is_bin);
+  std::vector<Band> result;
+  for (std::size_t c = 0; c < responses.size(); ++c) {
+    if (has_bins && !is_bin(names[c])) continue;
+    Band band{c, grid.max_nm, grid.min_nm, 0, 0, 0};
+    const auto nodes = responses[c].nodes();
+    double weight = 0, mean = 0;
+    std::vector<float> inside(nodes.size(), 0.f);
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (!(nodes[i] > 0)) continue;
+      const double nm = grid.node(int(i));
+      weight += nodes[i], mean += nodes[i] * nm, inside[i] = 1;
+      band.min_nm = std::min(band.min_nm, nm), band.max_nm = std::max(band.max_nm, nm);
+    }
+    const SampledSpectrum within(grid, std::move(inside));
+    for (const Light& light : scene.emitters()) {
+      const SampledSpectrum power = light.power_spectrum();
+      band.power += product(within, power).integral();
+      band.seen += product(responses[c], power).integral();
+    }
+    if (!(weight > 0 && band.seen > 0))
+      throw Error(film.properties().where(), "no emitter shines where the channel \"" + names[c] + "\" sees");
+    band.mean_nm = mean / weight;
+    result.push_back(band);
+  }
+  return result;
 }
 
 }  // namespace
@@ -102,12 +161,13 @@ void require_power_map(const Scene& scene) {
                                                  "\" measures no power at points: \"powermap\" does");
   const Film& film = sensor.film();
   const std::vector<std::string> names = film.channel_names();
-  if (std::any_of(names.begin(), names.end(), is_bin)) return;
-  for (const SampledSpectrum& response : channel_responses(film, scene.wavelengths().grid()))
-    if (response.minimum() < 0)
-      throw Error(film.properties().where(),
-                  "its channels are colours and no bands of wavelengths: use an hdrfilm with \"response\" "
-                  "uniform, or a specfilm");
+  if (std::none_of(names.begin(), names.end(), is_bin))
+    for (const SampledSpectrum& response : channel_responses(film, scene.wavelengths().grid()))
+      if (response.minimum() < 0)
+        throw Error(film.properties().where(),
+                    "its channels are colours and no bands of wavelengths: use an hdrfilm with \"response\" "
+                    "uniform, or a specfilm");
+  (void)bands(scene);
 }
 
 std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::optional<double> power_w,
@@ -115,43 +175,19 @@ std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::
   const PlacedSensor& sensor = scene.sensor();
   const Film& film = sensor.film();
   require_power_map(scene);
-  const SpectralGrid& grid = scene.wavelengths().grid();
-  const std::vector<SampledSpectrum> responses = channel_responses(film, grid);
   const std::vector<double> measured = free_space(scene, free_samples);
   const std::size_t cells = std::size_t(picture.width) * std::size_t(picture.height);
   const std::size_t channels = std::size_t(film.measured_channels());
   const std::vector<std::string> names = film.channel_names();
 
   std::vector<PowerMap> maps;
-  const bool has_bins = std::any_of(names.begin(), names.end(), is_bin);
-  for (std::size_t c = 0; c < responses.size(); ++c) {
-    if (has_bins && !is_bin(names[c])) continue;
+  for (const Band& band : bands(scene)) {
     PowerMap& map = maps.emplace_back();
-    map.channel = names[c];
+    map.channel = names[band.channel];
     map.width = picture.width, map.height = picture.height;
-    const auto nodes = responses[c].nodes();
-    double weight = 0, mean = 0;
-    std::vector<float> band(nodes.size(), 0.f);
-    map.min_nm = grid.max_nm, map.max_nm = grid.min_nm;
-    for (std::size_t i = 0; i < nodes.size(); ++i) {
-      if (!(nodes[i] > 0)) continue;
-      const double nm = grid.node(int(i));
-      weight += nodes[i], mean += nodes[i] * nm, band[i] = 1;
-      map.min_nm = std::min(map.min_nm, nm), map.max_nm = std::max(map.max_nm, nm);
-    }
-    const SampledSpectrum within(grid, std::move(band));
-    double seen = 0;  // of the emitters' power, as the channel weights it
-    for (const Light& light : scene.emitters()) {
-      const SampledSpectrum power = light.power_spectrum();
-      map.power_w += product(within, power).integral();
-      seen += product(responses[c], power).integral();
-    }
-    if (!(weight > 0 && seen > 0))
-      throw Error(film.properties().where(),
-                  "no emitter shines where the channel \"" + map.channel + "\" sees");
-    map.wavelength_m = mean / weight * 1e-9;
-    if (power_w) map.power_w = *power_w;
-    const double scale = map.power_w / seen;
+    map.min_nm = band.min_nm, map.max_nm = band.max_nm, map.wavelength_m = band.mean_nm * 1e-9;
+    map.power_w = power_w.value_or(band.power);
+    const double scale = map.power_w / band.seen;
     const int value = picture.channel(map.channel), variance = picture.channel("variance." + map.channel);
     std::vector<float> developed(names.size());
     for (std::size_t i = 0; i < cells; ++i) {
@@ -160,7 +196,7 @@ std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::
       if (variance >= 0)
         map.error.push_back(scale * std::sqrt(double(picture.at(x, y, std::size_t(variance)))));
       film.develop(&measured[i * channels], 0, developed.data());
-      map.free.push_back(scale * developed[c]);
+      map.free.push_back(scale * developed[band.channel]);
     }
   }
   return maps;

@@ -22,7 +22,8 @@ struct PowerMap {
   std::vector<double> error;      ///< its standard error; empty where the picture has no variances
   std::vector<double> free;       ///< the density if nothing stood in the way of the emitters' light
 
-  /// 10 lg of the density over that of free space; -infinity where nothing arrives.
+  /// 10 lg of the density over that of free space; -infinity where nothing arrives, NaN where something does and nothing
+  /// would in free space: light of beams, or from behind, that came by mirrors and walls only.
   std::vector<double> relative_db() const;
   /// 10 lg of the power received by an antenna of gain 1, whose aperture is lambda^2/(4 pi) (Friis 1946, "A note on a
   /// simple transmission formula"), over 1 mW.
@@ -31,13 +32,13 @@ struct PowerMap {
   std::vector<double> error_db() const;
 };
 
-/// Throws Error where the scene's sensor measures at no points, or its film measures colours.
+/// Throws Error where the scene's sensor measures at no points, its film measures colours, or no emitter shines into a
+/// channel's band.
 void require_power_map(const Scene& scene);
 
 /// The maps of a picture of the scene's sensor, one per channel. `power_w`: all emitters together radiate this much in
 /// each channel's band; by default as much as the scene states. `free_samples`: places per cell at which free space is
-/// computed. The preview of a spectral film is left out. Throws Error as `require_power_map`, and where no emitter shines
-/// into a channel's band.
+/// computed. The preview of a spectral film is left out. Throws Error as `require_power_map`.
 std::vector<PowerMap> power_maps(const Scene& scene, const Image& picture, std::optional<double> power_w = {},
                                  int free_samples = 16);
 
@@ -51,10 +52,15 @@ struct DecibelScale {
 
   /// Round limits that hold all but the lowest and highest hundredth of the values, over 60 dB at most.
   static DecibelScale of(const std::vector<double>& values, std::string title);
+
+  static constexpr double kWidest = 1000, kNarrowest = 10;  ///< dB
+  /// Moves the ends that are given. One that is not keeps a distance between these two from the other.
+  void set_ends(std::optional<double> min, std::optional<double> max);
 };
 
 /// A picture of a map with a bar of colours, its numbers, and lines of equal value (of the median over 3 x 3 cells): 8-bit
-/// sRGB. Cells without power are dark grey.
+/// sRGB. Cells without power are dark grey. Throws Error where the scale's ends are no two numbers that rise by
+/// `DecibelScale::kWidest` at most.
 Image decibel_picture(const std::vector<double>& values, int width, int height, const DecibelScale& scale);
 
 }  // namespace aureole

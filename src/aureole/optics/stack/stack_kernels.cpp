@@ -15,6 +15,13 @@ namespace {
 
 constexpr double kGrazing = 1e-3;  // cosine
 
+std::set<double> indices_of(const StackDescription& stack) {
+  std::set<double> indices{stack.index_above};
+  for (const StackLayer& layer : stack.layers) indices.insert(layer.index);
+  if (!stack.substrate) indices.insert(stack.index_below);
+  return indices;
+}
+
 /// The ends of each side's cosines, each two times: an extra channel's own reflection into itself cannot be
 /// told from the light that it does not scatter, that into its twin can.
 std::vector<IndexedCosine> end_directions(const StackDescription& d) {
@@ -175,10 +182,15 @@ std::vector<StackKernels> stack_kernels(std::span<const StackDescription> stacks
 }
 
 int streams_for_directions(const StackDescription& stack, int directions) {
-  std::set<double> indices{stack.index_above};
-  for (const StackLayer& layer : stack.layers) indices.insert(layer.index);
-  if (!stack.substrate) indices.insert(stack.index_below);
-  return 2 * directions * int(indices.size());
+  return 2 * directions * int(indices_of(stack).size());
+}
+
+std::size_t kernel_pairs(const StackDescription& stack, int streams) {
+  const std::set<double> indices = indices_of(stack);
+  const Channels channels({indices.begin(), indices.end()}, streams / 2, end_directions(stack));
+  const std::size_t above = SideChannels(channels, stack.index_above).size(),
+                    below = stack.substrate ? 0 : SideChannels(channels, stack.index_below).size();
+  return above * above + above * below + below * below;
 }
 
 }  // namespace aureole::optics

@@ -37,4 +37,7 @@ std::vector<StackKernels> stack_kernels(std::span<const StackDescription> stacks
 /// Streams with which each side of a stack of these indices has at least so many directions.
 int streams_for_directions(const StackDescription& stack, int directions);
 
+/// How many pairs of directions the kernels of a stack have: each holds a number for each azimuth.
+std::size_t kernel_pairs(const StackDescription& stack, int streams);
+
 }  // namespace aureole::optics
