@@ -24,7 +24,9 @@ SCENE = """<?xml version="1.0" encoding="utf-8"?>
     <default name="spp" value="64"/>
     <default name="cells" value="512"/>
     <default name="depth" value="6"/>
-    <integrator type="ptracer"><integer name="max_depth" value="$depth"/></integrator>
+    <default name="diffraction" value="true"/>
+    <integrator type="ptracer"><integer name="max_depth" value="$depth"/>
+        <boolean name="diffraction" value="$diffraction"/></integrator>
     <sensor type="powermap">
         <transform name="to_world"><scale value="{half:g}"/><translate x="{x:g}" y="{y:g}" z="1.5"/></transform>
         <film type="hdrfilm">
