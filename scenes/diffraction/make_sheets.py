@@ -26,7 +26,7 @@ def sheet_with_holes(name, comment, xs, ys, is_open):
     write(name, comment, vertices, faces)
 
 
-def star(name, points=5, outer=1.0, inner=0.42, rim=600.0):
+def star(name, points=5, outer=1.0, inner=0.42, rim=6000.0):
     count = 2 * points
     angles = [math.pi / 2 + math.pi * i / points for i in range(count)]
     radii = [outer if i % 2 == 0 else inner for i in range(count)]
@@ -41,7 +41,7 @@ def star(name, points=5, outer=1.0, inner=0.42, rim=600.0):
             a, b, c, d = (ring + i, ring + count + i, ring + count + j, ring + j)
             faces += [(a, b, c), (a, c, d)]
         ring += count
-    write(name, "A sheet of 600 mm with a hole: a star of five points, 1 mm from its centre.", vertices, faces)
+    write(name, "A sheet of 6 m with a hole: a star of five points, 1 mm from its centre.", vertices, faces)
 
 
 def comb(name, teeth=9, width=0.5, gap=0.5, length=20.0):

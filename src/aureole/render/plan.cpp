@@ -49,9 +49,10 @@ AdaptiveTarget adaptive_of(const Scene& scene, const Integrator& integrator, con
   if (integrator.leaves() != Integrator::Leaves::pixel)
     throw Error(
         integrator.properties().where(),
-        fmt::format("paths of \"{}\" leave light on any pixel: they can't be adaptive to pixels (\"adaptive\" "
-                    "of the sampler, or --adaptive, must be none)",
-                    integrator.properties().type()));
+        fmt::format(
+            "paths of \"{}\" leave light on any pixel: they can't be adaptive to pixels (\"adaptive\" "
+            "of the sampler, or --adaptive, must be none)",
+            integrator.properties().type()));
   if (end > (std::int64_t(1) << 32) >> kMaxDensityExponent)
     throw Error(fmt::format("samples {}:{}: at most 2^{} samples per pixel where they are adaptive",
                             options.begin, end, 32 - kMaxDensityExponent));
