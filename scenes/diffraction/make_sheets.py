@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes the obstacles of this folder: OBJ files in mm, in the plane z = 0."""
+"""Writes the sheets of this folder: OBJ files in mm, in the plane z = 0."""
 import math
 
 
@@ -44,19 +44,7 @@ def star(name, points=5, outer=1.0, inner=0.42, rim=6000.0):
     write(name, "A sheet of 6 m with a hole: a star of five points, 1 mm from its centre.", vertices, faces)
 
 
-def comb(name, teeth=9, width=0.5, gap=0.5, length=20.0):
-    xs = [-60.0]
-    start = -(teeth * width + (teeth - 1) * gap) / 2
-    for i in range(teeth):
-        xs += [start + i * (width + gap), start + i * (width + gap) + width]
-    xs.append(60.0)
-    # Teeth hang from a bar above.
-    is_open = lambda i, j: j == 0 and i % 2 == 0
-    sheet_with_holes(name, "A comb: nine teeth of 0.5 mm, 0.5 mm apart, 20 mm long.", xs, [-length / 2, length / 2, 60.0], is_open)
-
-
 if __name__ == "__main__":
     star("star.obj")
     sheet_with_holes("two_slits.obj", "A sheet with two slits, 0.2 mm wide, 0.6 mm apart, 4 mm long.",
                      [-600.0, -0.4, -0.2, 0.2, 0.4, 600.0], [-600.0, -2.0, 2.0, 600.0], lambda i, j: j == 1 and i in (1, 3))
-    comb("comb.obj")
