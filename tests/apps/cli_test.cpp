@@ -378,7 +378,7 @@ TEST_F(Cli, BadArguments) {
   refused_arguments({"render", s, "-o", out(), "--sampler", "sobl"}, "sobol");
   refused_arguments({"render", s, "-o", out(), "--adaptive", "some"}, "display");
   refused_arguments({"render", s, "-o", out(), "--adaptive", "display", "--integrator", "ptracer"},
-                    "start at emitters");
+                    "leave light on any pixel");
   refused_arguments({"render", s, "-o", out(), "--integrator", "pth"}, "path");
   refused_arguments({"render", (folder.path / "none.xml").string(), "-o", out()}, "none.xml");
   refused_arguments({"render", scene(small_scene_text(1000000, 1000000), "huge.xml"), "-o", out()}, "GiB");
