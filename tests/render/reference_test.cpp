@@ -67,8 +67,9 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
     const char* shared = std::getenv("AUREOLE_SHARED");
     const std::filesystem::path folder = shared ? shared : source_dir() / ".." / "shared";
     scene = folder / GetParam().scene.substr(7);
-    ASSERT_TRUE(std::filesystem::exists(scene))
-        << "the scene " << scene << " is not here: set AUREOLE_SHARED to the folder of the example scenes";
+    if (!std::filesystem::exists(scene))
+      GTEST_SKIP() << "the scene " << scene
+                   << " is not here: set AUREOLE_SHARED to the folder of the example scenes";
   } else {
     scene = source_dir() / scene;
   }
