@@ -88,7 +88,9 @@ public:
       return Event::blocked;
     }
     // A surface that may be passed is taken for one that is: it is no vertex then.
-    if (s.after_edge && !vertex.is_passable() && !leaves_beam(i, vertex.p())) return Event::blocked;
+    if (s.after_edge.is_set && !vertex.is_passable() &&
+        !s.after_edge.leaves_beam(scene_, vertex.p(), path.wavelengths, s.density))
+      return Event::blocked;
     s.pairs = path.samples.directions(++s.vertex);
     vertex.prepare(vertex.surface().needs_choice ? key(path.samples, s.vertex) : 0, s.flight);
     return Event::surface;
@@ -147,8 +149,11 @@ public:
     const Vertex& vertex = vertices_[i];
     const bool may_walk = may_walk_to_edge(s, vertex);
     if (may_walk) {
-      EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
-      if (edges.next() < EdgePaths::kToEdge) return walk_to_edge(i, edges);
+      KeyedRandom random(key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
+      if (random.next() < EdgePaths::kToEdge) {
+        EdgePaths edges(scene_, path.wavelengths, random);
+        return walk_to_edge(i, edges);
+      }
     }
     const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
     Scatter b;
@@ -162,7 +167,7 @@ public:
     if (may_walk) b.pdf *= 1 - EdgePaths::kToEdge;
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
-    s.looked = s.after_edge = false;
+    s.looked = s.after_edge.is_set = false;
     s.density.extend(b.value, b.pdf, b.delta);
     if (event == Event::entered) {
       below_.add(i);
@@ -240,8 +245,7 @@ private:
     bool looked = false;
     bool last = false;  ///< the present surface may only be passed
     float whole = 1;    ///< throughput of a path that begins at an edge: roulette asks how much of it is left
-    bool after_edge = false;  ///< `flight` left an edge, at `edge`
-    Vec3 edge;
+    AfterEdge after_edge;
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
@@ -265,58 +269,31 @@ private:
   bool may_walk_to_edge(const State& s, const Vertex& vertex) const {
     return walks_to_edges_ && vertex.is_smooth() && limits_.reaches(s.depth + 4);
   }
-  /// After an edge: false where the path has come to a vertex that lies in the beam, at all wavelengths.
-  [[gnu::noinline]] bool leaves_beam(int i, const Vec3& p) {
-    State& s = states_[i];
-    s.density.attenuate(Weight(EdgePaths::may_scatter(scene_, s.edge, p, paths_[size_t(i)].wavelengths)));
-    s.after_edge = false;
-    return !s.density.beta.is_black();
-  }
   /// The path leaves its vertex for an edge.
   [[gnu::noinline]] bool walk_to_edge(int i, EdgePaths& edges) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     if (s.depth == 0) paths_[size_t(i)].result.alpha = 1;
-    Spectrum value = 1 / EdgePaths::kToEdge;
+    Spectrum value;
     EdgePaths::AtEdge at;
-    if (!edges.walk(
-            EdgePaths::at_vertex(vertex, s.flight),
-            [&](const Vec3& d) { return EdgePaths::response(vertex, d); }, value, at))
-      return false;
-    s.depth += 1;
+    if (!edges.walk(vertex, s.flight, value, at)) return false;
+    ++s.depth;
     return go_on_from_edge(i, edges, at, value);
   }
-
-  /// From an edge, which the path has come to with the factor `value`, perhaps by way of other edges, to a direction.
-  bool go_on_from_edge(int i, EdgePaths& edges, EdgePaths::AtEdge at, Spectrum value) {
+  bool go_on_from_edge(int i, EdgePaths& edges, const EdgePaths::AtEdge& first, const Spectrum& value) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
-    for (;;) {
-      if (log_.follows(i))
-        log_(fmt::format("  depth {}: edge at ({:.6g}, {:.6g}, {:.6g})", s.depth, at.point.p.x, at.point.p.y,
-                         at.point.p.z));
+    const auto see = [&](const EdgePaths::AtEdge& at, const Spectrum& so_far) {
+      if (log_.follows(i)) log_edge(log_, s.depth, at.point.p);
       const auto kernel = [&](const Vec3& d) { return edges.kernel(at, d); };
-      if (limits_.reaches(s.depth + 3))
-        path.result.estimate +=
-            s.density.contribution(value * edges.from_light(at.place(), kernel), path.wavelengths);
-      if (!limits_.reaches(s.depth + 3)) return false;
-      if (edges.next() >= EdgePaths::kToNextEdge) break;
-      if (!limits_.reaches(s.depth + 4)) return false;
-      value *= 1 / EdgePaths::kToNextEdge;
-      EdgePaths::AtEdge next;
-      if (!edges.walk(at.place(), kernel, value, next)) return false;
-      at = next;
-      ++s.depth;
-    }
-    value *= 1 / (1 - EdgePaths::kToNextEdge);
-    Vec3 d;
-    if (!edges.scatter(at, value, d)) return false;
-    s.density.extend(Weight(value), 1.f, true);
-    s.flight = at.flight;
-    s.flight.ray = Anchor::in_space(at.point.p).leave(d);
-    s.looked = s.after_edge = true;
-    s.edge = at.point.on_edge();
-    ++s.depth;
+      path.result.estimate +=
+          s.density.contribution(so_far * edges.from_light(at.place(), kernel), path.wavelengths);
+    };
+    if (!edges.leave(
+            first, value, s.depth, [&](int n) { return limits_.reaches(n); }, see, s.density, s.flight,
+            s.after_edge))
+      return false;
+    s.looked = true;
     ++s.vertex;
     return survives(i);
   }
@@ -352,7 +329,8 @@ private:
     if (s.depth == 0) path.result.alpha = 1;
     if (!limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering || s.density.beta.is_black())
       return Event::blocked;
-    if (s.after_edge && !leaves_beam(i, p)) return Event::blocked;
+    if (s.after_edge.is_set && !s.after_edge.leaves_beam(scene_, p, path.wavelengths, s.density))
+      return Event::blocked;
     ++s.in_media;
     s.last = false;
     s.pairs = path.samples.directions(++s.vertex);

@@ -62,6 +62,10 @@ inline void log_exit(const BatchLog& log, const SurfacePoint& exit, float throug
                   exit.p.z, throughput));
 }
 
+inline void log_edge(const BatchLog& log, int depth, const Vec3& p) {
+  log(fmt::format("  depth {}: edge at ({:.6g}, {:.6g}, {:.6g})", depth, p.x, p.y, p.z));
+}
+
 inline void log_medium(const BatchLog& log, int depth, const Vec3& p, const Medium& medium,
                        float throughput) {
   log(fmt::format("  depth {}: scattered by {} \"{}\" at ({:.6g}, {:.6g}, {:.6g}), throughput {:.6g}", depth,

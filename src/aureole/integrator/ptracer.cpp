@@ -114,7 +114,9 @@ public:
       go_on(i, vertex, s.flight.ray.d);
       return Event::crossed;
     }
-    if (s.after_edge && !vertex.is_passable() && !leaves_beam(i, vertex.p())) return Event::blocked;
+    if (s.after_edge.is_set && !vertex.is_passable() &&
+        !s.after_edge.leaves_beam(scene_, vertex.p(), path.wavelengths, s.density))
+      return Event::blocked;
     vertex.prepare(key(path.samples, s.vertex), s.flight);
     if (log_.follows(i))
       log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
@@ -165,9 +167,11 @@ public:
     const Vertex& vertex = vertices_[i];
     const bool may_walk = walks_to_edges_ && vertex.is_smooth() && limits_.reaches(s.scattered + 4);
     if (may_walk) {
-      EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kAroundEdges,
-                      limits_.hide_emitters);
-      if (edges.next() < EdgePaths::kToEdge) return walk_to_edge(i, edges);
+      KeyedRandom random(key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
+      if (random.next() < EdgePaths::kToEdge) {
+        EdgePaths edges(scene_, path.wavelengths, random, limits_.hide_emitters);
+        return walk_to_edge(i, edges);
+      }
     }
     const bool last = !limits_.reaches(s.scattered + 3);
     if (last && !vertex.is_passable() && !vertex.has_exit() && !counts_crossings_) return false;
@@ -184,7 +188,7 @@ public:
     if (may_walk) b.pdf *= 1 - EdgePaths::kToEdge;
     const bool ends = last && event != Event::entered;
     if ((ends && !b.delta) || b.value.is_black()) return false;
-    s.after_edge = false;
+    s.after_edge.is_set = false;
     s.density.extend(b.value, b.pdf, b.delta);
     if (counts_crossings_ && b.delta)
       pass_receivers(i, vertex.anchor(), b.d, [&] { return vertex.surroundings(b.d, s.flight); });
@@ -273,8 +277,7 @@ private:
                       ///< bright it is
     int vertex = 0;   ///< vertices met; 0 at the emitter
     int scattered = 0, in_media = 0;
-    bool after_edge = false;  ///< `flight` left an edge, at `edge`
-    Vec3 edge;
+    AfterEdge after_edge;
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
@@ -306,49 +309,24 @@ private:
   }
 
   // As those of `path`.
-  [[gnu::noinline]] bool leaves_beam(int i, const Vec3& p) {
-    State& s = states_[i];
-    s.density.attenuate(Weight(EdgePaths::may_scatter(scene_, s.edge, p, paths_[size_t(i)].wavelengths)));
-    s.after_edge = false;
-    return !s.density.beta.is_black();
-  }
   [[gnu::noinline]] bool walk_to_edge(int i, EdgePaths& edges) {
     State& s = states_[i];
-    const Vertex& vertex = vertices_[i];
-    Spectrum value = 1 / EdgePaths::kToEdge;
+    Spectrum value;
     EdgePaths::AtEdge at;
-    if (!edges.walk(
-            EdgePaths::at_vertex(vertex, s.flight),
-            [&](const Vec3& d) { return EdgePaths::response(vertex, d); }, value, at))
-      return false;
+    if (!edges.walk(vertices_[i], s.flight, value, at)) return false;
     ++s.scattered;
     return go_on_from_edge(i, edges, at, value);
   }
-  bool go_on_from_edge(int i, EdgePaths& edges, EdgePaths::AtEdge at, Spectrum value) {
+  bool go_on_from_edge(int i, EdgePaths& edges, const EdgePaths::AtEdge& first, const Spectrum& value) {
     State& s = states_[i];
-    for (;;) {
-      if (log_.follows(i))
-        log_(fmt::format("  edge at ({:.6g}, {:.6g}, {:.6g})", at.point.p.x, at.point.p.y, at.point.p.z));
-      if (!limits_.reaches(s.scattered + 3)) return false;
-      const auto kernel = [&](const Vec3& d) { return value * edges.kernel(at, d); };
-      see_around_edge(i, edges, at.place(), kernel);
-      if (edges.next() >= EdgePaths::kToNextEdge) break;
-      if (!limits_.reaches(s.scattered + 4)) return false;
-      Spectrum next_value = 1 / EdgePaths::kToNextEdge;
-      EdgePaths::AtEdge next;
-      if (!edges.walk(at.place(), kernel, next_value, next)) return false;
-      at = next, value = next_value;
-      ++s.scattered;
-    }
-    value *= 1 / (1 - EdgePaths::kToNextEdge);
-    Vec3 d;
-    if (!edges.scatter(at, value, d)) return false;
-    s.density.extend(Weight(value), 1.f, true);
-    s.flight = at.flight;
-    s.flight.ray = Anchor::in_space(at.point.p).leave(d);
-    s.after_edge = true;
-    s.edge = at.point.on_edge();
-    ++s.scattered;
+    const auto see = [&](const EdgePaths::AtEdge& at, const Spectrum& so_far) {
+      if (log_.follows(i)) log_edge(log_, s.scattered, at.point.p);
+      see_around_edge(i, edges, at.place(), [&](const Vec3& d) { return so_far * edges.kernel(at, d); });
+    };
+    if (!edges.leave(
+            first, value, s.scattered, [&](int n) { return limits_.reaches(n); }, see, s.density, s.flight,
+            s.after_edge))
+      return false;
     ++s.vertex;
     return survives(i);
   }
@@ -363,7 +341,8 @@ private:
     if (log_.follows(i))
       log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
     if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;
-    if (s.after_edge && !leaves_beam(i, p)) return Event::blocked;
+    if (s.after_edge.is_set && !s.after_edge.leaves_beam(scene_, p, path.wavelengths, s.density))
+      return Event::blocked;
     ++s.in_media, ++s.vertex;
     vertices_.make(i, [&] { return Vertex({p, s.flight.medium}, -s.flight.ray.d, path.wavelengths); });
     return Event::medium;

@@ -24,6 +24,21 @@ Spectrum passed_between(const Scene& scene, const Anchor& from, const Anchor& to
                         bool through_emitters, const Wavelengths& w, std::uint32_t key,
                         Flight* end = nullptr);
 
+/// Where a path has left an edge, until it comes to a vertex.
+struct AfterEdge {
+  Vec3 edge;
+  bool is_set = false;
+
+  /// At a vertex: false where it lies in the edge's beam at all wavelengths, which those where it does lose.
+  template <class Density>
+  [[gnu::noinline]] bool leaves_beam(const Scene& scene, const Vec3& p, const Wavelengths& w,
+                                     Density& density) {
+    density.attenuate(Weight(SceneEdges::far_enough(length(p - edge), false, scene.edges()->beams(w))));
+    is_set = false;
+    return !density.beta.is_black();
+  }
+};
+
 /// Paths around edges of one scene, for one path.
 class EdgePaths {
 public:
@@ -31,11 +46,14 @@ public:
   static constexpr float kToEdge = 0.25f, kToNextEdge = 0.25f;
 
   EdgePaths(const Scene& scene, const Wavelengths& w, std::uint32_t key, bool hide_emitters = false)
+      : EdgePaths(scene, w, KeyedRandom(key), hide_emitters) {}
+  /// `random` may have been asked before.
+  EdgePaths(const Scene& scene, const Wavelengths& w, const KeyedRandom& random, bool hide_emitters = false)
       : scene_(scene),
         edges_(*scene.edges()),
         w_(w),
         beams_(edges_.beams(w)),
-        random_(key),
+        random_(random),
         hide_emitters_(hide_emitters) {}
 
   /// A place of a path that light goes from or to around an edge: a vertex or another edge.
@@ -99,6 +117,41 @@ public:
     value *= respond(d) * geometry;
     return !is_black(value) && arrive(from, *point, d, false, value, out);
   }
+  /// The same from a vertex that is left for an edge with the probability kToEdge.
+  bool walk(const Vertex& vertex, const Flight& flight, Spectrum& value, AtEdge& out) {
+    value = 1 / kToEdge;
+    return walk(
+        at_vertex(vertex, flight), [&](const Vec3& d) { return response(vertex, d); }, value, out);
+  }
+  /// From an edge, which a path has come to with the factor `value`, perhaps by way of other edges, into a direction: `density`,
+  /// `flight` and `after` become those of the path behind it. `scattered` counts the path's vertices, one for each edge;
+  /// reaches(n): paths of n edges count; see(at, value) connects every edge with the path's far end. False where the path ends.
+  template <class Density, class Reaches, class See>
+  bool leave(AtEdge at, Spectrum value, int& scattered, const Reaches& reaches, const See& see,
+             Density& density, Flight& flight, AfterEdge& after) {
+    for (;;) {
+      if (!reaches(scattered + 3)) return false;
+      see(at, value);
+      if (random_.next() >= kToNextEdge) break;
+      if (!reaches(scattered + 4)) return false;
+      value *= 1 / kToNextEdge;
+      AtEdge next;
+      if (!walk(
+              at.place(), [&](const Vec3& d) { return kernel(at, d); }, value, next))
+        return false;
+      at = next;
+      ++scattered;
+    }
+    value *= 1 / (1 - kToNextEdge);
+    Vec3 d;
+    if (!scatter(at, value, d)) return false;
+    density.extend(Weight(value), 1.f, true);
+    flight = at.flight;
+    flight.ray = Anchor::in_space(at.point.p).leave(d);
+    after = {at.point.on_edge(), true};
+    ++scattered;
+    return true;
+  }
   /// The first edge of a path from the sensor, seen at `film`.
   bool begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film);
   /// The same from a lamp.
@@ -107,12 +160,7 @@ public:
   /// A direction behind the edge; `value` is multiplied by the kernel over the density. False where the path ends.
   bool scatter(const AtEdge& at, Spectrum& value, Vec3& d);
 
-  /// 1 or 0 per wavelength: whether a path that has left an edge at `from` may be scattered at `p`, which is not in the beam.
-  static Spectrum may_scatter(const Scene& scene, const Vec3& from, const Vec3& p, const Wavelengths& w) {
-    return SceneEdges::far_enough(length(p - from), false, scene.edges()->beams(w));
-  }
   Spectrum kernel(const AtEdge& at, const Vec3& d) const { return edges_.kernel(at.point, at.d, d, beams_); }
-  float next() { return random_.next(); }
   Vec2 next2() { return {random_.next(), random_.next()}; }
 
 private:
