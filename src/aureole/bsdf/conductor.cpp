@@ -35,23 +35,15 @@ private:
 
 AUREOLE_PLUGIN(
     Conductor, "bsdf", "conductor",
-    PluginDoc{
-        "A smooth metal (or any strongly absorbing medium) in vacuum: Fresnel reflection by a complex "
-        "refractive index. Without material, eta and k it is a perfect mirror. It reflects on the side "
-        "of its normal and is black on the other; `twosided` makes both sides alike.",
-        "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 14.2",
-        {{"material", "string", "", "none",
-          "name of a conductor with tabulated index, such as Au or Cu_palik, or of a building material at radio "
-          "frequencies, such as itu_concrete (ITU-R P.2040-3); none is a perfect mirror"},
-         {"eta", "texture", "", "0", "real part of the index, instead of a material"},
-         {"k", "texture", "", "1",
-          "imaginary part of the index (extinction coefficient), instead of a material"},
-         {"specular_reflectance", "texture", "", "1",
-          "factor of the reflected light; leave at 1 for a real metal"}},
-        {R"(<bsdf type="conductor">
+    PluginDoc{"A smooth metal (or any strongly absorbing medium) in vacuum: Fresnel reflection by a complex "
+              "refractive index. Without material, eta and k it is a perfect mirror. It reflects on the side "
+              "of its normal and is black on the other; `twosided` makes both sides alike.",
+              "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 14.2",
+              conductor_parameters(),
+              {R"(<bsdf type="conductor">
     <string name="material" value="Au"/>
 </bsdf>)",
-         R"(<bsdf type="conductor">
+               R"(<bsdf type="conductor">
     <spectrum name="eta" value="400:1.5, 550:0.4, 700:0.15"/>
     <spectrum name="k" value="400:1.9, 550:2.6, 700:4.0"/>
     <float name="specular_reflectance" value="0.8"/>

@@ -111,22 +111,17 @@ AUREOLE_PLUGIN(
         "surfaces, EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based "
         "BRDFs, JCGT 3(2), 2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, "
         "SIGGRAPH courses 2017",
-        {{"material", "string", "", "none",
-          "name of a conductor with tabulated index, such as Au or Cu_palik, or of a building material at radio "
-          "frequencies, such as itu_concrete (ITU-R P.2040-3); none is a perfect mirror"},
-         {"eta", "texture", "", "0", "real part of the index, instead of a material"},
-         {"k", "texture", "", "1",
-          "imaginary part of the index (extinction coefficient), instead of a material"},
-         {"specular_reflectance", "texture", "", "1",
-          "factor of the reflected light; leave at 1 for a real metal"},
-         {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},
-         {"alpha", "texture", "", "0.1", "roughness: for beckmann the root mean square slope times root 2"},
-         {"alpha_u", "texture", "", "alpha", "roughness along dp/du, with alpha_v instead of alpha"},
-         {"alpha_v", "texture", "", "alpha", "roughness across dp/du"},
-         {"sample_visible", "boolean", "", "true",
-          "sample the normals that are visible (less noise), not all of them"},
-         {"energy_preserving", "boolean", "", "false",
-          "add the light that is scattered more than once, which Mitsuba leaves out"}},
+        conductor_parameters({{"distribution", "string", "", "beckmann",
+                               "distribution of the facets' normals: beckmann or ggx"},
+                              {"alpha", "texture", "", "0.1",
+                               "roughness: for beckmann the root mean square slope times root 2"},
+                              {"alpha_u", "texture", "", "alpha",
+                               "roughness along dp/du, with alpha_v instead of alpha"},
+                              {"alpha_v", "texture", "", "alpha", "roughness across dp/du"},
+                              {"sample_visible", "boolean", "", "true",
+                               "sample the normals that are visible (less noise), not all of them"},
+                              {"energy_preserving", "boolean", "", "false",
+                               "add the light that is scattered more than once, which Mitsuba leaves out"}}),
         {R"(<bsdf type="roughconductor">
     <string name="material" value="Al"/>
     <string name="distribution" value="ggx"/>

@@ -90,4 +90,18 @@ void ConductorIndex::tabulate_diffuse() {
   diffuse_ = SampledSpectrum(eta_.grid(), std::move(nodes));
 }
 
+std::vector<ParameterDoc> conductor_parameters(std::vector<ParameterDoc> own) {
+  std::vector<ParameterDoc> all = {
+      {"material", "string", "", "none",
+       "name of a conductor with tabulated index, such as Au or Cu_palik, or of a building material at radio "
+       "frequencies, such as itu_concrete (ITU-R P.2040-3); none is a perfect mirror"},
+      {"eta", "texture", "", "0", "real part of the index, instead of a material"},
+      {"k", "texture", "", "1",
+       "imaginary part of the index (extinction coefficient), instead of a material"},
+      {"specular_reflectance", "texture", "", "1",
+       "factor of the reflected light; leave at 1 for a real metal"}};
+  all.insert(all.end(), own.begin(), own.end());
+  return all;
+}
+
 }  // namespace aureole

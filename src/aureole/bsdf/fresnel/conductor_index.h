@@ -3,6 +3,7 @@
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
@@ -26,5 +27,8 @@ private:
   SampledSpectrum eta_, k_, diffuse_;   // of a named or constant material
   TexturePtr eta_texture_, k_texture_;  // where one of them varies over the surface
 };
+
+/// The rows of the parameter table that conductors share: material, eta, k and specular_reflectance, followed by `own`.
+std::vector<ParameterDoc> conductor_parameters(std::vector<ParameterDoc> own = {});
 
 }  // namespace aureole
