@@ -15,6 +15,7 @@
 #include "aureole/bssrdf/bssrdf.h"
 #include "aureole/optics/medium/half_space.h"
 #include "bssrdf/half_space_photons.h"
+#include "harness/effort.h"
 #include "harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -81,7 +82,7 @@ class BssrdfAgainstTransport : public ::testing::TestWithParam<Bounds> {};
 
 TEST_P(BssrdfAgainstTransport, ProfileOfABeam) {
   const HalfSpace& h = GetParam().half_space;
-  const std::size_t photons = std::getenv("AUREOLE_THOROUGH") ? 200000 : 15000;
+  const std::size_t photons = test::effort<std::size_t>(15000, 200000);
   std::vector<double> edges = kEdges;
   for (double& r : edges) r *= h.reduced_mean_free_path();
   const RadialProfile truth = follow_photons(h, edges, photons);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "harness/bsdf_harness.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "harness/case_list.h"
 #include "harness/check_report.h"
+#include "harness/effort.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 
@@ -16,6 +18,7 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
   options.significance = harness.family_significance;
   options.family_size = harness.family_size;
   options.seed = harness.seed;
+  options.samples = test::effort(std::min<std::size_t>(options.samples, 75000), options.samples);
   const std::shared_ptr<const Bsdf> bsdf =
       c.bsdf ? c.bsdf : build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm), test::example_file);
   HarnessResult result;

@@ -3,15 +3,14 @@
 // where the squares are wide enough, they are infinite.
 #pragma once
 
-#include <cstdlib>
 #include <string>
 
+#include "harness/effort.h"
 #include "medium/scene_text.h"
 
 namespace aureole::testing {
 
-/// AUREOLE_THOROUGH=1: many more paths, and results are printed.
-inline bool is_thorough() { return std::getenv("AUREOLE_THOROUGH") != nullptr; }
+using test::is_thorough;
 
 /// A square of half width `half` at the height z, facing up or down.
 inline std::string level(double z, bool up, const std::string& content, double half = 1) {

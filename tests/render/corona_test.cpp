@@ -68,7 +68,7 @@ double predicted(double px, double py, double tilt, const optics::ScattererLayer
   const Vector p = v * (pane.dot(n) / v.dot(n));
   const double distance2 = (lamp - p).dot(lamp - p), c = std::abs(v.dot(n));
   double sum = 0;
-  const int rings = 3, spokes = 8, wavelengths = 60;
+  const int rings = 3, spokes = 8, wavelengths = 20;
   for (int r = 0; r < rings; ++r)
     for (int m = 0; m < spokes; ++m) {
       // Equal areas of the disc as which the sphere is seen from the pane, whose solid angle they share.

@@ -15,6 +15,7 @@
 #include "aureole/render/statistics.h"
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/transport/keyed_random.h"
+#include "harness/effort.h"
 #include "harness/paths.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"
@@ -24,11 +25,7 @@ namespace {
 
 using std::numbers::pi;
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr bool kSanitized = true;  // run, without statistics
-#else
-constexpr bool kSanitized = false;
-#endif
+using test::kSanitized;
 
 /// A black sheet that covers x < 0 at z = 0, in `pieces` along its edge, between a lamp at z = 1 m and a white screen at z = -1 m.
 /// The film shows x from -9.5 to -1.5 mm: Fresnel's numbers from -12.8 to -2.

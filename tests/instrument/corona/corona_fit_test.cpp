@@ -14,6 +14,7 @@
 #include "aureole/loading/load.h"
 #include "aureole/optics/layer/scatterer_layer.h"
 #include "aureole/render/job.h"
+#include "harness/effort.h"
 #include "loading/load_text.h"
 
 namespace aureole::test {
@@ -87,9 +88,9 @@ TEST(CoronaFit, ComesBack) {
 }
 
 TEST(CoronaFit, ErrorsAreThoseOfRepeatedPictures) {
-  // The standard error against the scatter of ten pictures with other noise.
+  // The standard error against the scatter of pictures with other noise.
   double sum = 0, square = 0, stated = 0;
-  constexpr int kCount = 10;
+  const int kCount = test::effort(5, 10);
   const Image clean = corona_picture(5e-6, 0.5, "LED-B3", 0);
   for (int i = 0; i < kCount; ++i) {
     Image image = clean;

@@ -14,6 +14,7 @@
 
 #include "aureole/optics/arrangement/hard_discs.h"
 #include "aureole/optics/arrangement/simulated_structure_factor.h"
+#include "harness/effort.h"
 
 namespace aureole::optics {
 namespace {
@@ -114,7 +115,7 @@ void label_test(double fa, const std::vector<Layer>& layers, int snapshots) {
   }
 
   HardDiscEnsemble ensemble;
-  ensemble.seed = 17, ensemble.snapshots = 900;
+  ensemble.seed = 17, ensemble.snapshots = test::effort(400, 900);
   const SimulatedStructureFactor simulated(fa, ensemble);
   for (size_t k = 0; k < layers.size(); ++k) {
     const auto predict = [&](const std::function<double(double)>& s) {
@@ -149,15 +150,15 @@ std::vector<Layer> all_layers() {
            {[](const Wave& q) { return circle(q, 0.9); }, [](const Wave& q) { return square(q, 1.4); }}}};
 }
 
-TEST(WaveSum, LabelledMixtures) { label_test(0.5, all_layers(), 260); }
+TEST(WaveSum, LabelledMixtures) { label_test(0.5, all_layers(), test::effort(120, 260)); }
 
-TEST(WaveSum, LabelledMixturesCrowded) { label_test(0.62, all_layers(), 260); }
+TEST(WaveSum, LabelledMixturesCrowded) { label_test(0.62, all_layers(), test::effort(120, 260)); }
 
 TEST(WaveSum, Polydisperse) {
   const double fa = 0.5;
   const HardDiscMixture mixture({0.6, 1.0, 1.5}, {0.3, 0.5, 0.2}, fa);
   HardDiscEnsemble ensemble;
-  ensemble.seed = 23, ensemble.snapshots = 700, ensemble.discs = 1000;
+  ensemble.seed = 23, ensemble.snapshots = test::effort(300, 700), ensemble.discs = 1000;
   const PartialStructureFactors simulated = simulate_partial_structure_factors(mixture, ensemble);
   const PartialStructureFactors theory(mixture, 40);
   EXPECT_LT(simulated.chi_squared(), 1.3);
@@ -170,7 +171,7 @@ TEST(WaveSum, Polydisperse) {
   const HardDiscs& discs = simulation.state();
   const auto rings = box_waves(discs.box_x, 12);
   std::vector<double> truth(rings.size());
-  const int snapshots = 350, n = discs.size();
+  const int snapshots = test::effort(150, 350), n = discs.size();
   for (int s = 0; s < snapshots; ++s) {
     simulation.advance(2 * simulation.decorrelation_sweeps());
     for (size_t r = 0; r < rings.size(); ++r)
