@@ -97,7 +97,7 @@ void Corpus::find_tables() {
     for (const auto& [name, bytes] : scene.files) {
       if (!name.ends_with(".xml")) continue;
       for (const char* word : {"<aperture", "<correlation", "<ingredient", "\"correlated_", "\"mie\"",
-                               "\"suspension\"", "\"paint\"", "\"energy_preserving\""})
+                               "\"suspension\"", "\"paint\"", "\"layered\"", "\"energy_preserving\""})
         scene.has_tables |= bytes->find(word) != std::string::npos;
     }
 }

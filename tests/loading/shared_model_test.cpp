@@ -82,6 +82,15 @@ TEST(Problems, AllOfOneObjectAtOnce) {
   EXPECT_NE(errors[3].find("unknown parameter \"amuont\""), std::string::npos) << errors[3];
 }
 
+TEST(Problems, OfRoughSurfaces) {
+  const auto errors = errors_of(
+      "<bsdf type='roughconductor'>\n<string name='distribution' value='bekmann'/>\n"
+      "<float name='alpha' value='-3'/>\n</bsdf>");
+  ASSERT_EQ(errors.size(), 2u) << ::testing::PrintToString(errors);
+  EXPECT_NE(errors[0].find("did you mean \"beckmann\""), std::string::npos) << errors[0];
+  EXPECT_NE(errors[1].find("must be in (0, 100], got -3"), std::string::npos) << errors[1];
+}
+
 TEST(Problems, OfShapesAndTheirGeometry) {
   const auto errors = errors_of(
       "<shape type='sphere'>\n<float name='radius' value='-1'/>\n<string name='center' value='x'/>\n"

@@ -113,6 +113,34 @@ TEST(WavelengthChoice, AWeakLampCountsBesideAStrongOne) {
   EXPECT_LT(brute_force(both, rgb_channels(), day), brute_force(sharp(day), rgb_channels(), day));
 }
 
+TEST(WavelengthChoice, ALineAmongLampsGetsAWavelengthOfEachSet) {
+  // Of six lamps an equal share is half of what the sodium line needs.
+  std::vector<SampledSpectrum> lamps = {d65_spectrum(kGrid, 1), lines({{589.3, 0.8}})};
+  for (const double nm : {468., 511., 560., 634.}) lamps.push_back(lines({{nm, 12}}));
+  for (std::size_t i = 0; i < lamps.size(); ++i) lamps[i].scale(i > 0 ? 1e-3f : 1.f);
+  const WavelengthDistribution d = chosen(lamps);
+  if (kWavelengths == 8) {
+    for (const SampledSpectrum& lamp : lamps) EXPECT_LT(brute_force(d, rgb_channels(), lamp), 0.2);
+  }
+}
+
+TEST(WavelengthChoice, EachOfManyLampsIsFound) {
+  std::vector<SampledSpectrum> lamps;
+  for (int k = 0; k < 24; ++k) lamps.push_back(lines({{430. + 10 * k, 1}}));
+  const WavelengthDistribution d = chosen(lamps);
+  // Were nothing but lines seen, a set would have that of one lamp with probability N / 24.
+  for (const SampledSpectrum& lamp : lamps)
+    EXPECT_LT(brute_force(d, rgb_channels(), lamp), 3 * (24. / kWavelengths));
+}
+
+TEST(WavelengthChoice, LampsThatAreAlikeCountOnce) {
+  SampledSpectrum sodium = lines({{589.3, 0.8}}), day = d65_spectrum(kGrid, 1), faint = day;
+  sodium.scale(1e-2f), faint.scale(0.5f);
+  const WavelengthDistribution once = chosen({day, sodium}), often = chosen({day, sodium, faint, day, faint});
+  for (const float nm : {400.f, 500.f, 589.3f, 650.f})
+    EXPECT_NEAR(often.pdf(nm), once.pdf(nm), 0.05f * once.pdf(nm)) << nm;
+}
+
 TEST(WavelengthChoice, EveryScaleAndNoLight) {
   SampledSpectrum faint = d65_spectrum(kGrid, 1), strong = faint;
   faint.scale(1e-35f), strong.scale(1e25f);

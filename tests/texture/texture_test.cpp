@@ -133,6 +133,12 @@ TEST(TextureRoles, WrongInputIsLocated) {
             std::string::npos);
   EXPECT_NE(error(kEmission, R"(<rgb name="t" value="-0.1, 0, 0"/>)").find("negative"), std::string::npos);
   EXPECT_NE(error(kUnbounded, R"(<float name="t" value="-1"/>)").find("negative"), std::string::npos);
+  EXPECT_NE(error(kUnbounded, R"(<rgb name="t" value="0.6, 1e308, 0.5"/>)").find("too large"),
+            std::string::npos);
+  EXPECT_NE(
+      error(kUnbounded, R"(<spectrum type="uniform" name="t"><float name="value" value="1e300"/></spectrum>)")
+          .find("too large"),
+      std::string::npos);
   EXPECT_NE(error(kReflectance, R"(<spectrum name="t" value="400:0.5"/>)").find("at least two"),
             std::string::npos);
   EXPECT_NE(error(kReflectance, R"(<string name="t" value="red"/>)").find("expected a number"),

@@ -35,13 +35,14 @@ SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
   return {s.grid(), std::move(result)};
 }
 
-/// Mean with weight 1 for every spectrum that is not black, each scaled to unit integral.
-SampledSpectrum normalized_mean(std::span<const SampledSpectrum> spectra) {
+/// Mean of the spectra that are not black, each scaled to unit integral, with these weights.
+SampledSpectrum normalized_mean(std::span<const SampledSpectrum> spectra, std::span<const double> weights) {
   std::vector<float> nodes(spectra[0].nodes().size());
-  for (const SampledSpectrum& s : spectra) {
-    const double integral = s.integral();
+  for (size_t k = 0; k < spectra.size(); ++k) {
+    const double integral = spectra[k].integral();
     if (!(integral > 0)) continue;
-    for (size_t i = 0; i < nodes.size(); ++i) nodes[i] += float(s.nodes()[i] / integral);
+    for (size_t i = 0; i < nodes.size(); ++i)
+      nodes[i] += float(weights[k] * spectra[k].nodes()[i] / integral);
   }
   return {spectra[0].grid(), std::move(nodes)};
 }
@@ -65,28 +66,31 @@ SampledSpectrum of_unit_strength(const SampledSpectrum& light, double strength) 
   return {light.grid(), std::move(nodes)};
 }
 
-/// All that variances between sets are computed from, sampled once per density.
-struct Sets {
-  static constexpr int kCount = 256;
-  std::vector<Wavelengths> wavelengths;
-
-  explicit Sets(const WavelengthDistribution& distribution) {
-    for (int k = 0; k < kCount; ++k)
-      wavelengths.push_back(distribution.sample((float(k) + 0.5f) / kCount, 0));
+/// The sets of wavelengths of one density, and what a light of 1 per nm at one of the wavelengths adds to the
+/// estimate of each channel.
+class Sets {
+public:
+  Sets(const WavelengthDistribution& distribution, std::span<const SampledSpectrum> channels)
+      : channels_(channels.size()), values_(kCount) {
+    wavelengths_.reserve(kCount);
+    factors_.reserve(kCount * channels_);
+    for (int k = 0; k < kCount; ++k) {
+      const Wavelengths& w = wavelengths_.emplace_back(distribution.sample((float(k) + 0.5f) / kCount, 0));
+      for (const SampledSpectrum& channel : channels)
+        factors_.push_back(channel.eval(w) / (w.pdf * float(kWavelengths)));
+    }
   }
 
   struct Moments {
     double variance = 0, squared_mean = 0;  ///< summed over the channels
   };
-  Moments moments(std::span<const SampledSpectrum> channels, const SampledSpectrum& light) const {
-    Spectrum estimates[kCount];
-    for (int k = 0; k < kCount; ++k)
-      estimates[k] = light.eval(wavelengths[size_t(k)]) / (wavelengths[size_t(k)].pdf * float(kWavelengths));
+  Moments moments(const SampledSpectrum& light) {
+    for (size_t k = 0; k < kCount; ++k) values_[k] = light.eval(wavelengths_[k]);
     Moments m;
-    for (const SampledSpectrum& channel : channels) {
+    for (size_t c = 0; c < channels_; ++c) {
       double sum1 = 0, sum2 = 0;
       for (int k = 0; k < kCount; ++k) {
-        const double x = sum(estimates[k] * channel.eval(wavelengths[size_t(k)]));
+        const double x = sum(values_[size_t(k)] * factors_[size_t(k) * channels_ + c]);
         sum1 += x, sum2 += x * x;
       }
       const double mean = sum1 / kCount;
@@ -95,30 +99,154 @@ struct Sets {
     }
     return m;
   }
+
+private:
+  static constexpr int kCount = 256;
+  std::vector<Wavelengths> wavelengths_;
+  size_t channels_;
+  std::vector<Spectrum> factors_;  ///< of all channels for each set
+  std::vector<Spectrum> values_;   ///< room for those of one light
 };
 
-/// Beyond so many lights only the strongest count; of so many channels only all lights together.
-constexpr size_t kLights = 8, kChannels = 8;
+/// Of more different lights than this, those that are most alike are judged together; of more channels, only all
+/// lights together.
+constexpr size_t kLights = 16, kChannels = 8;
+
+/// Of two lights of unit strength, 0 where they are alike to 2 where they have no wavelength in common.
+double difference(const SampledSpectrum& a, const SampledSpectrum& b) {
+  double sum = 0, whole = 0;
+  for (size_t i = 0; i < a.nodes().size(); ++i) {
+    sum += std::abs(double(a.nodes()[i]) - double(b.nodes()[i]));
+    whole += double(a.nodes()[i]) + double(b.nodes()[i]);
+  }
+  return whole > 0 ? 2 * sum / whole : 0;
+}
+
+/// Lights of unit strength that differ from each other, or several of them.
+struct LightKind {
+  SampledSpectrum light;
+  double count = 1;
+};
+
+/// Adds a light to those that differ from it, or to some of them where there are many.
+void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& light) {
+  constexpr double kAlike = 1e-3, kNothingInCommon = 2;
+  LightKind* nearest = nullptr;
+  double least = kNothingInCommon;
+  for (LightKind& kind : kinds) {
+    const double d = difference(kind.light, light);
+    if (d < kAlike) return;
+    // Of those that have nothing in common with it, the one with the fewest others.
+    if (!nearest || d < least || (d == least && kind.count < nearest->count)) nearest = &kind, least = d;
+  }
+  if (kinds.size() < kLights) {
+    kinds.push_back({light});
+    return;
+  }
+  std::vector<float> nodes(nearest->light.nodes().begin(), nearest->light.nodes().end());
+  for (size_t i = 0; i < nodes.size(); ++i) nodes[i] += light.nodes()[i];
+  *nearest = {{light.grid(), std::move(nodes)}, nearest->count + 1};
+}
 
 /// The densities best for single wavelengths: the film's response mixed with its product with all light, or
 /// with each light.
 std::vector<SampledSpectrum> sharp_densities(const SampledSpectrum& response, const SampledSpectrum& all,
-                                             std::span<const SampledSpectrum> lights) {
+                                             std::span<const LightKind> lights) {
   const SampledSpectrum by_power[2] = {response, product(response, all)};
-  std::vector<SampledSpectrum> sharp = {normalized_mean(by_power)};
+  const double equal[2] = {1, 1};
+  std::vector<SampledSpectrum> sharp = {normalized_mean(by_power, equal)};
   if (lights.size() < 2) return sharp;
   std::vector<SampledSpectrum> seen;
-  for (const SampledSpectrum& light : lights) seen.push_back(product(response, light));
-  const SampledSpectrum by_light[2] = {response, normalized_mean(seen)};
-  sharp.push_back(normalized_mean(by_light));
+  std::vector<double> counts;
+  for (const LightKind& kind : lights) {
+    seen.push_back(product(response, kind.light));
+    counts.push_back(kind.count);
+  }
+  const SampledSpectrum by_light[2] = {response, normalized_mean(seen, counts)};
+  sharp.push_back(normalized_mean(by_light, equal));
   return sharp;
+}
+
+/// Densities that are mixtures, of which the one with the least variance is kept.
+class Contest {
+public:
+  Contest(const SpectralGrid& grid, std::span<const SampledSpectrum> channels, bool with_surfaces,
+          std::span<const LightKind> lights)
+      : grid_(grid), channels_(channels) {
+    for (const LightKind& kind : lights) {
+      Judged& j = judged_.emplace_back(Judged{kind, {}});
+      if (with_surfaces)
+        for (SampledSpectrum& rest : reflected(kind.light)) j.reflected.push_back(std::move(rest));
+    }
+  }
+
+  struct Mixture {
+    std::vector<SampledSpectrum> densities;
+    std::vector<float> weights;
+  };
+  /// Whether this one is better than all before it: has less than `part` of the least variance so far.
+  bool judge(const Mixture& mixture, double part = 1) {
+    WavelengthDistribution distribution(grid_, mixture.densities, mixture.weights);
+    Sets sets(distribution, channels_);
+    double variance = 0;
+    for (const Judged& j : judged_) {
+      const Sets::Moments whole = sets.moments(j.kind.light);
+      if (!(whole.squared_mean > 0)) continue;
+      double sum = whole.variance;
+      for (const SampledSpectrum& rest : j.reflected) sum += sets.moments(rest).variance;
+      variance += j.kind.count * sum / whole.squared_mean;
+    }
+    if (best_ && !(variance < part * least_)) return false;
+    best_ = std::move(distribution), least_ = variance, mixture_ = mixture;
+    return true;
+  }
+  const Mixture& best_mixture() const { return mixture_; }
+  WavelengthDistribution take_best() { return std::move(*best_); }
+
+private:
+  /// A light and what surfaces leave of it.
+  struct Judged {
+    LightKind kind;
+    std::vector<SampledSpectrum> reflected;
+  };
+  SpectralGrid grid_;
+  std::span<const SampledSpectrum> channels_;
+  std::vector<Judged> judged_;
+  std::optional<WavelengthDistribution> best_;
+  Mixture mixture_;
+  double least_ = 0;
+};
+
+/// Gives single lights more than their equal shares, as long as that helps: a line needs one wavelength of each
+/// set, and with several lights an equal share may be less than that.
+void share_out(Contest& contest, const SampledSpectrum& response, std::span<const LightKind> lights) {
+  constexpr double kWorthwhile = 0.995;
+  Contest::Mixture trial = contest.best_mixture();
+  const size_t first = trial.weights.size();
+  for (const LightKind& kind : lights) {
+    trial.densities.push_back(product(response, kind.light));
+    trial.weights.push_back(0);
+  }
+  for (const float step : {0.1f, 0.03f})
+    for (size_t k = first; k < trial.weights.size(); ++k)
+      for (const float change : {step, -step}) {
+        const float before = trial.weights[k];
+        float kept = before;
+        while (kept + change >= 0) {
+          trial.weights[k] = kept + change;
+          if (!contest.judge(trial, kWorthwhile)) break;
+          kept = trial.weights[k];
+        }
+        trial.weights[k] = kept;
+        if (kept != before) break;
+      }
 }
 
 }  // namespace
 
 double variance_between_sets(const WavelengthDistribution& distribution,
                              std::span<const SampledSpectrum> channels, const SampledSpectrum& light) {
-  const Sets::Moments m = Sets(distribution).moments(channels, light);
+  const Sets::Moments m = Sets(distribution, channels).moments(light);
   return m.variance / m.squared_mean;
 }
 
@@ -133,44 +261,28 @@ WavelengthDistribution choose_wavelengths(const SampledSpectrum& response,
   std::stable_sort(order.begin(), order.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   std::vector<float> sum(size_t(grid.cells) + 1);
-  std::vector<SampledSpectrum> shining;
+  std::vector<LightKind> shining;
   for (const auto& [strength, light] : order) {
     const SampledSpectrum share = of_unit_strength(*light, total);
     for (size_t i = 0; i < sum.size(); ++i) sum[i] += share.nodes()[i];
-    if (shining.size() < kLights) shining.push_back(of_unit_strength(*light, strength));
+    add_if_different(shining, of_unit_strength(*light, strength));
   }
   const SampledSpectrum all(grid, std::move(sum));
   const std::vector<SampledSpectrum> sharp = sharp_densities(response, all, shining);
-  if (shining.empty()) shining.push_back(SampledSpectrum::constant(grid, 1));
+  if (shining.empty()) shining.push_back({SampledSpectrum::constant(grid, 1)});
   const bool many_channels = channels.size() > kChannels;
-  if (many_channels && !order.empty()) shining = {all};
+  if (many_channels && !order.empty()) shining = {{all}};
 
-  std::optional<WavelengthDistribution> best;
-  double least = 0;
-  const auto consider = [&](const SampledSpectrum& narrow, const SampledSpectrum& wide, float part) {
-    const SampledSpectrum densities[2] = {narrow, wide};
-    const float weights[2] = {part, 1 - part};
-    WavelengthDistribution distribution(grid, densities, weights);
-    const Sets sets(distribution);
-    double variance = 0;
-    for (const SampledSpectrum& light : shining) {
-      const Sets::Moments whole = sets.moments(channels, light);
-      if (!(whole.squared_mean > 0)) continue;
-      double sum = whole.variance;
-      if (!many_channels)
-        for (const SampledSpectrum& rest : reflected(light)) sum += sets.moments(channels, rest).variance;
-      variance += sum / whole.squared_mean;
-    }
-    if (!best || variance < least) best = std::move(distribution), least = variance;
-  };
+  Contest contest(grid, channels, !many_channels, shining);
   for (const SampledSpectrum& s : sharp) {
-    consider(s, s, 1);
+    contest.judge({{s}, {1}});
     for (const double nm : {5., 10., 20., 30., 40., 60., 80., 120.}) {
       const SampledSpectrum wide = smoothed(s, nm);
-      for (const float part : {0.f, 0.2f, 0.5f, 0.8f}) consider(s, wide, part);
+      for (const float part : {0.f, 0.2f, 0.5f, 0.8f}) contest.judge({{s, wide}, {part, 1 - part}});
     }
   }
-  return std::move(*best);
+  if (shining.size() > 1) share_out(contest, response, shining);
+  return contest.take_best();
 }
 
 }  // namespace aureole

@@ -110,12 +110,16 @@ Vec3 Microfacets::sample_all(Vec2 u) const {
 }
 
 Roughness::Roughness(const Properties& p, bool variable) {
-  std::string name = p.get_string("distribution", "beckmann");
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  if (name != "beckmann" && name != "ggx")
-    throw p.error("distribution", "\"" + name + "\" is not one of beckmann, ggx" +
-                                      did_you_mean(name, std::vector<std::string>{"beckmann", "ggx"}));
+  const auto distribution = [&] {
+    std::string name = p.get_string("distribution", "beckmann");
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](unsigned char c) { return char(std::tolower(c)); });
+    if (name != "beckmann" && name != "ggx")
+      throw p.error("distribution", "\"" + name + "\" is not one of beckmann, ggx" +
+                                        did_you_mean(name, std::vector<std::string>{"beckmann", "ggx"}));
+    return name;
+  };
+  const std::string name = p.tolerate(std::string("beckmann"), distribution);
   type_ = name == "ggx" ? NormalDistribution::ggx : NormalDistribution::beckmann;
   visible_ = p.get_bool("sample_visible", true);
   if (variable && (p.has("alpha_u") || p.has("alpha_v"))) {

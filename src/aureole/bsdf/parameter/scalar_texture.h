@@ -23,7 +23,7 @@ public:
     const SampledSpectrum average = texture->average();
     const float highest = average.maximum(), lowest = average.minimum();
     // A grey picture that is not raw is upsampled like a colour, which leaves it grey to a few parts in 10^4.
-    if (highest - lowest > 1e-3f * highest)
+    if (!(highest - lowest <= 1e-3f * highest))
       throw properties.error(name,
                              "is one number for all wavelengths, but what is given has a colour; write a "
                              "number, or load a picture with raw = true");

@@ -27,14 +27,8 @@ SampledSpectrum get_spectrum(const Properties& p, const char* name, double fallb
   return texture->average();
 }
 
-Matter of_medium(const Properties& p, const Medium& medium) {
-  if (!medium.is_uniform())
-    throw Error(medium.properties().where(), "varies in space; a bssrdf needs the same medium everywhere");
-  if (!medium.phase().is_isotropic_medium())
-    throw Error(medium.properties().where(),
-                "scatters differently in different directions; a bssrdf needs a medium that does not");
-  if (medium.emits()) medium.properties().note("emission", "a bssrdf does not emit: no effect");
-  const SpectralGrid& grid = p.context().grid;
+/// The coefficients of a uniform medium at the nodes of the grid.
+Matter tabulate(const Medium& medium, const SpectralGrid& grid) {
   const std::size_t nodes = std::size_t(grid.cells) + 1;
   Matter m{std::vector<double>(nodes), std::vector<double>(nodes), std::vector<double>(nodes)};
   for (std::size_t first = 0; first < nodes; first += kWavelengths) {
@@ -51,6 +45,21 @@ Matter of_medium(const Properties& p, const Medium& medium) {
     }
   }
   return m;
+}
+
+Matter of_medium(const Properties& p, const Medium& medium) {
+  if (!medium.is_uniform())
+    throw Error(medium.properties().where(), "varies in space; a bssrdf needs the same medium everywhere");
+  if (!medium.phase().is_isotropic_medium())
+    throw Error(medium.properties().where(),
+                "scatters differently in different directions; a bssrdf needs a medium that does not");
+  if (medium.emits()) medium.properties().note("emission", "a bssrdf does not emit: no effect");
+  const auto matter = p.shared_model<Matter>(
+      [&] { return std::make_shared<const Matter>(tabulate(medium, p.context().grid)); });
+  if (matter) return *matter;
+  // The scene has errors, and the medium may lack its own tables: nothing will be rendered.
+  const std::vector<double> ones(std::size_t(p.context().grid.cells) + 1, 1);
+  return {ones, ones, std::vector<double>(ones.size())};
 }
 
 Matter of_coefficients(const Properties& p) {

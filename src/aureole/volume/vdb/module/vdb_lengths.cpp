@@ -3,12 +3,13 @@
 
 #include <cstdint>
 #include <fstream>
+#include <string>
 
 namespace aureole {
 namespace {
 
 constexpr std::int64_t kMagic = 0x56444220;
-constexpr std::uint32_t kFirstVersion = 222, kCurrentVersion = 224;
+constexpr std::uint32_t kFirstVersion = 222;  // of OpenVDB 1.0
 
 class Reader {
 public:
@@ -25,12 +26,26 @@ public:
   }
   void skip(std::int64_t bytes) { go_to(std::int64_t(in_.tellg()) + bytes); }
   void skip_text() { skip(number<std::uint32_t>()); }
+  /// A text of at most so many characters; longer ones are skipped.
+  std::string text(std::uint32_t most) {
+    const auto length = number<std::uint32_t>();
+    if (length > most) return skip(length), "";
+    std::string characters(length, '\0');
+    in_.read(characters.data(), length);
+    return characters;
+  }
   void skip_metadata() {
     const auto count = number<std::uint32_t>();
     for (std::uint32_t i = 0; i < count && good(); ++i) {
       skip_text();  // name
-      skip_text();  // type
-      skip_text();  // value, with its length before it as a text
+      const bool lists_leaves = text(64) == "__delayedload";
+      const auto length = number<std::uint32_t>();
+      const std::int64_t value = position();
+      if (lists_leaves && length >= sizeof(std::uint32_t)) {
+        // Room is made for a number for each of the leaves, which have a mask of 64 bytes in the file.
+        if (number<std::uint32_t>() > size_ / 64) good_ = false;
+      }
+      go_to(value + length);
     }
   }
   std::int64_t position() { return in_.tellg(); }
@@ -45,13 +60,8 @@ private:
   bool good_ = true;
 };
 
-}  // namespace
-
-bool vdb_lengths_are_good(const char* path) {
-  Reader in(path);
-  if (in.number<std::int64_t>() != kMagic) return true;
-  const auto version = in.number<std::uint32_t>();
-  if (version < kFirstVersion || version > kCurrentVersion) return true;
+/// Whether all lengths behind the version lead to places within the file.
+bool lengths_are_good(Reader& in) {
   in.skip(2 * sizeof(std::uint32_t));  // version of the library
   const bool has_offsets = in.number<char>() != 0;
   in.skip(36);  // unique identifier
@@ -72,6 +82,18 @@ bool vdb_lengths_are_good(const char* path) {
     in.go_to(end);
   }
   return in.good();
+}
+
+}  // namespace
+
+std::string fault_of_vdb_header(const char* path, std::uint32_t newest) {
+  Reader in(path);
+  if (in.number<std::int64_t>() != kMagic) return {};
+  const auto version = in.number<std::uint32_t>();
+  if (!in.good() || version < kFirstVersion || version > newest)
+    return "is of version " + std::to_string(version) + " of its format; those from " +
+           std::to_string(kFirstVersion) + " to " + std::to_string(newest) + " can be read";
+  return lengths_are_good(in) ? "" : "is damaged: a length in its header leads beyond its end";
 }
 
 }  // namespace aureole

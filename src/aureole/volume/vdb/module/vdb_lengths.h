@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lengths in the headers of a .vdb file, which OpenVDB believes: a damaged one makes it ask for gigabytes.
+// The header of a .vdb file, which OpenVDB believes: damaged lengths make it ask for gigabytes.
 #pragma once
+
+#include <cstdint>
+#include <string>
 
 namespace aureole {
 
-/// Whether all texts in the header, in the list of grids and in the grids' own headers end within the file. True
-/// for files of versions before 222 (OpenVDB 1.0) and for what is no .vdb file, about which OpenVDB complains itself.
-bool vdb_lengths_are_good(const char* path);
+/// What is wrong with the header; empty: nothing. Its version is one that is known, up to `newest`, and all texts in
+/// it, in the list of grids and in the grids' own headers end within the file. Of what is no .vdb file at all OpenVDB
+/// complains itself.
+std::string fault_of_vdb_header(const char* path, std::uint32_t newest);
 
 }  // namespace aureole

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/volume/vdb/vdb_module.h"
 
-#include <openvdb/io/File.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
 
+#include <algorithm>
+#include <fstream>
+#include <map>
 #include <new>
 #include <stdexcept>
 
@@ -54,19 +59,84 @@ bool convert(const openvdb::GridBase::Ptr& base, int channels, SparseVoxels& out
   return true;
 }
 
+/// Grids of a file in the order of their names. `openvdb::io::File` does the same with a stream of its own, which goes
+/// on at the end of a file as if it held zeros, so that a damaged count makes nodes until memory is full. This one
+/// throws there.
+class Grids : public openvdb::io::Archive {
+public:
+  explicit Grids(const char* path) : in_(path, std::ios::binary) {
+    in_.exceptions(std::ios::eofbit | std::ios::failbit | std::ios::badbit);
+    readHeader(in_);
+    if (!inputHasGridOffsets()) {
+      // The grids follow one another without a list, and all of them are read.
+      in_.seekg(0);
+      const openvdb::GridPtrVecPtr all = openvdb::io::Stream(in_, /*delayLoad=*/false).getGrids();
+      for (const openvdb::GridBase::Ptr& grid : *all) read_.emplace(grid->getName(), grid);
+      return;
+    }
+    openvdb::io::setStreamMetadataPtr(in_, state_, /*transfer=*/false);
+    setFormatVersion(in_);
+    setLibraryVersion(in_);
+    setDataCompression(in_);
+    openvdb::MetaMap().readMeta(in_);
+    for (std::int32_t left = readGridCount(in_); left > 0; --left) {
+      openvdb::io::GridDescriptor entry;
+      const openvdb::GridBase::Ptr grid = entry.read(in_);
+      listed_.emplace(entry.uniqueName(), std::pair(entry, grid));
+      entry.seekToEnd(in_);
+    }
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& [name, grid] : read_) all.push_back(name);
+    for (const auto& [name, entry] : listed_) all.push_back(openvdb::io::GridDescriptor::nameAsString(name));
+    return all;
+  }
+  /// Null where there is none of this name.
+  openvdb::GridBase::Ptr read(const std::string& wanted) {
+    if (const auto found = read_.find(wanted); found != read_.end()) return found->second;
+    const auto entry = std::find_if(listed_.begin(), listed_.end(), [&](const auto& e) {
+      return openvdb::io::GridDescriptor::nameAsString(e.first) == wanted ||
+             e.second.first.gridName() == wanted;
+    });
+    if (entry == listed_.end()) return nullptr;
+    const auto fill = [&](const auto& listed) {
+      listed.first.seekToGrid(in_);
+      readGrid(listed.second, listed.first, in_);
+    };
+    fill(entry->second);
+    if (const auto& [descriptor, grid] = entry->second; descriptor.isInstance()) {
+      // It has the tree of another one.
+      NamedGridMap both{{descriptor.uniqueName(), grid}};
+      if (const auto parent = listed_.find(descriptor.instanceParentName());
+          parent != listed_.end() && !parent->second.first.isInstance()) {
+        fill(parent->second);
+        both.emplace(parent->first, parent->second.second);
+      }
+      connectInstance(descriptor, both);
+    }
+    return entry->second.second;
+  }
+
+private:
+  openvdb::io::StreamMetadata::Ptr state_ = std::make_shared<openvdb::io::StreamMetadata>();
+  std::ifstream in_;
+  std::multimap<std::string, std::pair<openvdb::io::GridDescriptor, openvdb::GridBase::Ptr>> listed_;
+  std::multimap<std::string, openvdb::GridBase::Ptr> read_;
+};
+
 void read(const char* path, const char* wanted, SparseFile& out) {
-  if (!vdb_lengths_are_good(path)) throw Fault("is damaged: a length in its header leads beyond its end");
+  if (const std::string fault = fault_of_vdb_header(path, openvdb::OPENVDB_FILE_VERSION); !fault.empty())
+    throw Fault(fault);
   openvdb::initialize();
-  openvdb::io::File file(path);
-  file.open(/*delayLoad=*/false);
-  for (auto name = file.beginName(); name != file.endName(); ++name)
-    out.grids.push_back(openvdb::Name(name.gridName()));
+  Grids grids(path);
+  out.grids = grids.names();
   if (out.grids.empty()) throw Fault("holds no grids");
   const std::string name = wanted ? wanted : out.grids[default_grid(out.grids)];
-  if (!file.hasGrid(name)) return;
+  const openvdb::GridBase::Ptr grid = grids.read(name);
+  if (!grid) return;
   out.found = true;
-  const openvdb::GridBase::Ptr grid = file.readGrid(name);
-  file.close();
   SparseVoxels& voxels = out.voxels;
   voxels.name = name;
   if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
@@ -93,6 +163,8 @@ extern "C" __attribute__((visibility("default"))) void aureole_read_vdb(const ch
     out.error = problem.what();
   } catch (const openvdb::Exception& problem) {
     out.error = std::string("cannot be read by OpenVDB: ") + problem.what();
+  } catch (const std::ios_base::failure&) {
+    out.error = "is damaged or truncated: its data end too early";
   } catch (const std::bad_alloc&) {
     out.error = "needs more memory than there is";
   } catch (...) {
