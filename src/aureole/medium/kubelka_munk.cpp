@@ -77,7 +77,7 @@ private:
     if (palette.relative && !p.has("scale"))
       throw p.error(
           "scale",
-          "is required for this palette, whose K and S are relative: S of its white, per unit of length");
+          "the parameter \"scale\" is required for this palette, whose K and S are relative: S of its white, per unit of length");
     if (const int count = pigment::clamp_negative(palette))
       p.note("palette", std::to_string(count) + " negative values of K and S count as zero");
     try {
