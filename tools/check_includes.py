@@ -16,7 +16,7 @@ PHYSICS = {"optics", "pigment"}  # never see a renderer type, not even a float S
 PHYSICS_CORE = {"parallel_for", "random"}  # of core what the library aureole_optics has (src/aureole/optics/CMakeLists.txt)
 # Headers of a family that other families may include; where a family is not named here, <family>/<family>.h alone.
 INTERFACES = {"shape": {"shape", "model", "surface_point", "area_sampler", "shape_area", "mesh/mesh_attribute"},
-              "bsdf": {"bsdf", "fresnel/complex_index", "fresnel/fresnel"}, "phase": {"phase", "mean_cosine", "table/tabulated_phase_function", "table/mie_tables"},
+              "bsdf": {"bsdf", "fresnel/complex_index", "fresnel/fresnel", "pigment/palette_file"}, "phase": {"phase", "mean_cosine", "table/tabulated_phase_function", "table/mie_tables"},
               "volume": {"volume", "grid/voxel_data"}, "emitter": {"emitter", "light"}, "sensor": {"sensor", "placed_sensor"}}
 OPTICS_ROOMS = {"interface": 0, "particle": 0, "aperture": 0, "sky": 0, "diffraction": 1, "arrangement": 1, "medium": 1, "stack": 1, "layer": 2}  # a room includes lower ones
 

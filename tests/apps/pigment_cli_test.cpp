@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -99,6 +100,114 @@ TEST_F(PigmentCli, TablesOfTheirOwn) {
     {"paints": "chalk", "values": [90, 90]}, {"paints": "red", "values": [30, 50]}, {"paints": {"red": 1, "chalk": 3}, "values": [50, 70]}]})");
   ASSERT_EQ(run("fit white.json --white chalk"), 0) << said;
   EXPECT_NE(said.find("2 paints, 3 measurements"), std::string::npos) << said;
+}
+
+constexpr const char* kCgats = R"(CGATS.17
+ORIGINATOR "a laboratory"   # comments go on to the end of the line
+KEYWORD "PAINTS"
+KEYWORD "THICKNESS_UM"
+SPECTRAL_NORM "100"
+NUMBER_OF_FIELDS 8
+BEGIN_DATA_FORMAT
+SAMPLE_ID PAINTS BACKING THICKNESS_UM LAB_L
+SPECTRAL_NM400 SPECTRAL_NM550 SPECTRAL_NM700
+END_DATA_FORMAT
+NUMBER_OF_SETS 3
+BEGIN_DATA
+card	""	""	""	90	80	82	84
+"chalk over black"	chalk	0	20	50	40	45	50
+"chalk over card"	chalk	card	20	91	81	82.5	85
+END_DATA
+)";
+
+constexpr const char* kCxf = R"(<?xml version="1.0" encoding="UTF-8"?>
+<cc:CxF xmlns:cc="http://colorexchangeformat.com/CxF3-core">
+ <cc:Resources>
+  <cc:ObjectCollection>
+   <cc:Object ObjectType="Substrate" Name="card" Id="1">
+    <cc:ColorValues><cc:ReflectanceSpectrum ColorSpecification="CS">0.80 0.82 0.84</cc:ReflectanceSpectrum></cc:ColorValues>
+    <cc:TagCollection Name="drawdown"><cc:Tag Name="Paints" Value=""/></cc:TagCollection>
+   </cc:Object>
+   <cc:Object ObjectType="Standard" Name="chalk" Id="2">
+    <cc:ColorValues>
+     <cc:ReflectanceSpectrum ColorSpecification="CS" StartWL="400">0.40 0.45
+      0.50</cc:ReflectanceSpectrum>
+     <cc:ColorCIELab ColorSpecification="CS"><cc:L>74</cc:L><cc:A>0</cc:A><cc:B>0</cc:B></cc:ColorCIELab>
+    </cc:ColorValues>
+    <cc:TagCollection Name="drawdown"><cc:Tag Name="Backing" Value="0"/><cc:Tag Name="Thickness_um" Value="20"/></cc:TagCollection>
+   </cc:Object>
+   <cc:Object ObjectType="Standard" Name="chalk" Id="3">
+    <cc:ColorValues><cc:ReflectanceSpectrum ColorSpecification="CS">0.81 0.825 0.85</cc:ReflectanceSpectrum></cc:ColorValues>
+    <cc:TagCollection Name="drawdown"><cc:Tag Name="Backing" Value="card"/><cc:Tag Name="Thickness_um" Value="20"/></cc:TagCollection>
+   </cc:Object>
+  </cc:ObjectCollection>
+  <cc:ColorSpecificationCollection>
+   <cc:ColorSpecification Id="CS"><cc:MeasurementSpec><cc:WavelengthRange StartWL="400" Increment="150"/></cc:MeasurementSpec></cc:ColorSpecification>
+  </cc:ColorSpecificationCollection>
+ </cc:Resources>
+</cc:CxF>
+)";
+
+std::string replaced(std::string text, const std::string& old, const std::string& by) {
+  const auto at = text.find(old);
+  EXPECT_NE(at, text.npos) << old;
+  return at == text.npos ? text : text.replace(at, old.size(), by);
+}
+
+TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
+  write("films.csv",
+        "sample,paints,backing,thickness_um,unit,400,550,700\ncard,,,,percent,80,82,84\n"
+        "a,chalk,0,20,percent,40,45,50\nb,chalk,card,20,percent,81,82.5,85\n");
+  write("films.txt", kCgats);
+  write("films.cxf", kCxf);
+  for (const char* file : {"films.csv", "films.txt", "films.cxf"}) {
+    ASSERT_EQ(run("fit " + std::string(file) + " -o paints.csv --json fit.json"), 0) << said;
+    const auto chalk = json("fit.json")["pigments"][0];
+    EXPECT_EQ(chalk["name"], "chalk");
+    EXPECT_EQ(chalk["fit"]["method"], "two drawdowns") << file;
+    // Over black R = sinh/(a sinh + b cosh): found by hand for R = .45 over 0 and .825 over .82, at 20 um.
+    const double a = 0.5 * (0.825 + (0.45 - 0.825 + 0.82) / (0.45 * 0.82)), b = std::sqrt(a * a - 1);
+    const double s = std::atanh(b * 0.45 / (1 - a * 0.45)) / (b * 20e-6);
+    EXPECT_NEAR(chalk["s"][1].get<double>() / s, 1, 1e-9) << file;
+    EXPECT_NEAR(chalk["k"][1].get<double>() / (s * (a - 1)), 1, 1e-9) << file;
+  }
+  // Other headings of the same: the name of the sample is the paint, fractions, a field in per cent by its name.
+  write(
+      "other.cgats",
+      "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME nm700 nm400\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite .9 .8\nEND_DATA\n");
+  ASSERT_EQ(run("fit other.cgats --json fit.json"), 0) << said;
+  EXPECT_EQ(json("fit.json")["wavelengths_nm"][0], 400.0);
+  EXPECT_NEAR(json("fit.json")["pigments"][0]["k"][0], 0.2 * 0.2 / 1.6, 1e-12);
+
+  const auto wrong = [&](const std::string& file, const std::string& text, const std::string& message) {
+    write(file, text);
+    fails("fit " + file, message);
+  };
+  wrong("a.txt", replaced(kCgats, "45\t50\n", "x\t50\n"), "a.txt:14:37: expected a number, got \"x\"");
+  wrong("a.txt", replaced(kCgats, "\t84\n", "\n"), "a.txt:13: expected 8 values, one for each field, got 7");
+  wrong("a.txt", replaced(kCgats, "NUMBER_OF_SETS 3", "NUMBER_OF_SETS 4"),
+        "a.txt:12: NUMBER_OF_SETS is 4, and there are 3 rows");
+  wrong("a.txt", replaced(kCgats, "END_DATA\n", ""), "a.txt:12: BEGIN_DATA does not end");
+  wrong("a.txt", replaced(kCgats, "NM550", "NM400"),
+        "a.txt:9:16: the wavelength of \"SPECTRAL_NM400\" comes twice");
+  wrong("a.txt", replaced(kCgats, "\t45\t", "\t145\t"),
+        "a.txt:14:37: sample \"chalk over black\" at 550 nm: reflectance 1.45");
+  wrong("a.txt", replaced(kCgats, "\tcard\t20", "\tcart\t20"),
+        "a.txt:15: sample \"chalk over card\": there is no bare substrate \"cart\"");
+  wrong("a.cgats",
+        "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_ID LAB_L\nEND_DATA_FORMAT\nBEGIN_DATA\n1 2\nEND_DATA\n",
+        "no table has spectra");
+  wrong("a.cgats", "CGATS.17\nBEGIN_DATA\n", "a.cgats:2: BEGIN_DATA comes before the fields");
+  wrong("a.cxf", replaced(kCxf, "0.45\n", "0,45\n"), "a.cxf:11:73: expected a number, got \"0,45\"");
+  wrong("a.cxf", replaced(kCxf, "0.45\n", "1.45\n"),
+        "a.cxf:11:73: sample \"chalk\" at 550 nm: reflectance 1.45");
+  wrong("a.cxf", replaced(kCxf, " Increment=\"150\"", ""), "a.cxf:6:21: the spectrum has no Increment");
+  wrong("a.cxf", replaced(kCxf, "0.82 0.84", "0.82"),
+        "a.cxf:11:6: the spectrum of \"chalk\" has 3 values from 400 nm in steps of 150");
+  wrong("a.cxf", replaced(kCxf, "Value=\"20\"", "Value=\"0\""),
+        "a.cxf:15:73: the tag thickness_um must be positive, got 0");
+  wrong("a.cxf", replaced(kCxf, "</cc:CxF>", ""), "a.cxf:26:1: not well-formed");
+  wrong("a.cxf", "<svg/>", "a.cxf:1:1: expected the element CxF");
 }
 
 TEST_F(PigmentCli, WrongInputHasItsPlace) {

@@ -110,6 +110,67 @@ TEST(LayeredBsdf, NodesAreFineEnough) {
   }
 }
 
+/// A stack over a Lambertian substrate whose reflectance is written to the left and to the right of a checkerboard.
+TEST(LayeredBsdf, ADiffuseSubstrateMayBeTextured) {
+  const auto bsdf = build<Bsdf>(stack(
+      medium(0.6, 0.9, 0.5) +
+      "<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"checkerboard\"><float name=\"color0\" "
+      "value=\"0.3\"/><float name=\"color1\" value=\"0.95\"/></texture></bsdf>"));
+  for (const auto& [u, reflectance] : {std::pair{0.2f, 0.3}, {0.7f, 0.95}}) {
+    Setting s(TransportMode::importance);
+    s.point.uv = {u, 0.2f};
+    optics::StackDescription d = description(0.6, 0.9, 0.5, 1.5);
+    d.substrate = reflectance;
+    const optics::PlaneStack truth(d, {64});
+    for (const double mu : {0.1, 0.5, 1.0}) {
+      const optics::StackLight light = optics::StackLight::beam(mu);
+      const Vec3 wi = direction(std::acos(mu), 0.3 + kPiDouble);
+      for (const float choice : {0.1f, 0.6f, 0.95f}) {
+        const auto x = bsdf->sample(wi, choice, {0.3f, 0.7f}, s.context());
+        ASSERT_TRUE(x);
+        EXPECT_NEAR(x->value[0] / x->pdf[0], truth.fluxes(light).reflectance, 2e-3) << mu << " " << u;
+      }
+      const std::vector<double> out{0.3, 0.8}, phi{1.2};
+      const std::vector<double> expected = truth.radiance(std::span(&light, 1), out, phi);
+      for (std::size_t o = 0; o < out.size(); ++o)
+        EXPECT_NEAR(brdf(*bsdf, wi, direction(std::acos(out[o]), 0.3 + phi[0]), s) / expected[o], 1, 1e-2)
+            << mu << " " << out[o];
+    }
+  }
+}
+
+TEST(LayeredBsdf, LayersDisperse) {
+  const std::string glass = "<string name=\"int_ior\" value=\"sf11\"/>";
+  const auto bsdf = build<Bsdf>(stack(medium(1, 0.9, 0) + kSmall + kWhite + glass));
+  const auto constant = build<Bsdf>(
+      stack(medium(1, 0.9, 0) + kSmall + kWhite + glass + "<boolean name=\"dispersion\" value=\"false\"/>"));
+  const SpectralGrid grid = SpectralGrid::over(360, 830);
+  const SurfacePoint point;
+  const auto mirrored = [&](const Bsdf& b, float nm) {
+    const Wavelengths w = Wavelengths::at(grid, Spectrum(nm));
+    const auto x = b.sample({0, 0, 1}, 0.f, {0.3f, 0.7f}, {w, point, TransportMode::importance});
+    return x && x->is_delta() ? double(x->value[0]) : -1;
+  };
+  // The Schott catalogue: 1.82518 at 435.8 nm, 1.77599 at 656.3 nm, 1.78472 at 587.6 nm.
+  const auto fresnel = [](double n) { return std::pow((n - 1) / (n + 1), 2); };
+  EXPECT_NEAR(mirrored(*bsdf, 435.8f), fresnel(1.82518), 2e-4);
+  EXPECT_NEAR(mirrored(*bsdf, 656.3f), fresnel(1.77599), 1e-4);
+  EXPECT_NEAR(mirrored(*constant, 435.8f), fresnel(1.7847), 2e-4);
+  // And energy: a white film on white under glass loses none.
+  const auto white = build<Bsdf>(stack(medium(1, 1, 0) + kSmall + kWhite + glass));
+  for (const float nm : {400.f, 433.f, 641.f}) {
+    const Wavelengths w = Wavelengths::at(grid, Spectrum(nm));
+    const auto x = white->sample({0.6f, 0, 0.8f}, 0.9f, {0.3f, 0.7f}, {w, point, TransportMode::importance});
+    ASSERT_TRUE(x);
+    EXPECT_NEAR(x->value[0] / x->pdf[0], 1, 1e-5) << nm;
+  }
+  // An index below that outside would move the critical angle: it counts at 589 nm.
+  EXPECT_NEAR(
+      mirrored(*build<Bsdf>(stack(medium(1, 0.9, 0) + kSmall + kWhite + number("ext_ior", 2) + glass)),
+               435.8f),
+      std::pow((2 - 1.7847) / (2 + 1.7847), 2), 1e-5);
+}
+
 TEST(LayeredBsdf, WrongParametersAreLocated) {
   const auto says = [](const std::string& content, const std::string& text,
                        const std::string& thickness = "10um") {

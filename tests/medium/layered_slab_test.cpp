@@ -9,12 +9,14 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <fstream>
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/pigment/palette_file.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 #include "harness/rendered.h"
+#include "loading/load_text.h"
 #include "medium/slab_scenes.h"
 
 namespace aureole::testing {
@@ -179,6 +181,55 @@ TEST(PaintSlab, ThickWhiteIsThatOfPaths) {
     if (is_thorough())
       std::printf("alpha %.1f: paths %.5f +- %.5f, paint %.5f\n", alpha, p.all, p.all_error, expected);
     EXPECT_NEAR(p.all, expected, 3 * p.all_error + 0.02 * expected) << alpha;
+  }
+}
+
+/// `paint` with K and S of the same layers beside `layered`, which agrees with paths: by how much two fluxes are off. Light
+/// along the normal; a metal counts as a perfect diffuse reflector for `paint`.
+TEST(PaintSlab, TwoFluxesAreOffByThis) {
+  struct Case {
+    Coat coat;
+    double most;  ///< difference of reflectance
+  };
+  const Case cases[] = {{{"white, thick, over black", .999, 100, 0, 1.5, 0, "black"}, .01},
+                        {{"white, thick, rough", .999, 100, .5, 1.5, .3, "black"}, .015},
+                        {{"thick, over black", .99, 20, .5, 1.5, 0, "black"}, .04},
+                        {{"dark, thick", .5, 20, 0, 1.5, 0, "black"}, .02},
+                        {{"thin, over black", .9, .5, 0, 1.5, 0, "black"}, .05},
+                        {{"thin, over white", .9, .5, 0, 1.5, 0, "white"}, .1},
+                        {{"thin, over metal", .9, .5, 0, 1.5, 0, "metal"}, .15},
+                        {{"forward, thin, over white", .9, 1, .9, 1.5, 0, "white"}, .1},
+                        {{"absorbing, over white", .5, .5, .8, 1.33, 0, "white"}, .1},
+                        {{"clear glaze, over white", 0, .5, 0, 1.5, 0, "white"}, .1}};
+  const auto context = make_context();
+  const Wavelengths w = Wavelengths::at(context->grid, Spectrum(550.f));
+  const SurfacePoint point;
+  int number_of_case = 0;
+  for (const Case& c : cases) {
+    if (number_of_case++ % 4 != 0 && !is_thorough()) continue;
+    const double scattering = c.coat.thickness * c.coat.albedo, absorption = c.coat.thickness - scattering;
+    test::TemporaryFolder folder;
+    const auto file = folder.path / "palette.csv";
+    std::ofstream(file) << "unit,1/m\nnm,x K,x S\n400," << number(2 * absorption) << ","
+                        << number(0.75 * scattering * (1 - c.coat.g)) << "\n700," << number(2 * absorption)
+                        << "," << number(0.75 * scattering * (1 - c.coat.g)) << "\n";
+    const std::string below = c.coat.substrate;
+    const auto paint = build<Bsdf>(
+        "<bsdf type=\"paint\"><string name=\"palette\" value=\"" + file.string() +
+            "\"/><string name=\"recipe\" value=\"x\"/><string name=\"thickness\" value=\"1m\"/>" +
+            parameter("substrate", below == "metal"   ? 1
+                                   : below == "white" ? 0.9
+                                                      : 0) +
+            parameter("int_ior", c.coat.index) + parameter("ext_ior", 1) +
+            (c.coat.alpha > 0
+                 ? "<string name=\"distribution\" value=\"ggx\"/>" + parameter("alpha", c.coat.alpha)
+                 : "") +
+            "</bsdf>",
+        context);
+    const double two = reflected_along_normal(*paint, w),
+                 all = reflected_along_normal(*build<Bsdf>(layered(c.coat)), w);
+    std::printf("%-28s layered %.4f, paint %.4f (%+.4f)\n", c.coat.name, all, two, two - all);
+    EXPECT_NEAR(two, all, c.most) << c.coat.name;
   }
 }
 

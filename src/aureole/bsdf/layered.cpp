@@ -20,14 +20,15 @@ class Layered final : public Bsdf {
 public:
   explicit Layered(const Properties& p) : Bsdf(p) {
     const LayeredStack stack(p);
-    is_open_ = stack.is_open(), has_delta_ = stack.has_delta();
+    is_open_ = stack.is_open(), has_delta_ = stack.has_delta(), substrate_ = stack.lambertian();
     table_ = p.shared_model<StackTable>([&] { return stack.tabulate(); });
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (wi.z == 0 || wo.z == 0) return {};
     const Wavelengths& w = ctx.wavelengths;
-    const auto [k, total] = table_->eval<true>(wi, wo, w);
+    const Below below(*this, ctx);
+    const auto [k, total] = table_->eval<true>(wi, wo, w, below.get());
     const float n_i = table_->index(wi.z < 0), n_o = table_->index(wo.z < 0), cosine = std::abs(wo.z);
     const float n = ctx.mode == TransportMode::radiance ? n_i : n_o;
     return {k * (n * n * cosine), safe_divide(k * (n_o * n_o * cosine), total)};
@@ -36,13 +37,14 @@ public:
   Spectrum eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (wi.z == 0 || wo.z == 0) return 0.f;
     const float n = table_->index(ctx.mode == TransportMode::radiance ? wi.z < 0 : wo.z < 0);
-    return table_->eval<false>(wi, wo, ctx.wavelengths).k * (n * n * std::abs(wo.z));
+    return table_->eval<false>(wi, wo, ctx.wavelengths, Below(*this, ctx).get()).k * (n * n * std::abs(wo.z));
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
     if (wi.z == 0 || (wi.z < 0 && !is_open_)) return {};
     const Wavelengths& w = ctx.wavelengths;
-    const StackTable::Shares s = table_->shares(wi, w);
+    const Below below(*this, ctx);
+    const StackTable::Shares s = table_->shares(wi, w, below.get());
     const Spectrum total = s.total();
     if (!(total[0] > 0)) return {};
     const Spectrum mirrored = safe_divide(s.mirrored, total), passed = safe_divide(s.passed, total);
@@ -50,7 +52,7 @@ public:
     if (u1 < mirrored[0]) return BsdfSample{reflect(wi), s.mirrored, mirrored, Lobe::delta | Lobe::reflect};
     if (u1 >= 1 - passed[0]) return pass(wi, s.passed, passed, ctx);
     const float choice = std::min((u1 - mirrored[0]) / (1 - mirrored[0] - passed[0]), 0x1.fffffep-1f);
-    const Vec3 wo = table_->sample(wi, choice, u2, w);
+    const Vec3 wo = table_->sample(wi, choice, u2, w, below.get());
     if (!(std::abs(wo.z) > 0)) return {};
     const BsdfEval e = eval_pdf(wi, wo, ctx);
     if (!(e.pdf[0] > 0)) return {};
@@ -61,7 +63,7 @@ public:
 
   Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
     if (wi.z < 0 && !is_open_) return 0.f;
-    return min(table_->shares(wi, ctx.wavelengths).scattered, 1.f);
+    return min(table_->shares(wi, ctx.wavelengths, Below(*this, ctx).get()).scattered, 1.f);
   }
 
   bool needs_tangent() const override { return false; }
@@ -74,6 +76,19 @@ public:
   }
 
 private:
+  /// What a Lambertian substrate reflects here.
+  class Below {
+  public:
+    Below(const Layered& layered, const BsdfContext& ctx) : is_there_(layered.substrate_ != nullptr) {
+      if (is_there_) reflectance_ = min(layered.substrate_->diffuse_reflectance({0, 0, 1}, ctx), 1.f);
+    }
+    const Spectrum* get() const { return is_there_ ? &reflectance_ : nullptr; }
+
+  private:
+    bool is_there_;
+    Spectrum reflectance_{0.f};
+  };
+
   std::optional<BsdfSample> pass(const Vec3& wi, const Spectrum& share, const Spectrum& mass,
                                  const BsdfContext& ctx) const {
     const float eta = table_->index(wi.z > 0) / table_->index(wi.z < 0);
@@ -91,6 +106,7 @@ private:
   }
 
   bool is_open_ = false, has_delta_ = false;
+  BsdfPtr substrate_;                        ///< Lambertian; null where there is none or another
   std::shared_ptr<const StackTable> table_;  ///< null in a scene with errors
 };
 
@@ -101,8 +117,9 @@ AUREOLE_PLUGIN(
         "another BSDF or open below: coats of paint and varnish, leaves, prints, slabs between slides. All light is "
         "followed within the stack, with its direction, when the scene is loaded (seconds on all cores); light leaves "
         "where it entered, so layers must be thin beside what is seen. On a nested BSDF it reflects on the side of its "
-        "normal and is black on the other. Indices do not disperse, and a nested BSDF counts as it is at the origin of "
-        "its textures. Smooth interfaces are delta lobes. Lobes narrower than some 4 degrees (roughness below .1, phase "
+        "normal and is black on the other. A diffuse one may be textured; any other counts as it is at the origin of its "
+        "textures. Media, thicknesses and indices are the same everywhere: where a coat varies, `blendbsdf` mixes two stacks "
+        "by a texture. Smooth interfaces are delta lobes. Lobes narrower than some 4 degrees (roughness below .1, phase "
         "functions with g above .95) are blurred by the table, whose energy stays exact. Tables take 1 to 100 MB.",
         "S. Chandrasekhar, Radiative Transfer, 1960; H. C. van de Hulst, Multiple Light Scattering, 1980; T. Nakajima & M. "
         "Tanaka, J. Quant. Spectrosc. Radiat. Transfer 40, 1988 (single scattering)",
@@ -111,8 +128,11 @@ AUREOLE_PLUGIN(
          {"thickness", "string", "", "required", "of each layer, \"20um, 5um\", or \"infinite\""},
          {"int_ior", "float or string", "", "1.5",
           "index of each layer, \"1.5, water\", as numbers or materials' names; one for all"},
-         {"ext_ior", "float or string", "", "air", "index above the stack"},
-         {"below_ior", "float or string", "", "ext_ior", "index below the stack, where it is open"},
+         {"ext_ior", "float or string", "", "air", "index above the stack, at 589 nm"},
+         {"below_ior", "float or string", "", "ext_ior",
+          "index below the stack, where it is open, at 589 nm"},
+         {"dispersion", "boolean", "", "true",
+          "layers named by their material have its index at each wavelength, where that is above the indices outside"},
          {"alpha", "float or string", "", "0",
           "roughness of each interface from the top, \"0.2, 0\": 0, smooth, or in [0.05, 1]; those not given are smooth"},
          {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},

@@ -21,26 +21,6 @@
 namespace aureole {
 namespace {
 
-/// K and S of a mixture on the scene's grid, times the layer's thickness.
-struct Mixture {
-  SampledSpectrum k, s;
-
-  Mixture(const SpectralGrid& grid, const pigment::Palette& palette, const std::vector<double>& fractions,
-          double thickness) {
-    const pigment::Paint paint = pigment::mix(palette, fractions);
-    const auto table = [&](double pigment::Coefficients::*of) {
-      return SampledSpectrum::from_function(grid, [&, of](double nm) {
-        const auto above = std::upper_bound(palette.nm.begin(), palette.nm.end(), nm) - palette.nm.begin();
-        const std::size_t j = std::min(std::size_t(above), palette.nm.size() - 1),
-                          i = above == 0 ? 0 : std::size_t(above) - 1;
-        const double t = j > i ? (nm - palette.nm[i]) / (palette.nm[j] - palette.nm[i]) : 0;
-        return thickness * std::lerp(paint[i].*of, paint[j].*of, t);
-      });
-    };
-    k = table(&pigment::Coefficients::k), s = table(&pigment::Coefficients::s);
-  }
-};
-
 class Paint final : public Bsdf {
 public:
   explicit Paint(const Properties& properties)
@@ -218,7 +198,7 @@ private:
       try {
         const auto fractions = recipe_fractions(palette, properties.get_string(name),
                                                 properties.get_bool("by_volume", false), name);
-        return Mixture(properties.context().grid, palette, fractions, thickness);
+        return sampled_paint(properties.context().grid, palette, fractions, thickness);
       } catch (const Error& e) {
         throw properties.error(name, e.message());
       }
@@ -244,7 +224,7 @@ private:
   }
 
   ScalarTexture thickness_factor_, blend_;
-  std::optional<Mixture> first_, second_;
+  std::optional<SampledPaint> first_, second_;
   struct UniformLayer {
     SampledSpectrum r, t2;
   };

@@ -19,12 +19,4 @@ Paint paint_of_grains(const optics::Suspension& suspension, std::span<const doub
                       Convention convention = Convention::three_quarters,
                       const ParallelFor& parallel_for = serial_for);
 
-/// Refractive index of rutile, titanium dioxide, the white of most paints: the mean of its ordinary (twice)
-/// and extraordinary one, 430 to 1530 nm; without the absorption below 430 nm (J. R. DeVore, J. Opt. Soc. Am.
-/// 41, 1951).
-optics::IndexFunction rutile_index();
-
-/// Carbon black in the visible, 1.95 + 0.79 i (T. C. Bond, R. W. Bergstrom, Aerosol Sci. Technol. 40, 2006).
-optics::IndexFunction carbon_black_index();
-
 }  // namespace aureole::pigment

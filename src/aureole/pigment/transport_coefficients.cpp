@@ -37,4 +37,15 @@ Coefficients coefficients_of_transport(double sigma_a, double sigma_s, double g,
   throw std::logic_error("no such convention");
 }
 
+TransportCoefficients transport_of_coefficients(Coefficients c, double g, Convention convention) {
+  require_not_negative(c.k, "K");
+  require_not_negative(c.s, "S");
+  require(g >= -1 && g <= 1, g, "g", "must be in [-1, 1]");
+  const double sigma_a = 0.5 * c.k;
+  if (convention == Convention::double_gauss) return {sigma_a, c.s / (1 - 0.75 * g)};
+  require(g < 1, g, "g", "must be below 1");
+  const double reduced = convention == Convention::diffusion ? c.s + 0.25 * sigma_a : c.s;
+  return {sigma_a, reduced / (0.75 * (1 - g))};
+}
+
 }  // namespace aureole::pigment

@@ -32,4 +32,14 @@ std::vector<Convention> conventions();
 Coefficients coefficients_of_transport(double sigma_a, double sigma_s, double g,
                                        Convention convention = Convention::three_quarters);
 
+/// Per length.
+struct TransportCoefficients {
+  double sigma_a = 0, sigma_s = 0;
+};
+
+/// The inverse: what a medium of this mean cosine absorbs and scatters whose K and S these are by the
+/// convention. Throws std::domain_error for a g of 1 (and 3/4 sigma_s (1 - g)), which no S tells from nothing.
+TransportCoefficients transport_of_coefficients(Coefficients c, double g,
+                                                Convention convention = Convention::three_quarters);
+
 }  // namespace aureole::pigment

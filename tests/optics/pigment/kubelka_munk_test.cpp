@@ -168,6 +168,14 @@ TEST(TransportConventions, HalfSpacesNearTransport) {
   EXPECT_LT(coefficients_of_transport(1, 0.2, 0, Convention::diffusion).s, 0);
   EXPECT_NEAR(coefficients_of_transport(1, 4, 0.8, Convention::double_gauss).s, 1.6, 1e-15);
   EXPECT_THROW(coefficients_of_transport(1, 4, 1.8), std::domain_error);
+  for (const Convention convention : conventions()) {
+    const TransportCoefficients back =
+        transport_of_coefficients(coefficients_of_transport(0.3, 7, 0.4, convention), 0.4, convention);
+    EXPECT_NEAR(back.sigma_a, 0.3, 1e-15) << name_of(convention);
+    EXPECT_NEAR(back.sigma_s, 7, 1e-13) << name_of(convention);
+  }
+  EXPECT_THROW(transport_of_coefficients({1, 1}, 1), std::domain_error);
+  EXPECT_THROW(transport_of_coefficients({-1, 1}, 0), std::domain_error);
 }
 
 }  // namespace

@@ -21,6 +21,49 @@ StackDescription coat_on_slab(InterfaceKind kind) {
   return d;
 }
 
+TEST(StackKernels, LightThatReachesASubstrate) {
+  StackDescription d;
+  d.layers = {StackLayer::of_optical_thickness(0.7, 1, LegendrePhase::henyey_greenstein(0.6), 1.5)};
+  d.substrate = 0;
+  const std::vector<double> azimuths{0, 1};
+  const StackKernels k = stack_kernels(std::span(&d, 1), {32}, azimuths).front();
+  ASSERT_EQ(k.above.reached.size(), k.above.cosines.size());
+  for (const std::size_t i : {std::size_t(1), k.above.cosines.size() / 2, k.above.cosines.size() - 1})
+    EXPECT_NEAR(k.above.reached[i],
+                PlaneStack(d, {32}).fluxes(StackLight::beam(k.above.cosines[i])).transmittance, 1e-6);
+  // Nothing is absorbed between a substrate and the sky, and what comes back is that of light from below.
+  EXPECT_NEAR(k.returned + k.left, 1, 1e-9);
+  StackDescription open = d;
+  open.substrate.reset(), open.index_below = 1.5;
+  EXPECT_NEAR(k.returned, PlaneStack(open, {32}).fluxes(StackLight::diffuse(true)).reflectance, 1e-9);
+}
+
+TEST(StackKernels, NormalDirectionsStayNormal) {
+  // Cosines of refracted normal directions must not be 1 + 2e-16: single scattering has the sine.
+  const std::vector<double> azimuths{0, 2};
+  std::vector<StackDescription> stacks(60);
+  for (std::size_t i = 0; i < stacks.size(); ++i) {
+    stacks[i].layers = {StackLayer::of_optical_thickness(1, 0.9, LegendrePhase::henyey_greenstein(0.7),
+                                                         1.7 + 0.0037 * double(i))};
+    stacks[i].substrate = 0;
+  }
+  for (const StackKernels& k : stack_kernels(stacks, {8}, azimuths))
+    for (const double v : k.reflected_above) ASSERT_TRUE(std::isfinite(v));
+}
+
+TEST(StackKernels, IndicesThatMayDiffer) {
+  StackDescription a, b;
+  a.layers = {StackLayer::of_optical_thickness(1, 1, LegendrePhase::isotropic(), 1.5)};
+  b.layers = {StackLayer::of_optical_thickness(1, 1, LegendrePhase::isotropic(), 1.6)};
+  EXPECT_TRUE(have_same_directions(a, b));
+  b.layers[0].index = 1;  // as outside: one range of directions, not two
+  EXPECT_FALSE(have_same_directions(a, b));
+  a.index_above = b.index_above = 2, a.index_below = b.index_below = 2, b.layers[0].index = 1.6;
+  EXPECT_FALSE(have_same_directions(a, b));
+  b.layers[0].index = 1.5;
+  EXPECT_TRUE(have_same_directions(a, b));
+}
+
 class Kernels : public ::testing::TestWithParam<InterfaceKind> {};
 
 TEST_P(Kernels, AreTheRadianceOfEachBeam) {

@@ -3,6 +3,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/fresnel/radio_index.h"
+#include "aureole/pigment/grain_index.h"
 #include "aureole/spectrum/refractive_index.h"
 #include "aureole/texture/texture.h"
 
@@ -21,6 +22,29 @@ SampledSpectrum real_index(const Properties& p, std::string_view name, const std
   const Ior ior = Ior::from(p, name, fallback);
   return SampledSpectrum::from_function(
       grid, [&](double nm) { return double(ior.eval(Wavelengths::at(grid, float(nm)))[0]); });
+}
+
+/// The index of a pigment or filler that no other table has by this name.
+std::optional<std::function<std::complex<double>(double)>> grain_index(const Properties& p,
+                                                                       std::string_view name, bool has_k) {
+  const Properties::Entry* e = p.find(name);
+  const auto* text = e ? std::get_if<std::string>(&e->value) : nullptr;
+  if (!text || find_refractive_index(*text, false)) return {};
+  const auto grain = pigment::find_grain_index(*text);
+  if (!grain) {
+    const std::string hint = did_you_mean(*text, pigment::grain_index_names());
+    if (!hint.empty() && did_you_mean(*text, refractive_index_names()).empty())
+      throw p.error(name, "unknown material \"" + *text + "\"" + hint);
+    return {};
+  }
+  if (grain->absorbs && has_k)
+    throw p.error("k", "\"" + *text + "\" has its own absorption: leave \"k\" out");
+  const SpectralGrid& grid = p.context().grid;
+  if (grid.min_nm < grain->min_nm - 1 || grid.max_nm > grain->max_nm + 1)
+    p.note(name, "\"" + *text + "\" is known from " + std::to_string(int(grain->min_nm)) + " to " +
+                     std::to_string(int(grain->max_nm)) + " nm; beyond, the values at the ends are taken");
+  if (p.get_bool("dispersion", true)) return grain->index;
+  return [value = grain->index(589.3)](double) { return value; };
 }
 
 }  // namespace
@@ -46,6 +70,13 @@ std::function<std::complex<double>(double)> read_complex_index(const Properties&
         return [metal](double nm) { return metal->at(nm); };
       }
     }
+  if (auto grain = grain_index(p, name, k != nullptr)) {
+    if (!k) return *grain;
+    const SampledSpectrum absorption = k->average();
+    return [grain = *grain, absorption, grid = p.context().grid](double nm) {
+      return std::complex<double>(grain(nm).real(), absorption.eval(Wavelengths::at(grid, float(nm)))[0]);
+    };
+  }
   const SpectralGrid grid = p.context().grid;
   const SampledSpectrum real = real_index(p, name, fallback);
   const SampledSpectrum absorption = k ? k->average() : SampledSpectrum::constant(grid, 0);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/bsdf/pigment/palette_file.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "aureole/core/error.h"
@@ -39,6 +41,21 @@ std::vector<double> recipe_fractions(const pigment::Palette& palette, const std:
   } catch (const std::domain_error& e) {
     throw Error(option + ": " + e.what());
   }
+}
+
+SampledPaint sampled_paint(const SpectralGrid& grid, const pigment::Palette& palette,
+                           const std::vector<double>& fractions, double factor) {
+  const pigment::Paint paint = pigment::mix(palette, fractions);
+  const auto table = [&](double pigment::Coefficients::*of) {
+    return SampledSpectrum::from_function(grid, [&, of](double nm) {
+      const auto above = std::upper_bound(palette.nm.begin(), palette.nm.end(), nm) - palette.nm.begin();
+      const std::size_t j = std::min(std::size_t(above), palette.nm.size() - 1),
+                        i = above == 0 ? 0 : std::size_t(above) - 1;
+      const double t = j > i ? (nm - palette.nm[i]) / (palette.nm[j] - palette.nm[i]) : 0;
+      return factor * std::lerp(paint[i].*of, paint[j].*of, t);
+    });
+  };
+  return {table(&pigment::Coefficients::k), table(&pigment::Coefficients::s)};
 }
 
 }  // namespace aureole

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "aureole/pigment/paint.h"
+#include "aureole/spectrum/spectrum.h"
+#include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
 
@@ -19,5 +21,13 @@ pigment::Palette read_palette_file(const std::string& file);
 /// Error that begins with `option` and names the nearest paint where one is unknown.
 std::vector<double> recipe_fractions(const pigment::Palette& palette, const std::string& recipe,
                                      bool by_volume, const std::string& option);
+
+/// K and S on a scene's grid.
+struct SampledPaint {
+  SampledSpectrum k, s;
+};
+/// Those of a mixture, times a factor: linear between the palette's wavelengths, and beyond them as at its ends.
+SampledPaint sampled_paint(const SpectralGrid& grid, const pigment::Palette& palette,
+                           const std::vector<double>& fractions, double factor);
 
 }  // namespace aureole

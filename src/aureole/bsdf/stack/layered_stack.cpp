@@ -39,6 +39,7 @@ std::vector<std::string> list_of(const Properties& p, const char* name, const st
   return parts;
 }
 
+/// At 589 nm.
 double index_of(const Properties& p, const char* name, const std::string& text) {
   double n = 0;
   const auto material = find_refractive_index(text, false);
@@ -56,6 +57,15 @@ double index_of(const Properties& p, const char* name, const std::string& text) 
   if (!(n >= 1 && n <= 10))
     throw p.error(name, "indices of refraction must be in [1, 10], got " + std::to_string(n));
   return n;
+}
+
+/// Where a name stands for a material whose index changes with the wavelength.
+std::optional<RefractiveIndex> dispersive_material(const Properties& p, const char* name,
+                                                   const std::string& text) {
+  const auto material = find_refractive_index(text);
+  if (!material || !material->is_dispersive()) return {};
+  check_index_range(p, name, text, *material);
+  return material;
 }
 
 /// The share of light that a BSDF mirrors.
@@ -84,6 +94,7 @@ bool alike(const optics::StackDescription& a, const optics::StackDescription& b)
   }
   for (std::size_t i = 0; i < a.layers.size(); ++i) {
     const optics::StackLayer &x = a.layers[i], &y = b.layers[i];
+    if (x.index != y.index) return false;
     if (!same(x.absorption, y.absorption) || !same(x.scattering, y.scattering)) return false;
     for (const double mu : {-1.0, -0.7, -0.2, 0.3, 0.6, 0.9, 0.98, 1.0})
       if (!same(x.phase.eval(mu), y.phase.eval(mu))) return false;
@@ -114,8 +125,11 @@ void LayeredStack::read_layers() {
                                " media, from the top; got " + std::to_string(count));
   };
   fits("thickness", thickness.size()), fits("int_ior", index.size());
+  const bool disperse = p_.get_bool("dispersion", true);
   for (std::size_t i = 0; i < media.size(); ++i) {
-    Layer layer{media[i], kInfinite, index_of(p_, "int_ior", index[index.size() == 1 ? 0 : i])};
+    const std::string& name = index[index.size() == 1 ? 0 : i];
+    Layer layer{media[i], kInfinite, index_of(p_, "int_ior", name), {}};
+    if (disperse) layer.material = dispersive_material(p_, "int_ior", name);
     if (thickness[i] != "infinite") {
       try {
         layer.thickness_m = parse_length_m(thickness[i]);
@@ -179,6 +193,25 @@ void LayeredStack::read_substrate() {
     throw p_.error("below_ior", "there is no medium below a stack that lies on a BSDF");
   if (alpha_.back() > 0)
     throw p_.error("alpha", "the substrate is no interface: there are " + std::to_string(layers_.size()));
+  if (is_lambertian(*substrate_)) lambertian_ = substrate_;
+}
+
+/// Only diffuse, and the same in all directions at three pairs of them.
+bool LayeredStack::is_lambertian(const Bsdf& bsdf) const {
+  if (bsdf.lobes() != (Lobe::diffuse | Lobe::reflect)) return false;
+  const SpectralGrid& grid = p_.context().grid;
+  const Wavelengths w = Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm))));
+  SurfacePoint point;
+  point.shading.n = point.ng = {0, 0, 1};
+  const Spectrum index = float(layers_.back().index);
+  const BsdfContext context{w, point, TransportMode::radiance, 0, &index};
+  const float along_normal = bsdf.eval({0, 0, 1}, {0, 0, 1}, context)[0];
+  for (const auto& [in, out] : {std::array{0.3f, 0.3f}, {0.7f, 0.2f}, {0.99f, 0.5f}}) {
+    const float value =
+        bsdf.eval({std::sqrt(1 - in * in), 0, in}, {0, std::sqrt(1 - out * out), out}, context)[0] / out;
+    if (std::abs(value - along_normal) > 1e-5f * along_normal) return false;
+  }
+  return true;
 }
 
 bool LayeredStack::has_delta() const { return alpha_.front() == 0 || (is_open() && alpha_.back() == 0); }
@@ -210,8 +243,10 @@ std::vector<optics::LegendrePhase> LayeredStack::phases(const Layer& layer,
   return result;
 }
 
-void LayeredStack::add_substrate(optics::StackDescription& d, double nm) const {
+void LayeredStack::add_substrate(optics::StackDescription& d, double nm, double index) const {
   if (!substrate_) return;
+  d.substrate = 0;
+  if (lambertian_) return;
   struct Place {
     Wavelengths w;
     SurfacePoint point;
@@ -220,9 +255,8 @@ void LayeredStack::add_substrate(optics::StackDescription& d, double nm) const {
   };
   const auto place = std::make_shared<Place>();
   place->w = Wavelengths::at(p_.context().grid, Spectrum(float(nm)));
-  place->index = float(layers_.back().index);
+  place->index = float(index);
   place->point.shading.n = place->point.ng = {0, 0, 1};
-  d.substrate = 0;
   const BsdfPtr bsdf = substrate_;
   const auto direction = [](double cosine, double phi) {
     const double sine = std::sqrt(std::max(0.0, (1 - cosine) * (1 + cosine)));
@@ -245,7 +279,8 @@ void LayeredStack::add_substrate(optics::StackDescription& d, double nm) const {
   d.substrate = std::min(M_PI * lambertian, 1.0);
 }
 
-std::vector<optics::StackDescription> LayeredStack::descriptions(const std::vector<double>& nm) const {
+std::vector<optics::StackDescription> LayeredStack::descriptions(const std::vector<double>& nm,
+                                                                 bool disperse) const {
   const SpectralGrid& grid = p_.context().grid;
   const double unit_m = p_.context().length_unit_m;
   optics::StackDescription d;
@@ -263,11 +298,11 @@ std::vector<optics::StackDescription> LayeredStack::descriptions(const std::vect
       layer.medium->eval({0, 0, 0}, {0, 0, 1}, Wavelengths::at(grid, Spectrum(float(nm[i]))), c);
       const double extinction = double(c.sigma_t[0]) / unit_m,
                    scattering = std::min(double(c.sigma_s[0]) / unit_m, extinction);
-      stacks[i].layers.push_back(
-          {extinction - scattering, scattering, layer.thickness_m, phase[i], layer.index, interface(l)});
+      stacks[i].layers.push_back({extinction - scattering, scattering, layer.thickness_m, phase[i],
+                                  disperse ? layer.index_at(nm[i]) : layer.index, interface(l)});
     }
   }
-  for (std::size_t i = 0; i < nm.size(); ++i) add_substrate(stacks[i], nm[i]);
+  for (std::size_t i = 0; i < nm.size(); ++i) add_substrate(stacks[i], nm[i], stacks[i].layers.back().index);
   return stacks;
 }
 
@@ -295,7 +330,15 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
   std::vector<double> nm(std::size_t(count), grid.min_nm);
   for (int i = 0; i < count; ++i) nm[std::size_t(i)] += (grid.max_nm - grid.min_nm) * i / (count - 1);
   try {
-    std::vector<optics::StackDescription> stacks = descriptions(nm);
+    std::vector<optics::StackDescription> stacks = descriptions(nm, true);
+    if (!std::all_of(stacks.begin(), stacks.end(),
+                     [&](const auto& d) { return optics::have_same_directions(stacks.front(), d); })) {
+      p_.note(
+          "int_ior",
+          "indices count at 589 nm: they change with the wavelength only where those of all layers stay above "
+          "those outside and differ from one another");
+      stacks = descriptions(nm, false);
+    }
     if (std::all_of(stacks.begin(), stacks.end(), [&](const auto& d) { return alike(stacks.front(), d); }))
       stacks.resize(1);
     const double width = narrowest_lobe(stacks);
@@ -329,7 +372,11 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
       phi.push_back(M_PI * std::pow(double(i) / azimuths, width < 0.5 ? 3 : 2));
     const int modes = std::min(streams, 16 + int(12 / width));
     const auto kernels = optics::stack_kernels(stacks, {.streams = streams, .modes = modes}, phi, for_ranges);
-    return std::make_shared<const StackTable>(kernels, phi, grid, index_above(), index_below());
+    std::vector<double> inner;
+    for (const optics::StackDescription& d : stacks) inner.push_back(d.layers.back().index);
+    return std::make_shared<const StackTable>(
+        kernels, phi, grid, index_above(), index_below(),
+        lambertian_ ? std::span<const double>(inner) : std::span<const double>());
   } catch (const std::domain_error& e) {
     throw Error(p_.where(), std::string("the stack: ") + e.what());
   }

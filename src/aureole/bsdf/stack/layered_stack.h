@@ -4,12 +4,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/stack/stack_table.h"
 #include "aureole/medium/medium.h"
+#include "aureole/spectrum/refractive_index.h"
 
 namespace aureole {
 
@@ -22,19 +24,25 @@ public:
   float index_below() const { return float(index_below_); }
   bool is_open() const { return !substrate_; }
   bool has_delta() const;  ///< some light is not scattered
+  /// A Lambertian substrate, whose reflectance may vary over the surface: it is no part of the table. Null where
+  /// there is none, and where the substrate is another.
+  const BsdfPtr& lambertian() const { return lambertian_; }
   /// Solves the stack on all cores; throws a located error where the table would be too large.
   std::shared_ptr<const StackTable> tabulate() const;
 
 private:
   struct Layer {
     MediumPtr medium;
-    double thickness_m, index;
+    double thickness_m, index;                ///< index at 589 nm
+    std::optional<RefractiveIndex> material;  ///< where the index changes with the wavelength
+    double index_at(double nm) const { return material ? material->at(nm).real() : index; }
   };
   void read_layers();
   void read_interfaces();
   void read_substrate();
-  std::vector<optics::StackDescription> descriptions(const std::vector<double>& nm) const;
-  void add_substrate(optics::StackDescription& d, double nm) const;
+  bool is_lambertian(const Bsdf& bsdf) const;
+  std::vector<optics::StackDescription> descriptions(const std::vector<double>& nm, bool disperse) const;
+  void add_substrate(optics::StackDescription& d, double nm, double index) const;
   std::vector<optics::LegendrePhase> phases(const Layer& layer, const std::vector<double>& nm) const;
   double narrowest_lobe(const std::vector<optics::StackDescription>& stacks) const;
 
@@ -43,7 +51,7 @@ private:
   std::vector<double> alpha_;  ///< of each interface from the top; 0: smooth
   optics::InterfaceKind distribution_;
   double index_above_ = 1, index_below_ = 1;
-  BsdfPtr substrate_;
+  BsdfPtr substrate_, lambertian_;
 };
 
 }  // namespace aureole

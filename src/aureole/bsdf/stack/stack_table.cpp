@@ -31,7 +31,8 @@ float sample_linear(float a, float b, float u) {
 }  // namespace
 
 StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<const double> azimuths,
-                       const SpectralGrid& grid, float index_above, float index_below)
+                       const SpectralGrid& grid, float index_above, float index_below,
+                       std::span<const double> inner_indices)
     : index_{index_above, index_below},
       wavelengths_(std::max(2, int(kernels.size()))),
       azimuths_(int(azimuths.size())),
@@ -61,6 +62,7 @@ StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<
   transmitted_.resize(one.transmitted.size() * w);
   balance(kernels);
   prepare_samples();
+  if (!inner_indices.empty()) prepare_substrate(kernels, inner_indices);
 }
 
 void StackTable::balance(std::span<const optics::StackKernels> kernels) {
@@ -89,12 +91,42 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
       return o < above ? &k.transmitted[(o * below + i - above) * turns]
                        : &k.reflected_below[((i - above) * below + o - above) * turns];
     };
-    std::vector<double> sums(all * all), target(all);
+    // Sums over azimuth of K and of its square.
+    std::vector<double> sums(all * all), squares(all * all), target(all), largest(all, 0), peak(all, 0);
     for (std::size_t i = 0; i < all; ++i) {
       target[i] = i < above ? k.above.scattered[i] : k.below.scattered[i - above];
       for (std::size_t o = 0; o < all; ++o)
-        for (std::size_t a = 0; a < turns; ++a) sums[i * all + o] += turn[a] * kernel(i, o)[a];
+        for (std::size_t a = 0; a < turns; ++a) {
+          const double value = kernel(i, o)[a];
+          sums[i * all + o] += turn[a] * value, squares[i * all + o] += turn[a] * value * value;
+          largest[i] = std::max(largest[i], value);
+        }
     }
+    // K becomes K (1 + K (p_i + p_o)): what sums over nodes miss is put where K is largest, at peaks, and their
+    // tails keep their values. The steps towards p halve the error of each direction, as those below; p is
+    // bounded, so that no value changes by more than half of itself.
+    for (int iteration = 0; iteration < 500; ++iteration) {
+      double worst = 0;
+      std::vector<double> next(all);
+      for (std::size_t i = 0; i < all; ++i) {
+        double sum = 0, weight = 0;
+        for (std::size_t o = 0; o < all; ++o) {
+          sum += flux[o] * (sums[i * all + o] + squares[i * all + o] * (peak[i] + peak[o]));
+          weight += flux[o] * squares[i * all + o];
+        }
+        const double missing = target[i] - sum;
+        if (iteration == 0 && target[i] > 1e-6 &&
+            (i < above ? sides_[0].squares[i] : sides_[1].squares[i - above]) > 0.03f)
+          correction_ = std::max(correction_, std::abs(missing) / target[i]);
+        const double bound = largest[i] > 0 ? 0.25 / largest[i] : 0;
+        next[i] = weight > 0 ? std::clamp(peak[i] + missing / (2 * weight), -bound, bound) : 0;
+        worst = std::max(worst, std::abs(next[i] - peak[i]) * weight);
+      }
+      peak.swap(next);
+      if (worst < 1e-9) break;
+    }
+    for (std::size_t i = 0; i < all; ++i)
+      for (std::size_t o = 0; o < all; ++o) sums[i * all + o] += squares[i * all + o] * (peak[i] + peak[o]);
     std::vector<double> factor(all, 1.0);
     const auto got = [&](std::size_t i) {
       double sum = 0;
@@ -113,9 +145,6 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
       if (worst < 1e-8) break;
     }
     for (std::size_t i = 0; i < all; ++i) {
-      const float square = i < above ? sides_[0].squares[i] : sides_[1].squares[i - above];
-      if (square > 0.03f && target[i] > 1e-6)
-        correction_ = std::max(correction_, std::abs(factor[i] * factor[i] - 1));
       const bool s = i >= above;
       const optics::StackKernels::Side& from = s ? k.below : k.above;
       const std::size_t at = s ? i - above : i, to = at * std::size_t(wavelengths_) + std::size_t(w);
@@ -131,7 +160,8 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
         for (std::size_t o = 0; o < out_count; ++o)
           for (std::size_t a = 0; a < turns; ++a, ++at)
             to[at * std::size_t(wavelengths_) + std::size_t(w)] =
-                float(from[at] * factor[in + i] * factor[out + o]);
+                float(from[at] * (1 + from[at] * (peak[in + i] + peak[out + o])) * factor[in + i] *
+                      factor[out + o]);
     };
     store(k.reflected_above, reflected_[0], 0, 0, above, above);
     store(k.transmitted, transmitted_, 0, above, above, below);
@@ -170,6 +200,45 @@ void StackTable::prepare_samples() {
   }
 }
 
+void StackTable::prepare_substrate(std::span<const optics::StackKernels> kernels,
+                                   std::span<const double> inner_indices) {
+  Side& side = sides_[0];
+  const auto count = std::size_t(wavelengths_);
+  side.reached.resize(side.squares.size() * count);
+  for (std::size_t w = 0; w < count; ++w) {
+    const std::size_t of = std::min(w, kernels.size() - 1);
+    const optics::StackKernels& k = kernels[of];
+    double sum = 0;
+    for (std::size_t i = 0; i < side.squares.size(); ++i) {
+      const double t = k.above.reached[i];
+      side.reached[i * count + w] = float(t);
+      if (i > 0)
+        sum += 0.5 * double(side.squares[i] - side.squares[i - 1]) *
+               (t + double(side.reached[(i - 1) * count + w]));
+    }
+    const double inner = inner_indices[of], per_inner = 1 / (double(kPi) * inner * inner);
+    reached_sum_.push_back(float(sum)), per_inner_.push_back(float(per_inner));
+    // What the sum over nodes misses of the light that leaves comes back to the substrate: none is lost.
+    const double leaves = double(kPi) * double(index_[0]) * double(index_[0]) * per_inner * sum;
+    returned_.push_back(float(k.returned + k.left - leaves));
+  }
+}
+
+Spectrum StackTable::at(const std::vector<float>& table, const Place& place, const Nodes& n) const {
+  Neighbours p(&table[std::size_t(place.cell) * std::size_t(wavelengths_)], n.at);
+  p.mix(Neighbours(&table[std::size_t(place.cell + 1) * std::size_t(wavelengths_)], n.at), place.fraction);
+  return p.first + (p.second - p.first) * n.fraction;
+}
+
+StackTable::Upward StackTable::upward(const Nodes& n, const Spectrum& below) const {
+  const auto mean = [&](const std::vector<float>& table) {
+    const Neighbours p(table.data(), n.at);
+    return p.first + (p.second - p.first) * n.fraction;
+  };
+  const Spectrum scale = mean(per_inner_) * below / (Spectrum(1.f) - mean(returned_) * below);
+  return {scale, scale * mean(reached_sum_) * (kPi * index_[0] * index_[0])};
+}
+
 StackTable::Nodes StackTable::nodes(const Wavelengths& w) const {
   Nodes n;
   const Spectrum position = min(max((w.nm - first_nm_) * per_nm_, 0.f), float(wavelengths_ - 1));
@@ -197,21 +266,19 @@ StackTable::Place StackTable::find_azimuth(const Vec3& wi, const Vec3& wo) const
   return {cell, std::clamp((phi - phi_[cell]) / (phi_[cell + 1] - phi_[cell]), 0.f, 1.f)};
 }
 
-StackTable::Shares StackTable::shares(const Vec3& wi, const Wavelengths& w) const {
+StackTable::Shares StackTable::shares(const Vec3& wi, const Wavelengths& w, const Spectrum* below) const {
   const Side& side = sides_[wi.z < 0];
   if (side.squares.empty()) return {0.f, 0.f, 0.f};
-  const Place at = find(side, std::abs(wi.z));
+  const Place place = find(side, std::abs(wi.z));
   const Nodes n = nodes(w);
-  const auto mean = [&](const std::vector<float>& table) {
-    Neighbours p(&table[std::size_t(at.cell) * std::size_t(wavelengths_)], n.at);
-    p.mix(Neighbours(&table[std::size_t(at.cell + 1) * std::size_t(wavelengths_)], n.at), at.fraction);
-    return p.first + (p.second - p.first) * n.fraction;
-  };
-  return {mean(side.scattered), mean(side.mirrored), mean(side.passed)};
+  Shares all{at(side.scattered, place, n), at(side.mirrored, place, n), at(side.passed, place, n)};
+  if (below) all.scattered += at(side.reached, place, n) * upward(n, *below).all;
+  return all;
 }
 
 template <bool kWithTotal>
-StackTable::Value StackTable::eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const {
+StackTable::Value StackTable::eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w,
+                                   const Spectrum* below) const {
   const bool in = wi.z < 0, out = wo.z < 0;
   if ((in || out) && !is_open()) return {0.f};
   const Place i = find(sides_[in], std::abs(wi.z)), o = find(sides_[out], std::abs(wo.z)),
@@ -233,16 +300,54 @@ StackTable::Value StackTable::eval(const Vec3& wi, const Vec3& wo, const Wavelen
     t.mix(Neighbours(total + wavelengths_, n.at), i.fraction);
     value.total = t.first + (t.second - t.first) * n.fraction;
   }
+  if (below) {
+    const Upward up = upward(n, *below);
+    const Spectrum from = at(sides_[0].reached, i, n);
+    value.k += from * at(sides_[0].reached, o, n) * up.scale;
+    if constexpr (kWithTotal) value.total += from * up.all;
+  }
   return value;
 }
-template StackTable::Value StackTable::eval<true>(const Vec3&, const Vec3&, const Wavelengths&) const;
-template StackTable::Value StackTable::eval<false>(const Vec3&, const Vec3&, const Wavelengths&) const;
+template StackTable::Value StackTable::eval<true>(const Vec3&, const Vec3&, const Wavelengths&,
+                                                  const Spectrum*) const;
+template StackTable::Value StackTable::eval<false>(const Vec3&, const Vec3&, const Wavelengths&,
+                                                   const Spectrum*) const;
 
-Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w) const {
+Vec3 StackTable::sample_upward(Vec2 u, const Nodes& n) const {
+  const Side& side = sides_[0];
+  const auto node = [&](std::size_t i) {
+    const float* t = &side.reached[i * std::size_t(wavelengths_) + std::size_t(n.at[0])];
+    return std::lerp(t[0], t[1], n.fraction[0]);
+  };
+  const auto sum =
+      std::lerp(reached_sum_[std::size_t(n.at[0])], reached_sum_[std::size_t(n.at[0]) + 1], n.fraction[0]);
+  float wanted = u.x * sum, a = node(0), square = 1;
+  for (std::size_t i = 0; i + 1 < side.squares.size(); ++i) {
+    const float b = node(i + 1), step = side.squares[i + 1] - side.squares[i], mass = 0.5f * step * (a + b);
+    if (wanted < mass || i + 2 == side.squares.size()) {
+      square =
+          side.squares[i] + step * sample_linear(a, b, mass > 0 ? std::clamp(wanted / mass, 0.f, 1.f) : 0.5f);
+      break;
+    }
+    wanted -= mass, a = b;
+  }
+  const float sine = std::sqrt(std::max(0.f, 1 - square)), phi = 2 * kPi * u.y;
+  return {sine * std::cos(phi), sine * std::sin(phi), std::sqrt(square)};
+}
+
+Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w,
+                        const Spectrum* below) const {
   const bool in = wi.z < 0;
   const Side& side = sides_[in];
   const Place at = find(side, std::abs(wi.z));
   const Nodes n = nodes(w);
+  if (below) {
+    const float scattered = this->at(side.scattered, at, n)[0],
+                upward_share = (this->at(side.reached, at, n) * upward(n, *below).all)[0];
+    const float all = scattered + upward_share;
+    if (choice * all >= scattered) return sample_upward(u, n);
+    choice = std::min(choice * all / scattered, 0x1.fffffep-1f);
+  }
   // What is read from the table is a mean of four nodes: one of them is chosen by what it scatters.
   float weight[4], sum = 0;
   for (int k = 0; k < 4; ++k) {
@@ -296,7 +401,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
 std::size_t StackTable::bytes() const {
   std::size_t floats = reflected_[0].size() + reflected_[1].size() + transmitted_.size();
   for (const Side& s : sides_)
-    floats += s.squares.size() + 4 * s.scattered.size() + s.ring.size() + s.cdf.size();
+    floats += s.squares.size() + 4 * s.scattered.size() + s.ring.size() + s.cdf.size() + s.reached.size();
   return floats * sizeof(float);
 }
 

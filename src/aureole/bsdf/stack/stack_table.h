@@ -7,6 +7,11 @@
 // flux, cos theta domega = 1/2 dcos^2(theta) dphi, is uniform in the coordinates of the table: the integral of
 // f cos theta is the share that is scattered, to rounding errors, for every direction of incidence, not only
 // for the nodes. K is symmetric, so light that goes backward needs no table of its own.
+//
+// A Lambertian substrate may reflect differently from place to place. What comes down on it is the same from all
+// directions, so it adds to K a product: of the share t that reaches it from one direction and that of the other,
+//     K = K_black + t_i t_o rho/(1 - rho r)/(pi n^2),
+// r the share of diffuse light that the layers return to it and n the index of the last of them.
 #pragma once
 
 #include <span>
@@ -20,34 +25,39 @@ namespace aureole {
 
 class StackTable {
 public:
-  /// `kernels`: of wavelengths evenly over the grid's range, or one for all. `azimuths`: theirs, from 0 to pi. Directions below are those of a
-  /// stack without a substrate. Each kernel gets factors of its two directions with which no energy is lost
-  /// or gained (Sinkhorn & Knopp 1967).
+  /// `kernels`: of wavelengths evenly over the grid's range, or one for all. `azimuths`: theirs, from 0 to pi.
+  /// Directions below are those of a stack without a substrate. Each kernel is changed so that no energy is lost
+  /// or gained: first where it is largest, since sums over nodes miss most at peaks, then by factors of both
+  /// directions (Sinkhorn & Knopp 1967). `inner_indices`: of the last layer by kernel, for a Lambertian
+  /// substrate.
   StackTable(std::span<const optics::StackKernels> kernels, std::span<const double> azimuths,
-             const SpectralGrid& grid, float index_above, float index_below);
+             const SpectralGrid& grid, float index_above, float index_below,
+             std::span<const double> inner_indices = {});
 
   /// Of light from a direction.
   struct Shares {
     Spectrum scattered, mirrored, passed;
     Spectrum total() const { return scattered + mirrored + passed; }
   };
-  Shares shares(const Vec3& wi, const Wavelengths& w) const;
+  /// `below`: the reflectance of a Lambertian substrate; null where it is part of the table.
+  Shares shares(const Vec3& wi, const Wavelengths& w, const Spectrum* below = nullptr) const;
   struct Value {
     Spectrum k;
     Spectrum total{0.f};  ///< `Shares::total` of wi, if asked for
   };
   /// K for directions off the horizon; 0 where nothing passes.
   template <bool kWithTotal>
-  Value eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
+  Value eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w, const Spectrum* below = nullptr) const;
   /// A direction in proportion to K n_o^2 cos theta_o at the wavelength nm of index 0. `choice` and u are
   /// uniform in [0, 1).
-  Vec3 sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w) const;
+  Vec3 sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w,
+              const Spectrum* below = nullptr) const;
 
   bool is_open() const { return !sides_[1].squares.empty(); }
   float index(bool below) const { return index_[below]; }
   std::size_t bytes() const;
-  /// The largest of the factors' differences from one, for directions less than 80 degrees from the normal:
-  /// how far sums over the table's nodes were from the energy.
+  /// How far sums over the table's nodes were from the energy before it was made exact: the largest share of
+  /// it, for directions less than 80 degrees from the normal.
   double correction() const { return correction_; }
 
 private:
@@ -58,6 +68,7 @@ private:
     /// For directions of incidence on this side: sums over azimuth of K n_o^2 by node above, then below, and
     /// the probability of the cells up to each, [wavelength][cosine][node].
     std::vector<float> ring, cdf;
+    std::vector<float> reached;  ///< [cosine][wavelength], of a substrate
   };
   struct Place {
     int cell;
@@ -72,6 +83,17 @@ private:
   Place find_azimuth(const Vec3& wi, const Vec3& wo) const;
   void balance(std::span<const optics::StackKernels> kernels);
   void prepare_samples();
+  void prepare_substrate(std::span<const optics::StackKernels> kernels,
+                         std::span<const double> inner_indices);
+  /// Of light that leaves a Lambertian substrate upward.
+  struct Upward {
+    Spectrum scale;  ///< t_i times this and t_o is what it adds to K
+    Spectrum all;    ///< and this what it adds to the share that is scattered
+  };
+  Upward upward(const Nodes& n, const Spectrum& below) const;
+  /// Its means for this direction and its wavelengths.
+  Spectrum at(const std::vector<float>& table, const Place& place, const Nodes& n) const;
+  Vec3 sample_upward(Vec2 u, const Nodes& n) const;
 
   /// The row of K for these nodes: by azimuth, then wavelength.
   const float* row(bool in_below, bool out_below, int i, int o) const {
@@ -93,6 +115,8 @@ private:
   std::vector<int> phi_cells_;                     ///< those in which azimuths pi (i/n)^2 lie
   std::vector<float> reflected_[2], transmitted_;  ///< [cosine][cosine][azimuth][wavelength]
   double correction_ = 0;
+  /// Of a substrate, by wavelength: what returns to it, the sum of t over flux, and 1/(pi n^2) within.
+  std::vector<float> returned_, reached_sum_, per_inner_;
 };
 
 }  // namespace aureole

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/instrument/paint/paint_files.h"
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
+#include "aureole/instrument/paint/cxf_file.h"
+#include "aureole/pigment/cgats_text.h"
 #include "aureole/pigment/measured_paints.h"
 
 namespace aureole {
@@ -163,17 +167,40 @@ auto located(const std::string& file, const pigment::SampleTable& table, F&& f) 
   }
 }
 
+/// By the ending, else by how the text begins. CGATS has many endings: .txt, .cgats, .ti3, .sp, .it8.
+std::string kind_of(const std::string& file) {
+  std::string ending = file.substr(std::min(file.rfind('.'), file.size()));
+  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".json") return "json";
+  if (ending == ".cxf") return "cxf";
+  if (ending == ".csv") return "csv";
+  if (ending == ".cgats") return "cgats";
+  std::ifstream stream = opened(file);
+  std::string line;
+  for (int number = 0; number < 1000 && std::getline(stream, line); ++number) {
+    if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+    const auto first = line.find_first_not_of(" \t\r");
+    if (first == line.npos) continue;
+    if (number == 0 && line[first] == '<') return "cxf";
+    if (line.compare(first, 17, "BEGIN_DATA_FORMAT") == 0) return "cgats";
+  }
+  return "csv";
+}
+
 }  // namespace
 
 pigment::SampleTable read_sample_file(const std::string& file) {
   if (file == kMeasuredPaints) return pigment::kimera_samples();
   pigment::SampleTable table;
-  if (file.ends_with(".json")) {
+  const std::string kind = kind_of(file);
+  if (kind == "json") {
     table = read_json_samples(file);
+  } else if (kind == "cxf") {
+    table = read_cxf_file(file);
   } else {
     std::ifstream stream = opened(file);
     try {
-      table = pigment::read_samples(stream);
+      table = kind == "cgats" ? pigment::read_cgats(stream) : pigment::read_samples(stream);
     } catch (const pigment::TextError& e) {
       throw Error({file, e.line(), e.column()}, e.what());
     }

@@ -12,8 +12,9 @@
 
 namespace aureole {
 
-/// Reads measured samples: comma-separated values (pigment/samples.h), or JSON where the name ends with
-/// .json:
+/// Reads measured samples: comma-separated values (pigment/samples.h); CGATS (pigment/cgats_text.h), by the ending
+/// .cgats or by the word BEGIN_DATA_FORMAT; CxF (cxf_file.h), by the ending .cxf or since it begins with '<'; or JSON where the name
+/// ends with .json:
 ///     {"unit": "fraction" or "percent", "wavelengths_nm": [...],
 ///      "samples": [{"sample": ..., "paints": {"red": 0.1, "white": 0.9}, "quantity": "R", "backing": "opaque",
 ///                   "thickness_um": 20, "values": [...]}, ...]}

@@ -13,10 +13,10 @@ namespace {
 double invariant(const IndexedCosine& c) { return c.index * c.index * (1 - c.mu) * (1 + c.mu); }
 
 /// Cosine in a medium of index n of what has this cosine in another; 0 where there is none. Written as a
-/// difference of indices, so that it is exact where they are equal.
+/// difference of indices, so that it is exact where they are equal. Never above 1 by rounding.
 double refracted(const IndexedCosine& from, double n) {
   const double square = (n - from.index) * (n + from.index) + from.index * from.index * from.mu * from.mu;
-  return square > 0 ? std::sqrt(square) / n : 0;
+  return square > 0 ? std::min(std::sqrt(square) / n, 1.0) : 0;
 }
 
 }  // namespace

@@ -125,7 +125,33 @@ private:
       }
     };
     add(result_.above, above_, whole.r_above, whole.t_down, false);
+    if (d_.substrate) add_reach();
     if (below_) add(result_.below, *below_, whole.r_below, Matrix(whole.t_down.transpose()), true);
+  }
+
+  /// Light that comes down on the substrate, and diffuse light that goes up from it.
+  void add_reach() {
+    const std::optional<Operators> layers = solver_.above_substrate(0);
+    const int inside = solver_.channels().count(d_.layers.back().index);
+    if (!layers) {
+      result_.above.reached.assign(above_.size(), 1);
+      result_.left = 1;
+      return;
+    }
+    double all = 0;
+    for (int i = 0; i < inside; ++i) all += solver_.channels().etendue(i);
+    const auto sum_over = [&](const auto& flux, int i) {
+      double sum = 0;
+      for (int o = 0; o < flux.rows(); ++o) sum += root(o) * flux(o, i);
+      return sum;
+    };
+    for (const int i : above_.in) result_.above.reached.push_back(sum_over(layers->t_down, i) / root(i));
+    for (int i = 0; i < inside; ++i) {
+      result_.returned += root(i) * sum_over(layers->r_below, i) / all;
+      double up = 0;
+      for (int o = 0; o < layers->t_down.cols(); ++o) up += root(o) * layers->t_down(i, o);
+      result_.left += root(i) * up / all;
+    }
   }
 
   void add_single_scattering() {
@@ -173,12 +199,29 @@ std::vector<StackKernels> stack_kernels(std::span<const StackDescription> stacks
       stacks.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-          const StackSolver solver(stacks[i], method, true, ends, {}, {}, &first);
+          const bool like_first = indices_of(stacks[i]) == indices_of(stacks.front());
+          const StackSolver solver(stacks[i], method, true, ends, {}, {}, like_first ? &first : nullptr);
           result[i] = KernelMaker(solver, stacks[i], method, azimuths).take();
         }
       },
       1);
   return result;
+}
+
+bool have_same_directions(const StackDescription& a, const StackDescription& b) {
+  const auto sides = [](const StackDescription& d) {
+    return d.substrate ? std::array{d.index_above, d.index_above} : std::array{d.index_above, d.index_below};
+  };
+  if (sides(a) != sides(b) || a.layers.size() != b.layers.size()) return false;
+  const std::set<double> all_a = indices_of(a), all_b = indices_of(b);
+  if (all_a == all_b) return true;
+  // The range of directions is cut at each index; below the larger of the sides' no cut may move, and there
+  // must be as many above, among which the streams are shared.
+  const double outside = std::max(sides(a)[0], sides(a)[1]);
+  const auto below = [&](const std::set<double>& all) {
+    return std::set<double>(all.begin(), all.upper_bound(outside));
+  };
+  return all_a.size() == all_b.size() && below(all_a) == below(all_b);
 }
 
 int streams_for_directions(const StackDescription& stack, int directions) {

@@ -130,6 +130,14 @@ Operators StackSolver::whole(int mode) const {
   return sum;
 }
 
+std::optional<Operators> StackSolver::above_substrate(int mode) const {
+  const int last = last_level() - 2;
+  if (last < 0) return {};
+  Operators sum = operators(elements_[last], mode);
+  for (int i = last - 1; i >= 0; --i) sum = Operators::stacked(operators(elements_[i], mode), sum);
+  return sum;
+}
+
 std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_above,
                                                    const Matrix& from_below,
                                                    std::span<const int> levels) const {

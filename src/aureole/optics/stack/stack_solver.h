@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -54,6 +55,8 @@ public:
 
   /// Of the whole stack.
   Operators whole(int mode) const;
+  /// Of all that lies on a substrate; nothing where the stack is nothing else.
+  std::optional<Operators> above_substrate(int mode) const;
   /// A mode above all others, in which nothing is scattered: light that keeps its direction.
   static constexpr int kUnscattered = 1 << 20;
 

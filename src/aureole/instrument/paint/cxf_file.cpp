@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/instrument/paint/cxf_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <pugixml.hpp>
+
+#include "aureole/core/error.h"
+
+namespace aureole {
+namespace {
+
+std::string lower(std::string text) {
+  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// The name of an element without the prefix of its namespace, which every program chooses for itself.
+std::string_view local_name(const pugi::xml_node& node) {
+  const std::string_view name = node.name();
+  const auto colon = name.find(':');
+  return colon == name.npos ? name : name.substr(colon + 1);
+}
+
+/// Without recursion, so that no nesting is too deep.
+std::vector<pugi::xml_node> descendants(const pugi::xml_node& top, std::string_view name) {
+  std::vector<pugi::xml_node> found;
+  for (pugi::xml_node node = top.first_child(); node;) {
+    if (local_name(node) == name) found.push_back(node);
+    if (node.first_child()) {
+      node = node.first_child();
+      continue;
+    }
+    while (node && node != top && !node.next_sibling()) node = node.parent();
+    if (!node || node == top) break;
+    node = node.next_sibling();
+  }
+  return found;
+}
+
+class CxfReader {
+public:
+  explicit CxfReader(const std::string& file) : file_(file) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) throw Error({file, 0, 0}, "cannot read this file");
+    text_.assign(std::istreambuf_iterator<char>(stream), {});
+    for (std::size_t i = 0; i < text_.size(); ++i)
+      if (text_[i] == '\n') line_ends_.push_back(std::ptrdiff_t(i));
+    // Ends of lines stay as they are, so that places in an element are places in the file.
+    const pugi::xml_parse_result result = document_.load_buffer(
+        text_.data(), text_.size(), pugi::parse_default & ~pugi::parse_eol, pugi::encoding_utf8);
+    if (!result) fail(result.offset, std::string("not well-formed: ") + result.description());
+    const pugi::xml_node root = document_.document_element();
+    if (local_name(root) != "CxF") fail(root, "expected the element CxF");
+    for (const pugi::xml_node& s : descendants(root, "ColorSpecification")) {
+      const auto ranges = descendants(s, "WavelengthRange");
+      if (!ranges.empty()) ranges_.emplace(s.attribute("Id").value(), ranges.front());
+    }
+    for (const pugi::xml_node& o : descendants(root, "Object")) read_object(o);
+    if (table_.samples.empty()) fail(root, "there is no object with a reflectance or transmittance spectrum");
+  }
+  pigment::SampleTable take() { return std::move(table_); }
+
+private:
+  [[noreturn]] void fail(std::ptrdiff_t offset, const std::string& message) const {
+    const auto [line, column] = place(offset);
+    throw Error({file_, line, column}, message);
+  }
+  [[noreturn]] void fail(const pugi::xml_node& node, const std::string& message) const {
+    fail(std::max<std::ptrdiff_t>(node.offset_debug() - 1, 0), message);  // it points behind the bracket
+  }
+  std::pair<int, int> place(std::ptrdiff_t offset) const {
+    const auto end = std::lower_bound(line_ends_.begin(), line_ends_.end(), offset);
+    const std::ptrdiff_t start = end == line_ends_.begin() ? 0 : *(end - 1) + 1;
+    return {int(end - line_ends_.begin()) + 1, int(offset - start) + 1};
+  }
+
+  double number(const pugi::xml_node& node, std::string_view text, const char* what) const {
+    while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
+    while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+      fail(node, fmt::format("{}: expected a number, got \"{}\"", what, text));
+    return value;
+  }
+
+  /// An attribute of the spectrum, or of the wavelength range of its colour specification.
+  std::optional<double> range_value(const pugi::xml_node& spectrum, const char* name) const {
+    if (const auto a = spectrum.attribute(name)) return number(spectrum, a.value(), name);
+    const auto range = ranges_.find(spectrum.attribute("ColorSpecification").value());
+    if (range == ranges_.end()) return {};
+    if (const auto a = range->second.attribute(name)) return number(range->second, a.value(), name);
+    return {};
+  }
+
+  void read_object(const pugi::xml_node& object) {
+    for (const char* kind : {"ReflectanceSpectrum", "TransmittanceSpectrum"}) {
+      for (const pugi::xml_node& values : descendants(object, "ColorValues"))
+        for (const pugi::xml_node& child : values.children())
+          if (local_name(child) == kind) read_spectrum(object, child, kind[0] == 'T');
+    }
+  }
+
+  void read_spectrum(const pugi::xml_node& object, const pugi::xml_node& spectrum, bool transmitted) {
+    pigment::Sample s;
+    s.quantity =
+        transmitted ? pigment::Sample::Quantity::transmittance : pigment::Sample::Quantity::reflectance;
+    s.line = place(spectrum.offset_debug() - 1).first;
+    s.name = object.attribute("Name").value();
+    if (s.name.empty()) s.name = object.attribute("Id").value();
+    std::string recipe = s.name;
+    for (const pugi::xml_node& tag : descendants(object, "Tag")) {
+      const std::string name = lower(tag.attribute("Name").value()), value = tag.attribute("Value").value();
+      if (name == "paints") {
+        recipe = value;
+      } else if (name == "sample") {
+        s.name = value;
+      } else if (name == "backing" && !value.empty()) {
+        s.backing = value;
+      } else if (name == "thickness_um") {
+        s.thickness = 1e-6 * number(tag, value, "the tag thickness_um");
+        if (!(s.thickness > 0)) fail(tag, "the tag thickness_um must be positive, got " + value);
+      }
+    }
+    try {
+      if (!recipe.empty()) s.paints = pigment::parse_recipe(recipe);
+    } catch (const std::domain_error& e) {
+      fail(object, e.what());
+    }
+    if (s.name.empty()) fail(object, "the object has neither a name nor an Id");
+    read_values(spectrum, s);
+    const auto start = range_value(spectrum, "StartWL"), step = range_value(spectrum, "Increment");
+    if (!start) fail(spectrum, "the spectrum has no StartWL, nor has its ColorSpecification");
+    if (!step)
+      fail(spectrum,
+           "the spectrum has no Increment: neither it nor a WavelengthRange of its ColorSpecification says");
+    if (!(*step > 0)) fail(spectrum, fmt::format("Increment must be positive, got {:g}", *step));
+    std::vector<double> nm;
+    for (std::size_t i = 0; i < s.values.size(); ++i) nm.push_back(*start + *step * double(i));
+    if (table_.nm.empty()) table_.nm = nm;
+    if (nm != table_.nm)
+      fail(spectrum,
+           fmt::format("the spectrum of \"{}\" has {} values from {:g} nm in steps of {:g}; all need the "
+                       "wavelengths of the first",
+                       s.name, nm.size(), *start, *step));
+    table_.samples.push_back(std::move(s));
+  }
+
+  void read_values(const pugi::xml_node& spectrum, pigment::Sample& s) const {
+    // Where the text of the element lies in the file, for the places of its numbers.
+    const pugi::xml_node text = spectrum.first_child();
+    const std::string all = spectrum.child_value();
+    const std::ptrdiff_t begin = text ? text.offset_debug() : spectrum.offset_debug();
+    for (std::size_t at = 0; (at = all.find_first_not_of(" \t\r\n", at)) != all.npos;) {
+      const std::size_t end = std::min(all.find_first_of(" \t\r\n", at), all.size());
+      const std::string word = all.substr(at, end - at);
+      double value = 0;
+      const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+      if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(value))
+        fail(begin + std::ptrdiff_t(at), "expected a number, got \"" + word + "\"");
+      const auto [line, column] = place(begin + std::ptrdiff_t(at));
+      s.values.push_back(value), s.columns.push_back(line == s.line ? column : 0);
+      at = end;
+    }
+    if (s.values.empty()) fail(spectrum, "the spectrum has no values");
+  }
+
+  const std::string& file_;
+  std::string text_;
+  std::vector<std::ptrdiff_t> line_ends_;
+  pugi::xml_document document_;
+  std::map<std::string, pugi::xml_node> ranges_;  ///< by the Id of a ColorSpecification
+  pigment::SampleTable table_;
+};
+
+}  // namespace
+
+pigment::SampleTable read_cxf_file(const std::string& file) { return CxfReader(file).take(); }
+
+}  // namespace aureole

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+// A medium given by Kubelka and Munk's K and S, for paths and for the layers of `layered`: what absorbs and scatters
+// as a paint does, with directions.
+#include <algorithm>
+#include <vector>
+
+#include "aureole/bsdf/pigment/palette_file.h"
+#include "aureole/core/error.h"
+#include "aureole/medium/medium.h"
+#include "aureole/phase/mean_cosine.h"
+#include "aureole/pigment/transport_coefficients.h"
+#include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
+
+namespace aureole {
+namespace {
+
+class KubelkaMunk final : public Medium {
+public:
+  explicit KubelkaMunk(const Properties& p) : Medium(p) {
+    const auto phases = p.get_children<PhaseFunction>("phase");
+    if (phases.size() > 1)
+      throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +
+                                 " phase functions; a medium has one (\"blendphase\" mixes two)");
+    phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
+    if (!phase_->is_isotropic_medium())
+      throw Error(phase_->properties().where(),
+                  "K and S are those of a medium that scatters alike for all directions of the light");
+    convert(p, read_paint(p));
+  }
+
+  void eval(const Vec3&, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const override {
+    out.sigma_s = scattering_.eval(w);
+    out.sigma_t = out.sigma_s + absorption_.eval(w);
+    out.emission = 0.f;
+  }
+  Spectrum majorant(const Vec3&, const Wavelengths& w) const override {
+    return scattering_.eval(w) + absorption_.eval(w);
+  }
+  const PhaseFunction& phase() const override { return *phase_; }
+  bool is_uniform() const override { return true; }
+  bool has_uniform_emission() const override { return true; }
+  bool emits() const override { return false; }
+
+private:
+  /// Per unit of length of the scene.
+  static SampledPaint read_paint(const Properties& p) {
+    const SpectralGrid& grid = p.context().grid;
+    const double scale = p.get_float("scale", 1, Range::positive());
+    if (p.has("recipe")) return read_recipe(p, grid, scale);
+    for (const char* name : {"palette", "by_volume"})
+      if (p.has(name)) throw p.error(name, "belongs to a \"recipe\", which is missing");
+    SampledPaint paint;
+    for (const auto& [name, table] : {std::pair{"k", &paint.k}, {"s", &paint.s}}) {
+      const TexturePtr given = get_optional_texture(p, name, SpectrumRole::unbounded);
+      if (!given)
+        throw p.error(name,
+                      "give \"k\" and \"s\", per unit of length, or a \"recipe\" of paints of a palette");
+      if (!given->is_constant()) throw p.error(name, "must not vary in space");
+      const SampledSpectrum values = given->average();
+      *table = SampledSpectrum::from_function(grid, [&](double nm) {
+        return scale * double(values.eval(Wavelengths::at(grid, Spectrum(float(nm))))[0]);
+      });
+    }
+    return paint;
+  }
+
+  static SampledPaint read_recipe(const Properties& p, const SpectralGrid& grid, double scale) {
+    for (const char* name : {"k", "s"})
+      if (p.has(name)) throw p.error(name, "a recipe has its own K and S");
+    pigment::Palette palette;
+    try {
+      palette = read_palette_file(p.has("palette") ? p.get_file("palette").string() : kMeasuredPaints);
+    } catch (const Error& e) {
+      throw p.error("palette", e.what());
+    }
+    if (palette.relative && !p.has("scale"))
+      throw p.error(
+          "scale",
+          "the parameter \"scale\" is required for this palette, whose K and S are relative: S of its white, per unit of length");
+    if (const int count = pigment::clamp_negative(palette))
+      p.note("palette", std::to_string(count) + " negative values of K and S count as zero");
+    try {
+      const auto fractions =
+          recipe_fractions(palette, p.get_string("recipe"), p.get_bool("by_volume", false), "recipe");
+      return sampled_paint(grid, palette, fractions,
+                           palette.relative ? scale : scale * p.context().length_unit_m);
+    } catch (const Error& e) {
+      throw p.error("recipe", e.message());
+    }
+  }
+
+  void convert(const Properties& p, const SampledPaint& paint) {
+    std::vector<std::string> names;
+    for (const pigment::Convention c : pigment::conventions()) names.emplace_back(name_of(c));
+    const std::string name = p.get_choice("convention", "three_quarters", names);
+    const auto convention =
+        pigment::conventions()[std::size_t(std::find(names.begin(), names.end(), name) - names.begin())];
+    const SpectralGrid& grid = p.context().grid;
+    std::vector<double> nm, absorption, scattering;
+    for (int first = 0; first <= grid.cells; first += kWavelengths) {
+      const auto node = [&](int i) { return float(grid.node(std::min(first + i, grid.cells))); };
+      const Wavelengths w = Wavelengths::at(grid, make_spectrum(node));
+      const auto g = mean_cosine(*phase_, {}, {}, w);
+      const Spectrum k = paint.k.eval(w), s = paint.s.eval(w);
+      for (int i = 0; i < kWavelengths && first + i <= grid.cells; ++i) try {
+          const auto c =
+              pigment::transport_of_coefficients({double(k[i]), double(s[i])}, g[std::size_t(i)], convention);
+          nm.push_back(grid.node(first + i));
+          absorption.push_back(c.sigma_a), scattering.push_back(c.sigma_s);
+        } catch (const std::domain_error& e) {
+          throw p.error(p.has("recipe") ? "recipe" : "s", e.what());
+        }
+    }
+    absorption_ = SampledSpectrum::from_points(grid, nm, absorption);
+    scattering_ = SampledSpectrum::from_points(grid, nm, scattering);
+  }
+
+  SampledSpectrum absorption_, scattering_;
+  PhaseFunctionPtr phase_;
+};
+
+AUREOLE_PLUGIN(
+    KubelkaMunk, "medium", "kubelka_munk",
+    PluginDoc{
+        "A medium given by Kubelka and Munk's K and S, or by a recipe of paints: sigma_a = K/2, and sigma_s from S by a convention, "
+        "since two fluxes do not say how light is spread over directions (docs/pigments.md has the error of each). As a layer of "
+        "`layered`, or between surfaces.",
+        "P. Kubelka & F. Munk, Ein Beitrag zur Optik der Farbanstriche, Z. techn. Physik 12, 1931; conventions: pigment/transport_coefficients.h",
+        {{"k", "spectrum", "1/length", "required", "absorption of diffuse light, or a `recipe`"},
+         {"s", "spectrum", "1/length", "required",
+          "what of diffuse light is scattered backward, or a `recipe`"},
+         {"recipe", "string", "", "none", "paints and parts by mass, \"red: 1 + white: 3\""},
+         {"palette", "file", "", "none",
+          "palette of K and S; without one the measured acrylics, as in the BSDF `paint`"},
+         {"by_volume", "boolean", "", "false", "parts are by volume; the palette needs densities"},
+         {"scale", "float", "", "1",
+          "factor of K and S; required for a relative palette, as the measured acrylics are: S of its white, per unit of length"},
+         {"convention", "string", "", "three_quarters",
+          "S = 3/4 sigma_s (1 - g): `three_quarters`; S = 3/4 sigma_s (1 - g) - sigma_a/4: `diffusion`; S = sigma_s (1 - 3/4 g): "
+          "`double_gauss`"},
+         {"phase", "phase", "", "isotropic", "into which directions it scatters; g is its mean cosine"}},
+        {R"(<medium type="kubelka_munk">
+    <spectrum name="k" value="400:9e4, 500:4e4, 600:5e3, 700:1e3"/> <float name="s" value="5e4"/>
+    <string name="convention" value="double_gauss"/>
+    <phase type="hg"> <float name="g" value="0.5"/> </phase>
+</medium>)",
+         R"(<medium type="kubelka_munk">
+    <string name="recipe" value="red: 1 + white: 3"/> <boolean name="by_volume" value="false"/>
+    <float name="scale" value="1e5"/>
+</medium>)",
+         R"(<medium type="kubelka_munk">
+    <string name="palette" value="two_paints.csv"/> <string name="recipe" value="blue: 1 + white: 5"/>
+</medium>)"}});
+
+}  // namespace
+}  // namespace aureole

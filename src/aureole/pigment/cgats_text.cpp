@@ -1,0 +1,254 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/pigment/cgats_text.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <istream>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "aureole/pigment/text_table.h"
+
+namespace aureole::pigment {
+namespace {
+
+constexpr int kMostLines = 100000;
+
+std::string upper(std::string text) {
+  for (char& c : text) c = char(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// The words of a line. Words stand apart by blanks or tabs; what stands in quotes is one, and in data a tab
+/// after a tab is an empty one.
+TextRow words_of(const std::string& line, int number) {
+  TextRow row{{}, number};
+  for (std::size_t at = 0;;) {
+    at = line.find_first_not_of(" \t\r", at);
+    if (at == line.npos || line[at] == '#') return row;
+    TextCell cell;
+    cell.column = int(at) + 1;
+    std::size_t end;
+    if (line[at] == '"') {
+      end = line.find('"', at + 1);
+      if (end == line.npos) throw TextError(number, cell.column, "the quote does not end");
+      cell.text = line.substr(at + 1, end - at - 1);
+      ++end;
+    } else {
+      end = std::min(line.find_first_of(" \t\r", at), line.size());
+      cell.text = line.substr(at, end - at);
+    }
+    row.cells.push_back(std::move(cell));
+    at = end;
+  }
+}
+
+/// The wavelength that a field is named after, and whether its values are per cent by that name.
+struct SpectralField {
+  double nm;
+  bool percent;
+};
+std::optional<SpectralField> spectral(const std::string& name) {
+  std::string_view rest = name;
+  bool percent = false, prefixed = false;
+  for (const std::string_view prefix :
+       {"SPECTRAL_PCT", "SPECTRAL_DEC", "SPECTRAL_NM", "SPECTRAL", "SPEC", "NM", "R"})
+    if (rest.starts_with(prefix)) {
+      rest.remove_prefix(prefix.size());
+      percent = prefix == "SPECTRAL_PCT", prefixed = true;
+      break;
+    }
+  if (prefixed && rest.starts_with('_')) rest.remove_prefix(1);
+  if (rest.ends_with("NM")) rest.remove_suffix(2);
+  double nm = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), nm);
+  if (rest.empty() || error != std::errc() || end != rest.data() + rest.size() || !(nm >= 100 && nm < 1e5))
+    return {};
+  return SpectralField{nm, percent};
+}
+
+/// One table as it stands.
+struct Table {
+  std::map<std::string, TextCell> keywords;
+  int line = 0;  ///< of its fields
+  std::vector<TextCell> fields;
+  std::vector<int> field_lines;
+  std::vector<TextRow> rows;
+
+  std::optional<std::size_t> find(const std::string& field) const {
+    for (std::size_t i = 0; i < fields.size(); ++i)
+      if (upper(fields[i].text) == field) return i;
+    return {};
+  }
+  std::string keyword(const std::string& name) const {
+    const auto at = keywords.find(name);
+    return at == keywords.end() ? std::string() : at->second.text;
+  }
+  bool has_spectra() const {
+    return std::any_of(fields.begin(), fields.end(),
+                       [](const TextCell& f) { return spectral(upper(f.text)).has_value(); });
+  }
+};
+
+class Reader {
+public:
+  explicit Reader(std::istream& text) : text_(text) {}
+
+  /// The next table, or nothing at the end of the text. Keywords hold until they are given again.
+  std::optional<Table> next() {
+    table_.fields.clear(), table_.field_lines.clear(), table_.rows.clear();
+    while (const auto row = words()) {
+      const std::string key = upper(row->cells.front().text);
+      if (key == "BEGIN_DATA_FORMAT") {
+        read_fields(*row);
+      } else if (key == "BEGIN_DATA") {
+        read_rows(*row);
+        return table_;
+      } else if (key == "END_DATA" || key == "END_DATA_FORMAT") {
+        throw TextError(row->line, row->cells.front().column, key + " without " + "BEGIN" + key.substr(3));
+      } else if (row->cells.size() > 1) {
+        table_.keywords[key] = row->cells[1];
+      }
+    }
+    if (!table_.fields.empty()) throw TextError(number_, 0, "BEGIN_DATA is missing");
+    return {};
+  }
+
+private:
+  std::optional<TextRow> words() {
+    std::string line;
+    while (std::getline(text_, line)) {
+      if (++number_ == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
+      if (number_ > kMostLines)
+        throw TextError(number_, 0, "the table has more than " + std::to_string(kMostLines) + " lines");
+      TextRow row = words_of(line, number_);
+      if (!row.cells.empty()) return row;
+    }
+    return {};
+  }
+
+  void read_fields(const TextRow& begin) {
+    table_.fields.clear(), table_.field_lines.clear();
+    table_.line = begin.line;
+    while (const auto row = words()) {
+      if (upper(row->cells.front().text) == "END_DATA_FORMAT") {
+        if (table_.fields.empty()) throw TextError(begin.line, 0, "BEGIN_DATA_FORMAT has no fields");
+        check_count("NUMBER_OF_FIELDS", table_.fields.size(), "fields", begin.line);
+        return;
+      }
+      for (const TextCell& cell : row->cells)
+        table_.fields.push_back(cell), table_.field_lines.push_back(row->line);
+    }
+    throw TextError(begin.line, 0, "BEGIN_DATA_FORMAT does not end: END_DATA_FORMAT is missing");
+  }
+
+  void read_rows(const TextRow& begin) {
+    if (table_.fields.empty()) throw TextError(begin.line, 0, "BEGIN_DATA comes before the fields");
+    while (const auto row = words()) {
+      if (row->cells.size() == 1 && upper(row->cells.front().text) == "END_DATA") {
+        check_count("NUMBER_OF_SETS", table_.rows.size(), "rows", begin.line);
+        return;
+      }
+      if (row->cells.size() != table_.fields.size())
+        throw TextError(row->line, 0,
+                        "expected " + std::to_string(table_.fields.size()) +
+                            " values, one for each field, got " + std::to_string(row->cells.size()));
+      table_.rows.push_back(*row);
+    }
+    throw TextError(begin.line, 0, "BEGIN_DATA does not end: END_DATA is missing");
+  }
+
+  void check_count(const std::string& keyword, std::size_t count, const char* what, int line) const {
+    const std::string stated = table_.keyword(keyword);
+    if (!stated.empty() && stated != std::to_string(count))
+      throw TextError(line, 0,
+                      keyword + " is " + stated + ", and there are " + std::to_string(count) + " " + what);
+  }
+
+  std::istream& text_;
+  int number_ = 0;
+  Table table_;
+};
+
+SampleTable samples_of(const Table& t) {
+  struct Column {
+    std::size_t field;
+    double nm;
+  };
+  std::vector<Column> columns;
+  bool percent = upper(t.keyword("UNIT")) == "PERCENT";
+  if (const std::string norm = t.keyword("SPECTRAL_NORM"); !norm.empty()) {
+    const TextCell& cell = t.keywords.at("SPECTRAL_NORM");
+    const double value = number_of({{cell}, 0}, 0);
+    if (value != 1 && value != 100) throw TextError(0, 0, "SPECTRAL_NORM must be 1 or 100, got " + norm);
+    percent = value == 100;
+  }
+  for (std::size_t i = 0; i < t.fields.size(); ++i)
+    if (const auto s = spectral(upper(t.fields[i].text))) {
+      for (const Column& c : columns)
+        if (c.nm == s->nm)
+          throw TextError(t.field_lines[i], t.fields[i].column,
+                          "the wavelength of \"" + t.fields[i].text + "\" comes twice");
+      columns.push_back({i, s->nm}), percent = percent || s->percent;
+    }
+  std::sort(columns.begin(), columns.end(), [](const Column& a, const Column& b) { return a.nm < b.nm; });
+
+  const auto name = t.find("SAMPLE_NAME"), id = t.find("SAMPLE_ID"), paints = t.find("PAINTS");
+  const auto named = name ? name : id;
+  if (!paints && !named)
+    throw TextError(t.line, 0,
+                    "the samples have no names: there is no field PAINTS, SAMPLE_NAME or SAMPLE_ID");
+  const auto quantity = t.find("QUANTITY"), backing = t.find("BACKING"), thickness = t.find("THICKNESS_UM");
+  SampleTable table;
+  for (const Column& c : columns) table.nm.push_back(c.nm);
+  for (const TextRow& row : t.rows) {
+    Sample& s = table.samples.emplace_back();
+    s.line = row.line;
+    const auto at = [&](const std::optional<std::size_t>& field) {
+      return field ? row.cells[*field].text : std::string();
+    };
+    const auto fail = [&](const std::optional<std::size_t>& field, const std::string& message) {
+      throw TextError(row.line, row.cells[*field].column, message);
+    };
+    const std::string recipe = paints ? at(paints) : at(named);
+    try {
+      if (!recipe.empty()) s.paints = parse_recipe(recipe);
+    } catch (const std::domain_error& e) {
+      fail(paints ? paints : named, e.what());
+    }
+    s.name = named ? at(named) : recipe;
+    const std::string kind = upper(at(quantity));
+    if (kind == "T")
+      s.quantity = Sample::Quantity::transmittance;
+    else if (!kind.empty() && kind != "R")
+      fail(quantity, "QUANTITY must be R or T, got \"" + at(quantity) + "\"");
+    if (!at(backing).empty()) s.backing = at(backing);
+    if (!at(thickness).empty()) {
+      s.thickness = 1e-6 * number_of(row, *thickness);
+      if (!(s.thickness > 0)) fail(thickness, "THICKNESS_UM must be positive, got " + at(thickness));
+    }
+    for (const Column& c : columns) {
+      s.values.push_back(number_of(row, c.field) * (percent ? 0.01 : 1));
+      s.columns.push_back(row.cells[c.field].column);
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+SampleTable read_cgats(std::istream& text) {
+  Reader reader(text);
+  bool any = false;
+  while (const auto table = reader.next()) {
+    if (table->has_spectra()) return samples_of(*table);
+    any = true;
+  }
+  throw TextError(0, 0,
+                  any ? "no table has spectra: fields such as SPECTRAL_NM400" : "there is no table of data");
+}
+
+}  // namespace aureole::pigment
