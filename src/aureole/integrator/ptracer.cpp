@@ -199,7 +199,10 @@ public:
     }
     go_on(i, vertex, b.d);
     ++s.scattered;
-    return survives(i);
+    if (!survives(i)) return false;
+    if (s.flight.medium)
+      end_at_event(s.flight, path.wavelengths, get(path.samples, s.vertex, Choice::distance));
+    return true;
   }
 
   /// As that of `path`.

@@ -93,6 +93,7 @@ public:
     const Vec2 lens = scene_.sensor().uses_lens() ? get(s.samples, s.vertex, Pair::connection) : Vec2{};
     const auto seen = scene_.sensor().sample_direct(vertex.p(), lens);
     if (!seen || !(seen->importance > 0)) return false;
+    if (!vertex.is_surface() && !scene_.may_see(*s.flight.medium, seen->p)) return false;
     const auto inverse = scene_.sensor().eval(vertex.p(), -seen->wo);
     Response response;
     if (!inverse || !vertex.respond(seen->wo, response)) return false;
