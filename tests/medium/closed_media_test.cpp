@@ -3,9 +3,11 @@
 // around, are compared in the other tests of this folder.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <stdexcept>
 
 #include "aureole/loading/load.h"
+#include "harness/rendered.h"
 #include "medium/scene_text.h"
 
 namespace aureole::testing {
@@ -93,6 +95,21 @@ TEST(ClosedMedia, OverlapsByPriority) {
   EXPECT_FALSE(Loaded(milk(kGlass)).lights_reach());
   // Where this one is, the surface of the milk is not there.
   EXPECT_TRUE(Loaded(milk(kNull)).lights_reach());
+}
+
+/// `path` ends rays in these media behind the next event, `bdpt` does not. The extinction depends on the direction.
+TEST(ClosedMedia, RaysThatEndBehindTheNextEventBringTheSame) {
+  const std::string scene =
+      camera("origin=\"0, -4, 1\" target=\"0, 0, 0\" up=\"0, 0, 1\"", 30, 3, 64) +
+      "<shape type=\"sphere\"><bsdf type=\"roughdielectric\"><float name=\"alpha\" value=\"0.4\"/></bsdf><medium "
+      "type=\"homogeneous\" name=\"interior\"><rgb name=\"sigma_t\" value=\"3, 9, 27\"/><float name=\"albedo\" "
+      "value=\"0.95\"/><phase type=\"sggx\"><string name=\"S\" value=\"1, 0.02, 0.02, 0, 0, "
+      "0\"/></phase></medium></shape>" +
+      kSky;
+  const Picture a = render(path() + scene), b = render("<integrator type=\"bdpt\"/>" + scene);
+  const double error = std::hypot(a.all_error, b.all_error);
+  EXPECT_NEAR(a.all, b.all, 4.5 * error);
+  EXPECT_LT(error, 0.015 * a.all);
 }
 
 }  // namespace

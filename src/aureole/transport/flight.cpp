@@ -174,7 +174,9 @@ bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w
 void end_at_event(Flight& flight, const Wavelengths& w, float first) {
   const Medium& medium = *flight.medium;
   if (medium.majorants() || medium.emits()) return;
-  const float hero = medium.majorant(flight.ray.d, w)[0];
+  MediumCoefficients at;
+  medium.eval(flight.ray.o, flight.ray.d, w, at);
+  const float hero = at.sigma_t[0];
   // Room for rounding: which of two is nearer, the event or a surface, is decided by `fly`.
   if (hero > 0) flight.ray.t_max = free_path(first) / hero * 1.00001f;
 }
