@@ -261,7 +261,7 @@ private:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     if (s.depth >= limits_.roulette_depth) {
-      const float survival = std::min(PathLimits::most_survival(scene_),
+      const float survival = std::min(PathLimits::most_survival(scene_, s.depth),
                                       s.density.hero_symmetric_throughput() * s.eta2 / s.whole);
       if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
       s.density.survive(survival);

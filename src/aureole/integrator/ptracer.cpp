@@ -291,8 +291,8 @@ private:
   bool survives(int i) {
     State& s = states_[i];
     if (s.scattered < limits_.roulette_depth) return true;
-    const float survival =
-        std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() / s.whole);
+    const float survival = std::min(PathLimits::most_survival(scene_, s.scattered),
+                                    s.density.hero_symmetric_throughput() / s.whole);
     if (!(get(paths_[size_t(i)].samples, s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
     return true;
