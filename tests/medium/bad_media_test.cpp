@@ -46,5 +46,15 @@ TEST(BadMedia, AnExtinctionBeyondNumbers) {
   EXPECT_NE(error.find("parameter \"scale\""), std::string::npos) << error;
 }
 
+TEST(BadMedia, ATemperatureBeyondNumbers) {
+  const auto error = [](double kelvin) {
+    return error_of(seen_from("0, -4, 0") + ball(kNull, "<medium type=\"homogeneous\" name=\"interior\">" +
+                                                            parameter("temperature", kelvin) + "</medium>"));
+  };
+  EXPECT_EQ(error(1e7), "");
+  EXPECT_NE(error(1e30).find("bad.xml:3:"), std::string::npos) << error(1e30);
+  EXPECT_NE(error(1e30).find("parameter \"temperature\""), std::string::npos) << error(1e30);
+}
+
 }  // namespace
 }  // namespace aureole::testing

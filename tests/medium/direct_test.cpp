@@ -15,7 +15,7 @@ namespace {
 
 using aureole::test::grid_xml;
 using aureole::test::make_vol;
-using aureole::test::TemporaryFolder;
+using aureole::test::VolumeFolder;
 using aureole::test::write_bytes;
 
 std::string direct(int light, int scatter) {
@@ -43,7 +43,7 @@ TEST(DirectThroughMedia, AGlowingSlabIsSeen) {
 TEST(DirectThroughMedia, AGlowingGridIsSeen) {
   // Nearest voxels along z: each of half a unit emits 2 and attenuates what lies below.
   const std::vector<float> sigma{0.3f, 2, 0, 1};
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const std::string place =
       test::choice("filter_type", "nearest") +
       "<transform name=\"to_world\"><translate x=\"-0.5\" y=\"-0.5\" z=\"-0.5\"/><scale "
@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Rooms, DirectInMedia, ::testing::ValuesIn(rooms()),
                          [](const auto& info) { return std::string(info.param.name); });
 
 TEST_P(DirectInMedia, AllSamplesBringTheSame) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   std::vector<float> values(4 * 4 * 4);
   std::uint32_t state = 5;
   for (float& v : values) v = float((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f;

@@ -14,7 +14,7 @@ namespace {
 
 using aureole::test::grid_xml;
 using aureole::test::make_vol;
-using aureole::test::TemporaryFolder;
+using aureole::test::VolumeFolder;
 using aureole::test::write_bytes;
 
 std::string named(std::string volume, const std::string& name) {
@@ -65,7 +65,7 @@ TEST(EmittingMedia, AGlowingGridLightsAFloor) {
                     std::pow(px * px + py * py + pz * pz, 1.5);
       }
   expected *= std::pow(2.0 / parts, 3) * 0.6 / std::numbers::pi;
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const std::string place =
       test::choice("filter_type", "nearest") +
       "<transform name=\"to_world\"><translate x=\"-0.5\" y=\"-0.5\" z=\"-0.5\"/><scale value=\"2\"/><translate "
@@ -138,7 +138,7 @@ std::string lamp() {
 
 TEST_P(Emission, ConnectionsBringWhatWalksBring) {
   // The ball of the medium reaches below the floor, so that some vertices lie in it.
-  TemporaryFolder folder;
+  VolumeFolder folder;
   std::vector<float> values(5 * 5 * 5);
   std::uint32_t state = 7;
   for (float& v : values)
@@ -175,7 +175,7 @@ TEST_P(Emission, ConnectionsBringWhatWalksBring) {
 
 TEST(EmittingMedia, AGridInEquilibriumIsInvisible) {
   // Any extinction at the temperature of its surroundings, scattering or not.
-  TemporaryFolder folder;
+  VolumeFolder folder;
   std::vector<float> values(7 * 7 * 7);
   std::uint32_t state = 3;
   for (float& v : values)

@@ -14,7 +14,7 @@ namespace {
 using aureole::test::choice;
 using aureole::test::grid_xml;
 using aureole::test::make_vol;
-using aureole::test::TemporaryFolder;
+using aureole::test::VolumeFolder;
 using aureole::test::write_bytes;
 
 /// The same picture up to noise, in all and in every pixel.
@@ -53,7 +53,7 @@ std::string heterogeneous(const std::string& grid, double scale) {
 }
 
 TEST(GridTransport, AConstantGridIsHomogeneous) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto file =
       write_bytes(folder.path() / "one.vol", make_vol({3, 3, 3}, 1, std::vector<float>(27, 0.5f)).bytes());
   for (const char* integrator : {"path", "ptracer"})
@@ -64,7 +64,7 @@ TEST(GridTransport, AConstantGridIsHomogeneous) {
 TEST(GridTransport, AnyMajorantGivesTheSame) {
   // The same field in 4^3 voxels under one bound, in 16^3 under 4^3 of them, and where the largest value, in a
   // corner that little light passes, loosens the bounds of all.
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto write = [&](int fineness, float corner, const std::string& name) {
     const int n = 4 * fineness;
     std::vector<float> values;
@@ -87,7 +87,7 @@ TEST(GridTransport, AnyMajorantGivesTheSame) {
 }
 
 TEST(GridTransport, ExtinctionsThreeDecadesApart) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   std::vector<float> values;
   for (int i = 0; i < 8; ++i) values.insert(values.end(), {0.9f, 0.03f, 0.0009f});
   const auto file = write_bytes(folder.path() / "rgb.vol", make_vol({2, 2, 2}, 3, values).bytes());
@@ -103,7 +103,7 @@ TEST(GridTransport, ExtinctionsThreeDecadesApart) {
 
 TEST(GridTransport, ThickGridsKeepTheFurnaceWhite) {
   // Where little light arrives straight ahead connections end by roulette, which must be in no weight.
-  TemporaryFolder folder;
+  VolumeFolder folder;
   std::vector<float> values(6 * 6 * 6);
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = i * 7 % 5 < 2 ? 0.f : float(i * 7 % 5) / 4;
   const auto file = write_bytes(folder.path() / "thick.vol", make_vol({6, 6, 6}, 1, values).bytes());
@@ -114,6 +114,39 @@ TEST(GridTransport, ThickGridsKeepTheFurnaceWhite) {
              "</medium></shape>" + kSky);
   expect_mean(p, 1, 0.003);
   expect_pixels(p, 1);
+}
+
+TEST(GridTransport, TheMeanChordIsThatOfTheBody) {
+  // What only scatters and emits one unit per length sends out 4 pi V, whatever the grid, the phase function and the
+  // boundary: the mean path is 4 V / S.
+  VolumeFolder folder;
+  constexpr double kMeter = 1.05, kVolume = 4.0 / 3 * M_PI;
+  std::uint32_t state = 5;
+  for (const int n : {2, 7}) {
+    std::vector<float> values(std::size_t(n * n * n));
+    for (float& v : values)
+      v = std::max(0.f, float((state = state * 1664525u + 1013904223u) >> 8) * 0x1p-24f - .4f);
+    const auto file = write_bytes(folder.path() / "s.vol", make_vol({n, n, n}, 1, values).bytes());
+    for (const auto& [boundary, g] :
+         {std::pair<std::string, double>{kNull, 0.7},
+          {"<bsdf type=\"roughdielectric\"><float name=\"alpha\" value=\"0.4\"/><float name=\"int_ior\" "
+           "value=\"1.5\"/><float name=\"ext_ior\" value=\"1\"/><boolean name=\"energy_preserving\" "
+           "value=\"true\"/></bsdf>",
+           -0.5}}) {
+      const Picture p =
+          render("<integrator type=\"path\"/><shape type=\"sphere\"><float name=\"radius\" value=\"" +
+                 number(kMeter) +
+                 "\"/><boolean name=\"flip_normals\" value=\"true\"/><bsdf type=\"diffuse\"><float "
+                 "name=\"reflectance\" value=\"0\"/></bsdf><sensor type=\"irradiancemeter\">" +
+                 film(1, 512) + "</sensor></shape>" +
+                 ball(boundary, "<medium type=\"heterogeneous\" name=\"interior\">" +
+                                    filling(file, "sigma_t", "trilinear") + parameter("scale", 6) +
+                                    parameter("albedo", 1) + parameter("emission", 1) +
+                                    "<phase type=\"hg\">" + parameter("g", g) + "</phase></medium>"));
+      EXPECT_NEAR(p.all * kMeter * kMeter, kVolume, 4.5 * p.all_error + 1e-3 * kVolume) << n << ", g " << g;
+      EXPECT_LT(p.all_error, 0.02 * p.all);
+    }
+  }
 }
 
 }  // namespace

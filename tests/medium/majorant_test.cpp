@@ -37,7 +37,7 @@ class Majorants : public ::testing::TestWithParam<int> {};
 
 TEST_P(Majorants, AreAboveTheExtinctionAndCoverTheBox) {
   const int round = GetParam();
-  TemporaryFolder folder;
+  VolumeFolder folder;
   SeededRandom random(std::uint64_t(100 + round));
   const auto below = [&](int n) { return int(random.next() * float(n)); };
   const auto between = [&](float a, float b) { return a + (b - a) * random.next(); };

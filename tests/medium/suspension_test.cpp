@@ -135,7 +135,7 @@ TEST(SuspensionMedium, MassFractionsNeedDensities) {
 }
 
 TEST(SuspensionMedium, DensityOfAGrid) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   std::string grid =
       grid_xml(write_bytes(folder.path() / "d.vol", make_vol({2, 1, 1}, 1, {0.f, 0.5f}).bytes()),
                choice("filter_type", "nearest"));

@@ -27,7 +27,7 @@ std::string matrix_text(const std::array<float, 6>& s) {
 
 // Two samples along x, whose centres are at 1/4 and 3/4 of the box [0, 1]^3.
 TEST(VaryingPhase, FlakesTurnFromPlaceToPlace) {
-  const test::TemporaryFolder folder;
+  const test::VolumeFolder folder;
   const std::array<float, 6> first{0.5f, 0.9f, 0.2f, 0.1f, -0.15f, 0.05f}, second{1, 0.04f, 1, 0, 0, 0};
   std::vector<float> values(first.begin(), first.end());
   values.insert(values.end(), second.begin(), second.end());
@@ -54,7 +54,7 @@ TEST(VaryingPhase, FlakesTurnFromPlaceToPlace) {
 }
 
 TEST(VaryingPhase, MatricesThatAreNoneCountAsSpheres) {
-  const test::TemporaryFolder folder;
+  const test::VolumeFolder folder;
   const auto file = test::write_bytes(
       folder.path() / "s.vol", test::make_vol({2, 1, 1}, 6, {0, 0, 0, 0, 0, 0, 1, 1, 1, 2, 0, 0}).bytes());
   const auto phase = build<PhaseFunction>("<phase type=\"sggx\">" + grid("S", file) + "</phase>");
@@ -66,7 +66,7 @@ TEST(VaryingPhase, MatricesThatAreNoneCountAsSpheres) {
 }
 
 TEST(VaryingPhase, BlendsByAVolume) {
-  const test::TemporaryFolder folder;
+  const test::VolumeFolder folder;
   const auto file =
       test::write_bytes(folder.path() / "w.vol", test::make_vol({2, 1, 1}, 1, {0.2f, 0.8f}).bytes());
   const auto phase = build<PhaseFunction>("<phase type=\"blendphase\">" + grid("weight", file) +
@@ -80,7 +80,7 @@ TEST(VaryingPhase, BlendsByAVolume) {
 }
 
 TEST(VaryingPhase, RefusesVolumesOfOtherChannels) {
-  const test::TemporaryFolder folder;
+  const test::VolumeFolder folder;
   const auto file =
       test::write_bytes(folder.path() / "w.vol", test::make_vol({2, 1, 1}, 1, {0.2f, 1.8f}).bytes());
   EXPECT_THROW(build<PhaseFunction>("<phase type=\"sggx\">" + grid("S", file) + "</phase>"), Error);

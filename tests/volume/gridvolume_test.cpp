@@ -31,7 +31,7 @@ std::vector<float> noise(std::size_t count, std::uint64_t seed) {
 
 // tests/volume/data/make_grid_values.py describes the grid.
 TEST(GridVolume, MitsubasValues) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   std::vector<float> values;
   for (int i = 0; i < 120; ++i) values.push_back(float(std::fmod(i * 0.6180339887498949, 1.0)));
   VolFile vol = make_vol({6, 5, 4}, 1, values);
@@ -56,7 +56,7 @@ TEST(GridVolume, MitsubasValues) {
 }
 
 TEST(GridVolume, IsExactForLinearFunctionsBetweenTheCentres) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const std::array<int, 3> n{19, 9, 26};
   const auto f = [](double x, double y, double z) { return 3 + 2 * x - y + 0.5 * z; };
   std::vector<float> values;
@@ -75,7 +75,7 @@ TEST(GridVolume, IsExactForLinearFunctionsBetweenTheCentres) {
 }
 
 TEST(GridVolume, OtherEncodings) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   VolFile vol = make_vol({2, 2, 1}, 1, {});
   vol.encoding = 2;
   vol.set_data(std::vector<std::uint16_t>{0x3c00, 0x3800, 0x0000, 0x4900});  // 1, .5, 0, 10
@@ -94,7 +94,7 @@ TEST(GridVolume, OtherEncodings) {
 
 // The spectrum of one colour is that of a texture; between voxels spectra are interpolated.
 TEST(GridVolume, ColoursBecomeSpectraVoxelByVoxel) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto file = write_bytes(folder.path() / "c.vol",
                                 make_vol({3, 1, 1}, 3, {.2f, .5f, .9f, 0, 0, 0, 6, 3, .75f}).bytes());
   const VolumePtr volume = build_grid(file);
@@ -117,7 +117,7 @@ TEST(GridVolume, ColoursBecomeSpectraVoxelByVoxel) {
 }
 
 TEST(GridVolume, GreyColoursAreNumbers) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const VolumePtr volume =
       build_grid(write_bytes(folder.path() / "g.vol", make_vol({2, 1, 1}, 3, {3, 3, 3, 5, 5, 5}).bytes()));
   EXPECT_EQ(volume->eval({.5f, .5f, .5f}, wavelengths())[0], 4);
@@ -125,7 +125,7 @@ TEST(GridVolume, GreyColoursAreNumbers) {
 }
 
 TEST(GridVolume, NumbersThatAreNoColours) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const std::vector<float> values{1, 2, 3, -4, 5, 6, 3, 0, 1, 0, -5, 2};
   const VolumePtr six =
       build_grid(write_bytes(folder.path() / "6.vol", make_vol({2, 1, 1}, 6, values).bytes()));
@@ -159,7 +159,7 @@ TEST(GridVolume, ValuesFromAProgram) {
 
 /// Every value in a part of the box is below its bound, whatever the filter, wrapping and transform.
 TEST(GridVolume, BoundsHold) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   SeededRandom random(11);
   const auto below = [&](int n) { return int(random.next() * float(n)); };
   const Wavelengths w = wavelengths(361, 67);
@@ -207,7 +207,7 @@ TEST(GridVolume, BoundsHold) {
 }
 
 TEST(GridVolume, BoundsAreThoseOfTheirNeighbourhood) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   std::vector<float> values(64 * 64 * 64);
   values[std::size_t((40 * 64 + 21) * 64 + 9)] = 2;
   const VolumePtr volume =
@@ -223,7 +223,7 @@ TEST(GridVolume, BoundsAreThoseOfTheirNeighbourhood) {
 }
 
 std::string error_with(const VolFile& vol, const std::string& parameters = "") {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto file = write_bytes(folder.path() / "bad.vol", vol.bytes());
   return error_of([&] { build_grid(file, parameters); });
 }
@@ -260,7 +260,7 @@ TEST(GridVolume, BadFilesAreLocatedErrors) {
   VolFile two = make_vol({2, 2, 1}, 2, std::vector<float>(8, 1.f));
   EXPECT_NE(error_with(two).find("has 2 numbers at each voxel"), std::string::npos);
   EXPECT_NE(error_of([] { build_grid("/nowhere/a.vol"); }).find("no such file"), std::string::npos);
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto brief = write_bytes(folder.path() / "a.vol", "VOL\3");
   EXPECT_NE(error_of([&] { build_grid(brief); }).find("too short"), std::string::npos);
   EXPECT_NE(error_with(good, choice("filter_type", "cubic")).find("trilinear"), std::string::npos);

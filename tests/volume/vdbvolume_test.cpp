@@ -150,7 +150,7 @@ std::string decompressed_nvdb() {
 }
 
 TEST(NvdbVolume, FilesWithoutCompression) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto file = write_bytes(folder.path() / "a.nvdb", decompressed_nvdb());
   for (const char* grid : {"density", "temperature", "quantised"}) {
     const VolumePtr a = build_vdb(file, choice("grid", grid)),
@@ -162,7 +162,7 @@ TEST(NvdbVolume, FilesWithoutCompression) {
 }
 
 TEST(NvdbVolume, BadFilesAreLocatedErrors) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto error_with = [&](const std::string& bytes) {
     const auto file = write_bytes(folder.path() / "bad.nvdb", bytes);
     const std::string message = error_of([&] { build_vdb(file); });
@@ -178,7 +178,7 @@ TEST(NvdbVolume, BadFilesAreLocatedErrors) {
 
 // Whatever is damaged, nothing is read outside of the file's memory (make test-asan would tell).
 TEST(NvdbVolume, DamagedNodesAreErrorsOrValues) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const std::string good = decompressed_nvdb();
   const std::size_t grid = good.find("density", 1000) - 40;  // its name in its own head
   const auto error_with = [&](const std::string& bytes) {
@@ -205,7 +205,7 @@ TEST(NvdbVolume, DamagedNodesAreErrorsOrValues) {
 }
 
 TEST(VdbFiles, BadFilesAreLocatedErrors) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const std::string good = bytes_of(sample("vdb"));
   SeededRandom random(4);
   for (int round = 0; round < 20; ++round) {

@@ -40,7 +40,7 @@ TEST(Volume, AConstantVolumeIsItsValue) {
 
 // As numbers of a scene file do (docs/conventions.md).
 TEST(Volume, AGridOfEmissionMultipliesD65) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto file = write_bytes(folder.path() / "e.vol", make_vol({2, 1, 1}, 1, {1, 3}).bytes());
   const VolumePtr volume = read(SpectrumRole::emission, named(grid_xml(file)));
   const VolumePtr plain = read(SpectrumRole::unbounded, named(grid_xml(file)));
@@ -55,7 +55,7 @@ TEST(Volume, AGridOfEmissionMultipliesD65) {
 }
 
 TEST(Volume, RolesExcludeValues) {
-  TemporaryFolder folder;
+  VolumeFolder folder;
   const auto write = [&](int channels, const std::vector<float>& values) {
     return named(
         grid_xml(write_bytes(folder.path() / "v.vol", make_vol({1, 1, 1}, channels, values).bytes())));

@@ -17,14 +17,14 @@
 
 namespace aureole::test {
 
-/// A folder that is removed at the end.
-class TemporaryFolder {
+/// A folder for files of volumes, removed at the end.
+class VolumeFolder {
 public:
-  TemporaryFolder() {
+  VolumeFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "aureole-volume-XXXXXX").string();
     path_ = mkdtemp(name.data());
   }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  ~VolumeFolder() { std::filesystem::remove_all(path_); }
   const std::filesystem::path& path() const { return path_; }
 
 private:

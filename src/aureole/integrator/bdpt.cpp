@@ -117,7 +117,8 @@ AUREOLE_PLUGIN(
         "Bidirectional path tracing: a path from an emitter and one from the sensor are connected in every way, and "
         "all ways to find a path are weighted by spectral multiple importance sampling. Finds caustics and light "
         "that reaches the scene through small openings or by detours; a sample takes several times as long as one of "
-        "`path`.",
+        "`path`, and in dense media, where both parts are long and each vertex is connected with each, far longer: "
+        "use `path` there.",
         "Veach 1997, chapter 10; Georgiev et al. 2012, Eq. 31 to 34 (recursive weights); Wilkie et al. 2014, Eq. 8",
         {{"max_depth", "integer", "", "-1",
           "longest path in edges: 1 shows emitters only, 2 direct light; -1: no limit"},

@@ -116,6 +116,7 @@ public:
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return false;
+    if (!vertex.is_surface() && !scene_.lights_reach(*s.flight.medium)) return false;
     Path& path = paths_[size_t(i)];
     return connect_to_light(scene_, vertex, s.flight, s.density,
                             scene_.lights().is_single() ? 0.f : get(path.samples, s.vertex, Choice::light),
@@ -183,7 +184,10 @@ public:
     go_on(i, vertex, b.d);
     ++s.depth;
     s.eta2 *= b.eta * b.eta;
-    return survives(i);
+    if (!survives(i)) return false;
+    if (!vertex.is_surface() && !may_choose_places(s))
+      end_at_event(s.flight, path.wavelengths, get(path.samples, s.vertex, Choice::distance));
+    return true;
   }
 
   /// What light reaches the vertices around edges.
@@ -257,7 +261,7 @@ private:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     if (s.depth >= limits_.roulette_depth) {
-      const float survival = std::min(PathLimits::most_survival(scene_),
+      const float survival = std::min(PathLimits::most_survival(scene_, s.depth),
                                       s.density.hero_symmetric_throughput() * s.eta2 / s.whole);
       if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
       s.density.survive(survival);
@@ -338,14 +342,19 @@ private:
     return Event::medium;
   }
 
+  /// Whether lights may choose places along the flight in the medium.
+  bool may_choose_places(const State& s) const {
+    constexpr int kLatest = 8;  // scattered more often, light is all around
+    return lights_choose_places_ && s.depth < kLatest && scene_.lights_reach(*s.flight.medium);
+  }
+
   /// Connects a place along the flight, whichever the flight itself will choose, where a light is near. From there
   /// connections look for no emission, whose weights do not count this technique (`share`).
   std::optional<Equiangular> connect_segment(int i, float t_max) {
     const State& s = states_[i];
     Path& path = paths_[size_t(i)];
-    constexpr int kLatest = 8;  // scattered more often, light is all around
-    if (!lights_choose_places_ || s.depth >= kLatest || !limits_.reaches(s.depth + 2) ||
-        s.in_media == limits_.max_scattering || s.density.beta.is_black())
+    if (!may_choose_places(s) || !limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering ||
+        s.density.beta.is_black())
       return {};
     // The numbers of the vertex that the flight may lead to: what the two bring adds up.
     const std::uint32_t random = key(path.samples, s.vertex + 1, Key::connection) ^ kOther;

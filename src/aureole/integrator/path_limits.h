@@ -23,9 +23,12 @@ struct PathLimits {
         max_scattering(int(p.get_int("max_scattering", -1, {-1, 1e9}))),
         hide_emitters(p.get_bool("hide_emitters", false)) {}
 
-  /// The largest probability of surviving roulette. Paths in media that hardly absorb are long: a loss of 5 %
-  /// at every vertex would make the few that survive hundreds of times as bright as the others.
-  static float most_survival(const Scene& scene) { return scene.has_media() ? 0.999f : 0.95f; }
+  /// The largest probability of surviving roulette, after so many scattering events. Paths in media that hardly
+  /// absorb are long: a loss of 5 % at every vertex would make the few that survive hundreds of times as bright as
+  /// the others. A loss of 1/(2 n) at the n-th lets their weights grow as the root of n (docs/decisions.md).
+  static float most_survival(const Scene& scene, int scattered) {
+    return scene.has_media() ? 1 - std::clamp(0.5f / float(scattered + 1), 5e-5f, 1e-3f) : 0.95f;
+  }
 
   /// Whether paths of so many edges count.
   bool reaches(int edges) const { return max_depth < 0 || edges <= max_depth; }

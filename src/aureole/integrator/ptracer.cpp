@@ -199,7 +199,10 @@ public:
     }
     go_on(i, vertex, b.d);
     ++s.scattered;
-    return survives(i);
+    if (!survives(i)) return false;
+    if (s.flight.medium)
+      end_at_event(s.flight, path.wavelengths, get(path.samples, s.vertex, Choice::distance));
+    return true;
   }
 
   /// As that of `path`.
@@ -288,8 +291,8 @@ private:
   bool survives(int i) {
     State& s = states_[i];
     if (s.scattered < limits_.roulette_depth) return true;
-    const float survival =
-        std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() / s.whole);
+    const float survival = std::min(PathLimits::most_survival(scene_, s.scattered),
+                                    s.density.hero_symmetric_throughput() / s.whole);
     if (!(get(paths_[size_t(i)].samples, s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
     return true;

@@ -55,6 +55,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
     }
   make_surfaces();
   find_media();
+  find_closed_media();
   bound_emitters();
   tracer_ = reuse && reuse->tracer_->is_for(parts_.surfaces)
                 ? reuse->tracer_
@@ -194,55 +195,6 @@ void Scene::find_media() {
   }
   has_media_ |= !priority_bounds_.empty();
   any_passable_ |= has_media_;
-}
-
-namespace {
-
-/// With room for rounding.
-bool is_in(const Vec3& p, const Bounds3& box) {
-  const Vec3 margin = (abs(box.lower) + abs(box.upper)) * 1e-5f;
-  for (int i = 0; i < 3; ++i)
-    if (!(p[i] >= box.lower[i] - margin[i] && p[i] <= box.upper[i] + margin[i])) return false;
-  return true;
-}
-
-}  // namespace
-
-void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
-  if (!is_in(ray.o, priority_bounds_)) return;
-  // A shape that the ray leaves more often than it enters it lies around the origin. The last such exit comes
-  // first in a list of equal priorities, as if the shapes had been entered from afar.
-  std::vector<std::pair<const Surface*, int>> left;
-  Ray next{ray.o, ray.d, kInfinity};
-  while (const auto point = intersect(next)) {
-    next.o = offset_origin(*point, ray.d);
-    const Surface* surface = point->surface;
-    if (surface->priority == 0) continue;
-    const int out = dot(ray.d, point->ng) > 0 ? 1 : -1;
-    const auto known =
-        std::find_if(left.begin(), left.end(), [&](const auto& entry) { return entry.first == surface; });
-    if (known == left.end())
-      left.emplace_back(surface, out);
-    else
-      known->second += out;
-  }
-  for (auto entry = left.rbegin(); entry != left.rend(); ++entry)
-    if (entry->second > 0) inside.pass(*entry->first, true);
-}
-
-const Medium* Scene::medium_at(const Ray& ray) const {
-  if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return nullptr;
-  // A ray that meets none of these surfaces says nothing; one towards them does.
-  const Vec3 inwards = media_bounds_.center() - ray.o;
-  for (const Vec3& d : {ray.d, normalize(inwards)}) {
-    Ray next{ray.o, d, kInfinity};
-    while (const auto point = intersect(next)) {
-      if (point->surface->bounds_media && point->surface->priority == 0)
-        return point->surface->medium_along(-d, point->ng, nullptr);
-      next.o = offset_origin(*point, d);
-    }
-  }
-  return nullptr;
 }
 
 void Scene::weigh_lights() {

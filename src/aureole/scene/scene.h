@@ -60,6 +60,19 @@ public:
   bool has_media() const { return has_media_; }
   /// Light may leave surfaces elsewhere than it has entered them.
   bool has_exits() const { return has_exits_; }
+  /// Whether any light can be connected with a place in the medium. False where the medium lies within closed
+  /// surfaces that let nothing pass straight, and all lights are elsewhere.
+  bool lights_reach(const Medium& medium) const {
+    for (const Closed& c : closed_)
+      if (c.medium == &medium) return c.lights_inside;
+    return true;
+  }
+  /// Whether a place in the medium can be connected with `p`. False where such surfaces are between them.
+  bool may_see(const Medium& medium, const Vec3& p) const {
+    for (const Closed& c : closed_)
+      if (c.medium == &medium) return c.may_contain(p);
+    return true;
+  }
   /// The medium at the origin of a ray, or null, as the next surface without priority says at which a medium
   /// ends.
   const Medium* medium_at(const Ray& ray) const;
@@ -92,6 +105,7 @@ private:
   void weigh_lights();
   /// Adds the spectra of their powers.
   void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
+  void find_closed_media();
   /// Throws Error where the sensor is in a medium that its surfaces do not close.
   void check_sensor_medium() const;
 
@@ -111,6 +125,14 @@ private:
   bool any_passable_ = false;  ///< connections may have to pass surfaces or media
   bool has_exits_ = false;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
+  /// A medium that lies within closed surfaces which let no light pass straight, all within the box.
+  struct Closed {
+    const Medium* medium;
+    Bounds3 box;
+    bool lights_inside;
+    bool may_contain(const Vec3& p) const;
+  };
+  std::vector<Closed> closed_;
   Bounds3 media_bounds_;     ///< of the surfaces on which a medium ends
   Bounds3 priority_bounds_;  ///< of those with a priority
   std::vector<std::string> notes_;

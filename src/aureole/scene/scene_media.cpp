@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene finds out about its media as a whole: which of them are lights, and whether the one that its
-// sensor is in is closed.
+// What a scene finds out about its media as a whole: what is around a place, which media are lights, which of them
+// connections cannot reach, and whether the one that its sensor is in is closed.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +10,103 @@
 #include "aureole/scene/scene.h"
 
 namespace aureole {
+
+namespace {
+
+/// With room for rounding.
+Bounds3 widened(const Bounds3& box) {
+  const Vec3 margin = (abs(box.lower) + abs(box.upper)) * 1e-5f;
+  return {box.lower - margin, box.upper + margin};
+}
+
+bool is_in(const Vec3& p, const Bounds3& box) {
+  const Bounds3 wide = widened(box);
+  for (int i = 0; i < 3; ++i)
+    if (!(p[i] >= wide.lower[i] && p[i] <= wide.upper[i])) return false;
+  return true;
+}
+
+bool overlap(const Bounds3& a, const Bounds3& b) {
+  for (int i = 0; i < 3; ++i)
+    if (!(a.lower[i] <= b.upper[i] && b.lower[i] <= a.upper[i])) return false;
+  return true;
+}
+
+}  // namespace
+
+void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
+  if (!is_in(ray.o, priority_bounds_)) return;
+  // A shape that the ray leaves more often than it enters it lies around the origin. The last such exit comes
+  // first in a list of equal priorities, as if the shapes had been entered from afar.
+  std::vector<std::pair<const Surface*, int>> left;
+  Ray next{ray.o, ray.d, kInfinity};
+  while (const auto point = intersect(next)) {
+    next.o = offset_origin(*point, ray.d);
+    const Surface* surface = point->surface;
+    if (surface->priority == 0) continue;
+    const int out = dot(ray.d, point->ng) > 0 ? 1 : -1;
+    const auto known =
+        std::find_if(left.begin(), left.end(), [&](const auto& entry) { return entry.first == surface; });
+    if (known == left.end())
+      left.emplace_back(surface, out);
+    else
+      known->second += out;
+  }
+  for (auto entry = left.rbegin(); entry != left.rend(); ++entry)
+    if (entry->second > 0) inside.pass(*entry->first, true);
+}
+
+const Medium* Scene::medium_at(const Ray& ray) const {
+  if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return nullptr;
+  // A ray that meets none of these surfaces says nothing; one towards them does.
+  const Vec3 inwards = media_bounds_.center() - ray.o;
+  for (const Vec3& d : {ray.d, normalize(inwards)}) {
+    Ray next{ray.o, d, kInfinity};
+    while (const auto point = intersect(next)) {
+      if (point->surface->bounds_media && point->surface->priority == 0)
+        return point->surface->medium_along(-d, point->ng, nullptr);
+      next.o = offset_origin(*point, d);
+    }
+  }
+  return nullptr;
+}
+
+void Scene::find_closed_media() {
+  // Where a shape of higher priority is around, the surface of a medium is not there: then that one must close it.
+  const auto lets_pass = [](const Surface& s) { return s.passable || s.light; };
+  const bool priorities_close = std::none_of(
+      surfaces_.begin(), surfaces_.end(), [&](const Surface& s) { return s.priority != 0 && lets_pass(s); });
+  std::vector<const Medium*> open;
+  const auto is_open = [&](const Medium* medium) {
+    return std::find(open.begin(), open.end(), medium) != open.end();
+  };
+  // Where objects state what they are in, no surface need be around them.
+  open.push_back(parts_.sensor->medium());
+  for (const Light& light : emitters_) open.push_back(light.emitter->medium());
+  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+    const Surface& s = surfaces_[i];
+    if (s.outside) open.push_back(s.outside);
+    const bool closes = i < parts_.surfaces.size() && parts_.surfaces[i].encloses_medium && !lets_pass(s) &&
+                        (s.priority == 0 || priorities_close);
+    if (s.inside && !closes) open.push_back(s.inside);
+  }
+  for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
+    const Medium* medium = surfaces_[i].inside;
+    if (!medium || is_open(medium)) continue;
+    auto known =
+        std::find_if(closed_.begin(), closed_.end(), [&](const Closed& c) { return c.medium == medium; });
+    if (known == closed_.end()) known = closed_.insert(closed_.end(), {medium, {}, false});
+    known->box.extend(widened(parts_.surfaces[i].bounds()));
+  }
+  for (Closed& c : closed_)
+    for (const Light& light : emitters_) {
+      if (light.is_infinite()) continue;
+      for (std::size_t part = 0; part < light.part_count() && !c.lights_inside; ++part)
+        c.lights_inside = overlap(c.box, widened(light.emission_bounds(part).box));
+    }
+}
+
+bool Scene::Closed::may_contain(const Vec3& p) const { return is_in(p, box); }
 
 void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers) {
   if (!any_medium_emits_) return;

@@ -109,7 +109,7 @@ public:
 private:
   void build(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
   /// A medium on one side of a surface with a gap is a note: its scene may close it with further shapes.
-  void check_media(const Properties& element) const;
+  void check_media(const Properties& element);
   void take_bssrdf(const Properties& element);
   /// The element's parameters without what hangs on the shape.
   static Properties geometry_of(const Properties& element);
@@ -144,7 +144,7 @@ Properties ShapeModel::geometry_of(const Properties& element) {
   return geometry;
 }
 
-void ShapeModel::check_media(const Properties& element) const {
+void ShapeModel::check_media(const Properties& element) {
   if (media_.bssrdf) {
     const std::string opening = opening_of(parts_);
     if (!opening.empty())
@@ -153,7 +153,10 @@ void ShapeModel::check_media(const Properties& element) const {
   }
   if (!media_.given() || media_.outside == media_.inside) return;
   const std::string opening = opening_of(parts_);
-  if (opening.empty()) return;
+  if (opening.empty()) {
+    for (ModelPart& part : parts_) part.encloses_medium = true;
+    return;
+  }
   element.note(media_.inside ? "interior" : "exterior",
                "the surface that bounds this medium is open (" + opening +
                    "): light that passes through the gap stays in the medium that it came from, unless other "

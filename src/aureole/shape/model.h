@@ -39,6 +39,8 @@ struct ModelPart {
   /// The element it comes from, for messages; never null.
   std::shared_ptr<const Properties> element;
   std::vector<std::string> remarks;  ///< repairs made by the reader, for `aureole info` and a note
+  /// The model that it is a part of bounds a medium and has no gap.
+  bool encloses_medium = false;
 
   Bounds3 bounds() const { return instance ? instance->bounds() : shape->bounds(); }
   std::size_t primitive_count() const;

@@ -101,6 +101,7 @@ inline bool connect_to_sensor(const Scene& scene, const Vertex& vertex, const Fl
                               std::uint32_t key, Connection& out, Vec2& film) {
   const auto seen = scene.sensor().sample_direct(vertex.p(), lens);
   if (!seen || !(seen->importance > 0)) return false;
+  if (!vertex.is_surface() && !scene.may_see(*flight.medium, seen->p)) return false;
   Response response;
   if (!vertex.respond(seen->wo, response)) return false;
   out.light = path.reached(response.value, seen->importance, w);

@@ -171,6 +171,16 @@ bool fly(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w
   return fly_uniformly(medium, ray, t_max, w, random, passage, glow, t);
 }
 
+void end_at_event(Flight& flight, const Wavelengths& w, float first) {
+  const Medium& medium = *flight.medium;
+  if (medium.majorants() || medium.emits()) return;
+  MediumCoefficients at;
+  medium.eval(flight.ray.o, flight.ray.d, w, at);
+  const float hero = at.sigma_t[0];
+  // Room for rounding: which of two is nearer, the event or a surface, is decided by `fly`.
+  if (hero > 0) flight.ray.t_max = free_path(first) / hero * 1.00001f;
+}
+
 float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Spectrum& sigma_t,
                     float inverse_size, const Wavelengths& w) {
   if (const MajorantGrid* grid = medium.majorants())

@@ -118,6 +118,11 @@ bool fly(const Flight& flight, float t_max, const Wavelengths& w, SampleStream& 
   return scattered;
 }
 
+/// Ends the flight's ray just behind the place where `fly` will scatter it, given the first of its random numbers, where
+/// that is known before: the ray tracer then looks no farther. Not for flights along the whole of which something is
+/// chosen or seen.
+void end_at_event(Flight& flight, const Wavelengths& w, float first);
+
 /// The formal density per length with which a flight finds emission at a place of a medium, as the weights of
 /// all techniques take it, without that of passing what lies before. `size` is the inverse of the medium's.
 float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Spectrum& sigma_t,

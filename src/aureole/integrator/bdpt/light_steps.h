@@ -93,6 +93,7 @@ public:
     const Vec2 lens = scene_.sensor().uses_lens() ? get(s.samples, s.vertex, Pair::connection) : Vec2{};
     const auto seen = scene_.sensor().sample_direct(vertex.p(), lens);
     if (!seen || !(seen->importance > 0)) return false;
+    if (!vertex.is_surface() && !scene_.may_see(*s.flight.medium, seen->p)) return false;
     const auto inverse = scene_.sensor().eval(vertex.p(), -seen->wo);
     Response response;
     if (!inverse || !vertex.respond(seen->wo, response)) return false;
@@ -134,8 +135,8 @@ public:
     vertex.leave(b.d, scene_.has_media(), s.flight);
     ++s.scattered;
     if (s.scattered < limits_.roulette_depth) return true;
-    const float survival =
-        std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() / s.whole);
+    const float survival = std::min(PathLimits::most_survival(scene_, s.scattered),
+                                    s.density.hero_symmetric_throughput() / s.whole);
     if (!(get(s.samples, s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
     return true;

@@ -77,6 +77,7 @@ public:
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     if (!is_connectable(i) || scene_.lights().empty() || !techniques_.have(1, s.scattered + 2)) return false;
+    if (!vertex.is_surface() && !scene_.lights_reach(*s.flight.medium)) return false;
     Path& path = paths_[size_t(i)];
     const Vec3 facing = vertex.facing();
     const auto choice = scene_.lights().choose(
@@ -118,6 +119,7 @@ public:
     if (!limits_.reaches(s.scattered + 2 + end.edges) || !techniques_.have(end.edges + 1, s.scattered + 2))
       return false;
     if (limits_.max_scattering >= 0 && s.in_media + end.in_media > limits_.max_scattering) return false;
+    if (!vertex.is_surface() && !scene_.may_see(*s.flight.medium, end.vertex.p())) return false;
     const Vec3 to = end.vertex.p() - vertex.p();
     const float distance2 = length_squared(to);
     if (!(distance2 > 0)) return false;
@@ -169,8 +171,8 @@ public:
     s.eta2 *= b.eta * b.eta;
 
     if (s.scattered >= limits_.roulette_depth) {
-      const float survival =
-          std::min(PathLimits::most_survival(scene_), s.density.hero_symmetric_throughput() * s.eta2);
+      const float survival = std::min(PathLimits::most_survival(scene_, s.scattered),
+                                      s.density.hero_symmetric_throughput() * s.eta2);
       if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
       s.density.survive(survival);
     }

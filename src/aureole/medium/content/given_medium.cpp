@@ -40,9 +40,19 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
       p.note(name, "lights are always sampled, and every wavelength has its own extinction: no effect");
     p.get_bool(name, true);
   }
-  sampling_weight_ = float(p.get_float("sampling_weight", 1, Range::non_negative()));
   const double n = p.get_float("ior", 1, {1, 100});
   index2_ = float(n * n);
+  if (temperature_) {
+    const double hottest = double(temperature_->maximum()),
+                 light =
+                     most * double(scale_) * n * n * black_body_radiance(p.context().grid.min_nm, hottest);
+    if (!(light <= kMost))
+      throw p.error("temperature",
+                    fmt::format("at {:.3g} K the medium would shine too brightly to be computed "
+                                "with",
+                                hottest));
+  }
+  sampling_weight_ = float(p.get_float("sampling_weight", 1, Range::non_negative()));
   const auto phases = p.get_children<PhaseFunction>("phase");
   if (phases.size() > 1)
     throw Error(p.where(), "\"" + p.type() + "\" has " + std::to_string(phases.size()) +

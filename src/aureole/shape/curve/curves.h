@@ -30,6 +30,7 @@ struct CurvePoint {
 class Curves : public Shape {
 public:
   Bounds3 bounds() const final { return bounds_; }
+  std::string opening() const final { return "curves may be open at their ends"; }
   std::size_t primitive_count() const final { return first_.size(); }
   std::size_t memory_bytes() const final;
   SurfacePoint surface_point(const ShapeHit& hit, const Ray& ray, bool tangent) const final;
