@@ -106,6 +106,8 @@ public:
   virtual Lobe lobes() const = 0;
   /// `sample` looks at u1, or something at the context's key.
   virtual bool needs_choice() const { return true; }
+  /// Known to have the same values at all points, so that tables may hold them.
+  virtual bool is_constant() const { return false; }
   /// Values change when the frame turns about the normal: x must lie along dp/du. False saves the tangent.
   virtual bool needs_tangent() const { return true; }
   /// There are diffuse or glossy lobes, which next-event estimation can connect to a light.

@@ -34,6 +34,7 @@ public:
 
   bool needs_tangent() const override { return false; }
   bool needs_choice() const override { return false; }
+  bool is_constant() const override { return reflectance_->is_constant(); }
   Lobe lobes() const override { return Lobe::diffuse | Lobe::reflect; }
 
 private:

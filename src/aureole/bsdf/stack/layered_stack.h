@@ -24,8 +24,8 @@ public:
   float index_below() const { return float(index_below_); }
   bool is_open() const { return !substrate_; }
   bool has_delta() const;  ///< some light is not scattered
-  /// A Lambertian substrate, whose reflectance may vary over the surface: it is no part of the table. Null where
-  /// there is none, and where the substrate is another.
+  /// A Lambertian substrate whose reflectance may vary over the surface: it is no part of the table. Null where
+  /// there is none, and where the substrate is another or the same everywhere.
   const BsdfPtr& lambertian() const { return lambertian_; }
   /// Solves the stack on all cores; throws a located error where the table would be too large.
   std::shared_ptr<const StackTable> tabulate() const;
