@@ -44,7 +44,61 @@ def star(name, points=5, outer=1.0, inner=0.42, rim=6000.0):
     write(name, "A sheet of 6 m with a hole: a star of five points, 1 mm from its centre.", vertices, faces)
 
 
+def comb(name, teeth=15, pitch=2.0, width=0.9, length=25.0, back=8.0):
+    """A comb: a back from which teeth hang, each of two triangles."""
+    half = teeth * pitch / 2
+    vertices = [(-half, 0), (half, 0), (half, back), (-half, back)]
+    faces = [(0, 1, 2), (0, 2, 3)]
+    for i in range(teeth):
+        x = -half + (i + 0.5) * pitch
+        a = len(vertices)
+        vertices += [(x - width / 2, -length), (x + width / 2, -length), (x + width / 2, 0), (x - width / 2, 0)]
+        faces += [(a, a + 1, a + 2), (a, a + 2, a + 3)]
+    write(name, f"A comb of {teeth} teeth, {width:g} mm wide, {pitch:g} mm apart.", vertices, faces)
+
+
+def leaves(name, count=14, seed=4):
+    """Leaves of 16 corners, 7 to 13 cm long, at random in a square of 36 cm, with folds along their middle."""
+    import random
+
+    rng = random.Random(seed)
+    with open(name, "w", encoding="ascii") as out:
+        out.write("# SPDX-License-Identifier: Apache-2.0\n# Leaves, in mm. Written by make_sheets.py.\n")
+        n = 0
+        for _ in range(count):
+            x, y, z = rng.uniform(-180, 180), rng.uniform(-180, 180), rng.uniform(-60, 60)
+            size, turn, tilt = rng.uniform(70, 130), rng.uniform(0, 2 * math.pi), rng.uniform(-0.7, 0.7)
+            c, s = math.cos(turn), math.sin(turn)
+
+            def place(u, v, lift):
+                w = lift * abs(v) + math.sin(tilt) * u
+                u *= math.cos(tilt)
+                return (x + c * u - s * v, y + s * u + c * v, z + w)
+
+            steps = 8
+            for i in range(steps + 1):
+                t = i / steps
+                half = 0.28 * size * math.sin(math.pi * t) ** 0.8 * (1.15 - 0.5 * t)
+                for v in (-half, 0, half):
+                    out.write("v %.4f %.4f %.4f\n" % place(size * (t - 0.5), v, 0.25))
+            for i in range(steps):
+                a = n + 3 * i
+                for k in (0, 1):
+                    b = a + k
+                    quad = (b, b + 3, b + 4, b + 1)
+                    if i > 0:
+                        out.write("f %d %d %d\n" % (quad[0] + 1, quad[1] + 1, quad[3] + 1))
+                    if i < steps - 1:
+                        out.write("f %d %d %d\n" % (quad[1] + 1, quad[2] + 1, quad[3] + 1))
+            n += 3 * (steps + 1)
+
+
 if __name__ == "__main__":
-    star("star.obj")
+    comb("comb.obj")
+    leaves("leaves.obj")
+    # A razor blade: three slots of the usual kind, as one long and two short ones, and notches at its corners.
+    sheet_with_holes("razor.obj", "A razor blade of 43 x 22 mm with slots.",
+                     [-21.5, -18.5, -15.0, -11.0, -4.0, 4.0, 11.0, 15.0, 18.5, 21.5], [-11.0, -7.0, -2.5, -1.0, 1.0, 2.5, 7.0, 11.0],
+                     lambda i, j: (i in (0, 8) and j in (0, 6)) or (j == 3 and 2 <= i <= 6) or (j in (2, 4) and i in (2, 4, 6)))
     sheet_with_holes("two_slits.obj", "A sheet with two slits, 0.2 mm wide, 0.6 mm apart, 4 mm long.",
                      [-600.0, -0.4, -0.2, 0.2, 0.4, 600.0], [-600.0, -2.0, 2.0, 600.0], lambda i, j: j == 1 and i in (1, 3))

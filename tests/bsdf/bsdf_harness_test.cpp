@@ -46,6 +46,7 @@ const BsdfCases kTwoSided(
         R"(<bsdf type="twosided"><bsdf type="plastic"><float name="diffuse_reflectance" value="1"/></bsdf></bsdf>)",
         [](BsdfCase& c) { c.lossless = true; })});
 
+const BsdfCases kFreeSpaceDiffraction("freespacediffraction", one_sided, {});
 const BsdfCases kConductor("conductor", one_sided,
                            {make_case("conductor_mirror", R"(<bsdf type="conductor"/>)", lossless_one_sided),
                             make_case("conductor_cu",

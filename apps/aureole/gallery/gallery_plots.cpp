@@ -19,6 +19,7 @@
 #include "aureole/optics/arrangement/pair_statistics.h"
 #include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/optics/particle/mie.h"
+#include "gallery/gallery_edge_plots.h"
 
 namespace aureole {
 namespace {
@@ -231,6 +232,39 @@ void plot_structure_map(const GalleryPlot& plot, GallerySize size, Output& out) 
           optics::kMaxAreaFraction, top));
 }
 
+void draw(const EdgeMap& map, GallerySize size, Output& out) {
+  const int n = size == kFullSize ? 512 : 200;
+  out.map(
+      n, n, [&](int x, int y) { return map.value((x + 0.5) * 2 / n - 1, 1 - (y + 0.5) * 2 / n); },
+      map.caption);
+}
+
+void plot_edge_waves(const GalleryPlot& plot, GallerySize size, Output& out) {
+  for (const double b : numbers(plot, "b"))
+    draw(edge_wave_map(number(plot, "a"), b, number(plot, "extent")), size, out);
+}
+
+void plot_edge_profile(const GalleryPlot& plot, GallerySize, Output& out) {
+  for (const double pieces : numbers(plot, "pieces")) {
+    const EdgeCurves curves = edge_profile(number(plot, "sigmas"), int(pieces));
+    out.svg(curves.svg, curves.caption);
+  }
+}
+
+void plot_wedge(const GalleryPlot& plot, GallerySize size, Output& out) {
+  for (const double n : numbers(plot, "n"))
+    draw(wedge_map(n, number(plot, "degrees") * pi / 180, number(plot, "wavelengths")), size, out);
+}
+
+void plot_opening(const GalleryPlot& plot, GallerySize, Output& out) {
+  for (const double fresnel : numbers(plot, "fresnel_numbers")) {
+    if (out.is_stopped()) return;
+    const EdgeCurves curves =
+        opening_profile(plot.parameters.at("shape").get<std::string>(), number(plot, "wavelengths"), fresnel);
+    out.svg(curves.svg, curves.caption);
+  }
+}
+
 /// A parameter of a plot in the gallery file: a number, a list of numbers or one of a set of words.
 struct Parameter {
   enum Type { number, list, word } type;
@@ -282,6 +316,21 @@ const std::map<std::string, Kind>& kinds() {
          {P::number, "radius_um", 0.05, 100},
          {P::number, "wavelength_nm", 100, 10000},
          {P::number, "decades", 1, 12}}}},
+      {"edge_waves",
+       {plot_edge_waves,
+        4,
+        {{P::number, "a", -10, 10}, {P::list, "b", -10, 10}, {P::number, "extent", 1, 200}}}},
+      {"edge_profile", {plot_edge_profile, 2, {{P::number, "sigmas", 0.5, 12}, {P::list, "pieces", 1, 64}}}},
+      {"wedge",
+       {plot_wedge,
+        2,
+        {{P::list, "n", 1.01, 2}, {P::number, "degrees", 1, 179}, {P::number, "wavelengths", 1, 100}}}},
+      {"opening",
+       {plot_opening,
+        2,
+        {{P::word, "shape", 0, 0, {"square", "ring", "slits"}},
+         {P::number, "wavelengths", 7, 60},
+         {P::list, "fresnel_numbers", 0.005, 4}}}},
       {"structure_map", {plot_structure_map, 1, {{P::number, "u", 1, 200}, {P::number, "highest", 1, 10}}}}};
   return all;
 }

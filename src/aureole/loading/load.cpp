@@ -12,6 +12,7 @@
 #include "aureole/loading/sensor_grid.h"
 #include "aureole/loading/stages.h"
 #include "aureole/loading/upgrade.h"
+#include "aureole/scene/edge/scene_edges.h"
 
 namespace aureole {
 
@@ -151,7 +152,11 @@ LoadedScene make_scene(LoadedParts loaded, const Scene* previous) {
     throw std::logic_error("the plug-in \"" + loaded.integrator->properties().type() +
                            "\" is registered in a wrong family");
   if (made.integrator) loaded.parts.diffraction = made.integrator->needs().edges;
-  made.scene = std::make_shared<const Scene>(std::move(loaded.parts), previous);
+  try {
+    made.scene = std::make_shared<const Scene>(std::move(loaded.parts), previous);
+  } catch (const BeamWidthError& e) {
+    throw made.integrator->properties().error("beam_width", e.message());
+  }
   made.hash = loaded.hash;
   made.notes = std::move(loaded.notes);
   made.notes.insert(made.notes.end(), made.scene->notes().begin(), made.scene->notes().end());

@@ -7,6 +7,7 @@
 #include "aureole/core/units.h"
 #include "aureole/loading/aliases.h"
 #include "aureole/loading/upgrade_adapters.h"
+#include "aureole/loading/upgrade_diffraction.h"
 #include "aureole/loading/values.h"
 
 namespace aureole {
@@ -290,7 +291,10 @@ void upgrade(Node& node, Diagnostics& diagnostics) {
   for (Node& child : node.children) upgrade(child, diagnostics);
   lower_type(node, diagnostics);
   // Ids that start with an underscore, which Mitsuba 2 renamed, are ordinary ids here.
-  if (node.file && node.file->version < SceneVersion{2, 0, 0}) upgrade_node(node, diagnostics);
+  if (node.file && node.file->version < SceneVersion{2, 0, 0}) {
+    upgrade_node(node, diagnostics);
+    if (node.tag == "scene") upgrade_diffraction(node, diagnostics);
+  }
 }
 
 }  // namespace aureole

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "aureole/scene/edge/diffracting_shapes.h"
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
@@ -69,7 +70,13 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
                      return a.shape == b.shape && a.bsdf == b.bsdf && a.instance == b.instance;
                    });
     edges_ = unchanged ? reuse->edges_ : std::make_shared<const SceneEdges>(parts_, *parts_.diffraction);
-    if (edges_->empty()) notes_.push_back("no mesh of the scene has edges: no light is diffracted");
+    if (edges_->empty())
+      notes_.push_back("no shape of the scene has edges that diffract: no light is diffracted");
+    notes_.insert(notes_.end(), edges_->notes().begin(), edges_->notes().end());
+  } else if (const Bsdf* bsdf = first_diffracting_bsdf(parts_)) {
+    const std::string where = bsdf->properties().where().str();
+    notes_.push_back((where.empty() ? "" : where + ": ") + "edges of \"" + bsdf->properties().type() +
+                     "\" do not diffract light here: the integrator has no \"diffraction\", or it is off");
   }
   const Bounds3 box = tracer_->bounds();
   const Vec3 center = box.empty() ? Vec3{} : box.center();

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "aureole/plugin/registry.h"
+#include "aureole/shape/geometry/outline.h"
 #include "aureole/shape/geometry/shape_placement.h"
 #include "aureole/shape/geometry/user_geometry.h"
 #include "aureole/shape/sampling/cylinder_sampling.h"
@@ -48,7 +49,7 @@ struct PlacedCylinder {
   }
 };
 
-class Cylinder final : public Shape {
+class Cylinder final : public Shape, public RoundShape {
 public:
   explicit Cylinder(const Properties& properties)
       : Shape(properties), cylinder_{Placement(own_to_world(properties))} {
@@ -66,6 +67,24 @@ public:
 
   SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override;
   std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const override;
+
+  double round_radius() const override {
+    return std::max(length(cylinder_.place.axis(0)), length(cylinder_.place.axis(1)));
+  }
+  bool is_curved() const override { return true; }
+  double edge_count(int pieces) const override { return 3.0 * pieces; }
+  OutlineMesh outline_mesh(int pieces) const override {
+    OutlineMesh mesh;
+    const auto n = std::uint32_t(pieces);
+    for (const Double3& corner : polygon_around_circle(pieces))
+      for (const double z : {0.0, 1.0}) mesh.add(cylinder_.place.point({corner.x, corner.y, z}));
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const std::uint32_t a = 2 * i, b = 2 * ((i + 1) % n);
+      mesh.triangles.push_back({a, b, b + 1});
+      mesh.triangles.push_back({a, b + 1, a + 1});
+    }
+    return mesh;
+  }
 
   const Placement& place() const { return cylinder_.place; }
   bool is_flipped() const { return flipped_; }

@@ -5,6 +5,7 @@
 
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/shape/geometry/outline.h"
 #include "aureole/shape/geometry/shape_placement.h"
 #include "aureole/shape/geometry/user_geometry.h"
 #include "aureole/shape/sampling/disc_sampling.h"
@@ -34,7 +35,7 @@ struct PlacedDisc {
   }
 };
 
-class Disk final : public Shape {
+class Disk final : public Shape, public RoundShape {
 public:
   explicit Disk(const Properties& properties)
       : Shape(properties), disc_{Placement(properties.get_transform("to_world"))} {
@@ -71,6 +72,19 @@ public:
     return s;
   }
   std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const override;
+
+  double round_radius() const override {
+    return std::max(length(disc_.place.axis(0)), length(disc_.place.axis(1)));
+  }
+  bool is_curved() const override { return false; }
+  double edge_count(int pieces) const override { return pieces; }
+  OutlineMesh outline_mesh(int pieces) const override {
+    OutlineMesh mesh;
+    const auto n = std::uint32_t(pieces), middle = mesh.add(disc_.place.origin());
+    for (const Double3& corner : polygon_around_circle(pieces)) mesh.add(disc_.place.point(corner));
+    for (std::uint32_t i = 0; i < n; ++i) mesh.triangles.push_back({middle, 1 + i, 1 + (i + 1) % n});
+    return mesh;
+  }
 
   const Placement& place() const { return disc_.place; }
   const Double3& normal() const { return normal_; }

@@ -8,6 +8,7 @@
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/geometry/double3.h"
+#include "aureole/shape/geometry/outline.h"
 #include "aureole/shape/geometry/sphere_geometry.h"
 #include "aureole/shape/shape.h"
 
@@ -36,7 +37,7 @@ private:
   const Ball& ball_;
 };
 
-class Sphere final : public Shape {
+class Sphere final : public Shape, public RoundShape {
 public:
   explicit Sphere(const Properties& properties);
 
@@ -51,6 +52,12 @@ public:
   std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse) const override {
     return std::make_shared<const SphereSampler>(*this);
   }
+
+  double round_radius() const override { return ball_.radius; }
+  bool is_curved() const override { return true; }
+  bool is_hollow() const override { return inward_; }
+  double edge_count(int pieces) const override { return 0.75 * pieces * pieces; }
+  OutlineMesh outline_mesh(int pieces) const override;
 
   const Ball& ball() const { return ball_; }
   /// The surface point in the direction `out` of any length from the centre.
@@ -111,6 +118,37 @@ SurfacePoint Sphere::point_in_direction(const Double3& out) const {
   s.shading = Frame::from_normal_tangent(s.ng, (axis_[1] * x - axis_[0] * y).to_float());
   s.shape = this;
   return s;
+}
+
+/// An octahedron whose sides are divided in rows and moved onto the sphere.
+OutlineMesh Sphere::outline_mesh(int pieces) const {
+  const int rows = std::max(1, pieces / 4);
+  OutlineMesh mesh;
+  std::vector<Double3> out;
+  const auto side = [&](double sx, double sy, double sz) {
+    const auto first = std::uint32_t(out.size());
+    const auto index = [&](int i, int j) {
+      return first + std::uint32_t(i * (rows + 1) - i * (i - 1) / 2 + j);
+    };
+    for (int i = 0; i <= rows; ++i)
+      for (int j = 0; j <= rows - i; ++j)
+        out.push_back(normalize(Double3{sx * i, sy * j, sz * (rows - i - j)}));
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; j < rows - i; ++j) {
+        mesh.triangles.push_back({index(i, j), index(i + 1, j), index(i, j + 1)});
+        if (i + j < rows - 1)
+          mesh.triangles.push_back({index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)});
+      }
+  };
+  for (int octant = 0; octant < 8; ++octant)
+    side(octant & 1 ? -1 : 1, octant & 2 ? -1 : 1, octant & 4 ? -1 : 1);
+  // Just so far out that the middle of the longest edge touches the sphere.
+  double least = 1;
+  for (const TriangleIndices& t : mesh.triangles)
+    for (std::size_t c = 0; c < 3; ++c)
+      least = std::min(least, 0.5 * length(out[t[c]] + out[t[(c + 1) % 3]]));
+  for (const Double3& d : out) mesh.add(ball_.center + d * (ball_.radius / least));
+  return mesh;
 }
 
 template <class Point>

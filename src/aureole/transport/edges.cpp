@@ -88,7 +88,8 @@ Spectrum EdgePaths::lit(const EdgePoint& point, const LampEnd& lamp, Anchor& sta
                         bool& infinite) const {
   const auto s = lamp.light->sample_direct(point.on_edge(), lamp.part, lamp.u, w_);
   if (!s || !(s->pdf > 0)) return 0.f;
-  start = Anchor::of(*s), wo = s->wo, infinite = s->infinite;
+  start = Anchor::of(*s), infinite = s->infinite;
+  wo = infinite ? s->wo : -point.direction_from(s->p);
   return s->radiance * (1 / (s->pdf * lamp.probability));
 }
 

@@ -89,7 +89,7 @@ public:
     if (!choose_lamp(from.anchor.p, lamp)) return 0.f;
     const auto point = choose_between(from.anchor.p, lamp.guide);
     if (!point) return 0.f;
-    const Vec3 d = normalize(point->on_edge() - from.anchor.p);
+    const Vec3 d = point->direction_from(from.anchor.p);
     const Spectrum response = respond(d);
     return is_black(response) ? response : response * light_at(from, *point, d, lamp);
   }
@@ -98,7 +98,7 @@ public:
   Spectrum to_sensor(const Place& from, Vec2 lens, const Respond& respond, Vec2& film) {
     const auto point = choose_between(from.anchor.p, PathEnd{sensor_guide(from.anchor.p, lens)});
     if (!point) return 0.f;
-    const Vec3 d = normalize(point->on_edge() - from.anchor.p);
+    const Vec3 d = point->direction_from(from.anchor.p);
     const Spectrum response = respond(d);
     return is_black(response) ? response : response * sensor_at(from, *point, d, lens, film);
   }
@@ -107,11 +107,12 @@ public:
 
   /// Goes from a place to an edge: false where that is not seen. `value` is multiplied by what arrives there over the density.
   template <class Respond>
-  bool walk(const Place& from, const Respond& respond, Spectrum& value, AtEdge& out) {
+  bool walk(const Place& from, const Respond& respond, Spectrum& value, AtEdge& out,
+            const MeshEdge* leaving = nullptr) {
     const float u[2] = {random_.next(), random_.next()};
-    const auto point = edges_.choose_from({from.anchor.p}, u);
+    const auto point = edges_.choose_from({from.anchor.p}, u, leaving);
     if (!point || !(point->pdf > 0)) return false;
-    const Vec3 d = normalize(point->on_edge() - from.anchor.p);
+    const Vec3 d = point->direction_from(from.anchor.p);
     const Spectrum geometry = reach(from, *point);
     if (is_black(geometry)) return false;
     value *= respond(d) * geometry;
@@ -137,7 +138,7 @@ public:
       value *= 1 / kToNextEdge;
       AtEdge next;
       if (!walk(
-              at.place(), [&](const Vec3& d) { return kernel(at, d); }, value, next))
+              at.place(), [&](const Vec3& d) { return kernel(at, d); }, value, next, at.point.edge))
         return false;
       at = next;
       ++scattered;

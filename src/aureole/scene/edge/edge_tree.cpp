@@ -269,8 +269,10 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
   });
 }
 
-std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, float u) const {
+std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, float u,
+                                                      const MeshEdge* leaving) const {
   return descend(u, [&](const Node& node) {
+    if (node.is_leaf && &edges_[node.index] == leaving) return 0.0;
     if (a.is_infinite) return double(node.length);
     return node.length /
            std::max(double(length_squared(a.p - node.center)), 0.25 * node.radius * node.radius + 1e-30);

@@ -50,7 +50,8 @@ public:
   std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma,
                                        float u) const;
   /// An edge that light from or to `a` may reach.
-  std::optional<Choice> choose_from(const PathEnd& a, float u) const;
+  /// `leaving`: one that is left out, or null.
+  std::optional<Choice> choose_from(const PathEnd& a, float u, const MeshEdge* leaving = nullptr) const;
 
   bool empty() const { return nodes_.empty(); }
   std::size_t memory_bytes() const { return nodes_.size() * sizeof(Node); }

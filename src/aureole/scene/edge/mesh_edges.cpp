@@ -4,24 +4,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <tuple>
+
+#include "aureole/scene/edge/beam_tree.h"
+#include "aureole/shape/geometry/double3.h"
 
 namespace aureole {
 namespace {
 
-using Double3 = std::array<double, 3>;
-
-Double3 difference(const Vec3& a, const Vec3& b) {
-  return {double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z};
-}
-Double3 cross(const Double3& a, const Double3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-double dot(const Double3& a, const Double3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-double length(const Double3& a) { return std::sqrt(dot(a, a)); }
-Vec3 direction(const Double3& a, double scale) {
-  return {float(a[0] * scale), float(a[1] * scale), float(a[2] * scale)};
-}
+Double3 difference(const Vec3& a, const Vec3& b) { return Double3(a) - Double3(b); }
 
 /// For every vertex of every set the number of its position, equal for equal positions.
 std::vector<std::vector<std::uint32_t>> weld(std::span<const TriangleSet> sets) {
@@ -50,7 +42,6 @@ struct Side {
   std::uint64_t ends;  // numbers of the two positions, the smaller one first
   MeshFace face;
   std::uint8_t corner;  // where the side begins
-  bool is_ascending;    // whether it runs from the smaller number
 };
 
 struct Face {
@@ -66,6 +57,146 @@ Face face_of(std::span<const TriangleSet> sets, MeshFace f) {
   return face;
 }
 
+/// The faces at one line a -> b: where each of them goes from there, across the line.
+class Fan {
+public:
+  explicit Fan(const Vec3& a, const Vec3& b) : a_(a), e_(normalize(difference(b, a))) {
+    make_basis(e_, x_, y_);
+  }
+
+  void add(const Face& face, MeshFace id, const Vec3& third) {
+    const Double3 to = difference(third, a_);
+    angles_.push_back({std::atan2(dot(to, y_), dot(to, x_)), id, face.normal});
+  }
+
+  /// The edge as light sees it. Light that passes must leave all faces on one side, so that of many faces the two at the widest gap
+  /// decide; where no gap is wider than half a turn there are faces on both sides from every direction. False: no edge.
+  bool make_edge(MeshEdge& edge) {
+    std::sort(angles_.begin(), angles_.end(), [](const Spoke& x, const Spoke& y) {
+      return std::tuple(x.angle, x.face.set, x.face.triangle) <
+             std::tuple(y.angle, y.face.set, y.face.triangle);
+    });
+    std::size_t after = 0;  // the spoke at which the widest gap ends
+    double widest = -1;
+    for (std::size_t i = 0; i < angles_.size(); ++i) {
+      const double before = i > 0 ? angles_[i - 1].angle : angles_.back().angle - 2 * std::numbers::pi;
+      if (angles_[i].angle - before > widest) widest = angles_[i].angle - before, after = i;
+    }
+    // Neighbours that go on straight are flat.
+    if (widest < std::numbers::pi + kFlat) return false;
+    const Spoke* first = &angles_[after];
+    const Spoke* last = &angles_[(after + angles_.size() - 1) % angles_.size()];
+    edge.is_boundary = 2 * std::numbers::pi - widest < kFlat;
+    const auto is_earlier = [](const Spoke& x, const Spoke& y) {
+      return std::tuple(x.face.set, x.face.triangle) < std::tuple(y.face.set, y.face.triangle);
+    };
+    if (edge.is_boundary)
+      first = last = &*std::min_element(angles_.begin(), angles_.end(), is_earlier);
+    else if (is_earlier(*last, *first))
+      std::swap(first, last);
+    const auto out = [&](const Spoke& s) { return x_ * std::cos(s.angle) + y_ * std::sin(s.angle); };
+    const Double3 own = out(*first), other = out(*last);
+    // The edge runs so that the first face lies to the left, seen from the side of its own normal.
+    const double sign = dot(cross(e_, own), first->normal) < 0 ? -1 : 1;
+    if (sign < 0) std::swap(edge.a, edge.b);
+    edge.n0 = normalize(cross(e_, own) * sign).to_float();
+    edge.face0 = edge.face1 = first->face;
+    edge.n1 = {}, edge.is_concave = false;
+    if (edge.is_boundary) return true;
+    edge.n1 = normalize(cross(other, e_) * sign).to_float();
+    edge.face1 = last->face;
+    edge.is_concave = dot(cross(e_, own) * sign, other) > 0;
+    return true;
+  }
+
+private:
+  static constexpr double kFlat = 1e-4;  ///< radians
+  struct Spoke {
+    double angle;
+    MeshFace face;
+    Double3 normal;  ///< as the face is wound
+  };
+  Vec3 a_;
+  Double3 e_, x_, y_;
+  std::vector<Spoke> angles_;
+};
+
+/// Takes from the borders of surfaces what lies in the plane and within of another face, or runs along an earlier one's side: sheets
+/// that overlap in one plane, or touch without common vertices, are one sheet.
+class FlatUnion {
+public:
+  explicit FlatUnion(std::span<const TriangleSet> sets) : sets_(sets) {
+    std::vector<Bounds3> boxes;
+    for (std::uint32_t s = 0; s < sets.size(); ++s)
+      for (std::uint32_t t = 0; t < sets[s].triangles.size(); ++t) {
+        faces_.push_back({s, t});
+        Bounds3& box = boxes.emplace_back();
+        for (const std::uint32_t i : sets[s].triangles[t]) box.extend(sets[s].positions[i]);
+      }
+    tree_ = BeamTree(boxes);
+  }
+
+  /// Appends what is left of a boundary edge.
+  void append_rest(const MeshEdge& edge, std::vector<MeshEdge>& edges) {
+    const Double3 a(edge.a), along = difference(edge.b, edge.a);
+    const double size = length(along);
+    const Double3 e = along * (1 / size), n(edge.n0), out = cross(e, n);
+    const double rounding = 1e-6 * (max_component(abs(edge.a)) + max_component(abs(edge.b)) + size);
+    covered_.clear();
+    tree_.visit({edge.a, e.to_float(), float(2 * rounding), 0.f, float(size)}, [&](std::uint32_t i) {
+      const MeshFace id = faces_[i];
+      if (id.set == edge.face0.set && id.triangle == edge.face0.triangle) return;
+      double u[3], v[3];
+      for (int c = 0; c < 3; ++c) {
+        const TriangleSet& set = sets_[id.set];
+        const Double3 p = Double3(set.positions[set.triangles[id.triangle][std::size_t(c)]]) - a;
+        if (std::abs(dot(p, n)) > rounding) return;  // another plane
+        u[c] = dot(p, e), v[c] = dot(p, out);
+        if (std::abs(v[c]) <= rounding) v[c] = 0;
+      }
+      const bool is_earlier =
+          std::tuple(id.set, id.triangle) < std::tuple(edge.face0.set, edge.face0.triangle);
+      const bool is_beside = std::max({v[0], v[1], v[2]}) <= 0;  // on the side of the edge's own face
+      double begin = INFINITY, end = -INFINITY;
+      for (int c = 0; c < 3; ++c) {
+        const int d = (c + 1) % 3;
+        const auto meet = [&](double at) { begin = std::min(begin, at), end = std::max(end, at); };
+        if (is_beside && v[c] == 0 && v[d] == 0) {
+          if (is_earlier) meet(u[c]), meet(u[d]);
+        } else if (!is_beside && (v[c] <= 0) != (v[d] <= 0)) {
+          meet(u[c] + (u[d] - u[c]) * (v[c] / (v[c] - v[d])));  // just beyond the edge
+        }
+      }
+      begin = std::max(begin, 0.0), end = std::min(end, size);
+      if (end - begin > rounding) covered_.push_back({begin, end});
+    });
+    if (covered_.empty()) {
+      edges.push_back(edge);
+      return;
+    }
+    std::sort(covered_.begin(), covered_.end());
+    double from = 0;
+    const auto keep = [&](double to) {
+      if (to - from <= 4 * rounding) return;
+      MeshEdge part = edge;
+      if (from > 0) part.a = (a + e * from).to_float();
+      if (to < size) part.b = (a + e * to).to_float();
+      edges.push_back(part);
+    };
+    for (const auto& [begin, end] : covered_) {
+      keep(begin);
+      from = std::max(from, end);
+    }
+    keep(size);
+  }
+
+private:
+  std::span<const TriangleSet> sets_;
+  std::vector<MeshFace> faces_;
+  BeamTree tree_;
+  std::vector<std::pair<double, double>> covered_;
+};
+
 }  // namespace
 
 std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets) {
@@ -77,7 +208,7 @@ std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets) {
       if (!(length(face_of(sets, {s, t}).normal) > 0)) continue;
       for (std::uint8_t c = 0; c < 3; ++c) {
         const std::uint64_t a = number[s][indices[c]], b = number[s][indices[(c + 1) % 3]];
-        if (a != b) sides.push_back({std::min(a, b) << 32 | std::max(a, b), {s, t}, c, a < b});
+        if (a != b) sides.push_back({std::min(a, b) << 32 | std::max(a, b), {s, t}, c});
       }
     }
   std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
@@ -88,34 +219,35 @@ std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets) {
   for (std::size_t i = 0; i < sides.size();) {
     std::size_t end = i + 1;
     while (end < sides.size() && sides[end].ends == sides[i].ends) ++end;
-    const Side& side = sides[i];
-    const Face face = face_of(sets, side.face);
-    const double size = length(face.normal);
-    MeshEdge edge{.a = face.p[side.corner],
-                  .b = face.p[(side.corner + 1) % 3],
-                  .n0 = direction(face.normal, 1 / size),
+    const Face face = face_of(sets, sides[i].face);
+    MeshEdge edge{.a = face.p[sides[i].corner],
+                  .b = face.p[(sides[i].corner + 1) % 3],
+                  .n0 = {},
                   .n1 = {},
-                  .face0 = side.face,
-                  .face1 = side.face,
-                  .is_boundary = end - i != 2,
+                  .face0 = {},
+                  .face1 = {},
+                  .is_boundary = false,
                   .is_concave = false};
-    bool is_flat = false;
-    if (!edge.is_boundary) {
-      const Side& other = sides[i + 1];
-      const Face second = face_of(sets, other.face);
-      // Neighbours that run the same way along their edge have normals on opposite sides of the surface.
-      const double sign = side.is_ascending == other.is_ascending ? -1 : 1,
-                   second_size = length(second.normal);
-      const double sine = length(cross(face.normal, second.normal)) / (size * second_size);
-      is_flat = sine < 1e-4 && sign * dot(face.normal, second.normal) > 0;
-      edge.n1 = direction(second.normal, sign / second_size);
-      edge.face1 = other.face;
-      edge.is_concave = dot(face.normal, difference(second.p[(other.corner + 2) % 3], edge.a)) > 0;
+    Fan fan(edge.a, edge.b);
+    for (std::size_t k = i; k < end; ++k) {
+      const Face at = face_of(sets, sides[k].face);
+      fan.add(at, sides[k].face, at.p[(sides[k].corner + 2) % 3]);
     }
-    if (!is_flat) edges.push_back(edge);
+    if (fan.make_edge(edge)) edges.push_back(edge);
     i = end;
   }
-  return edges;
+  const auto is_boundary = [](const MeshEdge& edge) { return edge.is_boundary; };
+  if (std::none_of(edges.begin(), edges.end(), is_boundary)) return edges;
+  FlatUnion flat(sets);
+  std::vector<MeshEdge> left;
+  left.reserve(edges.size());
+  for (const MeshEdge& edge : edges) {
+    if (edge.is_boundary)
+      flat.append_rest(edge, left);
+    else
+      left.push_back(edge);
+  }
+  return left;
 }
 
 }  // namespace aureole

@@ -27,7 +27,7 @@ struct MeshEdge {
   Vec3 a, b;    ///< seen from the side of n0 the first face lies to the left
   Vec3 n0, n1;  ///< unit normals of its faces, away from the same side of the surface; n1 is 0 at a boundary
   MeshFace face0, face1;
-  bool is_boundary;  ///< of one face, or of more than two, whichever way they run
+  bool is_boundary;  ///< of one face, or of several that go the same way
   bool is_concave;   ///< a fold towards the side of its normals
 
   /// Whether, in parallel light along `d`, one of the faces is lit from the front and the other one from the back.
@@ -35,7 +35,9 @@ struct MeshEdge {
 };
 
 /// Edges of all sets together. Vertices at one position are one: seams of texture coordinates or normals and borders between meshes that
-/// touch are no edges. Nor are folds of less than 1e-4 rad, and edges or triangles of no extent.
+/// touch are no edges. Nor are folds of less than 1e-4 rad, edges or triangles of no extent, edges with faces on both sides from every
+/// direction, and what of the border of a surface lies on another one in its plane. Where more than two faces meet, the outermost two
+/// make the edge.
 std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets);
 
 }  // namespace aureole

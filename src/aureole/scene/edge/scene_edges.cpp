@@ -7,9 +7,7 @@
 #include <numbers>
 
 #include "aureole/optics/diffraction/edge_kernel.h"
-#include "aureole/shape/instance.h"
-#include "aureole/shape/mesh/mesh.h"
-#include "aureole/shape/model.h"
+#include "aureole/scene/edge/diffracting_shapes.h"
 
 namespace aureole {
 namespace {
@@ -22,39 +20,6 @@ constexpr double kCoherent = 7;
 constexpr double kDepth = 3;
 /// Beyond this many sigma from its ends an edge is as good as endless, to exp(-12.5).
 constexpr double kEndless = 10;
-
-/// Triangles in the world, of shapes and of instances.
-class WorldTriangles {
-public:
-  explicit WorldTriangles(const SceneParts& parts) {
-    for (const ModelPart& part : parts.surfaces) {
-      if (part.instance) {
-        const ShapeList& list = part.instance->list();
-        for (std::size_t i = 0; i < list.shapes.size(); ++i)
-          add(*list.shapes[i], *list.bsdfs[i], part.instance.get());
-      } else {
-        add(*part.shape, *part.bsdf, nullptr);
-      }
-    }
-    for (std::size_t i = 0; i < triangles_.size(); ++i) sets.push_back({positions_[i], triangles_[i]});
-  }
-
-  std::vector<TriangleSet> sets;
-
-private:
-  void add(const Shape& shape, const Bsdf& bsdf, const Instance* instance) {
-    const auto* mesh = dynamic_cast<const Mesh*>(&shape);
-    if (!mesh || bsdf.lobes() == (Lobe::delta | Lobe::null)) return;
-    std::vector<Vec3> positions = mesh->data().positions;
-    if (instance)
-      for (Vec3& p : positions) p = instance->point_to_world(p);
-    positions_.push_back(std::move(positions));
-    triangles_.push_back(mesh->data().triangles);
-  }
-
-  std::vector<std::vector<Vec3>> positions_;
-  std::vector<std::vector<TriangleIndices>> triangles_;
-};
 
 /// Part of a Gaussian about `middle` that lies in [0, length].
 double mass_within(double middle, double deviation, double length) {
@@ -141,17 +106,51 @@ struct EdgeFrame {
 }  // namespace
 
 SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
-    : width_(width), unit_m_(parts.context->length_unit_m) {
+    : unit_m_(parts.context->length_unit_m),
+      shortest_nm_(parts.context->grid.min_nm),
+      longest_nm_(parts.context->grid.max_nm) {
+  DiffractingShapes shapes(parts);
+  width_ = shapes.width(width);
   const double longest = parts.context->grid.max_nm * 1e-9;
   if (width_.at(longest) < 0.5 * longest)
-    throw Error(
-        "beam_width: beams are narrower than half of the longest wavelength, which has no direction then");
-  const WorldTriangles triangles(parts);
-  index_ = EdgeIndex(triangles.sets, EdgeIndex::Of::edges);
-  tree_ = EdgeTree(index_.edges());
+    throw BeamWidthError(
+        "beams are narrower than half of the longest wavelength, which has no direction then");
   Bounds3 box;
   for (const ModelPart& part : parts.surfaces) box.extend(part.bounds());
   if (!box.empty()) diameter_ = length(box.diagonal());
+  index_ = EdgeIndex(shapes.sets, EdgeIndex::Of::edges);
+  tree_ = EdgeTree(index_.edges());
+  lift_ = std::move(shapes.lift);
+  if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
+    scale_ = std::move(shapes.scale);
+  notes_ = std::move(shapes.remarks);
+  if (!tree_.empty() && longest > diameter_ * unit_m_)
+    throw BeamWidthError(
+        "the longest wavelength is longer than the scene, whose edges cannot diffract it as edges do");
+  remark_crowds();
+}
+
+void SceneEdges::remark_crowds() {
+  // Every sample looks at all edges within its beam, in time that grows with the square of their number.
+  constexpr std::size_t kPlaces = 64, kCrowd = 500;
+  const std::vector<MeshEdge>& edges = index_.edges();
+  const double metres = 1e-9 * 0.5 * (shortest_nm_ + longest_nm_);
+  const auto radius = float(kCoherent * width_.at(metres) / unit_m_),
+             depth = radius * float(kDepth / kCoherent);
+  std::size_t most = 0;
+  for (std::size_t i = 0; i < std::min(kPlaces, edges.size()); ++i) {
+    const MeshEdge& edge = edges[i * edges.size() / std::min(kPlaces, edges.size())];
+    const Vec3 along = normalize(edge.b - edge.a);
+    Vec3 d = edge.is_boundary ? edge.n0 : cross(along, edge.n0 + edge.n1);
+    if (!(length_squared(d) > 0)) d = edge.n0;
+    std::size_t count = 0;
+    index_.visit_edges({0.5f * (edge.a + edge.b), normalize(d), radius, -depth, depth},
+                       [&](const MeshEdge&) { ++count; });
+    most = std::max(most, count);
+  }
+  if (most > kCrowd)
+    notes_.push_back("edges: a beam of light holds up to " + std::to_string(most) +
+                     " of them, all of which each sample goes through; a smaller beam_width is faster");
 }
 
 SceneEdges::Beams SceneEdges::beams(const Wavelengths& w) const {
@@ -184,7 +183,7 @@ EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, doubl
   // The rounding of places on faces, and of rays that come from afar: theirs grows with the way.
   const float reach =
       max_component(abs(edge.a)) + max_component(abs(edge.b)) + float(line.length) + diameter_;
-  point.p = p + off * (reach * gamma_bound(32));
+  point.p = p + off * (reach * gamma_bound(32) + lift_[edge.face0.set]);
   return point;
 }
 
@@ -216,8 +215,9 @@ std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const Path
   return point_on(edge, line, l, float(choice->probability * places.pdf(l)));
 }
 
-std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* u) const {
-  const auto choice = tree_.choose_from(a, u[0]);
+std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* u,
+                                                 const MeshEdge* leaving) const {
+  const auto choice = tree_.choose_from(a, u[0], leaving);
   if (!choice) return {};
   const MeshEdge& edge = index_.edges()[choice->edge];
   const EdgeLine line(edge);
@@ -260,7 +260,8 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     if (!(shown2 > 1e-12)) return 0.f;
     const double along_edge2 = dot(turn, across) * dot(turn, across) / shown2;
     const double flux2 = std::max(0.0, turn2 - along_edge2);
-    const double factor = std::sqrt(shown2) * std::sqrt(8 * pi) / (4 * pi * pi) * flux2 / (turn2 * turn2);
+    const double factor = scale_of(*point.edge) * std::sqrt(shown2) * std::sqrt(8 * pi) / (4 * pi * pi) *
+                          flux2 / (turn2 * turn2);
     return make_spectrum([&](int i) {
       const double s = double(beams.k[i]) * beams.sigma[i], exponent = 2 * s * s;
       return float(factor * beams.sigma[i] * -std::expm1(-exponent * turn2) *
@@ -294,8 +295,9 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     }
     const bool left = dot(point.edge->n0, d) < 0;
     const double at = point.at / own.length;
-    result[i] = float(
-        optics::mean_edge_kernel(projected, 0, left ? at : 1 - at, plane.q(), beams.k[i], beams.sigma[i]));
+    result[i] =
+        float(scale_of(*point.edge) * optics::mean_edge_kernel(projected, 0, left ? at : 1 - at, plane.q(),
+                                                               beams.k[i], beams.sigma[i]));
   }
   return result;
 }

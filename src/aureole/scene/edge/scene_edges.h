@@ -28,12 +28,20 @@ struct EdgePoint {
   float pdf = 0;  ///< density of the choice, per length
 
   Vec3 on_edge() const { return x.to_float(); }
+  /// The unit direction from a place to it, from their difference in double precision: far from the origin `on_edge` is off the edge.
+  Vec3 direction_from(const Vec3& place) const { return normalize(x - Double3(place)).to_float(); }
+};
+
+/// Where the width of beams does not suit the scene.
+class BeamWidthError : public Error {
+public:
+  using Error::Error;
 };
 
 class SceneEdges {
 public:
-  /// Of the meshes in the scene that light cannot pass as if they were not there. Throws Error
-  /// where beams are narrower than half of the longest wavelength.
+  /// Of the shapes that diffract (diffracting_shapes.h). Throws BeamWidthError where beams are narrower than half of the longest wavelength
+  /// or that is longer than the scene, and Error where BSDFs disagree about their width.
   SceneEdges(const SceneParts& parts, const BeamWidth& width);
   // The tree refers to the edges of the index.
   SceneEdges(const SceneEdges&) = delete;
@@ -52,8 +60,9 @@ public:
   /// `u`: three numbers.
   std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
                                           const float* u) const;
-  /// A place that light from or to `a` may reach; two numbers.
-  std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u) const;
+  /// A place that light from or to `a` may reach; two numbers. `leaving`: an edge on which `a` lies, and which is left out.
+  std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u,
+                                       const MeshEdge* leaving = nullptr) const;
 
   /// False where K is 0, since the edge is no outline for light that turns from d_i to d_o.
   static bool turns_around(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {
@@ -77,13 +86,24 @@ public:
 
   const EdgeIndex& index() const { return index_; }
   bool empty() const { return tree_.empty(); }
+  /// Remarks about the edges.
+  const std::vector<std::string>& notes() const { return notes_; }
 
 private:
   EdgePoint point_on(const MeshEdge& edge, const EdgeLine& line, double l, float pdf) const;
 
+  double scale_of(const MeshEdge& edge) const {
+    return scale_.empty() ? 1.0 : double(scale_[edge.face0.set]);
+  }
+  void remark_crowds();
+
   BeamWidth width_;
-  double unit_m_;       ///< metres per unit of length of the scene
-  float diameter_ = 0;  ///< of the scene's surfaces
+  double unit_m_;  ///< metres per unit of length of the scene
+  double shortest_nm_, longest_nm_;
+  float diameter_ = 0;        ///< of the scene's surfaces
+  std::vector<float> lift_;   ///< of each set of triangles (diffracting_shapes.h)
+  std::vector<float> scale_;  ///< the same, empty where all are 1
+  std::vector<std::string> notes_;
   EdgeIndex index_;
   EdgeTree tree_;
 };

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gallery/gallery_edge_plots.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "aureole/instrument/report/svg_plot.h"
+#include "aureole/optics/diffraction/diffraction_integral.h"
+#include "aureole/optics/diffraction/edge_wave.h"
+#include "aureole/optics/diffraction/uniform_theory.h"
+#include "aureole/optics/faddeeva.h"
+
+namespace aureole {
+namespace {
+
+using Complex = std::complex<double>;
+using optics::DiffractingEdge;
+using optics::PlanePoint;
+using std::numbers::pi;
+
+constexpr const char* kColors[] = {"#2b5d8f", "#b0413e", "#3d8b40", "#8a6d1f"};
+
+/// Midpoint rule over [begin, end].
+Complex integrate(double begin, double end, int steps, const std::function<Complex(double)>& f) {
+  Complex sum = 0;
+  const double h = (end - begin) / steps;
+  for (int i = 0; i < steps; ++i) sum += f(begin + (i + 0.5) * h);
+  return sum * h;
+}
+
+PlotSeries line(const std::string& label, int color) {
+  PlotSeries s;
+  s.label = label, s.color = kColors[color];
+  return s;
+}
+
+}  // namespace
+
+EdgeMap edge_wave_map(double a, double b, double extent) {
+  const auto size = [a, b](double x, double y) {
+    return std::abs(Complex((a - b) * optics::edge_alpha1(x, y), 0.5 * (a + b) * optics::edge_alpha2(x, y)));
+  };
+  // The wave is the integral of the amplitude along the edge: here by quadrature.
+  double worst = 0, most = 0;
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 12; ++j) {
+      const double x = extent * (i - 5.7) / 6, y = extent * (j - 5.3) / 6;
+      const Complex sum = integrate(
+          -0.5, 0.5, 4000, [&](double t) { return (a + (b - a) * (t + 0.5)) * std::polar(1.0, -x * t); });
+      const double expected = std::abs(sum * y) / (2 * pi * (x * x + y * y));
+      worst = std::max(worst, std::abs(size(x, y) - expected)), most = std::max(most, expected);
+    }
+  // The pole at 0 would leave nothing to see.
+  const double top = size(0.08 * extent, 0.08 * extent) + size(0, 0.1 * extent);
+  return {
+      [=](double u, double v) { return std::sqrt(size(extent * u, extent * v) / top); },
+      fmt::format(
+          "a = {:g}, b = {:g}; canonical coordinates to {:g}; off the integral along the edge by {:.1e} of its largest value",
+          a, b, extent, worst / most)};
+}
+
+EdgeCurves edge_profile(double width, int pieces) {
+  const double half = 0.5 * width;  // in sigma of the intensity
+  const auto amplitude = [](double x) { return std::exp(-0.25 * x * x); };
+  const auto exact = [&](PlanePoint q) {
+    const auto along = [&](double k) {
+      return integrate(-half, half, 2000, [&](double x) { return amplitude(x) * std::polar(1.0, -k * x); });
+    };
+    return along(q.x) * along(q.y);
+  };
+  const auto edges_of = [&](int count, bool constant) {
+    const PlanePoint corners[] = {{-half, -half}, {half, -half}, {half, half}, {-half, half}};
+    std::vector<DiffractingEdge> edges;
+    for (int side = 0; side < 4; ++side)
+      for (int i = 0; i < count; ++i) {
+        const auto at = [&](double t) {
+          const PlanePoint &p = corners[side], &r = corners[(side + 1) % 4];
+          return PlanePoint{p.x + t * (r.x - p.x), p.y + t * (r.y - p.y)};
+        };
+        const PlanePoint from = at(double(i) / count), to = at((i + 1.0) / count),
+                         middle = at((i + 0.5) / count);
+        const auto value = [&](PlanePoint p) { return Complex(amplitude(p.x) * amplitude(p.y)); };
+        edges.push_back({from, to, value(constant ? middle : from), value(constant ? middle : to)});
+      }
+    return edges;
+  };
+  const auto constant = edges_of(pieces, true), linear = edges_of(pieces, false);
+  PlotSeries series[] = {line("exact", 0), line("linear amplitude", 1), line("constant amplitude", 2)};
+  double error[2] = {}, sum = 0, tail[2] = {}, tail_sum = 0;
+  for (int i = 0; i <= 240; ++i) {
+    // A circle of directions about the beam, as their figure 3: 90 degrees is across a side.
+    const double theta = pi * i / 240, radius = 4 * pi / width;
+    const PlanePoint q{radius * std::cos(theta), radius * std::sin(theta)};
+    const double values[] = {std::abs(exact(q)), std::abs(optics::edge_field(linear, q)),
+                             std::abs(optics::edge_field(constant, q))};
+    for (int k = 0; k < 3; ++k) series[k].x.push_back(180 * theta / pi), series[k].y.push_back(values[k]);
+    const PlanePoint far{8 * q.x, 8 * q.y};
+    const Complex f = exact(far);
+    for (int k = 0; k < 2; ++k) {
+      error[k] += std::pow(values[k + 1] - values[0], 2);
+      tail[k] += std::norm(optics::edge_field(k ? constant : linear, far) - f);
+    }
+    sum += values[0] * values[0], tail_sum += std::norm(f);
+  }
+  return {
+      svg_plot({fmt::format("A square of {:g} sigma, {} pieces to a side", width, pieces),
+                "direction about the beam / degrees",
+                "|F| / sigma^2",
+                {series[0], series[1], series[2]},
+                false}),
+      fmt::format(
+          "|q| = 2 fringes of the square. Off the exact transform (by quadrature) by {:.2g} (linear) and {:.2g} (constant) of its root "
+          "mean square there, and by {:.2g} and {:.2g} at eight times that angle",
+          std::sqrt(error[0] / sum), std::sqrt(error[1] / sum), std::sqrt(tail[0] / tail_sum),
+          std::sqrt(tail[1] / tail_sum))};
+}
+
+EdgeMap wedge_map(double n, double phi_i, double wavelengths) {
+  const double k = 2 * pi, outside = n * pi;
+  const auto field = [=](double x, double y) -> Complex {
+    double phi = std::atan2(y, x);
+    if (phi < 0) phi += 2 * pi;
+    if (phi > outside) return 0;
+    const double rho = std::max(std::hypot(x, y), 0.02);
+    return optics::Wedge(n).plane_wave_field(k, rho, phi, phi_i, optics::kSoftMetal);
+  };
+  std::string error = "inside the wedge the picture is dark";
+  if (n == 2) {
+    // Sommerfeld 1896: u = U(phi - phi') - U(phi + phi') with Fresnel's integrals.
+    double worst = 0;
+    for (int i = 0; i < 400; ++i) {
+      const double phi = 2 * pi * (i + 0.37) / 400, rho = 0.3 + 0.02 * i;
+      const auto part = [&](double angle) {
+        const double v = 2 * std::sqrt(2 * rho) * std::cos(0.5 * angle);  // Fresnel's number, in wavelengths
+        return std::polar(1.0, -k * rho * std::cos(angle)) * optics::knife_edge_field(v);
+      };
+      worst =
+          std::max(worst, std::abs(optics::Wedge(n).plane_wave_field(k, rho, phi, phi_i, optics::kSoftMetal) -
+                                   (part(phi - phi_i) - part(phi + phi_i))));
+    }
+    error = fmt::format("off Sommerfeld's exact solution by {:.1e} of the incident field at most", worst);
+  }
+  return {[=](double u, double v) {
+            return 0.25 * std::norm(field(0.5 * wavelengths * u, 0.5 * wavelengths * v));
+          },
+          fmt::format(
+              "n = {:g}, light from {:g} degrees, {:g} wavelengths wide, electric field along the edge; {}",
+              n, 180 * phi_i / pi, wavelengths, error)};
+}
+
+namespace {
+
+/// UTD behind straight edges that run counter-clockwise about a hole: of each the light that fulfils Keller's condition on it. A plane wave comes along z.
+Complex utd_field(const std::vector<std::pair<PlanePoint, PlanePoint>>& edges, PlanePoint at, double z,
+                  double k, bool is_lit) {
+  Complex sum = is_lit ? std::polar(1.0, k * z) : Complex(0);
+  for (const auto& [a, b] : edges) {
+    const double size = std::hypot(b.x - a.x, b.y - a.y), ex = (b.x - a.x) / size, ey = (b.y - a.y) / size;
+    const double along = (at.x - a.x) * ex + (at.y - a.y) * ey;
+    if (along < 0 || along > size) continue;
+    const double across = (at.y - a.y) * ex - (at.x - a.x) * ey;  // positive over the hole, on the left
+    const double s = std::hypot(across, z);
+    // Measured from the screen's lit side: the light comes from pi/2, straight on is 3 pi/2, the hole lies at pi.
+    const double phi = 1.5 * pi - std::atan2(across, z);
+    sum +=
+        optics::Wedge(2).coefficient(k, s, 1, phi, 0.5 * pi, {0, 0}) / std::sqrt(s) * std::polar(1.0, k * s);
+  }
+  return sum;
+}
+
+}  // namespace
+
+EdgeCurves opening_profile(const std::string& shape, double wavelengths, double fresnel) {
+  const double k = 2 * pi, half = 0.5 * wavelengths, distance = half * half / fresnel;
+  std::vector<optics::Ring> rings;
+  const auto rectangle = [&](double x0, double x1, double y) {
+    rings.push_back({{x0, -y}, {x1, -y}, {x1, y}, {x0, y}});
+  };
+  const auto circle = [&](double r, bool forwards) {
+    optics::Ring ring;
+    for (int i = 0; i < 32; ++i) {
+      const double t = 2 * pi * (forwards ? i : 32 - i) / 32;
+      ring.push_back({r * std::cos(t), r * std::sin(t)});
+    }
+    rings.push_back(ring);
+  };
+  if (shape == "square") rectangle(-half, half, half);
+  if (shape == "slits") rectangle(-half, -0.5 * half, half), rectangle(0.5 * half, half, half);
+  if (shape == "ring") circle(half, true), circle(0.6 * half, false);
+  const auto region = optics::PolygonRegion::even_odd(rings);
+  const auto opening = optics::FlatOpening::polygon(region);
+  const auto edges = optics::region_edges(region);
+  std::vector<std::pair<PlanePoint, PlanePoint>> sides;
+  for (const DiffractingEdge& e : edges) sides.push_back({e.from, e.to});
+
+  PlotSeries series[] = {line("Rayleigh-Sommerfeld", 0), line("edge waves", 1), line("Fraunhofer", 2),
+                         line("UTD", 3)};
+  const double first = 1 / wavelengths;  // sine of the angle of the first fringe
+  double errors[3] = {}, sum = 0;
+  const int count = 160;
+  for (int i = 1; i <= count; ++i) {
+    const double sine = 6 * first * i / count, x = distance * sine / std::sqrt(1 - sine * sine);
+    const double r = std::hypot(x, distance);
+    const Complex exact = optics::rayleigh_sommerfeld(opening, optics::ScreenSource::plane_wave({0, 0, 1}),
+                                                      {x, 0.013 * half, distance}, k);
+    // U = k/(2 pi i) exp(i k R)/R F; Rayleigh's integral has the factor z/r beside.
+    const double scale = std::pow(k / (2 * pi * r) * distance / r, 2);
+    const PlanePoint q{k * sine, k * 0.013 * half / r};
+    bool lit = x < half && shape == "square";
+    if (shape == "slits") lit = x > 0.5 * half && x < half;
+    if (shape == "ring")
+      lit =
+          std::hypot(x, 0.013 * half) < half * std::cos(pi / 32) && std::hypot(x, 0.013 * half) > 0.6 * half;
+    const double values[] = {std::norm(exact), scale * std::norm(optics::edge_field(edges, q)),
+                             scale * std::norm(optics::fraunhofer(opening, q)),
+                             std::norm(utd_field(sides, {x, 0.013 * half}, distance, k, lit))};
+    for (int s = 0; s < 4; ++s) {
+      series[s].x.push_back(180 * std::asin(sine) / pi);
+      series[s].y.push_back(std::max(values[s], 1e-8));
+      if (s > 0) errors[s - 1] += std::pow(std::sqrt(values[s]) - std::sqrt(values[0]), 2);
+    }
+    sum += values[0];
+  }
+  return {
+      svg_plot({fmt::format("{} of {:g} wavelengths, {:.0f} wavelengths behind (Fresnel number {:g})", shape,
+                            wavelengths, distance, fresnel),
+                "angle / degrees",
+                "|U|^2",
+                {series[0], series[1], series[2], series[3]},
+                true}),
+      fmt::format(
+          "root mean square of the error of |U| over that of Rayleigh and Sommerfeld's: edge waves {:.2g}, Fraunhofer {:.2g}, UTD {:.2g}",
+          std::sqrt(errors[0] / sum), std::sqrt(errors[1] / sum), std::sqrt(errors[2] / sum))};
+}
+
+}  // namespace aureole

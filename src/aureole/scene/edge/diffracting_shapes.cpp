@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/diffracting_shapes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unordered_set>
+
+#include "aureole/shape/geometry/outline.h"
+#include "aureole/shape/instance.h"
+#include "aureole/shape/mesh/mesh.h"
+
+namespace aureole {
+namespace {
+
+/// Edges of round shapes in a scene, at most: beyond that they get fewer sides.
+constexpr double kMostRoundEdges = 2e6;
+constexpr int kLeastPieces = 16, kMostPieces = 1024;
+
+/// Calls visit(shape, bsdf, part) for every shape, instanced ones once for each instance.
+template <class Visit>
+void for_each_shape(const SceneParts& parts, const Visit& visit) {
+  for (const ModelPart& part : parts.surfaces) {
+    if (part.instance) {
+      const ShapeList& list = part.instance->list();
+      for (std::size_t i = 0; i < list.shapes.size(); ++i) visit(*list.shapes[i], *list.bsdfs[i], part);
+    } else {
+      visit(*part.shape, *part.bsdf, part);
+    }
+  }
+}
+
+/// The largest angle by which light of that wave number turns around a round surface without creeping along it, which damps it: the
+/// width of the zone (2/(k R))^(1/3) in which the field falls off behind a grazing ray (Levy & Keller 1959, "Diffraction by a smooth
+/// object").
+double turn_without_creeping(double wave_number, double radius) {
+  return std::min(0.5, std::cbrt(2 / (wave_number * radius)));
+}
+
+}  // namespace
+
+const EdgeDiffraction* edge_diffraction_of(const Bsdf& bsdf) {
+  if (const auto* own = dynamic_cast<const EdgeDiffraction*>(&bsdf)) return own;
+  for (const Properties::Entry& entry : bsdf.properties().entries())
+    if (const auto* object = std::get_if<ObjectPtr>(&entry.value))
+      if (const auto* nested = dynamic_cast<const Bsdf*>(object->get()))
+        if (const EdgeDiffraction* found = edge_diffraction_of(*nested)) return found;
+  return nullptr;
+}
+
+const Bsdf* first_diffracting_bsdf(const SceneParts& parts) {
+  const Bsdf* found = nullptr;
+  std::unordered_set<const Bsdf*> seen;
+  for_each_shape(parts, [&](const Shape&, const Bsdf& bsdf, const ModelPart&) {
+    if (found || !seen.insert(&bsdf).second) return;
+    if (const EdgeDiffraction* mark = edge_diffraction_of(bsdf); mark && mark->is_enabled()) found = &bsdf;
+  });
+  return found;
+}
+
+DiffractingShapes::DiffractingShapes(const SceneParts& parts) {
+  const double shortest_m = parts.context->grid.min_nm * 1e-9;
+  wave_number_ = 2 * std::numbers::pi * parts.context->length_unit_m / shortest_m;
+  std::unordered_set<const Bsdf*> seen;
+  for_each_shape(parts, [&](const Shape&, const Bsdf& bsdf, const ModelPart&) {
+    if (seen.insert(&bsdf).second && edge_diffraction_of(bsdf)) marked_.push_back(&bsdf);
+  });
+  only_marked_ = !marked_.empty();
+  for_each_shape(parts, [&](const Shape& shape, const Bsdf& bsdf, const ModelPart& part) {
+    add(shape, bsdf, bool(part.emitter), part.instance.get());
+  });
+  add_round_shapes();
+  for (std::size_t i = 0; i < triangles_.size(); ++i) sets.push_back({positions_[i], triangles_[i]});
+}
+
+void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, const Instance* instance) {
+  if (bsdf.lobes() == (Lobe::delta | Lobe::null)) return;
+  const EdgeDiffraction* mark = only_marked_ ? edge_diffraction_of(bsdf) : nullptr;
+  if (only_marked_ && !(mark && mark->is_enabled() && mark->scale() > 0)) return;
+  const float factor = mark ? mark->scale() : 1.f;
+  if (const auto* mesh = dynamic_cast<const Mesh*>(&shape)) {
+    add_triangles(mesh->data().positions, mesh->data().triangles, instance, factor, 0);
+    return;
+  }
+  const auto* round = dynamic_cast<const RoundShape*>(&shape);
+  if (!round || shines || round->is_hollow()) return;
+  double magnified = 1;
+  if (instance) {
+    magnified = 0;
+    const Vec3 origin = instance->point_to_world({0, 0, 0});
+    for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      magnified = std::max(magnified, double(length(instance->point_to_world(axis) - origin)));
+  }
+  rounds_.push_back({&shape, instance, factor, magnified * round->round_radius()});
+}
+
+void DiffractingShapes::add_round_shapes() {
+  // A curved outline is twice as fine as the angle that light turns about it; a flat rim leaves its circle by a tenth of the wavelength.
+  const auto wanted = [&](const Round& r) {
+    const bool curved = dynamic_cast<const RoundShape&>(*r.shape).is_curved();
+    const double angle = curved ? 0.5 * turn_without_creeping(wave_number_, r.radius)
+                                : std::sqrt(0.8 * 2 * std::numbers::pi / (wave_number_ * r.radius));
+    return int(
+        std::clamp(4 * std::ceil(0.5 * std::numbers::pi / angle), double(kLeastPieces), double(kMostPieces)));
+  };
+  const auto count = [&](double share) {
+    double sum = 0;
+    for (const Round& r : rounds_)
+      sum += dynamic_cast<const RoundShape&>(*r.shape).edge_count(
+          std::max(kLeastPieces, int(share * wanted(r))));
+    return sum;
+  };
+  double share = 1;
+  while (count(share) > kMostRoundEdges && share > 0.01) share *= 0.8;
+  std::size_t coarse = 0;
+  for (const Round& r : rounds_) {
+    const auto& round = dynamic_cast<const RoundShape&>(*r.shape);
+    const int pieces = std::max(kLeastPieces, int(share * wanted(r)) / 4 * 4);
+    coarse += pieces < wanted(r);
+    // Edges of the polygon's outline lie before or behind the shape's own, by an edge's length at most, and lower than that.
+    const double turn =
+        std::hypot(turn_without_creeping(wave_number_, r.radius), 1.6 * 2 * std::numbers::pi / pieces);
+    OutlineMesh mesh = round.outline_mesh(pieces);
+    add_triangles(std::move(mesh.positions), std::move(mesh.triangles), r.instance, r.scale,
+                  round.is_curved() ? float(0.5 * r.radius * turn * turn) : 0.f);
+  }
+  if (coarse > 0)
+    remarks.push_back(
+        "edges: " + std::to_string(coarse) + " of " + std::to_string(rounds_.size()) +
+        " round shapes have fewer sides than their wavelengths ask for, since there are many of them");
+}
+
+void DiffractingShapes::add_triangles(std::vector<Vec3> positions, std::vector<TriangleIndices> triangles,
+                                      const Instance* instance, float factor, float height) {
+  if (instance)
+    for (Vec3& p : positions) p = instance->point_to_world(p);
+  positions_.push_back(std::move(positions));
+  triangles_.push_back(std::move(triangles));
+  scale.push_back(factor), lift.push_back(height);
+}
+
+BeamWidth DiffractingShapes::width(const BeamWidth& of_integrator) const {
+  const Bsdf* first = nullptr;
+  double stated = 0;
+  for (const Bsdf* bsdf : marked_) {
+    const EdgeDiffraction& mark = *edge_diffraction_of(*bsdf);
+    if (!mark.is_enabled() || !mark.sigma()) continue;
+    const BeamWidth width{BeamWidth::Unit::wavelengths, *mark.sigma()};
+    if (!(of_integrator == BeamWidth{}) && !(of_integrator == width))
+      throw Error(bsdf->properties().where(),
+                  "its \"sigma\" and the integrator's \"beam_width\" differ: state one of them");
+    if (first && *mark.sigma() != stated)
+      throw Error(bsdf->properties().where(), "\"sigma\" is one number for a scene, and that at " +
+                                                  first->properties().where().str() + " is another one");
+    first = bsdf, stated = *mark.sigma();
+  }
+  return first ? BeamWidth{BeamWidth::Unit::wavelengths, stated} : of_integrator;
+}
+
+}  // namespace aureole

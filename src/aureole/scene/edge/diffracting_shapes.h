@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// `DiffractingShapes`: which shapes of a scene have edges that diffract, as triangles in the world.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "aureole/bsdf/bsdf.h"
+#include "aureole/bsdf/edge_diffraction.h"
+#include "aureole/scene/edge/beam_width.h"
+#include "aureole/scene/edge/mesh_edges.h"
+#include "aureole/scene/scene_parts.h"
+
+namespace aureole {
+
+/// What the BSDF or one within it says, or null.
+const EdgeDiffraction* edge_diffraction_of(const Bsdf& bsdf);
+/// The first BSDF in the scene that has its shape diffract, or null.
+const Bsdf* first_diffracting_bsdf(const SceneParts& parts);
+
+class DiffractingShapes {
+public:
+  /// Meshes and, by polygons around their rims and outlines, round shapes. Without those that light passes as if they were not there,
+  /// round ones that shine or are seen from within, and, where BSDFs say which shapes diffract, all others.
+  explicit DiffractingShapes(const SceneParts& parts);
+
+  std::vector<TriangleSet> sets;
+  std::vector<float> scale;  ///< of each set: factor of the light
+  /// Of each set: how high above an edge light passes. A round surface bends away behind its outline; so far as its depth there is less
+  /// than that, it is as good as a flat screen.
+  std::vector<float> lift;
+  std::vector<std::string> remarks;
+
+  /// The width of beams, with what BSDFs say about it. Throws Error where they disagree.
+  BeamWidth width(const BeamWidth& of_integrator) const;
+
+private:
+  struct Round;
+  void add(const Shape& shape, const Bsdf& bsdf, bool shines, const Instance* instance);
+  void add_round_shapes();
+  void add_triangles(std::vector<Vec3> positions, std::vector<TriangleIndices> triangles,
+                     const Instance* instance, float scale, float lift);
+
+  double wave_number_;  ///< of the shortest wavelength, per unit of length
+  bool only_marked_ = false;
+  std::vector<const Bsdf*> marked_;
+  std::vector<Round> rounds_;
+  std::vector<std::vector<Vec3>> positions_;
+  std::vector<std::vector<TriangleIndices>> triangles_;
+};
+
+/// A round shape that waits until it is known how many there are.
+struct DiffractingShapes::Round {
+  const Shape* shape;
+  const Instance* instance;
+  float scale;
+  double radius;  ///< in the world
+};
+
+}  // namespace aureole

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Triangles in place of round shapes, for what asks for their edges: the rims and outlines at which light is diffracted.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "aureole/shape/geometry/double3.h"
+#include "aureole/shape/mesh/mesh_patches.h"
+
+namespace aureole {
+
+struct OutlineMesh {
+  std::vector<Vec3> positions;
+  std::vector<TriangleIndices> triangles;
+
+  std::uint32_t add(const Double3& p) {
+    positions.push_back(p.to_float());
+    return std::uint32_t(positions.size() - 1);
+  }
+};
+
+/// A part of a shape beside `Shape`, found by dynamic_cast.
+class RoundShape {
+public:
+  virtual ~RoundShape() = default;
+
+  /// Largest radius, of curvature or of a rim, in the coordinates of the shape's place.
+  virtual double round_radius() const = 0;
+  /// Whether the surface bends away behind its outline, which a flat disc does not.
+  virtual bool is_curved() const = 0;
+  /// Whether it is seen from within, as the walls of a room.
+  virtual bool is_hollow() const { return false; }
+  /// Triangles with `pieces` sides around. Their edges lie on the shape or, by 5/pieces^2 of the radius at most, outside.
+  virtual OutlineMesh outline_mesh(int pieces) const = 0;
+  /// How many edges that mesh has, about.
+  virtual double edge_count(int pieces) const = 0;
+};
+
+/// Corners of a regular polygon around the unit circle.
+inline std::vector<Double3> polygon_around_circle(int pieces) {
+  std::vector<Double3> corners;
+  const double step = 2 * 3.14159265358979323846 / pieces, r = 1 / std::cos(0.5 * step);
+  for (int i = 0; i < pieces; ++i) corners.push_back({r * std::cos(i * step), r * std::sin(i * step), 0});
+  return corners;
+}
+
+}  // namespace aureole
