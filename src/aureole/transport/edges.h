@@ -186,7 +186,7 @@ private:
   /// Of Russian roulette: 0 where it ends the path around that edge, else one over the probability that it does not.
   float looked_at(const EdgePoint& point, bool is_beside_direct) {
     if (!is_beside_direct) return 1;
-    constexpr float kMuch = 0.02f, kLeast = 0.125f;
+    constexpr float kMuch = 0.002f, kLeast = 0.25f;
     const float probability = std::clamp(point.part_of_direct / kMuch, kLeast, 1.f);
     return random_.next() < probability ? 1 / probability : 0;
   }
