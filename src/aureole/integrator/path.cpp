@@ -113,15 +113,18 @@ public:
   }
 
   bool connect(int i, Connection& out) {
-    const State& s = states_[i];
+    State& s = states_[i];
     const Vertex& vertex = vertices_[i];
+    s.is_lit = false;
+    s.to_edge = may_walk_to_edge(s, vertex)
+                    ? EdgePaths::to_edge(scene_, vertex.p(), paths_[size_t(i)].wavelengths)
+                    : 0;
     if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return false;
     if (!vertex.is_surface() && !scene_.lights_reach(*s.flight.medium)) return false;
     Path& path = paths_[size_t(i)];
     return connect_to_light(scene_, vertex, s.flight, s.density,
                             scene_.lights().is_single() ? 0.f : get(path.samples, s.vertex, Choice::light),
-                            get(s.pairs, Pair::connection), path.wavelengths,
-                            {1, may_walk_to_edge(s, vertex) ? 1 - EdgePaths::kToEdge : 1},
+                            get(s.pairs, Pair::connection), path.wavelengths, {1, 1 - s.to_edge},
                             scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out,
                             vertex.is_surface() ? nullptr : &s.by_light);
   }
@@ -140,6 +143,7 @@ public:
 
   void connected(int i, const Connection& c, bool open) {
     if (open) paths_[size_t(i)].result.estimate += c.light;
+    states_[i].is_lit |= open;
     if (log_.follows(i))
       log_(fmt::format("  light: {} mean {:.6g}", open ? "visible" : "hidden", mean(c.light)));
   }
@@ -148,10 +152,9 @@ public:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
-    const bool may_walk = may_walk_to_edge(s, vertex);
-    if (may_walk) {
+    if (s.to_edge > 0) {
       KeyedRandom random(key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
-      if (random.next() < EdgePaths::kToEdge) {
+      if (random.next() < s.to_edge) {
         EdgePaths edges(scene_, path.wavelengths, random);
         return walk_to_edge(i, edges);
       }
@@ -161,11 +164,11 @@ public:
     const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
-      if (may_walk) s.density.survive(1 - EdgePaths::kToEdge);
+      if (s.to_edge > 0) s.density.survive(1 - s.to_edge);
       go_on(i, vertex, b.d);
       return true;
     }
-    if (may_walk) b.pdf *= 1 - EdgePaths::kToEdge;
+    if (s.to_edge > 0) b.pdf *= 1 - s.to_edge;
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
     s.looked = s.after_edge.is_set = false;
@@ -198,7 +201,7 @@ public:
       if (s.last || !vertex.is_smooth() || !limits_.reaches(s.depth + 3)) continue;
       Path& path = paths_[size_t(i)];
       EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kOther);
-      const Spectrum light = edges.from_light(EdgePaths::at_vertex(vertex, s.flight),
+      const Spectrum light = edges.from_light(EdgePaths::at_vertex(vertex, s.flight), s.is_lit,
                                               [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
       path.result.estimate += s.density.contribution(light, path.wavelengths);
       if (log_.follows(i) && !is_black(light))
@@ -247,8 +250,10 @@ private:
     /// It brings all that is emitted along the ray and behind what lets the ray pass; also true after an
     /// edge, where connections from before it have counted the lights that the ray meets.
     bool looked = false;
-    bool last = false;  ///< the present surface may only be passed
-    float whole = 1;    ///< throughput of a path that begins at an edge: roulette asks how much of it is left
+    bool last = false;    ///< the present surface may only be passed
+    bool is_lit = false;  ///< the vertex has light of the lamp that was asked
+    float to_edge = 0;    ///< probability of leaving the vertex for an edge
+    float whole = 1;  ///< throughput of a path that begins at an edge: roulette asks how much of it is left
     AfterEdge after_edge;
   };
 
@@ -280,7 +285,7 @@ private:
     if (s.depth == 0) paths_[size_t(i)].result.alpha = 1;
     Spectrum value;
     EdgePaths::AtEdge at;
-    if (!edges.walk(vertex, s.flight, value, at)) return false;
+    if (!edges.walk(vertex, s.flight, s.to_edge, value, at)) return false;
     ++s.depth;
     return go_on_from_edge(i, edges, at, value);
   }
@@ -291,7 +296,7 @@ private:
       if (log_.follows(i)) log_edge(log_, s.depth, at.point.p);
       const auto kernel = [&](const Vec3& d) { return edges.kernel(at, d); };
       path.result.estimate +=
-          s.density.contribution(so_far * edges.from_light(at.place(), kernel), path.wavelengths);
+          s.density.contribution(so_far * edges.from_light(at.place(), false, kernel), path.wavelengths);
     };
     if (!edges.leave(
             first, value, s.depth, [&](int n) { return limits_.reaches(n); }, see, s.density, s.flight,

@@ -126,8 +126,9 @@ public:
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
 
   bool connect(int i, Connection& out) {
-    const State& s = states_[i];
+    State& s = states_[i];
     const Vertex& vertex = vertices_[i];
+    s.is_seen = false;
     if (!vertex.is_smooth()) return false;
     // Rays of the sensor pass through the surfaces of emitters.
     if (limits_.hide_emitters && vertex.light()) return false;
@@ -143,6 +144,7 @@ public:
 
   void connected(int i, const Connection& c, bool open) {
     if (open) splats_.push_back({i, film_[i], c.light});
+    states_[i].is_seen = open;
     if (log_.follows(i)) log_seen(log_, film_[i], c, open);
   }
 
@@ -155,7 +157,7 @@ public:
       Path& path = paths_[size_t(i)];
       EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kToSensor,
                       limits_.hide_emitters);
-      see_around_edge(i, edges, EdgePaths::at_vertex(vertex, s.flight),
+      see_around_edge(i, edges, EdgePaths::at_vertex(vertex, s.flight), s.is_seen,
                       [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
     }
   }
@@ -165,12 +167,14 @@ public:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
-    const bool may_walk = walks_to_edges_ && vertex.is_smooth() && limits_.reaches(s.scattered + 4);
-    if (may_walk) {
+    const float to_edge = walks_to_edges_ && vertex.is_smooth() && limits_.reaches(s.scattered + 4)
+                              ? EdgePaths::to_edge(scene_, vertex.p(), path.wavelengths)
+                              : 0;
+    if (to_edge > 0) {
       KeyedRandom random(key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
-      if (random.next() < EdgePaths::kToEdge) {
+      if (random.next() < to_edge) {
         EdgePaths edges(scene_, path.wavelengths, random, limits_.hide_emitters);
-        return walk_to_edge(i, edges);
+        return walk_to_edge(i, edges, to_edge);
       }
     }
     const bool last = !limits_.reaches(s.scattered + 3);
@@ -181,11 +185,11 @@ public:
     if (event == Event::blocked) return false;
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
-      if (may_walk) s.density.survive(1 - EdgePaths::kToEdge);
+      if (to_edge > 0) s.density.survive(1 - to_edge);
       go_on(i, vertex, b.d);
       return true;
     }
-    if (may_walk) b.pdf *= 1 - EdgePaths::kToEdge;
+    if (to_edge > 0) b.pdf *= 1 - to_edge;
     const bool ends = last && event != Event::entered;
     if ((ends && !b.delta) || b.value.is_black()) return false;
     s.after_edge.is_set = false;
@@ -281,6 +285,7 @@ private:
     int vertex = 0;   ///< vertices met; 0 at the emitter
     int scattered = 0, in_media = 0;
     AfterEdge after_edge;
+    bool is_seen = false;  ///< the sensor sees the vertex
   };
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
@@ -299,10 +304,11 @@ private:
   }
 
   template <class Respond>
-  void see_around_edge(int i, EdgePaths& edges, const EdgePaths::Place& from, const Respond& respond) {
+  void see_around_edge(int i, EdgePaths& edges, const EdgePaths::Place& from, bool is_seen,
+                       const Respond& respond) {
     Vec2 film;
     const Vec2 lens = edges.next2();
-    const Spectrum seen = edges.to_sensor(from, lens, respond, film);
+    const Spectrum seen = edges.to_sensor(from, is_seen, lens, respond, film);
     if (is_black(seen)) return;
     const Spectrum estimate = states_[i].density.reached(Weight(seen), 1, paths_[size_t(i)].wavelengths);
     splats_.push_back({i, film, estimate});
@@ -312,11 +318,11 @@ private:
   }
 
   // As those of `path`.
-  [[gnu::noinline]] bool walk_to_edge(int i, EdgePaths& edges) {
+  [[gnu::noinline]] bool walk_to_edge(int i, EdgePaths& edges, float probability) {
     State& s = states_[i];
     Spectrum value;
     EdgePaths::AtEdge at;
-    if (!edges.walk(vertices_[i], s.flight, value, at)) return false;
+    if (!edges.walk(vertices_[i], s.flight, probability, value, at)) return false;
     ++s.scattered;
     return go_on_from_edge(i, edges, at, value);
   }
@@ -324,7 +330,8 @@ private:
     State& s = states_[i];
     const auto see = [&](const EdgePaths::AtEdge& at, const Spectrum& so_far) {
       if (log_.follows(i)) log_edge(log_, s.scattered, at.point.p);
-      see_around_edge(i, edges, at.place(), [&](const Vec3& d) { return so_far * edges.kernel(at, d); });
+      see_around_edge(i, edges, at.place(), false,
+                      [&](const Vec3& d) { return so_far * edges.kernel(at, d); });
     };
     if (!edges.leave(
             first, value, s.scattered, [&](int n) { return limits_.reaches(n); }, see, s.density, s.flight,

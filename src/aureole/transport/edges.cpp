@@ -136,6 +136,17 @@ Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const V
 Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
+  float part = 1;
+  {
+    constexpr float kUnseen = 0.25f;
+    const float u[2] = {random_.next(), random_.next()};
+    const auto point = edges_.choose_from({eye}, u);
+    const auto seen = point ? scene_.sensor().sample_direct(point->on_edge(), lens) : std::nullopt;
+    if (!seen || !(seen->importance > 0)) {
+      if (random_.next() >= kUnseen) return 0.f;
+      part = 1 / kUnseen;
+    }
+  }
   LampEnd lamp;
   if (!choose_lamp(eye, lamp)) return 0.f;
   const auto point = choose_between(eye, lamp.guide);
@@ -148,7 +159,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   bool infinite;
   Spectrum value = lit(*point, lamp, start, wo, infinite);
   if (is_black(value) || !SceneEdges::turns_around(*point, -wo, seen->wo)) return 0.f;
-  value *= seen->importance / point->pdf;
+  value *= part * seen->importance / point->pdf;
   Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
   value *= through(*point, Anchor::in_space(seen->p), flight, hide_emitters_, {wo, infinite}, &start, false);

@@ -5,7 +5,7 @@
 // Every path of this kind is found in one way only, so that no weights are needed. Where the place on the edge is the
 // neighbour of the path's far end (a light in `path`, the sensor in `ptracer`), it is chosen for the two places that it lies
 // between, as an end that connections look for. Else a walk goes there: it leaves its vertex for an edge with the
-// probability kToEdge, and goes on behind it by the edge's kernel.
+// probability `to_edge`, and goes on behind it by the edge's kernel.
 #pragma once
 
 #include <optional>
@@ -42,8 +42,12 @@ struct AfterEdge {
 /// Paths around edges of one scene, for one path.
 class EdgePaths {
 public:
-  /// Probability of leaving a vertex for an edge, and an edge for another edge.
-  static constexpr float kToEdge = 0.25f, kToNextEdge = 0.25f;
+  /// Probability of leaving an edge for another edge.
+  static constexpr float kToNextEdge = 0.25f;
+  /// Probability of leaving a vertex for an edge: seldom where edges are far or beams narrow.
+  static float to_edge(const Scene& scene, const Vec3& p, const Wavelengths& w) {
+    return std::clamp(8 * scene.edges()->seen_from(p, scene.edges()->beams(w)), 1 / 16.f, 0.25f);
+  }
 
   EdgePaths(const Scene& scene, const Wavelengths& w, std::uint32_t key, bool hide_emitters = false)
       : EdgePaths(scene, w, KeyedRandom(key), hide_emitters) {}
@@ -82,27 +86,32 @@ public:
   };
 
   /// Light of a lamp that reaches `from` around one edge, scattered there by respond(d) -> Spectrum, d the direction to the edge;
-  /// black where there is none.
+  /// black where there is none. `is_lit`: light comes to that place without going around an edge, beside which little of that which does
+  /// is looked at seldom.
   template <class Respond>
-  Spectrum from_light(const Place& from, const Respond& respond) {
+  Spectrum from_light(const Place& from, bool is_lit, const Respond& respond) {
     LampEnd lamp;
     if (!choose_lamp(from.anchor.p, lamp)) return 0.f;
     const auto point = choose_between(from.anchor.p, lamp.guide);
     if (!point) return 0.f;
+    const float part = looked_at(*point, is_lit);
+    if (part == 0) return 0.f;
     const Vec3 d = point->direction_from(from.anchor.p);
-    const Spectrum response = respond(d);
+    const Spectrum response = respond(d) * part;
     return is_black(response) ? response : response * light_at(from, *point, d, lamp);
   }
-  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`.
+  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`; `is_seen` as `is_lit`.
   template <class Respond>
-  Spectrum to_sensor(const Place& from, Vec2 lens, const Respond& respond, Vec2& film) {
+  Spectrum to_sensor(const Place& from, bool is_seen, Vec2 lens, const Respond& respond, Vec2& film) {
     const auto point = choose_between(from.anchor.p, PathEnd{sensor_guide(from.anchor.p, lens)});
     if (!point) return 0.f;
+    const float part = looked_at(*point, is_seen);
+    if (part == 0) return 0.f;
     const Vec3 d = point->direction_from(from.anchor.p);
-    const Spectrum response = respond(d);
+    const Spectrum response = respond(d) * part;
     return is_black(response) ? response : response * sensor_at(from, *point, d, lens, film);
   }
-  /// The sensor's response to light of a lamp around one edge.
+  /// The sensor's response to light of a lamp around one edge. Looked at seldom where the sensor does not see an edge that is chosen by chance.
   Spectrum from_light_to_sensor(Vec2 lens, Vec2& film);
 
   /// Goes from a place to an edge: false where that is not seen. `value` is multiplied by what arrives there over the density.
@@ -118,9 +127,9 @@ public:
     value *= respond(d) * geometry;
     return !is_black(value) && arrive(from, *point, d, false, value, out);
   }
-  /// The same from a vertex that is left for an edge with the probability kToEdge.
-  bool walk(const Vertex& vertex, const Flight& flight, Spectrum& value, AtEdge& out) {
-    value = 1 / kToEdge;
+  /// The same from a vertex that is left for an edge with that probability.
+  bool walk(const Vertex& vertex, const Flight& flight, float probability, Spectrum& value, AtEdge& out) {
+    value = 1 / probability;
     return walk(
         at_vertex(vertex, flight), [&](const Vec3& d) { return response(vertex, d); }, value, out);
   }
@@ -175,6 +184,13 @@ private:
   };
   /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are small enough.
   Spectrum reach(const Place& from, const EdgePoint& point) const;
+  /// Of Russian roulette: 0 where it ends the path around that edge, else one over the probability that it does not.
+  float looked_at(const EdgePoint& point, bool is_beside_direct) {
+    if (!is_beside_direct) return 1;
+    constexpr float kMuch = 0.002f, kLeast = 0.25f;
+    const float probability = std::clamp(point.part_of_direct / kMuch, kLeast, 1.f);
+    return random_.next() < probability ? 1 / probability : 0;
+  }
   bool choose_lamp(const Vec3& seen_from, LampEnd& lamp);
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b);

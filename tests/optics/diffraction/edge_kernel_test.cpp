@@ -178,6 +178,45 @@ TEST(EdgeKernel, TheMeanIsTheIntegralOverCentres) {
     }
 }
 
+// The kernel that pictures are made of, against the one by libcerf: figures of all sizes, from far inside a beam to far beyond it,
+// places at and between corners, small and large turns, beams whose width follows the wavelength or not.
+TEST(EdgeKernel, OfManyWavelengthsIsThatOfEach) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform;
+  double worst = 0, worst_q = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    const double size = std::pow(10, 4 * uniform(random) - 2), width = std::pow(10, 1.5 * uniform(random));
+    const double turn = std::pow(10, -4 + 4.3 * uniform(random));
+    double k[12], sigma[12], result[12];
+    for (int i = 0; i < 12; ++i) {
+      const double lambda = 0.4 + 0.03 * i;
+      k[i] = 2 * M_PI / lambda, sigma[i] = trial % 2 ? width * lambda : width * std::sqrt(lambda);
+    }
+    std::vector<ProjectedEdge> edges;
+    PlanePoint last{size * uniform(random), size * uniform(random)};
+    for (int i = 0; i < 5; ++i) {
+      PlanePoint next{size * uniform(random), size * uniform(random)};
+      if (i == 3) next = last, next.y += size;  // along the turn, and across it
+      if (i == 4) next.y = last.y;
+      edges.push_back({last, next, std::hypot(next.x - last.x, next.y - last.y) * (1 + uniform(random))});
+      last = next;
+    }
+    const double at = trial % 5 == 0 ? 0 : trial % 5 == 1 ? 1 : uniform(random);
+    mean_edge_kernels(edges, at, turn, k, sigma, result);
+    for (int i = 0; i < 12; ++i) {
+      const double expected = mean_edge_kernel(edges, 0, at, {k[i] * turn, 0}, k[i], sigma[i]);
+      // In units of what a place on a straight edge across the turn sends at most.
+      const double q2 = k[i] * k[i] * turn * turn, chi = std::exp(-2 * sigma[i] * sigma[i] * q2);
+      const double error =
+          std::abs(result[i] - expected) / (sigma[i] * (1 - chi) / (turn * turn) * std::sqrt(8.0));
+      if (error > worst) worst = error, worst_q = std::sqrt(q2) * sigma[i];
+    }
+  }
+  std::printf("largest difference of the two kernels: %.2g of a straight edge's (at q sigma = %.2g)\n", worst,
+              worst_q);
+  EXPECT_LT(worst, 3e-9);
+}
+
 TEST(EdgeKernel, HasOneLobeForAllEdges) {
   EXPECT_THROW(diffracted_intensity({}, {1, 0}, 1, ZerothOrder::of_edges()), std::logic_error);
   EXPECT_EQ(diffracted_intensity({2.0, 4.0}, {1, 0}, 2 * M_PI, ZerothOrder::kept()), 4.0);

@@ -12,56 +12,12 @@
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
-#include <cstdint>
-#include <cstring>
+
+#include "aureole/optics/lanes.h"
 
 namespace aureole::optics {
 
 namespace {
-
-constexpr int kLanes = 4;
-typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
-typedef std::int64_t LaneBits __attribute__((vector_size(kLanes * sizeof(double))));
-
-Lanes load(const double* p) {
-  Lanes v;
-  std::memcpy(&v, p, sizeof v);
-  return v;
-}
-
-void store(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
-
-/// Sine and cosine to 2e-16, for |x| < 1e15: the multiple of pi/2 is taken off in two parts, then Taylor's
-/// series up to pi/4.
-void sine_cosine(const Lanes& x, Lanes& sine, Lanes& cosine) {
-  constexpr double kRound = 0x1.8p52;  // adding it leaves an integer in the last bits
-  const Lanes shifted = x * 0.63661977236758134308 + kRound;
-  const Lanes n = shifted - kRound;
-  LaneBits quadrant;
-  std::memcpy(&quadrant, &shifted, sizeof quadrant);
-  Lanes r = x - n * 1.57079632679489655800;
-  r = r - n * 6.12323399573676603587e-17;
-  const Lanes r2 = r * r;
-  Lanes s = r2 * (-1 / 1307674368000.0) + 1 / 6227020800.0;
-  s = s * r2 - 1 / 39916800.0;
-  s = s * r2 + 1 / 362880.0;
-  s = s * r2 - 1 / 5040.0;
-  s = s * r2 + 1 / 120.0;
-  s = s * r2 - 1 / 6.0;
-  s = s * r2 * r + r;
-  Lanes c = r2 * (1 / 20922789888000.0) - 1 / 87178291200.0;
-  c = c * r2 + 1 / 479001600.0;
-  c = c * r2 - 1 / 3628800.0;
-  c = c * r2 + 1 / 40320.0;
-  c = c * r2 - 1 / 720.0;
-  c = c * r2 + 1 / 24.0;
-  c = c * r2 - 0.5;
-  c = c * r2 + 1;
-  const LaneBits odd = (quadrant & 1) != 0;
-  const Lanes a = odd ? c : s, b = odd ? s : c;
-  sine = (quadrant & 2) != 0 ? -a : a;
-  cosine = ((quadrant + 1) & 2) != 0 ? -b : b;
-}
 
 /// tan(h)/h for h^2 < 1/64, by its power series.
 Lanes tangent_over_argument(const Lanes& h2) {
@@ -153,9 +109,9 @@ std::complex<double> PolygonAperture::transform(double qx, double qy) const {
   const std::size_t count = x_.size();
   const auto exponentials = [&](std::size_t i, double* cosine, double* sine) {
     Lanes s, c;
-    sine_cosine(load(&x_[i]) * qx + load(&y_[i]) * qy, s, c);
-    store(cosine, c);
-    store(sine, s);
+    sine_cosine(load_lanes(&x_[i]) * qx + load_lanes(&y_[i]) * qy, s, c);
+    store_lanes(cosine, c);
+    store_lanes(sine, s);
   };
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t size = std::min(kBlock, count - begin);
@@ -166,10 +122,10 @@ std::complex<double> PolygonAperture::transform(double qx, double qy) const {
     else
       cosines[size] = sines[size] = 0;
     for (std::size_t i = 0; i < size; i += kLanes) {
-      const Lanes ex = load(&edge_x_[begin + i]), ey = load(&edge_y_[begin + i]);
+      const Lanes ex = load_lanes(&edge_x_[begin + i]), ey = load_lanes(&edge_y_[begin + i]);
       const Lanes along = ex * qx + ey * qy, flux = ey * qx - ex * qy;
-      const Lanes c0 = load(cosines + i), c1 = load(cosines + i + 1), s0 = load(sines + i),
-                  s1 = load(sines + i + 1);
+      const Lanes c0 = load_lanes(cosines + i), c1 = load_lanes(cosines + i + 1), s0 = load_lanes(sines + i),
+                  s1 = load_lanes(sines + i + 1);
       const Lanes h2 = along * along * 0.25;
       const LaneBits is_small = h2 < 1 / 64.0;
       const Lanes inverse = 1 / (is_small ? Lanes{} + 1 : along);

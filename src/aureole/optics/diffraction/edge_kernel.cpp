@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "aureole/optics/faddeeva.h"
+#include "aureole/optics/lanes.h"
 
 namespace aureole::optics {
 namespace {
@@ -111,6 +112,135 @@ double mean_edge_kernel(std::span<const ProjectedEdge> edges, std::size_t index,
   const double flux = (q.x * vy - q.y * vx) / own.length;
   // chi of a beam of this sigma: exp(-2 sigma^2 q^2).
   return k * k / (4 * pi * pi) * -std::expm1(-2 * sigma * sigma * q2) / (q2 * q2) * flux * sum;
+}
+
+namespace {
+
+/// Weideman's coefficients: w(z) = 1/(sqrt(pi) (L - iz)) + 2/(L - iz)^2 sum a_n Z^n with Z = (L + iz)/(L - iz), a_n those of the Fourier
+/// series of (L^2 + t^2) exp(-t^2) in the angle 2 atan(t/L).
+struct FaddeevaSeries {
+  static constexpr int kTerms = 24;
+  double scale, a[kTerms];
+
+  FaddeevaSeries() : scale(std::sqrt(kTerms / std::numbers::sqrt2)) {
+    constexpr int kPoints = 2 * kTerms;
+    for (int n = 0; n < kTerms; ++n) {
+      double sum = 0;
+      for (int j = 1 - kPoints; j < kPoints; ++j) {
+        const double angle = j * pi / kPoints, t = scale * std::tan(0.5 * angle);
+        sum += (scale * scale + t * t) * std::exp(-t * t) * std::cos((n + 1) * angle);
+      }
+      a[n] = sum / (2 * kPoints);
+    }
+  }
+};
+const FaddeevaSeries kSeries;
+
+/// Faddeeva's function at x + i y, y >= 0, of N groups of arguments: their sums run side by side.
+template <int N>
+[[gnu::always_inline]] inline void faddeeva_lanes(const Lanes (&x)[N], const Lanes (&y)[N], Lanes (&re)[N],
+                                                  Lanes (&im)[N]) {
+  const double scale = kSeries.scale;
+  Lanes inverse_re[N], inverse_im[N], u[N], v[N], r2[N], b1[N], b2[N];
+  for (int i = 0; i < N; ++i) {
+    const Lanes ahead = y[i] + scale, inverse = 1.0 / (ahead * ahead + x[i] * x[i]);
+    inverse_re[i] = ahead * inverse, inverse_im[i] = x[i] * inverse;
+    u[i] = (scale * scale - y[i] * y[i] - x[i] * x[i]) * inverse, v[i] = 2 * scale * x[i] * inverse;
+    r2[i] = u[i] * u[i] + v[i] * v[i];
+    b1[i] = b2[i] = Lanes{};
+  }
+  // The polynomial by Goertzel's recurrence, which needs real products only.
+  for (int n = FaddeevaSeries::kTerms - 1; n > 0; --n)
+    for (int i = 0; i < N; ++i) {
+      const Lanes b = 2 * u[i] * b1[i] + (kSeries.a[n] - r2[i] * b2[i]);
+      b2[i] = b1[i], b1[i] = b;
+    }
+  for (int i = 0; i < N; ++i) {
+    const Lanes p = 2 * (kSeries.a[0] + u[i] * b1[i] - r2[i] * b2[i]), q = 2 * v[i] * b1[i];
+    const Lanes s = p * inverse_re[i] - q * inverse_im[i] + std::numbers::inv_sqrtpi,
+                t = p * inverse_im[i] + q * inverse_re[i];
+    re[i] = s * inverse_re[i] - t * inverse_im[i], im[i] = s * inverse_im[i] + t * inverse_re[i];
+  }
+}
+
+/// exp(-20) is left out.
+constexpr double kNegligible = 20;
+
+double largest(const Lanes& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
+double smallest(const Lanes& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
+
+template <int N>
+void mean_edge_kernels_of(std::span<const ProjectedEdge> edges, double at, double turn, const double* k,
+                          const double* sigma, double* result) {
+  const ProjectedEdge& own = edges[0];
+  const double vx = own.to.x - own.from.x, vy = own.to.y - own.from.y;
+  const PlanePoint x{own.from.x + at * vx, own.from.y + at * vy};
+  Lanes q[N], inverse[N], along[N], sum[N];  // wave number, 1/(sqrt(8) sigma), beta of an edge along x
+  double widest = 0, narrowest_cone = INFINITY;
+  for (int i = 0; i < N; ++i) {
+    q[i] = turn * load_lanes(k + i * kLanes);
+    const Lanes scale = std::sqrt(8.0) * load_lanes(sigma + i * kLanes);
+    inverse[i] = 1.0 / scale, along[i] = 0.5 * q[i] * scale, sum[i] = Lanes{};
+    widest = std::max(widest, largest(scale)), narrowest_cone = std::min(narrowest_cone, smallest(along[i]));
+  }
+  const double reach2 = kNegligible * widest * widest;
+  for (const ProjectedEdge& edge : edges) {
+    const double ex = edge.to.x - edge.from.x, ey = edge.to.y - edge.from.y, length2 = ex * ex + ey * ey;
+    if (!(length2 > 0) || ey == 0) continue;
+    const double inverse_length = 1 / std::sqrt(length2), ux = ex * inverse_length, uy = ey * inverse_length;
+    const PlanePoint from{edge.from.x - x.x, edge.from.y - x.y}, to{edge.to.x - x.x, edge.to.y - x.y};
+    const double begin = from.x * ux + from.y * uy, end = to.x * ux + to.y * uy;
+    const double foot_x = from.x - begin * ux, foot_y = from.y - begin * uy,
+                 foot2 = foot_x * foot_x + foot_y * foot_y;
+    if (foot2 > reach2) continue;
+    Lanes line[N] = {};
+    bool is_lit = false;
+    if (begin < 0 && end > 0 && narrowest_cone * narrowest_cone * ux * ux < kNegligible) {
+      is_lit = true;
+      for (int i = 0; i < N; ++i) {
+        const Lanes beta = along[i] * ux;
+        Lanes sine, cosine;
+        sine_cosine(q[i] * foot_x, sine, cosine);
+        line[i] = 2 * exp_minus(beta * beta + foot2 * inverse[i] * inverse[i]) * cosine;
+      }
+    }
+    // What is missing beyond its ends, or of an edge to one side of x the difference of the two.
+    const auto add_end = [&](const PlanePoint& p, double a, bool is_behind, double sign) {
+      const double distance2 = p.x * p.x + p.y * p.y;
+      if (distance2 > reach2) return;
+      is_lit = true;
+      Lanes real[N], imaginary[N], w_re[N], w_im[N];
+      for (int i = 0; i < N; ++i) real[i] = along[i] * ux, imaginary[i] = std::abs(a) * inverse[i];
+      faddeeva_lanes<N>(real, imaginary, w_re, w_im);
+      for (int i = 0; i < N; ++i) {
+        Lanes sine, cosine;
+        sine_cosine(q[i] * p.x, sine, cosine);
+        const Lanes part = is_behind ? cosine * w_re[i] + sine * w_im[i] : cosine * w_re[i] - sine * w_im[i];
+        line[i] += sign * exp_minus(distance2 * inverse[i] * inverse[i]) * part;
+      }
+    };
+    add_end(from, begin, begin < 0, begin < 0 ? -1 : 1);
+    add_end(to, end, !(end > 0), end > 0 ? -1 : 1);
+    if (is_lit)
+      for (int i = 0; i < N; ++i) sum[i] += uy * line[i] / inverse[i];
+  }
+  const double factor = 0.5 * std::sqrt(pi) * vy / (own.length * 4 * pi * pi * turn * turn);
+  for (int i = 0; i < N; ++i) {
+    const Lanes exponent = along[i] * along[i];  // 2 sigma^2 q^2
+    const Lanes chi_less_1 = exponent < 1e-5 ? exponent - 0.5 * exponent * exponent : 1 - exp_minus(exponent);
+    store_lanes(result + i * kLanes, factor * chi_less_1 * sum[i]);
+  }
+}
+
+}  // namespace
+
+void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double turn,
+                       std::span<const double> k, std::span<const double> sigma, std::span<double> result) {
+  std::size_t i = 0;
+  for (; i + 2 * kLanes <= k.size(); i += 2 * kLanes)
+    mean_edge_kernels_of<2>(edges, at, turn, &k[i], &sigma[i], &result[i]);
+  for (; i + kLanes <= k.size(); i += kLanes)
+    mean_edge_kernels_of<1>(edges, at, turn, &k[i], &sigma[i], &result[i]);
 }
 
 }  // namespace aureole::optics

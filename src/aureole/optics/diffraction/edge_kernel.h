@@ -86,4 +86,11 @@ struct ProjectedEdge {
 double mean_edge_kernel(std::span<const ProjectedEdge> edges, std::size_t index, double at, PlanePoint q,
                         double k, double sigma);
 
+/// The same for edges[0] at many wavelengths at once, for rendering: `k`, `sigma` and `result` have one number for each, a multiple of
+/// four of them. q is k `turn` along x, `turn` the difference of the two directions, which must be more than 0. Faddeeva's function by
+/// Weideman's rational approximation (1994, "Computation of the complex error function", SIAM J. Numer. Anal. 31(5)) with 24 terms, of
+/// relative error 5e-10, and what is less than 2e-9 of the edge's own light left out. No allocation.
+void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double turn,
+                       std::span<const double> k, std::span<const double> sigma, std::span<double> result);
+
 }  // namespace aureole::optics

@@ -2,6 +2,7 @@
 #include "aureole/scene/edge/edge_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -26,6 +27,9 @@ struct Towards {
 
 // The numbers below are heuristics: they change the noise, not the mean.
 
+/// The natural logarithm of x >= 1 within .06, by the float's exponent.
+float rough_log(float x) { return 0.69314718f * (float(std::bit_cast<std::int32_t>(x)) * 0x1p-23f - 127.f); }
+
 /// Weight of an edge that is no outline between two ends that only guide its choice.
 constexpr double kNoOutline = 1e-3;
 
@@ -48,13 +52,32 @@ NormalCone merged_lines(const NormalCone& a, const NormalCone& b) {
   return a.merged(dot(a.axis, b.axis) < 0 ? NormalCone{-b.axis, b.sine} : b);
 }
 
-double between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle, float sigma) {
-  const EdgeLine line(edge);
-  const std::optional<double> keller = keller_point(line, a, b);
-  const double l = std::clamp(keller.value_or(0.5 * line.length), 0.0, line.length);
-  const Vec3 x = line.at(l).to_float();
+/// `keller_point` about in single precision, from the middle of an edge; 0 where there is none.
+float about_keller(const Vec3& middle, const Vec3& e, const PathEnd& a, const PathEnd& b) {
+  if (a.is_infinite) return b.is_infinite ? 0.f : about_keller(middle, e, b, a);
+  const auto place = [&](const PathEnd& end, float& along, float& across) {
+    const Vec3 to = end.p - middle;
+    along = dot(to, e);
+    across = length(to - e * along);
+  };
+  float along_a, across_a, along_b, across_b;
+  place(a, along_a, across_a);
+  if (b.is_infinite) {
+    const float s = dot(b.p, e), c2 = 1 - s * s;
+    return c2 > 1e-6f ? along_a + s * across_a / std::sqrt(c2) : 0.f;
+  }
+  place(b, along_b, across_b);
+  const float sum = across_a + across_b;
+  return sum > 0 ? (along_a * across_b + along_b * across_a) / sum : 0.f;
+}
+
+/// Of an edge in the direction e, about its middle.
+double between(const MeshEdge& edge, const Vec3& middle, const Vec3& e, float edge_length, const PathEnd& a,
+               const PathEnd& b, float angle, float sigma) {
+  const float half = 0.5f * edge_length;
+  const Vec3 x = middle + e * std::clamp(about_keller(middle, e, a, b), -half, half);
   const Towards to_a(a, x), to_b(b, x);
-  const Vec3 turn = to_a.d + to_b.d, e = line.direction.to_float();
+  const Vec3 turn = to_a.d + to_b.d;
   const float off = std::abs(dot(turn, e));
   // The stretch of the edge that light comes from.
   const float across2 = std::max(1 - dot(to_a.d, e) * dot(to_a.d, e), 1e-6f);
@@ -62,8 +85,7 @@ double between(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float a
                      (b.is_infinite ? 0.f : 1 / std::sqrt(to_b.distance_squared));
   const float stretch = angle / (std::sqrt(across2) * rate + 1e-30f);
   const double outline = edge.is_outline(to_a.d - to_b.d) ? 1.0 : kNoOutline;
-  return outline * std::min(float(line.length), 4 * stretch) *
-         along_cone(off, 0, angle, sigma, float(line.length), rate) /
+  return outline * std::min(edge_length, 4 * stretch) * along_cone(off, 0, angle, sigma, edge_length, rate) /
          (double(to_a.distance_squared) * to_b.distance_squared * (length_squared(turn) + angle * angle));
 }
 
@@ -208,6 +230,7 @@ std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& imp
   if (nodes_.empty()) return {};
   std::uint32_t node = 0;
   float probability = 1;
+  double own = nodes_[0].is_leaf ? importance(nodes_[0]) : 1;
   while (!nodes_[node].is_leaf) {
     const std::uint32_t first = nodes_[node].index;
     const double left = importance(nodes_[first]), right = importance(nodes_[first + 1]);
@@ -215,19 +238,21 @@ std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& imp
     if (!(sum > 0) || !std::isfinite(sum)) return {};
     const auto share = float(left / sum);
     if (u < share) {
-      u = std::min(u / share, 0x1.fffffep-1f), probability *= share, node = first;
+      u = std::min(u / share, 0x1.fffffep-1f), probability *= share, node = first, own = left;
     } else {
       u = std::min((u - share) / (1 - share), 0x1.fffffep-1f), probability *= 1 - share, node = first + 1;
+      own = right;
     }
   }
-  if (!(importance(nodes_[node]) > 0)) return {};
-  return Choice{nodes_[node].index, probability, u};
+  if (!(own > 0) || !(probability > 0)) return {};
+  return Choice{nodes_[node].index, probability, u, own / probability};
 }
 
 std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const PathEnd& b, float angle,
                                                          float sigma, float u) const {
   return descend(u, [&](const Node& node) {
-    if (node.is_leaf) return between(edges_[node.index], a, b, angle, sigma);
+    if (node.is_leaf)
+      return between(edges_[node.index], node.center, node.lines.axis, node.length, a, b, angle, sigma);
     const Towards to_a(a, node.center), to_b(b, node.center);
     const float r2 = node.radius * node.radius;
     // By how much the directions to the two ends may differ from those at the node's centre.
@@ -251,7 +276,7 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
     // is near to.
     const float turned = std::max(0.f, std::sqrt(turn2) - slack), angle2 = angle * angle,
                 slack2 = slack * slack;
-    const float turned2 = turned * turned + angle2 + slack2 / (1 + std::log1p(slack2 / angle2));
+    const float turned2 = turned * turned + angle2 + slack2 / (1 + rough_log(1 + slack2 / angle2));
     float off = 0;
     if (node.lines.sine < 1) {
       const float along = std::abs(dot(turn, node.lines.axis)),
@@ -277,6 +302,16 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, float u,
     return node.length /
            std::max(double(length_squared(a.p - node.center)), 0.25 * node.radius * node.radius + 1e-30);
   });
+}
+
+float EdgeTree::seen_from(const Vec3& p) const {
+  const auto of = [&](const Node& node) {
+    return node.length /
+           std::max(length_squared(p - node.center), 0.25f * node.radius * node.radius + 1e-30f);
+  };
+  if (nodes_.empty()) return 0;
+  const Node& root = nodes_[0];
+  return root.is_leaf ? of(root) : of(nodes_[root.index]) + of(nodes_[root.index + 1]);
 }
 
 }  // namespace aureole

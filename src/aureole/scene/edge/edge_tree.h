@@ -43,7 +43,8 @@ public:
   struct Choice {
     std::uint32_t edge;
     float probability;
-    float u;  ///< what is left of the random number
+    float u;          ///< what is left of the random number
+    double estimate;  ///< of the light of all edges, in the units of an edge's importance
   };
   /// An edge around which light goes from `b` to `a`, in beams of that `sigma`. `angle`: the width of the cone into which long
   /// edges diffract, 1/(2 k sigma). Edges that are no outlines between the two are seldom chosen.
@@ -52,6 +53,10 @@ public:
   /// An edge that light from or to `a` may reach.
   /// `leaving`: one that is left out, or null.
   std::optional<Choice> choose_from(const PathEnd& a, float u, const MeshEdge* leaving = nullptr) const;
+
+  /// About the light that comes to `p` from edges of which each length sends as much into all directions, over that of
+  /// surfaces all around of that radiance times length.
+  float seen_from(const Vec3& p) const;
 
   bool empty() const { return nodes_.empty(); }
   std::size_t memory_bytes() const { return nodes_.size() * sizeof(Node); }

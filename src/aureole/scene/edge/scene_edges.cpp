@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "aureole/optics/diffraction/edge_kernel.h"
+#include "aureole/optics/lanes.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
 
 namespace aureole {
@@ -21,10 +22,9 @@ constexpr double kDepth = 3;
 /// Beyond this many sigma from its ends an edge is as good as endless, to exp(-12.5).
 constexpr double kEndless = 10;
 
-/// Part of a Gaussian about `middle` that lies in [0, length].
-double mass_within(double middle, double deviation, double length) {
-  const double scale = 1 / (deviation * std::numbers::sqrt2);
-  return 0.5 * (std::erf((length - middle) * scale) + std::erf(middle * scale));
+double erf_inverse(double x) {
+  using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
+  return boost::math::erf_inv(x, Policy());
 }
 
 /// A density on an edge, [0, length]: about the place that fulfils Keller's condition, near both ends, where corners
@@ -35,20 +35,23 @@ public:
       : length_(length), end_scale_(end_scale) {
     if (keller && deviation < 4 * length) {
       middle_ = *keller, deviation_ = deviation;
-      const double mass = mass_within(middle_, deviation_, length_);
+      const double scale = 1 / (deviation_ * std::numbers::sqrt2);
+      // Most edges have the whole of it.
+      low_ = middle_ * scale > 6 ? -1 : std::erf(-middle_ * scale);
+      high_ = (length_ - middle_) * scale > 6 ? 1 : std::erf((length_ - middle_) * scale);
+      const double mass = 0.5 * (high_ - low_);
       if (mass > 1e-6) share_ = 0.9 * std::min(1.0, 20 * mass), inverse_mass_ = 1 / mass;
     }
-    if (end_scale_ < 0.25 * length_) end_share_ = 0.6 * (1 - share_);
-    end_mass_ = -std::expm1(-length_ / end_scale_);
+    if (end_scale_ < 0.25 * length_)
+      end_share_ = 0.6 * (1 - share_), end_mass_ = -std::expm1(-length_ / end_scale_);
   }
 
   double sample(double u, double v) const {
     if (u < share_) {
       const double scale = std::numbers::sqrt2 * deviation_;
-      const double low = std::erf(-middle_ / scale), high = std::erf((length_ - middle_) / scale);
       return std::clamp(
-          middle_ + scale * boost::math::erf_inv(std::clamp(low + v * (high - low), -1 + 1e-15, 1 - 1e-15)),
-          0.0, length_);
+          middle_ + scale * erf_inverse(std::clamp(low_ + v * (high_ - low_), -1 + 1e-15, 1 - 1e-15)), 0.0,
+          length_);
     }
     u = (u - share_) / (1 - share_);
     const double ends = end_share_ / (1 - share_);
@@ -71,8 +74,8 @@ public:
   }
 
 private:
-  double length_, end_scale_, middle_ = 0, deviation_ = 1, inverse_mass_ = 0, share_ = 0, end_share_ = 0,
-                              end_mass_ = 1;
+  double length_, end_scale_, middle_ = 0, deviation_ = 1, low_ = 0, high_ = 0, inverse_mass_ = 0, share_ = 0,
+                              end_share_ = 0, end_mass_ = 1;
 };
 
 /// Cauchy's distribution wrapped around the circle, of mode 0.
@@ -156,14 +159,21 @@ void SceneEdges::remark_crowds() {
 SceneEdges::Beams SceneEdges::beams(const Wavelengths& w) const {
   Beams b;
   b.achromatic = width_.is_achromatic();
-  b.widest = b.angle = 0;
-  for (int i = 0; i < kWavelengths; ++i) {
-    const double metres = double(w.nm[i]) * 1e-9, sigma = width_.at(metres) / unit_m_,
-                 k = 2 * pi * unit_m_ / metres;
-    b.k[i] = float(k), b.sigma[i] = float(sigma);
-    b.widest = std::max(b.widest, float(sigma));
-    b.angle = std::max(b.angle, float(0.5 / (k * sigma)));
+  const Spectrum unit = float(1e9 * unit_m_);  // in nanometres
+  b.k = float(2 * pi) * unit / w.nm;
+  switch (width_.unit) {
+    case BeamWidth::Unit::wavelengths:
+      b.sigma = w.nm * float(width_.value * 1e-9 / unit_m_);
+      break;
+    case BeamWidth::Unit::length:
+      b.sigma = float(width_.value / unit_m_);
+      break;
+    case BeamWidth::Unit::fresnel:
+      b.sigma = sqrt(w.nm * float(width_.value * 1e-9 / (unit_m_ * unit_m_)));
+      break;
   }
+  b.widest = max_component(b.sigma);
+  b.angle = 0.5f / min_component(b.k * b.sigma);
   return b;
 }
 
@@ -212,7 +222,11 @@ std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const Path
   }
   const PlaceDensity places(keller, deviation, 2.0 * beams.widest, line.length);
   const double l = places.sample(u[1], u[2]);
-  return point_on(edge, line, l, float(choice->probability * places.pdf(l)));
+  EdgePoint point = point_on(edge, line, l, float(choice->probability * places.pdf(l)));
+  // Keller's coefficient times the ends' squared distance; ends at infinity have none.
+  const double distance2 = a.is_infinite || b.is_infinite ? 1 : double(length_squared(a.p - b.p));
+  point.part_of_direct = float(choice->estimate * distance2 / (2 * pi * min_component(beams.k)));
+  return point;
 }
 
 std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* u,
@@ -254,6 +268,8 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
   });
   alone &= near.empty();
 
+  double k[kWavelengths], sigma[kWavelengths], result[kWavelengths];
+  for (int i = 0; i < kWavelengths; ++i) k[i] = beams.k[i], sigma[i] = beams.sigma[i];
   if (alone) {
     const Double3 across = own.direction - along * dot(own.direction, along);
     const double shown2 = dot(across, across);
@@ -262,44 +278,35 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     const double flux2 = std::max(0.0, turn2 - along_edge2);
     const double factor = scale_of(*point.edge) * std::sqrt(shown2) * std::sqrt(8 * pi) / (4 * pi * pi) *
                           flux2 / (turn2 * turn2);
-    return make_spectrum([&](int i) {
-      const double s = double(beams.k[i]) * beams.sigma[i], exponent = 2 * s * s;
-      return float(factor * beams.sigma[i] * -std::expm1(-exponent * turn2) *
-                   std::exp(-exponent * along_edge2));
-    });
+    for (int i = 0; i < kWavelengths; i += optics::kLanes) {
+      const optics::Lanes width = optics::load_lanes(sigma + i), s = optics::load_lanes(k + i) * width,
+                          exponent = 2 * s * s, lobe = exponent * turn2;
+      const optics::Lanes beyond = lobe < 1e-5 ? lobe - 0.5 * lobe * lobe : 1 - optics::exp_minus(lobe);
+      optics::store_lanes(result + i, factor * width * beyond * optics::exp_minus(exponent * along_edge2));
+    }
+    return make_spectrum([&](int i) { return float(result[i]); });
   }
 
-  // In the plane across the mean direction, from the place on. The obstacle is on the left of an edge where its first
-  // face is lit.
-  const auto space = [](const Double3& v) { return optics::SpaceVector{v.x, v.y, v.z}; };
+  // In the plane across the mean direction, from the place on, with the light's turn along x. The obstacle is on the left of
+  // an edge where its first face is lit.
+  const Double3 x = turn * (1 / std::sqrt(turn2)), y = cross(along, x);
   thread_local std::vector<optics::ProjectedEdge> projected;
-  Spectrum result;
-  for (int i = 0; i < kWavelengths; ++i) {
-    if (i > 0 && beams.k[i] == beams.k[0]) {
-      result[i] = result[0];
-      continue;
-    }
-    const optics::ScatteringPlane plane(space(in), space(out), beams.k[i]);
-    if (i == 0) {
-      projected.clear();
-      const auto add = [&](const MeshEdge& edge) {
-        const EdgeLine line(edge);
-        const bool left = dot(edge.n0, d) < 0;
-        const auto from = plane.project(space(line.origin - point.x)),
-                   to = plane.project(space(line.at(line.length) - point.x));
-        projected.push_back(left ? optics::ProjectedEdge{from, to, line.length}
-                                 : optics::ProjectedEdge{to, from, line.length});
-      };
-      add(*point.edge);
-      for (const MeshEdge* edge : near) add(*edge);
-    }
-    const bool left = dot(point.edge->n0, d) < 0;
-    const double at = point.at / own.length;
-    result[i] =
-        float(scale_of(*point.edge) * optics::mean_edge_kernel(projected, 0, left ? at : 1 - at, plane.q(),
-                                                               beams.k[i], beams.sigma[i]));
-  }
-  return result;
+  projected.clear();
+  const auto add = [&](const MeshEdge& edge) {
+    const Double3 a = Double3(edge.a) - point.x, b = Double3(edge.b) - point.x;
+    const optics::PlanePoint from{dot(a, x), dot(a, y)}, to{dot(b, x), dot(b, y)};
+    if (dot(edge.n0, d) < 0)
+      projected.push_back({from, to, own.length});
+    else
+      projected.push_back({to, from, own.length});
+  };
+  add(*point.edge);
+  for (const MeshEdge* edge : near) add(*edge);
+  const bool left = dot(point.edge->n0, d) < 0;
+  const double at = point.at / own.length;
+  optics::mean_edge_kernels(projected, left ? at : 1 - at, std::sqrt(turn2), k, sigma, result);
+  const double scale = scale_of(*point.edge);
+  return make_spectrum([&](int i) { return float(scale * result[i]); });
 }
 
 Spectrum SceneEdges::far_enough(float distance, bool from_edge, const Beams& beams) {

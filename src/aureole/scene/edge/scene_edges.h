@@ -26,6 +26,9 @@ struct EdgePoint {
   Double3 x;      ///< on the edge
   Vec3 p;         ///< the same, off the surfaces that meet there, so that they don't block rays from it
   float pdf = 0;  ///< density of the choice, per length
+  /// Of a place chosen between two ends: about the light that goes around all edges over that of the ends' straight
+  /// connection.
+  float part_of_direct = 1;
 
   Vec3 on_edge() const { return x.to_float(); }
   /// The unit direction from a place to it, from their difference in double precision: far from the origin `on_edge` is off the edge.
@@ -63,6 +66,9 @@ public:
   /// A place that light from or to `a` may reach; two numbers. `leaving`: an edge on which `a` lies, and which is left out.
   std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u,
                                        const MeshEdge* leaving = nullptr) const;
+
+  /// About the part of the light at `p` that comes from edges, where they are lit as the surfaces all around are.
+  float seen_from(const Vec3& p, const Beams& beams) const { return tree_.seen_from(p) * beams.widest; }
 
   /// False where K is 0, since the edge is no outline for light that turns from d_i to d_o.
   static bool turns_around(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// Four numbers in double precision at once, with sines, cosines and exponentials.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace aureole::optics {
+
+inline constexpr int kLanes = 4;
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+using LaneBits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
+
+inline Lanes load_lanes(const double* p) {
+  Lanes v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+inline void store_lanes(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
+
+/// Sine and cosine to 2e-16, for |x| < 1e15: the multiple of pi/2 is taken off in two parts, then Taylor's
+/// series up to pi/4.
+inline void sine_cosine(const Lanes& x, Lanes& sine, Lanes& cosine) {
+  constexpr double kRound = 0x1.8p52;  // adding it leaves an integer in the last bits
+  const Lanes shifted = x * 0.63661977236758134308 + kRound;
+  const Lanes n = shifted - kRound;
+  LaneBits quadrant;
+  std::memcpy(&quadrant, &shifted, sizeof quadrant);
+  Lanes r = x - n * 1.57079632679489655800;
+  r = r - n * 6.12323399573676603587e-17;
+  const Lanes r2 = r * r;
+  Lanes s = r2 * (-1 / 1307674368000.0) + 1 / 6227020800.0;
+  s = s * r2 - 1 / 39916800.0;
+  s = s * r2 + 1 / 362880.0;
+  s = s * r2 - 1 / 5040.0;
+  s = s * r2 + 1 / 120.0;
+  s = s * r2 - 1 / 6.0;
+  s = s * r2 * r + r;
+  Lanes c = r2 * (1 / 20922789888000.0) - 1 / 87178291200.0;
+  c = c * r2 + 1 / 479001600.0;
+  c = c * r2 - 1 / 3628800.0;
+  c = c * r2 + 1 / 40320.0;
+  c = c * r2 - 1 / 720.0;
+  c = c * r2 + 1 / 24.0;
+  c = c * r2 - 0.5;
+  c = c * r2 + 1;
+  const LaneBits odd = (quadrant & 1) != 0;
+  const Lanes a = odd ? c : s, b = odd ? s : c;
+  sine = (quadrant & 2) != 0 ? -a : a;
+  cosine = ((quadrant + 1) & 2) != 0 ? -b : b;
+}
+
+/// exp(-x) for x >= 0, to 4e-16 of it; 0 beyond 700.
+inline Lanes exp_minus(const Lanes& x) {
+  constexpr double kRound = 0x1.8p52;
+  const Lanes shifted = x * -1.4426950408889634074 + kRound;
+  const Lanes n = shifted - kRound;
+  LaneBits power;
+  std::memcpy(&power, &shifted, sizeof power);
+  // -x less n ln 2, within ln(2)/2, in two parts.
+  Lanes r = -x - n * 0x1.62e42fefa39efp-1;
+  r = r - n * 0x1.abc9e3b39803fp-56;
+  // Taylor's series.
+  Lanes e = r * (1 / 6227020800.0) + 1 / 479001600.0;
+  e = e * r + 1 / 39916800.0;
+  e = e * r + 1 / 3628800.0;
+  e = e * r + 1 / 362880.0;
+  e = e * r + 1 / 40320.0;
+  e = e * r + 1 / 5040.0;
+  e = e * r + 1 / 720.0;
+  e = e * r + 1 / 120.0;
+  e = e * r + 1 / 24.0;
+  e = e * r + 1 / 6.0;
+  e = e * r + 0.5;
+  e = e * r + 1;
+  e = e * r + 1;
+  LaneBits bits;
+  std::memcpy(&bits, &e, sizeof bits);
+  bits += power << 52;
+  std::memcpy(&e, &bits, sizeof e);
+  return x < 700.0 ? e : Lanes{};
+}
+
+}  // namespace aureole::optics
