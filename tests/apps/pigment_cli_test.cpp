@@ -160,7 +160,8 @@ TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
         "a,chalk,0,20,percent,40,45,50\nb,chalk,card,20,percent,81,82.5,85\n");
   write("films.txt", kCgats);
   write("films.cxf", kCxf);
-  for (const char* file : {"films.csv", "films.txt", "films.cxf"}) {
+  write("comment.cxf", replaced(kCxf, "0.45\n", "<!-- a comment --> 0.45\n"));
+  for (const char* file : {"films.csv", "films.txt", "films.cxf", "comment.cxf"}) {
     ASSERT_EQ(run("fit " + std::string(file) + " -o paints.csv --json fit.json"), 0) << said;
     const auto chalk = json("fit.json")["pigments"][0];
     EXPECT_EQ(chalk["name"], "chalk");
@@ -174,7 +175,9 @@ TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
   // Other headings of the same: the name of the sample is the paint, fractions, a field in per cent by its name.
   write(
       "other.cgats",
-      "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME nm700 nm400\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite .9 .8\nEND_DATA\n");
+      "CGATS.17\nNUMBER_OF_FIELDS 02\nNUMBER_OF_SETS 2\nBEGIN_DATA_FORMAT\nSAMPLE_NAME LAB_L\nEND_DATA_FORMAT\n"
+      "BEGIN_DATA\nwhite 95\nred 40\nEND_DATA\n"
+      "BEGIN_DATA_FORMAT\nSAMPLE_NAME nm700 nm400\nEND_DATA_FORMAT\nBEGIN_DATA\nwhite .9 .8\nEND_DATA\n");
   ASSERT_EQ(run("fit other.cgats --json fit.json"), 0) << said;
   EXPECT_EQ(json("fit.json")["wavelengths_nm"][0], 400.0);
   EXPECT_NEAR(json("fit.json")["pigments"][0]["k"][0], 0.2 * 0.2 / 1.6, 1e-12);
@@ -184,7 +187,8 @@ TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
     fails("fit " + file, message);
   };
   wrong("a.txt", replaced(kCgats, "45\t50\n", "x\t50\n"), "a.txt:14:37: expected a number, got \"x\"");
-  wrong("a.txt", replaced(kCgats, "\t84\n", "\n"), "a.txt:13: expected 8 values, one for each field, got 7");
+  wrong("a.txt", replaced(kCgats, "\t84\n", "\n"),
+        "a.txt:13: expected 8 values, one for each field (an empty one is \"\"), got 7");
   wrong("a.txt", replaced(kCgats, "NUMBER_OF_SETS 3", "NUMBER_OF_SETS 4"),
         "a.txt:12: NUMBER_OF_SETS is 4, and there are 3 rows");
   wrong("a.txt", replaced(kCgats, "END_DATA\n", ""), "a.txt:12: BEGIN_DATA does not end");

@@ -139,6 +139,21 @@ TEST(LayeredBsdf, ADiffuseSubstrateMayBeTextured) {
   }
 }
 
+TEST(LayeredBsdf, WhiteUnderACoatThatLetsNothingPassIsFinite) {
+  const auto bsdf = build<Bsdf>(stack(
+      medium(1e9, 1, 0) +
+      "<bsdf type=\"diffuse\"><texture name=\"reflectance\" type=\"checkerboard\"><float name=\"color0\" "
+      "value=\"0\"/><float name=\"color1\" value=\"1\"/></texture></bsdf>"));
+  for (const float u : {0.2f, 0.7f}) {
+    Setting s(TransportMode::importance);
+    s.point.uv = {u, 0.2f};
+    for (const double angle : {0.1, 0.8, 1.4}) {
+      const double value = brdf(*bsdf, direction(angle, 0.3), direction(0.5, 2), s);
+      EXPECT_TRUE(std::isfinite(value) && value > 0 && value < 1) << u << " " << angle << " " << value;
+    }
+  }
+}
+
 TEST(LayeredBsdf, LayersDisperse) {
   const std::string glass = "<string name=\"int_ior\" value=\"sf11\"/>";
   const auto bsdf = build<Bsdf>(stack(medium(1, 0.9, 0) + kSmall + kWhite + glass));

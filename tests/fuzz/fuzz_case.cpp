@@ -83,7 +83,8 @@ void avoid_small_wavelengths(pugi::xml_document& document) {
     found.node().parent().remove_child(found.node());
 }
 
-/// Simulations of the default size take 3 s for each area fraction, of which a textured one needs a dozen.
+/// Simulations of the default size take 3 s for each area fraction, of which a textured one needs a dozen: here they are small, or so large
+/// that they are refused.
 void avoid_large_simulations(pugi::xml_document& document) {
   constexpr double kMostWork = 1e5, kRefused = 1e8;  // discs times snapshots
   for (const pugi::xpath_node& found : document.select_nodes("//correlation[@type='simulated']")) {

@@ -32,6 +32,8 @@ public:
       if (part.media.inside) return *part.media.inside;
     throw std::logic_error("no medium");
   }
+  /// The normal of the first surface before the camera.
+  Vec3 front() const { return scene_->intersect({{0, -4, 0}, {0, 1, 0}, kInfinity})->ng; }
   bool lights_reach() const { return scene_->lights_reach(medium()); }
 
 private:
@@ -52,6 +54,16 @@ TEST(ClosedMedia, NothingConnectsThroughGlass) {
     EXPECT_FALSE(milk.scene().may_see(milk.medium(), {0, -4, 0}));
     EXPECT_TRUE(milk.scene().may_see(milk.medium(), {0, 0.5f, 0}));
   }
+  // A bubble of vacuum: the medium is all that lies around the sphere.
+  const auto bubble = [](const std::string& turned, const std::string& boundary) {
+    return "<shape type=\"sphere\">" + turned + boundary + kMilk + "</shape>";
+  };
+  const std::string flipped = "<boolean name=\"flip_normals\" value=\"true\"/>",
+                    mirrored = "<transform name=\"to_world\"><scale x=\"-1\"/></transform>";
+  EXPECT_FALSE(Loaded(bubble("", kRough) + lamp("3")).lights_reach());
+  EXPECT_TRUE(Loaded(bubble(flipped, kRough) + lamp("3")).lights_reach());
+  const Loaded turned(bubble(mirrored, kRough) + lamp("3"));
+  EXPECT_EQ(turned.lights_reach(), dot(turned.front(), {0, -1, 0}) < 0);
   // Two bodies of one liquid: each may be where the other is.
   const std::string second =
       "<shape type=\"cube\"><transform name=\"to_world\"><translate x=\"5\"/></transform>" + kGlass +

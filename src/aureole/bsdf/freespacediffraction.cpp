@@ -42,6 +42,7 @@ public:
   }
   Lobe lobes() const override { return nested_->lobes(); }
   bool needs_choice() const override { return nested_->needs_choice(); }
+  bool is_constant() const override { return nested_->is_constant(); }
   bool needs_tangent() const override { return nested_->needs_tangent(); }
 
 private:

@@ -42,6 +42,7 @@ public:
   Vec3 shading_normal(const SurfacePoint& point) const override { return front_->shading_normal(point); }
 
   bool needs_choice() const override { return front_->needs_choice() || (differ() && back_->needs_choice()); }
+  bool is_constant() const override { return front_->is_constant() && back_->is_constant(); }
   bool needs_tangent() const override {
     return front_->needs_tangent() || (differ() && back_->needs_tangent());
   }

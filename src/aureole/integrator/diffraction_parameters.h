@@ -45,8 +45,9 @@ inline std::optional<Splat> light_seen_around_edge(const Scene& scene, int index
 
 /// `own` followed by the rows of these parameters.
 inline std::vector<ParameterDoc> with_diffraction_parameters(std::vector<ParameterDoc> own) {
-  own.push_back({"diffraction", "boolean", "", "false",
-                 "edges of meshes diffract light (docs/diffraction.md); without it they cost nothing"});
+  own.push_back(
+      {"diffraction", "boolean", "", "false",
+       "edges of meshes, discs, cylinders and spheres diffract light (docs/diffraction.md); without it they cost nothing"});
   own.push_back(
       {"beam_width", "string", "number of wavelengths, length, or \"fresnel\" and a length", "25 wavelengths",
        "standard deviation of the beams of light in which edges are seen together: \"25 wavelengths\", \"3mm\", or "

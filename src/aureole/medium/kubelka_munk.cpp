@@ -106,6 +106,10 @@ private:
       for (int i = 0; i < kWavelengths && first + i <= grid.cells; ++i) try {
           const auto c =
               pigment::transport_of_coefficients({double(k[i]), double(s[i])}, g[std::size_t(i)], convention);
+          constexpr double kMost = 1e18;  // far beyond, products of extinctions and lengths overflow
+          if (!(c.sigma_a + c.sigma_s <= kMost))
+            throw std::domain_error(
+                "absorption and scattering are too large to be computed with: 1e18 is the most");
           nm.push_back(grid.node(first + i));
           absorption.push_back(c.sigma_a), scattering.push_back(c.sigma_s);
         } catch (const std::domain_error& e) {

@@ -22,8 +22,8 @@ std::string upper(std::string text) {
   return text;
 }
 
-/// The words of a line. Words stand apart by blanks or tabs; what stands in quotes is one, and in data a tab
-/// after a tab is an empty one.
+/// The words of a line. Words stand apart by blanks or tabs; what stands in quotes is one, also where
+/// nothing stands in them.
 TextRow words_of(const std::string& line, int number) {
   TextRow row{{}, number};
   for (std::size_t at = 0;;) {
@@ -150,12 +150,15 @@ private:
     while (const auto row = words()) {
       if (row->cells.size() == 1 && upper(row->cells.front().text) == "END_DATA") {
         check_count("NUMBER_OF_SETS", table_.rows.size(), "rows", begin.line);
+        // They are those of one table; other keywords hold for the next as well.
+        table_.keywords.erase("NUMBER_OF_SETS"), table_.keywords.erase("NUMBER_OF_FIELDS");
         return;
       }
       if (row->cells.size() != table_.fields.size())
         throw TextError(row->line, 0,
                         "expected " + std::to_string(table_.fields.size()) +
-                            " values, one for each field, got " + std::to_string(row->cells.size()));
+                            " values, one for each field (an empty one is \"\"), got " +
+                            std::to_string(row->cells.size()));
       table_.rows.push_back(*row);
     }
     throw TextError(begin.line, 0, "BEGIN_DATA does not end: END_DATA is missing");
@@ -163,7 +166,9 @@ private:
 
   void check_count(const std::string& keyword, std::size_t count, const char* what, int line) const {
     const std::string stated = table_.keyword(keyword);
-    if (!stated.empty() && stated != std::to_string(count))
+    std::size_t number = count;
+    const auto [end, error] = std::from_chars(stated.data(), stated.data() + stated.size(), number);
+    if (!stated.empty() && (error != std::errc() || end != stated.data() + stated.size() || number != count))
       throw TextError(line, 0,
                       keyword + " is " + stated + ", and there are " + std::to_string(count) + " " + what);
   }

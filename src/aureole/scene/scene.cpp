@@ -56,11 +56,11 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
     }
   make_surfaces();
   find_media();
-  find_closed_media();
   bound_emitters();
   tracer_ = reuse && reuse->tracer_->is_for(parts_.surfaces)
                 ? reuse->tracer_
                 : std::make_shared<const RayTracer>(parts_.surfaces, reuse ? reuse->tracer_.get() : nullptr);
+  find_closed_media();
 
   if (parts_.diffraction) {
     const bool unchanged =

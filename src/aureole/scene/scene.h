@@ -106,6 +106,7 @@ private:
   /// Adds the spectra of their powers.
   void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
   void find_closed_media();
+  bool faces_outwards(std::size_t part) const;
   /// Throws Error where the sensor is in a medium that its surfaces do not close.
   void check_sensor_medium() const;
 

@@ -71,6 +71,26 @@ const Medium* Scene::medium_at(const Ray& ray) const {
   return nullptr;
 }
 
+/// Whether the front of a closed surface is outside: its normals may point inwards, around a bubble in a medium. Rays
+/// from afar tell; where none meets the surface the answer is no.
+bool Scene::faces_outwards(std::size_t part) const {
+  const Bounds3 box = parts_.surfaces[part].bounds();
+  bool is_met = false;
+  for (const Vec3& axis : {Vec3{1, 0.01f, 0.02f}, {0.02f, 1, 0.01f}, {0.01f, 0.02f, 1}, {1, 1.1f, 0.9f}}) {
+    const Vec3 d = normalize(axis);
+    Ray ray{box.center() - d * length(box.diagonal()), d, kInfinity};
+    while (const auto point = intersect(ray)) {
+      if (point->surface == &surfaces_[part]) {
+        if (!(dot(d, point->ng) < 0)) return false;
+        is_met = true;
+        break;
+      }
+      ray.o = offset_origin(*point, d);
+    }
+  }
+  return is_met;
+}
+
 void Scene::find_closed_media() {
   // Where a shape of higher priority is around, the surface of a medium is not there: then that one must close it.
   const auto lets_pass = [](const Surface& s) { return s.passable || s.light; };
@@ -88,7 +108,7 @@ void Scene::find_closed_media() {
     if (s.outside) open.push_back(s.outside);
     const bool closes = i < parts_.surfaces.size() && parts_.surfaces[i].encloses_medium && !lets_pass(s) &&
                         (s.priority == 0 || priorities_close);
-    if (s.inside && !closes) open.push_back(s.inside);
+    if (s.inside && !(closes && faces_outwards(i))) open.push_back(s.inside);
   }
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
     const Medium* medium = surfaces_[i].inside;

@@ -126,26 +126,33 @@ double difference(const SampledSpectrum& a, const SampledSpectrum& b) {
 struct LightKind {
   SampledSpectrum light;
   double count = 1;
+  std::vector<SampledSpectrum> seen = {};  ///< what the film sees of each of them, of the first few
 };
 
-/// Adds a light to those that differ from it, or to some of them where there are many.
-void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& light) {
+/// Adds a light to those that differ from it as the film sees them, or to some of them where there are many.
+void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& light,
+                      const SampledSpectrum& response) {
   constexpr double kAlike = 1e-3, kNothingInCommon = 2;
+  constexpr size_t kMostCompared = 8;  // of one kind
+  const SampledSpectrum seen = product(response, light);
   LightKind* nearest = nullptr;
   double least = kNothingInCommon;
   for (LightKind& kind : kinds) {
-    const double d = difference(kind.light, light);
+    double d = kNothingInCommon;
+    for (const SampledSpectrum& known : kind.seen) d = std::min(d, difference(known, seen));
     if (d < kAlike) return;
     // Of those that have nothing in common with it, the one with the fewest others.
     if (!nearest || d < least || (d == least && kind.count < nearest->count)) nearest = &kind, least = d;
   }
   if (kinds.size() < kLights) {
-    kinds.push_back({light});
+    kinds.push_back({light, 1, {seen}});
     return;
   }
+  if (nearest->seen.size() < kMostCompared) nearest->seen.push_back(seen);
   std::vector<float> nodes(nearest->light.nodes().begin(), nearest->light.nodes().end());
   for (size_t i = 0; i < nodes.size(); ++i) nodes[i] += light.nodes()[i];
-  *nearest = {{light.grid(), std::move(nodes)}, nearest->count + 1};
+  nearest->light = {light.grid(), std::move(nodes)};
+  nearest->count += 1;
 }
 
 /// The densities best for single wavelengths: the film's response mixed with its product with all light, or
@@ -265,7 +272,7 @@ WavelengthDistribution choose_wavelengths(const SampledSpectrum& response,
   for (const auto& [strength, light] : order) {
     const SampledSpectrum share = of_unit_strength(*light, total);
     for (size_t i = 0; i < sum.size(); ++i) sum[i] += share.nodes()[i];
-    add_if_different(shining, of_unit_strength(*light, strength));
+    add_if_different(shining, of_unit_strength(*light, strength), response);
   }
   const SampledSpectrum all(grid, std::move(sum));
   const std::vector<SampledSpectrum> sharp = sharp_densities(response, all, shining);

@@ -63,6 +63,9 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
   if (volume->minimum() < 0)
     throw properties.error(
         name, fmt::format("must not be negative, but the volume goes down to {:.6g}", volume->minimum()));
+  constexpr float kMost = 1e37f;
+  if (!(volume->maximum() <= kMost))
+    throw properties.error(name, "the volume has values too large to be computed with: 1e37 is the most");
   if (role == SpectrumRole::reflectance && volume->maximum() > 1 + kTolerance)
     throw properties.error(
         name, fmt::format("must lie in [0, 1], but the volume goes up to {:.6g}", volume->maximum()));

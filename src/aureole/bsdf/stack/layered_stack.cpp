@@ -207,9 +207,11 @@ bool LayeredStack::is_lambertian(const Bsdf& bsdf) const {
   const Spectrum index = float(layers_.back().index);
   const BsdfContext context{w, point, TransportMode::radiance, 0, &index};
   const float along_normal = bsdf.eval({0, 0, 1}, {0, 0, 1}, context)[0];
-  for (const auto& [in, out] : {std::array{0.3f, 0.3f}, {0.7f, 0.2f}, {0.99f, 0.5f}}) {
-    const float value =
-        bsdf.eval({std::sqrt(1 - in * in), 0, in}, {0, std::sqrt(1 - out * out), out}, context)[0] / out;
+  for (const auto& [in, out, phi] : {std::array{0.3f, 0.3f, 0.1f}, {0.7f, 0.2f, 3.f}, {0.99f, 0.5f, 1.6f}}) {
+    const float sine = std::sqrt(1 - out * out);
+    const float value = bsdf.eval({std::sqrt(1 - in * in), 0, in},
+                                  {sine * std::cos(phi), sine * std::sin(phi), out}, context)[0] /
+                        out;
     if (std::abs(value - along_normal) > 1e-5f * along_normal) return false;
   }
   return true;

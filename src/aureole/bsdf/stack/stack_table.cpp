@@ -220,7 +220,7 @@ void StackTable::prepare_substrate(std::span<const optics::StackKernels> kernels
     reached_sum_.push_back(float(sum)), per_inner_.push_back(float(per_inner));
     // What the sum over nodes misses of the light that leaves comes back to the substrate: none is lost.
     const double leaves = double(kPi) * double(index_[0]) * double(index_[0]) * per_inner * sum;
-    returned_.push_back(float(k.returned + k.left - leaves));
+    lost_.push_back(float(std::max(1 - k.returned - k.left + leaves, 0.0)));
   }
 }
 
@@ -235,7 +235,9 @@ StackTable::Upward StackTable::upward(const Nodes& n, const Spectrum& below) con
     const Neighbours p(table.data(), n.at);
     return p.first + (p.second - p.first) * n.fraction;
   };
-  const Spectrum scale = mean(per_inner_) * below / (Spectrum(1.f) - mean(returned_) * below);
+  // A white substrate under an endless coat without losses would divide by 0: no light comes there.
+  const Spectrum taken = (Spectrum(1.f) - below) + mean(lost_) * below;
+  const Spectrum scale = mean(per_inner_) * below / max(taken, 1e-9f);
   return {scale, scale * mean(reached_sum_) * (kPi * index_[0] * index_[0])};
 }
 

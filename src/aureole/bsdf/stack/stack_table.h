@@ -115,8 +115,8 @@ private:
   std::vector<int> phi_cells_;                     ///< those in which azimuths pi (i/n)^2 lie
   std::vector<float> reflected_[2], transmitted_;  ///< [cosine][cosine][azimuth][wavelength]
   double correction_ = 0;
-  /// Of a substrate, by wavelength: what returns to it, the sum of t over flux, and 1/(pi n^2) within.
-  std::vector<float> returned_, reached_sum_, per_inner_;
+  /// Of a substrate, by wavelength: what of its light does not return to it, the sum of t over flux, and 1/(pi n^2) within.
+  std::vector<float> lost_, reached_sum_, per_inner_;
 };
 
 }  // namespace aureole

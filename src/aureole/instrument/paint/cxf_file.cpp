@@ -30,12 +30,13 @@ std::string_view local_name(const pugi::xml_node& node) {
   return colon == name.npos ? name : name.substr(colon + 1);
 }
 
-/// Without recursion, so that no nesting is too deep.
+/// Those that do not lie in another of that name. Without recursion, so that no nesting is too deep.
 std::vector<pugi::xml_node> descendants(const pugi::xml_node& top, std::string_view name) {
   std::vector<pugi::xml_node> found;
   for (pugi::xml_node node = top.first_child(); node;) {
-    if (local_name(node) == name) found.push_back(node);
-    if (node.first_child()) {
+    const bool is_found = local_name(node) == name;
+    if (is_found) found.push_back(node);
+    if (!is_found && node.first_child()) {
       node = node.first_child();
       continue;
     }
@@ -156,10 +157,18 @@ private:
   }
 
   void read_values(const pugi::xml_node& spectrum, pigment::Sample& s) const {
-    // Where the text of the element lies in the file, for the places of its numbers.
-    const pugi::xml_node text = spectrum.first_child();
-    const std::string all = spectrum.child_value();
-    const std::ptrdiff_t begin = text ? text.offset_debug() : spectrum.offset_debug();
+    // A comment within the numbers parts their text.
+    for (const pugi::xml_node& text : spectrum.children()) {
+      if (text.type() != pugi::node_pcdata && text.type() != pugi::node_cdata)
+        fail(text, fmt::format("expected numbers, got the element {}", text.name()));
+      read_numbers(text, s);
+    }
+    if (s.values.empty()) fail(spectrum, "the spectrum has no values");
+  }
+
+  void read_numbers(const pugi::xml_node& text, pigment::Sample& s) const {
+    const std::string all = text.value();
+    const std::ptrdiff_t begin = text.offset_debug();  // of the text in the file
     for (std::size_t at = 0; (at = all.find_first_not_of(" \t\r\n", at)) != all.npos;) {
       const std::size_t end = std::min(all.find_first_of(" \t\r\n", at), all.size());
       const std::string word = all.substr(at, end - at);
@@ -171,7 +180,6 @@ private:
       s.values.push_back(value), s.columns.push_back(line == s.line ? column : 0);
       at = end;
     }
-    if (s.values.empty()) fail(spectrum, "the spectrum has no values");
   }
 
   const std::string& file_;

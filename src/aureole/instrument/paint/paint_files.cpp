@@ -177,11 +177,14 @@ std::string kind_of(const std::string& file) {
   if (ending == ".cgats") return "cgats";
   std::ifstream stream = opened(file);
   std::string line;
+  bool is_first = true;
   for (int number = 0; number < 1000 && std::getline(stream, line); ++number) {
     if (line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
     const auto first = line.find_first_not_of(" \t\r");
     if (first == line.npos) continue;
-    if (number == 0 && line[first] == '<') return "cxf";
+    if (is_first && line[first] == '<') return "cxf";
+    is_first = false;
+    for (char& c : line) c = char(std::toupper(static_cast<unsigned char>(c)));
     if (line.compare(first, 17, "BEGIN_DATA_FORMAT") == 0) return "cgats";
   }
   return "csv";

@@ -135,8 +135,8 @@ public:
     vertex.leave(b.d, scene_.has_media(), s.flight);
     ++s.scattered;
     if (s.scattered < limits_.roulette_depth) return true;
-    const float survival = std::min(PathLimits::most_survival(scene_, s.scattered),
-                                    s.density.hero_symmetric_throughput() / s.whole);
+    const float survival =
+        std::min(PathLimits::most_survival(scene_, 0), s.density.hero_symmetric_throughput() / s.whole);
     if (!(get(s.samples, s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
     return true;

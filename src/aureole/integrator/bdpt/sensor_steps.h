@@ -171,8 +171,8 @@ public:
     s.eta2 *= b.eta * b.eta;
 
     if (s.scattered >= limits_.roulette_depth) {
-      const float survival = std::min(PathLimits::most_survival(scene_, s.scattered),
-                                      s.density.hero_symmetric_throughput() * s.eta2);
+      const float survival =
+          std::min(PathLimits::most_survival(scene_, 0), s.density.hero_symmetric_throughput() * s.eta2);
       if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
       s.density.survive(survival);
     }

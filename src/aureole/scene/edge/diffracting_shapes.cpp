@@ -13,7 +13,7 @@
 namespace aureole {
 namespace {
 
-/// Edges of round shapes in a scene, at most: beyond that they get fewer sides.
+/// Edges of round shapes in a scene, at most: beyond that they get fewer sides, and where these are too many none.
 constexpr double kMostRoundEdges = 2e6;
 constexpr int kLeastPieces = 16, kMostPieces = 1024;
 
@@ -112,6 +112,11 @@ void DiffractingShapes::add_round_shapes() {
   };
   double share = 1;
   while (count(share) > kMostRoundEdges && share > 0.01) share *= 0.8;
+  if (count(share) > kMostRoundEdges) {
+    remarks.push_back("edges: none of " + std::to_string(rounds_.size()) +
+                      " round shapes diffracts light: together they have too many edges");
+    return;
+  }
   std::size_t coarse = 0;
   for (const Round& r : rounds_) {
     const auto& round = dynamic_cast<const RoundShape&>(*r.shape);

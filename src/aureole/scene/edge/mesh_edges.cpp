@@ -127,12 +127,17 @@ class FlatUnion {
 public:
   explicit FlatUnion(std::span<const TriangleSet> sets) : sets_(sets) {
     std::vector<Bounds3> boxes;
-    for (std::uint32_t s = 0; s < sets.size(); ++s)
+    for (std::uint32_t s = 0; s < sets.size(); ++s) {
+      first_.push_back(faces_.size());
       for (std::uint32_t t = 0; t < sets[s].triangles.size(); ++t) {
         faces_.push_back({s, t});
         Bounds3& box = boxes.emplace_back();
         for (const std::uint32_t i : sets[s].triangles[t]) box.extend(sets[s].positions[i]);
+        roundings_.push_back(kRounding *
+                             std::max(max_component(abs(box.lower)), max_component(abs(box.upper))));
+        largest_rounding_ = std::max(largest_rounding_, roundings_.back());
       }
+    }
     tree_ = BeamTree(boxes);
   }
 
@@ -140,10 +145,15 @@ public:
   void append_rest(const MeshEdge& edge, std::vector<MeshEdge>& edges) {
     const Double3 a(edge.a), along = difference(edge.b, edge.a);
     const double size = length(along);
-    const Double3 e = along * (1 / size), n(edge.n0), out = cross(e, n);
-    const double rounding = 1e-6 * (max_component(abs(edge.a)) + max_component(abs(edge.b)) + size);
+    const Double3 normal = face_of(sets_, edge.face0).normal;
+    const Double3 e = along * (1 / size),
+                  n = normal * ((dot(normal, Double3(edge.n0)) < 0 ? -1 : 1) / length(normal)),
+                  out = cross(e, n);
+    const double own = roundings_[first_[edge.face0.set] + edge.face0.triangle];
     covered_.clear();
-    tree_.visit({edge.a, e.to_float(), float(2 * rounding), 0.f, float(size)}, [&](std::uint32_t i) {
+    tree_.visit({edge.a, e.to_float(), float(2 * largest_rounding_), 0.f, float(size)}, [&](std::uint32_t i) {
+      // One for both faces, so that they agree on what coincides.
+      const double rounding = std::max(own, roundings_[i]);
       const MeshFace id = faces_[i];
       if (id.set == edge.face0.set && id.triangle == edge.face0.triangle) return;
       double u[3], v[3];
@@ -177,7 +187,7 @@ public:
     std::sort(covered_.begin(), covered_.end());
     double from = 0;
     const auto keep = [&](double to) {
-      if (to - from <= 4 * rounding) return;
+      if (to - from <= 4 * own) return;
       MeshEdge part = edge;
       if (from > 0) part.a = (a + e * from).to_float();
       if (to < size) part.b = (a + e * to).to_float();
@@ -191,8 +201,14 @@ public:
   }
 
 private:
+  static constexpr double kRounding =
+      5e-7;  ///< of the largest coordinate: eight units in the last place of floats
+
   std::span<const TriangleSet> sets_;
   std::vector<MeshFace> faces_;
+  std::vector<double> roundings_;   ///< by which the corners of each face may be off
+  std::vector<std::size_t> first_;  ///< the first face of each set
+  double largest_rounding_ = 0;
   BeamTree tree_;
   std::vector<std::pair<double, double>> covered_;
 };

@@ -32,7 +32,7 @@ public:
   virtual bool is_curved() const = 0;
   /// Whether it is seen from within, as the walls of a room.
   virtual bool is_hollow() const { return false; }
-  /// Triangles with `pieces` sides around. Their edges lie on the shape or, by 5/pieces^2 of the radius at most, outside.
+  /// Triangles with `pieces` sides around. Their edges lie on the shape or, by 12/pieces^2 of the radius at most, outside.
   virtual OutlineMesh outline_mesh(int pieces) const = 0;
   /// How many edges that mesh has, about.
   virtual double edge_count(int pieces) const = 0;
