@@ -11,6 +11,7 @@ namespace aureole::optics {
 inline constexpr int kLanes = 4;
 using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 using LaneBits [[gnu::vector_size(kLanes * sizeof(double))]] = std::int64_t;
+using UnsignedLaneBits [[gnu::vector_size(kLanes * sizeof(double))]] = std::uint64_t;
 
 inline Lanes load_lanes(const double* p) {
   Lanes v;
@@ -56,7 +57,7 @@ inline Lanes exp_minus(const Lanes& x) {
   constexpr double kRound = 0x1.8p52;
   const Lanes shifted = x * -1.4426950408889634074 + kRound;
   const Lanes n = shifted - kRound;
-  LaneBits power;
+  UnsignedLaneBits power;
   std::memcpy(&power, &shifted, sizeof power);
   // -x less n ln 2, within ln(2)/2, in two parts.
   Lanes r = -x - n * 0x1.62e42fefa39efp-1;
@@ -75,7 +76,7 @@ inline Lanes exp_minus(const Lanes& x) {
   e = e * r + 0.5;
   e = e * r + 1;
   e = e * r + 1;
-  LaneBits bits;
+  UnsignedLaneBits bits;  // the sum of the exponents may wrap where x is beyond 700
   std::memcpy(&bits, &e, sizeof bits);
   bits += power << 52;
   std::memcpy(&e, &bits, sizeof e);
