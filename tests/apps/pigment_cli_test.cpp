@@ -201,6 +201,7 @@ TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
   wrong("a.cgats",
         "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_ID LAB_L\nEND_DATA_FORMAT\nBEGIN_DATA\n1 2\nEND_DATA\n",
         "no table has spectra");
+  wrong("a.txt", replaced(kCgats, "\"100\"", "\"7\""), "a.txt:5:15: SPECTRAL_NORM must be 1 or 100, got 7");
   wrong("a.cgats", "CGATS.17\nBEGIN_DATA\n", "a.cgats:2: BEGIN_DATA comes before the fields");
   wrong("a.cxf", replaced(kCxf, "0.45\n", "0,45\n"), "a.cxf:11:73: expected a number, got \"0,45\"");
   wrong("a.cxf", replaced(kCxf, "0.45\n", "1.45\n"),

@@ -59,7 +59,9 @@ TEST(KubelkaMunkMedium, WrongParametersAreLocated) {
   says(red + parameter("scale", 10) + parameter("k", 1), "a recipe has its own K and S");
   says("<string name=\"recipe\" value=\"rad\"/>" + parameter("scale", 10), "did you mean \"red\"?");
   says("<boolean name=\"by_volume\" value=\"true\"/>", "belongs to a \"recipe\"");
-  says(parameter("k", 1) + parameter("s", -1), "s");
+  says(parameter("k", 1) + parameter("s", -1), "parameter \"s\"");
+  says(parameter("k", 1) + parameter("s", 1e30),
+       "parameter \"s\" of \"kubelka_munk\": the extinction becomes");
   says(parameter("k", 1) + parameter("s", 1) + "<string name=\"convention\" value=\"klein\"/>", "convention");
 }
 

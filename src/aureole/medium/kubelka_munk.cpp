@@ -6,6 +6,7 @@
 
 #include "aureole/bsdf/pigment/palette_file.h"
 #include "aureole/core/error.h"
+#include "aureole/medium/content/extinction_limit.h"
 #include "aureole/medium/medium.h"
 #include "aureole/phase/mean_cosine.h"
 #include "aureole/pigment/transport_coefficients.h"
@@ -97,6 +98,7 @@ private:
     const auto convention =
         pigment::conventions()[std::size_t(std::find(names.begin(), names.end(), name) - names.begin())];
     const SpectralGrid& grid = p.context().grid;
+    const char* stated = p.has("recipe") ? "recipe" : "s";
     std::vector<double> nm, absorption, scattering;
     for (int first = 0; first <= grid.cells; first += kWavelengths) {
       const auto node = [&](int i) { return float(grid.node(std::min(first + i, grid.cells))); };
@@ -106,14 +108,11 @@ private:
       for (int i = 0; i < kWavelengths && first + i <= grid.cells; ++i) try {
           const auto c =
               pigment::transport_of_coefficients({double(k[i]), double(s[i])}, g[std::size_t(i)], convention);
-          constexpr double kMost = 1e18;  // far beyond, products of extinctions and lengths overflow
-          if (!(c.sigma_a + c.sigma_s <= kMost))
-            throw std::domain_error(
-                "absorption and scattering are too large to be computed with: 1e18 is the most");
+          require_computable_extinction(p, stated, c.sigma_a + c.sigma_s);
           nm.push_back(grid.node(first + i));
           absorption.push_back(c.sigma_a), scattering.push_back(c.sigma_s);
         } catch (const std::domain_error& e) {
-          throw p.error(p.has("recipe") ? "recipe" : "s", e.what());
+          throw p.error(stated, e.what());
         }
     }
     absorption_ = SampledSpectrum::from_points(grid, nm, absorption);

@@ -2,7 +2,6 @@
 #include "aureole/pigment/cgats_text.h"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <istream>
@@ -10,17 +9,13 @@
 #include <optional>
 #include <string>
 
+#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/text_table.h"
 
 namespace aureole::pigment {
 namespace {
 
 constexpr int kMostLines = 100000;
-
-std::string upper(std::string text) {
-  for (char& c : text) c = char(std::toupper(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// The words of a line. Words stand apart by blanks or tabs; what stands in quotes is one, also where
 /// nothing stands in them.
@@ -72,24 +67,24 @@ std::optional<SpectralField> spectral(const std::string& name) {
 
 /// One table as it stands.
 struct Table {
-  std::map<std::string, TextCell> keywords;
-  int line = 0;  ///< of its fields
+  std::map<std::string, TextRow> keywords;  ///< the line of each, its value second
+  int line = 0;                             ///< of its fields
   std::vector<TextCell> fields;
   std::vector<int> field_lines;
   std::vector<TextRow> rows;
 
   std::optional<std::size_t> find(const std::string& field) const {
     for (std::size_t i = 0; i < fields.size(); ++i)
-      if (upper(fields[i].text) == field) return i;
+      if (upper_case(fields[i].text) == field) return i;
     return {};
   }
   std::string keyword(const std::string& name) const {
     const auto at = keywords.find(name);
-    return at == keywords.end() ? std::string() : at->second.text;
+    return at == keywords.end() ? std::string() : at->second.cells[1].text;
   }
   bool has_spectra() const {
     return std::any_of(fields.begin(), fields.end(),
-                       [](const TextCell& f) { return spectral(upper(f.text)).has_value(); });
+                       [](const TextCell& f) { return spectral(upper_case(f.text)).has_value(); });
   }
 };
 
@@ -101,7 +96,7 @@ public:
   std::optional<Table> next() {
     table_.fields.clear(), table_.field_lines.clear(), table_.rows.clear();
     while (const auto row = words()) {
-      const std::string key = upper(row->cells.front().text);
+      const std::string key = upper_case(row->cells.front().text);
       if (key == "BEGIN_DATA_FORMAT") {
         read_fields(*row);
       } else if (key == "BEGIN_DATA") {
@@ -110,7 +105,7 @@ public:
       } else if (key == "END_DATA" || key == "END_DATA_FORMAT") {
         throw TextError(row->line, row->cells.front().column, key + " without " + "BEGIN" + key.substr(3));
       } else if (row->cells.size() > 1) {
-        table_.keywords[key] = row->cells[1];
+        table_.keywords[key] = *row;
       }
     }
     if (!table_.fields.empty()) throw TextError(number_, 0, "BEGIN_DATA is missing");
@@ -134,7 +129,7 @@ private:
     table_.fields.clear(), table_.field_lines.clear();
     table_.line = begin.line;
     while (const auto row = words()) {
-      if (upper(row->cells.front().text) == "END_DATA_FORMAT") {
+      if (upper_case(row->cells.front().text) == "END_DATA_FORMAT") {
         if (table_.fields.empty()) throw TextError(begin.line, 0, "BEGIN_DATA_FORMAT has no fields");
         check_count("NUMBER_OF_FIELDS", table_.fields.size(), "fields", begin.line);
         return;
@@ -148,7 +143,7 @@ private:
   void read_rows(const TextRow& begin) {
     if (table_.fields.empty()) throw TextError(begin.line, 0, "BEGIN_DATA comes before the fields");
     while (const auto row = words()) {
-      if (row->cells.size() == 1 && upper(row->cells.front().text) == "END_DATA") {
+      if (row->cells.size() == 1 && upper_case(row->cells.front().text) == "END_DATA") {
         check_count("NUMBER_OF_SETS", table_.rows.size(), "rows", begin.line);
         // They are those of one table; other keywords hold for the next as well.
         table_.keywords.erase("NUMBER_OF_SETS"), table_.keywords.erase("NUMBER_OF_FIELDS");
@@ -184,15 +179,16 @@ SampleTable samples_of(const Table& t) {
     double nm;
   };
   std::vector<Column> columns;
-  bool percent = upper(t.keyword("UNIT")) == "PERCENT";
+  bool percent = upper_case(t.keyword("UNIT")) == "PERCENT";
   if (const std::string norm = t.keyword("SPECTRAL_NORM"); !norm.empty()) {
-    const TextCell& cell = t.keywords.at("SPECTRAL_NORM");
-    const double value = number_of({{cell}, 0}, 0);
-    if (value != 1 && value != 100) throw TextError(0, 0, "SPECTRAL_NORM must be 1 or 100, got " + norm);
+    const TextRow& row = t.keywords.at("SPECTRAL_NORM");
+    const double value = number_of(row, 1);
+    if (value != 1 && value != 100)
+      throw TextError(row.line, row.cells[1].column, "SPECTRAL_NORM must be 1 or 100, got " + norm);
     percent = value == 100;
   }
   for (std::size_t i = 0; i < t.fields.size(); ++i)
-    if (const auto s = spectral(upper(t.fields[i].text))) {
+    if (const auto s = spectral(upper_case(t.fields[i].text))) {
       for (const Column& c : columns)
         if (c.nm == s->nm)
           throw TextError(t.field_lines[i], t.fields[i].column,
@@ -225,7 +221,7 @@ SampleTable samples_of(const Table& t) {
       fail(paints ? paints : named, e.what());
     }
     s.name = named ? at(named) : recipe;
-    const std::string kind = upper(at(quantity));
+    const std::string kind = upper_case(at(quantity));
     if (kind == "T")
       s.quantity = Sample::Quantity::transmittance;
     else if (!kind.empty() && kind != "R")

@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <span>
+
+#include "aureole/pigment/letter_case.h"
 
 namespace aureole::pigment {
 namespace {
@@ -157,8 +158,7 @@ constexpr std::array<std::string_view, 2> kOfTheTrade[] = {
 }  // namespace
 
 std::optional<GrainIndex> find_grain_index(std::string_view name) {
-  std::string key(name);
-  for (char& c : key) c = char(std::tolower(static_cast<unsigned char>(c)));
+  std::string key = lower_case(std::string(name));
   for (const auto& [trade, is] : kOfTheTrade)
     if (key == trade) key = is;
   for (const GrainIndex& g : all())

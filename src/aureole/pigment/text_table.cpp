@@ -41,13 +41,17 @@ std::vector<TextRow> read_text_table(std::istream& text) {
   return rows;
 }
 
-double number_of(const TextRow& row, std::size_t cell) {
-  const std::string& text = row.cells[cell].text;
+std::optional<double> finite_number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    throw TextError(row.line, row.cells[cell].column, "expected a number, got \"" + text + "\"");
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
   return value;
+}
+
+double number_of(const TextRow& row, std::size_t cell) {
+  const std::string& text = row.cells[cell].text;
+  if (const auto value = finite_number(text)) return *value;
+  throw TextError(row.line, row.cells[cell].column, "expected a number, got \"" + text + "\"");
 }
 
 }  // namespace aureole::pigment

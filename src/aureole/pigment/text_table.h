@@ -3,7 +3,9 @@
 #pragma once
 
 #include <iosfwd>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace aureole::pigment {
@@ -22,6 +24,8 @@ struct TextRow {
 /// Throws TextError for a quote that does not end, and for more than 100,000 lines.
 std::vector<TextRow> read_text_table(std::istream& text);
 
+/// The text as a finite number, or nothing where it is none.
+std::optional<double> finite_number(std::string_view text);
 /// The cell as a finite number; throws TextError that quotes it.
 double number_of(const TextRow& row, std::size_t cell);
 

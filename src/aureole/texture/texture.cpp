@@ -8,6 +8,7 @@
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/upsampling_fit.h"
+#include "aureole/spectrum/value_limit.h"
 #include "aureole/texture/constant_texture.h"
 
 namespace aureole {
@@ -24,12 +25,10 @@ std::string text(double v) {
   return s;
 }
 
-/// Values are floats, and become infinite in sums and products of larger ones.
-constexpr double kMost = 1e37;
-
 void check_number(const Properties& properties, std::string_view name, double v, SpectrumRole role) {
   if (!std::isfinite(v)) throw properties.error(name, "must be finite");
-  if (v > kMost) throw properties.error(name, "is too large to be computed with: 1e37 is the most");
+  if (v > kLargestSpectrumValue)
+    throw properties.error(name, "is too large to be computed with: 1e37 is the most");
   if (v < 0) throw properties.error(name, "must not be negative, got " + text(v));
   if (role == SpectrumRole::reflectance && v > 1)
     throw properties.error(name, "a reflectance or transmittance lies in [0, 1], got " + text(v));
@@ -82,7 +81,7 @@ void check_range(const Properties& properties, std::string_view name, const Text
                  SpectrumRole role) {
   if (texture.minimum() < -kTolerance)
     throw properties.error(name, "the texture has negative values, down to " + text(texture.minimum()));
-  if (!(double(texture.maximum()) <= kMost))
+  if (!(double(texture.maximum()) <= kLargestSpectrumValue))
     throw properties.error(name, "the texture has values too large to be computed with: 1e37 is the most");
   if (role == SpectrumRole::reflectance && texture.maximum() > 1 + kTolerance)
     throw properties.error(name,

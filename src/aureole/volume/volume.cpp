@@ -5,6 +5,7 @@
 
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
+#include "aureole/spectrum/value_limit.h"
 #include "aureole/volume/constant_volume.h"
 
 namespace aureole {
@@ -63,8 +64,7 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
   if (volume->minimum() < 0)
     throw properties.error(
         name, fmt::format("must not be negative, but the volume goes down to {:.6g}", volume->minimum()));
-  constexpr float kMost = 1e37f;
-  if (!(volume->maximum() <= kMost))
+  if (!(double(volume->maximum()) <= kLargestSpectrumValue))
     throw properties.error(name, "the volume has values too large to be computed with: 1e37 is the most");
   if (role == SpectrumRole::reflectance && volume->maximum() > 1 + kTolerance)
     throw properties.error(

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -14,14 +12,11 @@
 #include <pugixml.hpp>
 
 #include "aureole/core/error.h"
+#include "aureole/pigment/letter_case.h"
+#include "aureole/pigment/text_table.h"
 
 namespace aureole {
 namespace {
-
-std::string lower(std::string text) {
-  for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// The name of an element without the prefix of its namespace, which every program chooses for itself.
 std::string_view local_name(const pugi::xml_node& node) {
@@ -87,11 +82,9 @@ private:
   double number(const pugi::xml_node& node, std::string_view text, const char* what) const {
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
     while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (text.empty() || error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-      fail(node, fmt::format("{}: expected a number, got \"{}\"", what, text));
-    return value;
+    const auto value = pigment::finite_number(text);
+    if (!value) fail(node, fmt::format("{}: expected a number, got \"{}\"", what, text));
+    return *value;
   }
 
   /// An attribute of the spectrum, or of the wavelength range of its colour specification.
@@ -120,7 +113,8 @@ private:
     if (s.name.empty()) s.name = object.attribute("Id").value();
     std::string recipe = s.name;
     for (const pugi::xml_node& tag : descendants(object, "Tag")) {
-      const std::string name = lower(tag.attribute("Name").value()), value = tag.attribute("Value").value();
+      const std::string name = pigment::lower_case(tag.attribute("Name").value()),
+                        value = tag.attribute("Value").value();
       if (name == "paints") {
         recipe = value;
       } else if (name == "sample") {
@@ -172,12 +166,10 @@ private:
     for (std::size_t at = 0; (at = all.find_first_not_of(" \t\r\n", at)) != all.npos;) {
       const std::size_t end = std::min(all.find_first_of(" \t\r\n", at), all.size());
       const std::string word = all.substr(at, end - at);
-      double value = 0;
-      const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-      if (error != std::errc() || stop != word.data() + word.size() || !std::isfinite(value))
-        fail(begin + std::ptrdiff_t(at), "expected a number, got \"" + word + "\"");
+      const auto value = pigment::finite_number(word);
+      if (!value) fail(begin + std::ptrdiff_t(at), "expected a number, got \"" + word + "\"");
       const auto [line, column] = place(begin + std::ptrdiff_t(at));
-      s.values.push_back(value), s.columns.push_back(line == s.line ? column : 0);
+      s.values.push_back(*value), s.columns.push_back(line == s.line ? column : 0);
       at = end;
     }
   }

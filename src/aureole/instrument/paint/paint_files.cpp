@@ -2,7 +2,6 @@
 #include "aureole/instrument/paint/paint_files.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,6 +9,7 @@
 #include "aureole/core/error.h"
 #include "aureole/instrument/paint/cxf_file.h"
 #include "aureole/pigment/cgats_text.h"
+#include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/measured_paints.h"
 
 namespace aureole {
@@ -169,8 +169,7 @@ auto located(const std::string& file, const pigment::SampleTable& table, F&& f) 
 
 /// By the ending, else by how the text begins. CGATS has many endings: .txt, .cgats, .ti3, .sp, .it8.
 std::string kind_of(const std::string& file) {
-  std::string ending = file.substr(std::min(file.rfind('.'), file.size()));
-  for (char& c : ending) c = char(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = pigment::lower_case(file.substr(std::min(file.rfind('.'), file.size())));
   if (ending == ".json") return "json";
   if (ending == ".cxf") return "cxf";
   if (ending == ".csv") return "csv";
@@ -184,8 +183,7 @@ std::string kind_of(const std::string& file) {
     if (first == line.npos) continue;
     if (is_first && line[first] == '<') return "cxf";
     is_first = false;
-    for (char& c : line) c = char(std::toupper(static_cast<unsigned char>(c)));
-    if (line.compare(first, 17, "BEGIN_DATA_FORMAT") == 0) return "cgats";
+    if (pigment::upper_case(line).compare(first, 17, "BEGIN_DATA_FORMAT") == 0) return "cgats";
   }
   return "csv";
 }

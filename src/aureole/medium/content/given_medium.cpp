@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "aureole/medium/content/extinction_limit.h"
 #include "aureole/medium/content/volume_majorants.h"
 #include "aureole/spectrum/planck.h"
 
@@ -24,15 +25,13 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
     albedo_ = get_volume(p, "albedo", 0.75, SpectrumRole::reflectance);
   }
   scale_ = float(p.get_float("scale", 1, Range::non_negative()));
-  constexpr double kMost = 1e18;  // far beyond, products overflow
   const double most = extinction_ ? double(extinction_->maximum())
                                   : double(absorption_->maximum()) + double(scattering_->maximum());
-  if (!(most * double(scale_) <= kMost))
-    throw p.error(p.has("scale") ? "scale"
-                  : by_parts     ? "sigma_s"
-                                 : "sigma_t",
-                  fmt::format("the extinction becomes {:.3g}; {:g} per unit of length are possible",
-                              most * double(scale_), kMost));
+  require_computable_extinction(p,
+                                p.has("scale") ? "scale"
+                                : by_parts     ? "sigma_s"
+                                               : "sigma_t",
+                                most * double(scale_));
   emission_ = get_optional_volume(p, "emission", SpectrumRole::emission);
   temperature_ = get_optional_volume(p, "temperature", SpectrumRole::unbounded);
   for (const char* name : {"sample_emitters", "has_spectral_extinction"}) {
@@ -46,7 +45,8 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
     const double hottest = double(temperature_->maximum()),
                  light =
                      most * double(scale_) * n * n * black_body_radiance(p.context().grid.min_nm, hottest);
-    if (!(light <= kMost))
+    constexpr double kBrightest = 1e18;  // emission per length; far beyond it, sums along paths overflow
+    if (!(light <= kBrightest))
       throw p.error("temperature",
                     fmt::format("at {:.3g} K the medium would shine too brightly to be computed "
                                 "with",
