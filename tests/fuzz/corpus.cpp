@@ -97,7 +97,8 @@ void Corpus::find_tables() {
     for (const auto& [name, bytes] : scene.files) {
       if (!name.ends_with(".xml")) continue;
       for (const char* word : {"<aperture", "<correlation", "<ingredient", "\"correlated_", "\"mie\"",
-                               "\"suspension\"", "\"paint\"", "\"layered\"", "\"energy_preserving\""})
+                               "\"suspension\"", "\"paint\"", "\"layered\"", "\"energy_preserving\"",
+                               "\"diffraction\"", "\"freespacediffraction\""})
         scene.has_tables |= bytes->find(word) != std::string::npos;
     }
 }

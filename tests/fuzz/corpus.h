@@ -25,7 +25,7 @@ inline constexpr char kMainFile[] = "scene.xml";
 struct BaseScene {
   std::string name;
   Files files;  ///< kMainFile and what it refers to
-  /// Its objects tabulate physics, which takes a hundred times as long as all else.
+  /// Its objects tabulate physics, or edges of round shapes, which takes a hundred times as long as all else.
   bool has_tables = false;
 };
 
