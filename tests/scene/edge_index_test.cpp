@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <random>
 #include <set>
@@ -152,6 +153,30 @@ TEST(MeshEdges, OfOverlappingSheetsAreTheBorderOfTheirUnion) {
     }
     EXPECT_NEAR(found, border, 1e-3) << trial;
   }
+}
+
+// A face far away has corners that may be off by more than the others' sizes, and corners nearer to one another than that make none.
+TEST(MeshEdges, FacesFarAwayLeaveOthersAsTheyAre) {
+  Triangles squares;
+  const auto add = [](Triangles& to, const Vec3& corner, float size) {
+    const auto first = std::uint32_t(to.positions.size());
+    for (const auto& [u, v] : {std::pair(0.f, 0.f), {size, 0.f}, {size, size}, {0.f, size}})
+      to.positions.push_back(corner + Vec3{u, v, 0});
+    to.triangles.push_back({first, first + 1, first + 2});
+    to.triangles.push_back({first, first + 2, first + 3});
+  };
+  for (int i = 0; i < 60; ++i)
+    for (int j = 0; j < 60; ++j) add(squares, {float(2 * i), float(2 * j), 0}, 1);
+  const auto seconds = [](const std::vector<TriangleSet>& sets, std::size_t edges) {
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(edges_of(sets).size(), edges);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const double alone = seconds({squares}, 4 * 3600);
+  Triangles far;
+  add(far, {-3e8f, 0, 0}, 1e6f);
+  for (int i = 0; i < 3600; ++i) add(far, {-3e8f, 0, float(i)}, 100);  // within what floats are off there
+  EXPECT_LT(seconds({squares, far}, 4 * 3600 + 4), 10 * alone + 0.1);
 }
 
 /// Brute force: points along the segment.

@@ -57,6 +57,24 @@ Face face_of(std::span<const TriangleSet> sets, MeshFace f) {
   return face;
 }
 
+Bounds3 box_of(const Face& face) {
+  Bounds3 box;
+  for (const Vec3& p : face.p) box.extend(p);
+  return box;
+}
+
+/// By how much corners may be off: eight units in the last place of floats as large as the largest coordinate.
+double rounding_of(const Bounds3& box) {
+  constexpr double kRounding = 5e-7;
+  return kRounding * std::max(max_component(abs(box.lower)), max_component(abs(box.upper)));
+}
+
+/// The triangle as floats place it has an extent: it has an area, and is not as small as its corners may be off.
+bool has_extent(const Face& face) {
+  const Bounds3 box = box_of(face);
+  return length(face.normal) > 0 && double(max_component(box.diagonal())) > rounding_of(box);
+}
+
 /// The faces at one line a -> b: where each of them goes from there, across the line.
 class Fan {
 public:
@@ -127,17 +145,17 @@ class FlatUnion {
 public:
   explicit FlatUnion(std::span<const TriangleSet> sets) : sets_(sets) {
     std::vector<Bounds3> boxes;
-    for (std::uint32_t s = 0; s < sets.size(); ++s) {
-      first_.push_back(faces_.size());
+    for (std::uint32_t s = 0; s < sets.size(); ++s)
       for (std::uint32_t t = 0; t < sets[s].triangles.size(); ++t) {
+        const Face face = face_of(sets, {s, t});
+        if (!has_extent(face)) continue;
         faces_.push_back({s, t});
-        Bounds3& box = boxes.emplace_back();
-        for (const std::uint32_t i : sets[s].triangles[t]) box.extend(sets[s].positions[i]);
-        roundings_.push_back(kRounding *
-                             std::max(max_component(abs(box.lower)), max_component(abs(box.upper))));
-        largest_rounding_ = std::max(largest_rounding_, roundings_.back());
+        roundings_.push_back(rounding_of(box_of(face)));
+        // Edges whose own corners are more exact must find it, too.
+        Bounds3& box = boxes.emplace_back(box_of(face));
+        const Vec3 margin(float(2 * roundings_.back()));
+        box.lower = box.lower - margin, box.upper = box.upper + margin;
       }
-    }
     tree_ = BeamTree(boxes);
   }
 
@@ -145,13 +163,14 @@ public:
   void append_rest(const MeshEdge& edge, std::vector<MeshEdge>& edges) {
     const Double3 a(edge.a), along = difference(edge.b, edge.a);
     const double size = length(along);
-    const Double3 normal = face_of(sets_, edge.face0).normal;
+    const Face face = face_of(sets_, edge.face0);
+    const Double3& normal = face.normal;
     const Double3 e = along * (1 / size),
                   n = normal * ((dot(normal, Double3(edge.n0)) < 0 ? -1 : 1) / length(normal)),
                   out = cross(e, n);
-    const double own = roundings_[first_[edge.face0.set] + edge.face0.triangle];
+    const double own = rounding_of(box_of(face));
     covered_.clear();
-    tree_.visit({edge.a, e.to_float(), float(2 * largest_rounding_), 0.f, float(size)}, [&](std::uint32_t i) {
+    tree_.visit({edge.a, e.to_float(), float(2 * own), 0.f, float(size)}, [&](std::uint32_t i) {
       // One for both faces, so that they agree on what coincides.
       const double rounding = std::max(own, roundings_[i]);
       const MeshFace id = faces_[i];
@@ -201,14 +220,9 @@ public:
   }
 
 private:
-  static constexpr double kRounding =
-      5e-7;  ///< of the largest coordinate: eight units in the last place of floats
-
   std::span<const TriangleSet> sets_;
   std::vector<MeshFace> faces_;
-  std::vector<double> roundings_;   ///< by which the corners of each face may be off
-  std::vector<std::size_t> first_;  ///< the first face of each set
-  double largest_rounding_ = 0;
+  std::vector<double> roundings_;  ///< by which the corners of each face may be off
   BeamTree tree_;
   std::vector<std::pair<double, double>> covered_;
 };
@@ -221,7 +235,7 @@ std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets) {
   for (std::uint32_t s = 0; s < sets.size(); ++s)
     for (std::uint32_t t = 0; t < sets[s].triangles.size(); ++t) {
       const TriangleIndices& indices = sets[s].triangles[t];
-      if (!(length(face_of(sets, {s, t}).normal) > 0)) continue;
+      if (!has_extent(face_of(sets, {s, t}))) continue;
       for (std::uint8_t c = 0; c < 3; ++c) {
         const std::uint64_t a = number[s][indices[c]], b = number[s][indices[(c + 1) % 3]];
         if (a != b) sides.push_back({std::min(a, b) << 32 | std::max(a, b), {s, t}, c});
