@@ -295,5 +295,23 @@ TEST(BeamTree, EqualBoxes) {
   EXPECT_EQ(count, 1000);
 }
 
+// Along an axis the ray enters the slabs of what lies beside it nowhere, or at infinity.
+TEST(BeamTree, BeamsAlongAnAxisVisitWhatTheyMeet) {
+  std::vector<Bounds3> boxes;
+  for (int i = 0; i < 4096; ++i) {
+    const Vec3 corner{float(i % 16), float(i / 16 % 16), float(i / 256)};
+    boxes.push_back({corner, corner + Vec3{0.5f, 0.5f, 0.5f}});
+  }
+  const BeamTree tree(boxes);
+  for (const Vec3& d : {Vec3{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, -1, 0}}) {
+    const Vec3 across{d.x != 0 ? 0.f : 3.2f, d.y != 0 ? 0.f : 3.2f, d.z != 0 ? 0.f : 3.2f};
+    const float sign = d.x + d.y + d.z;  // the beam goes from 4.1 to 9.1, or back
+    int visited = 0;
+    tree.visit({across + d * (sign > 0 ? 4.1f : -9.1f), d, 0.01f, 0, 5}, [&](std::uint32_t) { ++visited; });
+    EXPECT_GE(visited, 4);
+    EXPECT_LE(visited, 64);
+  }
+}
+
 }  // namespace
 }  // namespace aureole

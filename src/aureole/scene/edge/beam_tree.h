@@ -79,7 +79,8 @@ private:
                   t1 = (box.upper[i] + radius - beam.o[i]) * inverse[i];
       begin = std::max(begin, std::min(t0, t1)), end = std::min(end, std::max(t0, t1));
     }
-    return begin <= end + 1e-5f * (std::abs(begin) + std::abs(end));
+    // Rounding is in proportion to the two, which are alike then; `begin` is infinite where a beam along an axis passes beside the box.
+    return begin <= end + 2e-5f * std::abs(end);
   }
 
   std::vector<Node> nodes_;

@@ -153,7 +153,7 @@ public:
         roundings_.push_back(rounding_of(box_of(face)));
         // Edges whose own corners are more exact must find it, too.
         Bounds3& box = boxes.emplace_back(box_of(face));
-        const Vec3 margin(float(2 * roundings_.back()));
+        const auto margin = float(2 * roundings_.back()) * Vec3{1, 1, 1};
         box.lower = box.lower - margin, box.upper = box.upper + margin;
       }
     tree_ = BeamTree(boxes);
