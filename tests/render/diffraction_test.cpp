@@ -13,6 +13,7 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"
+#include "aureole/scene/edge/lit_edges.h"
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/transport/keyed_random.h"
 #include "harness/effort.h"
@@ -242,11 +243,16 @@ TEST(SceneEdges, PlacesHaveTheirDensity) {
   const PathEnd a{{300, -80, -400}}, lamps[] = {{{-50, 20, 500}}, {normalize(Vec3{0.1f, 0.2f, 1}), true}};
   KeyedRandom random(1);
   const auto next = [&] { return random.next(); };
+  // Half of the places are chosen as if lamps shone on parts of the edges.
+  std::vector<float> parts(edges.index().edges().size());
+  for (float& part : parts) part = 0.03f + 0.97f * next();
+  const std::vector<float> lit = edges.tree().of_nodes(parts);
+  const auto lit_or_not = [&](int i) { return i % 2 ? lit.data() : nullptr; };
   double length_from = 0;
   const int n = 200000;
   for (int i = 0; i < n; ++i) {
     const float u[2] = {next(), next()};
-    if (const auto x = edges.choose_from(a, u)) length_from += 1 / double(x->pdf) / n;
+    if (const auto x = edges.choose_from(a, u, nullptr, lit_or_not(i))) length_from += 1 / double(x->pdf) / n;
   }
   EXPECT_NEAR(length_from, 4 * 200 + 12 * 60, 0.02 * 1520);
   for (const PathEnd& lamp : lamps) {
@@ -258,7 +264,7 @@ TEST(SceneEdges, PlacesHaveTheirDensity) {
     };
     for (int i = 0; i < n; ++i) {
       const float u[3] = {next(), next(), next()};
-      if (const auto x = edges.choose_between(a, lamp, beams, u)) {
+      if (const auto x = edges.choose_between(a, lamp, beams, u, lit_or_not(i))) {
         const double f = light(*x) / x->pdf;
         sum += f / n, squares += f * f / n;
       }
@@ -276,6 +282,33 @@ TEST(SceneEdges, PlacesHaveTheirDensity) {
     EXPECT_LT(even_error, 0.15 * even);
     EXPECT_LT(error, 0.02 * sum);
   }
+}
+
+// Of two blocks one lies in the shadow of a screen: its edges are seldom chosen for that lamp, but they are.
+TEST(SceneEdges, ThoseInShadowAreSeldomChosen) {
+  const auto scene = load_scene_from_string(
+                         R"(<scene version="3.0.0"><string name="length_unit" value="1um"/>
+            <integrator type="path"><boolean name="diffraction" value="true"/></integrator>
+            <sensor type="perspective"><film type="hdrfilm"/></sensor>
+            <shape type="cube"><transform name="to_world"><scale value="30"/><translate x="200"/></transform></shape>
+            <shape type="cube"><transform name="to_world"><scale value="30"/><translate x="-200"/></transform></shape>
+            <shape type="disk"><transform name="to_world"><scale value="190"/><translate x="-100" z="500"/></transform>
+              <bsdf type="diffuse"/></shape>
+            <emitter type="point"><point name="position" x="0" y="0" z="1000"/></emitter></scene>)",
+                         "shadow.xml")
+                         .scene;
+  const Light& lamp = scene->emitters().front();
+  const float* lit = scene->lit_edges().from(lamp, 0);
+  ASSERT_TRUE(lit);
+  KeyedRandom random(1);
+  int chosen[2] = {};
+  for (int i = 0; i < 20000; ++i) {
+    const float u[2] = {random.next(), random.next()};
+    const auto x = scene->edges()->choose_from({{0, 0, 1000}}, u, nullptr, lit);
+    if (x && std::abs(x->p.x) > 150 && x->p.z < 100) ++chosen[x->p.x > 0];
+  }
+  EXPECT_GT(chosen[0], 30);
+  EXPECT_GT(chosen[1], 10 * chosen[0]);
 }
 
 TEST(SceneEdges, DirectionsHaveTheirDensityAndKIsReciprocal) {

@@ -6,6 +6,7 @@
 #include <unordered_set>
 
 #include "aureole/scene/edge/diffracting_shapes.h"
+#include "aureole/scene/edge/lit_edges.h"
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
@@ -86,6 +87,11 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   check_sensor_medium();
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
+  if (edges_)
+    lit_edges_ = std::make_shared<const LitEdges>(
+        *edges_, *tracer_, emitters_, lights_,
+        Wavelengths::at(parts_.context->grid,
+                        Spectrum(float(0.5 * (parts_.context->grid.min_nm + parts_.context->grid.max_nm)))));
 }
 
 void Scene::place_sensor(Bounds3 places) const {

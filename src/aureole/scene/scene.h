@@ -18,6 +18,7 @@
 namespace aureole {
 
 class EmittingMedia;
+class LitEdges;
 class SceneEdges;
 
 class Scene {
@@ -90,6 +91,8 @@ public:
   const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
   /// The edges that diffract light; null: none do.
   const SceneEdges* edges() const { return edges_.get(); }
+  /// What of them is lit; only where there are some.
+  const LitEdges& lit_edges() const { return *lit_edges_; }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return tracer_->bounds(); }
   /// Notes for the user about the scene as a whole.
@@ -120,6 +123,7 @@ private:
   LightSampler lights_;
   std::shared_ptr<const EmittingMedia> emitting_media_;
   std::shared_ptr<const SceneEdges> edges_;
+  std::shared_ptr<const LitEdges> lit_edges_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/transport/edges.h"
 
+#include "aureole/scene/edge/lit_edges.h"
+
 namespace aureole {
 
 namespace {
@@ -54,6 +56,7 @@ bool EdgePaths::choose_lamp(const Vec3& seen_from, LampEnd& lamp) {
   if (!choice || !(choice->probability > 0)) return false;
   lamp.light = choice->light, lamp.part = choice->part, lamp.probability = choice->probability;
   lamp.u = next2();
+  lamp.lit = scene_.lit_edges().from(*lamp.light, lamp.part);
   // The point of the light is chosen again as seen from the edge, by the same numbers: what is known of it before only
   // guides the choice of an edge.
   if (const auto s = lamp.light->sample_direct(seen_from, lamp.part, lamp.u, w_); s && s->pdf > 0) {
@@ -71,16 +74,10 @@ Vec3 EdgePaths::sensor_guide(const Vec3& seen_from, Vec2 lens) const {
   return scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o;
 }
 
-std::optional<EdgePoint> EdgePaths::choose_between(const PathEnd& a, const PathEnd& b) {
+std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b, const float* lit) {
   const float u[3] = {random_.next(), random_.next(), random_.next()};
-  auto point = edges_.choose_between(a, b, beams_, u);
-  if (point && !(point->pdf > 0)) point.reset();
-  return point;
-}
-
-std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b) {
-  auto point = choose_between(PathEnd{a}, b);
-  if (point && point->on_edge() == a) point.reset();
+  auto point = edges_.choose_between(PathEnd{a}, b, beams_, u, lit);
+  if (point && (!(point->pdf > 0) || point->on_edge() == a)) point.reset();
   return point;
 }
 
@@ -149,7 +146,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   }
   LampEnd lamp;
   if (!choose_lamp(eye, lamp)) return 0.f;
-  const auto point = choose_between(eye, lamp.guide);
+  const auto point = choose_between(eye, lamp.guide, lamp.lit);
   if (!point) return 0.f;
   const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);
   if (!seen || !(seen->importance > 0)) return 0.f;
@@ -193,7 +190,7 @@ bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   LampEnd lamp;
   if (!choose_lamp(scene_.bounds().center(), lamp)) return false;
   const float u[2] = {random_.next(), random_.next()};
-  const auto point = edges_.choose_from(lamp.guide, u);
+  const auto point = edges_.choose_from(lamp.guide, u, nullptr, lamp.lit);
   if (!point || !(point->pdf > 0)) return false;
   Anchor start;
   Vec3 wo;

@@ -92,7 +92,7 @@ public:
   Spectrum from_light(const Place& from, bool is_lit, const Respond& respond) {
     LampEnd lamp;
     if (!choose_lamp(from.anchor.p, lamp)) return 0.f;
-    const auto point = choose_between(from.anchor.p, lamp.guide);
+    const auto point = choose_between(from.anchor.p, lamp.guide, lamp.lit);
     if (!point) return 0.f;
     const float part = looked_at(*point, is_lit);
     if (part == 0) return 0.f;
@@ -181,6 +181,7 @@ private:
     float probability;
     Vec2 u;
     PathEnd guide;
+    const float* lit;  ///< LitEdges
   };
   /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are small enough.
   Spectrum reach(const Place& from, const EdgePoint& point) const;
@@ -193,8 +194,8 @@ private:
   }
   bool choose_lamp(const Vec3& seen_from, LampEnd& lamp);
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
-  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b);
-  std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b);
+  /// `lit`: of the end that is a lamp.
+  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit = nullptr);
   Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);
   Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
   Spectrum passed_to_edge(const Anchor& from, const EdgePoint& point, const Flight& surroundings,

@@ -249,10 +249,12 @@ std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& imp
 }
 
 std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const PathEnd& b, float angle,
-                                                         float sigma, float u) const {
+                                                         float sigma, float u, const float* lit) const {
   return descend(u, [&](const Node& node) {
+    const double part = lit ? double(lit[&node - nodes_.data()]) : 1.0;
     if (node.is_leaf)
-      return between(edges_[node.index], node.center, node.lines.axis, node.length, a, b, angle, sigma);
+      return part *
+             between(edges_[node.index], node.center, node.lines.axis, node.length, a, b, angle, sigma);
     const Towards to_a(a, node.center), to_b(b, node.center);
     const float r2 = node.radius * node.radius;
     // By how much the directions to the two ends may differ from those at the node's centre.
@@ -288,20 +290,37 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
                  db = b.is_infinite ? 1.f : std::max(to_b.distance_squared, r2);
     const auto rate =
         float((a.is_infinite ? 0 : 1 / std::sqrt(da)) + (b.is_infinite ? 0 : 1 / std::sqrt(db)));
-    return outline * std::min(node.length, 4 * node.count * angle / (rate + 1e-30f)) *
+    return part * outline * std::min(node.length, 4 * node.count * angle / (rate + 1e-30f)) *
            along_cone(off, node.lines.sine < 1 ? 0.f : std::sqrt(turn2), angle, sigma, node.shortest, rate) /
            (da * db * turned2);
   });
 }
 
-std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, float u,
-                                                      const MeshEdge* leaving) const {
+std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, float u, const MeshEdge* leaving,
+                                                      const float* lit) const {
   return descend(u, [&](const Node& node) {
     if (node.is_leaf && &edges_[node.index] == leaving) return 0.0;
-    if (a.is_infinite) return double(node.length);
-    return node.length /
+    const double length = lit ? double(node.length) * lit[&node - nodes_.data()] : double(node.length);
+    if (a.is_infinite) return length;
+    return length /
            std::max(double(length_squared(a.p - node.center)), 0.25 * node.radius * node.radius + 1e-30);
   });
+}
+
+std::vector<float> EdgeTree::of_nodes(std::span<const float> edge_values) const {
+  std::vector<float> values(nodes_.size());
+  // Children come behind their node.
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    const Node& node = nodes_[i];
+    if (node.is_leaf) {
+      values[i] = edge_values[node.index];
+      continue;
+    }
+    const Node &left = nodes_[node.index], &right = nodes_[node.index + 1];
+    values[i] = (values[node.index] * left.length + values[node.index + 1] * right.length) /
+                std::max(left.length + right.length, 1e-30f);
+  }
+  return values;
 }
 
 float EdgeTree::seen_from(const Vec3& p) const {

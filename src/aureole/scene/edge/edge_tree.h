@@ -48,11 +48,15 @@ public:
   };
   /// An edge around which light goes from `b` to `a`, in beams of that `sigma`. `angle`: the width of the cone into which long
   /// edges diffract, 1/(2 k sigma). Edges that are no outlines between the two are seldom chosen.
-  std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma,
-                                       float u) const;
+  /// `lit`: how much of each node one of the ends shines on (of_nodes), or null.
+  std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma, float u,
+                                       const float* lit = nullptr) const;
   /// An edge that light from or to `a` may reach.
   /// `leaving`: one that is left out, or null.
-  std::optional<Choice> choose_from(const PathEnd& a, float u, const MeshEdge* leaving = nullptr) const;
+  std::optional<Choice> choose_from(const PathEnd& a, float u, const MeshEdge* leaving = nullptr,
+                                    const float* lit = nullptr) const;
+  /// The means over the nodes' edges, by their length, of a number for each edge.
+  std::vector<float> of_nodes(std::span<const float> edge_values) const;
 
   /// About the light that comes to `p` from edges of which each length sends as much into all directions, over that of
   /// surfaces all around of that radiance times length.

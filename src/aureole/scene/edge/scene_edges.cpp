@@ -198,8 +198,8 @@ EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, doubl
 }
 
 std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
-                                                    const float* u) const {
-  const auto choice = tree_.choose_between(a, b, beams.angle, beams.widest, u[0]);
+                                                    const float* u, const float* lit) const {
+  const auto choice = tree_.choose_between(a, b, beams.angle, beams.widest, u[0], lit);
   if (!choice) return {};
   const MeshEdge& edge = index_.edges()[choice->edge];
   const EdgeLine line(edge);
@@ -229,9 +229,9 @@ std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const Path
   return point;
 }
 
-std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* u,
-                                                 const MeshEdge* leaving) const {
-  const auto choice = tree_.choose_from(a, u[0], leaving);
+std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* u, const MeshEdge* leaving,
+                                                 const float* lit) const {
+  const auto choice = tree_.choose_from(a, u[0], leaving, lit);
   if (!choice) return {};
   const MeshEdge& edge = index_.edges()[choice->edge];
   const EdgeLine line(edge);

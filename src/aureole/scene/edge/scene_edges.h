@@ -60,12 +60,17 @@ public:
   Beams beams(const Wavelengths& w) const;
 
   /// A place around which light may go between two ends. The density does not depend on which wavelength is the hero.
-  /// `u`: three numbers.
+  /// `u`: three numbers. `lit`: LitEdges::from the end that is a lamp, or null.
   std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
-                                          const float* u) const;
+                                          const float* u, const float* lit = nullptr) const;
   /// A place that light from or to `a` may reach; two numbers. `leaving`: an edge on which `a` lies, and which is left out.
-  std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u,
-                                       const MeshEdge* leaving = nullptr) const;
+  std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u, const MeshEdge* leaving = nullptr,
+                                       const float* lit = nullptr) const;
+  /// The place at the fraction `t` of an edge's length, with density 1.
+  EdgePoint place_on(const MeshEdge& edge, double t) const {
+    const EdgeLine line(edge);
+    return point_on(edge, line, t * line.length, 1);
+  }
 
   /// About the part of the light at `p` that comes from edges, where they are lit as the surfaces all around are.
   float seen_from(const Vec3& p, const Beams& beams) const { return tree_.seen_from(p) * beams.widest; }
@@ -91,6 +96,7 @@ public:
   float scatter_pdf(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams) const;
 
   const EdgeIndex& index() const { return index_; }
+  const EdgeTree& tree() const { return tree_; }
   bool empty() const { return tree_.empty(); }
   /// Remarks about the edges.
   const std::vector<std::string>& notes() const { return notes_; }

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/lit_edges.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "aureole/core/parallel.h"
+
+namespace aureole {
+namespace {
+
+constexpr std::size_t kMostLamps = 16;
+constexpr double kMostRays = 8e6;
+constexpr int kPlaces = 4;  ///< along an edge
+/// Of an edge of which no ray has met the lamp: light may come to it between the rays, or through glass.
+constexpr float kLeast = 0.03f;
+
+/// The part of an edge from whose places a ray meets the lamp. Each place looks at another point of it.
+float lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& edge, const Light& light,
+               std::size_t part, const Wavelengths& w) {
+  int lit = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const EdgePoint point = edges.place_on(edge, (i + 0.5) / kPlaces);
+    const Vec2 u{(float(i) + 0.5f) / kPlaces, std::fmod(0.5f + 0.618034f * float(i), 1.f)};
+    const auto seen = light.sample_direct(point.on_edge(), part, u, w);
+    if (!seen || !(seen->pdf > 0)) continue;
+    Ray ray{point.p, seen->wo, kInfinity};
+    if (!seen->infinite) ray.d = seen->p - point.p, ray.t_max = 1 - 1e-4f;
+    lit += !tracer.occluded(ray);
+  }
+  return std::max(kLeast, float(lit) / kPlaces);
+}
+
+}  // namespace
+
+LitEdges::LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
+                   const LightSampler& sampler, const Wavelengths& w) {
+  const std::vector<MeshEdge>& all = edges.index().edges();
+  const double rays = double(kPlaces) * double(all.size());
+  if (!(rays > 0)) return;
+  std::vector<std::pair<float, Lamp>> found;
+  for (const Light& light : lights)
+    for (std::size_t part = 0; part < light.part_count(); ++part)
+      if (const float share = sampler.probability_by_power(light, part); share > 0)
+        found.push_back({share, {light.index, part, {}}});
+  const std::size_t count =
+      std::min({found.size(), kMostLamps, std::size_t(std::max(1.0, kMostRays / rays))});
+  std::partial_sort(found.begin(), found.begin() + std::ptrdiff_t(count), found.end(),
+                    [](const auto& a, const auto& b) {
+                      return std::tuple(-a.first, a.second.light, a.second.part) <
+                             std::tuple(-b.first, b.second.light, b.second.part);
+                    });
+  std::vector<float> lit(all.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    Lamp& lamp = found[i].second;
+    const Light& light = lights[lamp.light];
+    for_ranges(
+        all.size(),
+        [&](std::size_t begin, std::size_t end) {
+          for (std::size_t e = begin; e < end; ++e)
+            lit[e] = lit_part(edges, tracer, all[e], light, lamp.part, w);
+        },
+        256);
+    lamp.lit = edges.tree().of_nodes(lit);
+    lamps_.push_back(std::move(lamp));
+  }
+}
+
+}  // namespace aureole

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// `LitEdges`: how much of each edge a lamp shines on. Of the edges of a city nearly all lie in the shadow of others, and light that goes
+// around an edge has to reach it: the choice of edges (EdgeTree) is guided by what rays to the lamps have found when the scene was built.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "aureole/emitter/light.h"
+#include "aureole/scene/edge/scene_edges.h"
+#include "aureole/scene/light_sampler.h"
+#include "aureole/scene/ray_tracer.h"
+
+namespace aureole {
+
+class LitEdges {
+public:
+  LitEdges() = default;
+  /// Of the strongest lamps, as many as a few million rays serve. `w`: any wavelengths.
+  LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
+           const LightSampler& sampler, const Wavelengths& w);
+
+  /// For each node of the tree of edges how much of it is lit, over 0 and at most 1, which changes the noise of pictures and not their
+  /// mean; null where nothing is known.
+  const float* from(const Light& light, std::size_t part) const {
+    for (const Lamp& lamp : lamps_)
+      if (lamp.light == light.index && lamp.part == part) return lamp.lit.data();
+    return nullptr;
+  }
+
+private:
+  struct Lamp {
+    std::uint32_t light;
+    std::size_t part;
+    std::vector<float> lit;
+  };
+  std::vector<Lamp> lamps_;
+};
+
+}  // namespace aureole
