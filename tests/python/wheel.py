@@ -90,10 +90,15 @@ def picture(path: Path) -> bytes:
 
 def interrupted(program: Path, scene: Path, folder: Path) -> int:
     """The exit code of a render that is stopped by Ctrl-C."""
-    process = subprocess.Popen([program, "render", scene, "-o", folder / "long.exr", "--spp", "1000000", "--restart"],
+    state = folder / "long.state"
+    state.unlink(missing_ok=True)
+    process = subprocess.Popen([program, "render", scene, "-o", folder / "long.exr", "--spp", "1000000", "--restart", "--threads", "1"],
                                env={"PATH": "/usr/bin:/bin"}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     try:
-        time.sleep(3)
+        for _ in range(600):  # the first checkpoint comes soon after the begin
+            if state.exists():
+                break
+            time.sleep(0.1)
         assert process.poll() is None, process.stdout.read().decode()  # type: ignore[union-attr]
         process.send_signal(signal.SIGINT)
         output = process.communicate(timeout=60)[0].decode()
