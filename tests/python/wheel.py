@@ -34,7 +34,8 @@ SYSTEM_LIBRARIES = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libstdc++.so.6",
 
 def build(folder: Path) -> Path:
     start = time.monotonic()
-    done = subprocess.run([ROOT / "tools/make_wheel.sh", folder], check=True, stdout=subprocess.PIPE, text=True)
+    done = subprocess.run([ROOT / "tools/make_wheel.sh", folder], check=True, stdout=subprocess.PIPE, text=True,
+                          env={**os.environ, "ZIP_LEVEL": "1"})
     wheel = Path(done.stdout.strip())
     print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.1f} MB, {time.monotonic() - start:.0f} s")
     return wheel
