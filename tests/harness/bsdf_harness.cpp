@@ -18,7 +18,7 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
   options.significance = harness.family_significance;
   options.family_size = harness.family_size;
   options.seed = harness.seed;
-  options.samples = test::effort(std::min<std::size_t>(options.samples, 40000), options.samples);
+  options.samples = test::effort(std::min<std::size_t>(options.samples, 75000), options.samples);
   const std::shared_ptr<const Bsdf> bsdf =
       c.bsdf ? c.bsdf : build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm), test::example_file);
   HarnessResult result;
