@@ -180,12 +180,11 @@ TEST_F(Cli, CompareTellsSameFromDifferent) {
 TEST_F(Cli, ResumesToTheSameBitsAfterKill) {
   const std::string s = scene(small_scene_text(160, 120));
   const std::string whole = (folder.path / "whole.exr").string();
-  ASSERT_EQ(run({"render", s, "-o", whole, "--samples", "0:160"}).exit_code, 0);
+  ASSERT_EQ(run({"render", s, "-o", whole, "--samples", "0:80"}).exit_code, 0);
   const auto state = folder.path / "out.state";
   // SIGKILL shortly after the first checkpoint appears.
-  const pid_t pid =
-      start({"render", s, "-o", out(), "--spp", "160", "--checkpoint", "0.05", "--threads", "1"},
-            folder.path / "killed.txt");
+  const pid_t pid = start({"render", s, "-o", out(), "--spp", "80", "--checkpoint", "0.05", "--threads", "1"},
+                          folder.path / "killed.txt");
   for (int i = 0; i < 2000 && !std::filesystem::exists(state); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   kill(pid, SIGKILL);
@@ -194,7 +193,7 @@ TEST_F(Cli, ResumesToTheSameBitsAfterKill) {
   ASSERT_TRUE(WIFSIGNALED(status)) << "it finished before it could be killed: make it longer";
   ASSERT_TRUE(std::filesystem::exists(state));
   EXPECT_FALSE(std::filesystem::exists(out()));
-  const Outcome resumed = run({"render", s, "-o", out(), "--spp", "160", "--resume", "--threads", "2"});
+  const Outcome resumed = run({"render", s, "-o", out(), "--spp", "80", "--resume", "--threads", "2"});
   EXPECT_EQ(resumed.exit_code, 0) << resumed.output;
   EXPECT_NE(resumed.output.find("resuming"), std::string::npos);
   EXPECT_EQ(read_image(out()).pixels, read_image(whole).pixels);
@@ -245,7 +244,8 @@ TEST_F(Cli, UnknownCommandsNameTheNearestOne) {
 
 TEST_F(Cli, TheFirstCheckpointComesEarly) {
   const std::string s = scene(small_scene_text(160, 120));
-  const pid_t pid = start({"render", s, "-o", out(), "--spp", "1000000"}, folder.path / "log.txt");
+  const pid_t pid =
+      start({"render", s, "-o", out(), "--spp", "1000000", "--threads", "1"}, folder.path / "log.txt");
   for (int i = 0; i < 100 && !std::filesystem::exists(folder.path / "out.state"); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   kill(pid, SIGKILL);

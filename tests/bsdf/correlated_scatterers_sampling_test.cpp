@@ -25,7 +25,7 @@ void check_distribution(const LayerCase& s, double degrees, unsigned seed) {
   const Vec3 wi = direction(degrees, 15);
   const Context c;
   const double phase = 2 * kPi / (kLambdas[0] * 1e-9) * s.a(), n_i = s.index(wi.z);
-  const int rings = 40, azimuths = 8, bins = 2 * rings * azimuths, samples = 200000;
+  const int rings = 40, azimuths = 8, bins = 2 * rings * azimuths, samples = test::effort(60000, 200000);
   const double u_end = phase * (1.5 + n_i);
   // Narrow rings in the middle and wide ones outside.
   const auto ring_of = [&](double u) { return std::min(rings - 1, int(rings * std::sqrt(u / u_end))); };
@@ -140,7 +140,7 @@ TEST(CorrelatedScatterers, FactorsGiveTheSameIntegrals) {
   factors.extra = text("sampling", "factors");
   const Vec3 wi = direction(30);
   const Context c;
-  const int samples = 400000, zones = 6;
+  const int samples = test::effort(100000, 400000), zones = 6;
   std::vector<double> mean[2], square[2];
   int which = 0;
   for (const LayerCase& s : {product, factors}) {

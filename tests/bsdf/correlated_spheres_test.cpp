@@ -20,6 +20,7 @@
 #include "aureole/optics/particle/mie.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/bsdf_harness.h"
+#include "harness/effort.h"
 #include "harness/properties_builder.h"
 
 namespace aureole {
@@ -152,7 +153,7 @@ double diffuse_energy(const Bsdf& bsdf, const Vec3& wi, const Setting& s, double
     const double width = (end - begin) / rings;
     for (int i = 0; i < rings; ++i) {
       const double v = begin + (i + 0.5) * width, cosine = 1 - v * v / 2, sine = v * std::sqrt(1 - v * v / 4);
-      const int around = 96;
+      const int around = test::effort(48, 96);
       double ring = 0;
       for (int k = 0; k < around; ++k) {
         const double phi = 2 * kPiD * (k + 0.5 * (i % 2)) / around;

@@ -2,13 +2,14 @@
 #include "harness/phase_harness.h"
 
 #include "harness/case_list.h"
+#include "harness/effort.h"
 
 namespace aureole::testing {
 
 PhaseCase::PhaseCase(std::string a_name, std::string an_xml)
     : name(std::move(a_name)), xml(std::move(an_xml)) {
   min_nm = 360, max_nm = 830;
-  samples = 100000;
+  samples = test::effort(40000, 100000);
 }
 
 PhaseCases::PhaseCases(std::string plugin, std::function<void(PhaseCase&)> adapt,

@@ -2,6 +2,7 @@
 """`aureole.check`: right BSDFs pass, wrong ones fail where they are wrong."""
 from __future__ import annotations
 
+import functools
 import os
 import signal
 import threading
@@ -154,6 +155,12 @@ def test_two_sided():
     assert aureole.check(both, samples=1000, two_sided=False).failed() == ["black"]
 
 
+@functools.lru_cache(maxsize=None)
+def report_of(kind, samples=8000):
+    """Integrals of a class written in Python take more than a second, whatever the samples: tests share reports."""
+    return aureole.check(kind(), samples=samples)
+
+
 @pytest.mark.parametrize("wrong, kinds", [
     (GainsEnergy, {"energy"}),
     (WrongDensity, {"chi_square", "sample_energy"}),
@@ -163,7 +170,7 @@ def test_two_sided():
     (Negative, {"finite", "modes", "reciprocity"}),
 ])
 def test_wrong_ones_fail_in_the_right_check(wrong, kinds):
-    report = aureole.check(wrong(), samples=8000)
+    report = report_of(wrong, None if wrong is WrongDensity else 8000)
     assert set(report.failed()) == kinds, str(report)
     assert not report.passed
     assert report.problems
@@ -172,15 +179,6 @@ def test_wrong_ones_fail_in_the_right_check(wrong, kinds):
 
 
 def test_right_one_in_python():
-    report = aureole.check(Lambert(), samples=4000)
-    assert report.passed, str(report)
-    assert report.name == "Lambert" and "30,000" not in str(report)
-    np.testing.assert_allclose(report.albedo[report.angles < 90], 0.5, atol=1e-5)
-    wrapped = aureole.check(aureole.as_bsdf(Lambert()), samples=4000)
-    assert [c.figure for c in wrapped.checks] == [c.figure for c in report.checks]
-
-
-def test_python_is_called_for_arrays():
     calls = []
 
     class Counting(Lambert):
@@ -188,9 +186,15 @@ def test_python_is_called_for_arrays():
             calls.append(len(wi))
             return super().eval(wi, wo, wavelength)
 
-    aureole.check(Counting(), samples=4000)
+    report = aureole.check(Counting(), samples=4000)
+    # Python is called for arrays.
     assert sum(calls) > 100_000
     assert len(calls) < 5000
+    assert report.passed, str(report)
+    assert report.name == "Counting" and "30,000" not in str(report)
+    np.testing.assert_allclose(report.albedo[report.angles < 90], 0.5, atol=1e-5)
+    wrapped = aureole.check(aureole.as_bsdf(Lambert()), samples=4000)
+    assert [c.figure for c in wrapped.checks] == [c.figure for c in report.checks]
 
 
 def test_exceptions_of_a_class_arrive():
@@ -234,13 +238,13 @@ def test_seed():
 
 
 def test_fewer_samples_in_python():
-    report = aureole.check(WrongDensity())
+    report = report_of(WrongDensity, None)
     assert report.samples == 30_000 and "30,000 samples instead" in str(report)
     assert "p < 1e-300" in str(report)
 
 
 def test_text():
-    report = aureole.check(GainsEnergy(), samples=2000)
+    report = report_of(GainsEnergy)
     text = str(report)
     assert text.startswith("GainsEnergy: FAILED (energy)")
     assert "gains energy: 1.2" in text and "1.2 (bound 1)" in text

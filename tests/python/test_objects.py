@@ -2,6 +2,8 @@
 """Plug-in objects over arrays: values against closed forms, broadcasting, bad input."""
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -209,11 +211,15 @@ ANYTHING = st.one_of(st.none(), st.booleans(), st.floats(), st.text(max_size=3),
                                 hnp.array_shapes(min_dims=0, max_dims=3, min_side=0, max_side=3)))
 
 
+@functools.lru_cache(maxsize=None)
+def objects_for_anything():
+    return tuple(aureole.load_string(text) for text in (LAYER, '<emitter type="constant"/>', '<texture type="checkerboard"/>'))
+
+
 @settings(max_examples=300, deadline=None)
 @given(ANYTHING, ANYTHING, ANYTHING, ANYTHING)
 def test_anything_is_a_value_or_an_exception(a, b, c, d):
-    bsdf, light = aureole.load_string(LAYER), aureole.load_string('<emitter type="constant"/>')
-    texture = aureole.load_string('<texture type="checkerboard"/>')
+    bsdf, light, texture = objects_for_anything()
     up = (0, 0, 1)
     for call in (lambda: bsdf.eval(a, b, c, uv=d), lambda: bsdf.eval(up, up, c, uv=d), lambda: bsdf.sample(up, b, c),
                  lambda: bsdf.sample(a, 500, (0, 0, 0)), lambda: bsdf.albedo(a, b, samples=8), lambda: light.eval(a, b),

@@ -21,41 +21,13 @@ import pytest
 
 import aureole
 from aureole import _aureole, optics
-
-
-class Lambert:
-    """A BSDF written in Python."""
-
-    lobes = ("diffuse", "reflect")
-
-    def eval(self, wi, wo, wavelength):
-        return np.where((wi[:, 2] > 0) & (wo[:, 2] > 0), wo[:, 2] / np.pi, 0)
-
-    def pdf(self, wi, wo, wavelength):
-        return self.eval(wi, wo, wavelength)
-
-    def sample(self, wi, wavelength, u):
-        r, phi = np.sqrt(u[:, 1]), 2 * np.pi * u[:, 2]
-        wo = np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1 - u[:, 1])], -1)
-        return wo, self.eval(wi, wo, wavelength), self.pdf(wi, wo, wavelength)
-
-
-def make(spp=16, size=16, bsdf=None, **more):
-    return aureole.load_dict({
-        "type": "scene", "integrator": {"type": "path", "max_depth": 4},
-        "sensor": {"type": "perspective", "fov": 40.0, "to_world": aureole.Transform.look_at([0, 0, 5], [0, 0, 0]),
-                   "film": {"type": "hdrfilm", "width": size, "height": size}, "sampler": {"type": "independent", "sample_count": spp}},
-        "ball": {"type": "sphere", "bsdf": {"type": "roughconductor", "alpha": 0.2} if bsdf is None else bsdf},
-        "sky": {"type": "constant", "radiance": 1.0}, **more})
-
-
-ENDLESS = 2**22  # samples that no test waits for
+from endless_scene import ENDLESS, Lambert, make
 
 
 def program(text, timeout=60):
-    """Runs a program that has this module's names; its exit code and what it said."""
+    """Runs a program that has the names of endless_scene.py; its exit code and what it said."""
     here = str(Path(__file__).parent)
-    code = f"import sys; sys.path.insert(0, {here!r})\nfrom test_robustness import *\n" + textwrap.dedent(text)
+    code = f"import sys; sys.path.insert(0, {here!r})\nfrom endless_scene import *\n" + textwrap.dedent(text)
     done = subprocess.run([sys.executable, "-X", "faulthandler", "-c", code], capture_output=True, text=True, timeout=timeout)
     return done.returncode, done.stdout, done.stderr
 
@@ -231,7 +203,7 @@ def test_the_program_may_end_amid_work_of_a_daemon_thread(work):
             while True:
                 scene["sensor.fov"] = 30 + np.random.rand()
         threading.Thread(target=lambda: {work}, daemon=True).start()
-        time.sleep(0.7)
+        time.sleep(0.4)
         print("end")
         sys.exit(5)
     """)
@@ -242,7 +214,7 @@ def test_the_program_may_end_amid_work_of_a_daemon_thread(work):
 def test_nothing_is_left_at_the_end():
     """nanobind counts instances, types and functions that nobody freed."""
     code, _, err = program("""
-        scene = make(bsdf=Lambert())
+        scene = make(1, 8, bsdf=Lambert())
         image = aureole.render(scene, progress=False)
         kept = [image.array, scene["ball.bsdf"], optics.circle(1e-6), optics.StructureFactor.percus_yevick(0.3), aureole.check(scene["ball.bsdf"], samples=1000)]
         try:

@@ -34,7 +34,8 @@ SYSTEM_LIBRARIES = {"libc.so.6", "libm.so.6", "libgcc_s.so.1", "libstdc++.so.6",
 
 def build(folder: Path) -> Path:
     start = time.monotonic()
-    done = subprocess.run([ROOT / "tools/make_wheel.sh", folder], check=True, stdout=subprocess.PIPE, text=True)
+    done = subprocess.run([ROOT / "tools/make_wheel.sh", folder], check=True, stdout=subprocess.PIPE, text=True,
+                          env={**os.environ, "ZIP_LEVEL": "1"})
     wheel = Path(done.stdout.strip())
     print(f"{wheel.name}: {wheel.stat().st_size / 1e6:.1f} MB, {time.monotonic() - start:.0f} s")
     return wheel
@@ -90,10 +91,15 @@ def picture(path: Path) -> bytes:
 
 def interrupted(program: Path, scene: Path, folder: Path) -> int:
     """The exit code of a render that is stopped by Ctrl-C."""
-    process = subprocess.Popen([program, "render", scene, "-o", folder / "long.exr", "--spp", "1000000", "--restart"],
+    state = folder / "long.state"
+    state.unlink(missing_ok=True)
+    process = subprocess.Popen([program, "render", scene, "-o", folder / "long.exr", "--spp", "1000000", "--restart", "--threads", "1"],
                                env={"PATH": "/usr/bin:/bin"}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     try:
-        time.sleep(3)
+        for _ in range(600):  # the first checkpoint comes soon after the begin
+            if state.exists():
+                break
+            time.sleep(0.1)
         assert process.poll() is None, process.stdout.read().decode()  # type: ignore[union-attr]
         process.send_signal(signal.SIGINT)
         output = process.communicate(timeout=60)[0].decode()

@@ -10,6 +10,7 @@
 
 #include "aureole/render/sample_density.h"
 #include "aureole/render/statistics.h"
+#include "harness/effort.h"
 #include "loading/load_text.h"
 #include "render/small_scene.h"
 
@@ -146,7 +147,7 @@ TEST(Adaptive, SquaredErrorsFall) {
                                             "lamp.xml");
   RenderOptions options;
   options.end = 32;
-  options.replicates = 24;
+  options.replicates = effort(12, 24);
   const auto picture = [&](AdaptiveTarget adaptive) {
     options.adaptive = adaptive;
     const RenderState state = rendered(options, scene);

@@ -41,7 +41,7 @@ const std::string kDiffuse = R"(<scene version="3.0.0">
 <sensor type="perspective"><float name="fov" value="50"/>
   <transform name="to_world"><lookat origin="0, 1, 4" target="0, .5, 0" up="0, 1, 0"/></transform>
   <sampler type="independent"><integer name="sample_count" value="256"/></sampler>
-  <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/>
+  <film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="11"/>
     <string name="component_format" value="float32"/><rfilter type="gaussian"/></film></sensor>
 <shape type="rectangle"><transform name="to_world"><scale value="3"/><rotate x="1" angle="-90"/></transform>
   <bsdf type="diffuse"><rgb name="reflectance" value=".7, .5, .3"/></bsdf></shape>
@@ -63,8 +63,8 @@ TEST(TwoWayJob, AgreesWithThePathTracer) {
   EXPECT_TRUE(c.z->passes);
   double splatted = 0, alpha;
   std::vector<double> measured(3);
-  for (int x = 0; x < 24; ++x) {
-    both.splats[0].mean(x, 12, measured.data(), &alpha);
+  for (int x = 0; x < 16; ++x) {
+    both.splats[0].mean(x, 8, measured.data(), &alpha);
     splatted += measured[1];
   }
   EXPECT_GT(splatted, 0) << "the floor";
@@ -92,9 +92,40 @@ TEST(TwoWayTechniques, EachFindsWhatTheOthersFind) {
     std::printf("s = %d: mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n", s,
                 c.z->mean_square, 100 * c.z->outside, c.z->mean_difference, 100 * c.z->mean_relative);
     // Paths that meet the lamp by chance are so rare that pixels are not normally distributed.
-    if (s != 0) EXPECT_TRUE(c.z->passes) << s;
+    if (s != 0) {
+      EXPECT_TRUE(c.z->passes) << s;
+    }
     EXPECT_LT(std::abs(c.z->mean_difference), 4) << s;
     EXPECT_LT(c.rmse, 0.2 * c.mean_b) << s;
+  }
+}
+
+// The same for an irradiance meter on the floor, whose place a connection chooses on the surface.
+TEST(TwoWayTechniques, EachFindsWhatAMeterMeasures) {
+  const auto only = [](int s, int t) {
+    const std::string text = fmt::format(
+        R"(<scene version="3.0.0">
+<integrator type="bdpt"><integer name="strategy_s" value="{}"/><integer name="strategy_t" value="{}"/></integrator>
+<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="-90"/></transform>
+  <bsdf type="diffuse"/><sensor type="irradiancemeter"><sampler type="independent"/></sensor></shape>
+<shape type="sphere"><point name="center" x="0.2" y="1.2" z="0"/><float name="radius" value="0.5"/></shape>
+<shape type="rectangle"><transform name="to_world"><rotate x="1" angle="90"/><translate y="2.5"/></transform>
+  <emitter type="area"/></shape></scene>)",
+        s, t);
+    RenderOptions options;
+    options.replicates = 32, options.end = 8192, options.seed = std::uint64_t(s);
+    const Image picture = rendered(load_scene_from_string(text, "meter.xml"), options).picture();
+    return std::pair(double(picture.at(0, 0, size_t(picture.channel("G")))),
+                     double(picture.at(0, 0, size_t(picture.channel("variance.G")))));
+  };
+  const auto [expected, variance] = only(1, 3);
+  for (const int s : {0, 2, 3}) {
+    const auto [mean, own_variance] = only(s, 4 - s);
+    const double error = std::sqrt(own_variance + variance);
+    std::printf("s = %d: %.5f of %.5f, %+.2f standard errors\n", s, mean, expected,
+                (mean - expected) / error);
+    EXPECT_NEAR(mean, expected, 4 * error) << s;
+    EXPECT_LT(error, 0.05 * expected) << s;
   }
 }
 

@@ -8,6 +8,7 @@
 #include "aureole/instrument/check/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/sensor/placed_sensor.h"
+#include "aureole/shape/model.h"
 #include "tests/harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -174,6 +175,115 @@ TEST(SensorInverse, ApertureAndMembersShareTheirDensity) {
                   second = both.sample_ray({40, 20}, {0.2f, 0.6f});
   EXPECT_NEAR(both.eval(first.ray.o, first.ray.d)->pdf_position, 1 / 3.0, 1e-5);
   EXPECT_NEAR(both.eval(second.ray.o, second.ray.d)->pdf_position, 2 / (3 * M_PI * 0.25), 1e-5);
+}
+
+// Meters on shapes. Which point a ray begins at is the place on the film, which `eval` is told.
+class InverseOfMeter : public ::testing::TestWithParam<Case> {};
+
+const std::string kMeter = "<sensor type='irradiancemeter'/></shape>";
+const Case kMeters[] = {
+    {"rectangle", R"(<shape type="rectangle"><transform name="to_world"><scale x="2" y="0.7"/>
+       <rotate x="1" y="2" angle="50"/><translate x="1" y="-2" z="0.5"/></transform>)" +
+                      kMeter},
+    {"sphere", R"(<shape type="sphere"><float name="radius" value="0.7"/><point name="center" x="1" y="-1"
+       z="0"/>)" + kMeter},
+    {"flat_cylinder", R"(<shape type="cylinder"><transform name="to_world"><scale x="0.2" y="1.5" z="0.8"/>
+       <rotate y="1" angle="20"/></transform>)" +
+                          kMeter},
+    {"cube", R"(<shape type="cube"><transform name="to_world"><scale x="0.3" y="1.5" z="0.8"/></transform>)" +
+                 kMeter}};
+
+struct PlacedMeter {
+  explicit PlacedMeter(const std::string& xml)
+      : object(build_object(xml)), model(dynamic_cast<const Model&>(*object)) {
+    sensor = PlacedSensor::of(*model.sensor(), model.sensor_area(), {}, 3);
+  }
+  std::shared_ptr<Object> object;
+  const Model& model;
+  PlacedSensor sensor;
+};
+
+// Densities are those of neighbouring rays: the area of the surface and the solid angle that they enclose.
+TEST_P(InverseOfMeter, DensitiesAreThoseOfNeighbouringRays) {
+  const PlacedMeter meter(GetParam().xml);
+  const PlacedSensor& sensor = meter.sensor;
+  SeededRandom random(6);
+  constexpr float kStep = 1e-3f;
+  int compared = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec2 u = random.next2(), lens = random.next2();
+    const Vec2 film{0.01f + 0.98f * u.x, 0.01f + 0.98f * u.y},
+        at{0.01f + 0.98f * lens.x, 0.01f + 0.98f * lens.y};
+    const SensorRay s = sensor.sample_ray(film, at);
+    const Vec3 p = s.ray.o + s.ray.d * (0.5f + random.next());
+    const auto found = sensor.eval(p, s.ray.d, film);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->film.x, film.x);
+    EXPECT_EQ(found->film.y, film.y);
+    EXPECT_EQ(found->weight, s.weight);
+    EXPECT_FALSE(sensor.eval(p, s.ray.d)) << "the place is not known";
+    EXPECT_FALSE(sensor.eval(s.ray.o - s.ray.d, s.ray.d, film)) << "behind the surface";
+    bool is_smooth = true;
+    const auto derivative = [&](Vec2 on_film, Vec2 on_lens, Vec3 (*get)(const SensorRay&)) {
+      const auto beside = [&](float step) {
+        return get(sensor.sample_ray({film.x + step * on_film.x, film.y + step * on_film.y},
+                                     {at.x + step * on_lens.x, at.y + step * on_lens.y}));
+      };
+      const Vec3 ahead = beside(kStep) - get(s), behind = get(s) - beside(-kStep);
+      is_smooth &= length(ahead - behind) < 0.01f * length(ahead + behind);
+      return (ahead + behind) * (0.5f / kStep);
+    };
+    const auto origin = [](const SensorRay& r) { return r.ray.o; };
+    const auto direction = [](const SensorRay& r) { return r.ray.d; };
+    const double place =
+        1 / double(length(cross(derivative({1, 0}, {}, origin), derivative({0, 1}, {}, origin))));
+    const double angle =
+        1 / double(length(cross(derivative({}, {1, 0}, direction), derivative({}, {0, 1}, direction))));
+    // Rays of two faces or of two parts of a square are no neighbours.
+    if (!is_smooth) continue;
+    ++compared;
+    EXPECT_NEAR(found->pdf_position, place, 0.02 * place);
+    EXPECT_NEAR(found->pdf_direction, angle, 0.02 * angle);
+    const double distance = length(p - s.ray.o);
+    EXPECT_NEAR(found->pdf_across, angle / (distance * distance), 0.02 * angle / (distance * distance));
+  }
+  EXPECT_GT(compared, 1000);
+}
+
+// A connection finds the place on the film from which the sensor's own ray begins.
+TEST_P(InverseOfMeter, ConnectionsSayWhichPlaceTheyLeadTo) {
+  const PlacedMeter meter(GetParam().xml);
+  const PlacedSensor& sensor = meter.sensor;
+  SeededRandom random(7);
+  int connected = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 from = square_to_uniform_sphere(random.next2()) * 3.f;
+    const auto c = sensor.sample_direct(from, random.next2());
+    if (!c) continue;
+    ++connected;
+    ASSERT_TRUE(sensor.part.samples(c->film));
+    const SensorRay ray = sensor.sample_ray(c->film, random.next2());
+    EXPECT_LT(length(ray.ray.o - c->p), 1e-5f);
+    EXPECT_TRUE(sensor.eval(from, -c->wo, c->film));
+  }
+  EXPECT_GT(connected, 300);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sensors, InverseOfMeter, ::testing::ValuesIn(kMeters),
+                         [](const auto& info) { return info.param.name; });
+
+// Both members see the ray, with other places in mind.
+TEST(SensorInverse, OfABatchIsThatOfTheSensorThatSees) {
+  const std::string look = R"(<sensor type="orthographic"><transform name="to_world"><lookat origin="0, 0, 5"
+    target="0, 0, 0" up="0, 1, 0"/></transform></sensor>)";
+  const auto object = build_object("<sensor type='batch'>" + kFilm + look + look + "</sensor>");
+  const PlacedSensor both = PlacedSensor::of(dynamic_cast<const Sensor&>(*object), nullptr, {}, 2);
+  for (const Vec2 film : {Vec2{25, 20}, Vec2{45, 20}}) {
+    const Ray ray = both.sample_ray(film, {}).ray;
+    const auto found = both.eval(ray.o + ray.d, ray.d, film);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->film.x, film.x, 1e-3);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sensors, InverseOfSensor, ::testing::ValuesIn(kCases),

@@ -77,6 +77,22 @@ TEST(IrradianceMeter, LooksToTheSideOfTheNormal) {
         << turn;
 }
 
+// Azimuths around a flat cylinder are not uniform over its area. Light along x falls on half of it; its mean is the
+// power that meets the cross section, 2 b long and h high, over the area of all, the ellipse's perimeter times h.
+TEST(IrradianceMeter, IsTheMeanOverTheAreaOfAFlatCylinder) {
+  const double a = 0.2, b = 1.5;
+  double perimeter = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double phi = 2 * M_PI * i / 1000;
+    perimeter += std::hypot(a * std::sin(phi), b * std::cos(phi)) * 2 * M_PI / 1000;
+  }
+  EXPECT_NEAR(
+      value("<emitter type='directional'><vector name='direction' x='1' y='0' z='0'/>"
+            "<spectrum name='irradiance' value='3'/></emitter>" +
+            meter("cylinder", "<transform name='to_world'><scale x='0.2' y='1.5' z='0.8'/></transform>")),
+      3 * 2 * b / perimeter, 0.01);
+}
+
 TEST(IrradianceMeter, SeesALight) {
   // A lamp of radius r at distance d over a small patch: pi L (r / d)^2 for a sphere.
   const std::string small = "<transform name='to_world'><scale value='0.001'/></transform>";

@@ -73,11 +73,14 @@ public:
                        [](const Member& m) { return m.sensor->counts_crossings(); });
   }
 
-  /// The response of the first sensor that sees the ray.
-  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const override {
-    for (const PlacedSensor& member : at.members)
-      if (auto response = member.eval(p, d)) {
-        response->pdf_position *= member.part.sample_area() / at.part.sample_area();
+  /// Where it is not known where the ray is seen: the response of the first sensor that sees it.
+  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
+                                     std::optional<Vec2> seen) const override {
+    const std::size_t first = seen ? part_at(seen->x * per_pixel_) : 0,
+                      end = seen ? first + 1 : at.members.size();
+    for (std::size_t i = first; i < end; ++i)
+      if (auto response = at.members[i].eval(p, d, seen)) {
+        response->pdf_position *= at.members[i].part.sample_area() / at.part.sample_area();
         return response;
       }
     return {};

@@ -70,7 +70,8 @@ public:
     return SensorConnection{-direction_, p, middle, 1 / (kPi * radius * radius)};
   }
 
-  std::optional<SensorResponse> eval(const PlacedSensor& placed, const Vec3& p, const Vec3&) const override {
+  std::optional<SensorResponse> eval(const PlacedSensor& placed, const Vec3& p, const Vec3&,
+                                     std::optional<Vec2>) const override {
     const Vec3 from_center = p - placed.scene_center;
     const Vec3 across = from_center - direction_ * dot(from_center, direction_);
     const float radius = placed.scene_radius;

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // The irradiance on a shape.
+#include <algorithm>
+#include <cmath>
+
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/placed_sensor.h"
 #include "aureole/shape/shape_area.h"
@@ -36,16 +39,36 @@ public:
 
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2 lens) const override {
-    const auto place = receiver_at(at, lens);
+    // The place within the pixel says which point it is; it may not round up to the next pixel.
+    const Vec2 film{std::min(at.part.left + lens.x, std::nextafter(at.part.left + 1, 0.f)), lens.y};
+    const auto place = receiver(at, film);
     if (!place) return {};
-    return place->connect(reference, {at.part.left + 0.5f, 0.5f}, 1);
+    return place->connect(reference, film, 1);
+  }
+
+  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
+                                     std::optional<Vec2> seen) const override {
+    if (!seen) return {};
+    const auto place = receiver(at, *seen);
+    if (!place) return {};
+    const Vec3 to = p - place->p;
+    const float distance2 = length_squared(to);
+    SensorResponse response;
+    response.pdf_direction = place->pdf(d);
+    if (!(distance2 > 0 && dot(to, d) > 0 && response.pdf_direction > 0)) return {};
+    response.film = *seen;
+    response.weight = place->total();
+    response.pdf_position = 1 / (float(at.area->area()) * place->weight);
+    response.pdf_across = response.pdf_direction / distance2;
+    return response;
   }
 
 private:
   static std::optional<Receiver> receiver_at(const PlacedSensor& at, Vec2 u) {
     const auto s = at.area->sample(u);
     if (!s) return {};
-    return Receiver{s->p, s->p_error, s->ng, Receiver::Measure::irradiance};
+    const float uniform = float(1 / at.area->area());
+    return Receiver{s->p, s->p_error, s->ng, Receiver::Measure::irradiance, uniform / s->pdf};
   }
 };
 

@@ -43,7 +43,8 @@ public:
     return SensorConnection{-direction_, to_world_.point({q.x, q.y, clip_.near}), film, at.pixels_per_area};
   }
 
-  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3&) const override {
+  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3&,
+                                     std::optional<Vec2>) const override {
     const Vec3 q = to_camera_.point(p);
     SensorResponse response;
     response.film = {at.film_center.x - q.x / at.pixel_size, at.film_center.y - q.y / at.pixel_size};

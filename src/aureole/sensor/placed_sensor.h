@@ -37,7 +37,9 @@ struct PlacedSensor {
   std::optional<SensorConnection> sample_direct(const Vec3& reference, Vec2 lens) const {
     return sensor->sample_direct(*this, reference, lens);
   }
-  std::optional<SensorResponse> eval(const Vec3& p, const Vec3& d) const { return sensor->eval(*this, p, d); }
+  std::optional<SensorResponse> eval(const Vec3& p, const Vec3& d, std::optional<Vec2> seen = {}) const {
+    return sensor->eval(*this, p, d, seen);
+  }
   std::optional<Receiver> receiver(Vec2 film_position) const {
     return sensor->receiver(*this, film_position);
   }

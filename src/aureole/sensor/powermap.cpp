@@ -66,7 +66,8 @@ public:
   }
 
   /// Of a plane: a line may meet the surface of a shape at several places.
-  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const override {
+  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
+                                     std::optional<Vec2>) const override {
     const auto place = place_on_plane(at, {p, -d, kInfinity});
     if (!place) return {};
     SensorResponse response;

@@ -76,7 +76,8 @@ std::optional<SensorConnection> LensCamera::sample_direct(const PlacedSensor& at
                           length(v) / (at.pixel_size * at.pixel_size * q.z * q.z)};
 }
 
-std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const {
+std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
+                                               std::optional<Vec2>) const {
   const Vec3 local = to_camera_.vector(d);
   if (!(local.z > 0)) return {};
   const Vec3 q = to_camera_.point(p);

@@ -25,7 +25,8 @@ public:
   bool uses_lens() const override { return aperture_radius_ > 0; }
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2 lens) const override;
-  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d) const override;
+  std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
+                                     std::optional<Vec2> seen) const override;
   void fit(PlacedSensor& at) const override;
 
 protected:

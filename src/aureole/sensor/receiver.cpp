@@ -6,10 +6,10 @@
 namespace aureole {
 
 float Receiver::response(const Vec3& d) const {
-  return measure == Measure::fluence ? 1.f : std::max(dot(d, ng), 0.f);
+  return weight * (measure == Measure::fluence ? 1.f : std::max(dot(d, ng), 0.f));
 }
 
-float Receiver::total() const { return measure == Measure::fluence ? 4 * kPi : kPi; }
+float Receiver::total() const { return weight * (measure == Measure::fluence ? 4 * kPi : kPi); }
 
 float Receiver::pdf(const Vec3& d) const {
   return measure == Measure::fluence ? uniform_sphere_pdf() : cosine_hemisphere_pdf(dot(d, ng));

@@ -54,12 +54,13 @@ struct Receiver {
   Vec3 p_error;  ///< bound of the rounding error of p; zero for a point that lies on no surface
   Vec3 ng;       ///< unit normal
   Measure measure = Measure::fluence;
+  float weight = 1;  ///< factor of its response, where places are not chosen as they count
 
   /// Factor of the radiance that arrives against the unit direction `d`.
   float response(const Vec3& d) const;
   /// The integral of the response over all directions.
   float total() const;
-  /// The density of `sample_ray` [1/sr]: the response over its integral.
+  /// The density of `sample_ray` [1/sr]: the response over its integral, without the weight of either.
   float pdf(const Vec3& d) const;
   /// The side from which it measures: its normal, or zero.
   Vec3 facing() const { return measure == Measure::irradiance ? ng : Vec3{}; }
@@ -109,10 +110,12 @@ public:
   }
 
   /// The response to a ray through `p` of direction `d` (away from the sensor, as in sample_ray), whether or
-  /// not p lies between the clip planes. Nothing if the ray is not seen, or if light cannot be connected to
-  /// the sensor. Sensors with parallel rays ignore `d`.
-  virtual std::optional<SensorResponse> eval(const PlacedSensor& /*at*/, const Vec3& /*p*/,
-                                             const Vec3& /*d*/) const {
+  /// not p lies between the clip planes. `seen` is where on the film it is seen, as given to sample_ray or found by
+  /// sample_direct: a line may meet the surface that a meter sits on at several places, so that a meter answers only
+  /// where this is given, and a batch then asks the sensor that this is of. Nothing if the ray is not seen, or if
+  /// light cannot be connected to the sensor. Sensors with parallel rays ignore `d`.
+  virtual std::optional<SensorResponse> eval(const PlacedSensor& /*at*/, const Vec3& /*p*/, const Vec3& /*d*/,
+                                             std::optional<Vec2> /*seen*/) const {
     return {};
   }
 

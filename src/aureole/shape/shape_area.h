@@ -19,13 +19,16 @@ public:
 
   double area() const { return below_.back(); }
 
-  /// Chooses the patch by its area with u.x; u.x is then rescaled to choose the point.
+  /// Chooses the patch by its area with u.x; u.x is then rescaled to choose the point. Its `pdf` is per area of the
+  /// whole surface [1/m^2].
   std::optional<ShapeSample> sample(Vec2 u) const {
     const double target = double(u.x) * area();
     const auto above = std::upper_bound(below_.begin() + 1, below_.end() - 1, target);
     const double first = *(above - 1), rest = (target - first) / (*above - first);
     const auto patch = std::size_t(above - below_.begin() - 1);
-    return sampler_->sample_area(patch, {float(std::clamp(rest, 0.0, 0x1.fffffep-1)), u.y});
+    auto s = sampler_->sample_area(patch, {float(std::clamp(rest, 0.0, 0x1.fffffep-1)), u.y});
+    if (s) s->pdf *= float((*above - first) / area());
+    return s;
   }
 
   /// As that of the sampler.

@@ -12,6 +12,7 @@
 
 #include "aureole/instrument/check/significance.h"
 #include "bsdf/layer/mixture_cases.h"
+#include "harness/effort.h"
 
 namespace aureole {
 namespace {
@@ -28,7 +29,8 @@ struct Strategy {
 void check_sampler(const std::string& what, const ScattererModel& model, const ScattererSampler& sampler,
                    float fa, double u_max, bool within, unsigned seed) {
   const auto state = model.at(fa);
-  constexpr int kAzimuths = 16, kSamples = 200000;
+  constexpr int kAzimuths = 16;
+  const int kSamples = test::effort(60000, 200000);
   const int kRings = int(4 * u_max);
   const double end = u_max;
   const auto bin_of = [&](double x, double y) {
@@ -39,7 +41,7 @@ void check_sampler(const std::string& what, const ScattererModel& model, const S
   };
   std::vector<double> expected(kRings * kAzimuths), observed(kRings * kAzimuths);
   const Spectrum limit{float(u_max)};
-  const double step = 1.0 / 32;
+  const double step = test::effort(1.0 / 16, 1.0 / 32);
   double mass = 0, worst_ratio = 0, weighted = 0;
   const RingPoints points(model.is_isotropic() ? 64 : 2048, 2 * kPi);
   const int n = points.count(), points_per_bin = n / kAzimuths;
@@ -87,12 +89,11 @@ TEST(ScattererSampler, StrategiesFollowTheirDensities) {
   unsigned seed = 1;
   for (MixtureCase layer : layers()) {
     layer.extent = 40;
+    const auto fixed = layer.model(0.5, 0.5), varying = layer.model(0.1, 0.7);
     for (const Strategy& s : strategies) {
-      const auto fixed = layer.model(0.5, 0.5);
       check_sampler(layer.name + ", " + s.name, *fixed, *s.make(fixed), 0.5f, 25,
                     s.name != std::string("table"), ++seed);
       if (s.name == std::string("table")) continue;
-      const auto varying = layer.model(0.1, 0.7);
       check_sampler(layer.name + ", " + s.name + ", between nodes", *varying, *s.make(varying), 0.237f, 25,
                     true, ++seed);
     }

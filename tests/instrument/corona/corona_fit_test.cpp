@@ -177,6 +177,7 @@ TEST(CoronaFit, RenderedPicture) {
   <shape type="sphere"><point name="center" x="0" y="0" z="-12"/><float name="radius" value="0.015"/>
     <emitter type="area"><spectrum name="radiance" value="1000"/></emitter></shape></scene>)";
   RenderOptions options;
+  options.end = effort(64, 128);
   RenderJob job(load_scene_from_string(scene, "corona.xml"), options);
   const std::atomic<bool> stop{false};
   ASSERT_EQ(job.run(stop), RenderJob::Outcome::finished);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <cstdio>
 #include <functional>
 #include <numbers>
@@ -41,6 +42,46 @@ std::vector<std::vector<Wave>> box_waves(double box, int count) {
   }
   return rings;
 }
+
+/// exp(i q.x) of each point, for waves with the period of a box: products of the powers of two phasors of a point, which
+/// are multiplied up once for all waves.
+class Phasors {
+public:
+  Phasors(const std::vector<double>& x, const std::vector<double>& y, double box)
+      : n_(x.size()), step_(2 * kPi / box) {
+    const int most = int(std::ceil(6.5 / step_));
+    add_powers(x, most, along_x_);
+    add_powers(y, most, along_y_);
+  }
+  /// A function of the point's number.
+  auto of(const Wave& q) const {
+    const long m = std::lround(q.x / step_), n = std::lround(q.y / step_);
+    return [x = &along_x_[size_t(std::abs(m)) * n_], y = &along_y_[size_t(std::abs(n)) * n_],
+            u = m < 0 ? -1.0 : 1.0, v = n < 0 ? -1.0 : 1.0](size_t i) {
+      const double a = x[i].real(), b = u * x[i].imag(), c = y[i].real(), d = v * y[i].imag();
+      return std::complex<double>(a * c - b * d, a * d + b * c);
+    };
+  }
+
+private:
+  using Powers = std::vector<std::complex<double>>;  // of all points, from the power 0 on
+  void add_powers(const std::vector<double>& x, int most, Powers& out) const {
+    for (int m = 0; m <= most; ++m)
+      for (size_t i = 0; i < n_; ++i) {
+        if (m < 2) {
+          out.push_back(std::polar(1.0, m * step_ * x[i]));
+          continue;
+        }
+        const std::complex<double> a = out[out.size() - n_], b = out[n_ + i];
+        out.emplace_back(a.real() * b.real() - a.imag() * b.imag(),
+                         a.real() * b.imag() + a.imag() * b.real());
+      }
+  }
+
+  size_t n_;
+  double step_;
+  Powers along_x_, along_y_;
+};
 
 double circle(const Wave& q, double radius) {
   const double u = q.length() * radius;
@@ -95,6 +136,7 @@ void label_test(double fa, const std::vector<Layer>& layers, int snapshots) {
     simulation.advance(2 * simulation.decorrelation_sweeps());
     for (size_t k = 0; k < layers.size(); ++k)
       for (int& l : label[k]) l = int(combine_bits(99, counter++) % std::uint64_t(layers[k].kinds.size()));
+    const Phasors phasors(discs.x, discs.y, discs.box_x);
     for (size_t r = 0; r < rings.size(); ++r)
       for (const Wave& q : rings[r]) {
         std::vector<std::vector<double>> amplitude;
@@ -103,9 +145,10 @@ void label_test(double fa, const std::vector<Layer>& layers, int snapshots) {
           for (const auto& f : layer.kinds) amplitude.back().push_back(f(q));
         }
         std::vector<double> re(layers.size()), im(layers.size());
+        const auto wave = phasors.of(q);
         for (int i = 0; i < n; ++i) {
-          const double phase = q.x * discs.x[i] + q.y * discs.y[i];
-          const double c = std::cos(phase), d = std::sin(phase);
+          const std::complex<double> phasor = wave(size_t(i));
+          const double c = phasor.real(), d = phasor.imag();
           for (size_t k = 0; k < layers.size(); ++k)
             re[k] += amplitude[k][label[k][i]] * c, im[k] -= amplitude[k][label[k][i]] * d;
         }
@@ -174,14 +217,16 @@ TEST(WaveSum, Polydisperse) {
   const int snapshots = test::effort(150, 350), n = discs.size();
   for (int s = 0; s < snapshots; ++s) {
     simulation.advance(2 * simulation.decorrelation_sweeps());
+    const Phasors phasors(discs.x, discs.y, discs.box_x);
     for (size_t r = 0; r < rings.size(); ++r)
       for (const Wave& q : rings[r]) {
         const double f[3] = {circle(q, 0.6), circle(q, 1.0), circle(q, 1.5)};
         double re = 0, im = 0;
+        const auto wave = phasors.of(q);
         for (int i = 0; i < n; ++i) {
-          const double phase = q.x * discs.x[i] + q.y * discs.y[i];
+          const std::complex<double> phasor = wave(size_t(i));
           const double amplitude = f[discs.radius[i] < 0.8 ? 0 : discs.radius[i] < 1.2 ? 1 : 2];
-          re += amplitude * std::cos(phase), im -= amplitude * std::sin(phase);
+          re += amplitude * phasor.real(), im -= amplitude * phasor.imag();
         }
         truth[r] += (re * re + im * im) / (double(n) * double(rings[r].size()) * snapshots);
       }

@@ -94,7 +94,7 @@ public:
     const auto seen = scene_.sensor().sample_direct(vertex.p(), lens);
     if (!seen || !(seen->importance > 0)) return false;
     if (!vertex.is_surface() && !scene_.may_see(*s.flight.medium, seen->p)) return false;
-    const auto inverse = scene_.sensor().eval(vertex.p(), -seen->wo);
+    const auto inverse = scene_.sensor().eval(vertex.p(), -seen->wo, seen->film);
     Response response;
     if (!inverse || !vertex.respond(seen->wo, response)) return false;
     const Spectrum other = techniques_.others(inverse->pdf_across * vertex.density_across(seen->wo) *

@@ -226,7 +226,7 @@ private:
     const Vec3 d = s.flight.ray.d;
     float spread = length_squared(vertex.p() - s.from);
     if (s.scattered == 0) {
-      const auto seen = scene_.sensor().eval(vertex.p(), d);
+      const auto seen = scene_.sensor().eval(vertex.p(), d, paths_[size_t(i)].film);
       spread = seen ? safe_inverse(seen->pdf_across) : 0.f;
     }
     s.arrived = s.density;
