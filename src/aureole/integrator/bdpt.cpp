@@ -182,7 +182,8 @@ AUREOLE_PLUGIN(
         "all ways to find a path are weighted by spectral multiple importance sampling. Finds caustics and light "
         "that reaches the scene through small openings or by detours; a sample takes several times as long as one of "
         "`path`, and in dense media, where both parts are long and each vertex is connected with each, far longer: "
-        "use `path` there.",
+        "use `path` there. With `diffraction` each edge is found from one end only: from the lamp if a mirror or smooth glass "
+        "comes next after it, else from the sensor (docs/diffraction.md).",
         "Veach 1997, chapter 10; Georgiev et al. 2012, Eq. 31 to 34 (recursive weights); Wilkie et al. 2014, Eq. 8",
         with_diffraction_parameters(
             {{"max_depth", "integer", "", "-1",
