@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Direct illumination only, with chosen numbers of light and BSDF samples.
-#include "aureole/integrator/integrator.h"
+#include "aureole/integrator/diffraction_parameters.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/endpoints.h"
 #include "aureole/transport/sight.h"
@@ -60,6 +60,7 @@ public:
     }
     vertex.prepare(path.samples.key(s.dimension), s.flight);
     s.smooth = vertex.is_smooth();
+    s.is_lit = false;
     return Event::surface;
   }
 
@@ -91,6 +92,23 @@ public:
 
   void connected(int i, const Connection& c, bool open) {
     if (open) paths_[size_t(i)].result.estimate += c.light;
+    states_[i].is_lit |= open;
+  }
+
+  /// What light of lamps reaches the vertices around one edge, `samples` times.
+  void connect_around_edges(const PathList& vertices, int samples) {
+    for (const int i : vertices) {
+      State& s = states_[i];
+      if (!s.smooth) continue;
+      Path& path = paths_[size_t(i)];
+      EdgePaths edges(scene_, path.wavelengths, path.samples.key(s.dimension) ^ 0x2545f491u);
+      const Vertex& vertex = vertices_[i];
+      Spectrum light = 0.f;
+      for (int k = 0; k < samples; ++k)
+        light += edges.from_light(EdgePaths::at_vertex(vertex, s.flight), s.is_lit,
+                                  [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
+      path.result.estimate += s.density.contribution(light * (1 / float(samples)), path.wavelengths);
+    }
   }
 
   /// Samples a direction at the vertex to look for lights along it; false where there is none.
@@ -146,6 +164,7 @@ private:
     PathDensity found;  ///< with a sampled direction
     int dimension = 0;  ///< of the sampler, the next one
     bool smooth = false;
+    bool is_lit = false;  ///< the vertex has light of a lamp that was asked
   };
 
   void go_on(int i, const Vec3& d) { vertices_[i].leave(d, scene_.has_media(), states_[i].flight); }
@@ -179,7 +198,7 @@ private:
 
 class DirectIntegrator final : public Integrator {
 public:
-  explicit DirectIntegrator(const Properties& p) : Integrator(p) {
+  explicit DirectIntegrator(const Properties& p) : Integrator(p), diffraction_(get_diffraction(p)) {
     const auto shading = p.get_int("shading_samples", 1, {0, 65536});
     if (p.has("shading_samples") && (p.has("emitter_samples") || p.has("bsdf_samples")))
       throw p.error("shading_samples",
@@ -191,8 +210,13 @@ public:
   }
 
   bool shows_emitters() const override { return !hide_emitters_; }
+  SceneNeeds needs() const override { return {diffraction_}; }
+  Leaves leaves() const override { return diffraction_ ? Leaves::both : Leaves::pixel; }
+  void require_scene(const Scene& scene) const override { require_no_glowing_media(scene, *this); }
 
-  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>&, const BatchLog&) const override {
+  void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
+             const BatchLog&) const override {
+    const bool has_edges = scene.edges() && !scene.edges()->empty();
     const SampleCounts counts{float(light_samples_), float(bsdf_samples_)};
     DirectSteps steps(scene, counts, hide_emitters_, paths);
     SightSteps sight(scene, steps);
@@ -205,6 +229,7 @@ public:
     for (auto kind = RayTracer::Rays::coherent; !rays.empty(); kind = RayTracer::Rays::incoherent) {
       const PathList vertices = arrive_all(scene, steps, rays, kind);
       for (int k = 0; k < light_samples_; ++k) connect_vertices(scene, steps, vertices, connections);
+      if (has_edges) steps.connect_around_edges(vertices, std::max(light_samples_, 1));
       for (int k = 0; k < bsdf_samples_; ++k) {
         for (const int i : vertices)
           if (steps.look(i, sight)) lines.add(i, sight.ray(i));
@@ -212,11 +237,16 @@ public:
       }
       scatter_all(steps, vertices, rays);
     }
+    if (!has_edges) return;
+    for (size_t i = 0; i < paths.size(); ++i)
+      if (const auto splat = light_seen_around_edge(scene, int(i), paths[i], hide_emitters_))
+        splats.push_back(*splat);
   }
 
 private:
   int light_samples_, bsdf_samples_;
   bool hide_emitters_;
+  std::optional<BeamWidth> diffraction_;
 };
 
 AUREOLE_PLUGIN(
@@ -224,15 +254,17 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Direct illumination: light that surfaces scatter once, by any number of light and BSDF samples combined by "
         "spectral multiple importance sampling. Media absorb and emit: what they scatter is lost. Their emission is "
-        "seen directly and lights surfaces.",
+        "seen directly and lights surfaces. With `diffraction`, lights shine on them, or into the sensor, around one edge, too.",
         "Veach 1997, chapter 9",
-        {{"shading_samples", "integer", "", "1", "number of each of the two kinds of samples"},
-         {"emitter_samples", "integer", "", "shading_samples", "samples of lights"},
-         {"bsdf_samples", "integer", "", "shading_samples", "samples of the BSDF"},
-         {"hide_emitters", "boolean", "", "false", "camera rays pass through emitters"}},
+        with_diffraction_parameters(
+            {{"shading_samples", "integer", "", "1", "number of each of the two kinds of samples"},
+             {"emitter_samples", "integer", "", "shading_samples", "samples of lights"},
+             {"bsdf_samples", "integer", "", "shading_samples", "samples of the BSDF"},
+             {"hide_emitters", "boolean", "", "false", "camera rays pass through emitters"}}),
         {R"(<integrator type="direct"><integer name="emitter_samples" value="2"/><integer name="bsdf_samples" value="1"/>
     <boolean name="hide_emitters" value="true"/></integrator>)",
-         R"(<integrator type="direct"><integer name="shading_samples" value="4"/></integrator>)"}});
+         R"(<integrator type="direct"><integer name="shading_samples" value="4"/></integrator>)",
+         R"(<integrator type="direct"><boolean name="diffraction" value="true"/><string name="beam_width" value="fresnel 2m"/></integrator>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -7,7 +7,6 @@
 #include "aureole/core/units.h"
 #include "aureole/loading/aliases.h"
 #include "aureole/loading/values.h"
-#include "aureole/plugin/registry.h"
 
 namespace aureole {
 namespace {
@@ -76,13 +75,6 @@ void upgrade_diffraction(Node& scene, Diagnostics& diagnostics) {
   const std::optional<double> metres = wavelength(scene, given, diagnostics);
   std::erase_if(integrator->children, [](const Node& c) { return c.get("name") == "wavelengths"; });
 
-  const PluginInfo* bdpt = find_plugin("integrator", "bdpt");
-  if (!bdpt || !bdpt->documents("diffraction")) {
-    diagnostics.note(
-        integrator->where,
-        "integrator \"bdpt\" does not follow light around edges and is replaced by \"path\" with \"diffraction\"");
-    integrator->set("type", "path");
-  }
   if (!integrator->named_child("diffraction")) add(*integrator, given, "boolean", "diffraction", "true");
 
   if (!metres) return;

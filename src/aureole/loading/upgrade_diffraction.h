@@ -7,7 +7,7 @@
 namespace aureole {
 
 /// Their program has the wavelength, in units of the scene, as a parameter `wavelengths` of the integrator `bdpt`: here it becomes the
-/// band of the film, and the integrator one that follows light around edges.
+/// band of the film, and the integrator follows light around edges.
 void upgrade_diffraction(Node& scene, Diagnostics& diagnostics);
 
 }  // namespace aureole

@@ -213,12 +213,12 @@ bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   return !is_black(value);
 }
 
-bool EdgePaths::scatter(const AtEdge& at, Spectrum& value, Vec3& d) {
+bool EdgePaths::scatter(const AtEdge& at, Spectrum& value, Vec3& d, float& pdf) {
   const float u[4] = {random_.next(), random_.next(), random_.next(), random_.next()};
   const auto direction = edges_.scatter(at.point, at.d, beams_, u);
   if (!direction) return false;
-  d = direction->d;
-  value *= kernel(at, d) * (1 / direction->pdf);
+  d = direction->d, pdf = direction->pdf;
+  value *= kernel(at, d) * (1 / pdf);
   return !is_black(value);
 }
 

@@ -28,6 +28,7 @@ Spectrum passed_between(const Scene& scene, const Anchor& from, const Anchor& to
 struct AfterEdge {
   Vec3 edge;
   bool is_set = false;
+  float pdf = 0;  ///< with which the direction was chosen [1/sr]
 
   /// At a vertex: false where it lies in the edge's beam at all wavelengths, which those where it does lose.
   template <class Density>
@@ -154,11 +155,12 @@ public:
     }
     value *= 1 / (1 - kToNextEdge);
     Vec3 d;
-    if (!scatter(at, value, d)) return false;
+    float pdf;
+    if (!scatter(at, value, d, pdf)) return false;
     density.extend(Weight(value), 1.f, true);
     flight = at.flight;
     flight.ray = Anchor::in_space(at.point.p).leave(d);
-    after = {at.point.on_edge(), true};
+    after = {at.point.on_edge(), true, pdf};
     ++scattered;
     return true;
   }
@@ -168,9 +170,18 @@ public:
   bool begin_at_light(Spectrum& value, AtEdge& out);
 
   /// A direction behind the edge; `value` is multiplied by the kernel over the density. False where the path ends.
-  bool scatter(const AtEdge& at, Spectrum& value, Vec3& d);
+  bool scatter(const AtEdge& at, Spectrum& value, Vec3& d, float& pdf);
+  float scatter_pdf(const AtEdge& at, const Vec3& d) const {
+    return edges_.scatter_pdf(at.point, at.d, d, beams_);
+  }
 
   Spectrum kernel(const AtEdge& at, const Vec3& d) const { return edges_.kernel(at.point, at.d, d, beams_); }
+  /// K between an edge that a path has come to and a vertex of another one, `distance` from it; 0 where the vertex lies in the edge's beam.
+  Spectrum kernel_to(const AtEdge& at, const Vec3& d, const Vertex& vertex, float distance) const {
+    if (vertex.is_passable()) return kernel(at, d);  // as where a path meets it: `AfterEdge` holds on
+    const Spectrum far = SceneEdges::far_enough(distance, false, beams_);
+    return is_black(far) ? far : far * kernel(at, d);
+  }
   Vec2 next2() { return {random_.next(), random_.next()}; }
 
 private:

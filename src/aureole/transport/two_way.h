@@ -40,6 +40,13 @@ struct TwoWayDensity : BasicPathDensity<Weight, kStart> {
     Base::pass(p);
     earlier *= p.flight;
   }
+  /// Has left an edge that diffracts light, for which `extend` was called, in a direction of the density `pdf`. A path that
+  /// is found with its edges from this end is found with them from no other one (integrator/bdpt/subpath.h).
+  /// `is_connected`: a connection finds the next vertex, too.
+  void leave_edge(float pdf, bool is_connected) {
+    earlier = 0.f;
+    this->light_ratio = is_connected ? this->ratio * (1 / pdf) : Spectrum(0.f);
+  }
   /// Arrives at a vertex. `spread` is the area across the ray per solid angle in which it left, the squared distance.
   void arrive(bool in_medium, const Spectrum& across, float spread) {
     if (in_medium) {

@@ -22,13 +22,25 @@ public:
         techniques_(settings.techniques),
         paths_(paths),
         splats_(splats),
-        log_(log) {}
+        log_(log),
+        walks_to_edges_(edges_behind_mirrors(scene)) {}
 
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility() || limits_.hide_emitters; }
   /// The last vertex of a path that may be connected, from which `previous` leads to the others.
   const LightVertex* last_vertex(int path) const { return states_[path].kept; }
+
+  /// Whether paths of light may find edges that those of the sensor do not.
+  static bool edges_behind_mirrors(const Scene& scene) {
+    if (!scene.edges() || scene.edges()->empty()) return false;
+    const auto is_mirror = [](const BsdfPtr& bsdf) { return bsdf && has(bsdf->lobes(), Lobe::delta); };
+    for (const ModelPart& part : scene.parts().surfaces)
+      if (is_mirror(part.bsdf) ||
+          (part.instance && std::ranges::any_of(part.instance->list().bsdfs, is_mirror)))
+        return true;
+    return false;
+  }
 
   /// Where the path begins; false where it carries no light.
   bool emit(int i) {
@@ -59,6 +71,21 @@ public:
     return true;
   }
 
+  /// Begins a path at an edge that a lamp shines on, instead of a ray of the lamp; false where there is none. `others`: the last
+  /// vertex of another path of light, to which those of this one are added.
+  bool begin_at_edge(int i, const LightVertex* others) {
+    Path& path = paths_[size_t(i)];
+    State& s = states_[i];
+    s.kept = others;
+    s.samples = path.samples.of_second_path().of_second_path();
+    EdgePaths edges(scene_, path.wavelengths, key(s.samples, 0, Key::connection) ^ kFromEnd);
+    Spectrum value = 1.f;
+    EdgePaths::AtEdge at;
+    if (!limits_.reaches(4) || !edges.begin_at_light(value, at)) return false;
+    s.whole = max_component(abs(value));
+    return go_on_from_edge(i, edges, at, value);
+  }
+
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
     const Path& path = paths_[size_t(i)];
@@ -74,6 +101,9 @@ public:
       vertex.leave(s.flight.ray.d, scene_.has_media(), s.flight);
       return Event::crossed;
     }
+    if (s.after_edge.is_set && !vertex.is_passable() &&
+        !s.after_edge.leaves_beam(scene_, vertex.p(), path.wavelengths, s.density))
+      return Event::blocked;
     vertex.prepare(vertex.surface().needs_choice ? key(s.samples, s.vertex) : 0, s.flight);
     if (log_.follows(i))
       log_surface(log_, s.scattered + 1, vertex.point(), s.density.hero_symmetric_throughput() / s.whole);
@@ -86,7 +116,8 @@ public:
   bool connect(int i, Connection& out) {
     State& s = states_[i];
     const Vertex& vertex = s.present->vertex;
-    if (!vertex.is_smooth() || !techniques_.have(s.scattered + 2, 1)) return false;
+    if (!vertex.is_smooth() || s.edges == Edges::of_sensor || !techniques_.have(s.scattered + 2, 1))
+      return false;
     // Rays of the sensor pass through the surfaces of emitters.
     if (limits_.hide_emitters && vertex.light()) return false;
     const Path& path = paths_[size_t(i)];
@@ -117,6 +148,13 @@ public:
   bool scatter(int i) {
     State& s = states_[i];
     const Vertex& vertex = s.present->vertex;
+    const float to_edge = walks_to_edges_ && vertex.is_smooth() && limits_.reaches(s.scattered + 5)
+                              ? EdgePaths::to_edge(scene_, vertex.p(), paths_[size_t(i)].wavelengths)
+                              : 0;
+    if (to_edge > 0) {
+      KeyedRandom random(key(s.samples, s.vertex, Key::connection) ^ kAroundEdges);
+      if (random.next() < to_edge) return walk_to_edge(i, random, to_edge);
+    }
     const bool last = !limits_.reaches(s.scattered + 3);
     if (last && !vertex.is_passable()) return false;
     const float lobe = vertex.needs_choice() ? get(s.samples, s.vertex, Choice::lobe) : 0.f;
@@ -125,15 +163,39 @@ public:
     if (event == Event::blocked) return false;
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
+      if (to_edge > 0) s.density.survive(1 - to_edge);
       vertex.leave(b.d, scene_.has_media(), s.flight);
       return true;
     }
     if (last || b.value.is_black()) return false;
+    s.after_edge.is_set = false;
+    if (s.leaves_edge) s.edges = b.delta ? Edges::of_emitter : Edges::of_sensor;
+    s.leaves_edge = false;
     s.density = s.arrived;
     s.density.scatter(b, vertex.reverse_pdf(b), vertex.density_across(b.d));
+    // Like roulette, a choice that no weight knows.
+    if (to_edge > 0) s.density.survive(1 - to_edge);
     s.from = vertex.p();
     vertex.leave(b.d, scene_.has_media(), s.flight);
     ++s.scattered;
+    return survives(i);
+  }
+
+private:
+  /// Which end finds the edges of the path so far. Those of the sensor may still become those of the emitter, behind a later edge.
+  enum class Edges : std::uint8_t { of_emitter, of_sensor };
+
+  struct State : Subpath<PathStart::emitter> {
+    SampleStream samples;
+    Emission emission;
+    LightVertex* present = nullptr;
+    const LightVertex* kept = nullptr;  ///< the last one that may be connected
+    Edges edges = Edges::of_emitter;
+    bool leaves_edge = false;  ///< the vertex before is an edge
+  };
+
+  bool survives(int i) {
+    State& s = states_[i];
     if (s.scattered < limits_.roulette_depth) return true;
     const float survival =
         std::min(PathLimits::most_survival(scene_, 0), s.density.hero_symmetric_throughput() / s.whole);
@@ -142,14 +204,31 @@ public:
     return true;
   }
 
-private:
-  struct State : Subpath<PathStart::emitter> {
-    SampleStream samples;
-    Emission emission;
-    LightVertex* present = nullptr;
-    const LightVertex* kept = nullptr;  ///< the last one that may be connected
-    float whole = 1;                    ///< what roulette compares with
-  };
+  [[gnu::noinline]] bool walk_to_edge(int i, const KeyedRandom& random, float probability) {
+    State& s = states_[i];
+    EdgePaths edges(scene_, paths_[size_t(i)].wavelengths, random);
+    Spectrum value;
+    EdgePaths::AtEdge at;
+    s.density = s.arrived;
+    if (!edges.walk(s.present->vertex, s.flight, probability, value, at)) return false;
+    ++s.scattered;
+    return go_on_from_edge(i, edges, at, value);
+  }
+  bool go_on_from_edge(int i, EdgePaths& edges, const EdgePaths::AtEdge& first, const Spectrum& value) {
+    State& s = states_[i];
+    const auto log = [&](const EdgePaths::AtEdge& at, const Spectrum&) {
+      if (log_.follows(i)) log_edge(log_, s.scattered + 1, at.point.p);
+    };
+    if (!edges.leave(
+            first, value, s.scattered, [&](int n) { return limits_.reaches(n); }, log, s.density, s.flight,
+            s.after_edge))
+      return false;
+    s.density.leave_edge(s.after_edge.pdf, false);
+    s.from = s.after_edge.edge;
+    s.edges = Edges::of_sensor, s.leaves_edge = true;
+    ++s.vertex;
+    return survives(i);
+  }
 
   [[gnu::noinline]] Event fly(int i, float t_max) {
     State& s = states_[i];
@@ -160,6 +239,8 @@ private:
     if (log_.follows(i))
       log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
     if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;
+    if (s.after_edge.is_set && !s.after_edge.leaves_beam(scene_, p, path.wavelengths, s.density))
+      return Event::blocked;
     ++s.in_media, ++s.vertex;
     s.present = &vertices_.make(MediumPoint{p, s.flight.medium}, -s.flight.ray.d, path.wavelengths);
     arrived(i);
@@ -180,7 +261,7 @@ private:
                (s.emission.ray.delta_position ? spread : 1.f);
     }
     s.arrived.arrive(!vertex.is_surface(), vertex.density_across(d), spread);
-    if (!vertex.is_smooth()) return;
+    if (!vertex.is_smooth() || s.edges == Edges::of_sensor) return;
     present.density = s.arrived;
     present.edges = s.scattered + 1, present.in_media = s.in_media;
     present.previous = s.kept;
@@ -193,6 +274,7 @@ private:
   std::span<Path> paths_;
   std::vector<Splat>& splats_;
   const BatchLog& log_;
+  const bool walks_to_edges_;
   State states_[kBatch];
   LightVertices vertices_;
   Vec2 film_[kBatch];  ///< where a connection's light falls

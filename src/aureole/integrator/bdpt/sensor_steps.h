@@ -16,7 +16,12 @@ namespace aureole::bdpt {
 class SensorSteps {
 public:
   SensorSteps(const Scene& scene, const Settings& settings, std::span<Path> paths, const BatchLog& log)
-      : scene_(scene), limits_(settings.limits), techniques_(settings.techniques), paths_(paths), log_(log) {
+      : scene_(scene),
+        limits_(settings.limits),
+        techniques_(settings.techniques),
+        paths_(paths),
+        log_(log),
+        walks_to_edges_(scene.edges() && !scene.edges()->empty()) {
     for (size_t i = 0; i < paths.size(); ++i) {
       State& s = states_[i];
       s.flight.ray = paths[i].ray;
@@ -24,6 +29,24 @@ public:
       s.vertex = -1;
       find_surroundings(scene, nullptr, s.flight);
     }
+  }
+
+  /// The last vertex of the path of light to whose vertices edges of this path are connected, or null.
+  void put_light(int path, const LightVertex* last) { states_[path].light = last; }
+  /// Begins a path at an edge that the sensor sees at `film`, instead of the sensor's ray; false where there is none.
+  bool begin_at_edge(int i, Vec2& film) {
+    const Path& path = paths_[size_t(i)];
+    State& s = states_[i];
+    if (!limits_.reaches(3)) return false;
+    EdgePaths edges(scene_, path.wavelengths, key(path.samples, 0, Key::connection) ^ kFromEnd,
+                    limits_.hide_emitters);
+    const Vec2 lens = edges.next2();
+    Spectrum value = 1.f;
+    EdgePaths::AtEdge at;
+    if (!edges.begin_at_sensor(lens, value, at, film)) return false;
+    s.density = {};
+    s.whole = max_component(abs(value));
+    return go_on_from_edge(i, edges, at, value);
   }
 
   const Ray& ray(int path) const { return states_[path].flight.ray; }
@@ -61,6 +84,9 @@ public:
       if (s.scattered == 0) path.result.alpha = 1;
       return Event::blocked;
     }
+    if (s.after_edge.is_set && !vertex.is_passable() &&
+        !s.after_edge.leaves_beam(scene_, vertex.p(), path.wavelengths, s.density))
+      return Event::blocked;
     s.pairs = path.samples.directions(++s.vertex);
     vertex.prepare(vertex.surface().needs_choice ? key(path.samples, s.vertex) : 0, s.flight);
     arrived(i);
@@ -75,6 +101,7 @@ public:
   /// With a light.
   bool connect(int i, Connection& out) {
     State& s = states_[i];
+    s.is_lit = false;
     const Vertex& vertex = vertices_[i];
     if (!is_connectable(i) || scene_.lights().empty() || !techniques_.have(1, s.scattered + 2)) return false;
     if (!vertex.is_surface() && !scene_.lights_reach(*s.flight.medium)) return false;
@@ -145,39 +172,61 @@ public:
 
   void connected(int i, const Connection& c, bool open) {
     if (open) paths_[size_t(i)].result.estimate += c.light;
+    states_[i].is_lit |= open;
     if (log_.follows(i))
       log_(fmt::format("  connection: {} mean {:.6g}", open ? "visible" : "hidden", mean(c.light)));
+  }
+
+  /// What light of lamps reaches the vertices around edges. To be called behind the connections with lights.
+  void connect_around_edges(const PathList& vertices) {
+    if (!walks_to_edges_) return;
+    for (const int i : vertices) {
+      const State& s = states_[i];
+      const Vertex& vertex = vertices_[i];
+      if (!is_connectable(i) || !limits_.reaches(s.scattered + 3) || !techniques_.have(1, s.scattered + 3))
+        continue;
+      Path& path = paths_[size_t(i)];
+      EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kToEdge);
+      const Spectrum light = edges.from_light(EdgePaths::at_vertex(vertex, s.flight), s.is_lit,
+                                              [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
+      path.result.estimate += s.arrived.contribution(light, path.wavelengths);
+      if (log_.follows(i) && !is_black(light))
+        log_(fmt::format("  light around an edge: mean {:.6g}", mean(light)));
+    }
   }
 
   bool scatter(int i) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
+    const float to_edge = walks_to_edges_ && vertex.is_smooth() && limits_.reaches(s.scattered + 4)
+                              ? EdgePaths::to_edge(scene_, vertex.p(), path.wavelengths)
+                              : 0;
+    if (to_edge > 0) {
+      KeyedRandom random(key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
+      if (random.next() < to_edge) return walk_to_edge(i, random, to_edge);
+    }
     const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
     Scatter b;
     const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
+      if (to_edge > 0) s.density.survive(1 - to_edge);
       go_on(i, b.d);
       return true;
     }
     if (s.scattered == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
+    s.looked = s.after_edge.is_set = false;
     s.density = s.arrived;
     s.density.scatter(b, vertex.reverse_pdf(b), vertex.density_across(b.d));
+    // Like roulette, a choice that no weight knows.
+    if (to_edge > 0) s.density.survive(1 - to_edge);
     s.from = vertex.p(), s.facing = vertex.facing();
     go_on(i, b.d);
     ++s.scattered;
     s.eta2 *= b.eta * b.eta;
-
-    if (s.scattered >= limits_.roulette_depth) {
-      const float survival =
-          std::min(PathLimits::most_survival(scene_, 0), s.density.hero_symmetric_throughput() * s.eta2);
-      if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
-      s.density.survive(survival);
-    }
-    // The last ray can only bring emission.
-    return limits_.reaches(s.scattered + 2) || scene_.may_meet_emitter(s.flight.ray);
+    return survives(i);
   }
 
 private:
@@ -187,7 +236,98 @@ private:
     float eta2 = 1;     ///< squared index of the present medium over the sensor's: undoes the n^2 of radiance
                         ///< for roulette
     bool last = false;  ///< the present surface may only be passed
+    /// The flight has left an edge: connections from before it have counted the lights that it meets.
+    bool looked = false;
+    bool is_lit = false;  ///< the vertex has light of the lamp that was asked
+    const LightVertex* light = nullptr;
   };
+
+  /// Roulette; false where the path ends.
+  bool survives(int i) {
+    State& s = states_[i];
+    if (s.scattered >= limits_.roulette_depth) {
+      const float survival = std::min(PathLimits::most_survival(scene_, 0),
+                                      s.density.hero_symmetric_throughput() * s.eta2 / s.whole);
+      if (!(get(paths_[size_t(i)].samples, s.vertex, Choice::roulette) < survival)) return false;
+      s.density.survive(survival);
+    }
+    // The last ray can only bring emission.
+    return limits_.reaches(s.scattered + 2) || (scene_.may_meet_emitter(s.flight.ray) && !s.looked);
+  }
+
+  /// The path leaves its vertex for an edge.
+  [[gnu::noinline]] bool walk_to_edge(int i, const KeyedRandom& random, float probability) {
+    State& s = states_[i];
+    Path& path = paths_[size_t(i)];
+    if (s.scattered == 0) path.result.alpha = 1;
+    EdgePaths edges(scene_, path.wavelengths, random);
+    Spectrum value;
+    EdgePaths::AtEdge at;
+    s.density = s.arrived;
+    if (!edges.walk(vertices_[i], s.flight, probability, value, at)) return false;
+    ++s.scattered;
+    return go_on_from_edge(i, edges, at, value);
+  }
+  bool go_on_from_edge(int i, EdgePaths& edges, const EdgePaths::AtEdge& first, const Spectrum& value) {
+    State& s = states_[i];
+    const auto connect = [&](const EdgePaths::AtEdge& at, const Spectrum& so_far) {
+      if (log_.follows(i)) log_edge(log_, s.scattered, at.point.p);
+      if (techniques_.have(1, s.scattered + 3)) {
+        const auto kernel = [&](const Vec3& d) { return edges.kernel(at, d); };
+        Path& path = paths_[size_t(i)];
+        path.result.estimate +=
+            s.density.contribution(so_far * edges.from_light(at.place(), false, kernel), path.wavelengths);
+      }
+      for (const LightVertex* end = s.light; end; end = end->previous)
+        connect_edge(i, edges, at, so_far, *end);
+    };
+    if (!edges.leave(
+            first, value, s.scattered, [&](int n) { return limits_.reaches(n); }, connect, s.density,
+            s.flight, s.after_edge))
+      return false;
+    s.density.leave_edge(s.after_edge.pdf, true);
+    s.from = s.after_edge.edge;
+    s.looked = true;
+    ++s.vertex;
+    return survives(i);
+  }
+
+  /// An edge that the path has come to with the factor `value`, with a vertex of a path of light.
+  void connect_edge(int i, const EdgePaths& edges, const EdgePaths::AtEdge& at, const Spectrum& value,
+                    const LightVertex& end) {
+    const State& s = states_[i];
+    if (!limits_.reaches(s.scattered + 2 + end.edges) || !techniques_.have(end.edges + 1, s.scattered + 2))
+      return;
+    if (limits_.max_scattering >= 0 && s.in_media + end.in_media > limits_.max_scattering) return;
+    const float distance2 = length_squared(end.vertex.p() - at.point.on_edge());
+    if (!(distance2 > 0)) return;
+    const Vec3 d = -at.point.direction_from(end.vertex.p());
+    if (!SceneEdges::turns_around(at.point, at.d, d)) return;
+    Response there;
+    if (!end.vertex.respond(-d, there)) return;
+    Path& path = paths_[size_t(i)];
+    const Anchor edge = Anchor::in_space(at.point.p);
+    Connection c;
+    c.set(edge, normalize(end.vertex.p() - edge.p), end.vertex.anchor());
+    const float inverse = 1 / distance2;
+    // Paths of light do not find this edge: beside the connection there is the walk of the sensor's path, and what is behind.
+    const Spectrum other = s.density.ratio * end.vertex.density_across(d) *
+                           end.density.others(end.vertex.reverse_pdf(-d)) *
+                           (edges.scatter_pdf(at, d) * inverse);
+    c.light = 1.f;
+    weigh(scene_, s.density.ratio * end.density.ratio, techniques_.others(other), path.wavelengths, c);
+    if (scene_.has_media())
+      c.begin_in(at.flight, std::uint32_t(combine_bits(key(path.samples, s.vertex, Key::connection) ^ kToEdge,
+                                                       std::uint64_t(end.edges))));
+    if (!aureole::connect(scene_, c, path.wavelengths)) return;
+    if (scene_.has_media()) c.finish();
+    const Spectrum kernel = edges.kernel_to(at, d, end.vertex, std::sqrt(distance2));
+    if (is_black(kernel)) return;
+    path.result.estimate +=
+        s.density.beta.of(value * kernel * there.value.after(end.density.beta).of(Spectrum(inverse))) *
+        c.light;
+    if (log_.follows(i)) log_(fmt::format("  connection of the edge: mean {:.6g}", mean(c.light * kernel)));
+  }
 
   static float safe_inverse(float x) { return x > 0 ? 1 / x : 0.f; }
 
@@ -210,6 +350,8 @@ private:
     if (s.scattered == 0) path.result.alpha = 1;
     if (!limits_.reaches(s.scattered + 2) || s.in_media == limits_.max_scattering ||
         s.density.beta.is_black())
+      return Event::blocked;
+    if (s.after_edge.is_set && !s.after_edge.leaves_beam(scene_, p, path.wavelengths, s.density))
       return Event::blocked;
     ++s.in_media;
     s.last = false;
@@ -249,7 +391,7 @@ private:
   /// The path has met an emitter: that is a path of light without a vertex.
   void add_emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
     const State& s = states_[i];
-    if (is_black(radiance) || !techniques_.have(0, s.scattered + 2)) return;
+    if (s.looked || is_black(radiance) || !techniques_.have(0, s.scattered + 2)) return;
     Path& path = paths_[size_t(i)];
     Spectrum all = s.density.ratio;
     // No connection finds what the sensor sees directly.
@@ -269,6 +411,7 @@ private:
   const Techniques& techniques_;
   std::span<Path> paths_;
   const BatchLog& log_;
+  const bool walks_to_edges_;
   State states_[kBatch];
   PerPath<Vertex> vertices_;
 };

@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // Shared by the two kinds of subpaths of `bdpt`: which techniques count, and the state of a subpath.
+//
+// Edges that diffract light (transport/edges.h) are vertices that one of the two ends finds, which the path itself decides:
+// seen from the sensor, an edge is looked for from the vertex before it, unless that is a mirror or smooth glass, which
+// nothing can be connected with. That edge, and all those before it as the light goes, are found from the emitter. So of a path with
+// edges those techniques are left that connect it between the last edge which the emitter finds and the first one which the sensor
+// finds: their densities are summed as without edges, and those beyond are none. An edge that the sensor has found is
+// connected with the vertices of paths of light, and the one next to a lamp is chosen for both of its neighbours, as in `path`.
 #pragma once
 
 #include <memory>
 #include <vector>
 
 #include "aureole/integrator/path_limits.h"
+#include "aureole/transport/edges.h"
 #include "aureole/transport/two_way.h"
 
 namespace aureole::bdpt {
@@ -37,9 +45,9 @@ struct LightVertex {
 
   Vertex vertex;
   LightSubpathDensity density;
-  int edges = 0;     ///< from the emitter
-  int in_media = 0;  ///< vertices in media so far, this one included
-  const LightVertex* previous = nullptr;
+  int edges = 0;                          ///< from the emitter
+  int in_media = 0;                       ///< vertices in media so far, this one included
+  const LightVertex* previous = nullptr;  ///< that may be connected
 };
 
 /// Room for the vertices of a batch, which are made in place.
@@ -74,7 +82,12 @@ struct Subpath {
   int scattered = 0;
   int in_media = 0;  ///< of these
   int vertex = 0;    ///< number of the present vertex for random numbers; surfaces that were passed count
+  float whole = 1;   ///< throughput where the path begins: roulette asks how much of it is left
+  AfterEdge after_edge;
 };
+
+// These make other keys of one, for ways to edges.
+inline constexpr std::uint32_t kAroundEdges = 0x7feb352du, kToEdge = 0x2545f491u, kFromEnd = 0x846ca68bu;
 
 /// Completes a connection whose `light` is f over the density of the path with the densities, relative to that, of
 /// this and of other techniques.
