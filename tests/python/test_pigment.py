@@ -62,6 +62,18 @@ def test_from_measurements_to_a_recipe(tmp_path):
         pigment.fit(table)
 
 
+def test_hiding():
+    """Without absorption R = S X/(1 + S X) over black, and over white all is reflected: a ratio of .98 at S X = 49."""
+    chalk = pigment.Paint(np.array([400.0, 550, 700]), np.zeros(3), np.full(3, 1e5), pigment.Surface())
+    assert chalk.contrast_ratio(49e-5, white=1) == pytest.approx(0.98, abs=1e-6)
+    assert chalk.hiding_thickness(white=1) == pytest.approx(49e-5, rel=1e-5)
+    assert chalk.hiding_thickness(white=1, ratio=0.5) == pytest.approx(1e-5, rel=1e-5)
+    clear = pigment.Paint(chalk.nm, np.zeros(3), np.zeros(3), pigment.Surface())
+    assert clear.hiding_thickness() == np.inf
+    with pytest.raises(aureole.Error, match="white: must reflect more"):
+        chalk.contrast_ratio(1e-5, black=0.8, white=0.5)
+
+
 FILMS = {
     "films.csv": """sample,paints,backing,thickness_um,unit,400,550,700
 card,,,,percent,80,82,84

@@ -50,76 +50,99 @@ float sample_flux(float x0, float x1, float a, float b, float u) {
   return last > 0 ? std::min(std::cbrt((v - middle) / last), 1.f) : 1;
 }
 
+using Side = optics::StackKernels::Side;
+
 /// A node of the table, by those of the solver next to it: K is the mean of two of them, shares of light are smooth
 /// functions of the cosine and those of a cubic through four.
 struct TableNode {
   std::size_t first, second;  ///< the same where it is a node of the solver
   std::array<std::size_t, 4> near;
   std::array<double, 4> weight;
+
+  double share(const std::vector<double>& of) const {
+    double sum = 0;
+    for (std::size_t j = 0; j < 4; ++j) sum += weight[j] * of[near[j]];
+    return std::max(sum, 0.0);
+  }
 };
 
-/// With one more node between two where light changes most, towards the horizon.
-std::vector<TableNode> table_nodes(std::span<const double> cosines) {
-  constexpr double kDense = 0.6;
+TableNode node_between(const std::vector<double>& cosines, std::size_t i) {
+  TableNode n{i, i + 1, {}, {}};
+  const std::size_t begin = std::min(i > 0 ? i - 1 : 0, cosines.size() - 4);
+  const double x = 0.5 * (cosines[i] + cosines[i + 1]);
+  for (std::size_t j = 0; j < 4; ++j) {
+    n.near[j] = begin + j, n.weight[j] = 1;
+    for (std::size_t l = 0; l < 4; ++l)
+      if (l != j) n.weight[j] *= (x - cosines[begin + l]) / (cosines[begin + j] - cosines[begin + l]);
+  }
+  return n;
+}
+
+/// Those of the solver, and one more between two where energy is not linear, which is towards the horizon.
+std::vector<TableNode> table_nodes(std::span<const optics::StackKernels> kernels,
+                                   Side optics::StackKernels::*which) {
+  constexpr double kLinear = 2e-4;
+  const std::vector<double>& cosines = (kernels.front().*which).cosines;
   std::vector<TableNode> nodes;
-  const std::size_t count = cosines.size();
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
     nodes.push_back({i, i, {i, i, i, i}, {1, 0, 0, 0}});
-    if (i + 1 == count || count < 4 || cosines[i + 1] > kDense) continue;
-    TableNode n{i, i + 1, {}, {}};
-    const std::size_t begin = std::min(i > 0 ? i - 1 : 0, count - 4);
-    const double x = 0.5 * (cosines[i] + cosines[i + 1]);
-    for (std::size_t j = 0; j < 4; ++j) {
-      n.near[j] = begin + j, n.weight[j] = 1;
-      for (std::size_t l = 0; l < 4; ++l)
-        if (l != j) n.weight[j] *= (x - cosines[begin + l]) / (cosines[begin + j] - cosines[begin + l]);
-    }
-    nodes.push_back(n);
+    if (i + 1 == cosines.size() || cosines.size() < 4) continue;
+    const TableNode n = node_between(cosines, i);
+    const auto is_bent = [&](const optics::StackKernels& k) {
+      const Side& side = k.*which;
+      const auto bend = [&](const std::vector<double>& of) {
+        return of.empty() ? 0 : n.share(of) - 0.5 * (of[i] + of[i + 1]);
+      };
+      return std::abs(bend(side.scattered) + bend(side.mirrored) + bend(side.passed)) > kLinear ||
+             std::abs(bend(side.reached)) > kLinear;
+    };
+    if (std::any_of(kernels.begin(), kernels.end(), is_bent)) nodes.push_back(n);
   }
   return nodes;
 }
 
-double share(const TableNode& n, std::span<const double> of) {
-  double sum = 0;
-  for (std::size_t j = 0; j < 4; ++j) sum += n.weight[j] * of[n.near[j]];
-  return std::max(sum, 0.0);
-}
+struct TableNodes {
+  std::vector<TableNode> above, below;
+  explicit TableNodes(std::span<const optics::StackKernels> kernels)
+      : above(table_nodes(kernels, &optics::StackKernels::above)),
+        below(table_nodes(kernels, &optics::StackKernels::below)) {}
+};
 
-optics::StackKernels with_more_nodes(const optics::StackKernels& k) {
+optics::StackKernels at_nodes(const TableNodes& nodes, const optics::StackKernels& k) {
   optics::StackKernels r;
   r.azimuths = k.azimuths, r.returned = k.returned, r.left = k.left;
   const auto turns = std::size_t(k.azimuths);
-  const std::vector<TableNode> nodes[2] = {table_nodes(k.above.cosines), table_nodes(k.below.cosines)};
-  const auto side = [&](const optics::StackKernels::Side& from, optics::StackKernels::Side& to,
-                        const std::vector<TableNode>& all) {
+  const auto side = [](const Side& from, Side& to, const std::vector<TableNode>& all) {
     for (const TableNode& n : all) {
       to.cosines.push_back(0.5 * (from.cosines[n.first] + from.cosines[n.second]));
-      to.scattered.push_back(share(n, from.scattered));
-      to.mirrored.push_back(share(n, from.mirrored)), to.passed.push_back(share(n, from.passed));
-      if (!from.reached.empty()) to.reached.push_back(share(n, from.reached));
+      to.scattered.push_back(n.share(from.scattered));
+      to.mirrored.push_back(n.share(from.mirrored)), to.passed.push_back(n.share(from.passed));
+      if (!from.reached.empty()) to.reached.push_back(n.share(from.reached));
     }
   };
-  side(k.above, r.above, nodes[0]), side(k.below, r.below, nodes[1]);
-  const auto kernel = [&](const std::vector<double>& from, std::vector<double>& to, int in, int out) {
-    const std::size_t width = (out ? k.below : k.above).cosines.size();
-    to.reserve(nodes[in].size() * nodes[out].size() * turns);
-    for (const TableNode& i : nodes[in])
-      for (const TableNode& o : nodes[out])
+  side(k.above, r.above, nodes.above), side(k.below, r.below, nodes.below);
+  const auto kernel = [&](const std::vector<double>& from, std::vector<double>& to,
+                          const std::vector<TableNode>& in, const std::vector<TableNode>& out,
+                          std::size_t width) {
+    to.reserve(in.size() * out.size() * turns);
+    for (const TableNode& i : in)
+      for (const TableNode& o : out)
         for (std::size_t a = 0; a < turns; ++a) {
           const auto at = [&](std::size_t p, std::size_t q) { return from[(p * width + q) * turns + a]; };
           to.push_back(0.25 * (at(i.first, o.first) + at(i.first, o.second) + at(i.second, o.first) +
                                at(i.second, o.second)));
         }
   };
-  kernel(k.reflected_above, r.reflected_above, 0, 0);
-  kernel(k.transmitted, r.transmitted, 0, 1);
-  kernel(k.reflected_below, r.reflected_below, 1, 1);
+  const std::size_t above = k.above.cosines.size(), below = k.below.cosines.size();
+  kernel(k.reflected_above, r.reflected_above, nodes.above, nodes.above, above);
+  kernel(k.transmitted, r.transmitted, nodes.above, nodes.below, below);
+  kernel(k.reflected_below, r.reflected_below, nodes.below, nodes.below, below);
   return r;
 }
 
 }  // namespace
 
-StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<const double> azimuths,
+StackTable::StackTable(std::vector<optics::StackKernels> kernels, std::span<const double> azimuths,
                        const SpectralGrid& grid, float index_above, float index_below,
                        std::span<const double> inner_indices)
     : index_{index_above, index_below},
@@ -133,7 +156,9 @@ StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<
     while (cell + 2 < azimuths_ && phi_[std::size_t(cell) + 1] <= kPi * t * t) ++cell;
     phi_cells_.push_back(cell);
   }
-  const optics::StackKernels one = with_more_nodes(kernels.front());
+  const TableNodes nodes(kernels);
+  for (optics::StackKernels& k : kernels) k = at_nodes(nodes, k);
+  const optics::StackKernels& one = kernels.front();
   for (const int s : {0, 1}) {
     const optics::StackKernels::Side& from = s ? one.below : one.above;
     sides_[s].cosines.assign(from.cosines.begin(), from.cosines.end());
@@ -172,7 +197,7 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
     }
   }
   for (int w = 0; w < wavelengths_; ++w) {
-    const optics::StackKernels k = with_more_nodes(kernels[std::min(std::size_t(w), kernels.size() - 1)]);
+    const optics::StackKernels& k = kernels[std::min(std::size_t(w), kernels.size() - 1)];
     const auto kernel = [&](std::size_t i, std::size_t o) {
       if (i < above)
         return o < above ? &k.reflected_above[(i * above + o) * turns]
@@ -299,10 +324,9 @@ void StackTable::prepare_substrate(std::span<const optics::StackKernels> kernels
   for (std::size_t w = 0; w < count; ++w) {
     const std::size_t of = std::min(w, kernels.size() - 1);
     const optics::StackKernels& k = kernels[of];
-    const std::vector<TableNode> nodes = table_nodes(k.above.cosines);
     double sum = 0;
     for (std::size_t i = 0; i < side.cosines.size(); ++i) {
-      const double t = share(nodes[i], k.above.reached);
+      const double t = k.above.reached[i];
       side.reached[i * count + w] = float(t);
       if (i > 0) {
         const auto [before, here] = hat_fluxes(double(side.cosines[i - 1]), double(side.cosines[i]));

@@ -28,9 +28,9 @@ public:
   /// `kernels`: of wavelengths evenly over the grid's range, or one for all. `azimuths`: theirs, from 0 to pi.
   /// Directions below are those of a stack without a substrate. Each kernel is changed so that no energy is lost
   /// or gained: first where it is largest, since sums over nodes miss most at peaks, then by factors of both
-  /// directions (Sinkhorn & Knopp 1967). `inner_indices`: of the last layer by kernel, for a Lambertian
-  /// substrate.
-  StackTable(std::span<const optics::StackKernels> kernels, std::span<const double> azimuths,
+  /// directions (Sinkhorn & Knopp 1967). Where the energy is not linear between two cosines there is a node
+  /// more. `inner_indices`: of the last layer by kernel, for a Lambertian substrate.
+  StackTable(std::vector<optics::StackKernels> kernels, std::span<const double> azimuths,
              const SpectralGrid& grid, float index_above, float index_below,
              std::span<const double> inner_indices = {});
 
