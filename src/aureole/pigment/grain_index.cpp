@@ -106,9 +106,8 @@ optics::IndexFunction constant(Complex value) {
 }
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr std::string_view
-    kQuerry = "M. R. Querry, Optical constants, Contractor Report CRDC-CR-85034, 1985",
-    kGhosh = "G. Ghosh, Opt. Commun. 163, 95, 1999";
+constexpr std::string_view kQuerry = "M. R. Querry, Optical constants, Contractor Report CRDC-CR-85034, 1985",
+                           kGhosh = "G. Ghosh, Opt. Commun. 163, 95, 1999";
 
 const std::vector<GrainIndex>& all() {
   static const std::vector<GrainIndex> table_of_all = {
