@@ -178,6 +178,42 @@ class Paint:
             inner = free.reflectance + free.transmittance**2 * below / (1 - free.reflectance * below)
         return np.asarray(self.surface.outer(np.minimum(inner, 1.0)))
 
+    def contrast_ratio(self, thickness: float, *, black: float = 0.0, white: float = 0.8, illuminant: str = "D65") -> float:
+        """Luminous reflectance over black, divided by that over white, substrates of these inner reflectances."""
+        dark, bright = scalar("black", black, minimum=0, maximum=1), scalar("white", white, minimum=0, maximum=1)
+        if not bright > dark:
+            raise Error("white: must reflect more than black")
+        layers = np.stack([self.reflectance(thickness, dark), self.reflectance(thickness, bright)])
+        lightness = lab(self.nm, layers, illuminant)[:, 0]
+        over_black, over_white = np.where(lightness > 8, ((lightness + 16) / 116) ** 3, lightness * 27 / 24389)
+        return float(over_black / over_white) if over_white > 0 else 1.0
+
+    def hiding_thickness(self, *, ratio: float = 0.98, black: float = 0.0, white: float = 0.8, illuminant: str = "D65") -> float:
+        """The thickness from which the contrast ratio is at least `ratio`; infinite where it never is. As `aureole pigment hide`.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> from aureole import pigment
+        >>> chalk = pigment.Paint(np.array([400.0, 700.0]), np.zeros(2), np.full(2, 1e5), pigment.Surface())
+        >>> round(1e6 * chalk.hiding_thickness(white=1), 3)  # S X = 49
+        490.0
+        """
+        wanted = scalar("ratio", ratio, minimum=0.01, maximum=0.9999)
+        rate = float((self.k + self.s).max())
+        if not rate > 0:
+            return math.inf
+        low, high = 0.0, 1 / rate
+        while self.contrast_ratio(high, black=black, white=white, illuminant=illuminant) < wanted:
+            low, high = high, 2 * high
+            if high * rate > 1e9:
+                return math.inf
+        while high - low > 1e-10 * high:
+            middle = 0.5 * (low + high)
+            hides = self.contrast_ratio(middle, black=black, white=white, illuminant=illuminant) >= wanted
+            low, high = (low, middle) if hides else (middle, high)
+        return high
+
 
 @dataclass(frozen=True)
 class Match:
@@ -280,7 +316,7 @@ class Palette:
 
 
 def fit(file: Union[str, "os.PathLike[str]"], *, white: str = "white", surface: Union[Surface, None] = None) -> Palette:
-    """K and S of the paints of a table of measured samples, .csv or .json (docs/pigments.md).
+    """K and S of the paints of a table of measured samples, .csv, CGATS.17, .cxf or .json (docs/pigments.md).
 
     Parameters
     ----------

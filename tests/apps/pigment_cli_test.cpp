@@ -215,6 +215,23 @@ TEST_F(PigmentCli, CgatsAndCxfAreTheSameTable) {
   wrong("a.cxf", "<svg/>", "a.cxf:1:1: expected the element CxF");
 }
 
+/// Half-spaces of isotropic scatterers under diffuse light: .478 and .795 by transport (shared/physics.md 5).
+TEST_F(PigmentCli, ErrorIsAMap) {
+  ASSERT_EQ(run("error --index 1 --albedo 0.9,0.99 --thickness 1000 --g 0 --json map.json"), 0) << said;
+  const auto rows = json("map.json")["rows"];
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_NEAR(rows[0]["reflectance"].get<double>(), 0.478, 1e-3);
+  EXPECT_NEAR(rows[1]["reflectance"].get<double>(), 0.795, 1e-3);
+  // K/S = 2 (1 - a)/(.75 a): R = 1 + K/S - sqrt((K/S)^2 + 2 K/S).
+  for (const auto& row : rows) {
+    const double a = row["albedo"], q = 2 * (1 - a) / (0.75 * a), two = 1 + q - std::sqrt(q * q + 2 * q);
+    EXPECT_NEAR(row["error"].get<double>(), two - row["reflectance"].get<double>(), 1e-9);
+  }
+  fails("error --albedo 0.5,x", "--albedo: ");
+  fails("error --g 1", "--g: 1 must be in [-0.99, 0.99]");
+  fails("error --thickness 0", "--thickness: 0 must be in");
+}
+
 TEST_F(PigmentCli, WrongInputHasItsPlace) {
   fails("fit missing.csv", "missing.csv: cannot read this file");
   write("high.csv", "paints,400,700\nwhite,0.9,0.9\nred,0.2,1.2\n");

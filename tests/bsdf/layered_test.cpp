@@ -9,6 +9,7 @@
 #include "aureole/bsdf/stack/layered_stack.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/bsdf_harness.h"
+#include "harness/effort.h"
 #include "harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -95,6 +96,60 @@ TEST(LayeredBsdf, EnergyIsThatOfTheStackForAllDirections) {
       ASSERT_TRUE(x);
       EXPECT_NEAR(x->value[0] / x->pdf[0], f.reflectance + f.transmittance, 1e-3) << mu;
     }
+  }
+}
+
+/// Of light from all directions, those between the nodes of the table and close to the horizon among them.
+TEST(LayeredBsdf, EnergyIsExactAtTheHorizon) {
+  struct Case {
+    const char* name;
+    double thickness, albedo, g, index;
+    std::string more;
+    bool open;
+    double most;       ///< difference from the energy of the stack
+    double alpha = 0;  ///< of its upper interface, where something is absorbed
+  };
+  const std::string one = "<string name=\"alpha\" value=\"0.3\"/>",
+                    both = "<string name=\"alpha\" value=\"0.3, 0.3\"/>";
+  const Case cases[] = {{"smooth slab", 1, 1, 0.3, 1.5, "", true, 2e-5},
+                        {"rough slab", 1, 1, 0.3, 1.5, kSmall + both, true, 2e-5},
+                        {"bare slab", 1, 1, 0.3, 1, "", true, 2e-5},
+                        {"white", 1, 1, 0.3, 1.5, "", false, 2e-5},
+                        {"rough white", 1, 1, 0.3, 1.5, kSmall + one, false, 2e-5},
+                        {"absorbing slab", 1, 0.9, 0.5, 1.5, "", true, 4e-4},
+                        {"absorbing bare slab", 1, 0.9, 0.5, 1, "", true, 3e-4},
+                        {"absorbing, on white", 1, 0.9, 0.5, 1.5, "", false, 4e-4},
+                        {"dark, on white", 1, 0.3, 0, 1.33, "", false, 1.2e-3},
+                        {"rough, absorbing, on white", 1, 0.9, 0.5, 1.5, one, false, 8e-4, 0.3}};
+  const Setting s(TransportMode::importance);
+  for (const Case& c : cases) {
+    const auto bsdf = build<Bsdf>(stack(medium(c.thickness, c.albedo, c.g) + number("int_ior", c.index) +
+                                        number("ext_ior", 1) + c.more + (c.open ? "" : kWhite)));
+    optics::StackDescription d = description(c.thickness, c.albedo, c.g, c.index);
+    if (!c.open) d.substrate = 1;
+    if (c.alpha > 0) d.layers.front().top = {optics::InterfaceKind::beckmann, c.alpha};
+    const optics::PlaneStack truth(d, {48});
+    double worst = 0, at = 0;
+    std::vector<double> angles;
+    for (double angle = 0; angle < 85; angle += test::effort(7.5, 1.0)) angles.push_back(angle);
+    for (double angle = 85; angle < 89.95; angle += test::effort(0.35, 0.05)) angles.push_back(angle);
+    std::vector<optics::StackLight> lights;
+    for (const double angle : angles)
+      lights.push_back(optics::StackLight::beam(std::cos(angle * kPiDouble / 180)));
+    const std::vector<optics::StackFluxes> expected =
+        c.albedo < 1 ? truth.fluxes(lights) : std::vector<optics::StackFluxes>(lights.size(), {1, 0});
+    for (std::size_t i = 0; i < angles.size(); ++i) {
+      // Value over density is the whole energy, the same for each sample.
+      const auto x =
+          bsdf->sample(direction(angles[i] * kPiDouble / 180, 0.3), 0.999f, {0.3f, 0.7f}, s.context());
+      ASSERT_TRUE(x) << c.name << " " << angles[i];
+      const double energy = x->value[0] / x->pdf[0],
+                   difference =
+                       std::abs(energy - expected[i].reflectance - (c.open ? expected[i].transmittance : 0));
+      if (difference > worst) worst = difference, at = angles[i];
+    }
+    std::printf("%-26s energy off by %.1e at most, at %.1f degrees\n", c.name, worst, at);
+    EXPECT_LT(worst, c.most) << c.name << " at " << at;
   }
 }
 

@@ -7,11 +7,13 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/pigment/palette_file.h"
+#include "aureole/core/image.h"
 #include "aureole/math/warp.h"
 #include "aureole/pigment/saunderson.h"
 #include "harness/bsdf_harness.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
+#include "loading/load_text.h"
 
 namespace aureole::testing {
 namespace {
@@ -111,6 +113,50 @@ TEST(PaintBsdf, SubstratesBlendsAndFactors) {
   EXPECT_NEAR(
       value(white + "<string name=\"second_recipe\" value=\"blue\"/><float name=\"blend\" value=\"0.25\"/>"),
       value("<string name=\"recipe\" value=\"blue: 1 + white: 3\"/>"), 1e-6);
+}
+
+/// Amounts and thickness of pictures: each pixel is the paint of its own numbers.
+TEST(PaintBsdf, AmountsAndThicknessMayBePictures) {
+  test::TemporaryFolder folder;
+  const float amounts[] = {0, 0.25f, 0.6f, 1}, factors[] = {0, 0.5f, 1, 2.5f};
+  const auto picture = [&](const char* name, const float(&values)[4]) {
+    Image image;
+    image.width = image.height = 2, image.channels = {"Y"};
+    image.pixels.assign(values, values + 4);
+    const auto file = folder.path / (std::string(name) + ".exr");
+    write_exr(file, image, ExrPixel::float32, {});
+    return "<texture name=\"" + std::string(name) + "\" type=\"bitmap\"><string name=\"filename\" value=\"" +
+           file.string() +
+           "\"/><string name=\"filter_type\" value=\"nearest\"/><boolean name=\"raw\" value=\"true\"/></texture>";
+  };
+  const auto number = [](const char* name, float value) {
+    return "<float name=\"" + std::string(name) + "\" value=\"" + std::to_string(value) + "\"/>";
+  };
+  const std::string fixed =
+      "<string name=\"palette\" value=\"two_paints.csv\"/><string name=\"recipe\" value=\"white\"/><string "
+      "name=\"second_recipe\" value=\"blue\"/><string name=\"thickness\" value=\"4um\"/><float name=\"substrate\" "
+      "value=\"0.7\"/>";
+  const auto pictures = [&](const std::string& body) {
+    return build<Bsdf>("<bsdf type=\"paint\">" + fixed + body + "</bsdf>", make_context(),
+                       [&](const std::string& name) -> std::filesystem::path {
+                         return name == "two_paints.csv" ? std::filesystem::path(test::example_file(name))
+                                                         : std::filesystem::path(name);
+                       });
+  };
+  const auto both = pictures(picture("blend", amounts) + picture("thickness_factor", factors));
+  const Wavelengths w = Wavelengths::at(make_context()->grid, Spectrum(550.f));
+  const Vec3 wi = normalize(Vec3{0.3f, 0, 1}), wo = normalize(Vec3{-0.1f, 0.4f, 1});
+  float seen[4];
+  for (int i = 0; i < 4; ++i) {
+    SurfacePoint point;
+    // The first row of a picture is that of v = 0.
+    point.uv = {i % 2 ? 0.75f : 0.25f, i / 2 ? 0.75f : 0.25f};
+    seen[i] = both->eval(wi, wo, {w, point})[0];
+    const float alone = paint(fixed + number("blend", amounts[i]) + number("thickness_factor", factors[i]))
+                            ->eval(wi, wo, {w, point})[0];
+    EXPECT_NEAR(seen[i], alone, 1e-5f * alone) << i;
+    for (int j = 0; j < i; ++j) EXPECT_GT(std::abs(seen[i] - seen[j]), 1e-3f) << i << " " << j;
+  }
 }
 
 TEST(PaintBsdf, WrongParametersAreLocated) {

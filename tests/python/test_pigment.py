@@ -62,6 +62,107 @@ def test_from_measurements_to_a_recipe(tmp_path):
         pigment.fit(table)
 
 
+def test_hiding():
+    """Without absorption R = S X/(1 + S X) over black, and over white all is reflected: a ratio of .98 at S X = 49."""
+    chalk = pigment.Paint(np.array([400.0, 550, 700]), np.zeros(3), np.full(3, 1e5), pigment.Surface())
+    assert chalk.contrast_ratio(49e-5, white=1) == pytest.approx(0.98, abs=1e-6)
+    assert chalk.hiding_thickness(white=1) == pytest.approx(49e-5, rel=1e-5)
+    assert chalk.hiding_thickness(white=1, ratio=0.5) == pytest.approx(1e-5, rel=1e-5)
+    clear = pigment.Paint(chalk.nm, np.zeros(3), np.zeros(3), pigment.Surface())
+    assert clear.hiding_thickness() == np.inf
+    with pytest.raises(aureole.Error, match="white: must reflect more"):
+        chalk.contrast_ratio(1e-5, black=0.8, white=0.5)
+
+
+FILMS = {
+    "films.csv": """sample,paints,backing,thickness_um,unit,400,550,700
+card,,,,percent,80,82,84
+a,chalk,0,20,percent,40,45,50
+b,chalk,card,20,percent,81,82.5,85
+""",
+    "films.cgats": """CGATS.17
+KEYWORD "PAINTS"
+KEYWORD "THICKNESS_UM"
+SPECTRAL_NORM "100"
+BEGIN_DATA_FORMAT
+SAMPLE_ID PAINTS BACKING THICKNESS_UM SPECTRAL_NM400 SPECTRAL_NM550 SPECTRAL_NM700
+END_DATA_FORMAT
+BEGIN_DATA
+card "" "" "" 80 82 84
+a chalk 0 20 40 45 50
+b chalk card 20 81 82.5 85
+END_DATA
+""",
+    "films.cxf": """<?xml version="1.0"?>
+<CxF xmlns="http://colorexchangeformat.com/CxF3-core"><Resources><ObjectCollection>
+<Object Name="card" Id="1"><ColorValues><ReflectanceSpectrum ColorSpecification="CS">0.80 0.82 0.84</ReflectanceSpectrum></ColorValues>
+<TagCollection Name="drawdown"><Tag Name="Paints" Value=""/></TagCollection></Object>
+<Object Name="chalk" Id="2"><ColorValues><ReflectanceSpectrum ColorSpecification="CS">0.40 0.45 0.50</ReflectanceSpectrum></ColorValues>
+<TagCollection Name="drawdown"><Tag Name="Backing" Value="0"/><Tag Name="Thickness_um" Value="20"/></TagCollection></Object>
+<Object Name="chalk" Id="3"><ColorValues><ReflectanceSpectrum ColorSpecification="CS">0.81 0.825 0.85</ReflectanceSpectrum></ColorValues>
+<TagCollection Name="drawdown"><Tag Name="Backing" Value="card"/><Tag Name="Thickness_um" Value="20"/></TagCollection></Object>
+</ObjectCollection><ColorSpecificationCollection><ColorSpecification Id="CS"><MeasurementSpec>
+<WavelengthRange StartWL="400" Increment="150"/></MeasurementSpec></ColorSpecification></ColorSpecificationCollection></Resources></CxF>
+""",
+}
+
+
+@pytest.mark.parametrize("name", FILMS)
+def test_formats_of_laboratories(name, tmp_path):
+    (tmp_path / name).write_text(FILMS[name])
+    palette = pigment.fit(tmp_path / name)
+    assert palette.names == ("chalk",) and not palette.relative
+    np.testing.assert_array_equal(palette.nm, [400, 550, 700])
+    # Kubelka 1948 by its hyperbolic form, 20 um over black and over the card.
+    over_black, over_card, card = np.array([0.40, 0.45, 0.50]), np.array([0.81, 0.825, 0.85]), np.array([0.80, 0.82, 0.84])
+    k, s = palette.k[0], palette.s[0]
+    a = (k + s) / s
+    b = np.sqrt(a * a - 1)
+    coth = 1 / np.tanh(b * s * 20e-6)
+    np.testing.assert_allclose(1 / (a + b * coth), over_black, rtol=1e-9)
+    np.testing.assert_allclose((1 - card * (a - b * coth)) / (a - card + b * coth), over_card, rtol=1e-9)
+
+
+@pytest.mark.parametrize("name, old, new, place", [
+    ("films.csv", "45", "x", r"films\.csv:3:\d+: .*\"x\""),
+    ("films.cgats", "40 45", "40 145", r"films\.cgats:10:\d+: .*reflectance 1\.45"),
+    ("films.cgats", "b chalk card", "b chalk cart", r"films\.cgats:11: .*no bare substrate \"cart\""),
+    ("films.cgats", "END_DATA\n", "", r"films\.cgats:8: BEGIN_DATA does not end"),
+    ("films.cxf", "0.45", "0,45", r"films\.cxf:5:\d+: expected a number, got \"0,45\""),
+    ("films.cxf", ' Increment="150"', "", r"films\.cxf:3:\d+: the spectrum has no Increment"),
+    ("films.cxf", "</CxF>", "", r"films\.cxf:\d+:\d+: not well-formed"),
+])
+def test_errors_in_files_are_located(name, old, new, place, tmp_path):
+    before, found, after = FILMS[name].rpartition(old)
+    assert found
+    (tmp_path / name).write_text(before + new + after)
+    with pytest.raises(aureole.Error, match=place):
+        pigment.fit(tmp_path / name)
+
+
+def grains(name):
+    return aureole.load_dict({"type": "suspension", "host": 1.5, "ingredient": {
+        "type": "spheres", "radius": "40nm", "int_ior": name, "volume_fraction": 0.01}})
+
+
+def test_grains_by_name():
+    """Rutile by DeVore's formula, and Mie's theory of one sphere, by hand."""
+    nm = np.array([450.0, 589.0, 700.0])
+    square = (nm * 1e-3) ** 2
+    ordinary, extraordinary = np.sqrt(5.913 + 0.2441 / (square - 0.0803)), np.sqrt(7.197 + 0.3322 / (square - 0.0843))
+    index = (2 * ordinary + extraordinary) / 3
+    assert index[1] == pytest.approx(2.71, abs=0.005)
+    efficiency = aureole.optics.mie(2 * np.pi * 40 * 1.5 / nm, index / 1.5).qsca
+    for name in ("rutile", "Titanium white"):
+        found = grains(name).coefficients(nm)
+        np.testing.assert_allclose(found.sigma_s, 0.01 * efficiency * 3 / (4 * 40e-9), rtol=0.01)
+        assert (found.sigma_a < 1e-6 * found.sigma_s).all()
+    red = grains("iron oxide red").coefficients([450, 700])
+    assert red.sigma_a[0] > 5 * red.sigma_a[1] > 0
+    with pytest.raises(aureole.Error, match='int_ior.*did you mean "rutile"'):
+        grains("rutil")
+
+
 @pytest.mark.parametrize("call, words", [
     (lambda p: p.mix("magneta: 1 + white: 1"), "did you mean \"magenta\""),
     (lambda p: p.mix({"red": -1, "white": 2}), "must be positive"),

@@ -106,10 +106,8 @@ optics::IndexFunction constant(Complex value) {
 }
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr std::string_view
-    kQuerry = "M. R. Querry, Optical constants, Contractor Report CRDC-CR-85034, 1985",
-    kGhosh = "G. Ghosh, Opt. Commun. 163, 95, 1999",
-    kHandbook = "J. W. Anthony, R. A. Bideaux, K. W. Bladh & M. C. Nichols, Handbook of Mineralogy";
+constexpr std::string_view kQuerry = "M. R. Querry, Optical constants, Contractor Report CRDC-CR-85034, 1985",
+                           kGhosh = "G. Ghosh, Opt. Commun. 163, 95, 1999";
 
 const std::vector<GrainIndex>& all() {
   static const std::vector<GrainIndex> table_of_all = {
@@ -119,7 +117,8 @@ const std::vector<GrainIndex>& all() {
        uniaxial(Formula{1, {{{4.6796, 0.2002148 * 0.2002148}, {0, 0}}}},
                 Formula{1, {{{4.6796, 0.2002148 * 0.2002148}, {0, 0}}}}, 405, 635),
        405, 635, false,
-       "I. Bodurov et al., Nanoscience & Nanotechnology 16, 2016; mean of small grains in water"},
+       "I. Bodurov, I. Vlaeva, A. Viraneva, T. Yovcheva & S. Sainov, Nanoscience & Nanotechnology 16, 31, 2016; mean of "
+       "grains below 35 nm in water"},
       {"zinc oxide",
        uniaxial(Formula{2.81418, {{{0.87968, 0.3042 * 0.3042}, {0, 0}}}, -0.00711},
                 Formula{2.80333, {{{0.94470, 0.3004 * 0.3004}, {0, 0}}}, -0.00714}, 450, 4000),
@@ -144,9 +143,12 @@ const std::vector<GrainIndex>& all() {
        uniaxial(Formula{1.28604141, {{{1.07044083, 1.00585997e-2}, {1.10202242, 100}}}},
                 Formula{1.28851804, {{{1.09509924, 1.02101864e-2}, {1.15662475, 100}}}}, 198, 2053),
        198, 2053, false, kGhosh},
-      {"kaolinite", constant(1.562), 0, kInfinite, false, kHandbook},
-      {"barite", constant(1.640), 0, kInfinite, false, kHandbook},
-      {"gypsum", constant(1.524), 0, kInfinite, false, kHandbook}};
+      {"kaolinite", constant(1.562), 0, kInfinite, false,
+       "middle of the range that mineralogies give, 1.553 to 1.570"},
+      {"barite", constant(1.640), 0, kInfinite, false,
+       "mean of 1.635 to 1.637, 1.636 to 1.639 and 1.646 to 1.649: mints.uwc.ac.za"},
+      {"gypsum", constant(1.524), 0, kInfinite, false,
+       "mean of 1.519 to 1.521, 1.522 to 1.523 and 1.529 to 1.530: SSHADE, sshade.eu"}};
   return table_of_all;
 }
 

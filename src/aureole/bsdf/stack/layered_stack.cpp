@@ -374,11 +374,11 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
     for (int i = 0; i <= azimuths; ++i)
       phi.push_back(M_PI * std::pow(double(i) / azimuths, width < 0.5 ? 3 : 2));
     const int modes = std::min(streams, 16 + int(12 / width));
-    const auto kernels = optics::stack_kernels(stacks, {.streams = streams, .modes = modes}, phi, for_ranges);
+    auto kernels = optics::stack_kernels(stacks, {.streams = streams, .modes = modes}, phi, for_ranges);
     std::vector<double> inner;
     for (const optics::StackDescription& d : stacks) inner.push_back(d.layers.back().index);
     return std::make_shared<const StackTable>(
-        kernels, phi, grid, index_above(), index_below(),
+        std::move(kernels), phi, grid, index_above(), index_below(),
         lambertian_ ? std::span<const double>(inner) : std::span<const double>());
   } catch (const std::domain_error& e) {
     throw Error(p_.where(), std::string("the stack: ") + e.what());

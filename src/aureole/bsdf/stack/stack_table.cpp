@@ -2,6 +2,7 @@
 #include "aureole/bsdf/stack/stack_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "aureole/spectrum/neighbours.h"
@@ -28,9 +29,120 @@ float sample_linear(float a, float b, float u) {
   return a + root > 0 ? std::min(u * (a + b) / (a + root), 1.f) : u;
 }
 
+/// Flux between cosines x0 and x1, 2 x dx, times what is linear in x from 0 to 1: that of the first node, and of the
+/// second. Their sum is x1^2 - x0^2.
+template <typename T>
+std::array<T, 2> hat_fluxes(T x0, T x1) {
+  const T d = (x1 - x0) / 3;
+  return {d * (2 * x0 + x1), d * (x0 + 2 * x1)};
+}
+
+/// Position in [0, 1] between cosines x0 and x1 at which the flux of radiance that is linear from a to b is the part u of
+/// all. The density is a quadratic: in Bernstein's form its three parts are drawn in closed form, each by a part of u.
+float sample_flux(float x0, float x1, float a, float b, float u) {
+  const float first = 2 * a * x0, middle = a * x1 + b * x0, last = 2 * b * x1, sum = first + middle + last;
+  if (!(sum > 0)) return u;
+  float v = u * sum;
+  if (v < first) return 1 - std::cbrt(1 - v / first);
+  v -= first;
+  // 3 t^2 - 2 t^3 = v, by the cosine of a third of an angle.
+  if (v < middle) return 0.5f - std::sin(std::asin(1 - 2 * v / middle) * (1.f / 3));
+  return last > 0 ? std::min(std::cbrt((v - middle) / last), 1.f) : 1;
+}
+
+using Side = optics::StackKernels::Side;
+
+/// A node of the table, by those of the solver next to it: K is the mean of two of them, shares of light are smooth
+/// functions of the cosine and those of a cubic through four.
+struct TableNode {
+  std::size_t first, second;  ///< the same where it is a node of the solver
+  std::array<std::size_t, 4> near;
+  std::array<double, 4> weight;
+
+  double share(const std::vector<double>& of) const {
+    double sum = 0;
+    for (std::size_t j = 0; j < 4; ++j) sum += weight[j] * of[near[j]];
+    return std::max(sum, 0.0);
+  }
+};
+
+TableNode node_between(const std::vector<double>& cosines, std::size_t i) {
+  TableNode n{i, i + 1, {}, {}};
+  const std::size_t begin = std::min(i > 0 ? i - 1 : 0, cosines.size() - 4);
+  const double x = 0.5 * (cosines[i] + cosines[i + 1]);
+  for (std::size_t j = 0; j < 4; ++j) {
+    n.near[j] = begin + j, n.weight[j] = 1;
+    for (std::size_t l = 0; l < 4; ++l)
+      if (l != j) n.weight[j] *= (x - cosines[begin + l]) / (cosines[begin + j] - cosines[begin + l]);
+  }
+  return n;
+}
+
+/// Those of the solver, and one more between two where energy is not linear, which is towards the horizon.
+std::vector<TableNode> table_nodes(std::span<const optics::StackKernels> kernels,
+                                   Side optics::StackKernels::*which) {
+  constexpr double kLinear = 2e-4;
+  const std::vector<double>& cosines = (kernels.front().*which).cosines;
+  std::vector<TableNode> nodes;
+  for (std::size_t i = 0; i < cosines.size(); ++i) {
+    nodes.push_back({i, i, {i, i, i, i}, {1, 0, 0, 0}});
+    if (i + 1 == cosines.size() || cosines.size() < 4) continue;
+    const TableNode n = node_between(cosines, i);
+    const auto is_bent = [&](const optics::StackKernels& k) {
+      const Side& side = k.*which;
+      const auto bend = [&](const std::vector<double>& of) {
+        return of.empty() ? 0 : n.share(of) - 0.5 * (of[i] + of[i + 1]);
+      };
+      return std::abs(bend(side.scattered) + bend(side.mirrored) + bend(side.passed)) > kLinear ||
+             std::abs(bend(side.reached)) > kLinear;
+    };
+    if (std::any_of(kernels.begin(), kernels.end(), is_bent)) nodes.push_back(n);
+  }
+  return nodes;
+}
+
+struct TableNodes {
+  std::vector<TableNode> above, below;
+  explicit TableNodes(std::span<const optics::StackKernels> kernels)
+      : above(table_nodes(kernels, &optics::StackKernels::above)),
+        below(table_nodes(kernels, &optics::StackKernels::below)) {}
+};
+
+optics::StackKernels at_nodes(const TableNodes& nodes, const optics::StackKernels& k) {
+  optics::StackKernels r;
+  r.azimuths = k.azimuths, r.returned = k.returned, r.left = k.left;
+  const auto turns = std::size_t(k.azimuths);
+  const auto side = [](const Side& from, Side& to, const std::vector<TableNode>& all) {
+    for (const TableNode& n : all) {
+      to.cosines.push_back(0.5 * (from.cosines[n.first] + from.cosines[n.second]));
+      to.scattered.push_back(n.share(from.scattered));
+      to.mirrored.push_back(n.share(from.mirrored)), to.passed.push_back(n.share(from.passed));
+      if (!from.reached.empty()) to.reached.push_back(n.share(from.reached));
+    }
+  };
+  side(k.above, r.above, nodes.above), side(k.below, r.below, nodes.below);
+  const auto kernel = [&](const std::vector<double>& from, std::vector<double>& to,
+                          const std::vector<TableNode>& in, const std::vector<TableNode>& out,
+                          std::size_t width) {
+    to.reserve(in.size() * out.size() * turns);
+    for (const TableNode& i : in)
+      for (const TableNode& o : out)
+        for (std::size_t a = 0; a < turns; ++a) {
+          const auto at = [&](std::size_t p, std::size_t q) { return from[(p * width + q) * turns + a]; };
+          to.push_back(0.25 * (at(i.first, o.first) + at(i.first, o.second) + at(i.second, o.first) +
+                               at(i.second, o.second)));
+        }
+  };
+  const std::size_t above = k.above.cosines.size(), below = k.below.cosines.size();
+  kernel(k.reflected_above, r.reflected_above, nodes.above, nodes.above, above);
+  kernel(k.transmitted, r.transmitted, nodes.above, nodes.below, below);
+  kernel(k.reflected_below, r.reflected_below, nodes.below, nodes.below, below);
+  return r;
+}
+
 }  // namespace
 
-StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<const double> azimuths,
+StackTable::StackTable(std::vector<optics::StackKernels> kernels, std::span<const double> azimuths,
                        const SpectralGrid& grid, float index_above, float index_below,
                        std::span<const double> inner_indices)
     : index_{index_above, index_below},
@@ -44,14 +156,16 @@ StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<
     while (cell + 2 < azimuths_ && phi_[std::size_t(cell) + 1] <= kPi * t * t) ++cell;
     phi_cells_.push_back(cell);
   }
+  const TableNodes nodes(kernels);
+  for (optics::StackKernels& k : kernels) k = at_nodes(nodes, k);
   const optics::StackKernels& one = kernels.front();
   for (const int s : {0, 1}) {
     const optics::StackKernels::Side& from = s ? one.below : one.above;
-    for (const double c : from.cosines) sides_[s].squares.push_back(float(c * c));
-    if (!from.cosines.empty()) sides_[s].squares.front() = 0, sides_[s].squares.back() = 1;
+    sides_[s].cosines.assign(from.cosines.begin(), from.cosines.end());
+    if (!from.cosines.empty()) sides_[s].cosines.front() = 0, sides_[s].cosines.back() = 1;
     for (int i = 0, cell = 0; !from.cosines.empty() && i <= kCosineCells; ++i) {
       const float c = float(i) / kCosineCells;
-      while (cell + 2 < int(from.cosines.size()) && sides_[s].squares[std::size_t(cell) + 1] <= c * c) ++cell;
+      while (cell + 2 < int(from.cosines.size()) && sides_[s].cosines[std::size_t(cell) + 1] <= c) ++cell;
       sides_[s].cells.push_back(cell);
     }
     for (auto* table : {&sides_[s].scattered, &sides_[s].mirrored, &sides_[s].passed, &sides_[s].total})
@@ -66,7 +180,7 @@ StackTable::StackTable(std::span<const optics::StackKernels> kernels, std::span<
 }
 
 void StackTable::balance(std::span<const optics::StackKernels> kernels) {
-  const std::size_t above = sides_[0].squares.size(), below = sides_[1].squares.size(), all = above + below,
+  const std::size_t above = sides_[0].cosines.size(), below = sides_[1].cosines.size(), all = above + below,
                     turns = std::size_t(azimuths_);
   // Integrals of the hat functions: over both halves of the azimuth, and over flux.
   std::vector<double> turn(turns, 0), flux(all, 0);
@@ -75,11 +189,11 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
     turn[k] += d, turn[k + 1] += d;
   }
   for (const int s : {0, 1}) {
-    const std::vector<float>& squares = sides_[s].squares;
-    const double n2 = double(index_[s]) * double(index_[s]);
-    for (std::size_t i = 0; i + 1 < squares.size(); ++i) {
-      const double d = 0.25 * n2 * (double(squares[i + 1]) - double(squares[i]));
-      flux[s * above + i] += d, flux[s * above + i + 1] += d;
+    const std::vector<float>& cosines = sides_[s].cosines;
+    const double half_n2 = 0.5 * double(index_[s]) * double(index_[s]);
+    for (std::size_t i = 0; i + 1 < cosines.size(); ++i) {
+      const auto [first, second] = hat_fluxes(double(cosines[i]), double(cosines[i + 1]));
+      flux[s * above + i] += half_n2 * first, flux[s * above + i + 1] += half_n2 * second;
     }
   }
   for (int w = 0; w < wavelengths_; ++w) {
@@ -116,7 +230,7 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
         }
         const double missing = target[i] - sum;
         if (iteration == 0 && target[i] > 1e-6 &&
-            (i < above ? sides_[0].squares[i] : sides_[1].squares[i - above]) > 0.03f)
+            (i < above ? sides_[0].cosines[i] : sides_[1].cosines[i - above]) > 0.173f)
           correction_ = std::max(correction_, std::abs(missing) / target[i]);
         const double bound = largest[i] > 0 ? 0.25 / largest[i] : 0;
         next[i] = weight > 0 ? std::clamp(peak[i] + missing / (2 * weight), -bound, bound) : 0;
@@ -170,10 +284,10 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
 }
 
 void StackTable::prepare_samples() {
-  const std::size_t above = sides_[0].squares.size(), below = sides_[1].squares.size(), all = above + below;
+  const std::size_t above = sides_[0].cosines.size(), below = sides_[1].cosines.size(), all = above + below;
   for (const bool in : {false, true}) {
     Side& side = sides_[in];
-    const std::size_t count = side.squares.size();
+    const std::size_t count = side.cosines.size();
     side.ring.resize(std::size_t(wavelengths_) * count * all), side.cdf.resize(side.ring.size());
     for (int w = 0; w < wavelengths_; ++w)
       for (std::size_t i = 0; i < count; ++i) {
@@ -189,9 +303,11 @@ void StackTable::prepare_samples() {
             ring += 0.5 * (double(phi_[a + 1]) - double(phi_[a])) *
                     (double(k[a * wavelengths_]) + double(k[(a + 1) * wavelengths_]));
           ring *= double(index_[out]) * double(index_[out]);
-          if (o > 0)
-            sum += 0.5 * (double(sides_[out].squares[o]) - double(sides_[out].squares[o - 1])) *
-                   (ring + double(side.ring[first + j - 1]));
+          if (o > 0) {
+            const std::vector<float>& cosines = sides_[out].cosines;
+            const auto [before, here] = hat_fluxes(double(cosines[o - 1]), double(cosines[o]));
+            sum += here * ring + before * double(side.ring[first + j - 1]);
+          }
           side.ring[first + j] = float(ring);
           up_to[j] = sum;
         }
@@ -204,17 +320,18 @@ void StackTable::prepare_substrate(std::span<const optics::StackKernels> kernels
                                    std::span<const double> inner_indices) {
   Side& side = sides_[0];
   const auto count = std::size_t(wavelengths_);
-  side.reached.resize(side.squares.size() * count);
+  side.reached.resize(side.cosines.size() * count);
   for (std::size_t w = 0; w < count; ++w) {
     const std::size_t of = std::min(w, kernels.size() - 1);
     const optics::StackKernels& k = kernels[of];
     double sum = 0;
-    for (std::size_t i = 0; i < side.squares.size(); ++i) {
+    for (std::size_t i = 0; i < side.cosines.size(); ++i) {
       const double t = k.above.reached[i];
       side.reached[i * count + w] = float(t);
-      if (i > 0)
-        sum += 0.5 * double(side.squares[i] - side.squares[i - 1]) *
-               (t + double(side.reached[(i - 1) * count + w]));
+      if (i > 0) {
+        const auto [before, here] = hat_fluxes(double(side.cosines[i - 1]), double(side.cosines[i]));
+        sum += here * t + before * double(side.reached[(i - 1) * count + w]);
+      }
     }
     const double inner = inner_indices[of], per_inner = 1 / (double(kPi) * inner * inner);
     reached_sum_.push_back(float(sum)), per_inner_.push_back(float(per_inner));
@@ -250,12 +367,12 @@ StackTable::Nodes StackTable::nodes(const Wavelengths& w) const {
 }
 
 StackTable::Place StackTable::find(const Side& side, float cosine) {
-  const float square = std::min(cosine * cosine, 1.f);
-  const float* first = side.squares.data();
-  int low = side.cells[std::size_t(std::min(cosine, 1.f) * kCosineCells)];
-  const int last = int(side.squares.size()) - 2;
-  while (low < last && square >= first[low + 1]) ++low;
-  return {low, (square - first[low]) / (first[low + 1] - first[low])};
+  const float x = std::min(cosine, 1.f);
+  const float* first = side.cosines.data();
+  int low = side.cells[std::size_t(x * kCosineCells)];
+  const int last = int(side.cosines.size()) - 2;
+  while (low < last && x >= first[low + 1]) ++low;
+  return {low, (x - first[low]) / (first[low + 1] - first[low])};
 }
 
 StackTable::Place StackTable::find_azimuth(const Vec3& wi, const Vec3& wo) const {
@@ -270,7 +387,7 @@ StackTable::Place StackTable::find_azimuth(const Vec3& wi, const Vec3& wo) const
 
 StackTable::Shares StackTable::shares(const Vec3& wi, const Wavelengths& w, const Spectrum* below) const {
   const Side& side = sides_[wi.z < 0];
-  if (side.squares.empty()) return {0.f, 0.f, 0.f};
+  if (side.cosines.empty()) return {0.f, 0.f, 0.f};
   const Place place = find(side, std::abs(wi.z));
   const Nodes n = nodes(w);
   Shares all{at(side.scattered, place, n), at(side.mirrored, place, n), at(side.passed, place, n)};
@@ -323,18 +440,20 @@ Vec3 StackTable::sample_upward(Vec2 u, const Nodes& n) const {
   };
   const auto sum =
       std::lerp(reached_sum_[std::size_t(n.at[0])], reached_sum_[std::size_t(n.at[0]) + 1], n.fraction[0]);
-  float wanted = u.x * sum, a = node(0), square = 1;
-  for (std::size_t i = 0; i + 1 < side.squares.size(); ++i) {
-    const float b = node(i + 1), step = side.squares[i + 1] - side.squares[i], mass = 0.5f * step * (a + b);
-    if (wanted < mass || i + 2 == side.squares.size()) {
-      square =
-          side.squares[i] + step * sample_linear(a, b, mass > 0 ? std::clamp(wanted / mass, 0.f, 1.f) : 0.5f);
+  float wanted = u.x * sum, a = node(0), cosine = 1;
+  for (std::size_t i = 0; i + 1 < side.cosines.size(); ++i) {
+    const float b = node(i + 1), x0 = side.cosines[i], x1 = side.cosines[i + 1];
+    const auto [before, here] = hat_fluxes(x0, x1);
+    const float mass = before * a + here * b;
+    if (wanted < mass || i + 2 == side.cosines.size()) {
+      cosine =
+          std::lerp(x0, x1, sample_flux(x0, x1, a, b, mass > 0 ? std::clamp(wanted / mass, 0.f, 1.f) : 0.5f));
       break;
     }
     wanted -= mass, a = b;
   }
-  const float sine = std::sqrt(std::max(0.f, 1 - square)), phi = 2 * kPi * u.y;
-  return {sine * std::cos(phi), sine * std::sin(phi), std::sqrt(square)};
+  const float sine = std::sqrt(std::max(0.f, 1 - cosine * cosine)), phi = 2 * kPi * u.y;
+  return {sine * std::cos(phi), sine * std::sin(phi), cosine};
 }
 
 Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w,
@@ -363,8 +482,8 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
   while (k > 0 && !(weight[k] > 0)) --k;  // rounding
   const int i = at.cell + k / 2, l = n.at[0] + k % 2;
 
-  const std::size_t above = sides_[0].squares.size(), all = above + sides_[1].squares.size(),
-                    first = (std::size_t(l) * side.squares.size() + std::size_t(i)) * all;
+  const std::size_t above = sides_[0].cosines.size(), all = above + sides_[1].cosines.size(),
+                    first = (std::size_t(l) * side.cosines.size() + std::size_t(i)) * all;
   const float *cdf = &side.cdf[first], *ring = &side.ring[first];
   auto j = std::size_t(std::upper_bound(cdf, cdf + all, u.x) - cdf);
   j = std::clamp<std::size_t>(j, 1, all - 1);
@@ -372,10 +491,10 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
   const bool out = j > above;
   const int o = int(out ? j - above : j) - 1;
   const float width = cdf[j] - cdf[j - 1];
-  const float t = sample_linear(ring[j - 1], ring[j],
-                                width > 0 ? std::clamp((u.x - cdf[j - 1]) / width, 0.f, 1.f) : 0.5f);
-  const std::vector<float>& squares = sides_[out].squares;
-  const float cosine = std::sqrt(std::lerp(squares[o], squares[o + 1], t));
+  const float x0 = sides_[out].cosines[std::size_t(o)], x1 = sides_[out].cosines[std::size_t(o) + 1];
+  const float t = sample_flux(x0, x1, ring[j - 1], ring[j],
+                              width > 0 ? std::clamp((u.x - cdf[j - 1]) / width, 0.f, 1.f) : 0.5f);
+  const float cosine = std::lerp(x0, x1, t);
 
   // The azimuth, of the row at t between two nodes. Either half alike.
   const bool mirrored = u.y < 0.5f;
@@ -403,7 +522,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
 std::size_t StackTable::bytes() const {
   std::size_t floats = reflected_[0].size() + reflected_[1].size() + transmitted_.size();
   for (const Side& s : sides_)
-    floats += s.squares.size() + 4 * s.scattered.size() + s.ring.size() + s.cdf.size() + s.reached.size();
+    floats += s.cosines.size() + 4 * s.scattered.size() + s.ring.size() + s.cdf.size() + s.reached.size();
   return floats * sizeof(float);
 }
 

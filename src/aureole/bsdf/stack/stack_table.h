@@ -2,11 +2,11 @@
 // The scattering of a stack of layers as a table over wavelength, both cosines and the azimuth between them,
 // and samples drawn from exactly what is read from it.
 //
-// K = f/n_o^2 is linear in the square of each cosine, in the azimuth and in the wavelength between nodes, and
-// so are, with the same nodes, the shares of light that is scattered, mirrored and passed on. The measure of
-// flux, cos theta domega = 1/2 dcos^2(theta) dphi, is uniform in the coordinates of the table: the integral of
-// f cos theta is the share that is scattered, to rounding errors, for every direction of incidence, not only
-// for the nodes. K is symmetric, so light that goes backward needs no table of its own.
+// K = f/n_o^2 is linear in each cosine, in the azimuth and in the wavelength between nodes, and so are, with the
+// same nodes, the shares of light that is scattered, mirrored and passed on. The flux of what is linear between
+// nodes, K cos theta domega, is a sum over nodes in closed form: the integral of f cos theta is the share that is
+// scattered, to rounding errors, for every direction of incidence, not only for the nodes. Light is nearly linear
+// in the cosine close to the horizon. K is symmetric, so light that goes backward needs no table of its own.
 //
 // A Lambertian substrate may reflect differently from place to place. What comes down on it is the same from all
 // directions, so it adds to K a product: of the share t that reaches it from one direction and that of the other,
@@ -28,9 +28,9 @@ public:
   /// `kernels`: of wavelengths evenly over the grid's range, or one for all. `azimuths`: theirs, from 0 to pi.
   /// Directions below are those of a stack without a substrate. Each kernel is changed so that no energy is lost
   /// or gained: first where it is largest, since sums over nodes miss most at peaks, then by factors of both
-  /// directions (Sinkhorn & Knopp 1967). `inner_indices`: of the last layer by kernel, for a Lambertian
-  /// substrate.
-  StackTable(std::span<const optics::StackKernels> kernels, std::span<const double> azimuths,
+  /// directions (Sinkhorn & Knopp 1967). Where the energy is not linear between two cosines there is a node
+  /// more. `inner_indices`: of the last layer by kernel, for a Lambertian substrate.
+  StackTable(std::vector<optics::StackKernels> kernels, std::span<const double> azimuths,
              const SpectralGrid& grid, float index_above, float index_below,
              std::span<const double> inner_indices = {});
 
@@ -53,7 +53,7 @@ public:
   Vec3 sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths& w,
               const Spectrum* below = nullptr) const;
 
-  bool is_open() const { return !sides_[1].squares.empty(); }
+  bool is_open() const { return !sides_[1].cosines.empty(); }
   float index(bool below) const { return index_[below]; }
   std::size_t bytes() const;
   /// How far sums over the table's nodes were from the energy before it was made exact: the largest share of
@@ -62,7 +62,7 @@ public:
 
 private:
   struct Side {
-    std::vector<float> squares;                             ///< of the cosines, from 0 to 1
+    std::vector<float> cosines;                             ///< from 0 to 1
     std::vector<int> cells;                                 ///< in which evenly spaced cosines lie
     std::vector<float> scattered, mirrored, passed, total;  ///< [cosine][wavelength]
     /// For directions of incidence on this side: sums over azimuth of K n_o^2 by node above, then below, and
@@ -97,7 +97,7 @@ private:
 
   /// The row of K for these nodes: by azimuth, then wavelength.
   const float* row(bool in_below, bool out_below, int i, int o) const {
-    const std::size_t above = sides_[0].squares.size(), below = sides_[1].squares.size();
+    const std::size_t above = sides_[0].cosines.size(), below = sides_[1].cosines.size();
     const std::size_t stride = std::size_t(azimuths_) * std::size_t(wavelengths_);
     if (in_below != out_below)
       return &transmitted_[((in_below ? std::size_t(o) : std::size_t(i)) * below +

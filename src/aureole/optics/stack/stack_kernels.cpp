@@ -13,7 +13,7 @@
 namespace aureole::optics {
 namespace {
 
-constexpr double kGrazing = 1e-3;  // cosine
+constexpr double kGrazing = 1e-4;  // cosine
 
 std::set<double> indices_of(const StackDescription& stack) {
   std::set<double> indices{stack.index_above};

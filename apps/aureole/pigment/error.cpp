@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+// aureole pigment error: how far Kubelka and Munk's two fluxes are from transport.
+#include "aureole/core/error.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "aureole/core/image.h"
+#include "aureole/core/units.h"
+#include "aureole/optics/stack/plane_stack.h"
+#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/saunderson.h"
+#include "aureole/pigment/transport_coefficients.h"
+#include "command.h"
+
+namespace aureole {
+namespace {
+
+struct ErrorOptions {
+  std::string albedo = "0.5,0.9,0.99,0.999", thickness = "0.1,1,10,100", g = "0,0.5,0.9",
+              convention = "three_quarters", json;
+  double index = 1.5, substrate = 0;
+};
+
+std::vector<double> list_of(const char* option, const std::string& text, double min, double max) {
+  std::vector<double> values;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    begin = end + 1;
+    try {
+      values.push_back(parse_number(part));
+    } catch (const Error& e) {
+      throw Error(fmt::format("{}: {}", option, e.message()));
+    }
+    if (!(values.back() >= min && values.back() <= max))
+      throw Error(fmt::format("{}: {} must be in [{:g}, {:g}]", option, part, min, max));
+  }
+  return values;
+}
+
+/// CIE 1976 L* of a reflectance.
+double lightness(double y) { return y > 216.0 / 24389 ? 116 * std::cbrt(y) - 16 : y * 24389 / 27; }
+
+int error_map(const ErrorOptions& o) {
+  const std::vector<double> albedos = list_of("--albedo", o.albedo, 1e-6, 1),
+                            gs = list_of("--g", o.g, -0.99, 0.99),
+                            thicknesses = list_of("--thickness", o.thickness, 1e-6, 1e6);
+  pigment::Convention convention{};
+  for (const pigment::Convention c : pigment::conventions())
+    if (pigment::name_of(c) == o.convention) convention = c;
+  const pigment::Surface surface =
+      pigment::smooth_surface(o.index, pigment::Geometry::diffuse_diffuse, pigment::Specular::included);
+
+  fmt::print(
+      "Diffuse light on a layer of index {:g} over {:g}: R by transport, and R and L* by Kubelka and Munk ({})\n",
+      o.index, o.substrate, o.convention);
+  fmt::print("less these. Thickness counts in 1/(sigma_s (1 - g)).\n\n");
+  fmt::print("{:>6} {:>8} {:>10} {:>9} {:>9} {:>8} {:>8}\n", "g", "albedo", "thickness", "R", "L*", "error R",
+             "error L*");
+  nlohmann::json rows = nlohmann::json::array();
+  double worst = 0;
+  for (const double g : gs)
+    for (const double albedo : albedos)
+      for (const double thickness : thicknesses) {
+        const double scattering = 1 / (1 - g), absorption = scattering * (1 - albedo) / albedo;
+        optics::StackDescription stack;
+        stack.layers = {
+            {absorption, scattering, thickness, optics::LegendrePhase::henyey_greenstein(g), o.index}};
+        stack.substrate = o.substrate;
+        const double all = optics::PlaneStack(stack, {32}).fluxes(optics::StackLight::diffuse()).reflectance;
+        const pigment::Coefficients c =
+            pigment::coefficients_of_transport(absorption, scattering, g, convention);
+        if (c.s < 0) {
+          fmt::print("{:6g} {:8g} {:10g} {:9.5f} {:9.3f}   negative S\n", g, albedo, thickness, all,
+                     lightness(all));
+          continue;
+        }
+        const double two = pigment::outer_reflectance(
+                         surface, pigment::reflectance_over(pigment::layer(c, thickness), o.substrate)),
+                     error = lightness(two) - lightness(all);
+        worst = std::max(worst, std::abs(error));
+        fmt::print("{:6g} {:8g} {:10g} {:9.5f} {:9.3f} {:+8.4f} {:+8.2f}\n", g, albedo, thickness, all,
+                   lightness(all), two - all, error);
+        rows.push_back({{"g", g},
+                        {"albedo", albedo},
+                        {"thickness", thickness},
+                        {"reflectance", all},
+                        {"error", two - all},
+                        {"error_lightness", error}});
+      }
+  fmt::print("\nat most {:.2f} L*\n", worst);
+  if (!o.json.empty())
+    write_file_atomically(
+        o.json,
+        nlohmann::json{
+            {"index", o.index}, {"substrate", o.substrate}, {"convention", o.convention}, {"rows", rows}}
+                .dump(1) +
+            "\n");
+  return 0;
+}
+
+std::function<int()> declare(CommandOptions& options) {
+  auto o = std::make_shared<ErrorOptions>();
+  options.add("--albedo", o->albedo, "scattering over extinction, separated by commas").shows_default();
+  options.add("--thickness", o->thickness, "in 1/(sigma_s (1 - g)), separated by commas").shows_default();
+  options.add("--g", o->g, "mean cosines of the scattering, separated by commas").shows_default();
+  options.add("--index", o->index, "of the binder; 1 is no interface").between(1.0, 10.0).shows_default();
+  options.add("--substrate", o->substrate, "reflectance of what the layer lies on")
+      .between(0.0, 1.0)
+      .shows_default();
+  std::vector<std::string> names;
+  for (const pigment::Convention c : pigment::conventions()) names.emplace_back(pigment::name_of(c));
+  options.add("--convention", o->convention, "by which K and S come from transport")
+      .one_of(names)
+      .shows_default();
+  options.add("--json", o->json, "write the map to this file");
+  return [o] { return error_map(*o); };
+}
+
+AUREOLE_COMMAND("pigment error", "How far Kubelka and Munk are from transport, by albedo, thickness and g",
+                declare);
+
+}  // namespace
+}  // namespace aureole
