@@ -96,7 +96,8 @@ TEST(RenderedEdge, ItsLightDoesNotDependOnHowItIsCut) {
 // tests/render/references/disc_shadow.py, .01731 of what it is without an obstacle.
 TEST(RenderedEdge, ShadowsOfADiscAndABallAreRound) {
   const auto light = [](const char* shape, int samples) {
-    return render(R"(<integrator type="path"><integer name="max_depth" value="3"/><boolean name="diffraction" value="true"/>
+    return render(
+        R"(<integrator type="path"><integer name="max_depth" value="3"/><boolean name="diffraction" value="true"/>
     <string name="beam_width" value="0.2mm"/></integrator>
   <sensor type="orthographic"><transform name="to_world"><scale x="0.001" y="0.001"/>
     <lookat origin="0.0012, 0.0012, -0.5" target="0.0012, 0.0012, -1" up="0, 1, 0"/></transform>
@@ -104,12 +105,13 @@ TEST(RenderedEdge, ShadowsOfADiscAndABallAreRound) {
       <float name="wavelength_min" value="549"/><float name="wavelength_max" value="551"/>
       <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
     <sampler type="independent"><integer name="sample_count" value=")" +
-                  std::to_string(samples) + R"("/></sampler></sensor>
+        std::to_string(samples) + R"("/></sampler></sensor>
   <shape type="rectangle"><transform name="to_world"><scale value="9"/><translate z="-1"/></transform>
     <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
   <emitter type="point"><point name="position" x="0" y="0" z="1"/><spectrum name="intensity" value="1"/></emitter>
-  <shape type=")" + shape +
-                  R"("><transform name="to_world"><scale value="0.002"/></transform>
+  <shape type=")" +
+        shape +
+        R"("><transform name="to_world"><scale value="0.002"/></transform>
     <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)");
   };
   constexpr double kExpected = 0.01731 * 0.25 / pi;
