@@ -93,6 +93,39 @@ TEST(RenderedEdge, ItsLightDoesNotDependOnHowItIsCut) {
   }
 }
 
+// A square of 2 mm off the axis in the shadow of a disc or ball of 2 mm radius between a lamp and a screen. The light there is that of
+// tests/render/references/disc_shadow.py, .01731 of what it is without an obstacle.
+TEST(RenderedEdge, ShadowsOfADiscAndABallAreRound) {
+  const auto light = [](const char* shape, int samples) {
+    return render(
+        R"(<integrator type="path"><integer name="max_depth" value="3"/><boolean name="diffraction" value="true"/>
+    <string name="beam_width" value="0.2mm"/></integrator>
+  <sensor type="orthographic"><transform name="to_world"><scale x="0.001" y="0.001"/>
+    <lookat origin="0.0012, 0.0012, -0.5" target="0.0012, 0.0012, -1" up="0, 1, 0"/></transform>
+    <film type="specfilm"><integer name="width" value="4"/><integer name="height" value="4"/><rfilter type="box"/>
+      <float name="wavelength_min" value="549"/><float name="wavelength_max" value="551"/>
+      <integer name="bins" value="1"/><boolean name="preview" value="false"/></film>
+    <sampler type="independent"><integer name="sample_count" value=")" +
+        std::to_string(samples) + R"("/></sampler></sensor>
+  <shape type="rectangle"><transform name="to_world"><scale value="9"/><translate z="-1"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="1"/></bsdf></shape>
+  <emitter type="point"><point name="position" x="0" y="0" z="1"/><spectrum name="intensity" value="1"/></emitter>
+  <shape type=")" +
+        shape +
+        R"("><transform name="to_world"><scale value="0.002"/></transform>
+    <bsdf type="diffuse"><spectrum name="reflectance" value="0"/></bsdf></shape>)");
+  };
+  constexpr double kExpected = 0.01731 * 0.25 / pi;
+  for (const auto& [shape, samples] : {std::pair{"disk", 32}, std::pair{"sphere", 64}}) {
+    const Picture p = light(shape, kSanitized ? 1 : samples);
+    if (kSanitized) continue;
+    std::printf("%s: %.4f +- %.4f of the light\n", shape, p.all / kExpected, p.all_error / kExpected);
+    // 3 %: beams are not short against the first zone of Fresnel, whose curvature K leaves out.
+    EXPECT_NEAR(p.all, kExpected, 0.03 * kExpected + 4 * p.all_error) << shape;
+    EXPECT_LT(p.all_error, 0.05 * kExpected) << shape;
+  }
+}
+
 /// The transform of a polygon by its edges: the integral of exp(-i q.x) over it.
 std::complex<double> polygon_transform(const std::vector<std::array<double, 2>>& v, double qx, double qy) {
   std::complex<double> sum = 0;

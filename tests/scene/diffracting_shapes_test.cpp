@@ -204,6 +204,33 @@ TEST(RoundEdges, LieOnTheirShapesOrOutside) {
   EXPECT_NEAR(folds, 2 * 0.05, 1e-5);
 }
 
+// A rim that is small against the screen behind it: its many edges are told from the screen's four, so that none is left out.
+TEST(RoundEdges, AllOfASmallRimIsChosen) {
+  const auto scene = load(scene_of(R"(
+<shape type="disk"><transform name="to_world"><scale value="0.002"/></transform></shape>
+<shape type="rectangle"><transform name="to_world"><scale value="9"/><translate z="-1"/></transform></shape>)",
+                                   "fresnel 0.5m"))
+                         .scene;
+  const SceneEdges& edges = *scene->edges();
+  const auto beams = edges.beams(Wavelengths::at(scene->parts().context->grid, 550.f));
+  ASSERT_GT(edges.index().edges().size(), 300u);
+  KeyedRandom random(3);
+  const int n = 20000;
+  double sums[2] = {}, squares[2] = {};  // of the halves of the rim
+  for (int i = 0; i < n; ++i) {
+    const float u[3] = {random.next(), random.next(), random.next()};
+    const auto x = edges.choose_between({{0.0004f, 0, -1}}, {{0, 0, 1}}, beams, u);
+    if (!x || EdgeLine(*x->edge).length > 1) continue;
+    const int half = x->x.y > 0;
+    sums[half] += 1 / double(x->pdf) / n, squares[half] += 1 / double(x->pdf) / x->pdf / n;
+  }
+  for (const int half : {0, 1}) {
+    const double error = std::sqrt((squares[half] - sums[half] * sums[half]) / n);
+    EXPECT_NEAR(sums[half], pi * 0.002, 4 * error) << half;
+    EXPECT_LT(error, 0.02 * pi * 0.002) << half;
+  }
+}
+
 // 4 km from the origin single precision has steps of .24 to .49 mm, the angles of diffraction are mrad.
 TEST(EdgePaths, DirectionsToEdgesAreExactFarFromTheOrigin) {
   const MeshEdge edge{{4000, 3000, 7}, {4001, 3000.5f, 7}, {0, 0, 1}, {}, {}, {}, true, false};

@@ -119,7 +119,7 @@ EdgeTree::EdgeTree(std::span<const MeshEdge> edges) : edges_(edges) {
   std::iota(order.begin(), order.end(), 0u);
   nodes_.reserve(2 * edges.size());
   nodes_.emplace_back();
-  build(0, order);
+  build(0, order, 0);
 }
 
 namespace {
@@ -171,16 +171,20 @@ Plane best_plane(std::span<const MeshEdge> edges, std::span<const std::uint32_t>
 
 }  // namespace
 
-std::size_t EdgeTree::divide(std::span<std::uint32_t> order, const Bounds3& centers) const {
+std::size_t EdgeTree::divide(std::span<std::uint32_t> order, const Bounds3& centers, int depth) const {
+  constexpr int kMostUneven = 64;
   const auto center = [&](std::uint32_t i, int axis) {
     return 0.5f * (edges_[i].a[axis] + edges_[i].b[axis]);
   };
-  if (const Plane plane = best_plane(edges_, order, centers); plane.axis >= 0) {
-    const auto middle = std::partition(order.begin(), order.end(),
-                                       [&](std::uint32_t i) { return center(i, plane.axis) < plane.at; });
-    const auto half = std::size_t(middle - order.begin());
-    // A share of at least a sixty-fourth keeps the depth in bounds.
-    if (half > order.size() / 64 && half < order.size() - order.size() / 64) return half;
+  // A few long edges around a small figure of many are told from it at once: in a node with a part of the figure they would make its
+  // estimate that of edges far away. Such planes are no danger to the depth of the tree but in great number.
+  if (depth < kMostUneven) {
+    if (const Plane plane = best_plane(edges_, order, centers); plane.axis >= 0) {
+      const auto middle = std::partition(order.begin(), order.end(),
+                                         [&](std::uint32_t i) { return center(i, plane.axis) < plane.at; });
+      const auto half = std::size_t(middle - order.begin());
+      if (half > 0 && half < order.size()) return half;
+    }
   }
   const Vec3 extent = centers.diagonal();
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
@@ -193,7 +197,7 @@ std::size_t EdgeTree::divide(std::span<std::uint32_t> order, const Bounds3& cent
   return half;
 }
 
-void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order) {
+void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order, int depth) {
   Bounds3 box, centers;
   float length = 0, shortest = INFINITY;
   for (const std::uint32_t i : order) {
@@ -214,13 +218,13 @@ void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order) {
     nodes_[node].is_leaf = true;
     return;
   }
-  const std::size_t half = divide(order, centers);
+  const std::size_t half = divide(order, centers, depth);
   const auto first = std::uint32_t(nodes_.size());
   nodes_[node].index = first;
   nodes_[node].is_leaf = false;
   nodes_.resize(nodes_.size() + 2);
-  build(first, order.first(half));
-  build(first + 1, order.subspan(half));
+  build(first, order.first(half), depth + 1);
+  build(first + 1, order.subspan(half), depth + 1);
   nodes_[node].normals = nodes_[first].normals.merged(nodes_[first + 1].normals);
   nodes_[node].lines = merged_lines(nodes_[first].lines, nodes_[first + 1].lines);
 }
@@ -228,6 +232,7 @@ void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order) {
 template <class Importance>
 std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& importance) const {
   if (nodes_.empty()) return {};
+  constexpr float kLeastShare = 1e-3f;
   std::uint32_t node = 0;
   float probability = 1;
   double own = nodes_[0].is_leaf ? importance(nodes_[0]) : 1;
@@ -236,7 +241,10 @@ std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& imp
     const double left = importance(nodes_[first]), right = importance(nodes_[first + 1]);
     const double sum = left + right;
     if (!(sum > 0) || !std::isfinite(sum)) return {};
-    const auto share = float(left / sum);
+    // An estimate of a node may be off by many orders of magnitude where an end is near to it. Each child that can be chosen has a
+    // share that the random number can resolve.
+    auto share = float(left / sum);
+    if (left > 0 && right > 0) share = std::clamp(share, kLeastShare, 1 - kLeastShare);
     if (u < share) {
       u = std::min(u / share, 0x1.fffffep-1f), probability *= share, node = first, own = left;
     } else {

@@ -78,9 +78,9 @@ private:
     bool is_leaf;
   };
 
-  void build(std::uint32_t node, std::span<std::uint32_t> order);
+  void build(std::uint32_t node, std::span<std::uint32_t> order, int depth);
   /// Orders the edges by the side of a plane, and returns how many lie before it.
-  std::size_t divide(std::span<std::uint32_t> order, const Bounds3& centers) const;
+  std::size_t divide(std::span<std::uint32_t> order, const Bounds3& centers, int depth) const;
   template <class Importance>
   std::optional<Choice> descend(float u, const Importance& importance) const;
 
