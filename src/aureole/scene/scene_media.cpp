@@ -184,11 +184,9 @@ OpenBody look_into(const Scene& scene, std::size_t index) {
   constexpr int kRays = 256;
   const std::vector<ModelPart>& parts = scene.parts().surfaces;
   const Bounds3 box = parts[index].bounds();
-  const auto is_of_body = [&](const Surface& s) {
-    return std::any_of(parts.begin(), parts.end(), [&](const ModelPart& part) {
-      return part.element == parts[index].element && part.shape.get() == s.shape;
-    });
-  };
+  std::vector<const Shape*> body;
+  for (const ModelPart& part : parts)
+    if (part.shape && part.element == parts[index].element) body.push_back(part.shape.get());
   OpenBody found;
   for (std::uint32_t k = 0; k < kRays; ++k) {
     std::uint32_t dimension = 0;
@@ -215,7 +213,7 @@ OpenBody look_into(const Scene& scene, std::size_t index) {
         ++found.leaks, found.leak = ray.d;
         break;
       }
-      if (is_of_body(*point->surface)) {
+      if (std::find(body.begin(), body.end(), point->surface->shape) != body.end()) {
         ++found.itself;
         break;
       }
