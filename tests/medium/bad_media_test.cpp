@@ -37,6 +37,50 @@ TEST(BadMedia, ASensorInAMediumThatIsNotClosed) {
   EXPECT_EQ(error_of("<medium type=\"homogeneous\" id=\"fog\"/>" + stated + below), "");
 }
 
+TEST(BadMedia, CoefficientsThatNothingHas) {
+  const auto expect = [](const std::string& type, const std::string& parameters, const std::string& text) {
+    const std::string error =
+        error_of(seen_from("0, -4, 0") +
+                 ball(kNull, "<medium type=\"" + type + "\" name=\"interior\">" + parameters + "</medium>"));
+    EXPECT_NE(error.find("bad.xml:3:"), std::string::npos) << parameters << ": " << error;
+    EXPECT_NE(error.find(text), std::string::npos) << parameters << ": " << error;
+  };
+  const auto volume = [](const std::string& name, double value) {
+    return "<volume type=\"constvolume\" name=\"" + name + "\">" + parameter("value", value) + "</volume>";
+  };
+  for (const char* name : {"sigma_t", "sigma_a", "sigma_s", "emission"}) {
+    const std::string start = "<float name=\"" + std::string(name) + "\" value=\"";
+    expect("homogeneous", start + "-1\"/>", "must not be negative");
+    expect("homogeneous", start + "nan\"/>", "is not a number");
+  }
+  expect("homogeneous", "<spectrum name=\"sigma_s\" value=\"400:1, 600:-2\"/>", "must not be negative");
+  expect("homogeneous", parameter("albedo", 1.5), "[0, 1]");
+  expect("heterogeneous", volume("sigma_t", 1) + volume("albedo", 1.5), "[0, 1]");
+  expect("heterogeneous", volume("sigma_t", -1), "must not be negative");
+}
+
+TEST(BadMedia, AMediumInABodyWithAGap) {
+  const auto end = [](double z) {
+    return "<shape type=\"disk\"><transform name=\"to_world\"><scale value=\"0.5\"/><translate z=\"" +
+           number(z) + "\"/></transform></shape>\n";
+  };
+  const std::string pipe =
+      "<shape type=\"cylinder\"><point name=\"p0\" x=\"0\" y=\"0\" z=\"-1\"/><point name=\"p1\" x=\"0\" y=\"0\" "
+      "z=\"1\"/>" +
+      parameter("radius", 0.5) + kNull + "\n" + medium(0.1, 1) + "</shape>\n";
+  const std::string error = error_of(seen_from("0, -4, 0") + pipe + end(1));
+  EXPECT_NE(error.find("bad.xml:4:1"), std::string::npos) << error;
+  EXPECT_NE(error.find("has a gap"), std::string::npos) << error;
+  // Other surfaces may close it: lids, walls around all. A surface with nothing below it is no body.
+  EXPECT_EQ(error_of(seen_from("0, -4, 0") + pipe + end(1) + end(-1)), "");
+  EXPECT_EQ(error_of(seen_from("0, -4, 0") + pipe +
+                     "<shape type=\"sphere\"><float name=\"radius\" value=\"5\"/></shape>"),
+            "");
+  EXPECT_EQ(
+      error_of(seen_from("0, 1, 4") + "<shape type=\"rectangle\">" + kNull + medium(0.1, 1) + "</shape>"),
+      "");
+}
+
 TEST(BadMedia, AnExtinctionBeyondNumbers) {
   const std::string error =
       error_of(seen_from("0, -4, 0") +

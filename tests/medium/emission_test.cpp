@@ -173,6 +173,27 @@ TEST_P(Emission, ConnectionsBringWhatWalksBring) {
   }
 }
 
+TEST(EmittingMedia, HiddenEmittersHideNoMedium) {
+  // Neither the sky nor the lamp before the ball is seen, but the ball's own light: (1 - exp(-sigma s)) e / sigma for a
+  // chord s = 2 sqrt(1 - r^2).
+  const double sigma = 0.8, emission = 2;
+  const std::string scene = ball(kNull, medium(sigma, 0, 0, emission)) + kSky +
+                            "<shape type=\"sphere\"><point name=\"center\" x=\"0\" y=\"0\" z=\"2.5\"/>" +
+                            parameter("radius", 0.7) + "<bsdf type=\"diffuse\">" +
+                            parameter("reflectance", 0) + "</bsdf><emitter type=\"area\"/></shape>";
+  const int n = 10000;
+  double mean = 0;
+  for (int i = 0; i < n; ++i)
+    mean += -std::expm1(-2 * sigma * std::sqrt(1 - (i + 0.5) / n)) * emission / sigma / n;
+  for (const char* integrator : {"path", "ptracer", "bdpt"}) {
+    SCOPED_TRACE(integrator);
+    expect_mean(
+        render("<integrator type=\"" + std::string(integrator) +
+               "\"><boolean name=\"hide_emitters\" value=\"true\"/></integrator>" + parallel(8, 64) + scene),
+        mean * std::numbers::pi / 4, 0.02);
+  }
+}
+
 TEST(EmittingMedia, AGridInEquilibriumIsInvisible) {
   // Any extinction at the temperature of its surroundings, scattering or not.
   VolumeFolder folder;

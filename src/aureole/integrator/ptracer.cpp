@@ -22,10 +22,10 @@ namespace {
 /// Radiance that the sensor's rays see directly.
 class SeenDirectly {
 public:
-  explicit SeenDirectly(std::span<Path> paths) : paths_(paths) {}
+  SeenDirectly(std::span<Path> paths, bool hides_emitters) : paths_(paths), hides_emitters_(hides_emitters) {}
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   void see(int path, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
-    sum[path] += radiance;
+    if (!hides_emitters_) sum[path] += radiance;
   }
   void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
   Glow glow(int) const { return {}; }
@@ -36,6 +36,7 @@ public:
 
 private:
   std::span<Path> paths_;
+  bool hides_emitters_;  ///< media are none
 };
 
 /// Paths from the emitters.
@@ -423,15 +424,17 @@ private:
 
   /// The radiance along the sensor's rays that connections can't bring to the film.
   void see_directly(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
-    SeenDirectly seen(paths);
+    SeenDirectly seen(paths, limits_.hide_emitters);
     SightSteps sight(scene, seen);
     BatchRays rays;
     for (size_t i = 0; i < paths.size(); ++i) {
       paths[i].result = {};
-      if (limits_.hide_emitters || !limits_.reaches(1) || !scene.may_meet_emitter(paths[i].ray)) continue;
+      if (!limits_.reaches(1) || !scene.may_meet_emitter(paths[i].ray)) continue;
+      if (limits_.hide_emitters && !scene.has_media()) continue;
       Flight flight{paths[i].ray, nullptr, {}};
       find_surroundings(scene, nullptr, flight);
-      sight.begin(int(i), flight, 1.f, scene.has_media() ? key(paths[i].samples, -1, Key::flight) : 0);
+      sight.begin(int(i), flight, 1.f, scene.has_media() ? key(paths[i].samples, -1, Key::flight) : 0,
+                  limits_.hide_emitters);
       rays.add(int(i), paths[i].ray);
     }
     follow(scene, sight, rays, RayTracer::Rays::coherent);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a scene finds out about its media as a whole: what is around a place, which media are lights, which of them
-// connections cannot reach, and whether the one that its sensor is in is closed.
+// connections cannot reach, and which are not closed: that within a body with a gap, that which the sensor is in.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "aureole/core/random.h"
+#include "aureole/math/warp.h"
 #include "aureole/scene/emitting_media.h"
 #include "aureole/scene/scene.h"
 
@@ -165,7 +167,83 @@ void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<Sam
   emitting_media_ = std::move(media);
 }
 
+namespace {
+
+/// What rays meet that go from an open surface into the medium behind it.
+struct OpenBody {
+  int rays = 0;
+  int itself = 0;  ///< met the same body from within
+  int leaks = 0;   ///< met nothing
+  Vec3 leak;
+
+  /// A plane or the surface of a sea, below which a medium has no end, hardly meets itself; a bowl without a lid does.
+  bool is_body_with_gap() const { return 4 * itself >= rays && leaks >= 4 && 64 * leaks >= rays; }
+};
+
+OpenBody look_into(const Scene& scene, std::size_t index) {
+  constexpr int kRays = 256;
+  const std::vector<ModelPart>& parts = scene.parts().surfaces;
+  const Bounds3 box = parts[index].bounds();
+  std::vector<const Shape*> body;
+  for (const ModelPart& part : parts)
+    if (part.shape && part.element == parts[index].element) body.push_back(part.shape.get());
+  OpenBody found;
+  for (std::uint32_t k = 0; k < kRays; ++k) {
+    std::uint32_t dimension = 0;
+    const auto next = [&] { return unit_float(std::uint32_t(combine_bits(k, dimension++))); };
+    // A place of the surface, as it is met from around.
+    const float x = next(), y = next(), z = next();
+    const Vec3 towards = box.lower + box.diagonal() * Vec3{x, y, z};
+    const float u = next(), v = next();
+    const Vec3 d = square_to_uniform_sphere({u, v});
+    Ray ray{towards - d * (length(box.diagonal()) * 1.01f), d, kInfinity};
+    auto point = scene.intersect(ray);
+    while (point && point->surface->shape != parts[index].shape.get()) {
+      ray.o = offset_origin(*point, d);
+      point = scene.intersect(ray);
+    }
+    if (!point) continue;
+    ++found.rays;
+    const float a = next(), b = next();
+    ray.d = Frame::from_normal(-point->ng).to_world(square_to_cosine_hemisphere({a, b}));
+    for (;;) {
+      ray.o = offset_origin(*point, ray.d);
+      point = scene.intersect(ray);
+      if (!point) {
+        ++found.leaks, found.leak = ray.d;
+        break;
+      }
+      if (std::find(body.begin(), body.end(), point->surface->shape) != body.end()) {
+        ++found.itself;
+        break;
+      }
+      if (!point->surface->passable || point->surface->bounds_media) break;
+    }
+  }
+  return found;
+}
+
+/// A medium within a body that has a gap, through which one sees out of the scene, would go on outside without an end.
+void check_open_bodies(const Scene& scene) {
+  const std::vector<ModelPart>& parts = scene.parts().surfaces;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const SurfaceMedia& media = parts[i].media;
+    if (!parts[i].shape || !media.inside || media.inside == media.outside || parts[i].encloses_medium)
+      continue;
+    const OpenBody found = look_into(scene, i);
+    if (found.is_body_with_gap())
+      throw parts[i].element->error(
+          "interior",
+          fmt::format("the body that this medium fills has a gap: from within one sees out of the scene, for "
+                      "instance along ({:.2g}, {:.2g}, {:.2g}). Close it, or put a surface before the gap",
+                      found.leak.x, found.leak.y, found.leak.z));
+  }
+}
+
+}  // namespace
+
 void Scene::check_sensor_medium() const {
+  check_open_bodies(*this);
   if (sensor_.sensor->medium() || media_bounds_.empty()) return;
   const Ray view =
       sensor_

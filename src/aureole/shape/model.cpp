@@ -108,7 +108,8 @@ public:
 
 private:
   void build(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
-  /// A medium on one side of a surface with a gap is a note: its scene may close it with further shapes.
+  /// A medium on one side of a surface with a gap is a note: its scene may close it with further
+  /// shapes, and says so where it does not (scene/scene_media.cpp).
   void check_media(const Properties& element);
   void take_bssrdf(const Properties& element);
   /// The element's parameters without what hangs on the shape.

@@ -22,8 +22,10 @@ public:
   SightSteps(const Scene& scene, Viewer& viewer) : scene_(scene), viewer_(viewer) {}
 
   /// `factor` multiplies the radiance. `key` is for random numbers.
-  void begin(int path, const Flight& flight, const Spectrum& factor, std::uint32_t key) {
+  void begin(int path, const Flight& flight, const Spectrum& factor, std::uint32_t key,
+             bool through_emitters = false) {
     lines_[path].set(flight.ray);
+    lines_[path].through_emitters = through_emitters;
     if (scene_.has_media()) lines_[path].begin_in(flight, key);
     lines_[path].light = factor;
   }
