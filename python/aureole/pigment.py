@@ -203,16 +203,8 @@ class Paint:
         rate = float((self.k + self.s).max())
         if not rate > 0:
             return math.inf
-        low, high = 0.0, 1 / rate
-        while self.contrast_ratio(high, black=black, white=white, illuminant=illuminant) < wanted:
-            low, high = high, 2 * high
-            if high * rate > 1e9:
-                return math.inf
-        while high - low > 1e-10 * high:
-            middle = 0.5 * (low + high)
-            hides = self.contrast_ratio(middle, black=black, white=white, illuminant=illuminant) >= wanted
-            low, high = (low, middle) if hides else (middle, high)
-        return high
+        return float(_aureole.pigment_hiding_thickness(
+            lambda x: self.contrast_ratio(x, black=black, white=white, illuminant=illuminant), 1 / rate, wanted))
 
 
 @dataclass(frozen=True)

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 // Paints: layers, interfaces, fits, recipes. aureole/pigment.py checks the arguments and shapes the results.
+#include <nanobind/stl/function.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <functional>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
+#include "aureole/pigment/hiding.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
 #include "aureole/pigment/measured_paints.h"
 #include "bindings.h"
@@ -194,6 +197,12 @@ void bind_pigment(nb::module_& m) {
       arg("surface"), arg("outer"), arg("result").noconvert());
   m.def("pigment_difference", &difference, arg("a"), arg("b"), arg("result").noconvert());
   m.def("pigment_interface", &interface_of, arg("geometry"), arg("specular"), arg("index"), arg("alpha"));
+  m.def(
+      "pigment_hiding_thickness",
+      [](const std::function<double(double)>& contrast, double start, double target) {
+        return pigment::hiding_thickness(contrast, start, target);
+      },
+      arg("contrast"), arg("start"), arg("target"));
   m.def("pigment_saunderson", &saunderson, arg("k1"), arg("k2"), arg("specular"));
   m.def("pigment_fit", &fit, arg("file"), arg("white"), arg("surface"));
   m.def("pigment_kimera_surface", [] { return numbers_of(pigment::kimera_surface()); });

@@ -344,6 +344,10 @@ TEST_F(GalleryCommand, APictureThatWasStoppedGoesOn) {
   o = run({"--only", "one", "--again"});
   EXPECT_EQ(o.exit_code, 0) << o.output;
   EXPECT_EQ(Json::parse(content(out() / "results.json"))["pictures"]["one"]["samples"], 16);
+  const Image beside_it = read_image(out() / "exr" / "one.exr");
+  o = run({"--only", "one", "--again"});
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  EXPECT_EQ(read_image(out() / "exr" / "one.exr").pixels, beside_it.pixels);
 }
 
 TEST_F(GalleryCommand, MistakesInTheFileAreErrorsWithTheirLine) {

@@ -4,6 +4,7 @@
 
 #include "aureole/loading/load.h"
 #include "medium/scene_text.h"
+#include "volume/volume_test_support.h"
 
 namespace aureole::testing {
 namespace {
@@ -88,6 +89,28 @@ TEST(BadMedia, AnExtinctionBeyondNumbers) {
                                parameter("scale", 1e15) + "</medium>"));
   EXPECT_NE(error.find("bad.xml:3:"), std::string::npos) << error;
   EXPECT_NE(error.find("parameter \"scale\""), std::string::npos) << error;
+}
+
+// Rays step along free paths of the largest extinction of a cell, also where the extinction is small.
+TEST(BadMedia, AnExtinctionThatVariesByTooMuch) {
+  const test::VolumeFolder folder;
+  std::vector<float> values(64, 1.f);
+  const auto error = [&](float densest) {
+    values[21] = densest;
+    const auto file =
+        test::write_bytes(folder.path() / "t.vol", test::make_vol({4, 4, 4}, 1, values).bytes());
+    return error_of(seen_from("0, -4, 0") +
+                    ball(kNull,
+                         "<medium type=\"heterogeneous\" name=\"interior\">"
+                         "<volume type=\"gridvolume\" name=\"sigma_t\"><string name=\"filename\" value=\"" +
+                             file.string() + "\"/></volume></medium>"));
+  };
+  EXPECT_EQ(error(1e4f), "");
+  EXPECT_NE(error(1e16f).find("bad.xml:3:"), std::string::npos) << error(1e16f);
+  EXPECT_NE(error(1e16f).find("free paths long"), std::string::npos) << error(1e16f);
+  // Where it is as dense everywhere, light ends at once.
+  values.assign(64, 1e8f);
+  EXPECT_EQ(error(1.001e8f), "");
 }
 
 TEST(BadMedia, ATemperatureBeyondNumbers) {

@@ -75,9 +75,8 @@ TEST_P(PhaseHarness, Passes) {
 INSTANTIATE_TEST_SUITE_P(Phase, PhaseHarness, ::testing::Range(std::size_t(0), all_phase_cases().size()),
                          [](const auto& info) { return all_phase_cases()[info.param].name; });
 
-// A check that never fails would pass every test above: each of these breaks one rule. That the rules see
-// faults of densities is tested in tests/instrument/check.
-enum class Fault { none, absorbs, area };
+// A check that never fails would pass every test above: each of these breaks one rule.
+enum class Fault { none, absorbs, area, shape };
 
 /// Flakes with one fault.
 class Faulty final : public PhaseFunction {
@@ -85,7 +84,9 @@ public:
   Faulty(const Properties& p, Fault fault)
       : PhaseFunction(p),
         fault_(fault),
-        right_(build<PhaseFunction>(sggx("0.1, 0.4, 1, 0, 0, 0"), p.shared_context())) {}
+        right_(build<PhaseFunction>(fault == Fault::shape ? hg("0.6") : sggx("0.1, 0.4, 1, 0, 0, 0"),
+                                    p.shared_context())),
+        sampled_(fault == Fault::shape ? build<PhaseFunction>(hg("0.63"), p.shared_context()) : right_) {}
 
   PhaseEval eval_pdf(const Vec3& wi, const Vec3& wo, const PhaseContext& ctx) const override {
     PhaseEval e = right_->eval_pdf(wi, wo, ctx);
@@ -94,24 +95,28 @@ public:
   }
   std::optional<PhaseSample> sample(const Vec3& wi, float u1, Vec2 u2,
                                     const PhaseContext& ctx) const override {
-    auto s = right_->sample(wi, u1, u2, ctx);
+    auto s = sampled_->sample(wi, u1, u2, ctx);
+    if (s && fault_ == Fault::shape) {
+      const PhaseEval e = right_->eval_pdf(wi, s->wo, ctx);
+      s->value = e.value, s->pdf = e.pdf;
+    }
     if (s && fault_ == Fault::absorbs) s->value *= 0.98f;
     return s;
   }
   float projected_area(const Vec3& d, const Vec3& p) const override {
     return fault_ == Fault::area ? 1 : right_->projected_area(d, p);
   }
-  bool is_isotropic_medium() const override { return false; }
+  bool is_isotropic_medium() const override { return fault_ == Fault::shape; }
 
 private:
   Fault fault_;
-  PhaseFunctionPtr right_;
+  PhaseFunctionPtr right_, sampled_;
 };
 
 CheckResult check(Fault fault) {
   const auto context = make_context();
   CheckOptions options;
-  options.samples = 20000;
+  options.samples = 40000;  // as PhaseCase
   return check_phase(Faulty(Properties("faulty", "", {}, context), fault), options);
 }
 bool fails(const CheckResult& r, CheckRule rule) {
@@ -123,6 +128,7 @@ TEST(PhaseHarnessItself, AcceptsWhatIsRight) {
   EXPECT_EQ(check(Fault::none).problems(), std::vector<std::string>{});
 }
 TEST(PhaseHarnessItself, SeesLostEnergy) { EXPECT_TRUE(fails(check(Fault::absorbs), CheckRule::energy)); }
+TEST(PhaseHarnessItself, SeesAWrongShape) { EXPECT_TRUE(fails(check(Fault::shape), CheckRule::chi_square)); }
 TEST(PhaseHarnessItself, SeesAMissingArea) { EXPECT_TRUE(fails(check(Fault::area), CheckRule::reciprocity)); }
 
 }  // namespace

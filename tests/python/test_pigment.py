@@ -70,6 +70,7 @@ def test_hiding():
     assert chalk.hiding_thickness(white=1, ratio=0.5) == pytest.approx(1e-5, rel=1e-5)
     clear = pigment.Paint(chalk.nm, np.zeros(3), np.zeros(3), pigment.Surface())
     assert clear.hiding_thickness() == np.inf
+    assert chalk.hiding_thickness(black=0.5, ratio=0.5) < 1e-14  # what is below hides itself
     with pytest.raises(aureole.Error, match="white: must reflect more"):
         chalk.contrast_ratio(1e-5, black=0.8, white=0.5)
 

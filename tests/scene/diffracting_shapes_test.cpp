@@ -218,7 +218,7 @@ TEST(RoundEdges, AllOfASmallRimIsChosen) {
   const int n = 20000;
   double sums[2] = {}, squares[2] = {};  // of the halves of the rim
   for (int i = 0; i < n; ++i) {
-    const float u[3] = {random.next(), random.next(), random.next()};
+    const float u[4] = {random.next(), random.next(), random.next(), random.next()};
     const auto x = edges.choose_between({{0.0004f, 0, -1}}, {{0, 0, 1}}, beams, u);
     if (!x || EdgeLine(*x->edge).length > 1) continue;
     const int half = x->x.y > 0;
@@ -257,7 +257,7 @@ TEST(EdgePaths, LeaveAnEdgeForOtherOnes) {
   double length_of_others = 0;
   const int n = 40000;
   for (int i = 0; i < n; ++i) {
-    const float u[2] = {random.next(), random.next()};
+    const float u[3] = {random.next(), random.next(), random.next()};
     const auto x = edges.choose_from({0.5f * (own.a + own.b)}, u, &own);
     if (!x) continue;
     ASSERT_NE(x->edge, &own);

@@ -179,6 +179,30 @@ TEST(MeshEdges, FacesFarAwayLeaveOthersAsTheyAre) {
   EXPECT_LT(seconds({squares, far}, 4 * 3600 + 4), 10 * alone + 0.1);
 }
 
+// A closed body, the top of which is as small as its corners may be off: that face is none, and leaves no borders behind.
+TEST(MeshEdges, FacesWithoutExtentLeaveNoBorders) {
+  const Vec3 at{1e6f, 0, 0};
+  Triangles body;
+  for (int i = 0; i < 3; ++i) {
+    const float a = 2.0944f * float(i);
+    body.positions.push_back(at + Vec3{200 * std::cos(a), 200 * std::sin(a), 0});
+  }
+  for (const Vec3& p : {Vec3{0, 0, 300}, {0, 0.1f, 300}, {0, 0, 300.1f}}) body.positions.push_back(at + p);
+  for (std::uint32_t i = 0; i < 3; ++i) {
+    const std::uint32_t j = (i + 1) % 3;
+    body.triangles.push_back({i, j, 3 + j});
+    body.triangles.push_back({i, 3 + j, 3 + i});
+  }
+  body.triangles.push_back({2, 1, 0});
+  body.triangles.push_back({3, 4, 5});
+  int creases = 0;
+  for (const MeshEdge& e : edges_of({body})) {
+    EXPECT_FALSE(e.is_boundary) << e.a.z << " " << e.b.z;
+    ++creases;
+  }
+  EXPECT_GE(creases, 6);
+}
+
 /// Brute force: points along the segment.
 bool near(const Vec3& a, const Vec3& b, const Beam& beam, float radius) {
   for (int i = 0; i <= 2000; ++i) {

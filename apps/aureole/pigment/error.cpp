@@ -5,10 +5,8 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "aureole/core/image.h"
 #include "aureole/core/units.h"
@@ -65,9 +63,19 @@ int error_map(const ErrorOptions& o) {
              "error L*");
   nlohmann::json rows = nlohmann::json::array();
   double worst = 0;
+  bool any = false;
   for (const double g : gs)
     for (const double albedo : albedos)
       for (const double thickness : thicknesses) {
+        const auto add = [&](double reflectance, const nlohmann::json& error,
+                             const nlohmann::json& lightness_error) {
+          rows.push_back({{"g", g},
+                          {"albedo", albedo},
+                          {"thickness", thickness},
+                          {"reflectance", reflectance},
+                          {"error", error},
+                          {"error_lightness", lightness_error}});
+        };
         const double scattering = 1 / (1 - g), absorption = scattering * (1 - albedo) / albedo;
         optics::StackDescription stack;
         stack.layers = {
@@ -79,6 +87,7 @@ int error_map(const ErrorOptions& o) {
         if (c.s < 0) {
           fmt::print("{:6g} {:8g} {:10g} {:9.5f} {:9.3f}   negative S\n", g, albedo, thickness, all,
                      lightness(all));
+          add(all, nullptr, nullptr);
           continue;
         }
         const double two = pigment::outer_reflectance(
@@ -87,14 +96,13 @@ int error_map(const ErrorOptions& o) {
         worst = std::max(worst, std::abs(error));
         fmt::print("{:6g} {:8g} {:10g} {:9.5f} {:9.3f} {:+8.4f} {:+8.2f}\n", g, albedo, thickness, all,
                    lightness(all), two - all, error);
-        rows.push_back({{"g", g},
-                        {"albedo", albedo},
-                        {"thickness", thickness},
-                        {"reflectance", all},
-                        {"error", two - all},
-                        {"error_lightness", error}});
+        add(all, two - all, error);
+        any = true;
       }
-  fmt::print("\nat most {:.2f} L*\n", worst);
+  if (any)
+    fmt::print("\nat most {:.2f} L*\n", worst);
+  else
+    fmt::print("\nS is negative everywhere: Kubelka and Munk say nothing of these layers\n");
   if (!o.json.empty())
     write_file_atomically(
         o.json,

@@ -129,7 +129,7 @@ private:
                                            const BatchLog& log) const {
     BatchRays rays;
     std::optional<bdpt::LightSteps> from_edges;
-    if (light && bdpt::LightSteps::edges_behind_mirrors(scene)) {
+    if (light && bdpt::LightSteps::finds_edges(scene)) {
       from_edges.emplace(scene, settings_, paths, splats, log);
       for (size_t i = 0; i < paths.size(); ++i)
         if (from_edges->begin_at_edge(int(i), light->last_vertex(int(i))))

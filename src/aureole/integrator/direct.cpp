@@ -258,7 +258,8 @@ AUREOLE_PLUGIN(
         "Veach 1997, chapter 9",
         with_diffraction_parameters(
             {{"shading_samples", "integer", "", "1", "number of each of the two kinds of samples"},
-             {"emitter_samples", "integer", "", "shading_samples", "samples of lights"},
+             {"emitter_samples", "integer", "", "shading_samples",
+              "samples of lights; of light around edges at least one"},
              {"bsdf_samples", "integer", "", "shading_samples", "samples of the BSDF"},
              {"hide_emitters", "boolean", "", "false", "camera rays pass through emitters"}}),
         {R"(<integrator type="direct"><integer name="emitter_samples" value="2"/><integer name="bsdf_samples" value="1"/>

@@ -87,11 +87,23 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   check_sensor_medium();
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
-  if (edges_)
+  if (edges_) light_edges(reuse);
+}
+
+void Scene::light_edges(const Scene* reuse) {
+  const auto same_emitter = [](const ModelPart& a, const ModelPart& b) { return a.emitter == b.emitter; };
+  if (reuse && reuse->edges_ == edges_ && reuse->parts_.emitters == parts_.emitters &&
+      std::equal(parts_.surfaces.begin(), parts_.surfaces.end(), reuse->parts_.surfaces.begin(),
+                 reuse->parts_.surfaces.end(), same_emitter)) {
+    lit_edges_ = reuse->lit_edges_;
+  } else if (!has_binary_visibility()) {
+    lit_edges_ = std::make_shared<const LitEdges>();  // rays do not tell what passes
+  } else {
+    const SpectralGrid& grid = parts_.context->grid;
     lit_edges_ = std::make_shared<const LitEdges>(
         *edges_, *tracer_, emitters_, lights_,
-        Wavelengths::at(parts_.context->grid,
-                        Spectrum(float(0.5 * (parts_.context->grid.min_nm + parts_.context->grid.max_nm)))));
+        Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm)))));
+  }
 }
 
 void Scene::place_sensor(Bounds3 places) const {

@@ -106,6 +106,7 @@ private:
   void find_media();
   void bound_emitters();
   void weigh_lights();
+  void light_edges(const Scene* reuse);
   /// Adds the spectra of their powers.
   void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
   void find_closed_media();

@@ -75,7 +75,7 @@ Vec3 EdgePaths::sensor_guide(const Vec3& seen_from, Vec2 lens) const {
 }
 
 std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b, const float* lit) {
-  const float u[3] = {random_.next(), random_.next(), random_.next()};
+  const float u[4] = {random_.next(), random_.next(), random_.next(), random_.next()};
   auto point = edges_.choose_between(PathEnd{a}, b, beams_, u, lit);
   if (point && (!(point->pdf > 0) || point->on_edge() == a)) point.reset();
   return point;
@@ -136,7 +136,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   float part = 1;
   {
     constexpr float kUnseen = 0.25f;
-    const float u[2] = {random_.next(), random_.next()};
+    const float u[3] = {random_.next(), random_.next(), random_.next()};
     const auto point = edges_.choose_from({eye}, u);
     const auto seen = point ? scene_.sensor().sample_direct(point->on_edge(), lens) : std::nullopt;
     if (!seen || !(seen->importance > 0)) {
@@ -174,7 +174,7 @@ bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d,
 bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film) {
   // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
-  const float u[2] = {random_.next(), random_.next()};
+  const float u[3] = {random_.next(), random_.next(), random_.next()};
   const auto point = edges_.choose_from({eye}, u);
   if (!point || !(point->pdf > 0)) return false;
   const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);
@@ -189,7 +189,7 @@ bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& f
 bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   LampEnd lamp;
   if (!choose_lamp(scene_.bounds().center(), lamp)) return false;
-  const float u[2] = {random_.next(), random_.next()};
+  const float u[3] = {random_.next(), random_.next(), random_.next()};
   const auto point = edges_.choose_from(lamp.guide, u, nullptr, lamp.lit);
   if (!point || !(point->pdf > 0)) return false;
   Anchor start;

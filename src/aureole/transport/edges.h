@@ -2,10 +2,10 @@
 // Paths around edges that diffract light (docs/diffraction.md). A place on an edge is a vertex without area: light comes
 // to it and leaves it by the kernel of `SceneEdges`.
 //
-// Every path of this kind is found in one way only, so that no weights are needed. Where the place on the edge is the
-// neighbour of the path's far end (a light in `path`, the sensor in `ptracer`), it is chosen for the two places that it lies
-// between, as an end that connections look for. Else a walk goes there: it leaves its vertex for an edge with the
-// probability `to_edge`, and goes on behind it by the edge's kernel.
+// Each place on an edge is found in one way only. Where it is the neighbour of the path's far end (a light in `path`, `direct` and
+// `bdpt`, the sensor in `ptracer`), it is chosen for the two places that it lies between, as an end that connections look for. Else a
+// walk goes there: it leaves its vertex for an edge with the probability `to_edge`, and goes on behind it by the edge's
+// kernel. The weights of `bdpt` for the rest of such paths are in integrator/bdpt/subpath.h.
 #pragma once
 
 #include <optional>
@@ -119,7 +119,7 @@ public:
   template <class Respond>
   bool walk(const Place& from, const Respond& respond, Spectrum& value, AtEdge& out,
             const MeshEdge* leaving = nullptr) {
-    const float u[2] = {random_.next(), random_.next()};
+    const float u[3] = {random_.next(), random_.next(), random_.next()};
     const auto point = edges_.choose_from({from.anchor.p}, u, leaving);
     if (!point || !(point->pdf > 0)) return false;
     const Vec3 d = point->direction_from(from.anchor.p);

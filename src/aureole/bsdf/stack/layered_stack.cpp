@@ -17,7 +17,7 @@ namespace aureole {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr double kLargestMegabytes = 512;
+constexpr double kLargestMegabytes = StackTable::kLargestMegabytes;
 
 /// The parts of "20um, 5um", or of a number that stands alone.
 std::vector<std::string> list_of(const Properties& p, const char* name, const std::string& fallback) {
@@ -354,11 +354,9 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
     const auto streams_for = [&](int wanted) {
       return std::min(optics::streams_for_directions(stacks.front(), wanted), 512);
     };
-    // The solution of each stack in double precision, and the table that is made of them, in single precision.
     const auto megabytes_for = [&](int wanted) {
-      return 1e-6 * double(optics::kernel_pairs(stacks.front(), streams_for(wanted))) * (azimuths + 1) *
-             (double(stacks.size()) * sizeof(double) +
-              double(std::max<std::size_t>(stacks.size(), 2)) * sizeof(float));
+      return StackTable::megabytes(
+          double(optics::kernel_pairs(stacks.front(), streams_for(wanted))) * (azimuths + 1), stacks.size());
     };
     if (!p_.has("directions"))
       while (directions > kFewest && megabytes_for(directions) > kLargestMegabytes) --directions;

@@ -105,7 +105,15 @@ struct TableNodes {
   std::vector<TableNode> above, below;
   explicit TableNodes(std::span<const optics::StackKernels> kernels)
       : above(table_nodes(kernels, &optics::StackKernels::above)),
-        below(table_nodes(kernels, &optics::StackKernels::below)) {}
+        below(table_nodes(kernels, &optics::StackKernels::below)) {
+    const double pairs = double(above.size()) * double(above.size() + below.size()) +
+                         double(below.size()) * double(below.size());
+    if (StackTable::megabytes(pairs * kernels.front().azimuths, kernels.size()) <=
+        StackTable::kLargestMegabytes)
+      return;
+    const auto is_added = [](const TableNode& n) { return n.first != n.second; };
+    std::erase_if(above, is_added), std::erase_if(below, is_added);
+  }
 };
 
 optics::StackKernels at_nodes(const TableNodes& nodes, const optics::StackKernels& k) {

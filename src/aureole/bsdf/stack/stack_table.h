@@ -25,11 +25,17 @@ namespace aureole {
 
 class StackTable {
 public:
+  static constexpr double kLargestMegabytes = 512;
+  /// While a table of so many kernels with so many values each is made: kernels in double precision, the table in single.
+  static double megabytes(double values, std::size_t kernels) {
+    return 1e-6 * values *
+           (double(kernels) * sizeof(double) + double(std::max<std::size_t>(kernels, 2)) * sizeof(float));
+  }
   /// `kernels`: of wavelengths evenly over the grid's range, or one for all. `azimuths`: theirs, from 0 to pi.
   /// Directions below are those of a stack without a substrate. Each kernel is changed so that no energy is lost
   /// or gained: first where it is largest, since sums over nodes miss most at peaks, then by factors of both
   /// directions (Sinkhorn & Knopp 1967). Where the energy is not linear between two cosines there is a node
-  /// more. `inner_indices`: of the last layer by kernel, for a Lambertian substrate.
+  /// more, unless the table became too large by them. `inner_indices`: of the last layer by kernel, for a Lambertian substrate.
   StackTable(std::vector<optics::StackKernels> kernels, std::span<const double> azimuths,
              const SpectralGrid& grid, float index_above, float index_below,
              std::span<const double> inner_indices = {});

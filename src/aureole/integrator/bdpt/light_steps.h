@@ -23,7 +23,7 @@ public:
         paths_(paths),
         splats_(splats),
         log_(log),
-        walks_to_edges_(edges_behind_mirrors(scene)) {}
+        walks_to_edges_(finds_edges(scene)) {}
 
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
@@ -32,14 +32,8 @@ public:
   const LightVertex* last_vertex(int path) const { return states_[path].kept; }
 
   /// Whether paths of light may find edges that those of the sensor do not.
-  static bool edges_behind_mirrors(const Scene& scene) {
-    if (!scene.edges() || scene.edges()->empty()) return false;
-    const auto is_mirror = [](const BsdfPtr& bsdf) { return bsdf && has(bsdf->lobes(), Lobe::delta); };
-    for (const ModelPart& part : scene.parts().surfaces)
-      if (is_mirror(part.bsdf) ||
-          (part.instance && std::ranges::any_of(part.instance->list().bsdfs, is_mirror)))
-        return true;
-    return false;
+  static bool finds_edges(const Scene& scene) {
+    return scene.edges() && !scene.edges()->empty() && scene.edges()->has_mirrors();
   }
 
   /// Where the path begins; false where it carries no light.

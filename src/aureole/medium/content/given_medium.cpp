@@ -27,11 +27,8 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
   scale_ = float(p.get_float("scale", 1, Range::non_negative()));
   const double most = extinction_ ? double(extinction_->maximum())
                                   : double(absorption_->maximum()) + double(scattering_->maximum());
-  require_computable_extinction(p,
-                                p.has("scale") ? "scale"
-                                : by_parts     ? "sigma_s"
-                                               : "sigma_t",
-                                most * double(scale_));
+  const char* stated = p.has("scale") ? "scale" : by_parts ? "sigma_s" : "sigma_t";
+  require_computable_extinction(p, stated, most * double(scale_));
   emission_ = get_optional_volume(p, "emission", SpectrumRole::emission);
   temperature_ = get_optional_volume(p, "temperature", SpectrumRole::unbounded);
   for (const char* name : {"sample_emitters", "has_spectral_extinction"}) {
@@ -64,6 +61,7 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
     const double factor = double(scale_) * double(phase_->largest_projected_area());
     const Vec3 diagonal = extinction_->to_box().value_or(Transform()).inverse().vector({1, 1, 1});
     grid_ = majorants_of(*extinction_, emission_ ? float(1 / (double(length(diagonal)) * factor)) : 0.f);
+    require_computable_extinction(p, stated, *grid_, extinction_->minimum(), factor);
   }
 }
 

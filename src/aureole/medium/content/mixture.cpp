@@ -7,6 +7,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/parallel.h"
+#include "aureole/medium/content/extinction_limit.h"
 #include "aureole/medium/content/volume_majorants.h"
 #include "aureole/phase/table/mie_tables.h"
 #include "aureole/phase/table/tabulated_phase_function.h"
@@ -96,6 +97,11 @@ Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Mediu
   if (!phase_) phase_ = make_default<PhaseFunction>(p, "phase");
   density_ = get_optional_volume(p, "density", SpectrumRole::unbounded);
   if (density_ && !density_->is_constant()) grid_ = majorants_of(*density_);
+  if (tables) {
+    const double extinction = extinction_.maximum(), densest = density_ ? double(density_->maximum()) : 1.0;
+    require_computable_extinction(p, density_ ? "density" : "", extinction * densest);
+    if (grid_) require_computable_extinction(p, "density", *grid_, density_->minimum(), extinction);
+  }
 }
 
 ParameterDoc Mixture::density_row() {

@@ -230,7 +230,7 @@ void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order, int dep
 }
 
 template <class Importance>
-std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& importance) const {
+std::optional<EdgeTree::Choice> EdgeTree::descend(double u, const Importance& importance) const {
   if (nodes_.empty()) return {};
   constexpr float kLeastShare = 1e-3f;
   std::uint32_t node = 0;
@@ -241,23 +241,22 @@ std::optional<EdgeTree::Choice> EdgeTree::descend(float u, const Importance& imp
     const double left = importance(nodes_[first]), right = importance(nodes_[first + 1]);
     const double sum = left + right;
     if (!(sum > 0) || !std::isfinite(sum)) return {};
-    // An estimate of a node may be off by many orders of magnitude where an end is near to it. Each child that can be chosen has a
-    // share that the random number can resolve.
+    // An estimate of a node may be off by many orders of magnitude where an end is near to it.
     auto share = float(left / sum);
     if (left > 0 && right > 0) share = std::clamp(share, kLeastShare, 1 - kLeastShare);
     if (u < share) {
-      u = std::min(u / share, 0x1.fffffep-1f), probability *= share, node = first, own = left;
+      u = std::min(u / share, 1 - 0x1p-53), probability *= share, node = first, own = left;
     } else {
-      u = std::min((u - share) / (1 - share), 0x1.fffffep-1f), probability *= 1 - share, node = first + 1;
+      u = std::min((u - share) / (1 - share), 1 - 0x1p-53), probability *= 1 - share, node = first + 1;
       own = right;
     }
   }
   if (!(own > 0) || !(probability > 0)) return {};
-  return Choice{nodes_[node].index, probability, u, own / probability};
+  return Choice{nodes_[node].index, probability, own / probability};
 }
 
 std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const PathEnd& b, float angle,
-                                                         float sigma, float u, const float* lit) const {
+                                                         float sigma, double u, const float* lit) const {
   return descend(u, [&](const Node& node) {
     const double part = lit ? double(lit[&node - nodes_.data()]) : 1.0;
     if (node.is_leaf)
@@ -304,7 +303,7 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
   });
 }
 
-std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, float u, const MeshEdge* leaving,
+std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, double u, const MeshEdge* leaving,
                                                       const float* lit) const {
   return descend(u, [&](const Node& node) {
     if (node.is_leaf && &edges_[node.index] == leaving) return 0.0;

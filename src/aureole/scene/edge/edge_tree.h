@@ -43,17 +43,20 @@ public:
   struct Choice {
     std::uint32_t edge;
     float probability;
-    float u;          ///< what is left of the random number
     double estimate;  ///< of the light of all edges, in the units of an edge's importance
   };
+  // A random number in [0, 1) chooses among millions of edges, some of them with a probability of 1e-9: two floats make one
+  // (random_from).
+  static double random_from(float high, float low) { return double(high) + double(low) * 0x1p-24; }
+
   /// An edge around which light goes from `b` to `a`, in beams of that `sigma`. `angle`: the width of the cone into which long
   /// edges diffract, 1/(2 k sigma). Edges that are no outlines between the two are seldom chosen.
   /// `lit`: how much of each node one of the ends shines on (of_nodes), or null.
-  std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma, float u,
+  std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma, double u,
                                        const float* lit = nullptr) const;
   /// An edge that light from or to `a` may reach.
   /// `leaving`: one that is left out, or null.
-  std::optional<Choice> choose_from(const PathEnd& a, float u, const MeshEdge* leaving = nullptr,
+  std::optional<Choice> choose_from(const PathEnd& a, double u, const MeshEdge* leaving = nullptr,
                                     const float* lit = nullptr) const;
   /// The means over the nodes' edges, by their length, of a number for each edge.
   std::vector<float> of_nodes(std::span<const float> edge_values) const;
@@ -82,7 +85,7 @@ private:
   /// Orders the edges by the side of a plane, and returns how many lie before it.
   std::size_t divide(std::span<std::uint32_t> order, const Bounds3& centers, int depth) const;
   template <class Importance>
-  std::optional<Choice> descend(float u, const Importance& importance) const;
+  std::optional<Choice> descend(double u, const Importance& importance) const;
 
   std::span<const MeshEdge> edges_;
   std::vector<Node> nodes_;

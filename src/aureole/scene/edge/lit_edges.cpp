@@ -11,24 +11,24 @@ namespace {
 
 constexpr std::size_t kMostLamps = 16;
 constexpr double kMostRays = 8e6;
-constexpr int kPlaces = 4;  ///< along an edge
-/// Of an edge of which no ray has met the lamp: light may come to it between the rays, or through glass.
+constexpr int kMostPlaces = 4;  ///< along an edge
+/// Of an edge of which no ray has met the lamp: light may come to it between the rays.
 constexpr float kLeast = 0.03f;
 
 /// The part of an edge from whose places a ray meets the lamp. Each place looks at another point of it.
-float lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& edge, const Light& light,
-               std::size_t part, const Wavelengths& w) {
+float lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& edge, int places,
+               const Light& light, std::size_t part, const Wavelengths& w) {
   int lit = 0;
-  for (int i = 0; i < kPlaces; ++i) {
-    const EdgePoint point = edges.place_on(edge, (i + 0.5) / kPlaces);
-    const Vec2 u{(float(i) + 0.5f) / kPlaces, std::fmod(0.5f + 0.618034f * float(i), 1.f)};
+  for (int i = 0; i < places; ++i) {
+    const EdgePoint point = edges.place_on(edge, (i + 0.5) / places);
+    const Vec2 u{(float(i) + 0.5f) / float(places), std::fmod(0.5f + 0.618034f * float(i), 1.f)};
     const auto seen = light.sample_direct(point.on_edge(), part, u, w);
     if (!seen || !(seen->pdf > 0)) continue;
     Ray ray{point.p, seen->wo, kInfinity};
     if (!seen->infinite) ray.d = seen->p - point.p, ray.t_max = 1 - 1e-4f;
     lit += !tracer.occluded(ray);
   }
-  return std::max(kLeast, float(lit) / kPlaces);
+  return std::max(kLeast, float(lit) / float(places));
 }
 
 }  // namespace
@@ -36,8 +36,9 @@ float lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge&
 LitEdges::LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
                    const LightSampler& sampler, const Wavelengths& w) {
   const std::vector<MeshEdge>& all = edges.index().edges();
-  const double rays = double(kPlaces) * double(all.size());
-  if (!(rays > 0)) return;
+  if (all.empty() || double(all.size()) > kMostRays) return;
+  const int places = std::clamp(int(kMostRays / double(all.size())), 1, kMostPlaces);
+  const double rays = double(places) * double(all.size());
   std::vector<std::pair<float, Lamp>> found;
   for (const Light& light : lights)
     for (std::size_t part = 0; part < light.part_count(); ++part)
@@ -58,7 +59,7 @@ LitEdges::LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<c
         all.size(),
         [&](std::size_t begin, std::size_t end) {
           for (std::size_t e = begin; e < end; ++e)
-            lit[e] = lit_part(edges, tracer, all[e], light, lamp.part, w);
+            lit[e] = lit_part(edges, tracer, all[e], places, light, lamp.part, w);
         },
         256);
     lamp.lit = edges.tree().of_nodes(lit);

@@ -235,10 +235,15 @@ std::vector<MeshEdge> find_mesh_edges(std::span<const TriangleSet> sets) {
   for (std::uint32_t s = 0; s < sets.size(); ++s)
     for (std::uint32_t t = 0; t < sets[s].triangles.size(); ++t) {
       const TriangleIndices& indices = sets[s].triangles[t];
-      if (!has_extent(face_of(sets, {s, t}))) continue;
+      const Face face = face_of(sets, {s, t});
+      if (!has_extent(face)) continue;
+      const double rounding = rounding_of(box_of(face));
       for (std::uint8_t c = 0; c < 3; ++c) {
         const std::uint64_t a = number[s][indices[c]], b = number[s][indices[(c + 1) % 3]];
-        if (a != b) sides.push_back({std::min(a, b) << 32 | std::max(a, b), {s, t}, c});
+        // A side that is as short may be one of a face without extent: its other faces go on there without an edge.
+        const Vec3 side = abs(face.p[(c + 1u) % 3] - face.p[c]);
+        if (a != b && double(max_component(side)) > 2 * rounding)
+          sides.push_back({std::min(a, b) << 32 | std::max(a, b), {s, t}, c});
       }
     }
   std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {

@@ -131,6 +131,11 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
     throw BeamWidthError(
         "the longest wavelength is longer than the scene, whose edges cannot diffract it as edges do");
   remark_crowds();
+  const auto is_mirror = [](const BsdfPtr& bsdf) { return bsdf && has(bsdf->lobes(), Lobe::delta); };
+  has_mirrors_ = std::ranges::any_of(parts.surfaces, [&](const ModelPart& part) {
+    return is_mirror(part.bsdf) ||
+           (part.instance && std::ranges::any_of(part.instance->list().bsdfs, is_mirror));
+  });
 }
 
 void SceneEdges::remark_crowds() {
@@ -199,7 +204,8 @@ EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, doubl
 
 std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
                                                     const float* u, const float* lit) const {
-  const auto choice = tree_.choose_between(a, b, beams.angle, beams.widest, u[0], lit);
+  const auto choice =
+      tree_.choose_between(a, b, beams.angle, beams.widest, EdgeTree::random_from(u[0], u[1]), lit);
   if (!choice) return {};
   const MeshEdge& edge = index_.edges()[choice->edge];
   const EdgeLine line(edge);
@@ -221,7 +227,7 @@ std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const Path
     deviation = 1.1 * width * sine / (rate(a) + rate(b));
   }
   const PlaceDensity places(keller, deviation, 2.0 * beams.widest, line.length);
-  const double l = places.sample(u[1], u[2]);
+  const double l = places.sample(u[2], u[3]);
   EdgePoint point = point_on(edge, line, l, float(choice->probability * places.pdf(l)));
   // Keller's coefficient times the ends' squared distance; ends at infinity have none.
   const double distance2 = a.is_infinite || b.is_infinite ? 1 : double(length_squared(a.p - b.p));
@@ -231,18 +237,18 @@ std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const Path
 
 std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* u, const MeshEdge* leaving,
                                                  const float* lit) const {
-  const auto choice = tree_.choose_from(a, u[0], leaving, lit);
+  const auto choice = tree_.choose_from(a, EdgeTree::random_from(u[0], u[1]), leaving, lit);
   if (!choice) return {};
   const MeshEdge& edge = index_.edges()[choice->edge];
   const EdgeLine line(edge);
   if (a.is_infinite)
-    return point_on(edge, line, u[1] * line.length, float(choice->probability / line.length));
+    return point_on(edge, line, u[2] * line.length, float(choice->probability / line.length));
   // Evenly by the angle under which it is seen: as the inverse square of the distance.
   const Double3 to = Double3(a.p) - line.origin;
   const double foot = dot(to, line.direction);
   const double across = std::max(length(to - line.direction * foot), 1e-6 * line.length);
   const double begin = std::atan(-foot / across), end = std::atan((line.length - foot) / across);
-  const double l = std::clamp(foot + across * std::tan(begin + u[1] * (end - begin)), 0.0, line.length);
+  const double l = std::clamp(foot + across * std::tan(begin + u[2] * (end - begin)), 0.0, line.length);
   const double r = l - foot;
   const double pdf = across / ((end - begin) * (across * across + r * r));
   return point_on(edge, line, l, float(choice->probability * pdf));

@@ -60,10 +60,10 @@ public:
   Beams beams(const Wavelengths& w) const;
 
   /// A place around which light may go between two ends. The density does not depend on which wavelength is the hero.
-  /// `u`: three numbers. `lit`: LitEdges::from the end that is a lamp, or null.
+  /// `u`: four numbers. `lit`: LitEdges::from the end that is a lamp, or null.
   std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
                                           const float* u, const float* lit = nullptr) const;
-  /// A place that light from or to `a` may reach; two numbers. `leaving`: an edge on which `a` lies, and which is left out.
+  /// A place that light from or to `a` may reach; three numbers. `leaving`: an edge on which `a` lies, and which is left out.
   std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u, const MeshEdge* leaving = nullptr,
                                        const float* lit = nullptr) const;
   /// The place at the fraction `t` of an edge's length, with density 1.
@@ -95,6 +95,9 @@ public:
                                    const float* u) const;
   float scatter_pdf(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams) const;
 
+  /// Some surface of the scene reflects as a mirror or is clear.
+  bool has_mirrors() const { return has_mirrors_; }
+
   const EdgeIndex& index() const { return index_; }
   const EdgeTree& tree() const { return tree_; }
   bool empty() const { return tree_.empty(); }
@@ -110,6 +113,7 @@ private:
   void remark_crowds();
 
   BeamWidth width_;
+  bool has_mirrors_ = false;
   double unit_m_;  ///< metres per unit of length of the scene
   double shortest_nm_, longest_nm_;
   float diameter_ = 0;        ///< of the scene's surfaces
