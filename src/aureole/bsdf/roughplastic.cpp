@@ -35,8 +35,13 @@ public:
     if (dispersive_) find_range(properties.context().grid);
     if (low_ == 1 && high_ == 1)
       throw properties.error("int_ior", "the index is the same on both sides, which is no coating");
-    coatings_.emplace_back(facets_, low_, preserving);
-    if (high_ > low_) coatings_.emplace_back(facets_, high_, preserving);
+    coatings_ = properties.shared_model<std::vector<RoughCoating>>([&] {
+      auto made = std::make_shared<std::vector<RoughCoating>>();
+      made->emplace_back(facets_, low_, preserving);
+      if (high_ > low_) made->emplace_back(facets_, high_, preserving);
+      return made;
+    });
+    if (coatings_) first_ = &coatings_->front(), last_ = &coatings_->back();
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -110,8 +115,8 @@ private:
   /// Between the coatings of the smallest and the largest index: T is all but straight in so small a range.
   template <class F>
   Spectrum interpolate(const State& s, F&& f) const {
-    const float first = f(coatings_.front());
-    return coatings_.size() == 1 ? Spectrum(first) : s.position * (f(coatings_.back()) - first) + first;
+    const float first = f(*first_);
+    return first_ == last_ ? Spectrum(first) : s.position * (f(*last_) - first) + first;
   }
 
   void find_range(const SpectralGrid& grid) {
@@ -129,7 +134,8 @@ private:
   Roughness roughness_;
   Microfacets facets_;
   float low_ = 1, high_ = 1;  // smallest and largest index, interior over exterior
-  std::vector<RoughCoating> coatings_;
+  std::shared_ptr<const std::vector<RoughCoating>> coatings_;
+  const RoughCoating *first_ = nullptr, *last_ = nullptr;  ///< of them
 };
 
 AUREOLE_PLUGIN(
