@@ -10,11 +10,14 @@
 namespace aureole::testing {
 
 Picture render(const std::string& content) {
-  const auto scene =
-      load_scene_from_string("<scene version=\"3.0.0\">" + content + "</scene>", "rendered.xml");
   RenderOptions options;
   options.replicates = kReplicates;
   options.threads = 2;
+  return render(load_scene_from_string("<scene version=\"3.0.0\">" + content + "</scene>", "rendered.xml"),
+                options);
+}
+
+Picture render(const LoadedScene& scene, const RenderOptions& options) {
   RenderJob job(scene, options);
   const std::atomic<bool> stop{false};
   EXPECT_EQ(job.run(stop), RenderJob::Outcome::finished);
@@ -24,23 +27,24 @@ Picture render(const std::string& content) {
   const int channels = job.state().identity.measured_channels;
   const std::size_t n = std::size_t(p.width * p.height);
   p.mean.assign(n, 0), p.error.assign(n, 0);
+  const std::size_t replicates = job.state().films.size();
   double all_squares = 0;
   const auto value = [&](const FilmBuffer& film, std::size_t i) {
     double measured[8], alpha;
     film.mean(int(i) % p.width, int(i) / p.width, measured, &alpha);
     return measured[channels == 3 ? 1 : 0];
   };
-  for (std::size_t r = 0; r < std::size_t(kReplicates); ++r) {
+  for (std::size_t r = 0; r < replicates; ++r) {
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i) {
       double v = value(job.state().films[r], i);
       if (!job.state().splats.empty()) v += value(job.state().splats[r], i);
-      p.mean[i] += v / kReplicates, p.error[i] += v * v / kReplicates, sum += v / double(n);
+      p.mean[i] += v / double(replicates), p.error[i] += v * v / double(replicates), sum += v / double(n);
     }
-    p.all += sum / kReplicates, all_squares += sum * sum / kReplicates;
+    p.all += sum / double(replicates), all_squares += sum * sum / double(replicates);
   }
-  const auto standard_error = [](double mean, double squares) {
-    return std::sqrt(std::max(0.0, squares - mean * mean) / (kReplicates - 1));
+  const auto standard_error = [&](double mean, double squares) {
+    return std::sqrt(std::max(0.0, squares - mean * mean) / double(replicates - 1));
   };
   for (std::size_t i = 0; i < n; ++i) p.error[i] = standard_error(p.mean[i], p.error[i]);
   p.all_error = standard_error(p.all, all_squares);

@@ -5,6 +5,11 @@
 #include <string>
 #include <vector>
 
+namespace aureole {
+struct LoadedScene;
+struct RenderOptions;
+}  // namespace aureole
+
 namespace aureole::testing {
 
 inline constexpr int kReplicates = 16;
@@ -17,6 +22,8 @@ struct Picture {
   double all = 0, all_error = 0;    ///< over the film
 };
 
+/// Renders a scene to the end, its light paths' splats included. `options` has at least two replicates.
+Picture render(const LoadedScene& scene, const RenderOptions& options);
 /// Renders the content of a <scene> in two threads.
 Picture render(const std::string& content);
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "aureole/optics/faddeeva.h"
-#include "aureole/render/job.h"
 #include "aureole/render/output.h"
+#include "aureole/render/plan.h"
 #include "aureole/render/statistics.h"
 #include "aureole/scene/edge/lit_edges.h"
 #include "aureole/scene/edge/scene_edges.h"
@@ -203,24 +203,8 @@ TEST_P(RenderedEdges, AreTheSameFromBothEnds) {
     options.replicates = kSanitized ? 2 : 32;
     if (kSanitized) options.end = 2;
     options.seed = integrator[1] == 'a' ? 1 : 2;
-    RenderJob job(load_scene(file, load), options);
-    const std::atomic<bool> go{false};
-    EXPECT_EQ(job.run(go), RenderJob::Outcome::finished);
-    EXPECT_EQ(job.state().invalid_samples, 0u);
-    double sum = 0, squares = 0;
-    for (std::size_t r = 0; r < job.state().films.size(); ++r) {
-      double mean = 0, measured[3], alpha;
-      for (const auto* films : {&job.state().films, &job.state().splats}) {
-        if (films->empty()) continue;
-        const FilmBuffer& film = (*films)[r];
-        for (int y = 0; y < film.height(); ++y)
-          for (int x = 0; x < film.width(); ++x)
-            film.mean(x, y, measured, &alpha), mean += measured[1] / (double(film.width()) * film.height());
-      }
-      sum += mean, squares += mean * mean;
-    }
-    const double n = double(options.replicates), mean = sum / n;
-    return std::pair(mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1)));
+    const Picture p = render(load_scene(file, load), options);
+    return std::pair(p.all, p.all_error);
   };
   const auto [a, a_error] = luminance("path", "true");
   const auto [b, b_error] = luminance("ptracer", "true");

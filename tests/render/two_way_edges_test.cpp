@@ -4,14 +4,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <cmath>
 #include <fstream>
 #include <numbers>
 
-#include "aureole/render/job.h"
+#include "aureole/render/plan.h"
 #include "harness/effort.h"
 #include "harness/paths.h"
+#include "harness/rendered.h"
 #include "loading/load_text.h"
 
 namespace aureole::test {
@@ -50,25 +50,9 @@ Mean luminance(const std::string& scene, const std::string& integrator, int samp
   std::uint64_t seed = 0;
   for (const char c : integrator + settings.parameters) seed = 31 * seed + std::uint64_t(c);
   options.seed = seed;
-  RenderJob job(load_scene_from_string("<scene version=\"3.0.0\">" + text + "</scene>", "edges.xml"),
-                options);
-  const std::atomic<bool> go{false};
-  EXPECT_EQ(job.run(go), RenderJob::Outcome::finished);
-  EXPECT_EQ(job.state().invalid_samples, 0u);
-  double sum = 0, squares = 0;
-  for (std::size_t r = 0; r < job.state().films.size(); ++r) {
-    double mean = 0, measured[3], alpha;
-    for (const auto* films : {&job.state().films, &job.state().splats}) {
-      if (films->empty()) continue;
-      const FilmBuffer& film = (*films)[r];
-      for (int y = 0; y < film.height(); ++y)
-        for (int x = 0; x < film.width(); ++x)
-          film.mean(x, y, measured, &alpha), mean += measured[1] / (double(film.width()) * film.height());
-    }
-    sum += mean, squares += mean * mean;
-  }
-  const double n = double(options.replicates), mean = sum / n;
-  return {mean, std::sqrt(std::max(0.0, squares / n - mean * mean) / (n - 1))};
+  const testing::Picture p = testing::render(
+      load_scene_from_string("<scene version=\"3.0.0\">" + text + "</scene>", "edges.xml"), options);
+  return {p.all, p.all_error};
 }
 
 std::string rectangle(const std::string& transform, const std::string& inside = "") {

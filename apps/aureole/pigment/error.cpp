@@ -11,6 +11,7 @@
 #include "aureole/core/image.h"
 #include "aureole/core/units.h"
 #include "aureole/optics/stack/plane_stack.h"
+#include "aureole/pigment/colour_difference.h"
 #include "aureole/pigment/kubelka_munk.h"
 #include "aureole/pigment/saunderson.h"
 #include "aureole/pigment/transport_coefficients.h"
@@ -43,15 +44,13 @@ std::vector<double> list_of(const char* option, const std::string& text, double 
 }
 
 /// CIE 1976 L* of a reflectance.
-double lightness(double y) { return y > 216.0 / 24389 ? 116 * std::cbrt(y) - 16 : y * 24389 / 27; }
+double lightness(double y) { return pigment::lab_of_xyz({y, y, y}, {1, 1, 1}).l; }
 
 int error_map(const ErrorOptions& o) {
   const std::vector<double> albedos = list_of("--albedo", o.albedo, 1e-6, 1),
                             gs = list_of("--g", o.g, -0.99, 0.99),
                             thicknesses = list_of("--thickness", o.thickness, 1e-6, 1e6);
-  pigment::Convention convention{};
-  for (const pigment::Convention c : pigment::conventions())
-    if (pigment::name_of(c) == o.convention) convention = c;
+  const pigment::Convention convention = pigment::convention_named(o.convention);
   const pigment::Surface surface =
       pigment::smooth_surface(o.index, pigment::Geometry::diffuse_diffuse, pigment::Specular::included);
 
@@ -122,10 +121,8 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--substrate", o->substrate, "reflectance of what the layer lies on")
       .between(0.0, 1.0)
       .shows_default();
-  std::vector<std::string> names;
-  for (const pigment::Convention c : pigment::conventions()) names.emplace_back(pigment::name_of(c));
   options.add("--convention", o->convention, "by which K and S come from transport")
-      .one_of(names)
+      .one_of(pigment::convention_names())
       .shows_default();
   options.add("--json", o->json, "write the map to this file");
   return [o] { return error_map(*o); };

@@ -92,11 +92,8 @@ private:
   }
 
   void convert(const Properties& p, const SampledPaint& paint) {
-    std::vector<std::string> names;
-    for (const pigment::Convention c : pigment::conventions()) names.emplace_back(name_of(c));
-    const std::string name = p.get_choice("convention", "three_quarters", names);
-    const auto convention =
-        pigment::conventions()[std::size_t(std::find(names.begin(), names.end(), name) - names.begin())];
+    const pigment::Convention convention =
+        pigment::convention_named(p.get_choice("convention", "three_quarters", pigment::convention_names()));
     const SpectralGrid& grid = p.context().grid;
     const char* stated = p.has("recipe") ? "recipe" : "s";
     std::vector<double> nm, absorption, scattering;

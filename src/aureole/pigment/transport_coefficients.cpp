@@ -21,6 +21,18 @@ std::vector<Convention> conventions() {
   return {Convention::three_quarters, Convention::diffusion, Convention::double_gauss};
 }
 
+std::vector<std::string> convention_names() {
+  std::vector<std::string> names;
+  for (const Convention c : conventions()) names.emplace_back(name_of(c));
+  return names;
+}
+
+Convention convention_named(std::string_view name) {
+  for (const Convention c : conventions())
+    if (name_of(c) == name) return c;
+  throw std::domain_error("no convention is called \"" + std::string(name) + "\"");
+}
+
 Coefficients coefficients_of_transport(double sigma_a, double sigma_s, double g, Convention convention) {
   require_not_negative(sigma_a, "sigma_a");
   require_not_negative(sigma_s, "sigma_s");

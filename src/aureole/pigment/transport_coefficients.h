@@ -5,6 +5,7 @@
 // there are several conventions.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -25,8 +26,11 @@ enum class Convention {
 
 /// "three_quarters", "diffusion", "double_gauss".
 std::string_view name_of(Convention convention);
-/// All conventions, in the order of their declaration.
+/// All conventions, in the order of their declaration, and their names.
 std::vector<Convention> conventions();
+std::vector<std::string> convention_names();
+/// Throws std::domain_error for another name.
+Convention convention_named(std::string_view name);
 
 /// K = 2 sigma_a, and S by the convention; sigma_a and sigma_s are >= 0 per length, g in [-1, 1].
 Coefficients coefficients_of_transport(double sigma_a, double sigma_s, double g,

@@ -45,8 +45,7 @@ public:
     float probability;
     double estimate;  ///< of the light of all edges, in the units of an edge's importance
   };
-  // A random number in [0, 1) chooses among millions of edges, some of them with a probability of 1e-9: two floats make one
-  // (random_from).
+  /// A random number in [0, 1) of 48 bits, made of two of 24: an edge of millions may have a probability of 1e-9.
   static double random_from(float high, float low) { return double(high) + double(low) * 0x1p-24; }
 
   /// An edge around which light goes from `b` to `a`, in beams of that `sigma`. `angle`: the width of the cone into which long
