@@ -11,7 +11,7 @@ from effort import effort
 
 
 def test_wrong_arguments():
-    cases, seed = int(os.environ.get("AUREOLE_FUZZ_CASES", effort(1000, 2000))), int(os.environ.get("AUREOLE_FUZZ_SEED", 1))
+    cases, seed = int(os.environ.get("AUREOLE_FUZZ_CASES", effort(600, 2000))), int(os.environ.get("AUREOLE_FUZZ_SEED", 1))
     results = fuzz_bindings.run(cases, seed, jobs=2, batch=250)
     assert len(results) >= cases
     assert sum(what == "result" for _, _, what in results) > 0.1 * cases  # else nothing deep is reached

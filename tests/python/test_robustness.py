@@ -21,6 +21,7 @@ import pytest
 
 import aureole
 from aureole import _aureole, optics
+from effort import effort
 from endless_scene import ENDLESS, Lambert, make
 
 
@@ -155,7 +156,7 @@ def interrupted_after(seconds, function, times=1):
 def test_ctrl_c_keeps_what_is_done():
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        image, took = interrupted_after(0.4, lambda: aureole.render(make(ENDLESS), progress=False))
+        image, took = interrupted_after(0.2, lambda: aureole.render(make(ENDLESS), progress=False))
     assert isinstance(image, aureole.Image) and not image.complete and took < 10
     assert [w.category for w in caught] == [aureole.InterruptedWarning]
 
@@ -166,7 +167,7 @@ def test_a_second_ctrl_c_raises():
             time.sleep(0.002)
             return super().eval(wi, wo, wavelength)
 
-    result, _ = interrupted_after(0.4, lambda: aureole.render(make(ENDLESS, 8, Slow()), progress=False), times=20)
+    result, _ = interrupted_after(0.2, lambda: aureole.render(make(ENDLESS, 8, Slow()), progress=False), times=20)
     assert isinstance(result, KeyboardInterrupt)
 
 
@@ -180,7 +181,7 @@ def test_a_second_ctrl_c_raises():
     lambda: aureole.load_dict({"type": "roughplastic"}).eval([0, 0, 1], np.broadcast_to([0, 0.6, 0.8], (2**28, 3)), 550),
 ], ids=["hard_discs", "mixture", "mie", "simulated", "check", "albedo", "eval"])
 def test_ctrl_c_during_long_work(work):
-    result, took = interrupted_after(0.4, work)
+    result, took = interrupted_after(0.2, work)
     assert isinstance(result, KeyboardInterrupt) and took < 10
 
 
@@ -203,7 +204,7 @@ def test_the_program_may_end_amid_work_of_a_daemon_thread(work):
             while True:
                 scene["sensor.fov"] = 30 + np.random.rand()
         threading.Thread(target=lambda: {work}, daemon=True).start()
-        time.sleep(0.4)
+        time.sleep(0.2)
         print("end")
         sys.exit(5)
     """)
@@ -249,7 +250,7 @@ def test_children_of_the_process_render(method):
 def test_a_child_renders_whatever_its_parent_did_at_the_fork():
     code, out, err = program("""
         threading.Thread(target=lambda: aureole.render(make(ENDLESS), progress=False), daemon=True).start()
-        time.sleep(0.5)
+        time.sleep(0.2)
         for _ in range(3):
             child = os.fork()
             if child == 0:
@@ -280,7 +281,7 @@ def test_what_a_change_drops_is_freed():
 def test_a_fork_amid_a_render_of_another_thread_ends():
     code, out, err = program("""
         threading.Thread(target=lambda: aureole.render(make(ENDLESS), progress=False), daemon=True).start()
-        time.sleep(0.5)
+        time.sleep(0.2)
         child = os.fork()
         if child == 0:
             start = time.monotonic()
@@ -375,20 +376,21 @@ def test_memory_stays():
         scene["ball.bsdf"].eval([0, 0, 1], [0, 0.6, 0.8], 550)
         optics.mie([1, 2], 1.5), optics.circle(1e-6).transform([[0, 1]])
 
-    for _ in range(40):
+    for _ in range(20):
         round_()
+    rounds = effort(50, 200)
     tracemalloc.start()
     try:
         round_()
         before, python_before = _rss(), tracemalloc.get_traced_memory()[0]
-        for _ in range(100):
+        for _ in range(rounds):
             round_()
         after, python_after = _rss(), tracemalloc.get_traced_memory()[0]
     finally:
         tracemalloc.stop()
-    assert python_after - python_before < 100 * 1024  # 1 KiB a round
+    assert python_after - python_before < rounds * 1024  # 1 KiB a round
     # A leaked picture of 32 x 32 pixels is 12 KiB, a scene far more.
-    assert after - before < 100 * 12 * 1024
+    assert after - before < rounds * 12 * 1024
 
 
 # ---------------------------------------------------------------- the command line

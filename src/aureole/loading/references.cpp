@@ -125,8 +125,12 @@ private:
   /// them.
   void link(Node& node) {
     for (Node& child : node.children) {
-      link(child);
-      if (child.tag != "ref" || !check_attributes(child, {"id"}, {"name"}, diagnostics_)) continue;
+      if (child.tag != "ref") {
+        link(child);
+        continue;
+      }
+      // What stands inside of a reference, an error, is not linked: cycles are sought behind references, not in them.
+      if (!check_attributes(child, {"id"}, {"name"}, diagnostics_)) continue;
       if (!child.children.empty())
         diagnostics_.error(child.children.front().where, "<ref> can't contain other elements");
       const Attribute& id = *child.find("id");

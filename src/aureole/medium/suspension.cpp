@@ -5,12 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
+#include "aureole/core/parallel.h"
 #include "aureole/medium/content/mixture.h"
 #include "aureole/optics/medium/recipes.h"
 #include "aureole/optics/particle/hard_spheres.h"
+#include "aureole/phase/table/mie_tables.h"
 
 namespace aureole {
 namespace {
@@ -23,7 +26,7 @@ bool is_milk(const std::string& recipe) {
 
 std::vector<std::string> recipe_names() {
   std::vector<std::string> all(std::begin(kMilk), std::end(kMilk));
-  all.insert(all.end(), {"water", "smoke"});
+  for (const char* name : {"water", "smoke"}) all.emplace_back(name);
   for (const optics::DropletRecipe& r : optics::droplet_recipes()) all.emplace_back(r.name);
   return all;
 }
@@ -78,7 +81,8 @@ void note_dependence(const Properties& p, const optics::Suspension& content, boo
   for (std::size_t i = 0; i < content.ingredients().size(); ++i) {
     const optics::Ingredient& ingredient = content.ingredients()[i];
     if (ingredient.hard_spheres || content.volume_fraction(i) == 0) continue;
-    if (const auto change = content.dependence(i, nm)) {
+    if (const auto change = content.dependence(
+            i, nm, mie_accuracy(std::span(&ingredient.radii, 1), content.host().index(nm), nm), for_ranges)) {
       if (std::abs(change->scattering - 1) > kWorthANote)
         p.note("dependent_scattering",
                fmt::format(
@@ -104,6 +108,14 @@ optics::Suspension read_content(const Properties& p) {
   if (!p.has("recipe") && ingredients.empty())
     throw Error(p.where(), "\"suspension\" needs a \"recipe\" or an <ingredient>");
   optics::Suspension content = mix(p, base, ingredients, dependent_scattering);
+  const SpectralGrid& grid = p.context().grid;
+  for (const optics::Ingredient& i : content.ingredients()) {
+    try {
+      require_sizes_for_tables(grid, std::span(&i.radii, 1), content.host().index(grid.min_nm));
+    } catch (const std::domain_error& e) {
+      throw Error(p.where(), fmt::format("{}: {}", i.name, e.what()));
+    }
+  }
   note_dependence(p, content, dependent_scattering);
   return content;
 }

@@ -65,7 +65,7 @@ void CheckRun::in_parts(std::size_t count, F&& f) {
     f(begin, n);
     calls_ += double(n);
     calls_since_ += n;
-    if (calls_since_ < kAtOnce / 4 || !options_.progress) continue;
+    if (calls_since_ < kBetweenLooks || !options_.progress) continue;
     calls_since_ = 0;
     options_.progress(std::min(calls_ / expected_calls_, 0.99));
   }

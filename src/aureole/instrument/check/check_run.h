@@ -82,7 +82,10 @@ public:
   CheckResult finish();
 
 private:
-  static constexpr std::size_t kAtOnce = 1 << 14;  // calls between two looks at `progress`
+  /// Directions in one call of a function that takes many: arrays of Python's for them, with a row for each wavelength, stay in the
+  /// cache and come from memory that is there, where larger ones are mapped anew for each operation.
+  static constexpr std::size_t kAtOnce = 512;
+  static constexpr std::size_t kBetweenLooks = 4096;  ///< calls between two looks at `progress`
 
   template <class F>
   void in_parts(std::size_t count, F&& f);

@@ -136,9 +136,12 @@ MediumSpectrum Suspension::spectrum(const std::vector<double>& lambda_nm, bool w
   return result;
 }
 
-std::optional<DependentScattering> Suspension::dependence(std::size_t ingredient, double lambda_nm) const {
+std::optional<DependentScattering> Suspension::dependence(std::size_t ingredient, double lambda_nm,
+                                                          const EnsembleAccuracy& accuracy,
+                                                          const ParallelFor& parallel_for) const {
   if (volume_fraction(ingredient) > kMaxHardSphereFraction) return std::nullopt;
-  return dependent_scattering(populations_[ingredient], lambda_nm, host_.index(lambda_nm));
+  return dependent_scattering(populations_[ingredient], lambda_nm, host_.index(lambda_nm), accuracy,
+                              parallel_for);
 }
 
 }  // namespace aureole::optics

@@ -67,7 +67,9 @@ public:
   /// What the option `hard_spheres` of an ingredient changes at a wavelength, whether it is on or not: worth a
   /// remark where it is off and the scattering differs from 1 by more than 1 %. Nothing where the particles fill
   /// more than `kMaxHardSphereFraction`.
-  std::optional<DependentScattering> dependence(std::size_t ingredient, double lambda_nm) const;
+  std::optional<DependentScattering> dependence(std::size_t ingredient, double lambda_nm,
+                                                const EnsembleAccuracy& accuracy = {},
+                                                const ParallelFor& parallel_for = serial_for) const;
 
 private:
   ClearMedium host_;

@@ -116,7 +116,7 @@ Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<doub
   for (std::size_t w = 0; w < lambda_nm_.size(); ++w) {
     EnsembleCoefficients c;
     c.lambda_nm = lambda_nm_[w];
-    double cosine = 0;
+    double cosine = 0, independent_cosine = 0;
     for (std::size_t i = 0; i < kinds; ++i) {
       Average& a = averages[w * kinds + i];
       const double density = populations_[i].number_density;
@@ -124,12 +124,15 @@ Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<doub
       c.independent_scattering += density * a.scattering;
       c.scattering += density * a.correlated;
       cosine += density * a.correlated_cosine;
+      independent_cosine += density * a.cosine;
       c.radii += a.nodes.size();
       c.converged = c.converged && a.converged;
       nodes_[w * kinds + i] = std::move(a.nodes);
       for (RadiusNode& n : nodes_[w * kinds + i]) n.weight *= density;
     }
     c.asymmetry = c.scattering > 0 ? cosine / c.scattering : 0;
+    c.independent_asymmetry =
+        c.independent_scattering > 0 ? independent_cosine / c.independent_scattering : 0;
     coefficients_.push_back(c);
   }
 }
@@ -327,17 +330,17 @@ PhaseTables Ensemble::phases(const ParallelFor& parallel_for, const TellProgress
       lambda_nm_.size(), std::min(0.2 / size, step), step, accuracy_.phase);
 }
 
-DependentScattering dependent_scattering(const ParticlePopulation& population, double lambda_nm,
-                                         double host) {
+DependentScattering dependent_scattering(const ParticlePopulation& population, double lambda_nm, double host,
+                                         const EnsembleAccuracy& accuracy, const ParallelFor& parallel_for) {
   ParticlePopulation correlated = population;
   correlated.hard_spheres = true;
-  const auto at = [&](const ParticlePopulation& p) {
-    return Ensemble({p}, {lambda_nm}, [=](double) { return host; }).coefficients()[0];
-  };
-  const EnsembleCoefficients with = at(correlated), without = at(population);
-  if (!(with.independent_scattering > 0)) return {};
-  return {with.scattering / with.independent_scattering,
-          with.scattering * (1 - with.asymmetry) / (with.independent_scattering * (1 - without.asymmetry))};
+  const EnsembleCoefficients c =
+      Ensemble(
+          {correlated}, {lambda_nm}, [=](double) { return host; }, accuracy, parallel_for)
+          .coefficients()[0];
+  if (!(c.independent_scattering > 0)) return {};
+  return {c.scattering / c.independent_scattering,
+          c.scattering * (1 - c.asymmetry) / (c.independent_scattering * (1 - c.independent_asymmetry))};
 }
 
 }  // namespace aureole::optics

@@ -47,6 +47,7 @@ struct EnsembleCoefficients {
   double absorption = 0, scattering = 0;
   double asymmetry = 0;               ///< 0 where nothing is scattered
   double independent_scattering = 0;  ///< what `scattering` would be without structure factors
+  double independent_asymmetry = 0;   ///< likewise
   std::size_t radii = 0;              ///< nodes in use
   bool converged = true;              ///< whether the averages over radii are as accurate as asked
 
@@ -95,6 +96,8 @@ private:
 struct DependentScattering {
   double scattering = 1, reduced = 1;
 };
-DependentScattering dependent_scattering(const ParticlePopulation& population, double lambda_nm, double host);
+DependentScattering dependent_scattering(const ParticlePopulation& population, double lambda_nm, double host,
+                                         const EnsembleAccuracy& accuracy = {},
+                                         const ParallelFor& parallel_for = serial_for);
 
 }  // namespace aureole::optics

@@ -32,16 +32,22 @@ double cells_for(const SpectralGrid& grid, const optics::RadiusDistribution& rad
 
 }  // namespace
 
-std::vector<double> mie_wavelengths(const SpectralGrid& grid,
-                                    std::span<const optics::RadiusDistribution> radii, double host_index,
-                                    double least_per_unit_of_log) {
-  constexpr double kMost = 64, kMostSize = 5000;
+void require_sizes_for_tables(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
+                              double host_index) {
+  constexpr double kMostSize = 5000;
   for (const optics::RadiusDistribution& r : radii)
     if (const double x = size_parameter(r, host_index, grid.min_nm); x > kMostSize)
       throw std::domain_error(fmt::format(
           "2 pi n radius/lambda is {:.0f} at the sensor's shortest wavelength, {:.6g} nm; up to {:.0f} is tabulated in a "
           "bearable time",
           x, grid.min_nm, kMostSize));
+}
+
+std::vector<double> mie_wavelengths(const SpectralGrid& grid,
+                                    std::span<const optics::RadiusDistribution> radii, double host_index,
+                                    double least_per_unit_of_log) {
+  constexpr double kMost = 64;
+  require_sizes_for_tables(grid, radii, host_index);
   const double least = least_per_unit_of_log * std::log(grid.max_nm / grid.min_nm);
   double cells = least;
   for (const optics::RadiusDistribution& r : radii) cells = std::max(cells, cells_for(grid, r, host_index));

@@ -18,6 +18,10 @@ std::vector<double> mie_wavelengths(const SpectralGrid& grid,
                                     std::span<const optics::RadiusDistribution> radii, double host_index,
                                     double least_per_unit_of_log = 9.6);
 
+/// That exception alone.
+void require_sizes_for_tables(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
+                              double host_index);
+
 /// Coarser than the library's own: a part in a hundred of a phase function is not seen in a picture. `nm` is
 /// the shortest wavelength.
 optics::EnsembleAccuracy mie_accuracy(std::span<const optics::RadiusDistribution> radii, double host_index,
