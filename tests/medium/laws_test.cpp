@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "harness/effort.h"
 #include "harness/rendered.h"
 #include "medium/scene_text.h"
 
@@ -50,7 +51,7 @@ TEST(MediaLaws, LampAndDetectorCanBeExchanged) {
   const std::string glass = "<bsdf type=\"roughdielectric\">" + parameter("alpha", 0.3) +
                             parameter("ext_ior", 1) + parameter("int_ior", n) + "</bsdf>";
   const auto flux = [&](bool to_b) {
-    const std::string lamp = "<emitter type=\"area\"/>", detector = meter(16384);
+    const std::string lamp = "<emitter type=\"area\"/>", detector = meter(test::effort(6144, 16384));
     const Picture p =
         render(path() + ball(glass, medium(0.2, 1.1, 0.4)) +
                sphere(0.2, 0.1, -0.3, 0.3, kBlack + (to_b ? detector : lamp)) +

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "harness/effort.h"
 #include "harness/rendered.h"
 #include "medium/scene_text.h"
 
@@ -128,7 +129,8 @@ TEST(Media, HiddenSurfacesChangeNothing) {
     return all + "<emitter type=\"point\"><point name=\"position\" x=\"3\" y=\"1\" z=\"2\"/></emitter>" +
            kSky;
   };
-  const std::string from = camera("origin=\"0, 0, 4\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 25, 4, 256);
+  const std::string from =
+      camera("origin=\"0, 0, 4\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 25, 4, test::effort(96, 256));
   for (const char* integrator : {"path", "ptracer", "bdpt"}) {
     const std::string method = "<integrator type=\"" + std::string(integrator) + "\"/>" + from;
     const Picture a = render(method + scene(false)), b = render(method + scene(true));
@@ -151,12 +153,13 @@ TEST(Media, PathsOfLightBringTheSame) {
       "z=\"0.3\"/><emitter type=\"area\"/></shape>";
   for (const char* origin : {"0, -6, 1", "0, -1.5, 0.5"}) {
     const std::string from =
-        camera("origin=\"" + std::string(origin) + "\" target=\"0, 0, 0\" up=\"0, 0, 1\"", 35, 4, 256);
+        camera("origin=\"" + std::string(origin) + "\" target=\"0, 0, 0\" up=\"0, 0, 1\"", 35, 4,
+               test::effort(128, 256));
     const Picture a = render(path() + from + scene);
     for (const char* integrator : {"ptracer", "bdpt"}) {
       const Picture b = render("<integrator type=\"" + std::string(integrator) + "\"/>" + from + scene);
       EXPECT_NEAR(a.all, b.all, 4.5 * std::hypot(a.all_error, b.all_error)) << integrator << " " << origin;
-      EXPECT_LT(std::hypot(a.all_error, b.all_error), 0.03 * a.all);
+      EXPECT_LT(std::hypot(a.all_error, b.all_error), test::effort(0.04, 0.03) * a.all);
       for (std::size_t i = 0; i < a.mean.size(); ++i)
         EXPECT_NEAR(a.mean[i], b.mean[i], 6 * std::hypot(a.error[i], b.error[i]) + 1e-3 * a.all)
             << integrator << ", pixel " << i;

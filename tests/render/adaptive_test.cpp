@@ -111,7 +111,7 @@ TEST(Adaptive, ThePictureIsThatOfEqualSamples) {
   for (const AdaptiveTarget error : kErrors) {
     RenderOptions options;
     options.end = error == AdaptiveTarget::relative ? 23 : 32;
-    options.replicates = 64;
+    options.replicates = test::effort(32, 64);
     options.adaptive = AdaptiveTarget::none;
     Image& equal = equal_pictures[*options.end];
     if (equal.pixels.empty()) equal = rendered(options, small_scene(40, 28, border)).picture();

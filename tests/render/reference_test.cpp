@@ -77,11 +77,11 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   // table's interpolation), and some pixels have less noise than that.
   constexpr double kMitsubaTables = 1e-3;
   // 32 replicates make the variance's own error small. Few samples do for most scenes; where the noise is
-  // above 1 to 1.5 % of the mean a pixel's mean is not yet normally distributed (rare bright samples), and more are
+  // above 1 to 2 % of the mean a pixel's mean is not yet normally distributed (rare bright samples), and more are
   // taken. A handful of values has no statistics of its own: they are computed until their noise is below
   // what the tables explain.
   const bool few = loaded.scene->film().crop_width() * loaded.scene->film().crop_height() < 16;
-  const double noise_limit = few ? 5e-4 : effort(0.015, 0.01);
+  const double noise_limit = few ? 5e-4 : effort(0.02, 0.01);
   const std::int64_t most_samples = few ? 16384 : 256;
   const double reference_noise = relative_noise(reference);
   RenderOptions options;

@@ -108,7 +108,9 @@ TEST(ScattererSampler, EveryCorrelation) {
        R"(<correlation type="lattice"><string name="lattice" value="square"/><float name="jitter" value="0.1"/></correlation>)",
        R"(<correlation type="lattice"><boolean name="random_orientation" value="true"/></correlation>)",
        R"(<correlation type="percus_yevick"><float name="stretch" value="2"/></correlation>)"})
-    for (MixtureCase layer : {layers()[0], layers()[5]}) {
+    for (const std::size_t which : {0u, 5u}) {
+      if (which == 0 && !test::is_thorough()) continue;  // the other one has two shapes
+      MixtureCase layer = layers()[which];
       layer.extent = 40;
       const auto model = layer.model(0.5, 0.5, correlation);
       check_sampler(layer.name + " " + correlation, *model, ProductSampler(model), 0.5f, 25, true, ++seed);

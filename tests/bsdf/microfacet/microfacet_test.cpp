@@ -8,6 +8,7 @@
 #include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/spectrum/refractive_index.h"
 #include "harness/bsdf_harness.h"
+#include "harness/effort.h"
 #include "harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -303,6 +304,7 @@ TEST(WhiteFurnace, NothingIsGainedAndNothingLost) {
   for (const Kind& k : kinds)
     for (const char* distribution : {"beckmann", "ggx"})
       for (const double alpha : {0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0}) {
+        if (!test::is_thorough() && (alpha == 0.1 || alpha == 0.3 || alpha == 0.7)) continue;
         double low[2] = {2, 2}, high[2] = {0, 0};
         for (const int preserving : {0, 1}) {
           const auto bsdf = build<Bsdf>(rough(k.type, distribution, alpha,

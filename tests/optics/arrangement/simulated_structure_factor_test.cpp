@@ -55,6 +55,7 @@ TEST(SimulatedStructureFactor, PercusYevickIsThisFarOff) {
       "        first peak of S'                          S'(0)                         largest\n"
       "  Fa    simulated           Percus-Yevick         simulated  from Z   P.-Y.     difference\n");
   for (const auto& row : rows) {
+    if (!test::is_thorough() && row.fa != 0.3 && row.fa != 0.6 && row.fa != 0.68) continue;
     const SimulatedStructureFactor s(row.fa, ensemble(1, 1000, test::effort(250, 560)));
     const auto theory = [&](double u) { return hard_disc_structure_factor(u, row.fa); };
     const Peak a = first_peak([&](double u) { return s.eval(u); }), b = first_peak(theory);

@@ -193,9 +193,10 @@ std::vector<Layer> all_layers() {
            {[](const Wave& q) { return circle(q, 0.9); }, [](const Wave& q) { return square(q, 1.4); }}}};
 }
 
-TEST(WaveSum, LabelledMixtures) { label_test(0.5, all_layers(), test::effort(120, 260)); }
-
-TEST(WaveSum, LabelledMixturesCrowded) { label_test(0.62, all_layers(), test::effort(120, 260)); }
+TEST(WaveSum, LabelledMixtures) {
+  if (test::is_thorough()) label_test(0.5, all_layers(), 260);
+  label_test(0.62, all_layers(), test::effort(120, 260));
+}
 
 TEST(WaveSum, Polydisperse) {
   const double fa = 0.5;
