@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace aureole {
 
@@ -33,30 +32,40 @@ NormalCone NormalCone::merged(const NormalCone& other) const {
   return {normalize(middle), std::min(std::sin(widest) + 1e-5f, 1.f)};
 }
 
-BeamTree::BeamTree(std::span<const Bounds3> boxes, std::span<const NormalCone> cones) : items_(boxes.size()) {
+struct BeamTree::Item {
+  Bounds3 box;
+  std::uint32_t index;
+};
+
+BeamTree::BeamTree(std::span<const Bounds3> boxes, std::span<const NormalCone> cones) {
   if (boxes.empty()) return;
-  std::iota(items_.begin(), items_.end(), 0u);
+  std::vector<Item> items;
+  items.reserve(boxes.size());
+  for (const Bounds3& box : boxes) items.push_back({box, std::uint32_t(items.size())});
   nodes_.reserve(boxes.size());
   nodes_.emplace_back();
-  build(0, 0, std::uint32_t(boxes.size()), 1, boxes, cones);
+  build(0, items, 0, 1, cones);
   nodes_.shrink_to_fit();
+  items_.reserve(items.size());
+  for (const Item& item : items) items_.push_back(item.index);
 }
 
-void BeamTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::size_t depth,
-                     std::span<const Bounds3> boxes, std::span<const NormalCone> cones) {
-  constexpr std::uint32_t kLeaf = 4;
+void BeamTree::build(std::uint32_t node, std::span<Item> items, std::uint32_t begin, std::size_t depth,
+                     std::span<const NormalCone> cones) {
+  constexpr std::size_t kLeaf = 4;
   Bounds3 box, centres;
-  for (std::uint32_t i = begin; i < end; ++i) {
-    box.extend(boxes[items_[i]]);
-    centres.extend(boxes[items_[i]].center());
+  for (const Item& item : items) {
+    box.extend(item.box);
+    centres.extend(item.box.center());
   }
   nodes_[node].box = box;
   const Vec3 extent = centres.diagonal();
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  if (end - begin <= kLeaf || (!(extent[axis] > 0) && end - begin <= 64) || depth + 1 >= kMostDepth) {
-    nodes_[node].first = begin, nodes_[node].count = end - begin;
-    NormalCone cone = cones.empty() ? NormalCone{} : cones[items_[begin]];
-    for (std::uint32_t i = begin + 1; i < end && !cones.empty(); ++i) cone = cone.merged(cones[items_[i]]);
+  if (items.size() <= kLeaf || (!(extent[axis] > 0) && items.size() <= 64) || depth + 1 >= kMostDepth) {
+    nodes_[node].first = begin, nodes_[node].count = std::uint32_t(items.size());
+    if (cones.empty()) return;
+    NormalCone cone = cones[items[0].index];
+    for (const Item& item : items.subspan(1)) cone = cone.merged(cones[item.index]);
     nodes_[node].cone = cone;
     return;
   }
@@ -67,20 +76,20 @@ void BeamTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
     Bounds3 box;
     std::uint32_t count = 0;
   } bins[kBins];
-  const auto bin_of = [&](std::uint32_t item) {
-    const float at = (boxes[item].center()[axis] - centres.lower[axis]) / extent[axis];
+  const auto bin_of = [&](const Item& item) {
+    const float at = (item.box.center()[axis] - centres.lower[axis]) / extent[axis];
     return std::clamp(int(at * kBins), 0, kBins - 1);
   };
   const auto area = [](const Bounds3& b) {
     const Vec3 d = b.diagonal();
     return b.empty() ? 0.f : d.x * d.y + d.y * d.z + d.z * d.x;
   };
-  std::uint32_t middle = begin;
+  auto middle = items.begin();
   // Halves by number keep the depth in bounds where planes do not divide.
   if (extent[axis] > 0 && depth < kMostDepth - 34) {
-    for (std::uint32_t i = begin; i < end; ++i) {
-      Bin& bin = bins[bin_of(items_[i])];
-      bin.box.extend(boxes[items_[i]]);
+    for (const Item& item : items) {
+      Bin& bin = bins[bin_of(item)];
+      bin.box.extend(item.box);
       ++bin.count;
     }
     float right[kBins] = {};
@@ -96,24 +105,24 @@ void BeamTree::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end,
     for (int i = 1; i < kBins; ++i) {
       rest.extend(bins[i - 1].box), count += bins[i - 1].count;
       const float cost = area(rest) * float(count) + right[i];
-      if (count > 0 && count < end - begin && cost < best) best = cost, split = i;
+      if (count > 0 && count < items.size() && cost < best) best = cost, split = i;
     }
     if (split > 0)
-      middle = std::uint32_t(std::partition(items_.begin() + begin, items_.begin() + end,
-                                            [&](std::uint32_t item) { return bin_of(item) < split; }) -
-                             items_.begin());
+      middle =
+          std::partition(items.begin(), items.end(), [&](const Item& item) { return bin_of(item) < split; });
   }
-  if (middle == begin || middle == end) {
-    middle = begin + (end - begin) / 2;
-    std::nth_element(
-        items_.begin() + begin, items_.begin() + middle, items_.begin() + end,
-        [&](std::uint32_t a, std::uint32_t b) { return boxes[a].center()[axis] < boxes[b].center()[axis]; });
+  if (middle == items.begin() || middle == items.end()) {
+    middle = items.begin() + std::ptrdiff_t(items.size() / 2);
+    std::nth_element(items.begin(), middle, items.end(), [&](const Item& a, const Item& b) {
+      return a.box.center()[axis] < b.box.center()[axis];
+    });
   }
+  const auto half = std::size_t(middle - items.begin());
   const auto first = std::uint32_t(nodes_.size());
   nodes_[node].first = first;
   nodes_.resize(nodes_.size() + 2);
-  build(first, begin, middle, depth + 1, boxes, cones);
-  build(first + 1, middle, end, depth + 1, boxes, cones);
+  build(first, items.first(half), begin, depth + 1, cones);
+  build(first + 1, items.subspan(half), begin + std::uint32_t(half), depth + 1, cones);
   nodes_[node].cone = nodes_[first].cone.merged(nodes_[first + 1].cone);
 }
 

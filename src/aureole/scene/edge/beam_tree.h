@@ -68,8 +68,12 @@ private:
     std::uint32_t first = 0, count = 0;  ///< items, or count 0 and the first of two children
   };
 
-  void build(std::uint32_t node, std::uint32_t begin, std::uint32_t end, std::size_t depth,
-             std::span<const Bounds3> boxes, std::span<const NormalCone> cones);
+  /// A box and its number: they are sorted in place, so that a node's lie beside one another in memory.
+  struct Item;
+
+  /// `begin`: how many items lie before those of the node.
+  void build(std::uint32_t node, std::span<Item> items, std::uint32_t begin, std::size_t depth,
+             std::span<const NormalCone> cones);
   /// The stretch of the ray against the box grown by the radius, and a little for rounding.
   static bool meets(const Bounds3& box, const Beam& beam, const Vec3& inverse) {
     const float radius = 1.00001f * beam.radius;

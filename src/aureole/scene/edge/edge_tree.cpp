@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 namespace aureole {
 namespace {
@@ -113,13 +112,24 @@ std::optional<double> keller_point(const EdgeLine& line, const PathEnd& a, const
   return (along_a * across_b + along_b * across_a) / sum;
 }
 
+struct EdgeTree::Item {
+  Vec3 a, b;
+  float length;
+  std::uint32_t index;
+
+  float center(int axis) const { return 0.5f * (a[axis] + b[axis]); }
+  void extend(Bounds3& box) const { box.extend(a), box.extend(b); }
+};
+
 EdgeTree::EdgeTree(std::span<const MeshEdge> edges) : edges_(edges) {
   if (edges.empty()) return;
-  std::vector<std::uint32_t> order(edges.size());
-  std::iota(order.begin(), order.end(), 0u);
+  std::vector<Item> items;
+  items.reserve(edges.size());
+  for (const MeshEdge& edge : edges)
+    items.push_back({edge.a, edge.b, length(edge.b - edge.a), std::uint32_t(items.size())});
   nodes_.reserve(2 * edges.size());
   nodes_.emplace_back();
-  build(0, order, 0);
+  build(0, items, 0);
 }
 
 namespace {
@@ -127,104 +137,138 @@ namespace {
 /// The squared half diagonal of what edges fill.
 float size_of(const Bounds3& box) { return box.empty() ? 0.f : 0.25f * length_squared(box.diagonal()); }
 
-/// Where the plane lies, of fifteen across each axis, for which the sum of the edges' number times size is least: small figures are
-/// told from the long edges around them.
 struct Plane {
   int axis = -1;
   float at = 0;
 };
-Plane best_plane(std::span<const MeshEdge> edges, std::span<const std::uint32_t> order,
-                 const Bounds3& centers) {
-  constexpr int kBins = 16;
+
+constexpr int kBins = 16;
+
+/// `best_plane` across one axis, for few items: sorted by their bins, of which most are empty.
+template <class Item>
+void try_few(std::span<const Item> items, int axis, float begin, float extent, Plane& best, float& least) {
+  struct {
+    int bin;
+    const Item* item;
+  } sorted[kBins];
+  const int count = int(items.size());
+  for (int i = 0; i < count; ++i) {
+    const Item& item = items[std::size_t(i)];
+    const int bin = std::clamp(int((item.center(axis) - begin) / extent * kBins), 0, kBins - 1);
+    int at = i;
+    for (; at > 0 && sorted[at - 1].bin > bin; --at) sorted[at] = sorted[at - 1];
+    sorted[at] = {bin, &item};
+  }
+  float right[kBins];
+  Bounds3 box;
+  for (int i = count - 1; i > 0; --i) sorted[i].item->extend(box), right[i] = size_of(box) * float(count - i);
+  box = {};
+  for (int i = 1; i < count; ++i) {
+    sorted[i - 1].item->extend(box);
+    if (sorted[i].bin == sorted[i - 1].bin) continue;
+    const float cost = size_of(box) * float(i) + right[i];
+    if (cost < least) least = cost, best = {axis, begin + extent * float(sorted[i - 1].bin + 1) / kBins};
+  }
+}
+
+/// Where the plane lies, of fifteen across each axis, for which the sum of the edges' number times size is least: small figures are
+/// told from the long edges around them.
+template <class Item>
+Plane best_plane(std::span<const Item> items, const Bounds3& centers) {
   Plane best;
   float least = INFINITY;
-  for (int axis = 0; axis < 3; ++axis) {
-    const float begin = centers.lower[axis], extent = centers.upper[axis] - begin;
-    if (!(extent > 0)) continue;
-    struct {
-      Bounds3 box;
-      float count = 0;
-    } bins[kBins];
-    for (const std::uint32_t i : order) {
-      const float at = (0.5f * (edges[i].a[axis] + edges[i].b[axis]) - begin) / extent;
-      auto& bin = bins[std::clamp(int(at * kBins), 0, kBins - 1)];
-      bin.box.extend(edges[i].a), bin.box.extend(edges[i].b);
+  if (items.size() <= kBins) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (const float extent = centers.upper[axis] - centers.lower[axis]; extent > 0)
+        try_few(items, axis, centers.lower[axis], extent, best, least);
+    return best;
+  }
+  struct {
+    Bounds3 box;
+    float count = 0;
+  } bins[3][kBins];
+  const Vec3 extent = centers.diagonal();
+  for (const Item& item : items)
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(extent[axis] > 0)) continue;
+      const float at = (item.center(axis) - centers.lower[axis]) / extent[axis];
+      auto& bin = bins[axis][std::clamp(int(at * kBins), 0, kBins - 1)];
+      item.extend(bin.box);
       ++bin.count;
     }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(extent[axis] > 0)) continue;
     float right[kBins] = {};
     Bounds3 box;
     float count = 0;
     for (int i = kBins - 1; i > 0; --i) {
-      if (bins[i].count > 0) box.extend(bins[i].box), count += bins[i].count;
+      if (bins[axis][i].count > 0) box.extend(bins[axis][i].box), count += bins[axis][i].count;
       right[i] = size_of(box) * count;
     }
     box = {}, count = 0;
     for (int i = 1; i < kBins; ++i) {
-      if (bins[i - 1].count > 0) box.extend(bins[i - 1].box), count += bins[i - 1].count;
+      if (bins[axis][i - 1].count > 0) box.extend(bins[axis][i - 1].box), count += bins[axis][i - 1].count;
       const float cost = size_of(box) * count + right[i];
-      if (count > 0 && count < float(order.size()) && cost < least)
-        least = cost, best = {axis, begin + extent * float(i) / kBins};
+      if (count > 0 && count < float(items.size()) && cost < least)
+        least = cost, best = {axis, centers.lower[axis] + extent[axis] * float(i) / kBins};
     }
   }
   return best;
 }
 
-}  // namespace
-
-std::size_t EdgeTree::divide(std::span<std::uint32_t> order, const Bounds3& centers, int depth) const {
+/// Orders the items by the side of a plane, and returns how many lie before it.
+template <class Item>
+std::size_t divide(std::span<Item> items, const Bounds3& centers, int depth) {
   constexpr int kMostUneven = 64;
-  const auto center = [&](std::uint32_t i, int axis) {
-    return 0.5f * (edges_[i].a[axis] + edges_[i].b[axis]);
-  };
   // A few long edges around a small figure of many are told from it at once: in a node with a part of the figure they would make its
   // estimate that of edges far away. Such planes are no danger to the depth of the tree but in great number.
   if (depth < kMostUneven) {
-    if (const Plane plane = best_plane(edges_, order, centers); plane.axis >= 0) {
-      const auto middle = std::partition(order.begin(), order.end(),
-                                         [&](std::uint32_t i) { return center(i, plane.axis) < plane.at; });
-      const auto half = std::size_t(middle - order.begin());
-      if (half > 0 && half < order.size()) return half;
+    if (const Plane plane = best_plane(std::span<const Item>(items), centers); plane.axis >= 0) {
+      const auto middle = std::partition(items.begin(), items.end(),
+                                         [&](const Item& i) { return i.center(plane.axis) < plane.at; });
+      const auto half = std::size_t(middle - items.begin());
+      if (half > 0 && half < items.size()) return half;
     }
   }
   const Vec3 extent = centers.diagonal();
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  const std::size_t half = order.size() / 2;
-  std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(half), order.end(),
-                   [&](std::uint32_t i, std::uint32_t j) {
-                     const float a = center(i, axis), b = center(j, axis);
-                     return a != b ? a < b : i < j;
+  const std::size_t half = items.size() / 2;
+  std::nth_element(items.begin(), items.begin() + std::ptrdiff_t(half), items.end(),
+                   [&](const Item& i, const Item& j) {
+                     const float a = i.center(axis), b = j.center(axis);
+                     return a != b ? a < b : i.index < j.index;
                    });
   return half;
 }
 
-void EdgeTree::build(std::uint32_t node, std::span<std::uint32_t> order, int depth) {
+}  // namespace
+
+void EdgeTree::build(std::uint32_t node, std::span<Item> items, int depth) {
   Bounds3 box, centers;
   float length = 0, shortest = INFINITY;
-  for (const std::uint32_t i : order) {
-    const MeshEdge& edge = edges_[i];
-    box.extend(edge.a), box.extend(edge.b);
-    centers.extend(0.5f * (edge.a + edge.b));
-    const float own = aureole::length(edge.b - edge.a);
-    length += own, shortest = std::min(shortest, own);
+  for (const Item& item : items) {
+    item.extend(box);
+    centers.extend(0.5f * (item.a + item.b));
+    length += item.length, shortest = std::min(shortest, item.length);
   }
   nodes_[node].center = box.center();
   nodes_[node].radius = 0.5f * aureole::length(box.diagonal());
-  nodes_[node].length = length, nodes_[node].shortest = shortest, nodes_[node].count = float(order.size());
-  if (order.size() == 1) {
-    const MeshEdge& edge = edges_[order[0]];
+  nodes_[node].length = length, nodes_[node].shortest = shortest, nodes_[node].count = float(items.size());
+  if (items.size() == 1) {
+    const MeshEdge& edge = edges_[items[0].index];
     nodes_[node].normals = edge.is_boundary ? NormalCone{} : NormalCone::of(edge.n0, edge.n1);
     nodes_[node].lines = of_line(normalize(edge.b - edge.a));
-    nodes_[node].index = order[0];
+    nodes_[node].index = items[0].index;
     nodes_[node].is_leaf = true;
     return;
   }
-  const std::size_t half = divide(order, centers, depth);
+  const std::size_t half = divide(items, centers, depth);
   const auto first = std::uint32_t(nodes_.size());
   nodes_[node].index = first;
   nodes_[node].is_leaf = false;
   nodes_.resize(nodes_.size() + 2);
-  build(first, order.first(half), depth + 1);
-  build(first + 1, order.subspan(half), depth + 1);
+  build(first, items.first(half), depth + 1);
+  build(first + 1, items.subspan(half), depth + 1);
   nodes_[node].normals = nodes_[first].normals.merged(nodes_[first + 1].normals);
   nodes_[node].lines = merged_lines(nodes_[first].lines, nodes_[first + 1].lines);
 }

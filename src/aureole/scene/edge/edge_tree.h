@@ -80,9 +80,10 @@ private:
     bool is_leaf;
   };
 
-  void build(std::uint32_t node, std::span<std::uint32_t> order, int depth);
-  /// Orders the edges by the side of a plane, and returns how many lie before it.
-  std::size_t divide(std::span<std::uint32_t> order, const Bounds3& centers, int depth) const;
+  /// What of an edge decides where it goes: such items are sorted in place, so that a node's lie beside one another in memory.
+  struct Item;
+
+  void build(std::uint32_t node, std::span<Item> items, int depth);
   template <class Importance>
   std::optional<Choice> descend(double u, const Importance& importance) const;
 
