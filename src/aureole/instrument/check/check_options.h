@@ -28,9 +28,10 @@ struct CheckOptions {
   /// Directions around which lobes are narrow, for a given wi, and how wide bins may be there [rad].
   std::function<std::vector<Vec3>(const Vec3& wi)> focus;
   double focus_angle = 0.02;
-  double min_nm = 0, max_nm = 0;    ///< wavelengths; both zero: all that the function is tabulated for
-  std::size_t samples = 300000;     ///< for each of 6 directions and 2 wavelengths
-  double tolerance = 2e-3;          ///< of energies and masses by quadrature
+  double min_nm = 0, max_nm = 0;  ///< wavelengths; both zero: all that the function is tabulated for
+  std::size_t samples = 300000;   ///< for each of 6 directions and 2 wavelengths
+  double tolerance = 2e-3;        ///< of energies and masses by quadrature
+  double bin_tolerance = 1e-6;  ///< of the integrals over one bin, which is divided until they change by less
   std::size_t most_bins = 1000000;  ///< where quadrature gives up
   /// Probability that a correct function of the family fails one of its statistical tests.
   double significance = 0.01;

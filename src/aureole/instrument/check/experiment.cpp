@@ -53,6 +53,7 @@ std::optional<DirectionBins> make_bins(CheckRun& run, const Vec3& wi, int hero, 
   if (!draw_pilot(run, wi, hero, random, bin_options)) return {};
   if (options.focus) bin_options.focus = options.focus(wi);
   bin_options.focus_angle = options.focus_angle;
+  bin_options.tolerance = options.bin_tolerance;
   bin_options.most_bins = options.most_bins;
 
   CheckFinding finite{CheckRule::finite, wi, run.nm(hero)};
