@@ -27,16 +27,22 @@ public:
     if (!phase_->is_isotropic_medium())
       throw Error(phase_->properties().where(),
                   "K and S are those of a medium that scatters alike for all directions of the light");
-    convert(p, read_paint(p));
+    const SampledPaint paint = read_paint(p);
+    const pigment::Convention convention =
+        pigment::convention_named(p.get_choice("convention", "three_quarters", pigment::convention_names()));
+    // Null in a scene with errors, where the phase function may lack its own tables.
+    const auto coefficients =
+        p.shared_model<Coefficients>([&] { return convert(p, paint, convention, *phase_); });
+    if (coefficients) coefficients_ = *coefficients;
   }
 
   void eval(const Vec3&, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const override {
-    out.sigma_s = scattering_.eval(w);
-    out.sigma_t = out.sigma_s + absorption_.eval(w);
+    out.sigma_s = coefficients_.scattering.eval(w);
+    out.sigma_t = out.sigma_s + coefficients_.absorption.eval(w);
     out.emission = 0.f;
   }
   Spectrum majorant(const Vec3&, const Wavelengths& w) const override {
-    return scattering_.eval(w) + absorption_.eval(w);
+    return coefficients_.scattering.eval(w) + coefficients_.absorption.eval(w);
   }
   const PhaseFunction& phase() const override { return *phase_; }
   bool is_uniform() const override { return true; }
@@ -44,6 +50,10 @@ public:
   bool emits() const override { return false; }
 
 private:
+  struct Coefficients {
+    SampledSpectrum absorption, scattering;
+  };
+
   /// Per unit of length of the scene.
   static SampledPaint read_paint(const Properties& p) {
     const SpectralGrid& grid = p.context().grid;
@@ -91,16 +101,16 @@ private:
     }
   }
 
-  void convert(const Properties& p, const SampledPaint& paint) {
-    const pigment::Convention convention =
-        pigment::convention_named(p.get_choice("convention", "three_quarters", pigment::convention_names()));
+  static std::shared_ptr<const Coefficients> convert(const Properties& p, const SampledPaint& paint,
+                                                     pigment::Convention convention,
+                                                     const PhaseFunction& phase) {
     const SpectralGrid& grid = p.context().grid;
     const char* stated = p.has("recipe") ? "recipe" : "s";
     std::vector<double> nm, absorption, scattering;
     for (int first = 0; first <= grid.cells; first += kWavelengths) {
       const auto node = [&](int i) { return float(grid.node(std::min(first + i, grid.cells))); };
       const Wavelengths w = Wavelengths::at(grid, make_spectrum(node));
-      const auto g = mean_cosine(*phase_, {}, {}, w);
+      const auto g = mean_cosine(phase, {}, {}, w);
       const Spectrum k = paint.k.eval(w), s = paint.s.eval(w);
       for (int i = 0; i < kWavelengths && first + i <= grid.cells; ++i) try {
           const auto c =
@@ -112,11 +122,12 @@ private:
           throw p.error(stated, e.what());
         }
     }
-    absorption_ = SampledSpectrum::from_points(grid, nm, absorption);
-    scattering_ = SampledSpectrum::from_points(grid, nm, scattering);
+    return std::make_shared<const Coefficients>(
+        Coefficients{SampledSpectrum::from_points(grid, nm, absorption),
+                     SampledSpectrum::from_points(grid, nm, scattering)});
   }
 
-  SampledSpectrum absorption_, scattering_;
+  Coefficients coefficients_;
   PhaseFunctionPtr phase_;
 };
 
