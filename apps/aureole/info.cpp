@@ -3,13 +3,36 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <set>
+#include <vector>
 
 #include "aureole/loading/load.h"
+#include "aureole/plugin/table_holder.h"
 #include "aureole/render/state.h"
 #include "command.h"
+#include "nested_objects.h"
 
 namespace aureole {
 namespace {
+
+/// The objects of the scene's surfaces that made tables, in the scene's order.
+void print_tables(const Scene& scene) {
+  std::set<const Object*> seen;
+  std::vector<std::pair<const Object*, std::size_t>> found;
+  std::size_t all = 0;
+  for (const ModelPart& part : scene.parts().surfaces)
+    visit_nested(*part.element, [&](const ObjectPtr& o) {
+      const auto* holder = dynamic_cast<const TableHolder*>(o.get());
+      if (!holder || !seen.insert(o.get()).second) return;
+      found.emplace_back(o.get(), holder->table_bytes());
+      all += found.back().second;
+    });
+  if (found.empty()) return;
+  fmt::print("tables       {:.2f} MB\n", 1e-6 * double(all));
+  for (const auto& [o, bytes] : found)
+    fmt::print("  {:<20} {:<24} {:8.2f} MB\n", o->properties().type(), o->id().empty() ? "-" : o->id(),
+               1e-6 * double(bytes));
+}
 
 int info(const std::string& file, const std::vector<std::string>& defines) {
   LoadOptions load;
@@ -49,6 +72,7 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
     for (const auto& r : part.remarks) fmt::print("    {}\n", r);
   }
   if (instances) fmt::print("  {} instances of groups\n", instances);
+  print_tables(scene);
   std::map<std::string, int> emitters;
   for (const Light& e : scene.emitters()) ++emitters[e.properties().type()];
   fmt::print("emitters     {}\n", scene.emitters().size());

@@ -19,8 +19,8 @@ from ._arrays import real, scalar
 from ._errors import Error
 from ._vectorised import broadcast, choice, last_axis, shaped
 
-__all__ = ["Layer", "Match", "Paint", "Palette", "Surface", "ciede2000", "coefficients", "fit", "k_over_s", "lab", "layer",
-           "opaque_reflectance", "saunderson", "surface"]
+__all__ = ["Layer", "Match", "Paint", "Palette", "Surface", "TwoFluxError", "ciede2000", "coefficients", "fit", "k_over_s", "lab", "layer",
+           "opaque_reflectance", "saunderson", "surface", "two_flux_error"]
 
 Reals = npt.NDArray[np.float64]
 
@@ -137,6 +137,50 @@ def saunderson(k1: float, k2: float, *, specular: str = "included") -> Surface:
     """Saunderson's interface by its reflectance from outside, k1, and from within, k2."""
     choice("specular", specular, "included", "excluded")
     return Surface(*_aureole.pigment_saunderson(scalar("k1", k1), scalar("k2", k2), specular))
+
+
+class TwoFluxError(NamedTuple):
+    """R and L* of layers by transport, and by how much Kubelka and Munk's are more; NaN where their S is negative."""
+
+    reflectance: Reals
+    error: Reals
+    lightness: Reals
+    lightness_error: Reals
+
+
+def two_flux_error(albedo: npt.ArrayLike, thickness: npt.ArrayLike, g: npt.ArrayLike = 0, *, index: float = 1.5,
+                   substrate: float = 0, convention: str = "three_quarters") -> TwoFluxError:
+    """How far Kubelka and Munk are from radiative transfer, for layers in diffuse light; as `aureole pigment error`.
+
+    Parameters
+    ----------
+    albedo : array_like
+        Scattering over extinction, in (0, 1].
+    thickness : array_like
+        In transport lengths, 1/(sigma_s (1 - g)); above 0.
+    g : array_like
+        Mean cosine of Henyey and Greenstein's phase function, in (-1, 1).
+    index : float
+        Of the layer; 1 is no interface. Kubelka and Munk get Saunderson's for it.
+    substrate : float
+        Reflectance of the Lambertian surface below, in [0, 1].
+    convention : str
+        By which S comes from sigma_s and g: "three_quarters", "diffusion" or "double_gauss" (docs/pigments.md).
+
+    Examples
+    --------
+    >>> from aureole import pigment
+    >>> error = pigment.two_flux_error([0.9, 1], 10, index=1)
+    >>> [float(e) for e in error.error.round(3)]
+    [-0.007, -0.001]
+    """
+    choice("convention", convention, *_aureole.pigment_conventions())
+    shape, (a, x, mean) = broadcast(albedo=real("albedo", albedo, positive=True, maximum=1),
+                                    thickness=real("thickness", thickness, positive=True), g=real("g", g, minimum=-1, maximum=1))
+    result = np.empty((4, a.size))
+    _aureole.pigment_two_flux_error(a, x, mean, scalar("index", index, minimum=1),
+                                    scalar("substrate", substrate, minimum=0, maximum=1), convention, result)
+    return TwoFluxError(*(shaped(row, shape) for row in result))
 
 
 def ciede2000(a: npt.ArrayLike, b: npt.ArrayLike) -> Any:

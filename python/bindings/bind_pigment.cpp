@@ -6,6 +6,7 @@
 #include <nanobind/stl/vector.h>
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "aureole/pigment/hiding.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
 #include "aureole/pigment/measured_paints.h"
+#include "aureole/pigment/two_flux_error.h"
 #include "bindings.h"
 #include "optics_bindings.h"
 #include "vectorised.h"
@@ -94,6 +96,25 @@ void difference(const Array<const double, 2>& a, const Array<const double, 2>& b
   for_each(n, [&](std::size_t i) {
     const double *p = a.data() + 3 * i, *q = b.data() + 3 * i;
     result.data()[i] = pigment::ciede2000({p[0], p[1], p[2]}, {q[0], q[1], q[2]});
+  });
+}
+
+/// Rows of `result`: R, its error, L*, its error. NaN where two fluxes say nothing.
+void two_flux_error(const Reals& albedo, const Reals& thickness, const Reals& g, double index,
+                    double substrate, const std::string& convention, const Array<double, 2>& result) {
+  const std::size_t n = albedo.size();
+  require_size(thickness.size() == n && g.size() == n && result.shape(0) == 4 && result.shape(1) == n,
+               "two_flux_error");
+  const pigment::Convention named = pigment::convention_named(convention);
+  double* to = result.data();
+  naming("layer", [&] {
+    for_each(n, [&](std::size_t i) {
+      const pigment::TwoFluxError e = pigment::two_flux_error(
+          {albedo.data()[i], thickness.data()[i], g.data()[i], index, substrate}, named);
+      const double nothing = std::numeric_limits<double>::quiet_NaN();
+      to[i] = e.reflectance, to[n + i] = e.error.value_or(nothing);
+      to[2 * n + i] = e.lightness, to[3 * n + i] = e.lightness_error.value_or(nothing);
+    });
   });
 }
 
@@ -196,6 +217,9 @@ void bind_pigment(nb::module_& m) {
       },
       arg("surface"), arg("outer"), arg("result").noconvert());
   m.def("pigment_difference", &difference, arg("a"), arg("b"), arg("result").noconvert());
+  m.def("pigment_two_flux_error", &two_flux_error, arg("albedo"), arg("thickness"), arg("g"), arg("index"),
+        arg("substrate"), arg("convention"), arg("result").noconvert());
+  m.def("pigment_conventions", &pigment::convention_names);
   m.def("pigment_interface", &interface_of, arg("geometry"), arg("specular"), arg("index"), arg("alpha"));
   m.def(
       "pigment_hiding_thickness",

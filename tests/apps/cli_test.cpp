@@ -99,7 +99,9 @@ TEST_F(Cli, RendersAndSaysWhere) {
 
 TEST_F(Cli, OtherCommands) {
   const std::string s = scene(small_scene_text());
-  EXPECT_EQ(run({"info", s}).exit_code, 0);
+  const Outcome info = run({"info", s});
+  EXPECT_EQ(info.exit_code, 0);
+  EXPECT_EQ(info.output.find("tables"), std::string::npos) << info.output;
   EXPECT_NE(run({"list", "bsdf"}).output.find("dielectric"), std::string::npos);
   EXPECT_EQ(run({"list", "bsfd"}).exit_code, 2);
   EXPECT_EQ(run({"--version"}).exit_code, 0);
@@ -383,6 +385,18 @@ TEST_F(Cli, BadArguments) {
   refused_arguments({"render", (folder.path / "none.xml").string(), "-o", out()}, "none.xml");
   refused_arguments({"render", scene(small_scene_text(1000000, 1000000), "huge.xml"), "-o", out()}, "GiB");
   refused_arguments({"render", s, "-o", out(), "-D", "nothing"}, "-D name=value");
+}
+
+TEST_F(Cli, TheSizeOfTablesIsPrinted) {
+  const Outcome o = run({"info", scene(with(R"(<shape type="rectangle"><bsdf type="layered" id="coat">
+      <medium type="homogeneous"><float name="sigma_t" value="1e5"/></medium>
+      <string name="thickness" value="20um"/><integer name="directions" value="24"/>
+      <integer name="azimuths" value="4"/><bsdf type="diffuse"/></bsdf></shape>)"))});
+  EXPECT_EQ(o.exit_code, 0) << o.output;
+  const std::size_t at = o.output.find("tables ");
+  ASSERT_NE(at, std::string::npos) << o.output;
+  EXPECT_NE(o.output.find("layered              coat ", at), std::string::npos) << o.output;
+  EXPECT_EQ(o.output.find(" 0.00 MB", at), std::string::npos) << o.output;
 }
 
 TEST_F(Cli, DegenerateTrianglesAreDroppedWithACount) {

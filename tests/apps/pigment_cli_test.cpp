@@ -45,7 +45,10 @@ protected:
 };
 
 TEST_F(PigmentCli, FromMeasurementsToARecipe) {
-  ASSERT_EQ(run("fit kimera -o paints.csv --json fit.json --plot fit.svg"), 0) << said;
+  ASSERT_EQ(run("fit kimera -o paints.csv --json fit.json --plot fit.svg --plot-k k.svg "
+                "--plot-s s.svg --plot-differences differences.svg"),
+            0)
+      << said;
   EXPECT_NE(said.find("13 paints, 75 measurements"), std::string::npos) << said;
   const auto fit = json("fit.json");
   EXPECT_EQ(fit["pigments"].size(), 13u);
@@ -53,7 +56,14 @@ TEST_F(PigmentCli, FromMeasurementsToARecipe) {
   // A repeat of a tint is predicted by the others; the limit is how far three measurements of one card
   // differ.
   EXPECT_LT(fit["left_out"]["mixtures"]["mean"], 1.0);
-  EXPECT_TRUE(fs::exists(folder.path / "fit.svg"));
+  const auto has = [&](const std::string& file, const std::string& text) {
+    std::ifstream in(folder.path / file);
+    return std::string(std::istreambuf_iterator<char>(in), {}).find(text) != std::string::npos;
+  };
+  EXPECT_TRUE(has("fit.svg", ">K/S of the paints of kimera<"));
+  EXPECT_TRUE(has("k.svg", ">K, in S of white<"));
+  EXPECT_TRUE(has("s.svg", ">cold yellow<"));
+  EXPECT_TRUE(has("differences.svg", ">mixtures<"));
 
   ASSERT_EQ(
       run("mix paints.csv 'red: 15% + cold yellow: 5% + white: 80%' --json mix.json --ladder 5 --plot mix.svg"),

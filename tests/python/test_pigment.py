@@ -62,6 +62,21 @@ def test_from_measurements_to_a_recipe(tmp_path):
         pigment.fit(table)
 
 
+def test_two_flux_error():
+    """Transport of isotropic scatterers without an interface: R_inf of docs/pigments.md; Kubelka and Munk by their closed form."""
+    albedo = np.array([[0.5], [0.9], [0.99]])
+    found = pigment.two_flux_error(albedo, [1e3, 2e3], index=1)
+    assert found.reflectance.shape == (3, 2)
+    np.testing.assert_allclose(found.reflectance[:, 0], [0.1465, 0.478, 0.795], atol=5e-4)
+    np.testing.assert_allclose(found.reflectance[:, 1], found.reflectance[:, 0], atol=1e-9)
+    ratio = 2 * (1 - albedo[:, 0]) / (0.75 * albedo[:, 0])
+    by_two = 1 + ratio - np.sqrt(ratio**2 + 2 * ratio)
+    np.testing.assert_allclose(found.reflectance[:, 0] + found.error[:, 0], by_two, atol=1e-9)
+    np.testing.assert_allclose(found.lightness, 116 * np.cbrt(found.reflectance) - 16, atol=1e-9)
+    dark = pigment.two_flux_error(0.3, 1, 0.5, convention="diffusion")  # S is negative
+    assert np.isnan(dark.error) and np.isnan(dark.lightness_error) and dark.reflectance > 0
+
+
 def test_hiding():
     """Without absorption R = S X/(1 + S X) over black, and over white all is reflected: a ratio of .98 at S X = 49."""
     chalk = pigment.Paint(np.array([400.0, 550, 700]), np.zeros(3), np.full(3, 1e5), pigment.Surface())
@@ -174,6 +189,9 @@ def test_grains_by_name():
     (lambda p: pigment.layer(-1, 1, 1), "k: expected at least 0"),
     (lambda p: pigment.coefficients(0.6, 0.6, 1), "must not exceed 1"),
     (lambda p: pigment.surface("sphere"), "geometry: expected"),
+    (lambda p: pigment.two_flux_error(1.1, 1), "albedo: expected at most 1"),
+    (lambda p: pigment.two_flux_error(0.5, 1, 1), "mean cosine must be between -1 and 1"),
+    (lambda p: pigment.two_flux_error(0.5, 1, convention="two"), "convention: expected 'three_quarters' or"),
     (lambda p: pigment.Palette.load("missing.csv"), "cannot read this file"),
 ])
 def test_wrong_arguments_are_named(call, words):

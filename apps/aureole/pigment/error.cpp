@@ -10,11 +10,7 @@
 
 #include "aureole/core/image.h"
 #include "aureole/core/units.h"
-#include "aureole/optics/stack/plane_stack.h"
-#include "aureole/pigment/colour_difference.h"
-#include "aureole/pigment/kubelka_munk.h"
-#include "aureole/pigment/saunderson.h"
-#include "aureole/pigment/transport_coefficients.h"
+#include "aureole/pigment/two_flux_error.h"
 #include "command.h"
 
 namespace aureole {
@@ -43,16 +39,11 @@ std::vector<double> list_of(const char* option, const std::string& text, double 
   return values;
 }
 
-/// CIE 1976 L* of a reflectance.
-double lightness(double y) { return pigment::lab_of_xyz({y, y, y}, {1, 1, 1}).l; }
-
 int error_map(const ErrorOptions& o) {
   const std::vector<double> albedos = list_of("--albedo", o.albedo, 1e-6, 1),
                             gs = list_of("--g", o.g, -0.99, 0.99),
                             thicknesses = list_of("--thickness", o.thickness, 1e-6, 1e6);
   const pigment::Convention convention = pigment::convention_named(o.convention);
-  const pigment::Surface surface =
-      pigment::smooth_surface(o.index, pigment::Geometry::diffuse_diffuse, pigment::Specular::included);
 
   fmt::print(
       "Diffuse light on a layer of index {:g} over {:g}: R by transport, and R and L* by Kubelka and Munk ({})\n",
@@ -66,36 +57,22 @@ int error_map(const ErrorOptions& o) {
   for (const double g : gs)
     for (const double albedo : albedos)
       for (const double thickness : thicknesses) {
-        const auto add = [&](double reflectance, const nlohmann::json& error,
-                             const nlohmann::json& lightness_error) {
-          rows.push_back({{"g", g},
-                          {"albedo", albedo},
-                          {"thickness", thickness},
-                          {"reflectance", reflectance},
-                          {"error", error},
-                          {"error_lightness", lightness_error}});
+        const pigment::TwoFluxError e =
+            pigment::two_flux_error({albedo, thickness, g, o.index, o.substrate}, convention);
+        const auto number = [](const std::optional<double>& value) {
+          return value ? nlohmann::json(*value) : nlohmann::json();
         };
-        const double scattering = 1 / (1 - g), absorption = scattering * (1 - albedo) / albedo;
-        optics::StackDescription stack;
-        stack.layers = {
-            {absorption, scattering, thickness, optics::LegendrePhase::henyey_greenstein(g), o.index}};
-        stack.substrate = o.substrate;
-        const double all = optics::PlaneStack(stack, {32}).fluxes(optics::StackLight::diffuse()).reflectance;
-        const pigment::Coefficients c =
-            pigment::coefficients_of_transport(absorption, scattering, g, convention);
-        if (c.s < 0) {
-          fmt::print("{:6g} {:8g} {:10g} {:9.5f} {:9.3f}   negative S\n", g, albedo, thickness, all,
-                     lightness(all));
-          add(all, nullptr, nullptr);
-          continue;
-        }
-        const double two = pigment::outer_reflectance(
-                         surface, pigment::reflectance_over(pigment::layer(c, thickness), o.substrate)),
-                     error = lightness(two) - lightness(all);
-        worst = std::max(worst, std::abs(error));
-        fmt::print("{:6g} {:8g} {:10g} {:9.5f} {:9.3f} {:+8.4f} {:+8.2f}\n", g, albedo, thickness, all,
-                   lightness(all), two - all, error);
-        add(all, two - all, error);
+        rows.push_back({{"g", g},
+                        {"albedo", albedo},
+                        {"thickness", thickness},
+                        {"reflectance", e.reflectance},
+                        {"error", number(e.error)},
+                        {"error_lightness", number(e.lightness_error)}});
+        fmt::print("{:6g} {:8g} {:10g} {:9.5f} {:9.3f} {}\n", g, albedo, thickness, e.reflectance,
+                   e.lightness,
+                   e.error ? fmt::format("{:+8.4f} {:+8.2f}", *e.error, *e.lightness_error) : "  negative S");
+        if (!e.error) continue;
+        worst = std::max(worst, std::abs(*e.lightness_error));
         any = true;
       }
   if (any)

@@ -20,17 +20,20 @@ namespace aureole {
 namespace {
 
 struct FitOptions {
-  std::string samples, white = "white", output, json, plot, illuminant = "D65";
+  std::string samples, white = "white", output, json, plot, plot_k, plot_s, plot_differences,
+                       illuminant = "D65";
   SurfaceOptions surface;
 };
 
 struct Errors {
   double mean = 0, worst = 0, rms = 0;
   int count = 0;
+  std::vector<double> differences;
 
   void add(double difference, double of_rms) {
     mean = (mean * count + difference) / (count + 1);
     worst = std::max(worst, difference), rms = std::max(rms, of_rms), ++count;
+    differences.push_back(difference);
   }
 };
 
@@ -45,23 +48,49 @@ std::string relative_error(const std::vector<double>& values, const std::vector<
   return fmt::format("{:.2g} %", 100 * ratios[ratios.size() / 2]);
 }
 
-/// K/S of every paint, on a logarithmic axis, in the paint's own colour.
+/// A quantity of every paint over the wavelength, on a logarithmic axis. `value` gets K and S. Lines have the paints'
+/// colours with .3 of their K, so that dark paints differ, and .8 of R, so that white shows on the page.
+template <class Value>
 std::string plot_of(const pigment::Palette& palette, const pigment::Observation& lamp,
-                    const std::string& file) {
-  Plot plot{"K/S of the paints of " + file, "wavelength, nm", "K/S", {}, true};
+                    const std::string& file, const std::string& name, const std::string& unit,
+                    const Value& value) {
+  Plot plot{name + " of the paints of " + file, "wavelength, nm", name + unit, {}, true};
   pigment::Palette usable = palette;
   pigment::clamp_negative(usable);
   for (const pigment::Pigment& p : usable.pigments) {
-    std::vector<double> ratio, reflectance;
+    std::vector<double> values, reflectance;
     for (std::size_t i = 0; i < palette.nm.size(); ++i) {
-      ratio.push_back(p.s[i] > 0 ? p.k[i] / p.s[i] : 0);
-      reflectance.push_back(pigment::outer_reflectance(
-          palette.surface, p.s[i] > 0 ? pigment::opaque_reflectance(ratio.back()) : 0));
+      values.push_back(value(p.k[i], p.s[i]));
+      reflectance.push_back(0.8 * (p.s[i] > 0 ? pigment::opaque_reflectance(0.3 * p.k[i] / p.s[i]) : 0));
     }
     plot.series.push_back(
-        spectrum_line(palette.nm, ratio, p.name, screen_colour(lamp.xyz(reflectance), lamp.white())));
+        spectrum_line(palette.nm, values, p.name, screen_colour(lamp.xyz(reflectance), lamp.white())));
   }
   return svg_plot(plot);
+}
+
+void write_plots(const FitOptions& o, const pigment::Palette& palette, const pigment::Observation& lamp) {
+  const std::string unit = palette.relative ? ", in S of " + o.white : ", 1/m";
+  const auto write = [&](const std::string& file, const std::string& name, const std::string& of,
+                         const auto& value) {
+    if (!file.empty()) write_file_atomically(file, plot_of(palette, lamp, o.samples, name, of, value));
+  };
+  write(o.plot, "K/S", "", [](double k, double s) { return s > 0 ? k / s : 0; });
+  write(o.plot_k, "K", unit, [](double k, double) { return k; });
+  write(o.plot_s, "S", unit, [](double, double s) { return s; });
+}
+
+/// Differences in the order of their size, over the share of them that is no larger.
+PlotSeries differences_line(std::vector<double> differences, const std::string& label,
+                            const std::string& colour) {
+  std::sort(differences.begin(), differences.end());
+  PlotSeries series;
+  series.kind = differences.size() < 3 ? PlotSeries::Kind::points : PlotSeries::Kind::line;
+  series.label = label, series.color = colour;
+  for (std::size_t i = 0; i < differences.size(); ++i)
+    series.x.push_back(100 * double(i + 1) / double(differences.size()));
+  series.y = std::move(differences);
+  return series;
 }
 
 nlohmann::json report_json(const pigment::FitReport& r) {
@@ -105,6 +134,10 @@ int fit(const FitOptions& o) {
     out["pigments"][i]["fit"] = report_json(found.reports[i]);
 
   const pigment::Observation lamp = observe(o.illuminant, palette.nm);
+  Plot differences{"Measurements of " + o.samples + " predicted from the others",
+                   "per cent of the predictions that are no worse",
+                   "CIEDE2000, " + o.illuminant,
+                   {}};
   const auto left_out = pigment::leave_one_repeat_out(table, settings);
   if (!left_out.empty()) {
     Errors pure, mixed;
@@ -119,9 +152,12 @@ int fit(const FitOptions& o) {
       fmt::print(
           "  {:<12} {:3} predictions, Delta E 2000 mean {:.2f}, largest {:.2f}; largest rms of R {:.4f}\n",
           name, e.count, e.mean, e.worst, e.rms);
+      differences.series.push_back(
+          differences_line(e.differences, name, differences.series.empty() ? "#2b5d8f" : "#c0562f"));
       out["left_out"][name] = {{"count", e.count}, {"mean", e.mean}, {"worst", e.worst}, {"rms", e.rms}};
     }
   }
+  std::vector<double> others;
   // Mixtures that the fit did not use test the theory itself.
   for (const pigment::Sample& s : table.samples) {
     const bool unused = s.paints.size() > 2 ||
@@ -130,12 +166,22 @@ int fit(const FitOptions& o) {
     const double difference =
         pigment::ciede2000(lamp.lab(s.values), lamp.lab(pigment::predict(palette, table, s)));
     fmt::print("  not fitted: {:<40} Delta E 2000 {:.2f}\n", s.name, difference);
+    others.push_back(difference);
     out["not_fitted"].push_back({{"sample", s.name}, {"difference", difference}});
   }
 
   if (!o.output.empty()) write_file_atomically(o.output, pigment::palette_text(palette));
   if (!o.json.empty()) write_file_atomically(o.json, out.dump(1) + "\n");
-  if (!o.plot.empty()) write_file_atomically(o.plot, plot_of(palette, lamp, o.samples));
+  write_plots(o, palette, lamp);
+  if (!others.empty()) differences.series.push_back(differences_line(others, "not fitted", "#3d7a45"));
+  if (!o.plot_differences.empty()) {
+    if (differences.series.empty())
+      fmt::print(
+          stderr,
+          "note: --plot-differences: no measurement is repeated and every mixture is fitted: nothing to predict\n");
+    else
+      write_file_atomically(o.plot_differences, svg_plot(differences));
+  }
   return 0;
 }
 
@@ -151,6 +197,10 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("-o,--output", o->output, "write the palette to this file, comma-separated");
   options.add("--json", o->json, "also write palette and report to this file");
   options.add("--plot", o->plot, "write K/S of all paints to this SVG file");
+  options.add("--plot-k", o->plot_k, "write K of all paints to this SVG file");
+  options.add("--plot-s", o->plot_s, "write S of all paints to this SVG file");
+  options.add("--plot-differences", o->plot_differences,
+              "write colour differences of predicted and measured samples to this SVG file");
   return [o] { return fit(*o); };
 }
 

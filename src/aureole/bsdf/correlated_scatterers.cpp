@@ -27,11 +27,12 @@
 #include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/plugin/table_holder.h"
 
 namespace aureole {
 namespace {
 
-class CorrelatedScatterers final : public Bsdf {
+class CorrelatedScatterers final : public Bsdf, public TableHolder {
 public:
   explicit CorrelatedScatterers(const Properties& p) : Bsdf(p) {
     discs_ = p.get_choice("scatterer", "apertures", {"apertures", "discs"}) == "discs";
@@ -131,6 +132,7 @@ public:
     return nested_ ? l | nested_->lobes() : l;
   }
 
+  std::size_t table_bytes() const override { return tables_ ? model_->bytes() + sampler_->bytes() : 0; }
   bool needs_tangent() const override { return needs_tangent_ || (nested_ && nested_->needs_tangent()); }
 
 private:

@@ -18,11 +18,12 @@
 #include "aureole/bsdf/spheres/sphere_tables.h"
 #include "aureole/correlation/correlation.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/plugin/table_holder.h"
 
 namespace aureole {
 namespace {
 
-class CorrelatedSpheres final : public Bsdf {
+class CorrelatedSpheres final : public Bsdf, public TableHolder {
 public:
   explicit CorrelatedSpheres(const Properties& p) : Bsdf(p) {
     const SpectralGrid grid = p.context().grid;
@@ -81,6 +82,7 @@ public:
     return Lobe::delta | Lobe::glossy | Lobe::reflect | Lobe::transmit | Lobe::through;
   }
   bool needs_tangent() const override { return false; }
+  std::size_t table_bytes() const override { return tables_ ? tables_->bytes() : 0; }
 
 private:
   static constexpr double kLargestIndex = 20;

@@ -107,11 +107,19 @@ void add_series(std::string& out, const PlotSeries& s, const Axes& a) {
     }
 }
 
+/// Width beside the axes for the names of many lines, which would hide lines within; 0 for few.
+int legend_width(const Plot& plot) {
+  constexpr int kMostWithin = 4;
+  const auto named = std::count_if(plot.series.begin(), plot.series.end(),
+                                   [](const PlotSeries& s) { return !s.label.empty(); });
+  return named > kMostWithin ? 160 : 0;
+}
+
 void add_legend(std::string& out, const Plot& plot) {
   double y = kTop + 8;
   for (const PlotSeries& s : plot.series) {
     if (s.label.empty()) continue;
-    const double x = kWidth - kRight - 12;
+    const double x = kWidth + legend_width(plot) - kRight - 12;
     out +=
         s.kind == PlotSeries::Kind::points
             ? fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>", x - 9, y, color_of(s))
@@ -137,7 +145,7 @@ std::string svg_plot(const Plot& given) {
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      kWidth, kHeight);
+      kWidth + legend_width(plot), kHeight);
   out += fmt::format("<text x=\"{}\" y=\"24\" text-anchor=\"middle\" font-size=\"15\">{}</text>\n",
                      kWidth / 2, escaped(plot.title));
   for (const PlotSeries& s : plot.series) add_series(out, s, a);
