@@ -110,9 +110,10 @@ void bench_eval_pdf(benchmark::State& state, const std::string& xml, Directions 
   const BsdfInputs in = directions == Directions::crossing ? crossing_inputs(*bsdf, context->grid)
                         : directions == Directions::above  ? upper_inputs(context->grid)
                                                            : BsdfInputs(context->grid);
-  const SurfacePoint point;
+  SurfacePoint point;
   unsigned i = 0;
   for (auto _ : state) {
+    point.uv = in.u2[i];
     const BsdfContext ctx{in.wavelengths[i], point, TransportMode::radiance, i};
     benchmark::DoNotOptimize(bsdf->eval_pdf(in.wi[i], in.wo[i], ctx));
     i = (i + 1) % kInputs;
@@ -184,6 +185,34 @@ const std::vector<std::pair<std::string, std::string>> kBsdfs = {
     {"coat of paint, film",
      R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
       <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/></bsdf>)"},
+    {"coat of roughplastic, textured", R"(<bsdf type="roughplastic"><float name="alpha" value="0.2"/>
+      <texture type="checkerboard" name="diffuse_reflectance"><rgb name="color0" value="0.2, 0.25, 0.7"/>
+      <rgb name="color1" value="0.7, 0.25, 0.2"/></texture></bsdf>)"},
+    {"coat of paint, textured film",
+     R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
+      <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/>
+      <texture type="checkerboard" name="thickness_factor"><float name="color0" value="0.5"/>
+      <float name="color1" value="1"/></texture></bsdf>)"},
+    {"coat of roughplastic, picture", R"(<bsdf type="roughplastic"><float name="alpha" value="0.2"/>
+      <texture type="bitmap" name="diffuse_reflectance"><string name="filename" value="docs/images/paint.png"/></texture></bsdf>)"},
+    {"coat of paint, film by a picture",
+     R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
+      <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/>
+      <texture type="bitmap" name="thickness_factor"><string name="filename" value="docs/images/fogbow.png"/>
+      <boolean name="raw" value="true"/></texture></bsdf>)"},
+    {"coat of paint, textured film and mixture",
+     R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
+      <string name="recipe" value="blue green shade: 1 + white: 10"/><string name="second_recipe" value="red: 1 + white: 10"/>
+      <float name="substrate" value="0.5"/>
+      <texture type="checkerboard" name="thickness_factor"><float name="color0" value="0.5"/>
+      <float name="color1" value="1"/></texture>
+      <texture type="checkerboard" name="blend"><float name="color0" value="0"/>
+      <float name="color1" value="1"/></texture></bsdf>)"},
+    {"coat of layered, textured substrate",
+     R"(<bsdf type="layered"><string name="alpha" value="0.3"/><string name="thickness" value="20um"/>
+      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
+      <bsdf type="diffuse"><texture type="checkerboard" name="reflectance"><rgb name="color0" value="0.2, 0.25, 0.7"/>
+      <rgb name="color1" value="0.7, 0.25, 0.2"/></texture></bsdf></bsdf>)"},
     {"coat of layered",
      R"(<bsdf type="layered"><string name="alpha" value="0.3"/><string name="thickness" value="20um"/>
       <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>

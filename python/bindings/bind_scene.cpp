@@ -137,7 +137,7 @@ std::optional<Properties::Value> written(const SceneDocument& document, const st
 /// Runs a job in a thread of its own, so that the calling one can look after signals and progress.
 class RunningJob {
 public:
-  RunningJob(RenderJob& job) {
+  RunningJob(RenderJob& job) : unfinished_(std::in_place) {
     thread_ = std::thread([this, &job] {
       try {
         outcome_ = job.run(stop_, [this](const Progress& p) {
@@ -154,12 +154,13 @@ public:
   }
   ~RunningJob() {
     if (!thread_.joinable()) return;
-    const Unlocked unlocked;  // BSDFs written in Python need the lock to come to an end
+    const Unlocked unlocked([this] { end(); });  // BSDFs written in Python need the lock to come to an end
     end();
   }
+  /// Stops the job and waits for its threads.
   void end() {
     stop_ = true;
-    thread_.join();
+    join();
   }
   void stop() { stop_ = true; }
   /// Waits for a short while; returns whether the job is done.
@@ -172,12 +173,18 @@ public:
     return progress_;
   }
   RenderJob::Outcome finish() {
-    thread_.join();
+    join();
     if (problem_) std::rethrow_exception(problem_);
     return outcome_;
   }
 
 private:
+  void join() {
+    if (!thread_.joinable()) return;
+    thread_.join();
+    unfinished_.reset();
+  }
+
   std::atomic<bool> stop_{false};
   std::mutex mutex_;
   std::condition_variable changed_;
@@ -185,6 +192,7 @@ private:
   std::optional<Progress> progress_;
   RenderJob::Outcome outcome_ = RenderJob::Outcome::interrupted;
   std::exception_ptr problem_;
+  std::optional<Unfinished> unfinished_;
   std::thread thread_;
 };
 
@@ -214,11 +222,11 @@ nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& o
   RenderJob::Outcome outcome;
   {
     RunningJob running(*job);
+    const auto end = [&] { running.end(); };
     for (bool done = false; !done;) {
       {
-        const Unlocked release;
+        const Unlocked release(end);
         done = running.wait(0.05);
-        if (is_leaving()) running.end();
       }
       if (PyErr_CheckSignals() != 0) {
         // A KeyboardInterrupt stops the render and keeps what is done; anything else, and a second one, is
@@ -227,7 +235,7 @@ nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& o
           nb::python_error problem;
           running.stop();
           {
-            const Unlocked release;
+            const Unlocked release(end);
             while (!running.wait(1)) {
             }
           }
@@ -241,7 +249,7 @@ nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& o
       if (const auto p = running.progress())
         progress(p->units_done, p->units, p->seconds, p->samples_per_second);
     }
-    const Unlocked release;
+    const Unlocked release(end);
     outcome = running.finish();
   }
   auto picture = std::make_shared<Picture>();

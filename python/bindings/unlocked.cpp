@@ -15,42 +15,44 @@ std::atomic<int> unlocked_scopes{0};
 std::atomic<bool> leaving{false};
 std::thread::id leaver;  ///< the thread that ends the program, which may go on; written before `leaving`
 
-[[noreturn]] void stay() {
-  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
-}
-
 void leave() {
   leaver = std::this_thread::get_id();
   leaving = true;
   if (unlocked_scopes > 0) nb::set_leak_warnings(false);  // blocked threads keep their objects
-  // Other threads may need Python's lock to finish.
-  PyThreadState* const state = PyEval_SaveThread();
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
-  while (unlocked_scopes > 0 && std::chrono::steady_clock::now() < deadline)
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  PyEval_RestoreThread(state);
+  const auto must_wait = [&] { return unlocked_scopes > 0 && std::chrono::steady_clock::now() < deadline; };
+  do {
+    // Other threads may need Python's lock to finish. One that has it may begin a scope before this one gets it back.
+    PyThreadState* const state = PyEval_SaveThread();
+    while (must_wait()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    PyEval_RestoreThread(state);
+  } while (must_wait());
 }
 
 }  // namespace
 
 bool is_leaving() { return leaving && std::this_thread::get_id() != leaver; }
 
-Unlocked::Unlocked() {
+Unlocked::Unlocked(std::function<void()> before_staying) : before_staying_(std::move(before_staying)) {
   ++unlocked_scopes;
   state_ = PyEval_SaveThread();
-  if (!is_leaving()) return;
-  --unlocked_scopes;
-  stay();
+  if (is_leaving()) stay();
 }
 
 Unlocked::~Unlocked() {
-  if (is_leaving()) {
-    --unlocked_scopes;
-    stay();
-  }
+  if (is_leaving()) stay();
   PyEval_RestoreThread(state_);
   --unlocked_scopes;
 }
+
+void Unlocked::stay() {
+  if (before_staying_) before_staying_();
+  --unlocked_scopes;
+  for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
+}
+
+Unfinished::Unfinished() { ++unlocked_scopes; }
+Unfinished::~Unfinished() { --unlocked_scopes; }
 
 void bind_leaving() {
   pthread_atfork(nullptr, nullptr, [] { unlocked_scopes = 0; });  // a child has the forking thread alone

@@ -5,6 +5,7 @@
 #include <nanobind/nanobind.h>
 
 #include <chrono>
+#include <functional>
 
 #include "aureole/core/error.h"
 
@@ -16,16 +17,28 @@ namespace nb = nanobind;
 ///
 /// As nb::gil_scoped_release, but for daemon threads at the end of the program: Python ends a thread that
 /// asks for the lock then by unwinding it (before 3.14), which aborts the process in C++. Such a thread stays
-/// in the destructor instead until the process is gone.
+/// in the destructor, or the constructor, instead until the process is gone.
 class Unlocked {
 public:
-  Unlocked();
+  /// `before_staying` ends work of other threads that the scope's owner has begun: nobody else would.
+  explicit Unlocked(std::function<void()> before_staying = {});
   ~Unlocked();
   Unlocked(const Unlocked&) = delete;
   Unlocked& operator=(const Unlocked&) = delete;
 
 private:
+  [[noreturn]] void stay();
+  std::function<void()> before_staying_;
   PyThreadState* state_;
+};
+
+/// Work of other threads that may call Python: the end of the program waits for it as for an `Unlocked` scope.
+class Unfinished {
+public:
+  Unfinished();
+  ~Unfinished();
+  Unfinished(const Unfinished&) = delete;
+  Unfinished& operator=(const Unfinished&) = delete;
 };
 
 /// Whether the program is ending, so that loops of other threads must stop.
@@ -58,7 +71,7 @@ private:
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/// Makes the end of the program wait, for a limited time, until no thread is in an `Unlocked` scope.
+/// Makes the end of the program wait, for a limited time, until no thread is in an `Unlocked` scope and nothing is `Unfinished`.
 void bind_leaving();
 
 }  // namespace aureole::python

@@ -112,7 +112,8 @@ public:
     if (!is_black(radiance)) see(i, radiance * (1 / sum(states_[i].looked_from.ratio)));
   }
 
-  bool connect(int i, Connection& out) {
+  // `connect` and `scatter` are called once each, and large: GCC would not inline them (1 % of a path's instructions).
+  [[gnu::always_inline]] bool connect(int i, Connection& out) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     s.is_lit = false;
@@ -148,7 +149,7 @@ public:
       log_(fmt::format("  light: {} mean {:.6g}", open ? "visible" : "hidden", mean(c.light)));
   }
 
-  bool scatter(int i) {
+  [[gnu::always_inline]] bool scatter(int i) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
