@@ -213,6 +213,11 @@ const std::vector<std::pair<std::string, std::string>> kBsdfs = {
       <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
       <bsdf type="diffuse"><texture type="checkerboard" name="reflectance"><rgb name="color0" value="0.2, 0.25, 0.7"/>
       <rgb name="color1" value="0.7, 0.25, 0.2"/></texture></bsdf></bsdf>)"},
+    {"coat of layered, substrate by a picture",
+     R"(<bsdf type="layered"><string name="alpha" value="0.3"/><string name="thickness" value="20um"/>
+      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
+      <bsdf type="diffuse"><texture type="bitmap" name="reflectance"><string name="filename" value="docs/images/paint.png"/></texture>
+      </bsdf></bsdf>)"},
     {"coat of layered",
      R"(<bsdf type="layered"><string name="alpha" value="0.3"/><string name="thickness" value="20um"/>
       <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>

@@ -10,6 +10,7 @@
 #include "aureole/core/error.h"
 #include "aureole/instrument/report/microstructure_report.h"
 #include "aureole/optics/particle/size_distribution.h"
+#include "harness/effort.h"
 #include "instrument/microscopy/disc_pictures.h"
 
 namespace aureole::test {
@@ -91,9 +92,10 @@ INSTANTIATE_TEST_SUITE_P(Microstructure, HardDiscs, ::testing::ValuesIn(kCases),
                          [](const auto& i) { return i.param.name; });
 
 TEST(Microstructure, IntervalsHoldTheTruth) {
-  // 95 % of the intervals should; 24 intervals of 8 samples, at least 20 in 99.8 % of all cases.
+  // 95 % of the intervals should; of 24 intervals of 8 samples at least 20 in 99.8 % of all cases, of 15 at least 12 in 99.5 %.
   int held = 0;
-  for (unsigned i = 0; i < 8; ++i) {
+  const unsigned samples = effort(5u, 8u);
+  for (unsigned i = 0; i < samples; ++i) {
     const Case c{"", 0.4, 8, 1, 400, with(false, 255)};
     const Microstructure m = analyse({field_of(c, 40 + i)});
     const double density = 0.4 / (M_PI * std::pow(8 * kPixel, 2));
@@ -101,8 +103,8 @@ TEST(Microstructure, IntervalsHoldTheTruth) {
     held += m.area_fraction.low <= 0.4 && 0.4 <= m.area_fraction.high;
     held += m.density.low <= density && density <= m.density.high;
   }
-  std::printf("%d of 24 intervals hold the truth\n", held);
-  EXPECT_GE(held, 20);
+  std::printf("%d of %u intervals hold the truth\n", held, 3 * samples);
+  EXPECT_GE(held, effort(12, 20));
 }
 
 TEST(Microstructure, SpreadOfSizes) {
