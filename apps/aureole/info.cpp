@@ -15,23 +15,23 @@
 namespace aureole {
 namespace {
 
-/// The objects of the scene's surfaces that made tables, in the scene's order.
+/// The BSDFs of the scene's surfaces that made tables, in the scene's order, and the memory of all, those that are shared once.
 void print_tables(const Scene& scene) {
-  std::set<const Object*> seen;
-  std::vector<std::pair<const Object*, std::size_t>> found;
+  std::set<const void*> seen, counted;
+  std::vector<std::pair<const Object*, TableHolder::Tables>> found;
   std::size_t all = 0;
   for (const ModelPart& part : scene.parts().surfaces)
     visit_nested(*part.element, [&](const ObjectPtr& o) {
       const auto* holder = dynamic_cast<const TableHolder*>(o.get());
       if (!holder || !seen.insert(o.get()).second) return;
-      found.emplace_back(o.get(), holder->table_bytes());
-      all += found.back().second;
+      found.emplace_back(o.get(), holder->tables());
+      if (counted.insert(found.back().second.identity).second) all += found.back().second.bytes;
     });
   if (found.empty()) return;
-  fmt::print("tables       {:.2f} MB\n", 1e-6 * double(all));
-  for (const auto& [o, bytes] : found)
+  fmt::print("tables       {:.2f} MB of BSDFs\n", 1e-6 * double(all));
+  for (const auto& [o, tables] : found)
     fmt::print("  {:<20} {:<24} {:8.2f} MB\n", o->properties().type(), o->id().empty() ? "-" : o->id(),
-               1e-6 * double(bytes));
+               1e-6 * double(tables.bytes));
 }
 
 int info(const std::string& file, const std::vector<std::string>& defines) {

@@ -155,13 +155,13 @@ def two_flux_error(albedo: npt.ArrayLike, thickness: npt.ArrayLike, g: npt.Array
     Parameters
     ----------
     albedo : array_like
-        Scattering over extinction, in (0, 1].
+        Scattering over extinction, in [1e-6, 1].
     thickness : array_like
-        In transport lengths, 1/(sigma_s (1 - g)); above 0.
+        In transport lengths, 1/(sigma_s (1 - g)), in [1e-6, 1e6].
     g : array_like
-        Mean cosine of Henyey and Greenstein's phase function, in (-1, 1).
+        Mean cosine of Henyey and Greenstein's phase function, in [-.99, .99].
     index : float
-        Of the layer; 1 is no interface. Kubelka and Munk get Saunderson's for it.
+        Of the layer, in [1, 10]; 1 is no interface. Kubelka and Munk get Saunderson's for it.
     substrate : float
         Reflectance of the Lambertian surface below, in [0, 1].
     convention : str
@@ -175,10 +175,11 @@ def two_flux_error(albedo: npt.ArrayLike, thickness: npt.ArrayLike, g: npt.Array
     [-0.007, -0.001]
     """
     choice("convention", convention, *_aureole.pigment_conventions())
-    shape, (a, x, mean) = broadcast(albedo=real("albedo", albedo, positive=True, maximum=1),
-                                    thickness=real("thickness", thickness, positive=True), g=real("g", g, minimum=-1, maximum=1))
+    shape, (a, x, mean) = broadcast(albedo=real("albedo", albedo, minimum=1e-6, maximum=1),
+                                    thickness=real("thickness", thickness, minimum=1e-6, maximum=1e6),
+                                    g=real("g", g, minimum=-0.99, maximum=0.99))
     result = np.empty((4, a.size))
-    _aureole.pigment_two_flux_error(a, x, mean, scalar("index", index, minimum=1),
+    _aureole.pigment_two_flux_error(a, x, mean, scalar("index", index, minimum=1, maximum=10),
                                     scalar("substrate", substrate, minimum=0, maximum=1), convention, result)
     return TwoFluxError(*(shaped(row, shape) for row in result))
 

@@ -56,7 +56,7 @@ public:
   void eval_pdf_all(std::span<const Vec3> wi, std::span<const Vec3> wo, const BsdfContext& ctx,
                     std::span<BsdfEval> found) const override {
     if (wi.empty()) return;
-    const nb::gil_scoped_acquire lock;
+    const Callback lock;
     const nb::object both =
         batch_.attr("eval_pdf")(directions(wi), directions(wo), wavelengths(ctx), mode(ctx));
     const Numbers value(both[0], wi.size(), kWavelengths), pdf(both[1], wi.size(), kWavelengths);
@@ -65,7 +65,7 @@ public:
   void sample_all(std::span<const Vec3> wi, std::span<const float> u1, std::span<const Vec2> u2,
                   const BsdfContext& ctx, std::span<std::optional<BsdfSample>> found) const override {
     if (wi.empty()) return;
-    const nb::gil_scoped_acquire lock;
+    const Callback lock;
     const nb::object u = array({wi.size(), 3}, [&](std::size_t k) {
       const std::size_t i = k / 3;
       return double(k % 3 == 0 ? u1[i] : k % 3 == 1 ? u2[i].x : u2[i].y);

@@ -65,21 +65,21 @@ PythonBsdf::~PythonBsdf() {
 }
 
 BsdfEval PythonBsdf::eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
-  const nb::gil_scoped_acquire lock;
+  const Callback lock;
   const nb::object both = adapter_.attr("eval_pdf_rows")(rows(wi), rows(wo), numbers(ctx.wavelengths.nm),
                                                          rows(ctx.point.uv), name_of(ctx.mode));
   return {spectrum("eval", both[0]), spectrum("pdf", both[1])};
 }
 
 Spectrum PythonBsdf::eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
-  const nb::gil_scoped_acquire lock;
+  const Callback lock;
   return spectrum("eval", adapter_.attr("eval_rows")(rows(wi), rows(wo), numbers(ctx.wavelengths.nm),
                                                      rows(ctx.point.uv), name_of(ctx.mode)));
 }
 
 std::optional<BsdfSample> PythonBsdf::sample(const Vec3& wi, float u1, Vec2 u2,
                                              const BsdfContext& ctx) const {
-  const nb::gil_scoped_acquire lock;
+  const Callback lock;
   const nb::object drawn =
       adapter_.attr("sample_hero")(rows(wi), numbers(ctx.wavelengths.nm), rows(Vec3{u1, u2.x, u2.y}),
                                    rows(ctx.point.uv), name_of(ctx.mode));

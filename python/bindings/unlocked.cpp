@@ -13,12 +13,12 @@ namespace {
 
 std::atomic<int> unlocked_scopes{0};
 std::atomic<bool> leaving{false};
+thread_local int callbacks = 0;  ///< this thread is in
 std::thread::id leaver;  ///< the thread that ends the program, which may go on; written before `leaving`
 
 void leave() {
   leaver = std::this_thread::get_id();
   leaving = true;
-  if (unlocked_scopes > 0) nb::set_leak_warnings(false);  // blocked threads keep their objects
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   const auto must_wait = [&] { return unlocked_scopes > 0 && std::chrono::steady_clock::now() < deadline; };
   do {
@@ -31,7 +31,10 @@ void leave() {
 
 }  // namespace
 
-bool is_leaving() { return leaving && std::this_thread::get_id() != leaver; }
+bool is_leaving() { return leaving && callbacks == 0 && std::this_thread::get_id() != leaver; }
+
+Callback::Callback() { ++callbacks; }
+Callback::~Callback() { --callbacks; }
 
 Unlocked::Unlocked(std::function<void()> before_staying) : before_staying_(std::move(before_staying)) {
   ++unlocked_scopes;
@@ -47,6 +50,7 @@ Unlocked::~Unlocked() {
 
 void Unlocked::stay() {
   if (before_staying_) before_staying_();
+  nb::set_leak_warnings(false);  // this thread keeps its objects
   --unlocked_scopes;
   for (;;) std::this_thread::sleep_for(std::chrono::hours(1));
 }

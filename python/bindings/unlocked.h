@@ -41,8 +41,21 @@ public:
   Unfinished& operator=(const Unfinished&) = delete;
 };
 
-/// Whether the program is ending, so that loops of other threads must stop.
+/// Whether the program is ending, so that loops of other threads must stop. Not within a `Callback`.
 bool is_leaving();
+
+/// Python's lock, held by work that calls what a program gave it, such as a BSDF written in Python. What that calls of
+/// this module must come back even where the program ends: the work, for which `leave` waits, cannot stop amid it.
+class Callback {
+public:
+  Callback();
+  ~Callback();
+  Callback(const Callback&) = delete;
+  Callback& operator=(const Callback&) = delete;
+
+private:
+  nb::gil_scoped_acquire lock_;
+};
 
 /// To be called now and then by loops that have released the interpreter's lock.
 class SignalCheck {

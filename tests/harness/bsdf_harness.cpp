@@ -19,8 +19,8 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
   options.family_size = harness.family_size;
   options.seed = harness.seed;
   options.samples = test::effort(std::min<std::size_t>(options.samples, 75000), options.samples);
-  // A quarter of the samples: the same error of a bin beside their noise.
-  options.bin_tolerance = test::effort(4e-6, options.bin_tolerance);
+  // A quarter of the samples have twice the noise in each bin.
+  options.bin_tolerance = test::effort(2e-6, options.bin_tolerance);
   const std::shared_ptr<const Bsdf> bsdf =
       c.bsdf ? c.bsdf : build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm), test::example_file);
   HarnessResult result;

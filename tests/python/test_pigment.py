@@ -190,7 +190,7 @@ def test_grains_by_name():
     (lambda p: pigment.coefficients(0.6, 0.6, 1), "must not exceed 1"),
     (lambda p: pigment.surface("sphere"), "geometry: expected"),
     (lambda p: pigment.two_flux_error(1.1, 1), "albedo: expected at most 1"),
-    (lambda p: pigment.two_flux_error(0.5, 1, 1), "mean cosine must be between -1 and 1"),
+    (lambda p: pigment.two_flux_error(0.5, 1, 1), "g: expected at most 0.99"),
     (lambda p: pigment.two_flux_error(0.5, 1, convention="two"), "convention: expected 'three_quarters' or"),
     (lambda p: pigment.Palette.load("missing.csv"), "cannot read this file"),
 ])

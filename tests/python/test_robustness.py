@@ -156,7 +156,8 @@ def interrupted_after(seconds, function, times=1):
 def test_ctrl_c_keeps_what_is_done():
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        image, took = interrupted_after(0.2, lambda: aureole.render(make(ENDLESS), progress=False))
+        scene = make(ENDLESS)
+        image, took = interrupted_after(0.2, lambda: aureole.render(scene, progress=False))
     assert isinstance(image, aureole.Image) and not image.complete and took < 10
     assert [w.category for w in caught] == [aureole.InterruptedWarning]
 
@@ -167,7 +168,8 @@ def test_a_second_ctrl_c_raises():
             time.sleep(0.002)
             return super().eval(wi, wo, wavelength)
 
-    result, _ = interrupted_after(0.2, lambda: aureole.render(make(ENDLESS, 8, Slow()), progress=False), times=20)
+    scene = make(ENDLESS, 8, Slow())
+    result, _ = interrupted_after(0.2, lambda: aureole.render(scene, progress=False), times=20)
     assert isinstance(result, KeyboardInterrupt)
 
 
@@ -191,14 +193,22 @@ def test_ctrl_c_during_long_work(work):
 @pytest.mark.parametrize("work", [
     "aureole.render(make(ENDLESS), progress=False)",
     "aureole.render(make(ENDLESS, bsdf=Lambert()), progress=False)",
+    "aureole.render(make(ENDLESS, bsdf=Inner()), progress=False)",
     "optics.mie(np.full(10**6, 9e4), 1.5)",
     "optics.hard_discs(30000, 0.6)",
     "aureole.check(aureole.load_dict({'type': 'roughconductor', 'alpha': 0.01}), samples=10**8)",
     "aureole.load_dict({'type': 'roughplastic'}).albedo(0.3, 550, samples=10**8)",
     "change()",
-], ids=["render", "python-bsdf", "mie", "hard_discs", "check", "albedo", "set"])
+], ids=["render", "python-bsdf", "python-bsdf-that-calls", "mie", "hard_discs", "check", "albedo", "set"])
 def test_the_program_may_end_amid_work_of_a_daemon_thread(work):
+    start = time.monotonic()
     code, out, err = program(f"""
+        class Inner(Lambert):  # work of the module within a callback must come back, or the end of the program waits in vain
+            inner = aureole.load_dict({{"type": "diffuse"}})
+
+            def eval(self, wi, wo, wavelength):
+                return self.inner.eval(wi, wo, wavelength)
+
         def change():
             scene = make()
             while True:
@@ -210,6 +220,7 @@ def test_the_program_may_end_amid_work_of_a_daemon_thread(work):
     """)
     assert (code, out) == (5, "end\n"), err
     assert "nanobind" not in err
+    assert time.monotonic() - start < 9  # 10 s is how long the end waits for work that does not stop
 
 
 def test_nothing_is_left_at_the_end():

@@ -54,7 +54,7 @@ TEST_P(LightTracing, AgreesWithPathTracing) {
   const auto file = source_dir() / "tests/render/scenes" / (std::string("ptracer-") + GetParam() + ".xml");
   RenderOptions options;
   options.replicates = kSanitized ? 2 : 32;
-  const double more_noise = effort(2.0, 1.0);  // that of a quarter of the samples
+  const double more_noise = effort(2.0, 1.0);  // than with all samples
   // A sixteenth is as quiet in scenes without glass, gloss and lenses.
   const std::string name = GetParam();
   const bool is_quiet = name == "area" || name == "border" || name == "depth" || name == "constant" ||

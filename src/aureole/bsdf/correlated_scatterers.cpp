@@ -132,7 +132,9 @@ public:
     return nested_ ? l | nested_->lobes() : l;
   }
 
-  std::size_t table_bytes() const override { return tables_ ? model_->bytes() + sampler_->bytes() : 0; }
+  Tables tables() const override {
+    return {tables_.get(), tables_ ? model_->bytes() + sampler_->bytes() : 0};
+  }
   bool needs_tangent() const override { return needs_tangent_ || (nested_ && nested_->needs_tangent()); }
 
 private:

@@ -82,7 +82,7 @@ public:
     return Lobe::delta | Lobe::glossy | Lobe::reflect | Lobe::transmit | Lobe::through;
   }
   bool needs_tangent() const override { return false; }
-  std::size_t table_bytes() const override { return tables_ ? tables_->bytes() : 0; }
+  Tables tables() const override { return {tables_.get(), tables_ ? tables_->bytes() : 0}; }
 
 private:
   static constexpr double kLargestIndex = 20;

@@ -68,7 +68,7 @@ public:
   }
 
   bool needs_tangent() const override { return false; }
-  std::size_t table_bytes() const override { return table_ ? table_->bytes() : 0; }
+  Tables tables() const override { return {table_.get(), table_ ? table_->bytes() : 0}; }
   Lobe lobes() const override {
     Lobe l = Lobe::glossy | Lobe::reflect;
     if (has_delta_) l = l | Lobe::delta;
@@ -122,7 +122,7 @@ AUREOLE_PLUGIN(
         "normal and is black on the other. A diffuse one may be textured; any other counts as it is at the origin of its "
         "textures. Media, thicknesses and indices are the same everywhere: where a coat varies, `blendbsdf` mixes two stacks "
         "by a texture. Smooth interfaces are delta lobes. Lobes narrower than some 4 degrees (roughness below .1, phase "
-        "functions with g above .95) are blurred by the table, whose energy stays exact. Tables take 1 to 100 MB (`aureole info` prints it).",
+        "functions with g above .95) are blurred by the table, whose energy stays exact. Tables take 1 to 100 MB (`aureole info` prints their size).",
         "S. Chandrasekhar, Radiative Transfer, 1960; H. C. van de Hulst, Multiple Light Scattering, 1980; T. Nakajima & M. "
         "Tanaka, J. Quant. Spectrosc. Radiat. Transfer 40, 1988 (single scattering)",
         {{"medium", "medium", "", "required",

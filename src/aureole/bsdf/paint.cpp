@@ -21,20 +21,6 @@
 namespace aureole {
 namespace {
 
-/// 1/sqrt(x) for x >= 0, to 3e-7 of it; finite at 0. One step of Newton's from the processor's estimate takes a third of
-/// the time of a root and a quotient.
-Spectrum inverse_sqrt(const Spectrum& x) {
-  const Spectrum positive = max(x, 1e-36f);
-#ifdef __AVX__
-  if constexpr (kWavelengths == 8) {
-    const __m256 guess = _mm256_rsqrt_ps(reinterpret_cast<const __m256&>(positive.v));
-    const Spectrum y(reinterpret_cast<const SpectrumVector&>(guess));
-    return y * (Spectrum(1.5f) - positive * 0.5f * y * y);
-  }
-#endif
-  return Spectrum(1.f) / sqrt(positive);
-}
-
 class Paint final : public Bsdf {
 public:
   explicit Paint(const Properties& properties)
@@ -117,17 +103,17 @@ private:
     return e;
   }
 
-  /// A reflectance as `up` over `down`, so that what it is a part of needs no division of its own.
+  /// A reflectance as a fraction, so that what it is a part of needs no division of its own.
   struct Ratio {
-    Spectrum up, down;
+    Spectrum numerator, denominator;
   };
 
   /// R/(1 - k2 R), R that of the layer over its substrate: light that comes up to the interface from within, of what came
   /// through it from outside.
   Spectrum bounced_within(const BsdfContext& ctx) const {
     const Ratio r = inner_reflectance(ctx);
-    const Spectrum up = min(r.up, r.down);
-    return safe_divide(up, r.down - up * (1 - leaving_));
+    const Spectrum numerator = min(r.numerator, r.denominator);
+    return safe_divide(numerator, r.denominator - numerator * (1 - leaving_));
   }
 
   /// Kubelka and Munk's reflectance of the layer over its substrate.
@@ -143,8 +129,8 @@ private:
     }
     const Spectrum r = uniform_->r.eval(w);
     if (opaque_) return {r, 1.f};
-    const Spectrum down = max(Spectrum(1.f) - r * below, 1e-7f);
-    return {r * down + uniform_->t2.eval(w) * below, down};
+    const Spectrum denominator = max(Spectrum(1.f) - r * below, 1e-7f);
+    return {r * denominator + uniform_->t2.eval(w) * below, denominator};
   }
 
   struct Coefficients {
@@ -157,8 +143,9 @@ private:
       const float t = blend_.eval(ctx);
       k = lerp(k, second_->k.eval(w), t), s = lerp(s, second_->s.eval(w), t);
     }
-    const Spectrum square = min(k * (k + s * 2.f), 1e37f), inverse = inverse_sqrt(square);
-    return {k, s, square * inverse, inverse};
+    const Spectrum gamma = sqrt(min(k * (k + s * 2.f), 1e37f));
+    // While the exponential of gamma is computed, so that its quotient is waited for by nothing.
+    return {k, s, gamma, Spectrum(1.f) / max(gamma, 1e-18f)};
   }
 
   // pigment/kubelka_munk.cpp has the same forms in double precision.
@@ -201,11 +188,11 @@ private:
       });
     };
     uniform_ = {table([&](const Coefficients& c, float x) {
-                  if (opaque_) return safe_divide(opaque(c).up, opaque(c).down);
+                  if (opaque_) return safe_divide(opaque(c).numerator, opaque(c).denominator);
                   const Film f(c, x);
                   return f.sq / f.sum();
                 }),
-                table([&](const Coefficients& c, float x) {
+                opaque_ ? SampledSpectrum() : table([&](const Coefficients& c, float x) {
                   const Film f(c, x);
                   return f.decay * 4.f / (f.sum() * f.sum());
                 })};

@@ -16,11 +16,11 @@ double lightness_of(double y) { return lab_of_xyz({y, y, y}, {1, 1, 1}).l; }
 }  // namespace
 
 TwoFluxError two_flux_error(const ScatteringLayer& layer, Convention convention) {
-  require(layer.albedo > 0 && layer.albedo <= 1, layer.albedo, "the albedo", "must be above 0 and at most 1");
-  require(layer.thickness > 0 && std::isfinite(layer.thickness), layer.thickness, "the thickness",
-          "must be above 0 and finite");
-  require(layer.g > -1 && layer.g < 1, layer.g, "the mean cosine", "must be between -1 and 1");
-  require(layer.index >= 1 && std::isfinite(layer.index), layer.index, "the index", "must be at least 1");
+  require(layer.albedo >= 1e-6 && layer.albedo <= 1, layer.albedo, "the albedo", "must be in [1e-6, 1]");
+  require(layer.thickness >= 1e-6 && layer.thickness <= 1e6, layer.thickness, "the thickness",
+          "must be in [1e-6, 1e6]");
+  require(std::abs(layer.g) <= 0.99, layer.g, "the mean cosine", "must be in [-0.99, 0.99]");
+  require(layer.index >= 1 && layer.index <= 10, layer.index, "the index", "must be in [1, 10]");
   require_fraction(layer.substrate, "the substrate's reflectance");
 
   const double scattering = 1 / (1 - layer.g), absorption = scattering * (1 - layer.albedo) / layer.albedo;

@@ -9,10 +9,10 @@
 namespace aureole::pigment {
 
 struct ScatteringLayer {
-  double albedo = 0.9;   ///< scattering over extinction, in (0, 1]
-  double thickness = 1;  ///< in transport lengths 1/(sigma_s (1 - g)), above 0
-  double g = 0;          ///< mean cosine of Henyey and Greenstein's phase function, in (-1, 1)
-  double index = 1.5;    ///< of the layer, at least 1; 1 is no interface
+  double albedo = 0.9;   ///< scattering over extinction, in [1e-6, 1]
+  double thickness = 1;  ///< in transport lengths 1/(sigma_s (1 - g)), in [1e-6, 1e6]
+  double g = 0;          ///< mean cosine of Henyey and Greenstein's phase function, in [-.99, .99]
+  double index = 1.5;    ///< of the layer, in [1, 10]; 1 is no interface
   double substrate = 0;  ///< reflectance of the Lambertian surface it lies on, in [0, 1]
 };
 

@@ -9,8 +9,11 @@ namespace aureole {
 class TableHolder {
 public:
   virtual ~TableHolder() = default;
-  /// Memory of the tables, in bytes, also where equal objects share them; 0 where they were not made.
-  virtual std::size_t table_bytes() const = 0;
+  struct Tables {
+    const void* identity = nullptr;  ///< the same for objects that share them; null where they were not made
+    std::size_t bytes = 0;
+  };
+  virtual Tables tables() const = 0;
 };
 
 }  // namespace aureole

@@ -92,7 +92,7 @@ INSTANTIATE_TEST_SUITE_P(Microstructure, HardDiscs, ::testing::ValuesIn(kCases),
                          [](const auto& i) { return i.param.name; });
 
 TEST(Microstructure, IntervalsHoldTheTruth) {
-  // 95 % of the intervals should; of 24 intervals of 8 samples at least 20 in 99.8 % of all cases, of 15 at least 12 in 99.5 %.
+  // 95 % of the intervals should; if they were independent, of 24 intervals of 8 samples at least 20 in 99.4 % of all cases, of 15 at least 12 as well.
   int held = 0;
   const unsigned samples = effort(5u, 8u);
   for (unsigned i = 0; i < samples; ++i) {
