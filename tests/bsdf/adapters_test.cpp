@@ -296,7 +296,7 @@ void expect_frame(const Frame& f, const Vec3& tangent) {
 /// Points of a sphere that was scaled and turned, and of a mesh, by rays.
 std::vector<SurfacePoint> points_of(const Shape& shape) {
   std::vector<SurfacePoint> points;
-  const RTCDevice device = rtcNewDevice(nullptr);
+  const RTCDevice device = rtcNewDevice("threads=1");
   const RTCScene scene = rtcNewScene(device);
   const RTCGeometry geometry = shape.make_geometry(device);
   rtcAttachGeometry(scene, geometry);

@@ -97,7 +97,7 @@ public:
 class OneShapeScene {
 public:
   explicit OneShapeScene(const Shape& shape)
-      : device_(rtcNewDevice(nullptr)), scene_(rtcNewScene(device_)), shape_(shape) {
+      : device_(rtcNewDevice("threads=1")), scene_(rtcNewScene(device_)), shape_(shape) {
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
     RTCGeometry g = shape.make_geometry(device_);
     rtcAttachGeometry(scene_, g);
