@@ -149,6 +149,34 @@ void bench_sample(benchmark::State& state, const std::string& xml) {
   count_per_wavelength(state);
 }
 
+// Coats that are compared with one another. The pictures are those of docs/images: run from the repository's root.
+std::string squares(const std::string& name, const std::string& a, const std::string& b) {
+  return R"(<texture type="checkerboard" name=")" + name + R"("><float name="color0" value=")" + a +
+         R"("/><float name="color1" value=")" + b + R"("/></texture>)";
+}
+std::string coloured_squares(const std::string& name) {
+  return R"(<texture type="checkerboard" name=")" + name +
+         R"("><rgb name="color0" value="0.2, 0.25, 0.7"/><rgb name="color1" value="0.7, 0.25, 0.2"/></texture>)";
+}
+std::string picture(const std::string& name, const std::string& file, const std::string& more) {
+  return R"(<texture type="bitmap" name=")" + name + R"("><string name="filename" value="docs/images/)" +
+         file + R"(.png"/>)" + more + "</texture>";
+}
+std::string roughplastic(const std::string& reflectance) {
+  return R"(<bsdf type="roughplastic"><float name="alpha" value="0.2"/>)" + reflectance + "</bsdf>";
+}
+std::string film(const std::string& more) {
+  return R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
+      <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/>)" +
+         more + "</bsdf>";
+}
+const char* const kRough = R"(<string name="alpha" value="0.3"/>)";
+std::string coat(const std::string& interface, const std::string& reflectance) {
+  return R"(<bsdf type="layered"><string name="thickness" value="20um"/>
+      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>)" +
+         interface + R"(<bsdf type="diffuse">)" + reflectance + "</bsdf></bsdf>";
+}
+
 // The instances; BSDFs without one here are measured by the examples of their documentation.
 const std::vector<std::pair<std::string, std::string>> kBsdfs = {
     {"diffuse", R"(<bsdf type="diffuse"><rgb name="reflectance" value="0.2, 0.25, 0.7"/></bsdf>)"},
@@ -178,53 +206,22 @@ const std::vector<std::pair<std::string, std::string>> kBsdfs = {
       <string name="width" value="7um"/><string name="height" value="7um"/><float name="fraction" value="0.5"/></aperture>
       <aperture type="circle"><string name="radius" value="5um"/><float name="fraction" value="0.5"/></aperture>
       <texture type="checkerboard" name="area_fraction"><float name="color0" value="0.3"/><float name="color1" value="0.5"/></texture></bsdf>)"},
-    {"coat of roughplastic", R"(<bsdf type="roughplastic"><float name="alpha" value="0.2"/>
-      <rgb name="diffuse_reflectance" value="0.2, 0.25, 0.7"/></bsdf>)"},
+    {"coat of roughplastic", roughplastic(R"(<rgb name="diffuse_reflectance" value="0.2, 0.25, 0.7"/>)")},
     {"coat of paint, opaque", R"(<bsdf type="paint"><float name="alpha" value="0.2"/>
       <string name="recipe" value="blue green shade: 1 + white: 10"/></bsdf>)"},
-    {"coat of paint, film",
-     R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
-      <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/></bsdf>)"},
-    {"coat of roughplastic, textured", R"(<bsdf type="roughplastic"><float name="alpha" value="0.2"/>
-      <texture type="checkerboard" name="diffuse_reflectance"><rgb name="color0" value="0.2, 0.25, 0.7"/>
-      <rgb name="color1" value="0.7, 0.25, 0.2"/></texture></bsdf>)"},
-    {"coat of paint, textured film",
-     R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
-      <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/>
-      <texture type="checkerboard" name="thickness_factor"><float name="color0" value="0.5"/>
-      <float name="color1" value="1"/></texture></bsdf>)"},
-    {"coat of roughplastic, picture", R"(<bsdf type="roughplastic"><float name="alpha" value="0.2"/>
-      <texture type="bitmap" name="diffuse_reflectance"><string name="filename" value="docs/images/paint.png"/></texture></bsdf>)"},
+    {"coat of paint, film", film("")},
+    {"coat of roughplastic, textured", roughplastic(coloured_squares("diffuse_reflectance"))},
+    {"coat of paint, textured film", film(squares("thickness_factor", "0.5", "1"))},
+    {"coat of roughplastic, picture", roughplastic(picture("diffuse_reflectance", "paint", ""))},
     {"coat of paint, film by a picture",
-     R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
-      <string name="recipe" value="blue green shade: 1 + white: 10"/><float name="substrate" value="0.5"/>
-      <texture type="bitmap" name="thickness_factor"><string name="filename" value="docs/images/fogbow.png"/>
-      <boolean name="raw" value="true"/></texture></bsdf>)"},
+     film(picture("thickness_factor", "fogbow", R"(<boolean name="raw" value="true"/>)"))},
     {"coat of paint, textured film and mixture",
-     R"(<bsdf type="paint"><float name="alpha" value="0.2"/><float name="thickness" value="0.5"/>
-      <string name="recipe" value="blue green shade: 1 + white: 10"/><string name="second_recipe" value="red: 1 + white: 10"/>
-      <float name="substrate" value="0.5"/>
-      <texture type="checkerboard" name="thickness_factor"><float name="color0" value="0.5"/>
-      <float name="color1" value="1"/></texture>
-      <texture type="checkerboard" name="blend"><float name="color0" value="0"/>
-      <float name="color1" value="1"/></texture></bsdf>)"},
-    {"coat of layered, textured substrate",
-     R"(<bsdf type="layered"><string name="alpha" value="0.3"/><string name="thickness" value="20um"/>
-      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
-      <bsdf type="diffuse"><texture type="checkerboard" name="reflectance"><rgb name="color0" value="0.2, 0.25, 0.7"/>
-      <rgb name="color1" value="0.7, 0.25, 0.2"/></texture></bsdf></bsdf>)"},
-    {"coat of layered, substrate by a picture",
-     R"(<bsdf type="layered"><string name="alpha" value="0.3"/><string name="thickness" value="20um"/>
-      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
-      <bsdf type="diffuse"><texture type="bitmap" name="reflectance"><string name="filename" value="docs/images/paint.png"/></texture>
-      </bsdf></bsdf>)"},
-    {"coat of layered",
-     R"(<bsdf type="layered"><string name="alpha" value="0.3"/><string name="thickness" value="20um"/>
-      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
-      <bsdf type="diffuse"/></bsdf>)"},
-    {"coat of layered, smooth", R"(<bsdf type="layered"><string name="thickness" value="20um"/>
-      <medium type="homogeneous"><float name="sigma_t" value="2e5"/><rgb name="albedo" value="0.6, 0.7, 0.95"/></medium>
-      <bsdf type="diffuse"/></bsdf>)"},
+     film(R"(<string name="second_recipe" value="red: 1 + white: 10"/>)" +
+          squares("thickness_factor", "0.5", "1") + squares("blend", "0", "1"))},
+    {"coat of layered, textured substrate", coat(kRough, coloured_squares("reflectance"))},
+    {"coat of layered, substrate by a picture", coat(kRough, picture("reflectance", "paint", ""))},
+    {"coat of layered", coat(kRough, "")},
+    {"coat of layered, smooth", coat("", "")},
 };
 
 void bench_sampler(benchmark::State& state, const std::string& type) {

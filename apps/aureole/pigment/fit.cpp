@@ -27,12 +27,12 @@ struct FitOptions {
 
 struct Errors {
   double mean = 0, worst = 0, rms = 0;
-  int count = 0;
   std::vector<double> differences;
 
   void add(double difference, double of_rms) {
+    const auto count = double(differences.size());
     mean = (mean * count + difference) / (count + 1);
-    worst = std::max(worst, difference), rms = std::max(rms, of_rms), ++count;
+    worst = std::max(worst, difference), rms = std::max(rms, of_rms);
     differences.push_back(difference);
   }
 };
@@ -148,13 +148,14 @@ int fit(const FitOptions& o) {
     }
     fmt::print("\nEach measurement predicted from the others (illuminant {}):\n", o.illuminant);
     for (const auto& [name, e] : {std::pair{"pure paints", pure}, {"mixtures", mixed}}) {
-      if (e.count == 0) continue;
+      if (e.differences.empty()) continue;
       fmt::print(
           "  {:<12} {:3} predictions, Delta E 2000 mean {:.2f}, largest {:.2f}; largest rms of R {:.4f}\n",
-          name, e.count, e.mean, e.worst, e.rms);
+          name, e.differences.size(), e.mean, e.worst, e.rms);
       differences.series.push_back(
           differences_line(e.differences, name, differences.series.empty() ? "#2b5d8f" : "#c0562f"));
-      out["left_out"][name] = {{"count", e.count}, {"mean", e.mean}, {"worst", e.worst}, {"rms", e.rms}};
+      out["left_out"][name] = {
+          {"count", e.differences.size()}, {"mean", e.mean}, {"worst", e.worst}, {"rms", e.rms}};
     }
   }
   std::vector<double> others;

@@ -115,11 +115,12 @@ int legend_width(const Plot& plot) {
   return named > kMostWithin ? 160 : 0;
 }
 
-void add_legend(std::string& out, const Plot& plot) {
+/// `width`: of the whole picture.
+void add_legend(std::string& out, const Plot& plot, int width) {
+  const double x = width - kRight - 12;
   double y = kTop + 8;
   for (const PlotSeries& s : plot.series) {
     if (s.label.empty()) continue;
-    const double x = kWidth + legend_width(plot) - kRight - 12;
     out +=
         s.kind == PlotSeries::Kind::points
             ? fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>", x - 9, y, color_of(s))
@@ -142,17 +143,18 @@ double round_step(double low, double high, int count) {
 std::string svg_plot(const Plot& given) {
   const Plot plot = given.logarithmic ? logarithms(given) : given;
   const Axes a = fit_axes(plot);
+  const int width = kWidth + legend_width(plot);
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
       "font-family=\"sans-serif\" font-size=\"12\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n",
-      kWidth + legend_width(plot), kHeight);
+      width, kHeight);
   out += fmt::format("<text x=\"{}\" y=\"24\" text-anchor=\"middle\" font-size=\"15\">{}</text>\n",
                      kWidth / 2, escaped(plot.title));
   for (const PlotSeries& s : plot.series) add_series(out, s, a);
   out += fmt::format("<path d=\"M{0} {1}V{2}H{3}\" fill=\"none\" stroke=\"black\"/>\n", kLeft, kTop,
                      kHeight - kBottom, kWidth - kRight);
   add_ticks(out, a, plot.logarithmic);
-  add_legend(out, plot);
+  add_legend(out, plot, width);
   out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n",
                      (kLeft + kWidth - kRight) / 2, kHeight - 12, escaped(plot.x_label));
   out += fmt::format(
