@@ -88,9 +88,10 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   options.replicates = kSanitized ? 2 : 32;
   const std::atomic<bool> go{false};
   RenderState state;
-  for (options.end = 16; *options.end <= most_samples; *options.end *= 2) {
+  const std::int64_t first = few ? 16 : effort(8, 16);
+  for (options.end = first; *options.end <= most_samples; *options.end *= 2) {
     RenderJob job(loaded, options);
-    if (options.end > 16) job.resume(state);
+    if (*options.end > 16) job.resume(state);  // of multiples of 16
     job.run(go);
     state = job.state();
     if (kSanitized) break;
