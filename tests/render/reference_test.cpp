@@ -88,10 +88,9 @@ TEST_P(MitsubaReference, AgreesWithinNoise) {
   options.replicates = kSanitized ? 2 : 32;
   const std::atomic<bool> go{false};
   RenderState state;
-  const std::int64_t first = few ? 16 : effort(8, 16);
-  for (options.end = first; *options.end <= most_samples; *options.end *= 2) {
+  for (options.end = 16; *options.end <= most_samples; *options.end *= 2) {
     RenderJob job(loaded, options);
-    if (*options.end > 16) job.resume(state);  // of multiples of 16
+    if (options.end > 16) job.resume(state);
     job.run(go);
     state = job.state();
     if (kSanitized) break;
