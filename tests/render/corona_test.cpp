@@ -15,6 +15,7 @@
 #include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/optics/layer/scatterer_layer.h"
 #include "aureole/render/job.h"
+#include "harness/effort.h"
 
 namespace aureole {
 namespace {
@@ -112,6 +113,7 @@ double predicted(double px, double py, double tilt, const IntensityTable& layer)
 void check(const std::string& sampling, double degrees_of_tilt = 0) {
   const double tilt = degrees_of_tilt * kPi / 180;
   RenderOptions options;
+  options.end = test::effort(128, 256);
   RenderJob job(load_scene_from_string(scene(sampling, degrees_of_tilt), "corona.xml"), options);
   const std::atomic<bool> stop{false};
   ASSERT_EQ(job.run(stop), RenderJob::Outcome::finished);
