@@ -18,9 +18,9 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
   options.significance = harness.family_significance;
   options.family_size = harness.family_size;
   options.seed = harness.seed;
-  options.samples = test::effort(std::min<std::size_t>(options.samples, 50000), options.samples);
-  // A sixth of the samples have two and a half times the noise in each bin.
-  options.bin_tolerance = test::effort(2.5e-6, options.bin_tolerance);
+  options.samples = test::effort(std::min<std::size_t>(options.samples, 75000), options.samples);
+  // A quarter of the samples have twice the noise in each bin.
+  options.bin_tolerance = test::effort(2e-6, options.bin_tolerance);
   const std::shared_ptr<const Bsdf> bsdf =
       c.bsdf ? c.bsdf : build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm), test::example_file);
   HarnessResult result;
