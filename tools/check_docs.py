@@ -33,6 +33,7 @@ class Tree:
         self.folders = {str(parent) for f in self.files for parent in Path(f).parents}
         self.texts = {}
         self.words = {}
+        self.tests = {}  # names of each suite
         for f in self.files:
             if Path(f).suffix not in TEXTS or (root / f).stat().st_size > 2_000_000:
                 continue
@@ -40,6 +41,9 @@ class Tree:
             self.texts[f] = text
             for word in set(re.findall(r"\w+", text)) | set(re.findall(r"\w+", f)):
                 self.words.setdefault(word, set()).add(f)
+            if Path(f).suffix in {".h", ".cpp"} and "TEST" in text:
+                for suite, name in re.findall(r"\bTEST(?:_P|_F)?\(\s*(\w+)\s*,\s*(\w+)\s*\)", text):
+                    self.tests.setdefault(suite, set()).add(name)
 
     def has_path(self, path):
         path = path.rstrip("/").removeprefix("../")
@@ -54,8 +58,7 @@ class Tree:
         return False
 
     def has_test(self, suite, name):
-        pattern = r"\bTEST(?:_P|_F)?\(\s*SUITE\s*,\s*NAME\s*\)".replace("SUITE", suite).replace("NAME", name.replace("*", r"\w*"))
-        return any(re.search(pattern, text) for text in self.texts.values())
+        return any(re.fullmatch(name.replace("*", r"\w*"), n) for n in self.tests.get(suite, ()))
 
     def missing(self, span):
         """The parts of a span that exist nowhere."""

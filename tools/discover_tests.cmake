@@ -17,7 +17,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
   return()
 endif()
 
-set(TESTS_PER_PROCESS 8)
+set(TESTS_PER_PROCESS 16)
 # The end of what is printed: no test has passed, some are skipped, and nothing follows, such as tests that failed.
 set(ALL_SKIPPED "\\[  PASSED  \\] 0 tests\\.\n(\\[  SKIPPED \\][^\n]*\n*)+$")
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed RESULT_VARIABLE result TIMEOUT 60)

@@ -23,7 +23,8 @@ class _Lenient(Adapter):
             raise TypeError(f"{self.name}.{method}: {what}: expected real numbers, got {array.dtype}")
         if array.shape not in ((), (1,), (n,)):
             raise Error(f"{self.name}.{method}: {what}: expected the shape ({n},), got {array.shape}")
-        return np.array(np.broadcast_to(array.astype(np.float64), (n,)))
+        array = array.astype(np.float64, copy=False)
+        return array if array.shape == (n,) else np.broadcast_to(array, (n,))
 
 
 class Batch:
@@ -33,11 +34,12 @@ class Batch:
     def __init__(self, instance: Any) -> None:
         self.adapter = _Lenient(instance)
         self.lobes = self.adapter.lobes
+        self._takes_uv = any("uv" in names for names in self.adapter._extra.values())
 
-    @staticmethod
-    def _rows(n: int, m: int, wavelengths: Array, *vectors: Array) -> Tuple[Array, ...]:
+    def _rows(self, n: int, m: int, wavelengths: Array, *vectors: Array) -> Tuple[Array, ...]:
         """Each row of the vectors m times, the wavelengths n times, and texture coordinates."""
-        return (*(np.repeat(v, m, axis=0) for v in vectors), np.tile(wavelengths, n), np.full((n * m, 2), (0.31, 0.64)))
+        uv = np.broadcast_to(np.array([0.31, 0.64]), (n * m, 2))
+        return (*(np.repeat(v, m, axis=0) for v in vectors), np.tile(wavelengths, n), uv.copy() if self._takes_uv else uv)
 
     def eval_pdf(self, wi: Array, wo: Array, wavelengths: Array, mode: str) -> Tuple[Array, Array]:
         """Values and densities, (n, m)."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from typing import Any, List, Optional, Tuple, Union
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import numpy.typing as npt
 
 from . import _aureole, spectrum
 from ._arrays import real, scalar
+from ._dict import quoteattr
 from ._errors import Error
 from ._plot_support import as_bsdf
 

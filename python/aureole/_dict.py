@@ -9,7 +9,6 @@ import os
 import re
 from functools import lru_cache
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Tuple
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
@@ -21,6 +20,12 @@ _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 #: Entries that say what a dict is instead of being a parameter.
 _SPECIAL = ("type", "id", "family")
 _SPECTRUM_TYPES = ("rgb", "spectrum")
+_ENTITIES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"})
+
+
+def quoteattr(text: str) -> str:
+    """The value of an attribute of XML, in quotes. (`xml.sax.saxutils` has it, too, but takes as long to import as all of this package.)"""
+    return f'"{text.translate(_ENTITIES)}"'
 
 
 class Plugin(NamedTuple):
@@ -290,7 +295,7 @@ def _numbers(values: Any) -> str:
 def _attribute(text: str) -> str:
     # $name would be a parameter of the scene file; line ends would become blanks.
     text = text.replace("\\$", "$").replace("$", "\\$")
-    return quoteattr(text, {"\n": "&#10;", "\r": "&#13;", "\t": "&#9;"})
+    return quoteattr(text)
 
 
 class Transform:

@@ -134,22 +134,26 @@ class Adapter:
 
     def _allowed(self, wi: FloatArray, wo: FloatArray) -> npt.NDArray[np.bool_]:
         side = wi[:, 2] * wo[:, 2]
-        return (self._reflects & (side > 0)) | (self._transmits & (side < 0))
+        if self._reflects and self._transmits:
+            return np.asarray((side > 0) | (side < 0))
+        return np.asarray(side > 0 if self._reflects else side < 0)
 
     def _masked(self, method: str, what: str, wi: FloatArray, wo: FloatArray, wavelength: FloatArray, uv: FloatArray,
-                mode: str) -> FloatArray:
+                mode: str, allowed: npt.NDArray[np.bool_]) -> FloatArray:
         values = self._numbers(method, what, self.call(method, wi, wo, wavelength, uv=uv, mode=mode), len(wi))
-        return np.where(self._allowed(wi, wo), values, 0.0)
+        return np.where(allowed, values, 0.0)
 
     def eval_rows(self, wi: FloatArray, wo: FloatArray, wavelength: FloatArray, uv: FloatArray, mode: str) -> FloatArray:
-        return self._masked("eval", "values", wi, wo, wavelength, uv, mode)
+        return self._masked("eval", "values", wi, wo, wavelength, uv, mode, self._allowed(wi, wo))
 
     def pdf_rows(self, wi: FloatArray, wo: FloatArray, wavelength: FloatArray, uv: FloatArray, mode: str) -> FloatArray:
-        return self._masked("pdf", "densities", wi, wo, wavelength, uv, mode)
+        return self._masked("pdf", "densities", wi, wo, wavelength, uv, mode, self._allowed(wi, wo))
 
     def eval_pdf_rows(self, wi: FloatArray, wo: FloatArray, wavelength: FloatArray, uv: FloatArray,
                       mode: str) -> Tuple[FloatArray, FloatArray]:
-        return self.eval_rows(wi, wo, wavelength, uv, mode), self.pdf_rows(wi, wo, wavelength, uv, mode)
+        allowed = self._allowed(wi, wo)
+        return (self._masked("eval", "values", wi, wo, wavelength, uv, mode, allowed),
+                self._masked("pdf", "densities", wi, wo, wavelength, uv, mode, allowed))
 
     def sample_rows(self, wi: FloatArray, wavelength: FloatArray, u: FloatArray, uv: FloatArray, mode: str) -> BsdfSample:
         """A sample with all arrays given and checked."""

@@ -223,7 +223,8 @@ def fresnel(cos_theta: npt.ArrayLike, eta: npt.ArrayLike) -> Fresnel:
     """
     cosine = real("cos_theta", cos_theta, minimum=-1e-6, maximum=1 + 1e-6)
     index = complex_numbers("eta", eta)
-    wrong = (index.real < 0) | (index.imag < 0) | (np.abs(index) < 1e-6) | (np.abs(index) > 1e6)
+    modulus = np.abs(index)
+    wrong = (index.real < 0) | (index.imag < 0) | (modulus < 1e-6) | (modulus > 1e6)
     _refuse("eta", index, wrong, "n + i k with n >= 0, k >= 0 and a modulus in [1e-6, 1e6]")
     shape, (flat_cosine, flat_index) = broadcast(cos_theta=cosine, eta=index)
     amplitudes, power = np.empty((5, flat_cosine.size), np.complex128), np.empty((2, flat_cosine.size))

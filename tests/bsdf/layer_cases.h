@@ -88,7 +88,8 @@ template <class Function>
 Energies integrate(const LayerCase& s, const Vec3& wi, double nm, const Function& f) {
   const double k = 2 * std::numbers::pi / (nm * 1e-9), n_i = s.index(wi.z), phase = k * s.a();
   const double u_max = phase * (1.5 + n_i);
-  const int rings = std::max(1000, int(u_max * 12)), azimuths = test::effort(120, 240);
+  // The intensity swings with a period of pi in u.
+  const int rings = std::max(1000, int(u_max * test::effort(6, 12))), azimuths = test::effort(120, 240);
   Energies sum{};
   for (int i = 0; i < rings; ++i) {
     const double u = (i + 0.5) * u_max / rings,

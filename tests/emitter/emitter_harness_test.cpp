@@ -12,6 +12,7 @@
 #include <functional>
 #include <numeric>
 #include <set>
+#include <vector>
 
 #include "aureole/core/image.h"
 #include "aureole/instrument/check/direction_grid.h"
@@ -669,6 +670,15 @@ protected:
     return total;
   }
   static constexpr int kDirections = 400000;
+  /// Evenly over the sphere.
+  static const std::vector<Vec3>& all_directions() {
+    static const std::vector<Vec3> directions = [] {
+      std::vector<Vec3> made;
+      for (int k = 0; k < kDirections; ++k) made.push_back(fibonacci_direction(k, kDirections));
+      return made;
+    }();
+    return directions;
+  }
   void check_directions(const Vec3& facing, int seed) const;
   /// Normals of surfaces that an emitter at infinity lights, in and between the axes of the cases' frames.
   std::vector<Vec3> facing_normals() const {
@@ -686,22 +696,28 @@ protected:
 
 TEST_P(EmitterHarness, IrradianceAgreesWithUniformDirections) {
   SeededRandom random(1);
-  for (const Vec3& o : case_.references)
-    for (const Vec3& n : {Vec3{0, 0, 1}, normalize(Vec3{1, 0.5f, 0.3f})}) {
-      double expected[2] = {};
-      int lit = 0;
-      if (is_delta()) {
+  const Vec3 normals[] = {Vec3{0, 0, 1}, normalize(Vec3{1, 0.5f, 0.3f})};
+  for (const Vec3& o : case_.references) {
+    double expected_for[2][2] = {};  // of each normal
+    int lit = 0;
+    if (is_delta()) {
+      for (int i = 0; i < 2; ++i)
         for (int j = 0; j < 2; ++j)
-          expected[j] = connects() ? case_.irradiance(o, n) * spectrum(7 * j * kWavelengths / 8) : 0;
-      } else {
-        for (int k = 0; k < kDirections; ++k) {
-          const Vec3 d = fibonacci_direction(k, kDirections);
-          const Spectrum l = radiance(o, d);
-          lit += !is_black(l);
+          expected_for[i][j] =
+              connects() ? case_.irradiance(o, normals[i]) * spectrum(7 * j * kWavelengths / 8) : 0;
+    } else {
+      for (const Vec3& d : all_directions()) {
+        const Spectrum l = radiance(o, d);
+        lit += !is_black(l);
+        for (int i = 0; i < 2; ++i)
           for (int j = 0; j < 2; ++j)
-            expected[j] += double(l[7 * j * kWavelengths / 8]) * std::abs(dot(d, n)) * 4 * M_PI / kDirections;
-        }
+            expected_for[i][j] +=
+                double(l[7 * j * kWavelengths / 8]) * std::abs(dot(d, normals[i])) * 4 * M_PI / kDirections;
       }
+    }
+    for (int i = 0; i < 2; ++i) {
+      const Vec3& n = normals[i];
+      const double* expected = expected_for[i];
       double sum[2] = {}, squares[2] = {};
       const int samples = 20000;
       for (int k = 0; k < samples; ++k) {
@@ -726,6 +742,7 @@ TEST_P(EmitterHarness, IrradianceAgreesWithUniformDirections) {
           EXPECT_NEAR(mean, expected[j], 4.5 * sigma + slack * expected[j] + 1e-9) << o.x << " " << j;
       }
     }
+  }
 }
 
 TEST_P(EmitterHarness, SamplesAgreeWithEvalAndDensity) {
@@ -793,8 +810,7 @@ TEST_P(EmitterHarness, DensityIntegratesToOnePerVisiblePart) {
   for (const Vec3& o : case_.references) {
     std::vector<double> mass(emitter_->part_count());
     std::vector<int> hits(emitter_->part_count());
-    for (int k = 0; k < kDirections; ++k) {
-      const Vec3 d = fibonacci_direction(k, kDirections);
+    for (const Vec3& d : all_directions()) {
       std::size_t part = 0;
       if (!emitter_->is_infinite()) {
         const auto p = surface(o, d);
@@ -847,8 +863,7 @@ TEST_P(EmitterHarness, SamplesForANormalAgreeWithEvalAndDensity) {
       sum += x(*s), squares += x(*s) * x(*s);
     }
     double expected = 0, mass = 0;
-    for (int k = 0; k < kDirections; ++k) {
-      const Vec3 d = fibonacci_direction(k, kDirections);
+    for (const Vec3& d : all_directions()) {
       const double cosine = dot(d, n), p = density(o, d, n);
       const Spectrum l = radiance(o, d);
       mass += p * 4 * M_PI / kDirections;
@@ -1017,22 +1032,28 @@ TEST_P(EmitterHarness, RaysCarryThePower) {
   SeededRandom random(6);
   const int n = 200000;
   const Spectrum expected = power();
-  for (int j = 0; j < kWavelengths; j += kWavelengths - 1) {
-    double total = 0, variance = 0;
-    for (std::size_t part = 0; part < emitter_->part_count(); ++part) {
-      double sum = 0, squares = 0;
-      for (int k = 0; k < n; ++k) {
-        const Vec2 a = random.next2(), b = random.next2();
-        const auto r = emitter_->sample_ray(part, a, b, w_);
-        if (!r) continue;
-        const double x = double(r->value[j]) / (double(r->pdf_position) * double(r->pdf_direction));
-        sum += x, squares += x * x;
+  double total[2] = {}, variance[2] = {};  // of the first and the last wavelength
+  for (std::size_t part = 0; part < emitter_->part_count(); ++part) {
+    double sum[2] = {}, squares[2] = {};
+    for (int k = 0; k < n; ++k) {
+      const Vec2 a = random.next2(), b = random.next2();
+      const auto r = emitter_->sample_ray(part, a, b, w_);
+      if (!r) continue;
+      for (int i = 0; i < 2; ++i) {
+        const double x =
+            double(r->value[i * (kWavelengths - 1)]) / (double(r->pdf_position) * double(r->pdf_direction));
+        sum[i] += x, squares[i] += x * x;
       }
-      total += sum / n;
-      variance += (squares / n - sum / n * (sum / n)) / n;
     }
-    EXPECT_NEAR(total, double(expected[j]),
-                4.5 * std::sqrt(std::max(0.0, variance)) + 0.25 * case_.slack * double(expected[j]))
+    for (int i = 0; i < 2; ++i) {
+      total[i] += sum[i] / n;
+      variance[i] += (squares[i] / n - sum[i] / n * (sum[i] / n)) / n;
+    }
+  }
+  for (int i = 0; i < 2; ++i) {
+    const int j = i * (kWavelengths - 1);
+    EXPECT_NEAR(total[i], double(expected[j]),
+                4.5 * std::sqrt(std::max(0.0, variance[i])) + 0.25 * case_.slack * double(expected[j]))
         << w_.nm[j];
   }
 }

@@ -47,6 +47,7 @@ def test_runs(name, tmp_path):
     for folder in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR", "MPLCONFIGDIR"):
         (tmp_path / folder).mkdir()
         environment[folder] = str(tmp_path / folder)
+    environment["MPLCONFIGDIR"] = os.environ.get("MPLCONFIGDIR", environment["MPLCONFIGDIR"])  # with its list of fonts
     client = nbclient.NotebookClient(notebook, km=manager, timeout=300, resources={"metadata": {"path": str(NOTEBOOKS)}})
     client.execute(env=environment)  # raises what a cell raises
     code = [cell for cell in notebook.cells if cell.cell_type == "code"]

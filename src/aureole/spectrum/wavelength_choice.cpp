@@ -23,15 +23,17 @@ SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
     kernel[size_t(k)] = std::exp(-0.5 * x * x);
     total += kernel[size_t(k)] * (k == 0 ? 1 : 2);
   }
-  const auto nodes = s.nodes();
-  const int n = int(nodes.size());
-  std::vector<float> result(nodes.size());
-  for (int i = 0; i < n; ++i) {
-    double sum = 0;
-    for (int k = -reach; k <= reach; ++k)
-      sum += kernel[size_t(std::abs(k))] * nodes[size_t(std::clamp(i + k, 0, n - 1))];
-    result[size_t(i)] = float(sum / total);
+  const int n = int(s.nodes().size());
+  std::vector<double> nodes(size_t(n + 2 * reach));  // from `reach` before the first one on
+  for (int i = 0; i < n + 2 * reach; ++i)
+    nodes[size_t(i)] = double(s.nodes()[size_t(std::clamp(i - reach, 0, n - 1))]);
+  std::vector<double> sums(static_cast<size_t>(n));
+  for (int k = -reach; k <= reach; ++k) {
+    const double weight = kernel[size_t(std::abs(k))], *from = &nodes[size_t(k + reach)];
+    for (int i = 0; i < n; ++i) sums[size_t(i)] += weight * from[i];
   }
+  std::vector<float> result(static_cast<size_t>(n));
+  for (int i = 0; i < n; ++i) result[size_t(i)] = float(sums[size_t(i)] / total);
   return {s.grid(), std::move(result)};
 }
 

@@ -13,15 +13,20 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <map>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <sstream>
+#include <string>
+#include <tuple>
 
 #include "aureole/bsdf/layer/scatterer_sampler.h"
 #include "aureole/core/image.h"
 #include "aureole/optics/arrangement/hard_discs.h"
 #include "bsdf/layer/mixture_cases.h"
 #include "harness/effort.h"
+#include "harness/phasors.h"
 #include "harness/properties_builder.h"
 
 namespace aureole {
@@ -30,13 +35,21 @@ namespace {
 using namespace testing::mixture_cases;
 constexpr double kPi = std::numbers::pi;
 
+/// Models that several tests look at are made once.
+std::shared_ptr<const ScattererModel> shared_model(const MixtureCase& layer, double least, double most) {
+  static std::map<std::tuple<std::string, double, double>, std::shared_ptr<const ScattererModel>> models;
+  auto& model = models[{layer.name, least, most}];
+  if (!model) model = layer.model(least, most);
+  return model;
+}
+
 TEST(ScattererModel, IntensityIsTheFormula) {
   const int kPoints = test::effort(3000, 30000);
   for (const MixtureCase& layer : layers()) {
-    const auto varying = layer.model(0.05, 0.7);
+    const auto varying = shared_model(layer, 0.05, 0.7);
     for (double fa : {0.1, 0.5, 0.7}) {
       // The tables of a fixed fraction differ in their structure factor alone, which the varying one interpolates.
-      const auto fixed = fa == 0.5 || test::is_thorough() ? layer.model(fa, fa) : varying;
+      const auto fixed = fa == 0.5 || test::is_thorough() ? shared_model(layer, fa, fa) : varying;
       const auto state = fixed->at(float(fa)), between = varying->at(float(fa));
       // All constants cancel: the total is compared in EnergyOfEveryShape.
       double peak = 0;
@@ -89,9 +102,9 @@ double sum_of_intensity(const ScattererModel& model, const ScattererModel::State
 /// normalised.
 TEST(ScattererModel, EnergyOfEveryShape) {
   for (const MixtureCase& layer : layers()) {
-    const auto varying = layer.model(0.1, 0.65);  // IntensityIsTheFormula compares it with fixed ones
+    const auto varying = shared_model(layer, 0.05, 0.7);  // IntensityIsTheFormula compares it with fixed ones
     for (double fa : {0.1, 0.3, 0.5, 0.6, 0.65}) {
-      const auto model = fa == 0.5 ? layer.model(fa, fa) : varying;
+      const auto model = fa == 0.5 ? shared_model(layer, fa, fa) : varying;
       const auto state = model->at(float(fa));
       double mean_area = 0;
       for (const ShapeCase& s : layer.shapes) mean_area += s.fraction * s.area;
@@ -294,6 +307,7 @@ TEST(ScattererModel, SizesThatPackTogether) {
   for (int s = 0; s < kSnapshots; ++s) {
     simulation.advance(s == 0 ? simulation.equilibration_sweeps() : 4);
     const optics::HardDiscs& d = simulation.state();
+    const test::Phasors phasors(d.x, d.y, d.box_x);
     for (int ring = 0; ring < kRings; ++ring) {
       const double u = 0.4 + 5.6 * ring / (kRings - 1);
       for (int k = 0; k < kAngles; ++k) {
@@ -304,9 +318,9 @@ TEST(ScattererModel, SizesThatPackTogether) {
         std::complex<double> sum = 0;
         const double q = std::hypot(qx, qy), large = kPi * airy(q),
                      small = kPi * kSmall * kSmall * airy(kSmall * q);
+        const auto wave = phasors.of(qx, qy);
         for (std::size_t i = 0; i < d.x.size(); ++i)
-          sum += (d.radius[i] > 0.75 * d.radius[0] ? large : small) *
-                 std::polar(1.0, -(qx * d.x[i] + qy * d.y[i]));
+          sum += (d.radius[i] > 0.75 * d.radius[0] ? large : small) * wave(i);
         sums[ring] += std::norm(sum) / double(d.x.size()) / kAngles / kSnapshots;
         if (s > 0) continue;
         expected[ring] += mixture->eval(qx, qy).uncorrelated / kAngles;
@@ -379,7 +393,8 @@ TEST(ScattererModel, ClassesOfSizesNeverOverflow) {
 TEST(ScattererModel, MemoryAndTime) {
   for (const MixtureCase& layer : layers()) {
     const auto start = std::chrono::steady_clock::now();
-    const auto model = layer.model(0.05, 0.7);
+    const std::shared_ptr<const ScattererModel> model =
+        test::is_thorough() ? layer.model(0.05, 0.7) : shared_model(layer, 0.05, 0.7);
     const ProductSampler sampler(model);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     const double megabytes = double(model->bytes() + sampler.bytes()) / 1e6;

@@ -16,9 +16,12 @@
 #include "aureole/optics/arrangement/hard_discs.h"
 #include "aureole/optics/arrangement/simulated_structure_factor.h"
 #include "harness/effort.h"
+#include "harness/phasors.h"
 
 namespace aureole::optics {
 namespace {
+
+using test::Phasors;
 
 constexpr double kPi = std::numbers::pi;
 
@@ -43,49 +46,9 @@ std::vector<std::vector<Wave>> box_waves(double box, int count) {
   return rings;
 }
 
-/// exp(i q.x) of each point, for waves with the period of a box: products of the powers of two phasors of a point, which
-/// are multiplied up once for all waves.
-class Phasors {
-public:
-  Phasors(const std::vector<double>& x, const std::vector<double>& y, double box)
-      : n_(x.size()), step_(2 * kPi / box) {
-    const int most = int(std::ceil(6.5 / step_));
-    add_powers(x, most, along_x_);
-    add_powers(y, most, along_y_);
-  }
-  /// A function of the point's number.
-  auto of(const Wave& q) const {
-    const long m = std::lround(q.x / step_), n = std::lround(q.y / step_);
-    return [x = &along_x_[size_t(std::abs(m)) * n_], y = &along_y_[size_t(std::abs(n)) * n_],
-            u = m < 0 ? -1.0 : 1.0, v = n < 0 ? -1.0 : 1.0](size_t i) {
-      const double a = x[i].real(), b = u * x[i].imag(), c = y[i].real(), d = v * y[i].imag();
-      return std::complex<double>(a * c - b * d, a * d + b * c);
-    };
-  }
-
-private:
-  using Powers = std::vector<std::complex<double>>;  // of all points, from the power 0 on
-  void add_powers(const std::vector<double>& x, int most, Powers& out) const {
-    for (int m = 0; m <= most; ++m)
-      for (size_t i = 0; i < n_; ++i) {
-        if (m < 2) {
-          out.push_back(std::polar(1.0, m * step_ * x[i]));
-          continue;
-        }
-        const std::complex<double> a = out[out.size() - n_], b = out[n_ + i];
-        out.emplace_back(a.real() * b.real() - a.imag() * b.imag(),
-                         a.real() * b.imag() + a.imag() * b.real());
-      }
-  }
-
-  size_t n_;
-  double step_;
-  Powers along_x_, along_y_;
-};
-
 double circle(const Wave& q, double radius) {
   const double u = q.length() * radius;
-  return kPi * radius * radius * (u < 1e-6 ? 1 : 2 * std::cyl_bessel_j(1.0, u) / u);
+  return kPi * radius * radius * (u < 1e-6 ? 1 : 2 * ::j1(u) / u);
 }
 
 double square(const Wave& q, double side) {
@@ -145,7 +108,7 @@ void label_test(double fa, const std::vector<Layer>& layers, int snapshots) {
           for (const auto& f : layer.kinds) amplitude.back().push_back(f(q));
         }
         std::vector<double> re(layers.size()), im(layers.size());
-        const auto wave = phasors.of(q);
+        const auto wave = phasors.of(q.x, q.y);
         for (int i = 0; i < n; ++i) {
           const std::complex<double> phasor = wave(size_t(i));
           const double c = phasor.real(), d = phasor.imag();
@@ -223,7 +186,7 @@ TEST(WaveSum, Polydisperse) {
       for (const Wave& q : rings[r]) {
         const double f[3] = {circle(q, 0.6), circle(q, 1.0), circle(q, 1.5)};
         double re = 0, im = 0;
-        const auto wave = phasors.of(q);
+        const auto wave = phasors.of(q.x, q.y);
         for (int i = 0; i < n; ++i) {
           const std::complex<double> phasor = wave(size_t(i));
           const double amplitude = f[discs.radius[i] < 0.8 ? 0 : discs.radius[i] < 1.2 ? 1 : 2];

@@ -149,8 +149,8 @@ std::vector<DirectionBins::Integral> DirectionBins::integrate(const ArrayFunctio
       for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j, ++v) {
           const double a = c.a + 0.5 * c.size * (1 + kNodes[i]), b = c.b + 0.5 * c.size * (1 + kNodes[j]);
-          const double w =
-              kWeights[i] * kWeights[j] * 0.25 * c.size * c.size * std::pow(1 + a * a + b * b, -1.5);
+          const double square = 1 + a * a + b * b;
+          const double w = kWeights[i] * kWeights[j] * 0.25 * c.size * c.size / (square * std::sqrt(square));
           sum.mass += w * v->density;
           for (int k = 0; k < kWavelengths; ++k) sum.other[k] += w * double(v->other[k]);
         }

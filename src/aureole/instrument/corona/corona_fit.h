@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "aureole/instrument/corona/corona.h"
+#include "aureole/optics/arrangement/structure_factor.h"
 
 namespace aureole {
 
@@ -42,19 +43,31 @@ public:
   CoronaModel(const LampSpectrum& lamp, double largest_s, double blur);
   /// Sets radius (m) and area fraction.
   void set(double radius, double area_fraction);
-  std::array<double, 3> at(double s) const;
+  /// Linear between the steps, each of which is computed when it is first asked for.
+  std::array<double, 3> at(double s);
 
 private:
+  using Colour = std::array<double, 3>;
   struct Line {
     double inverse_m, rgb[3];
   };
+  /// Values at the steps of s, computed when they are first asked for.
+  struct Table {
+    std::vector<Colour> values;
+    std::vector<char> known;
+  };
   /// Makes g_ hold the values up to `largest_u`.
   void tabulate(double area_fraction, double largest_u);
+  const Colour& sharp(size_t i);    ///< of a small lamp
+  const Colour& blurred(size_t i);  ///< of the disc
+
   std::vector<Line> lines_;
-  double largest_s_, blur_;
-  double tabulated_ = -1;
-  std::vector<double> g_;  ///< circle_transform^2 S' at steps of u
-  std::vector<std::array<double, 3>> table_;
+  double largest_s_, step_, blur_;
+  std::vector<std::array<double, 2>> disc_;  ///< points that stand for equal parts of the lamp
+  double radius_ = 0, tabulated_ = -1;
+  std::vector<double> g_;                    ///< circle_transform^2 S' at steps of u
+  std::vector<optics::HardDiscWave> waves_;  ///< at the same steps, for any area fraction
+  Table sharp_, blurred_;
 };
 
 struct CoronaFit {

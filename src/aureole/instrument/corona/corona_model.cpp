@@ -5,7 +5,6 @@
 
 #include "aureole/instrument/corona/corona_fit.h"
 #include "aureole/optics/interface/fresnel_equations.h"
-#include "aureole/optics/layer/scatterer_layer.h"
 
 namespace aureole {
 namespace {
@@ -34,7 +33,15 @@ std::pair<double, double> clipped_mean(std::vector<double>& v) {
 }  // namespace
 
 CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur)
-    : largest_s_(largest_s + 2 * blur), blur_(blur), table_(kTableS + 2) {
+    : largest_s_(largest_s + 2 * blur), step_(largest_s_ / kTableS), blur_(blur) {
+  for (Table* t : {&sharp_, &blurred_}) t->values.resize(kTableS + 2), t->known.resize(kTableS + 2);
+  constexpr int kRings = 3, kSpokes = 8;
+  for (int ring = 0; ring < kRings; ++ring)
+    for (int spoke = 0; spoke < kSpokes; ++spoke) {
+      const double r = blur_ * std::sqrt((ring + 0.5) / kRings),
+                   f = 2 * M_PI * (spoke + 0.5 * (ring % 2)) / kSpokes;
+      disc_.push_back({r * std::cos(f), r * std::sin(f)});
+    }
   // Spectra are sums over wavelengths 5 nm apart, each with the power between it and the next; the blur of
   // that is a hundredth of a ring. Single lines stay where they are.
   for (size_t i = 0; i < lamp.nm.size();) {
@@ -59,49 +66,57 @@ void CoronaModel::tabulate(double area_fraction, double largest_u) {
   tabulated_ = area_fraction;
   // Most fits look at a small part of all u that the table could hold.
   const size_t needed = size_t(std::min(largest_u / kStepU, double(kTableU))) + 2;
-  while (g_.size() < needed)
-    g_.push_back(optics::radial_intensity(double(g_.size()) * kStepU, 1, area_fraction));
+  while (waves_.size() < needed) waves_.emplace_back(double(waves_.size()) * kStepU);
+  while (g_.size() < needed) {
+    const optics::HardDiscWave& w = waves_[g_.size()];
+    g_.push_back(w.disc * w.disc * w.structure_factor(area_fraction));
+  }
+}
+
+const CoronaModel::Colour& CoronaModel::sharp(size_t i) {
+  Colour& out = sharp_.values[i];
+  if (sharp_.known[i]) return out;
+  sharp_.known[i] = true;
+  out = {0, 0, 0};
+  const double path = 2 * M_PI * double(i) * step_ * radius_;
+  for (const Line& l : lines_) {
+    const double at = std::min(path * l.inverse_m / kStepU, double(kTableU));
+    const size_t k = size_t(at);
+    const double g = g_[k] + (at - double(k)) * (g_[k + 1] - g_[k]);
+    for (size_t c = 0; c < 3; ++c) out[c] += l.rgb[c] * g;
+  }
+  return out;
+}
+
+const CoronaModel::Colour& CoronaModel::blurred(size_t i) {
+  if (!(blur_ > 0)) return sharp(i);
+  Colour& out = blurred_.values[i];
+  if (blurred_.known[i]) return out;
+  blurred_.known[i] = true;
+  out = {0, 0, 0};
+  for (const auto& [x, y] : disc_) {
+    const double at = std::min(std::hypot(double(i) * step_ + x, y) / step_, double(kTableS));
+    const size_t k = size_t(at);
+    const Colour &a = sharp(k), &b = sharp(k + 1);
+    for (size_t c = 0; c < 3; ++c) out[c] += (a[c] + (at - double(k)) * (b[c] - a[c])) / double(disc_.size());
+  }
+  return out;
 }
 
 void CoronaModel::set(double radius, double area_fraction) {
-  std::vector<std::array<double, 3>> sharp(table_.size(), {0, 0, 0});
-  const double ds = largest_s_ / kTableS;
+  radius_ = radius;
   double largest_inverse_m = 0;
   for (const Line& l : lines_) largest_inverse_m = std::max(largest_inverse_m, l.inverse_m);
-  tabulate(area_fraction, 2 * M_PI * double(sharp.size()) * ds * radius * largest_inverse_m);
-  for (const Line& l : lines_)
-    for (size_t i = 0; i < sharp.size(); ++i) {
-      const double at = std::min(2 * M_PI * double(i) * ds * radius * l.inverse_m / kStepU, double(kTableU));
-      const size_t k = size_t(at);
-      const double g = g_[k] + (at - double(k)) * (g_[k + 1] - g_[k]);
-      for (int c = 0; c < 3; ++c) sharp[i][size_t(c)] += l.rgb[c] * g;
-    }
-  if (!(blur_ > 0)) {
-    table_ = std::move(sharp);
-    return;
-  }
-  constexpr int kRings = 3, kSpokes = 8;
-  for (size_t i = 0; i < table_.size(); ++i) {
-    table_[i] = {0, 0, 0};
-    for (int ring = 0; ring < kRings; ++ring)
-      for (int spoke = 0; spoke < kSpokes; ++spoke) {
-        const double r = blur_ * std::sqrt((ring + 0.5) / kRings),
-                     f = 2 * M_PI * (spoke + 0.5 * (ring % 2)) / kSpokes;
-        const double at =
-            std::min(std::hypot(double(i) * ds + r * std::cos(f), r * std::sin(f)) / ds, double(kTableS));
-        const size_t k = size_t(at);
-        for (size_t c = 0; c < 3; ++c)
-          table_[i][c] +=
-              (sharp[k][c] + (at - double(k)) * (sharp[k + 1][c] - sharp[k][c])) / (kRings * kSpokes);
-      }
-  }
+  tabulate(area_fraction, 2 * M_PI * double(sharp_.values.size()) * step_ * radius * largest_inverse_m);
+  for (Table* t : {&sharp_, &blurred_}) std::fill(t->known.begin(), t->known.end(), char(false));
 }
 
-std::array<double, 3> CoronaModel::at(double s) const {
+std::array<double, 3> CoronaModel::at(double s) {
   const double at = std::clamp(s / largest_s_ * kTableS, 0.0, double(kTableS));
   const size_t k = size_t(at);
-  std::array<double, 3> out;
-  for (size_t c = 0; c < 3; ++c) out[c] = table_[k][c] + (at - double(k)) * (table_[k + 1][c] - table_[k][c]);
+  const Colour &a = blurred(k), &b = blurred(k + 1);
+  Colour out;
+  for (size_t c = 0; c < 3; ++c) out[c] = a[c] + (at - double(k)) * (b[c] - a[c]);
   return out;
 }
 

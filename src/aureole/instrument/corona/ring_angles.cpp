@@ -24,7 +24,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
 }
 
 /// Places s of the extrema of one colour, from the centre outwards.
-std::vector<double> extrema(const CoronaModel& model, int colour, bool maximum, double end) {
+std::vector<double> extrema(CoronaModel& model, int colour, bool maximum, double end) {
   constexpr int kSteps = 1200;
   const auto value = [&](int i) {
     const auto rgb = model.at(end * i / kSteps);
@@ -84,13 +84,10 @@ CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectru
     model.set(radius, fraction);
     std::vector<double> out, found[4][2];
     size_t used[4][2] = {};
-    for (int c = 0; c < 4; ++c)
-      for (int k = 0; k < 2; ++k) {
-        found[c][k] = extrema(model, c, k == 1, 2 * largest);
-      }
     for (const RingAngle& r : rings) {
-      const auto& list = found[r.colour][r.maximum];
+      auto& list = found[r.colour][r.maximum];
       const size_t i = used[r.colour][r.maximum]++;
+      if (i == 0) list = extrema(model, r.colour, r.maximum, 2 * largest);
       const double s = std::sin(r.angle_deg * kDegree);
       out.push_back(i < list.size() ? (list[i] - s) / error : 2 * largest / error);
     }

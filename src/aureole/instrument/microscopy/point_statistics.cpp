@@ -71,19 +71,26 @@ Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, cons
   double far = 0, near = 0, pairs = 0, exposure = 0;
   for (size_t i = 0; i < r.size(); ++i) pairs += count[i], exposure += g[i] * r[i];
   const double per_radius = exposure > 0 ? pairs / exposure : 0;  // pairs of a bin = per_radius r g(r)
+  // Poisson errors; a bin without pairs counts as one with a single pair.
+  std::vector<double> weight;
+  for (size_t i = 0; i < r.size(); ++i)
+    weight.push_back(per_radius * r[i] * per_radius * r[i] / (count[i] + 1));
   const auto misfit = [&](const std::array<double, 3>& p) {
     const double d = p[0], w = std::exp(p[1]), l = std::exp(p[2]);
     if (!(d > 0.5 * guess && d < 1.5 * guess && w < 0.3 * guess && w > 1e-4 * guess && l > 0.02 * guess &&
           l < 2 * guess))
       return std::numeric_limits<double>::infinity();
     double a = 0, b = 0, c = 0, u = 0, v = 0, yy = 0;
+    const double inverse = 1 / (w * std::sqrt(2.0));
     for (size_t i = 0; i < r.size(); ++i) {
-      // Poisson errors; a bin without pairs counts as one with a single pair.
-      const double weight = per_radius * r[i] * per_radius * r[i] / (count[i] + 1);
-      const double step = 0.5 * std::erfc(-(r[i] - d) / (w * std::sqrt(2.0)));
-      const double e = step * std::exp(-std::max(r[i] - d, 0.0) / l);
-      a += weight * step * step, b += weight * step * e, c += weight * e * e;
-      u += weight * step * g[i], v += weight * e * g[i], yy += weight * g[i] * g[i];
+      yy += weight[i] * g[i] * g[i];
+      const double x = (r[i] - d) * inverse;
+      if (x < -6) continue;  // the step is below 1e-16 there, and 1 to that precision beyond 6
+      const double step = x > 6 ? 1 : 0.5 * std::erfc(-x);
+      const double e = r[i] > d ? step * std::exp((d - r[i]) / l) : step;
+      const double weighted_step = weight[i] * step, weighted_e = weight[i] * e;
+      a += weighted_step * step, b += weighted_step * e, c += weighted_e * e;
+      u += weighted_step * g[i], v += weighted_e * g[i];
     }
     const double determinant = a * c - b * b;
     near = determinant > 1e-9 * a * c ? (a * v - b * u) / determinant : 0;

@@ -26,16 +26,20 @@ double mean_over_ring(const StructureFactor& s, double u) {
 
 }  // namespace
 
-double hard_disc_structure_factor(double u, double area_fraction) {
+HardDiscWave::HardDiscWave(double u)
+    : disc(circle_transform(u)), double_disc(circle_transform(2 * u)), j0(bessel_j0(std::abs(u))) {}
+
+double HardDiscWave::structure_factor(double area_fraction) const {
   check_percus_yevick(area_fraction);
-  u = std::abs(u);
   const double ratio = area_fraction / (1 - area_fraction);
-  const double disc = circle_transform(u);
-  const double j0 = bessel_j0(u);
   // Pairs exclude a disc of radius 2a; the other two terms count the overlaps of edges and of areas.
-  const double c = 4 * ratio * circle_transform(2 * u) + 4 * ratio * ratio * j0 * disc +
+  const double c = 4 * ratio * double_disc + 4 * ratio * ratio * j0 * disc +
                    (ratio * ratio + 2 * ratio * ratio * ratio) * disc * disc;
   return 1 / (1 + c);
+}
+
+double hard_disc_structure_factor(double u, double area_fraction) {
+  return HardDiscWave(u).structure_factor(area_fraction);
 }
 
 PercusYevickStructureFactor::PercusYevickStructureFactor(double area_fraction)

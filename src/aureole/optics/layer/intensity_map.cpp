@@ -38,4 +38,19 @@ IntensityMap::IntensityMap(const std::function<MixtureIntensity(double, double)>
   }
 }
 
+void IntensityMap::eval(std::span<const double> x, std::span<const double> y,
+                        std::span<double> values) const {
+  constexpr std::size_t kAtOnce = 8;
+  for (std::size_t begin = 0; begin < x.size(); begin += kAtOnce) {
+    const std::size_t n = std::min(kAtOnce, x.size() - begin);
+    float ux[kAtOnce] = {}, uy[kAtOnce] = {}, uncorrelated[kAtOnce], coherent[kAtOnce];
+    for (std::size_t i = 0; i < n; ++i) ux[i] = float(x[begin + i]), uy[i] = float(y[begin + i]);
+    eval<kAtOnce>(ux, uy, uncorrelated, coherent);
+    for (std::size_t i = 0; i < n; ++i) {
+      values[begin + i] = double(uncorrelated[i]);
+      values[x.size() + begin + i] = double(coherent[i]);
+    }
+  }
+}
+
 }  // namespace aureole::optics

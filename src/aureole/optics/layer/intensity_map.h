@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "aureole/core/parallel_for.h"
@@ -43,6 +44,8 @@ public:
   /// take the values at its edge.
   template <int N>
   void eval(const float* ux, const float* uy, float* uncorrelated, float* coherent) const;
+  /// At the places (x[i], y[i]): U to values[i], C to values[x.size() + i].
+  void eval(std::span<const double> x, std::span<const double> y, std::span<double> values) const;
   std::size_t bytes() const { return nodes_.size() * sizeof(Pair); }
 
 private:

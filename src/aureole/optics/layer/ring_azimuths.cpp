@@ -17,9 +17,7 @@ double RingAzimuths::ring_start(int i) const {
   return i < layout_.rings[0] * kFirst ? at(0) : i < layout_.rings[1] * kSecond + starts_[1] ? at(1) : at(2);
 }
 
-RingAzimuths::RingAzimuths(const std::function<double(double, double)>& f, double extent,
-                           const Layout& layout, const ParallelFor& parallel_for)
-    : layout_(layout) {
+RingAzimuths::RingAzimuths(double extent, const Layout& layout) : layout_(layout) {
   starts_[0] = 0;
   starts_[1] = (layout.rings[0] - layout.rings[1]) * kFirst;
   starts_[2] = starts_[1] + (layout.rings[1] - layout.rings[2]) * kSecond;
@@ -33,39 +31,67 @@ RingAzimuths::RingAzimuths(const std::function<double(double, double)>& f, doubl
     total += whole + 1;
   }
   cdf_.resize(total);
+}
+
+RingAzimuths::RingAzimuths(const std::function<double(double, double)>& f, double extent,
+                           const Layout& layout, const ParallelFor& parallel_for)
+    : RingAzimuths(of(
+                       1,
+                       [&](std::span<const double> x, std::span<const double> y, std::span<double> values) {
+                         for (std::size_t i = 0; i < x.size(); ++i) values[i] = f(x[i], y[i]);
+                       },
+                       extent, layout, parallel_for)
+                       .front()) {}
+
+std::vector<RingAzimuths> RingAzimuths::of(int count, const Intensities& f, double extent,
+                                           const Layout& layout, const ParallelFor& parallel_for) {
+  std::vector<RingAzimuths> all(std::size_t(count), RingAzimuths(extent, layout));
   const auto fill = [&](int i) {
-    const int first = rings_[i].first, bins = int(rings_[i].bins);
-    const double a = ring_start(i), b = ring_start(i + 1);
+    const RingAzimuths& any = all.front();
+    const int first = any.rings_[i].first, bins = int(any.rings_[i].bins);
+    const double a = any.ring_start(i), b = any.ring_start(i + 1);
     constexpr int kAcross = 3, kAlong = 3;
-    std::vector<double> weights(bins);
-    double sum = 0;
-    for (int k = 0; k < bins; ++k) {
+    std::vector<double> xs, ys, squares;  // of all places of the ring, and the squared lengths of (x, y)
+    for (int k = 0; k < bins; ++k)
       for (int m = 0; m < kAlong; ++m) {
         const double p = (k + (m + 0.5) / kAlong) / bins, x = 1 - 2 * p, y = 1 - std::abs(x);
         const double length = std::hypot(x, y);
+        squares.push_back(length * length);
         for (int r = 0; r < kAcross; ++r) {
           const double u = a + (b - a) * (r + 0.5) / kAcross;
-          weights[k] += f(u * x / length, u * y / length) / (length * length);  // d azimuth/dp = 2/length^2
+          xs.push_back(u * x / length), ys.push_back(u * y / length);
         }
       }
-      sum += weights[k];
+    std::vector<double> values(xs.size() * all.size());
+    f(xs, ys, values);
+    const double* value = values.data();
+    for (RingAzimuths& one : all) {
+      std::vector<double> weights(bins);
+      double sum = 0;
+      for (int k = 0; k < bins; ++k) {
+        for (int m = 0; m < kAlong; ++m)
+          for (int r = 0; r < kAcross; ++r)
+            weights[k] += *value++ / squares[std::size_t(k) * kAlong + m];  // d azimuth/dp = 2/length^2
+        sum += weights[k];
+      }
+      // A floor of 1 %: features between the points of the sum keep a positive density.
+      const double floor = sum > 0 ? 0.01 * sum / bins : 1.0;
+      sum += floor * bins;
+      double running = 0;
+      for (int k = 0; k < bins; ++k) {
+        one.cdf_[first + k] = float(running / sum);
+        running += weights[k] + floor;
+      }
+      one.cdf_[first + bins] = 1;
     }
-    // A floor of 1 %: features between the points of the sum keep a positive density.
-    const double floor = sum > 0 ? 0.01 * sum / bins : 1.0;
-    sum += floor * bins;
-    double running = 0;
-    for (int k = 0; k < bins; ++k) {
-      cdf_[first + k] = float(running / sum);
-      running += weights[k] + floor;
-    }
-    cdf_[first + bins] = 1;
   };
   parallel_for(
-      std::size_t(count),
+      all.front().rings_.size(),
       [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) fill(int(i));
       },
       4);
+  return all;
 }
 
 void RingAzimuths::sample(float u, float xi, float& cosine, float& sine) const {

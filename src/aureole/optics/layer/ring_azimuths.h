@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "aureole/core/parallel_for.h"
@@ -29,6 +30,12 @@ public:
   /// threads of `parallel_for`.
   RingAzimuths(const std::function<double(double, double)>& f, double extent, const Layout& layout,
                const ParallelFor& parallel_for = serial_for);
+  /// Writes several intensities at the places (x[i], y[i]), the k-th of them to values[k x.size() + i].
+  using Intensities =
+      std::function<void(std::span<const double> x, std::span<const double> y, std::span<double> values)>;
+  /// The distributions of `count` intensities.
+  static std::vector<RingAzimuths> of(int count, const Intensities& f, double extent, const Layout& layout,
+                                      const ParallelFor& parallel_for = serial_for);
 
   /// The bins of N points u = (ux, uy) of length `u` > 0; tables of one layout and extent have the same bins.
   template <int N>
@@ -67,6 +74,7 @@ public:
   std::size_t bytes() const { return cdf_.size() * sizeof(float) + rings_.size() * sizeof(Ring); }
 
 private:
+  RingAzimuths(double extent, const Layout& layout);  // without a distribution
   struct Ring {
     std::int32_t first;  ///< in cdf_
     float bins;          ///< a whole number

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <span>
+#include <tuple>
+#include <utility>
+#include <vector>
 
 #include "aureole/optics/arrangement/ring_mean.h"
 
@@ -29,17 +33,33 @@ RadialFunction radial_function(const std::function<double(double)>& f, int end, 
   return RadialFunction(values, end, decays);
 }
 
-RadialFunction ring_function(const ScattererMixture& mixture, const std::optional<IntensityMap>& map,
-                             bool coherent, const ParallelFor& parallel_for) {
-  const auto part = [coherent](const auto& m) { return double(coherent ? m.coherent : m.uncorrelated); };
-  return radial_function(
-      [&](double u) {
-        if (mixture.is_isotropic()) return part(mixture.eval(u, 0));
-        u = std::min(u, double(std::nextafter(map->extent(), 0.f)));
-        return ring_mean(u, 24 + int(1.2 * u),
-                         [&](double x, double y) { return part(map->eval(float(x), float(y))); });
+/// Ring means of U and C.
+std::pair<RadialFunction, RadialFunction> ring_functions(const ScattererMixture& mixture,
+                                                         const std::optional<IntensityMap>& map,
+                                                         const ParallelFor& parallel_for) {
+  const int end = radial_end(mixture, map);
+  std::vector<double> uncorrelated = RadialFunction::places(end), coherent(uncorrelated.size());
+  const auto mean = [&](double u) -> MixtureIntensity {
+    if (mixture.is_isotropic()) return mixture.eval(u, 0);
+    u = std::min(u, double(std::nextafter(map->extent(), 0.f)));
+    const int points = 24 + int(1.2 * u);
+    std::vector<double> x, y, values(2 * std::size_t(points));
+    visit_half_ring(u, points, [&](double px, double py) { x.push_back(px), y.push_back(py); });
+    map->eval(x, y, values);
+    MixtureIntensity sum{};
+    for (int i = 0; i < points; ++i) sum.uncorrelated += values[i], sum.coherent += values[points + i];
+    return {sum.uncorrelated / points, sum.coherent / points};
+  };
+  parallel_for(
+      uncorrelated.size(),
+      [&](std::size_t begin, std::size_t stop) {
+        for (std::size_t i = begin; i < stop; ++i) {
+          const MixtureIntensity m = mean(uncorrelated[i]);
+          uncorrelated[i] = m.uncorrelated, coherent[i] = m.coherent;
+        }
       },
-      radial_end(mixture, map), true, parallel_for);
+      64);
+  return {RadialFunction(uncorrelated, end, true), RadialFunction(coherent, end, true)};
 }
 
 }  // namespace
@@ -50,14 +70,12 @@ ScattererTable::ScattererTable(const ScattererMixture& mixture, double extent,
     : uncorrelated_([](double) { return 0.0; }, 1, false), coherent_(uncorrelated_) {
   if (!mixture.is_isotropic())
     map_.emplace([&](double x, double y) { return mixture.eval(x, y); }, extent, parallel_for);
-  uncorrelated_ = ring_function(mixture, map_, false, parallel_for);
-  coherent_ = ring_function(mixture, map_, true, parallel_for);
-  const auto at = [this](double x, double y) { return eval(float(x), float(y), float(std::hypot(x, y))); };
+  std::tie(uncorrelated_, coherent_) = ring_functions(mixture, map_, parallel_for);
   const double last = map_ ? double(map_->extent())
                            : std::clamp(std::ceil(extent), 80.0, double(IntensityMap::kLargestExtent));
   if (anisotropic) {
     const auto product = [&](double x, double y) {
-      const Pair p = at(x, y);
+      const Pair p = eval(float(x), float(y), float(std::hypot(x, y)));
       return double(p.uncorrelated) + double(p.coherent) * anisotropic->eval(x, y);
     };
     product_ =
@@ -67,14 +85,15 @@ ScattererTable::ScattererTable(const ScattererMixture& mixture, double extent,
   } else if (map_) {
     // A part that is zero everywhere has no azimuths to look for: U where all scatterers are alike, C where
     // sizes are correlated.
-    using Part = std::function<double(double, double)>;
-    const Part zero = [](double, double) { return 0.0; };
-    const Part uncorrelated = [&](double x, double y) { return double(at(x, y).uncorrelated); };
-    const Part coherent = [&](double x, double y) { return double(at(x, y).coherent); };
-    uncorrelated_azimuths_.emplace(mixture.is_uniform() ? zero : uncorrelated, last - 1,
-                                   RingAzimuths::kShapes, parallel_for);
-    coherent_azimuths_.emplace(mixture.has_correlated_sizes() ? zero : coherent, last - 1,
-                               RingAzimuths::kShapes, parallel_for);
+    const auto parts = [&](std::span<const double> x, std::span<const double> y, std::span<double> values) {
+      map_->eval(x, y, values);
+      if (mixture.is_uniform()) std::fill_n(values.begin(), x.size(), 0.0);
+      if (mixture.has_correlated_sizes())
+        std::fill(values.begin() + std::ptrdiff_t(x.size()), values.end(), 0.0);
+    };
+    std::vector<RingAzimuths> both =
+        RingAzimuths::of(2, parts, last - 1, RingAzimuths::kShapes, parallel_for);
+    uncorrelated_azimuths_ = std::move(both[0]), coherent_azimuths_ = std::move(both[1]);
   }
 }
 
