@@ -9,6 +9,7 @@ DEMO_OUT ?= out/condensation
 # as the street.
 DEMO_ARGS ?= --spp 192 --adaptive display --tonemap asinh:12:-1
 N ?= 10000
+TSAN_TESTS ?= ^(Determinism|RenderState|FilmBuffer|EditedSceneByHand)
 SEED ?= $(shell tools/with_fuzz_seed.sh)
 export CCACHE_MAXSIZE ?= 2G
 
@@ -43,7 +44,7 @@ test-asan:
 
 test-tsan:
 	$(MAKE) build PRESET=tsan
-	TSAN_OPTIONS=ignore_noninstrumented_modules=1 ctest --preset tsan -j $(JOBS) -R '^(Determinism|RenderState|FilmBuffer|EditedSceneByHand)' $(CTEST_ARGS)
+	TSAN_OPTIONS=ignore_noninstrumented_modules=1 ctest --preset tsan -j $(JOBS) -R '$(TSAN_TESTS)' $(CTEST_ARGS)
 
 # make fuzz N=50000 SEED=3 PRESET=asan; without SEED that of the commit
 fuzz: deps
@@ -74,7 +75,8 @@ includes:
 
 lint: build
 	@command -v clang-tidy > /dev/null || { echo "lint needs clang-tidy: apt-get install clang-tidy"; exit 1; }
-	@git ls-files 'src/*.cpp' 'apps/*.cpp' | xargs -P $(JOBS) -n 4 clang-tidy -p build/$(PRESET) --quiet
+	@cmake --preset $(PRESET) -B build/lint -DAUREOLE_BATCHES=OFF > /dev/null
+	@git ls-files 'src/*.cpp' 'apps/*.cpp' | xargs -P $(JOBS) -n 4 clang-tidy -p build/lint --quiet
 
 install: build
 	cmake --install build/$(PRESET) --prefix $(or $(PREFIX),/usr/local)

@@ -13,6 +13,7 @@
 #include "aureole/instrument/check/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/spectrum/refractive_index.h"
+#include "harness/effort.h"
 #include "harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -198,6 +199,7 @@ TEST_P(Harness, Passes) {
   HarnessOptions options;
   options.family_size = cases().size();
   options.dump_folder = ::testing::TempDir();
+  if (test::kSanitized) options.most_samples = 20000;  // the same code, with less to tell a wrong one by
   const HarnessResult result = check_case(cases()[GetParam()], options);
   for (const std::string& failure : result.failures) ADD_FAILURE() << failure;
   const CheckResult& f = result.check;

@@ -2,6 +2,7 @@
 #include "harness/bsdf_harness.h"
 
 #include <algorithm>
+#include <cmath>
 #include <sstream>
 
 #include "harness/case_list.h"
@@ -18,9 +19,10 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
   options.significance = harness.family_significance;
   options.family_size = harness.family_size;
   options.seed = harness.seed;
-  options.samples = test::effort(std::min<std::size_t>(options.samples, 75000), options.samples);
+  options.samples = test::effort(std::min(options.samples, harness.most_samples), options.samples);
   // A quarter of the samples have twice the noise in each bin.
-  options.bin_tolerance = test::effort(2e-6, options.bin_tolerance);
+  options.bin_tolerance =
+      test::effort(2e-6 * std::sqrt(75000 / double(harness.most_samples)), options.bin_tolerance);
   const std::shared_ptr<const Bsdf> bsdf =
       c.bsdf ? c.bsdf : build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm), test::example_file);
   HarnessResult result;

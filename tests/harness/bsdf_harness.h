@@ -30,6 +30,7 @@ struct HarnessOptions {
   std::size_t family_size = 1;  ///< number of cases in the family
   std::filesystem::path dump_folder = ".";
   std::uint64_t seed = 1;
+  std::size_t most_samples = 75000;  ///< without AUREOLE_THOROUGH
 };
 
 /// The faults of one case, in sentences (empty where there are none), and the numbers behind them.
