@@ -7,19 +7,23 @@ export CCACHE_BASEDIR="$2" CCACHE_PCH_EXTSUM=1
 export CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime
 ccache=$1
 shift 2
-"$ccache" "$@" || exit
 case " $* " in
   *" -x c++-header "*) ;;
-  *) exit 0 ;;
+  *) exec "$ccache" "$@" ;;
 esac
 header='' dependencies=''
-while [ $# -gt 1 ]; do
-  case $1 in
-    -o) header=$2 ;;
-    -MF) dependencies=$2 ;;
+previous=''
+for argument; do
+  case $previous in
+    -o) header=$argument ;;
+    -MF) dependencies=$argument ;;
   esac
-  shift
+  previous=$argument
 done
+# The command includes the header whose precompiled form it makes. Were an older one there, ccache would take that for what is included, and
+# return the same again.
+[ -n "$header" ] && rm -f "$header" "$header.sum"
+"$ccache" "$@" || exit
 [ -n "$header" ] && [ -f "$dependencies" ] || exit 0
 # "target: header \ header ...", without the generated header, which names all others by their paths.
 sed -e 's/^[^:]*://' -e 's/\\$//' "$dependencies" | tr -s ' ' '\n' | grep -v -e '^$' -e cmake_pch | xargs cat | sha256sum > "$header.sum"

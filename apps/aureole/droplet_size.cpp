@@ -14,12 +14,11 @@
 #include "aureole/core/units.h"
 #include "aureole/instrument/corona/corona_fit.h"
 #include "aureole/instrument/report/svg_plot.h"
+#include "aureole/math/vec.h"
 #include "command.h"
 
 namespace aureole {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 struct Options {
   std::string photo, pixel_angle, lamp = "D65", angles, angle_error = "0.05deg", substrate = "none";

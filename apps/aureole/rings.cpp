@@ -21,13 +21,12 @@
 #include "aureole/core/image.h"
 #include "aureole/core/units.h"
 #include "aureole/instrument/corona/corona.h"
+#include "aureole/math/vec.h"
 #include "aureole/optics/layer/scatterer_layer.h"
 #include "command.h"
 
 namespace aureole {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 struct RingsOptions {
   std::string picture, illuminant = "LED-B3", radius = "5um", correlation_radius;

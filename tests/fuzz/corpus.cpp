@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "corpus.h"
+#include "fuzz/corpus.h"
 
 #include <algorithm>
 #include <cctype>
@@ -8,8 +8,8 @@
 #include <sstream>
 
 #include "aureole/plugin/registry.h"
-#include "seed_files.h"
-#include "wrap.h"
+#include "fuzz/seed_files.h"
+#include "fuzz/wrap.h"
 
 namespace aureole::fuzz {
 

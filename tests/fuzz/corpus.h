@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "fuzz_random.h"
+#include "fuzz/fuzz_random.h"
 
 namespace aureole::fuzz {
 

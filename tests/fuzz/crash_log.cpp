@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "crash_log.h"
+#include "fuzz/crash_log.h"
 
 #include <execinfo.h>
 #include <signal.h>

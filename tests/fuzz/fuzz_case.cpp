@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fuzz_case.h"
+#include "fuzz/fuzz_case.h"
 
 #include <fmt/format.h>
 
 #include <fstream>
 #include <sstream>
 
-#include "mutate_bytes.h"
-#include "mutate_scene.h"
-#include "scene_values.h"
+#include "fuzz/mutate_bytes.h"
+#include "fuzz/mutate_scene.h"
+#include "fuzz/scene_values.h"
 
 namespace aureole::fuzz {
 

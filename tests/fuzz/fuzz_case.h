@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "aureole/loading/load.h"
-#include "corpus.h"
+#include "fuzz/corpus.h"
 
 namespace aureole::fuzz {
 

@@ -16,12 +16,12 @@
 #include <vector>
 
 #include "aureole/core/error.h"
-#include "corpus.h"
-#include "fuzz_case.h"
+#include "fuzz/corpus.h"
+#include "fuzz/fuzz_case.h"
+#include "fuzz/run_case.h"
+#include "fuzz/self_test.h"
+#include "fuzz/supervisor.h"
 #include "harness/paths.h"
-#include "run_case.h"
-#include "self_test.h"
-#include "supervisor.h"
 
 namespace aureole::fuzz {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "mutate_bytes.h"
+#include "fuzz/mutate_bytes.h"
 
 #include <zlib.h>
 
@@ -7,7 +7,7 @@
 #include <cstring>
 #include <vector>
 
-#include "scene_values.h"
+#include "fuzz/scene_values.h"
 
 namespace aureole::fuzz {
 

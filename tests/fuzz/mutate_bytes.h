@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "fuzz_random.h"
+#include "fuzz/fuzz_random.h"
 
 namespace aureole::fuzz {
 

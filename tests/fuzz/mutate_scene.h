@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "corpus.h"
+#include "fuzz/corpus.h"
 
 namespace aureole::fuzz {
 

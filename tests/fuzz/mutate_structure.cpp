@@ -2,8 +2,8 @@
 // Changes to the tree: elements, references, includes, parameters, and sizes that grow exponentially.
 #include <fmt/format.h>
 
-#include "mutate_scene.h"
-#include "scene_values.h"
+#include "fuzz/mutate_scene.h"
+#include "fuzz/scene_values.h"
 
 namespace aureole::fuzz {
 

@@ -6,9 +6,9 @@
 
 #include "aureole/loading/node.h"
 #include "aureole/plugin/registry.h"
-#include "mutate_scene.h"
-#include "scene_values.h"
-#include "wrap.h"
+#include "fuzz/mutate_scene.h"
+#include "fuzz/scene_values.h"
+#include "fuzz/wrap.h"
 
 namespace aureole::fuzz {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run_case.h"
+#include "fuzz/run_case.h"
 
 #include <cxxabi.h>
 #include <fmt/format.h>

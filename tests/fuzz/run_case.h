@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <string>
 
-#include "fuzz_case.h"
+#include "fuzz/fuzz_case.h"
 
 namespace aureole::fuzz {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "scene_values.h"
+#include "fuzz/scene_values.h"
 
 #include <fmt/format.h>
 

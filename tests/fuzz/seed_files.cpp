@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "seed_files.h"
+#include "fuzz/seed_files.h"
 
 #include <ImfArray.h>
 #include <ImfChannelList.h>

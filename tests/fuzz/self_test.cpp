@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "self_test.h"
+#include "fuzz/self_test.h"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "aureole/core/error.h"
-#include "supervisor.h"
+#include "fuzz/supervisor.h"
 
 namespace aureole::fuzz {
 

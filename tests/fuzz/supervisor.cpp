@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "supervisor.h"
+#include "fuzz/supervisor.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 #include <optional>
 #include <thread>
 
-#include "crash_log.h"
+#include "fuzz/crash_log.h"
 
 namespace aureole::fuzz {
 

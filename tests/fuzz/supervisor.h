@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "run_case.h"
+#include "fuzz/run_case.h"
 
 namespace aureole::fuzz {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "aureole/plugin/registry.h"
-#include "corpus.h"
+#include "fuzz/corpus.h"
 
 namespace aureole::fuzz {
 

@@ -3,7 +3,7 @@
 
 #include "aureole/loading/aliases.h"
 #include "aureole/loading/load.h"
-#include "test_plugins.h"
+#include "loading/test_plugins.h"
 
 namespace aureole {
 namespace {

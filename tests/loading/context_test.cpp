@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "aureole/loading/load.h"
-#include "test_plugins.h"
+#include "loading/test_plugins.h"
 
 namespace aureole {
 namespace {

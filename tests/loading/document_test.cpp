@@ -6,7 +6,7 @@
 
 #include <fstream>
 
-#include "pixels.h"
+#include "loading/pixels.h"
 
 namespace aureole {
 namespace {

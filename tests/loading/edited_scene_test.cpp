@@ -10,7 +10,7 @@
 
 #include "aureole/loading/document.h"
 #include "harness/paths.h"
-#include "pixels.h"
+#include "loading/pixels.h"
 
 namespace aureole {
 namespace {

@@ -10,7 +10,7 @@
 #include "aureole/loading/references.h"
 #include "aureole/render/job.h"
 #include "aureole/texture/constant_texture.h"
-#include "test_plugins.h"
+#include "loading/test_plugins.h"
 
 namespace aureole {
 namespace {

@@ -5,7 +5,7 @@
 #include <chrono>
 
 #include "aureole/loading/encoding.h"
-#include "test_plugins.h"
+#include "loading/test_plugins.h"
 
 namespace aureole {
 namespace {

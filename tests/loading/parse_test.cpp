@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "load_text.h"
+#include "loading/load_text.h"
 
 namespace aureole {
 namespace {

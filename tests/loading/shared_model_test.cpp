@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "aureole/loading/document.h"
-#include "test_plugins.h"
+#include "loading/test_plugins.h"
 
 namespace aureole {
 namespace {

@@ -11,7 +11,7 @@
 #include "aureole/emitter/emitter.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/sensor.h"
-#include "load_text.h"
+#include "loading/load_text.h"
 
 namespace aureole::test {
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "test_plugins.h"
+#include "loading/test_plugins.h"
 
 namespace aureole {
 namespace {

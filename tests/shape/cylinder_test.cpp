@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/shape/geometry/double3.h"
-#include "shape_test_support.h"
+#include "shape/shape_test_support.h"
 
 namespace aureole {
 namespace {

@@ -2,7 +2,7 @@
 // dp/du and dp/dv of every shape against differences of its own surface points.
 #include "aureole/scene/ray_tracer.h"
 #include "harness/properties_builder.h"
-#include "shape_test_support.h"
+#include "shape/shape_test_support.h"
 
 namespace aureole {
 namespace {

@@ -6,7 +6,7 @@
 #include "aureole/shape/geometry/double3.h"
 #include "aureole/shape/geometry/shape_group.h"
 #include "aureole/shape/mesh/mesh.h"
-#include "shape_test_support.h"
+#include "shape/shape_test_support.h"
 
 namespace aureole {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/shape/mesh/mesh.h"
-#include "shape_test_support.h"
+#include "shape/shape_test_support.h"
 
 namespace aureole {
 namespace {

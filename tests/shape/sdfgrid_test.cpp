@@ -5,7 +5,7 @@
 #include "aureole/plugin/array.h"
 #include "aureole/scene/ray_tracer.h"
 #include "aureole/shape/geometry/double3.h"
-#include "shape_test_support.h"
+#include "shape/shape_test_support.h"
 
 namespace aureole {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "aureole/shape/mesh/mesh.h"
-#include "shape_test_support.h"
+#include "shape/shape_test_support.h"
 
 namespace aureole {
 namespace {

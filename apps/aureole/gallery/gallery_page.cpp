@@ -12,7 +12,7 @@
 namespace aureole {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kResultsVersion = 1;
 
@@ -291,9 +291,9 @@ GalleryResults GalleryResults::load(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) return results;
   try {
-    const Json j = Json::parse(in);
+    const OrderedJson j = OrderedJson::parse(in);
     if (j.at("version").get<int>() != kResultsVersion) return {};
-    const auto size = [](const Json& r) { return r.at("size") == "full" ? kFullSize : kPreviewSize; };
+    const auto size = [](const OrderedJson& r) { return r.at("size") == "full" ? kFullSize : kPreviewSize; };
     for (const auto& [name, r] : j.at("pictures").items()) {
       PictureResult p{r.at("key").get<std::string>(),      size(r),
                       r.at("samples").get<std::int64_t>(), r.at("seconds").get<double>(),
@@ -308,18 +308,18 @@ GalleryResults GalleryResults::load(const std::filesystem::path& file) {
         p.plot.files.push_back({f.at("file").get<std::string>(), f.at("caption").get<std::string>()});
       results.plots[name] = p;
     }
-  } catch (const Json::exception&) {
+  } catch (const OrderedJson::exception&) {
     return {};
   }
   return results;
 }
 
 void GalleryResults::save(const std::filesystem::path& file) const {
-  Json j;
+  OrderedJson j;
   j["version"] = kResultsVersion;
-  j["pictures"] = Json::object();
+  j["pictures"] = OrderedJson::object();
   for (const auto& [name, r] : pictures) {
-    Json& p = j["pictures"][name];
+    OrderedJson& p = j["pictures"][name];
     p = {{"key", r.key},
          {"size", name_of(r.size)},
          {"samples", r.samples},
@@ -327,9 +327,9 @@ void GalleryResults::save(const std::filesystem::path& file) const {
          {"load_seconds", r.load_seconds}};
     if (r.relative_rmse) p["relative_rmse"] = *r.relative_rmse;
   }
-  j["plots"] = Json::object();
+  j["plots"] = OrderedJson::object();
   for (const auto& [name, r] : plots) {
-    Json files = Json::array();
+    OrderedJson files = OrderedJson::array();
     for (const PlotFile& f : r.plot.files) files.push_back({{"file", f.file}, {"caption", f.caption}});
     j["plots"][name] = {{"key", r.key},
                         {"size", name_of(r.size)},

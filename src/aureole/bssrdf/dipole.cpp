@@ -166,7 +166,7 @@ private:
   float single_total_ = 0;
 };
 
-std::vector<ParameterDoc> rows() {
+std::vector<ParameterDoc> dipole_rows() {
   std::vector<ParameterDoc> all = matter_rows();
   all.push_back(
       {"single_scattering", "boolean", "", "false",
@@ -186,7 +186,7 @@ AUREOLE_PLUGIN(
         "H. W. Jensen, S. R. Marschner, M. Levoy, P. Hanrahan, A practical model for subsurface light "
         "transport, SIGGRAPH 2001, equations 4 and 5, with the exact diffuse Fresnel reflectance; exits: "
         "A. King, C. Kulla, A. Conty, M. Fajardo, BSSRDF importance sampling, SIGGRAPH talks 2013",
-        rows(),
+        dipole_rows(),
         {R"(<bssrdf type="dipole">
     <rgb name="sigma_a" value="0.2, 1, 2"/>
     <float name="sigma_s" value="80"/>

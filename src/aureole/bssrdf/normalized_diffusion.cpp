@@ -109,7 +109,7 @@ private:
   SampledSpectrum constant_reflectance_, mean_free_path_;
 };
 
-std::vector<ParameterDoc> rows() {
+std::vector<ParameterDoc> diffusion_rows() {
   std::vector<ParameterDoc> all = matter_rows();
   all.push_back({"illumination", "string", "", "normal",
                  "for which light the whole reflectance is exact, or is given: normal (along the normal) "
@@ -130,7 +130,7 @@ AUREOLE_PLUGIN(
         "P. H. Christensen, B. Burley, Approximate reflectance profiles for efficient subsurface "
         "scattering, Pixar Technical Memo 15-04, 2015; S. Chandrasekhar, Radiative Transfer, 1950, section "
         "38",
-        rows(),
+        diffusion_rows(),
         {R"(<bssrdf type="normalized_diffusion">
     <rgb name="reflectance" value="0.8, 0.6, 0.5"/>
     <rgb name="mean_free_path" value="0.05, 0.02, 0.01"/>

@@ -45,7 +45,7 @@ private:
   optics::Ingredient particles_;
 };
 
-std::vector<ParameterDoc> rows() {
+std::vector<ParameterDoc> coated_spheres_rows() {
   std::vector<ParameterDoc> all = radius_docs();
   all.insert(
       all.end(),
@@ -73,7 +73,7 @@ AUREOLE_PLUGIN(
         "A. L. Aden and M. Kerker, Scattering of electromagnetic waves from two concentric spheres, J. Appl. "
         "Phys. 22 (1951) 1242; Bohren & Huffman, Absorption and Scattering of Light by Small Particles, 1983, "
         "chapter 8",
-        rows(),
+        coated_spheres_rows(),
         {R"(<ingredient type="coated_spheres">
     <string name="radius" value="250nm"/> <float name="core_fraction" value="0.8"/>
     <float name="int_ior" value="1"/> <spectrum name="k" value="0"/>

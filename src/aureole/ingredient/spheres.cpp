@@ -29,7 +29,7 @@ private:
   optics::Ingredient particles_;
 };
 
-std::vector<ParameterDoc> rows() {
+std::vector<ParameterDoc> spheres_rows() {
   std::vector<ParameterDoc> all = radius_docs();
   all.insert(all.end(),
              {{"int_ior", "float or string", "", "required",
@@ -49,7 +49,7 @@ AUREOLE_PLUGIN(
         "is required.",
         "G. Mie, Beitraege zur Optik trueber Medien, Ann. Phys. 330 (1908) 377; Bohren & Huffman, "
         "Absorption and Scattering of Light by Small Particles, 1983, chapter 4",
-        rows(),
+        spheres_rows(),
         {R"(<ingredient type="spheres">
     <string name="radius" value="150nm"/>
     <float name="size_spread" value="0.4"/> <string name="weighting" value="volume"/>

@@ -18,26 +18,47 @@
 namespace aureole {
 namespace {
 
+/// What a path keeps account of in scenes that are not empty.
+struct PathInSpace {
+  int in_media = 0;     ///< scattering events in media
+  Spectrum by_light;    ///< at a vertex in a medium: the density of its place had a light chosen it, relative
+                        ///< to that of the hero's walk
+  Spectrum share{1.f};  ///< of `EmissionSearch`
+  PathDensity looked_from;  ///< where the line of sight began
+  /// It brings all that is emitted along the ray and behind what lets the ray pass; also true after an
+  /// edge, where connections from before it have counted the lights that the ray meets.
+  bool looked = false;
+  float to_edge = 0;    ///< probability of leaving the vertex for an edge
+  float whole = 1;      ///< throughput of a path that begins at an edge: roulette asks how much of it is left
+  bool is_lit = false;  ///< the vertex has light of the lamp that was asked
+  AfterEdge after_edge;
+};
+struct PathInEmptySpace {};
+
+template <Space kSpace>
 class PathSteps {
+  using Vertex = BasicVertex<kSpace>;
+  static constexpr bool kAny = kSpace == Space::any;
+
 public:
   PathSteps(const Scene& scene, const PathLimits& limits, std::span<Path> paths, const BatchLog& log)
       : scene_(scene),
-        media_(connected_media(scene)),
+        media_(kAny ? connected_media(scene) : nullptr),
         // Weights along flights do not count walks to edges.
-        lights_choose_places_(!scene.edges() && scene.lights().tree().can_be_connected()),
-        walks_to_edges_(scene.edges() && !scene.edges()->empty()),
+        lights_choose_places_(kAny && !scene.edges() && scene.lights().tree().can_be_connected()),
+        walks_to_edges_(kAny && scene.edges() && !scene.edges()->empty()),
         limits_(limits),
         paths_(paths),
         log_(log) {
     for (size_t i = 0; i < paths.size(); ++i) {
       states_[i].flight.ray = paths[i].ray;
-      find_surroundings(scene, nullptr, states_[i].flight);
+      if constexpr (kAny) find_surroundings(scene, nullptr, states_[i].flight);
     }
-    if (scene.has_media()) sight_.emplace(scene, *this);
+    if (has_media()) sight_.emplace(scene, *this);
   }
 
   /// Begins a path at an edge that the sensor sees at `film`, instead of the sensor's ray; false where there is none.
-  bool begin_at_edge(int i, Vec2& film) {
+  bool begin_at_edge(int i, Vec2& film) requires kAny {
     Path& path = paths_[size_t(i)];
     if (!limits_.reaches(3)) return false;
     EdgePaths edges(scene_, path.wavelengths, key(path.samples, 0, Key::connection) ^ kFromSensor,
@@ -53,29 +74,30 @@ public:
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
-  void put_segments(BatchConnections* room) { segments_ = room; }
-  bool looks_for_emission() const { return media_ != nullptr; }
+  void put_segments(BatchConnections* room) requires kAny { segments_ = room; }
+  bool looks_for_emission() const requires kAny { return media_ != nullptr; }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
-    if (s.flight.medium) {
-      look_ahead(i, hit);
-      const Event event = fly(i, hit ? hit.t : kInfinity);
-      if (event != Event::crossed) return event;
-    }
+    if constexpr (kAny)
+      if (s.flight.medium) {
+        look_ahead(i, hit);
+        const Event event = fly(i, hit ? hit.t : kInfinity);
+        if (event != Event::crossed) return event;
+      }
     if (!hit) return escape(i);
     Path& path = paths_[size_t(i)];
     Vertex& vertex = vertices_.make(
         i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::radiance); });
     if (log_.follows(i)) log_surface(log_, s.depth, vertex.point(), s.density.hero_symmetric_throughput());
-    if (s.flight.is_hidden(vertex.surface())) {
+    if (kAny && s.flight.is_hidden(vertex.surface())) {
       ++s.vertex;  // the flight behind has random numbers of its own
       go_on(i, vertex, s.flight.ray.d);
       return Event::crossed;
     }
     if (const Light* light = vertex.light()) {
       if (limits_.hide_emitters && s.depth == 0) {
-        s.vertex += scene_.has_media();  // the flight behind has random numbers of its own
+        s.vertex += has_media();  // the flight behind has random numbers of its own
         go_on(i, vertex, s.flight.ray.d);
         return Event::crossed;
       }
@@ -88,9 +110,10 @@ public:
       return Event::blocked;
     }
     // A surface that may be passed is taken for one that is: it is no vertex then.
-    if (s.after_edge.is_set && !vertex.is_passable() &&
-        !s.after_edge.leaves_beam(scene_, vertex.p(), path.wavelengths, s.density))
-      return Event::blocked;
+    if constexpr (kAny)
+      if (s.after_edge.is_set && !vertex.is_passable() &&
+          !s.after_edge.leaves_beam(scene_, vertex.p(), path.wavelengths, s.density))
+        return Event::blocked;
     s.pairs = path.samples.directions(++s.vertex);
     vertex.prepare(vertex.surface().needs_choice ? key(path.samples, s.vertex) : 0, s.flight);
     return Event::surface;
@@ -99,7 +122,7 @@ public:
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
 
   // What is seen along lines of sight (`look_ahead`):
-  void finish_looking() {
+  void finish_looking() requires kAny {
     if (!lines_.empty()) follow(scene_, *sight_, lines_, RayTracer::Rays::incoherent);
   }
   Glow glow(int i) const { return {.ratio = states_[i].looked_from.ratio}; }
@@ -116,21 +139,28 @@ public:
   [[gnu::always_inline]] bool connect(int i, Connection& out) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
-    s.is_lit = false;
-    s.to_edge = may_walk_to_edge(s, vertex)
-                    ? EdgePaths::to_edge(scene_, vertex.p(), paths_[size_t(i)].wavelengths)
-                    : 0;
+    SampleCounts counts;
+    const Spectrum* by_light = nullptr;
+    if constexpr (kAny) {
+      s.is_lit = false;
+      s.to_edge = may_walk_to_edge(s, vertex)
+                      ? EdgePaths::to_edge(scene_, vertex.p(), paths_[size_t(i)].wavelengths)
+                      : 0;
+      counts.scatter = 1 - s.to_edge;
+      if (!vertex.is_surface()) {
+        if (!scene_.lights_reach(*s.flight.medium)) return false;
+        by_light = &s.by_light;
+      }
+    }
     if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return false;
-    if (!vertex.is_surface() && !scene_.lights_reach(*s.flight.medium)) return false;
     Path& path = paths_[size_t(i)];
     return connect_to_light(scene_, vertex, s.flight, s.density,
                             scene_.lights().is_single() ? 0.f : get(path.samples, s.vertex, Choice::light),
-                            get(s.pairs, Pair::connection), path.wavelengths, {1, 1 - s.to_edge},
-                            scene_.has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out,
-                            vertex.is_surface() ? nullptr : &s.by_light);
+                            get(s.pairs, Pair::connection), path.wavelengths, counts,
+                            has_media() ? key(path.samples, s.vertex, Key::connection) : 0, out, by_light);
   }
 
-  bool connect_to_emission(int i, Connection& out) {
+  bool connect_to_emission(int i, Connection& out) requires kAny {
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     if (s.last || !vertex.is_smooth()) return false;
@@ -144,7 +174,7 @@ public:
 
   void connected(int i, const Connection& c, bool open) {
     if (open) paths_[size_t(i)].result.estimate += c.light;
-    states_[i].is_lit |= open;
+    if constexpr (kAny) states_[i].is_lit |= open;
     if (log_.follows(i))
       log_(fmt::format("  light: {} mean {:.6g}", open ? "visible" : "hidden", mean(c.light)));
   }
@@ -153,49 +183,55 @@ public:
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     const Vertex& vertex = vertices_[i];
-    if (s.to_edge > 0) {
-      KeyedRandom random(key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
-      if (random.next() < s.to_edge) {
-        EdgePaths edges(scene_, path.wavelengths, random);
-        return walk_to_edge(i, edges);
+    if constexpr (kAny)
+      if (s.to_edge > 0) {
+        KeyedRandom random(key(path.samples, s.vertex, Key::connection) ^ kAroundEdges);
+        if (random.next() < s.to_edge) {
+          EdgePaths edges(scene_, path.wavelengths, random);
+          return walk_to_edge(i, edges);
+        }
       }
-    }
     const float lobe = vertex.needs_choice() ? get(path.samples, s.vertex, Choice::lobe) : 0.f;
     Scatter b;
     const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
     if (event == Event::crossed) {
       s.density.attenuate(b.value);
-      if (s.to_edge > 0) s.density.survive(1 - s.to_edge);
+      if constexpr (kAny)
+        if (s.to_edge > 0) s.density.survive(1 - s.to_edge);
       go_on(i, vertex, b.d);
       return true;
     }
-    if (s.to_edge > 0) b.pdf *= 1 - s.to_edge;
+    if constexpr (kAny)
+      if (s.to_edge > 0) b.pdf *= 1 - s.to_edge;
     if (s.depth == 0) path.result.alpha = 1;
     if (event == Event::blocked || s.last) return false;
-    s.looked = s.after_edge.is_set = false;
+    if constexpr (kAny) s.looked = s.after_edge.is_set = false;
     s.density.extend(b.value, b.pdf, b.delta);
     if (event == Event::entered) {
       below_.add(i);
       return false;
     }
-    s.share = 1.f;
-    if (!vertex.is_surface()) {
-      const Spectrum walked = s.density.light_ratio;
-      s.density.light_ratio += s.by_light * (1 / b.pdf[0]);
-      if (media_) s.share = safe_divide(walked, s.density.light_ratio);
+    if constexpr (kAny) {
+      s.share = 1.f;
+      if (!vertex.is_surface()) {
+        const Spectrum walked = s.density.light_ratio;
+        s.density.light_ratio += s.by_light * (1 / b.pdf[0]);
+        if (media_) s.share = safe_divide(walked, s.density.light_ratio);
+      }
     }
     s.from = {vertex.p(), vertex.facing()};
     go_on(i, vertex, b.d);
     ++s.depth;
     s.eta2 *= b.eta * b.eta;
     if (!survives(i)) return false;
-    if (!vertex.is_surface() && !may_choose_places(s))
-      end_at_event(s.flight, path.wavelengths, get(path.samples, s.vertex, Choice::distance));
+    if constexpr (kAny)
+      if (!vertex.is_surface() && !may_choose_places(s))
+        end_at_event(s.flight, path.wavelengths, get(path.samples, s.vertex, Choice::distance));
     return true;
   }
 
   /// What light reaches the vertices around edges.
-  void connect_around_edges(const PathList& vertices) {
+  void connect_around_edges(const PathList& vertices) requires kAny {
     for (const int i : vertices) {
       const State& s = states_[i];
       const Vertex& vertex = vertices_[i];
@@ -209,7 +245,7 @@ public:
         log_(fmt::format("  light around an edge: mean {:.6g}", mean(light)));
     }
   }
-  bool looks_around_edges() const { return walks_to_edges_; }
+  bool looks_around_edges() const requires kAny { return walks_to_edges_; }
 
   /// The way below a surface is no edge of the path: light that leaves it at an exit counts as light that the
   /// surface scatters.
@@ -232,48 +268,40 @@ private:
   // These make other keys of one.
   static constexpr std::uint32_t kOther = 0x2545f491u, kAroundEdges = 0x7feb352du, kFromSensor = 0x846ca68bu;
 
-  struct State {
+  struct State : std::conditional_t<kAny, PathInSpace, PathInEmptySpace> {
     Flight flight;
     PathDensity density;  ///< up to and including the direction of `flight`
     LightReference
         from;       ///< of the vertex that `flight` left, where light sampling could have found what it meets
     int depth = 0;  ///< scattering events so far
-    int in_media = 0;  ///< those of them in media
-    int vertex = -1;   ///< vertices before the present one, surfaces that were passed without scattering
-                       ///< among them
+    int vertex = -1;  ///< vertices before the present one, surfaces that were passed without scattering
+                      ///< among them
     const float* pairs = nullptr;  ///< random numbers of the present vertex
-    Spectrum by_light;  ///< at a vertex in a medium: the density of its place had a light chosen it, relative
-                        ///< to that of the hero's walk
-    Spectrum share{1.f};  ///< of `EmissionSearch`
-    float eta2 = 1;  ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
-                     ///< for roulette
-    PathDensity looked_from;  ///< where the line of sight began
-    /// It brings all that is emitted along the ray and behind what lets the ray pass; also true after an
-    /// edge, where connections from before it have counted the lights that the ray meets.
-    bool looked = false;
-    bool last = false;    ///< the present surface may only be passed
-    bool is_lit = false;  ///< the vertex has light of the lamp that was asked
-    float to_edge = 0;    ///< probability of leaving the vertex for an edge
-    float whole = 1;  ///< throughput of a path that begins at an edge: roulette asks how much of it is left
-    AfterEdge after_edge;
+    float eta2 = 1;     ///< squared index of the present medium over the camera's: undoes the n^2 of radiance
+                        ///< for roulette
+    bool last = false;  ///< the present surface may only be passed
   };
 
-  void go_on(int i, const Vertex& vertex, const Vec3& d) {
-    vertex.leave(d, scene_.has_media(), states_[i].flight);
-  }
+  void go_on(int i, const Vertex& vertex, const Vec3& d) { vertex.leave(d, has_media(), states_[i].flight); }
+  bool has_media() const { return kAny && scene_.has_media(); }
 
   /// Roulette; false where the path ends.
   bool survives(int i) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     if (s.depth >= limits_.roulette_depth) {
-      const float survival = std::min(PathLimits::most_survival(scene_, s.depth),
-                                      s.density.hero_symmetric_throughput() * s.eta2 / s.whole);
+      float left = s.density.hero_symmetric_throughput() * s.eta2;
+      if constexpr (kAny) left /= s.whole;
+      const float survival = std::min(PathLimits::most_survival(scene_, s.depth), left);
       if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
       s.density.survive(survival);
     }
     // The last ray can only bring emission.
-    return limits_.reaches(s.depth + 2) || (scene_.may_meet_emitter(s.flight.ray) && !s.looked);
+    return limits_.reaches(s.depth + 2) || (!has_looked(s) && scene_.may_meet_emitter(s.flight.ray));
+  }
+  static bool has_looked(const State& s) {
+    if constexpr (kAny) return s.looked;
+    return false;
   }
 
   bool may_walk_to_edge(const State& s, const Vertex& vertex) const {
@@ -390,7 +418,7 @@ private:
 
   void add_emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
     const State& s = states_[i];
-    if (s.looked || is_black(radiance)) return;
+    if (has_looked(s) || is_black(radiance)) return;
     Path& path = paths_[size_t(i)];
     path.result.estimate +=
         s.density.has_light_ratio()
@@ -428,14 +456,22 @@ public:
              const BatchLog& log) const override {
     for (Path& p : paths) p.result = {};
     if (!limits_.reaches(1)) return;
-    PathSteps steps(scene, limits_, paths, log);
-    BatchRays rays;
-    for (size_t i = 0; i < paths.size(); ++i) rays.add(int(i), paths[i].ray);
-    follow(scene, steps, rays, RayTracer::Rays::coherent);
+    if (scene.has_media() || scene.edges())
+      follow_from_sensor<Space::any>(scene, paths, log);
+    else
+      follow_from_sensor<Space::empty>(scene, paths, log);
     if (scene.edges() && !scene.edges()->empty()) look_at_edges(scene, paths, splats, log);
   }
 
 private:
+  template <Space kSpace>
+  void follow_from_sensor(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
+    PathSteps<kSpace> steps(scene, limits_, paths, log);
+    BatchRays rays;
+    for (size_t i = 0; i < paths.size(); ++i) rays.add(int(i), paths[i].ray);
+    follow(scene, steps, rays, RayTracer::Rays::coherent);
+  }
+
   /// The light that the sensor sees come from edges, wherever they are on the film: one path to a light around one edge, and one
   /// that goes on from an edge, per sample.
   [[gnu::noinline]] void look_at_edges(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
@@ -449,7 +485,7 @@ private:
       seen[i].result = {};
     }
     const std::span<Path> from_edges(seen.data(), paths.size());
-    PathSteps steps(scene, limits_, from_edges, log);
+    PathSteps<Space::any> steps(scene, limits_, from_edges, log);
     BatchRays rays;
     for (size_t i = 0; i < paths.size(); ++i) {
       if (const auto splat = light_seen_around_edge(scene, int(i), paths[i], limits_.hide_emitters))

@@ -9,6 +9,8 @@
 namespace aureole {
 
 inline constexpr float kPi = 3.14159265358979323846f;
+inline constexpr double kPiD = 3.14159265358979323846;
+inline constexpr double kDegree = kPiD / 180;  ///< [rad]
 inline constexpr float kInvPi = 0.31830988618379067154f;
 inline constexpr float kInfinity = 3.4e38f;
 

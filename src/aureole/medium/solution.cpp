@@ -5,7 +5,7 @@
 namespace aureole {
 namespace {
 
-optics::Suspension read_content(const Properties& p) {
+optics::Suspension read_solution(const Properties& p) {
   const optics::Suspension solvent(read_clear_medium(p, "solvent"), {});
   const std::vector<IngredientPtr> ingredients = read_ingredients(p);
   for (const IngredientPtr& i : ingredients) {
@@ -20,7 +20,7 @@ optics::Suspension read_content(const Properties& p) {
 
 class SolutionMedium final : public Mixture {
 public:
-  explicit SolutionMedium(const Properties& p) : Mixture(p, read_content(p)) {}
+  explicit SolutionMedium(const Properties& p) : Mixture(p, read_solution(p)) {}
 };
 
 AUREOLE_PLUGIN(

@@ -101,7 +101,7 @@ void note_dependence(const Properties& p, const optics::Suspension& content, boo
   }
 }
 
-optics::Suspension read_content(const Properties& p) {
+optics::Suspension read_suspension(const Properties& p) {
   const bool dependent_scattering = p.get_bool("dependent_scattering", false);
   const optics::Suspension base = read_base(p, dependent_scattering);
   const std::vector<IngredientPtr> ingredients = read_ingredients(p);
@@ -122,7 +122,7 @@ optics::Suspension read_content(const Properties& p) {
 
 class SuspensionMedium final : public Mixture {
 public:
-  explicit SuspensionMedium(const Properties& p) : Mixture(p, read_content(p)) {}
+  explicit SuspensionMedium(const Properties& p) : Mixture(p, read_suspension(p)) {}
 };
 
 std::string known_recipes() {

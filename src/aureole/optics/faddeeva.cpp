@@ -6,11 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
 
 using std::numbers::pi;
-using Complex = std::complex<double>;
 
 /// Integral of exp(-t^2 + 2 i beta t) from a >= 0 to infinity: sqrt(pi)/2 exp(-beta^2) erfc(a - i beta).
 Complex upper_tail(double a, double beta) {

@@ -2,12 +2,15 @@
 #include "aureole/pigment/colour_difference.h"
 
 #include <cmath>
-#include <numbers>
+
+#include "aureole/optics/constants.h"
 
 namespace aureole::pigment {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180, kTurn = 2 * std::numbers::pi;
+using optics::kDegree;
+
+constexpr double kTurn = 2 * optics::kPi;
 constexpr double kKnee = 6.0 / 29.0;
 
 double compressed(double t) {
@@ -31,7 +34,7 @@ double chroma_factor(double chroma) {
 double mean_hue(double h1, double h2, bool grey) {
   if (grey) return h1 + h2;
   const double sum = h1 + h2;
-  if (std::abs(h1 - h2) <= std::numbers::pi) return sum / 2;
+  if (std::abs(h1 - h2) <= optics::kPi) return sum / 2;
   return sum < kTurn ? (sum + kTurn) / 2 : (sum - kTurn) / 2;
 }
 
@@ -56,8 +59,8 @@ std::array<double, 3> ciede2000_components(const Lab& p, const Lab& q) {
   const double h1 = hue(a1, p.b), h2 = hue(a2, q.b);
   const bool grey = c1 * c2 == 0;
   double dh = grey ? 0 : h2 - h1;
-  if (dh > std::numbers::pi) dh -= kTurn;
-  if (dh < -std::numbers::pi) dh += kTurn;
+  if (dh > optics::kPi) dh -= kTurn;
+  if (dh < -optics::kPi) dh += kTurn;
   const double delta_h = 2 * std::sqrt(c1 * c2) * std::sin(dh / 2);
 
   const double l = (p.l + q.l) / 2, c = (c1 + c2) / 2, h = mean_hue(h1, h2, grey);

@@ -3,15 +3,15 @@
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
-#include <numbers>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/pigment/domain.h"
 
 namespace aureole::pigment {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+using optics::kDegree;
 
 double counted(double reflected, Specular specular) { return specular == Specular::included ? reflected : 0; }
 
@@ -40,8 +40,8 @@ double facet_albedo(double mu, double index, double alpha) {
                      return optics::fresnel_reflectance(std::min(facing, 1.0), 1, index) * facing /
                             (mu * cosine) * shown * masking(mu_out, alpha);
                    },
-                   0.0, std::numbers::pi) /
-               std::numbers::pi;
+                   0.0, optics::kPi) /
+               optics::kPi;
       },
       0.0, 1.0);
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "aureole/render/camera_sample.h"
 
@@ -14,6 +15,61 @@ namespace {
 constexpr double kMostPilotBytes = double(512 << 20);
 
 }  // namespace
+
+/// Adds samples to the pixels that the filter reaches from them. The numbers of a row of pixels follow each other, so that a sample's
+/// own repeat along the row: it is added as vectors, whatever the number of channels.
+class UnitRenderer::SampleSpread {
+public:
+  /// Behind the last number of a row up to so many are written, too, as they are.
+  static constexpr int kTogether = 8;
+
+  SampleSpread(const FilterTable& filter, int channels)
+      : filter_(filter),
+        channels_(channels),
+        length_((2 * filter.border() + 1) * (channels + 2)),
+        numbers_(size_t(padded(channels + 2)), 0.f),
+        weights_(size_t(length_ + padded(channels + 2))),
+        values_(weights_.size()) {}
+
+  /// `corner` is the first of the pixels that are reached: its channels, alpha and the weight; `row` numbers on lies the next row.
+  void add(const Sample& s, const float* values, float* corner, size_t row) {
+    const int border = filter_.border(), stride = channels_ + 2, length = length_;
+    const bool is_box = filter_.is_box();
+    float *const numbers = numbers_.data(), *const weights = weights_.data(),
+                 *const repeated = values_.data();
+    for (int c = 0; c < channels_; ++c) numbers[c] = values[c];
+    numbers[channels_] = s.alpha, numbers[channels_ + 1] = 1;
+    for (int k = -border, at = 0; k <= border; ++k, at += stride) {
+      const float weight = is_box ? 1.f : filter_.eval(float(s.id.x + k) + 0.5f - s.position.x);
+      // What lies behind the numbers of one pixel is that of the next, written later, or 0.
+      for (int c = 0; c < stride; c += kTogether) {
+        put(weights + at + c, weight - Lanes{});
+        put(repeated + at + c, get(numbers + c));
+      }
+    }
+    for (int k = -border; k <= border; ++k, corner += row) {
+      const float weight =
+          s.id.weight * (is_box ? 1.f : filter_.eval(float(s.id.y + k) + 0.5f - s.position.y));
+      for (int i = 0; i < length; i += kTogether)
+        put(corner + i, get(corner + i) + get(weights + i) * weight * get(repeated + i));
+    }
+  }
+
+private:
+  using Lanes = float __attribute__((vector_size(kTogether * sizeof(float))));
+  static int padded(int n) { return (n + kTogether - 1) / kTogether * kTogether; }
+  static Lanes get(const float* p) {
+    Lanes v;
+    std::memcpy(&v, p, sizeof v);
+    return v;
+  }
+  static void put(float* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
+
+  const FilterTable& filter_;
+  const int channels_, length_;  ///< numbers of a row that a sample reaches
+  std::vector<float> numbers_;   ///< of the sample, padded with zeros
+  std::vector<float> weights_, values_;
+};
 
 /// Samples in the order in which they count; their paths are followed together, be they of one pixel or of
 /// several.
@@ -128,38 +184,26 @@ bool UnitRenderer::measure(const Path& path, float sensor_weight, float* measure
 void UnitRenderer::trace(const RenderState& layout, std::int64_t index, const Pilot* pilot,
                          UnitResult& result) const {
   const WorkUnit u = layout.unit(index);
-  const int border = filter_.border(), reach = 2 * border + 1, stride = channels_ + 2;
+  const int border = filter_.border(), stride = channels_ + 2;
   result.replicate = u.replicate;
   result.x0 = u.x0 - border, result.y0 = u.y0 - border;
   result.width = u.x1 - u.x0 + 2 * border, result.height = u.y1 - u.y0 + 2 * border;
-  result.sums.assign(keeps_pixels_ ? size_t(result.width) * size_t(result.height) * size_t(stride) : 0, 0.f);
+  const size_t numbers = keeps_pixels_ ? size_t(result.width) * size_t(result.height) * size_t(stride) : 0;
+  result.sums.assign(numbers > 0 ? numbers + SampleSpread::kTogether : 0, 0.f);
   result.splats.clear();
   result.invalid.clear();
   const auto pixel = [&](int x, int y) {
     return &result.sums[(size_t(y - result.y0) * size_t(result.width) + size_t(x - result.x0)) *
                         size_t(stride)];
   };
-  const auto put = [&](float* p, float weight, const float* values, float alpha) {
-    for (int c = 0; c < channels_; ++c) p[c] += weight * values[c];
-    p[channels_] += weight * alpha;
-    p[channels_ + 1] += weight;
-  };
+  SampleSpread spread(filter_, channels_);
   const auto use = [&](const Sample& s, const float* values) {
     if (!s.valid) {
       result.invalid.push_back({s.id.x, s.id.y, u.replicate, s.id.index});
       return;
     }
     if (!keeps_pixels_) return;
-    if (border == 0) return put(pixel(s.id.x, s.id.y), s.id.weight, values, s.alpha);
-    float wx[FilterTable::kMaxReach], wy[FilterTable::kMaxReach];
-    for (int k = 0; k < reach; ++k) {
-      wx[k] = filter_.eval(float(s.id.x - border + k) + 0.5f - s.position.x);
-      wy[k] = filter_.eval(float(s.id.y - border + k) + 0.5f - s.position.y) * s.id.weight;
-    }
-    for (int j = 0; j < reach; ++j) {
-      float* p = pixel(s.id.x - border, s.id.y - border + j);
-      for (int k = 0; k < reach; ++k, p += stride) put(p, wx[k] * wy[j], values, s.alpha);
-    }
+    spread.add(s, values, pixel(s.id.x - border, s.id.y - border), size_t(result.width) * size_t(stride));
   };
   Batch batch(*this, splat_film_ ? &result.splats : nullptr);
   for (int y = u.y0; y < u.y1; ++y)

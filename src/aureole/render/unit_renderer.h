@@ -75,6 +75,7 @@ private:
     bool valid;
   };
   class Batch;
+  class SampleSpread;
 
   std::uint64_t key_of(int x, int y, int replicate) const;
   /// `measured` receives the numbers of the film; those of the integrator are there already. Returns whether

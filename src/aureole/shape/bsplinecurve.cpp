@@ -6,8 +6,6 @@
 namespace aureole {
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
-
 /// A point of a uniform cubic B-spline, its radius, and their derivatives by v.
 struct SplinePoint {
   Double3 c, dc, ddc;

@@ -15,8 +15,6 @@
 namespace aureole {
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
-
 /// x^2 + y^2 = 1, z in [0, 1], of a placement.
 struct PlacedCylinder {
   Placement place;

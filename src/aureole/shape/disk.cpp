@@ -15,8 +15,6 @@
 namespace aureole {
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
-
 /// The unit disc in the plane z = 0 of a placement.
 struct PlacedDisc {
   Placement place;

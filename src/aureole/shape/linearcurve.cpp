@@ -7,8 +7,6 @@
 namespace aureole {
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
-
 /// A cone that touches the spheres of two control points, continued by them at both ends.
 struct ConeSegment {
   Double3 start, along;

@@ -15,8 +15,6 @@
 namespace aureole {
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
-
 class Sphere;
 
 class SphereSampler final : public AreaSampler {

@@ -7,7 +7,7 @@
 namespace aureole {
 namespace {
 
-SampledSpectrum tabulate(const Properties& properties) {
+SampledSpectrum tabulate_blackbody(const Properties& properties) {
   const double temperature = properties.get_float("temperature", Range::positive());
   const double min = properties.get_float("wavelength_min", 0, Range::non_negative());
   const double max =
@@ -20,7 +20,8 @@ SampledSpectrum tabulate(const Properties& properties) {
 
 class Blackbody final : public ConstantTexture {
 public:
-  explicit Blackbody(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
+  explicit Blackbody(const Properties& properties)
+      : ConstantTexture(properties, tabulate_blackbody(properties)) {}
 };
 
 AUREOLE_PLUGIN(

@@ -7,7 +7,7 @@
 namespace aureole {
 namespace {
 
-SampledSpectrum tabulate(const Properties& properties) {
+SampledSpectrum tabulate_illuminant(const Properties& properties) {
   const std::string name = properties.get_string("name");
   const double scale = properties.get_float("scale", 1, Range::non_negative());
   const auto table = find_illuminant(name);
@@ -22,7 +22,8 @@ SampledSpectrum tabulate(const Properties& properties) {
 
 class Illuminant final : public ConstantTexture {
 public:
-  explicit Illuminant(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
+  explicit Illuminant(const Properties& properties)
+      : ConstantTexture(properties, tabulate_illuminant(properties)) {}
 };
 
 AUREOLE_PLUGIN(

@@ -9,7 +9,7 @@
 namespace aureole {
 namespace {
 
-SampledSpectrum tabulate(const Properties& properties) {
+SampledSpectrum tabulate_irregular(const Properties& properties) {
   std::vector<double> nm = get_wavelength_list(properties, "wavelengths");
   std::vector<double> values = get_numbers(properties, "values");
   if (nm.size() != values.size())
@@ -26,7 +26,8 @@ SampledSpectrum tabulate(const Properties& properties) {
 
 class Irregular final : public ConstantTexture {
 public:
-  explicit Irregular(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
+  explicit Irregular(const Properties& properties)
+      : ConstantTexture(properties, tabulate_irregular(properties)) {}
   static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
     WavelengthRange range;
     for (const double nm : get_wavelength_list(p, "wavelengths")) range.extend(nm);

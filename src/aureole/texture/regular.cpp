@@ -7,7 +7,7 @@
 namespace aureole {
 namespace {
 
-SampledSpectrum tabulate(const Properties& properties) {
+SampledSpectrum tabulate_regular(const Properties& properties) {
   const std::vector<double> values = get_numbers(properties, "values");
   const double min = get_wavelength(properties, "wavelength_min");
   const double max = get_wavelength(properties, "wavelength_max");
@@ -19,7 +19,8 @@ SampledSpectrum tabulate(const Properties& properties) {
 
 class Regular final : public ConstantTexture {
 public:
-  explicit Regular(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
+  explicit Regular(const Properties& properties)
+      : ConstantTexture(properties, tabulate_regular(properties)) {}
   static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
     return WavelengthRange{get_wavelength(p, "wavelength_min"), get_wavelength(p, "wavelength_max")};
   }

@@ -6,14 +6,14 @@
 namespace aureole {
 namespace {
 
-SampledSpectrum tabulate(const Properties& properties) {
+SampledSpectrum tabulate_srgb(const Properties& properties) {
   const SpectrumLiteral color = get_rgb(properties, "color", properties.get_bool("unbounded", false));
   return spectrum_of_rgb(properties.context().grid, color.rgb, false);
 }
 
 class Srgb final : public ConstantTexture {
 public:
-  explicit Srgb(const Properties& properties) : ConstantTexture(properties, tabulate(properties)) {}
+  explicit Srgb(const Properties& properties) : ConstantTexture(properties, tabulate_srgb(properties)) {}
 };
 
 AUREOLE_PLUGIN(

@@ -57,12 +57,12 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
 
 /// The same for path number `i` of a batch, whose entry is vertices[i] and was vertex number `vertex`: the exit
 /// takes the entry's place there and has a number of its own.
-template <class Density>
-bool emerge(const Scene& scene, PerPath<Vertex>& vertices, int i, const Wavelengths& w, SampleStream& samples,
-            TransportMode mode, int& vertex, Density& density, Flight& flight) {
+template <Space kSpace, class Density>
+bool emerge(const Scene& scene, PerPath<BasicVertex<kSpace>>& vertices, int i, const Wavelengths& w,
+            SampleStream& samples, TransportMode mode, int& vertex, Density& density, Flight& flight) {
   SurfacePoint exit;
   if (!emerge(scene, vertices[i].point(), w, samples, ++vertex, density, flight, exit)) return false;
-  Vertex& made = vertices.make(i, [&] { return Vertex(exit, -flight.ray.d, w, mode); });
+  auto& made = vertices.make(i, [&] { return BasicVertex<kSpace>(exit, -flight.ray.d, w, mode); });
   ++vertex;
   made.prepare(0, flight);
   return true;

@@ -19,7 +19,8 @@ struct SampleCounts {
 /// to that of the path's hero, of ways to this vertex beside walking from which lights are connected as well;
 /// null: there are none. False if it carries no light.
 // Always inlined: numbers of samples of 1 cost nothing then.
-[[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const Vertex& vertex,
+template <Space kSpace>
+[[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const BasicVertex<kSpace>& vertex,
                                                     const Flight& flight, const PathDensity& path, float u1,
                                                     Vec2 u2, const Wavelengths& w, SampleCounts counts,
                                                     std::uint32_t key, Connection& out,
@@ -37,7 +38,7 @@ struct SampleCounts {
     out.set(vertex.anchor().leave(direct->wo));
   else
     out.set(vertex.anchor(), direct->wo, Anchor::of(*direct));
-  if (scene.has_media()) {
+  if (kSpace == Space::any && scene.has_media()) {
     out.begin_in(vertex.surroundings(direct->wo, flight), key);
     out.own = (by_light ? path.ratio + *by_light : path.ratio) * own, out.other = path.ratio * other;
     out.light = path.beta.of(response.value.of(direct->radiance)) / w.pdf;

@@ -12,6 +12,10 @@
 
 namespace aureole {
 
+/// The scenes that code is compiled for: `empty` has no media, no shapes with a priority and no edges that diffract light, so
+/// that paths among its surfaces need not ask for them at every step.
+enum class Space { empty, any };
+
 /// Value and density of scattering at a vertex for one given direction.
 struct Response {
   Weight value;
@@ -194,93 +198,101 @@ private:
   Vec3 to_previous_;
 };
 
-/// Either of the two. Made in place.
-class Vertex {
+/// Either of the two. Made in place. Of a scene in `Space::empty` vertices are on surfaces, and none has a priority.
+template <Space kSpace>
+class BasicVertex {
 public:
-  Vertex(const Scene& scene, const RayTracer::Hit& hit, const Flight& flight, const Wavelengths& w,
-         TransportMode mode)
+  static constexpr bool kMayBeInMedium = kSpace == Space::any;
+
+  BasicVertex(const Scene& scene, const RayTracer::Hit& hit, const Flight& flight, const Wavelengths& w,
+              TransportMode mode)
       : surface_(scene, hit, flight.ray, w, mode) {}
-  Vertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
+  BasicVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
       : surface_(point, to_previous, w, mode) {}
-  Vertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
+  BasicVertex(const MediumPoint& point, const Vec3& to_previous,
+              const Wavelengths& w) requires(kMayBeInMedium)
       : medium_(point, to_previous, w), in_medium_(true) {}
 
-  bool is_surface() const { return !in_medium_; }
+  bool is_surface() const { return !in_medium(); }
   /// Of a vertex on a surface.
   const SurfaceVertex& on_surface() const { return surface_; }
   const SurfacePoint& point() const { return surface_.point(); }
   const Surface& surface() const { return surface_.surface(); }
 
-  Vec3 p() const { return in_medium_ ? medium_.point().p : surface_.point().p; }
+  Vec3 p() const { return in_medium() ? medium_.point().p : surface_.point().p; }
   Anchor anchor() const {
-    return in_medium_ ? Anchor::in_space(medium_.point().p) : Anchor::of(surface_.point());
+    return in_medium() ? Anchor::in_space(medium_.point().p) : Anchor::of(surface_.point());
   }
   /// The light that shines from here, or null.
-  const Light* light() const { return in_medium_ ? nullptr : surface().light; }
+  const Light* light() const { return in_medium() ? nullptr : surface().light; }
   /// Whether connections can contribute at this vertex.
-  bool is_smooth() const { return in_medium_ || surface_.is_smooth(); }
+  bool is_smooth() const { return in_medium() || surface_.is_smooth(); }
   /// Whether the path may pass without being scattered.
-  bool is_passable() const { return !in_medium_ && surface().passable; }
+  bool is_passable() const { return !in_medium() && surface().passable; }
   /// Whether the path may go on below the surface.
-  bool has_exit() const { return !in_medium_ && surface().has_exit(); }
+  bool has_exit() const { return !in_medium() && surface().has_exit(); }
   /// `scatter` looks at u1, or something at the key.
   bool needs_choice() const {
-    return in_medium_ ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
+    return in_medium() ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
   }
   /// Turns the flight that has ended here into that which leaves along `d`. `Scene::has_media` tells whether
   /// more than the ray is needed.
   void leave(const Vec3& d, bool has_media, Flight& flight) const {
-    if (has_media && !in_medium_) flight.pass(surface_.point(), flight.ray.d, d);
+    if (has_media && !in_medium()) flight.pass(surface_.point(), flight.ray.d, d);
     flight.ray = anchor().leave(d);
   }
 
   /// The flight that leaves along `d`, without its ray.
   Flight surroundings(const Vec3& d, const Flight& flight) const {
     Flight leaving = flight;
-    if (!in_medium_) leaving.pass(surface_.point(), flight.ray.d, d);
+    if (!in_medium()) leaving.pass(surface_.point(), flight.ray.d, d);
     return leaving;
   }
 
   /// To be called before the functions below, for a surface. `key` is for stochastic BSDFs.
   void prepare(std::uint32_t key, const Flight& flight) {
     surface_.prepare(key);
-    if (surface().priority != 0) surface_.set_surroundings(flight.inside);
+    if (kSpace == Space::any && surface().priority != 0) surface_.set_surroundings(flight.inside);
   }
   /// The normal on the side that light may be scattered from; zero where that is all around. Choosing lights
   /// and directions, and their densities, all depend on it.
-  Vec3 facing() const { return in_medium_ ? Vec3{} : surface_.facing(); }
+  Vec3 facing() const { return in_medium() ? Vec3{} : surface_.facing(); }
   /// The value and density for a direction; false where nothing is scattered there.
   bool respond(const Vec3& d, Response& out) const {
-    return in_medium_ ? medium_.respond(d, out) : surface_.respond(d, out);
+    return in_medium() ? medium_.respond(d, out) : surface_.respond(d, out);
   }
   // For two-way methods, which compare the ways in which a path can be found:
   /// The density with which a path that comes along -d, in the other mode of transport, is scattered to where this
   /// one comes from.
   Spectrum reverse_pdf(const Vec3& d) const {
-    return in_medium_ ? medium_.reverse_pdf(d) : surface_.reverse_pdf(d);
+    return in_medium() ? medium_.reverse_pdf(d) : surface_.reverse_pdf(d);
   }
   /// The same for a direction that `scatter` has found.
   Spectrum reverse_pdf(const Scatter& s) const {
-    return in_medium_ ? medium_.reverse_pdf(s.d) : surface_.reverse_pdf(s);
+    return in_medium() ? medium_.reverse_pdf(s.d) : surface_.reverse_pdf(s);
   }
   /// Density of an arrival along d or -d in the measure of vertices, area or volume, per area across d: the cosine
   /// on a surface, the extinction in a medium.
   Spectrum density_across(const Vec3& d) const {
-    return in_medium_ ? medium_.extinction(d) : Spectrum(std::abs(dot(surface_.point().ng, d)));
+    return in_medium() ? medium_.extinction(d) : Spectrum(std::abs(dot(surface_.point().ng, d)));
   }
 
   /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes as if
   /// there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
-    return in_medium_ ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
+    return in_medium() ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
   }
 
 private:
+  bool in_medium() const { return kMayBeInMedium && in_medium_; }
+
   union {
     SurfaceVertex surface_;
     MediumVertex medium_;
   };
   bool in_medium_ = false;
 };
+
+using Vertex = BasicVertex<Space::any>;
 
 }  // namespace aureole

@@ -23,7 +23,7 @@ struct Row {
   double intensity;  ///< m^2/sr
 };
 const Row kRows[] = {
-#include "references/bem_references.inc"
+#include "optics/diffraction/references/bem_references.inc"
 };
 
 /// Two rectangles beside one another.
@@ -84,7 +84,9 @@ TEST(Bem, TwoCubes) {
       std::printf("two cubes, %2g degrees: %.4g m^2/sr by the solver, edge waves %+.2f dB\n", r.degrees,
                   r.intensity, db(intensity(cubes, r.degrees) / r.intensity));
     // What the sides take has the cube's size, so that the lobes keep their width and their places.
-    if (r.degrees > 20) EXPECT_NEAR(intensity(cubes, r.degrees), r.intensity, 0.05 * solver) << r.degrees;
+    if (r.degrees > 20) {
+      EXPECT_NEAR(intensity(cubes, r.degrees), r.intensity, 0.05 * solver) << r.degrees;
+    }
   }
   ASSERT_GT(solver, 0);
   const std::complex<double> delta = std::sqrt(std::complex<double>(0, 2) * 0.09 / (M_PI * kWaveNumber)),

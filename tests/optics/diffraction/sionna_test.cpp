@@ -23,7 +23,7 @@ struct Row {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmissing-braces"
 const Row kRows[] = {
-#include "references/sionna_references.inc"
+#include "optics/diffraction/references/sionna_references.inc"
 };
 #pragma GCC diagnostic pop
 

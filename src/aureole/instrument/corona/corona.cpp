@@ -8,15 +8,12 @@
 #include "aureole/core/error.h"
 #include "aureole/core/units.h"
 #include "aureole/loading/values.h"
+#include "aureole/math/vec.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/spectrum/tables.h"
 
 namespace aureole {
-namespace {
-
-constexpr double kDegree = M_PI / 180;
-
-}  // namespace
+namespace {}  // namespace
 
 Direction unit(Direction v) {
   const double l = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);

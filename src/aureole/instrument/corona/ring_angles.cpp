@@ -8,11 +8,10 @@
 #include "aureole/core/units.h"
 #include "aureole/instrument/corona/corona_fit.h"
 #include "aureole/instrument/corona/simplex.h"
+#include "aureole/math/vec.h"
 
 namespace aureole {
 namespace {
-
-constexpr double kDegree = M_PI / 180;
 
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> out(1);

@@ -3,20 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "aureole/optics/aperture/aperture_transform.h"
 #include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/optics/bessel.h"
+#include "aureole/optics/constants.h"
 
 namespace aureole::optics {
-namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-}  // namespace
+namespace {}  // namespace
 
 HardDiscMixture::HardDiscMixture(std::vector<double> radii, std::vector<double> fractions,
                                  double area_fraction)

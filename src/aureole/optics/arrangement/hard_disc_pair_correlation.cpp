@@ -9,18 +9,16 @@
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "aureole/optics/aperture/aperture_transform.h"
 #include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/optics/bessel.h"
+#include "aureole/optics/constants.h"
 
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Common area of two discs of radius 1 at a distance r.
 double overlap(double r) { return r < 2 ? 2 * std::acos(r / 2) - r / 2 * std::sqrt((2 - r) * (2 + r)) : 0; }

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Discs keep this much further apart than they touch, so that rounding never makes them overlap.
 constexpr double kMargin = 1 + 1e-12;
 

@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
+
+#include "aureole/optics/constants.h"
 
 namespace aureole::optics {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Lanes [[gnu::vector_size(32)]] = float;
 constexpr int kLanes = 8, kGroups = 4, kBlock = kLanes * kGroups;  // discs summed at once
 

@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
 #include "aureole/optics/arrangement/cholesky.h"
 #include "aureole/optics/bessel.h"
+#include "aureole/optics/constants.h"
 
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Number of intervals of a correction between r = 0 and contact.
 constexpr int kInside = 8;

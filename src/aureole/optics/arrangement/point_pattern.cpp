@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void check(const std::vector<PointPattern>& fields) {
   if (fields.empty()) throw std::domain_error("no field of points is given");

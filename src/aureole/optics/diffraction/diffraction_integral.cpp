@@ -8,11 +8,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
 
 using std::numbers::pi;
-using Complex = std::complex<double>;
 using Rule = boost::math::quadrature::gauss<double, 10>;
 
 /// Calls visit(t, weight) for the nodes between a and b, in cells as wide as step allows.

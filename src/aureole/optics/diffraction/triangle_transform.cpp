@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
-
-using Complex = std::complex<double>;
 
 /// Divided differences of exp(-i t) over `count` <= 4 phases that lie within kClose of one another: about their
 /// middle m the sum over k of (-i)^(n+k)/(n+k)! h_k exp(-i m), n = count - 1, with the complete homogeneous

@@ -6,13 +6,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/faddeeva.h"
 
 namespace aureole::optics {
 namespace {
 
 using std::numbers::pi;
-using Complex = std::complex<double>;
 
 const Complex kQuarter = std::polar(1.0, pi / 4);
 

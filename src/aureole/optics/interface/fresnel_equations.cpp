@@ -7,10 +7,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
-
-using Complex = std::complex<double>;
 
 double checked_cosine(double cosine) {
   if (!(cosine >= -1e-6 && cosine <= 1 + 1e-6))

@@ -3,17 +3,15 @@
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "aureole/optics/aperture/aperture_transform.h"
 #include "aureole/optics/arrangement/structure_factor.h"
+#include "aureole/optics/constants.h"
 
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void check_size_ratio(double size_ratio) {
   if (!(size_ratio >= kMinSizeRatio && size_ratio <= 1))

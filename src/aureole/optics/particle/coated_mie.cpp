@@ -5,13 +5,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/particle/mie.h"
 #include "aureole/optics/particle/riccati_bessel.h"
 
 namespace aureole::optics {
 namespace {
 
-using Complex = std::complex<double>;
 constexpr Complex kI{0, 1};
 
 void check_index(Complex m, const char* part) {

@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/gauss_legendre.h"
 #include "aureole/optics/particle/hard_spheres.h"
 
 namespace aureole::optics {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kChunk =
     16;  ///< radii that one task sums; fixed, so that results do not depend on threads
 /// Nodes per unit of 2 pi radius n/lambda, and per unit of ln(radius), of the first grid.

@@ -4,11 +4,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/particle/riccati_bessel.h"
 
 namespace aureole::optics {
-
-using Complex = std::complex<double>;
 
 Mie::Mie(double x, Complex m) : PartialWaves(x) {
   if (!(x >= kMinSize && x <= kMaxSize))

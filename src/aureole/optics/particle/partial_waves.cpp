@@ -4,11 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/particle/riccati_bessel.h"
 
 namespace aureole::optics {
-
-using Complex = std::complex<double>;
 
 void PartialWaves::match(std::span<const Complex> electric, std::span<const Complex> magnetic) {
   const int count = int(electric.size()) - 1;

@@ -2,10 +2,10 @@
 #include "aureole/optics/particle/particle.h"
 
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/particle/coated_mie.h"
 #include "aureole/optics/particle/mie.h"
 #include "aureole/optics/particle/rayleigh.h"
@@ -13,7 +13,6 @@
 namespace aureole::optics {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Below this 2 pi radius n/lambda the two terms of Rayleigh's series have errors below 1e-8.
 constexpr double kSmall = 1e-3;
 

@@ -4,15 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Integrals over the sphere between neighbouring nodes.
 template <class Visit>

@@ -3,15 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <sstream>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 /// Standard deviations of ln(radius) to which log-normal distributions reach beyond the medians of number
 /// (below) and of radius^6 (above, what small particles scatter).
 constexpr double kReach = 5;

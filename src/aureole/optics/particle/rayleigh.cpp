@@ -3,14 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 void check_depolarization(double rho) {
   if (!(rho >= 0 && rho < 6.0 / 7))

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-namespace aureole::optics {
+#include "aureole/optics/constants.h"
 
-using Complex = std::complex<double>;
+namespace aureole::optics {
 
 int term_count(double x) { return int(std::ceil(x + 4.05 * std::cbrt(x) + 8)); }
 

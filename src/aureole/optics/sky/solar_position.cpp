@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aureole/optics/constants.h"
+
 namespace aureole::optics {
 
 SolarPosition solar_position(double days, double hour, double latitude_degrees, double longitude_degrees) {
-  constexpr double kDegree = M_PI / 180;
   // Ecliptic coordinates (table 1 of the paper).
   const double node = 2.1429 - 0.0010394594 * days;
   const double mean_longitude = 4.8950630 + 0.017202791698 * days;

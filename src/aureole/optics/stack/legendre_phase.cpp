@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/gauss_legendre.h"
 
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Calls visit(l, P_l(x)) for l in [0, count).
 template <class Visit>

@@ -3,17 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/stack/single_scattering.h"
 #include "aureole/optics/stack/stack_solver.h"
 
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 [[noreturn]] void refuse(const std::string& what, double value) {
   throw std::domain_error(what + ", got " + std::to_string(value));

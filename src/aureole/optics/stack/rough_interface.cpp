@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/gauss_legendre.h"
 #include "aureole/optics/interface/fresnel_equations.h"
 
 namespace aureole::optics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Microfacets of one roughness everywhere around; normals by their cosine.
 class Facets {

@@ -8,11 +8,7 @@
 
 namespace aureole {
 
-namespace {
-
-constexpr double kPiD = 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 Curves::Curves(const Properties& properties, std::uint32_t points_per_segment)
     : Shape(properties), points_per_segment_(points_per_segment) {

@@ -7,11 +7,7 @@
 
 namespace aureole {
 
-namespace {
-
-constexpr double kPiD = 3.14159265358979323846;
-
-}  // namespace
+namespace {}  // namespace
 
 Bounds3 Ball::bounds() const {
   Bounds3 b;

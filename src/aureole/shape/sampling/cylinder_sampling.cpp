@@ -7,7 +7,6 @@ namespace aureole {
 
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
 /// A point this close to the surface, in radii, lies on it, to within rounding; from there an inward cylinder
 /// is seen as from inside.
 constexpr double kOnSurface = 1e-5;

@@ -9,11 +9,10 @@ namespace aureole {
 
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
 /// Where the squared diameter is below this share of the squared distance, uniform area is nearly as good.
 constexpr double kFar = 0.1;
 /// Below this solid angle [sr], and nearer to the plane than this many radii, the cone loses its digits.
-constexpr double kSmall = 1e-6, kInPlane = 1e-6;
+constexpr double kSmallArea = 1e-6, kInPlane = 1e-6;
 
 }  // namespace
 
@@ -49,7 +48,7 @@ DiscView DiscView::of(const Double3& reference, const Double3& center, const Dou
 
   view.a_ = sin_x * std::sqrt(2 / (1 + cos_x));
   view.b_ = std::sqrt(2 * half_chord2 / (distance * distance + half_chord2) / (1 + cos_y));
-  if (kPiD * view.a_ * view.b_ < kSmall) return view;
+  if (kPiD * view.a_ * view.b_ < kSmallArea) return view;
   view.technique_ = Technique::solid_angle;
   view.reference_ = reference, view.normal_ = n, view.height_ = h;
   view.x_ = outward * axis_y + n * axis_x;

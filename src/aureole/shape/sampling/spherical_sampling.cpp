@@ -9,9 +9,8 @@ namespace aureole {
 
 namespace {
 
-constexpr double kPiD = 3.14159265358979323846;
 /// Below this solid angle [sr] (an edge-on patch) the spherical constructions lose their digits.
-constexpr double kSmall = 3e-4;
+constexpr double kSmallSolidAngle = 3e-4;
 /// A reference point this close [sr] to seeing a full hemisphere lies on the patch, to within rounding.
 constexpr double kHemisphere = 2 * kPiD - 1e-6;
 
@@ -112,7 +111,7 @@ PatchView PatchView::of(const Vec3& reference, const TriangleCorners& first, con
   if (second) view.solid_angle[1] = triangle_solid_angle(reference, *second);
   const double total = view.total();
   if (!(total > 0)) return view;
-  view.technique = total < kSmall || total > kHemisphere ? Technique::area : Technique::solid_angle;
+  view.technique = total < kSmallSolidAngle || total > kHemisphere ? Technique::area : Technique::solid_angle;
   return view;
 }
 

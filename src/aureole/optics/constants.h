@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Numbers that most of the optics needs, in double precision.
+#pragma once
+
+#include <complex>
+#include <numbers>
+
+namespace aureole::optics {
+
+inline constexpr double kPi = std::numbers::pi;
+inline constexpr double kDegree = kPi / 180;  ///< [rad]
+
+using Complex = std::complex<double>;
+
+}  // namespace aureole::optics

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+# Sources that are compiled together. Most of the time of a small source goes into what it includes and into templates that its
+# neighbours instantiate, too; one compilation of several of them takes about half (docs/performance.md, "Building"). An edit compiles
+# its whole batch again: who works on the code may turn batches off. Names in unnamed namespaces must then differ among the sources
+# of a folder, except where `aureole_separated_batches` is used.
+option(AUREOLE_BATCHES "Compile several sources of a folder at once" ON)
+
+# Sets `result` to the sources that are to be compiled for `sources`, which lie below `root`, a folder for #include: one for up to `most`
+# of each folder, or just the sources where batches are off.
+function(aureole_batches result name root most)
+  if(NOT AUREOLE_BATCHES)
+    set(${result} ${ARGN} PARENT_SCOPE)
+    return()
+  endif()
+  aureole_group_sources(groups ${root} ${most} ${ARGN})
+  set(batches)
+  foreach(group ${groups})
+    set(text "// Made by tools/batches.cmake.\n")
+    foreach(source ${sources_of_${group}})
+      string(APPEND text "#include \"${source}\"\n")
+    endforeach()
+    set(batch ${CMAKE_BINARY_DIR}/batches/${name}/${group}.cpp)
+    file(CONFIGURE OUTPUT ${batch} CONTENT "${text}" @ONLY)
+    list(APPEND batches ${batch})
+  endforeach()
+  set(${result} ${batches} PARENT_SCOPE)
+endfunction()
+
+# The same for commands and tests, whose unnamed namespaces are put into a namespace of each file, since their functions have the same
+# names everywhere (tools/batch_sources.py).
+function(aureole_separated_batches result name root most)
+  if(NOT AUREOLE_BATCHES)
+    set(${result} ${ARGN} PARENT_SCOPE)
+    return()
+  endif()
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  aureole_group_sources(groups ${root} ${most} ${ARGN})
+  set(batches)
+  foreach(group ${groups})
+    set(batch ${CMAKE_BINARY_DIR}/batches/${name}/${group}.cpp)
+    set(sources ${sources_of_${group}})
+    list(TRANSFORM sources PREPEND ${root}/ OUTPUT_VARIABLE paths)
+    add_custom_command(OUTPUT ${batch} COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/tools/batch_sources.py ${batch} ${root} ${sources}
+      DEPENDS ${PROJECT_SOURCE_DIR}/tools/batch_sources.py ${paths} VERBATIM)
+    list(APPEND batches ${batch})
+  endforeach()
+  set(${result} ${batches} PARENT_SCOPE)
+endfunction()
+
+# Sets `result` to names of groups, and sources_of_NAME to the sources of each, relative to `root`.
+function(aureole_group_sources result root most)
+  set(groups)
+  foreach(source ${ARGN})
+    file(RELATIVE_PATH source ${root} ${source})
+    get_filename_component(folder ${source} DIRECTORY)
+    string(MAKE_C_IDENTIFIER "${folder}" folder)
+    math(EXPR number "${count_${folder}} + 0")
+    math(EXPR part "${number} / ${most}")
+    math(EXPR count_${folder} "${number} + 1")
+    set(group ${folder}_${part})
+    list(APPEND groups ${group})
+    list(APPEND sources_of_${group} ${source})
+    set(sources_of_${group} ${sources_of_${group}} PARENT_SCOPE)
+  endforeach()
+  list(REMOVE_DUPLICATES groups)
+  set(${result} ${groups} PARENT_SCOPE)
+endfunction()
