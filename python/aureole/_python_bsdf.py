@@ -190,7 +190,8 @@ class Adapter:
         exists = np.ones(n, np.bool_) if valid is None else valid
         if valid is None and pdf is not None:
             exists = self._numbers("sample", "pdf", pdf, n) > 0
-        wo = np.where(exists[:, None], wo, (0.0, 0.0, 1.0))
+        if valid is not None or pdf is not None:
+            wo = np.where(exists[:, None], wo, (0.0, 0.0, 1.0))
         length = np.sqrt(np.sum(wo * wo, axis=1))
         wrong = ~(np.abs(length - 1) <= 1e-3)
         if wrong.any():
@@ -200,14 +201,14 @@ class Adapter:
         if value is None or pdf is None:
             value, pdf = self.eval_pdf_rows(wi, wo, wavelength, uv, mode)
             exists = exists & (pdf > 0)
-        value = self._numbers("sample", "value", np.where(exists, value, 0), n)
-        pdf = self._numbers("sample", "pdf", np.where(exists, pdf, 0), n)
+            value, pdf = np.where(exists, value, 0), np.where(exists, pdf, 0)  # numbers that have been looked at
+        else:
+            value = self._numbers("sample", "value", np.where(exists, value, 0), n)
+            pdf = self._numbers("sample", "pdf", np.where(exists, pdf, 0), n)
         if (exists & ~(pdf > 0)).any():
             raise Error(f"{where}: pdf: expected positive numbers where a direction is valid, got 0 at index "
                         f"{int(np.argmax(exists & ~(pdf > 0)))}")
-        if eta is None:
-            eta = np.ones(n)
-        eta = np.where(exists, real(f"{where}: eta", eta, positive=True), 1.0)
+        eta = np.ones(n) if eta is None else np.where(exists, real(f"{where}: eta", eta, positive=True), 1.0)
         return BsdfSample(np.where(exists[:, None], wo, 0.0), value, pdf, exists, np.where(exists, lobe, 0).astype(np.uint32), eta)
 
     def sample_hero(self, wi: FloatArray, wavelength: FloatArray, u: FloatArray, uv: FloatArray,
