@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Writes one source of several, which tools/batches.cmake has compiled together.
 
-Usage: batch_sources.py OUTPUT ROOT SOURCE...; sources are relative to ROOT. Each keeps its numbers of lines; its unnamed namespaces are put
-into a namespace of its own, which the rest of the source sees.
+Usage: batch_sources.py OUTPUT ROOT SOURCE...; sources are relative to ROOT. Each keeps its numbers of lines, and its path as the compiler
+finds it, which runs in the same folder as this script; its unnamed namespaces are put into a namespace of its own, which the rest of the
+source sees.
 """
+import os
 import pathlib
 import re
 import sys
@@ -23,7 +25,7 @@ def main():
         text, closed = re.subn(r"^\}  // namespace$", f"}}}}{using}  // namespace", text, flags=re.M)
         if opened != closed:
             sys.exit(f"{source}: {opened} unnamed namespaces begin in lines of their own, {closed} end as \"}}  // namespace\"")
-        parts.append(f'#line 1 "{source}"\n{text}')
+        parts.append(f'#line 1 "{os.path.relpath(root / source)}"\n{text}')
     output.parent.mkdir(parents=True, exist_ok=True)
     output.write_text("\n".join(parts))
 

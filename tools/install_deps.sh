@@ -3,12 +3,12 @@
 # install_deps.sh [program]: installs from Debian's packages what is missing: for the program alone, or also for the tests, the benchmarks
 # and the Python module, whose virtual environment .venv it makes. Does nothing, quickly, where all is there.
 set -euo pipefail
-packages=(g++ cmake ninja-build pkg-config ccache
+packages=(g++ cmake ninja-build pkg-config ccache python3
   libembree-dev libtbb-dev libopenexr-dev libpng-dev libjpeg62-turbo-dev libtiff-dev libstb-dev zlib1g-dev
   libpugixml-dev nlohmann-json3-dev libcli11-dev libfmt-dev libboost-math1.81-dev
   libpolyclipping-dev libkissfft-dev libeigen3-dev libcerf-dev libopenvdb-dev libnanovdb-dev libblosc-dev libopencv-core-dev libopencv-imgproc-dev)
 if [[ "${1:-}" != program ]]; then
-  packages+=(clang-format python3 python3-dev python3-venv libgtest-dev libbenchmark-dev)
+  packages+=(clang-format python3-dev python3-venv libgtest-dev libbenchmark-dev)
 fi
 missing=()
 for p in "${packages[@]}"; do

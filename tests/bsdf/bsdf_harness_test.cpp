@@ -199,7 +199,8 @@ TEST_P(Harness, Passes) {
   HarnessOptions options;
   options.family_size = cases().size();
   options.dump_folder = ::testing::TempDir();
-  if (test::kSanitized) options.most_samples = 20000;  // the same code, with less to tell a wrong one by
+  if (test::kSanitized)
+    options.most_samples = 20000;  // sanitizers look at the code; statistics are judged in other builds
   const HarnessResult result = check_case(cases()[GetParam()], options);
   for (const std::string& failure : result.failures) ADD_FAILURE() << failure;
   const CheckResult& f = result.check;

@@ -20,7 +20,7 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
   options.family_size = harness.family_size;
   options.seed = harness.seed;
   options.samples = test::effort(std::min(options.samples, harness.most_samples), options.samples);
-  // A quarter of the samples have twice the noise in each bin.
+  // The noise in each bin goes with one over the root of the samples.
   options.bin_tolerance =
       test::effort(2e-6 * std::sqrt(75000 / double(harness.most_samples)), options.bin_tolerance);
   const std::shared_ptr<const Bsdf> bsdf =

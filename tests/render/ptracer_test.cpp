@@ -60,8 +60,6 @@ TEST_P(LightTracing, AgreesWithPathTracing) {
   const bool is_quiet = name == "area" || name == "border" || name == "depth" || name == "constant" ||
                         name == "envmap" || name == "mask" || name == "beams";
   const int part = is_quiet ? 16 : name == "point" || name == "smooth" || name == "lenses" ? 8 : 4;
-  // Here the path tracer has a tenth of the light tracer's noise with as many samples, and needs fewer.
-  const bool suits_paths = name == "hide" || name == "inside" || name == "rough";
   const auto traced = [&](const char* integrator, std::uint64_t seed) {
     LoadOptions load;
     load.defines = {{"integrator", integrator}};

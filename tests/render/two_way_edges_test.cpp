@@ -141,7 +141,7 @@ TEST(TwoWayEdges, BehindGlass) {
   const std::string scene =
       half_plane() + R"(<shape type="cube"><transform name="to_world"><scale x="1" y="0.05" z="0.8"/>
     <translate y="-2.5" z="-0.4"/></transform><bsdf type="dielectric"/></shape>)";
-  const int n = effort(128, 1024);
+  const int n = effort(256, 1024);
   const Settings settings{.depth = 5};
   const Mean path = luminance(scene, "path", n, settings), both = luminance(scene, "bdpt", n / 2, settings),
              off = luminance(scene, "bdpt", n / 2, {.depth = 5, .diffraction = false});
@@ -176,7 +176,7 @@ std::string plate_in_the_shadow(const std::string& bsdf) {
 TEST(TwoWayEdges, LightOfEdgesThatAMirrorReflectsIsFoundFromTheLamp) {
   const std::string scene =
       plate_in_the_shadow(R"(<bsdf type="conductor"><string name="material" value="none"/></bsdf>)");
-  const int n = effort(768, 4096);
+  const int n = effort(1024, 4096);
   const Settings settings{.depth = 4, .fov = 14, .beam = 1};
   const Mean path = luminance(scene, "path", n, settings), light = luminance(scene, "ptracer", n, settings),
              both = luminance(scene, "bdpt", n / 2, settings);
@@ -236,7 +236,7 @@ TEST(TwoWayEdges, SingleTechniquesFindTheSame) {
              R"(<integer name="strategy_s" value="{}"/><integer name="strategy_t" value="{}"/>)", s, t),
          .beam = 1});
   };
-  const int n = effort(512, 4096);
+  const int n = effort(1024, 4096);
   const Mean reference = only(1, 4, true, n), off = only(1, 4, false, n);
   std::printf("  without diffraction %.6g +- %.2g\n", off.value, off.error);
   expect_equal("s = 2", reference, only(2, 3, true, n), 0.1);

@@ -8,8 +8,8 @@ namespace aureole {
 
 std::string SourceLocation::str() const {
   std::string s = file;
-  if (line > 0) (s += ':') += std::to_string(line);
-  if (line > 0 && column > 0) (s += ':') += std::to_string(column);
+  if (line > 0) s += ":" + std::to_string(line);
+  if (line > 0 && column > 0) s += ":" + std::to_string(column);
   return s;
 }
 

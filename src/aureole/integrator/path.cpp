@@ -18,7 +18,7 @@
 namespace aureole {
 namespace {
 
-/// What a path keeps account of in scenes that are not empty.
+/// What a path keeps account of in scenes of `Space::any`.
 struct PathInSpace {
   int in_media = 0;     ///< scattering events in media
   Spectrum by_light;    ///< at a vertex in a medium: the density of its place had a light chosen it, relative

@@ -43,7 +43,7 @@ public:
       const float weight = is_box ? 1.f : filter_.eval(float(s.id.x + k) + 0.5f - s.position.x);
       // What lies behind the numbers of one pixel is that of the next, written later, or 0.
       for (int c = 0; c < stride; c += kTogether) {
-        put(weights + at + c, weight - Lanes{});
+        put(weights + at + c, weight - Lanes{});  // the weight in all lanes
         put(repeated + at + c, get(numbers + c));
       }
     }

@@ -19,7 +19,8 @@ namespace aureole {
 struct UnitResult {
   int replicate = 0;
   int x0 = 0, y0 = 0, width = 0, height = 0;  ///< the pixels reached, relative to the crop's corner
-  std::vector<float> sums;  ///< as FilmBuffer::add takes them; empty where paths belong to no pixel
+  /// As FilmBuffer::add takes them, and a few numbers that pad the end; empty where paths belong to no pixel.
+  std::vector<float> sums;
   SplatList splats;
   std::vector<InvalidSample> invalid;  ///< relative to the crop's corner
 };

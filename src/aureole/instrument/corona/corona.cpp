@@ -13,8 +13,6 @@
 #include "aureole/spectrum/tables.h"
 
 namespace aureole {
-namespace {}  // namespace
-
 Direction unit(Direction v) {
   const double l = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
   return {v.x / l, v.y / l, v.z / l};

@@ -12,8 +12,6 @@
 #include "aureole/optics/constants.h"
 
 namespace aureole::optics {
-namespace {}  // namespace
-
 HardDiscMixture::HardDiscMixture(std::vector<double> radii, std::vector<double> fractions,
                                  double area_fraction)
     : radii_(std::move(radii)), fractions_(std::move(fractions)), area_fraction_(area_fraction) {

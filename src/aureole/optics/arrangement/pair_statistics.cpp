@@ -10,8 +10,8 @@
 namespace aureole::optics {
 namespace {
 
-using Lanes [[gnu::vector_size(32)]] = float;
-constexpr int kLanes = 8, kGroups = 4, kBlock = kLanes * kGroups;  // discs summed at once
+using FloatLanes [[gnu::vector_size(32)]] = float;
+constexpr int kFloatLanes = 8, kGroups = 4, kBlock = kFloatLanes * kGroups;  // discs summed at once
 
 /// cos and sin of k angle for k = 0..largest, [k][2][kBlock]; 0 for the lanes without a disc.
 void phase_powers(const double* angle, int used, int largest, float* out) {
@@ -25,7 +25,7 @@ void phase_powers(const double* angle, int used, int largest, float* out) {
     }
 }
 
-double sum_lanes(const Lanes& v) {
+double sum_lanes(const FloatLanes& v) {
   return (double(v[0]) + v[4]) + (double(v[1]) + v[5]) + (double(v[2]) + v[6]) + (double(v[3]) + v[7]);
 }
 
@@ -117,13 +117,13 @@ void RingStructureFactor::sum_waves(const HardDiscs& discs) {
       for (const VectorPair& v : pairs_) {
         const float* x = px + size_t(v.kx) * 2 * kBlock;
         const float* y = py + size_t(v.ky) * 2 * kBlock;
-        Lanes cc{}, ss{}, cs{}, sc{};
+        FloatLanes cc{}, ss{}, cs{}, sc{};
         for (int g = 0; g < kGroups; ++g) {
-          Lanes xc, xs, yc, ys;
-          __builtin_memcpy(&xc, x + g * kLanes, sizeof xc);
-          __builtin_memcpy(&xs, x + kBlock + g * kLanes, sizeof xs);
-          __builtin_memcpy(&yc, y + g * kLanes, sizeof yc);
-          __builtin_memcpy(&ys, y + kBlock + g * kLanes, sizeof ys);
+          FloatLanes xc, xs, yc, ys;
+          __builtin_memcpy(&xc, x + g * kFloatLanes, sizeof xc);
+          __builtin_memcpy(&xs, x + kBlock + g * kFloatLanes, sizeof xs);
+          __builtin_memcpy(&yc, y + g * kFloatLanes, sizeof yc);
+          __builtin_memcpy(&ys, y + kBlock + g * kFloatLanes, sizeof ys);
           cc += xc * yc, ss += xs * ys, cs += xc * ys, sc += xs * yc;
         }
         sum[0] += sum_lanes(cc), sum[1] += sum_lanes(ss), sum[2] += sum_lanes(cs), sum[3] += sum_lanes(sc);

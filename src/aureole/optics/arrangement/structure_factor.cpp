@@ -143,7 +143,7 @@ double MappedStructureFactor::eval(double ux, double uy) const {
 }
 
 double LatticeStructureFactor::closest_packing(Kind kind) {
-  return kind == Kind::hexagonal ? kClosestPacking : std::numbers::pi / 4;
+  return kind == Kind::hexagonal ? kClosestDiscPacking : std::numbers::pi / 4;
 }
 
 LatticeStructureFactor::LatticeStructureFactor(Kind kind, double area_fraction, double jitter, double domain,

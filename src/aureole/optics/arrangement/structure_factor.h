@@ -15,7 +15,7 @@ namespace aureole::optics {
 /// Largest area fraction of `hard_disc_structure_factor`: the fluid phase of hard discs ends near it.
 inline constexpr double kMaxAreaFraction = 0.7;
 /// No discs of one size can be packed denser than pi/sqrt(12).
-inline constexpr double kClosestPacking = 0.9068996821171089;
+inline constexpr double kClosestDiscPacking = 0.9068996821171089;
 
 /// Area fractions this much beyond a limit count as the limit: they may have been rounded to single precision
 /// or to the digits given here.

@@ -93,7 +93,7 @@ Suspension::Suspension(ClearMedium host, std::vector<Ingredient> ingredients)
     if (i.hard_spheres && fraction > kMaxHardSphereFraction)
       fail("hard spheres of " + i.name + " must fill at most 0.6 of the volume", fraction);
     total += fraction;
-    if (!(total <= kClosestPacking))
+    if (!(total <= kClosestSpherePacking))
       fail("more particles than fit: " + i.name +
                " must leave the volume below the closest packing of spheres, 0.74",
            total);

@@ -8,7 +8,7 @@ namespace aureole::optics {
 /// Largest volume fraction for which the structure factor is offered; hard spheres freeze at 0.494.
 inline constexpr double kMaxHardSphereFraction = 0.6;
 /// Volume fraction of the closest packing of equal spheres, pi/sqrt(18).
-inline constexpr double kClosestPacking = 0.7404804896930610;
+inline constexpr double kClosestSpherePacking = 0.7404804896930610;
 
 /// Structure factor S(q) of hard spheres of radius a and volume `fraction`, by Percus & Yevick's equation
 /// (Wertheim 1963; in the form of Kinning & Thomas, Macromolecules 17 (1984) 1712); u = q a. S(0) = (1 - f)^4/(1

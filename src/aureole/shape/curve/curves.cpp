@@ -8,8 +8,6 @@
 
 namespace aureole {
 
-namespace {}  // namespace
-
 Curves::Curves(const Properties& properties, std::uint32_t points_per_segment)
     : Shape(properties), points_per_segment_(points_per_segment) {
   read(properties);

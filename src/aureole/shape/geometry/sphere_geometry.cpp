@@ -7,8 +7,6 @@
 
 namespace aureole {
 
-namespace {}  // namespace
-
 Bounds3 Ball::bounds() const {
   Bounds3 b;
   const double c[3] = {center.x, center.y, center.z};
