@@ -39,7 +39,7 @@ public:
     LayerShapes shapes = read_layer_shapes(p);
     if (!p.has("area_fraction"))
       throw p.error("area_fraction", "the parameter \"area_fraction\" is required");
-    area_fraction_ = ScalarTexture::from(p, "area_fraction", 0, Range{0, optics::kClosestPacking});
+    area_fraction_ = ScalarTexture::from(p, "area_fraction", 0, Range{0, optics::kClosestDiscPacking});
     if (!(area_fraction_.maximum() > 0)) throw p.error("area_fraction", "must be above 0 somewhere");
     radius_scale_ = ScalarTexture::from(p, "radius_scale", 1, Range{1.0 / 64, 64});
     rotation_ = ScalarTexture::from(p, "rotation", 0, Range{-1e4, 1e4});
