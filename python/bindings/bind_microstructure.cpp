@@ -160,7 +160,7 @@ nb::dict particles(const Microstructure& m) {
   return d;
 }
 
-void save(const Result& r, const std::filesystem::path& path) {
+void save_result(const Result& r, const std::filesystem::path& path) {
   OutputFolder folder(path, "result.json");
   write_microstructure(r.found, folder);
   for (size_t i = 0; i < r.overlays.size(); ++i)
@@ -181,7 +181,7 @@ void bind_microstructure(nb::module_& m) {
       .def_prop_ro("overlays", [](const Result& r) { return r.overlays; })
       .def_prop_ro("size_histogram", [](const Result& r) { return size_histogram(r.found); })
       .def_prop_ro("scene_text", [](const Result& r) { return scene_snippet(r.found); })
-      .def("save", save, nb::arg("folder"));
+      .def("save", save_result, nb::arg("folder"));
   m.def(
       "analyse_microstructure",
       [](const std::vector<const Field*>& fields, int polarity, int background, double background_scale,

@@ -30,8 +30,8 @@ WavelengthRange range_of(const Object& object) { return WavelengthRange(object.p
 
 /// The value of each element, or with `Pdf` the density.
 template <bool Pdf>
-nb::object evaluate(const Bsdf& bsdf, nb::handle wi, nb::handle wo, nb::handle wavelength, nb::handle uv,
-                    const std::string& mode, std::int64_t seed) {
+nb::object evaluate_bsdf(const Bsdf& bsdf, nb::handle wi, nb::handle wo, nb::handle wavelength, nb::handle uv,
+                         const std::string& mode, std::int64_t seed) {
   const TransportMode transport = mode_of(mode);
   const std::uint32_t key = key_of(seed);
   // A BSDF written in Python takes whole arrays in one call.
@@ -49,8 +49,8 @@ nb::object evaluate(const Bsdf& bsdf, nb::handle wi, nb::handle wo, nb::handle w
   return result.object();
 }
 
-nb::object sample(const Bsdf& bsdf, nb::handle wi, nb::handle wavelength, nb::handle u, nb::handle uv,
-                  const std::string& mode, std::int64_t seed) {
+nb::object sample_bsdf(const Bsdf& bsdf, nb::handle wi, nb::handle wavelength, nb::handle u, nb::handle uv,
+                       const std::string& mode, std::int64_t seed) {
   const TransportMode transport = mode_of(mode);
   const std::uint32_t key = key_of(seed);
   if (const auto* p = dynamic_cast<const PythonBsdf*>(&bsdf))
@@ -208,7 +208,8 @@ nb::tuple lobe_names(const Bsdf& bsdf) {
 #define ARRAY "numpy.typing.ArrayLike"
 #define RESULT "numpy.typing.NDArray[numpy.float64]"
 
-constexpr const char* kEvalDoc = R"(Value of the BSDF times the cosine, f |cos theta_o|, without delta lobes.
+constexpr const char* kBsdfEvalDoc =
+    R"(Value of the BSDF times the cosine, f |cos theta_o|, without delta lobes.
 
 Directions are unit vectors in the frame of the surface, z its normal, and point away from it: a flat surface is meant, with x along
 dp/du. In radiance mode light travels from wo to wi. All arguments broadcast as numpy's do, directions without their last axis.
@@ -242,13 +243,13 @@ Examples
 0.4
 )";
 
-constexpr const char* kPdfDoc =
+constexpr const char* kBsdfPdfDoc =
     R"(Density of `sample` for the direction wo [1/sr] if `wavelength` is the one that is sampled for, without delta lobes.
 
 Arguments and broadcasting are those of `eval`.
 )";
 
-constexpr const char* kSampleDoc =
+constexpr const char* kBsdfSampleDoc =
     R"(Draws directions, one per element, each for its own wavelength.
 
 Parameters
@@ -317,24 +318,24 @@ void bind_bsdfs(nb::module_& m) {
   bsdf.def_prop_ro(
           "lobes", &lobe_names, nb::sig("def lobes(self) -> tuple[str, ...]"),
           "Names of all that its lobes do: diffuse, glossy, delta, reflect, transmit, through, null.")
-      .def("eval", &evaluate<false>, nb::arg("wi").none(), nb::arg("wo").none(), nb::arg("wavelength").none(),
-           nb::kw_only(), nb::arg("uv").none() = nb::none(), nb::arg("mode") = "radiance",
-           nb::arg("seed") = 0,
+      .def("eval", &evaluate_bsdf<false>, nb::arg("wi").none(), nb::arg("wo").none(),
+           nb::arg("wavelength").none(), nb::kw_only(), nb::arg("uv").none() = nb::none(),
+           nb::arg("mode") = "radiance", nb::arg("seed") = 0,
            nb::sig("def eval(self, wi: " ARRAY ", wo: " ARRAY ", wavelength: " ARRAY ", *, uv: " ARRAY
                    " | None = None, mode: str = 'radiance', seed: int = 0) -> " RESULT),
-           kEvalDoc)
-      .def("pdf", &evaluate<true>, nb::arg("wi").none(), nb::arg("wo").none(), nb::arg("wavelength").none(),
-           nb::kw_only(), nb::arg("uv").none() = nb::none(), nb::arg("mode") = "radiance",
-           nb::arg("seed") = 0,
+           kBsdfEvalDoc)
+      .def("pdf", &evaluate_bsdf<true>, nb::arg("wi").none(), nb::arg("wo").none(),
+           nb::arg("wavelength").none(), nb::kw_only(), nb::arg("uv").none() = nb::none(),
+           nb::arg("mode") = "radiance", nb::arg("seed") = 0,
            nb::sig("def pdf(self, wi: " ARRAY ", wo: " ARRAY ", wavelength: " ARRAY ", *, uv: " ARRAY
                    " | None = None, mode: str = 'radiance', seed: int = 0) -> " RESULT),
-           kPdfDoc)
-      .def("sample", &sample, nb::arg("wi").none(), nb::arg("wavelength").none(), nb::arg("u").none(),
+           kBsdfPdfDoc)
+      .def("sample", &sample_bsdf, nb::arg("wi").none(), nb::arg("wavelength").none(), nb::arg("u").none(),
            nb::kw_only(), nb::arg("uv").none() = nb::none(), nb::arg("mode") = "radiance",
            nb::arg("seed") = 0,
            nb::sig("def sample(self, wi: " ARRAY ", wavelength: " ARRAY ", u: " ARRAY ", *, uv: " ARRAY
                    " | None = None, mode: str = 'radiance', seed: int = 0) -> aureole._objects.BsdfSample"),
-           kSampleDoc);
+           kBsdfSampleDoc);
   bind_albedo(
       bsdf,
       nb::sig("def albedo(self, theta: " ARRAY ", wavelength: " ARRAY ", *, phi: " ARRAY " = 0.0, uv: " ARRAY

@@ -42,7 +42,7 @@ nb::object for_each_element(const Bssrdf& bssrdf, const Argument& numbers, nb::h
 
 /// The value of each element, or with `Pdf` the density.
 template <bool Pdf>
-nb::object evaluate(const Bssrdf& bssrdf, nb::handle distance, nb::handle wavelength) {
+nb::object evaluate_bssrdf(const Bssrdf& bssrdf, nb::handle distance, nb::handle wavelength) {
   const Argument r("distance", distance);
   return for_each_element(
       bssrdf, r, wavelength,
@@ -59,7 +59,7 @@ nb::object evaluate(const Bssrdf& bssrdf, nb::handle distance, nb::handle wavele
       });
 }
 
-nb::object sample(const Bssrdf& bssrdf, nb::handle wavelength, nb::handle u) {
+nb::object sample_bssrdf(const Bssrdf& bssrdf, nb::handle wavelength, nb::handle u) {
   const Argument random("u", u);
   return for_each_element(
       bssrdf, random, wavelength,
@@ -75,7 +75,7 @@ nb::object sample(const Bssrdf& bssrdf, nb::handle wavelength, nb::handle u) {
 #define ARRAY "numpy.typing.ArrayLike"
 #define RESULT "numpy.typing.NDArray[numpy.float64]"
 
-constexpr const char* kEvalDoc =
+constexpr const char* kBssrdfEvalDoc =
     R"(The profile: of the light that has entered at a point, the part that leaves per area at a distance.
 
 It is for a flat, thick body. Its integral over the plane is the part of the light inside that comes out again. What the boundary
@@ -103,13 +103,13 @@ Examples
 True
 )";
 
-constexpr const char* kPdfDoc =
+constexpr const char* kBssrdfPdfDoc =
     R"(Density per area with which `sample` finds a distance [1/length^2] if `wavelength` is the one that is sampled for.
 
 Arguments are those of `eval`. The density of the distance itself is 2 pi distance times as large.
 )";
 
-constexpr const char* kSampleDoc =
+constexpr const char* kBssrdfSampleDoc =
     R"(Draws distances at which light leaves, one per element, each for its own wavelength.
 
 Parameters
@@ -129,12 +129,12 @@ ndarray of float64, shape (...)
 
 void bind_bssrdfs(nb::module_& m) {
   nb::class_<Bssrdf, Object>(m, "Bssrdf", "Where light leaves a translucent body that it has entered.")
-      .def("eval", &evaluate<false>, nb::arg("distance").none(), nb::arg("wavelength").none(),
-           nb::sig("def eval(self, distance: " ARRAY ", wavelength: " ARRAY ") -> " RESULT), kEvalDoc)
-      .def("pdf", &evaluate<true>, nb::arg("distance").none(), nb::arg("wavelength").none(),
-           nb::sig("def pdf(self, distance: " ARRAY ", wavelength: " ARRAY ") -> " RESULT), kPdfDoc)
-      .def("sample", &sample, nb::arg("wavelength").none(), nb::arg("u").none(),
-           nb::sig("def sample(self, wavelength: " ARRAY ", u: " ARRAY ") -> " RESULT), kSampleDoc)
+      .def("eval", &evaluate_bssrdf<false>, nb::arg("distance").none(), nb::arg("wavelength").none(),
+           nb::sig("def eval(self, distance: " ARRAY ", wavelength: " ARRAY ") -> " RESULT), kBssrdfEvalDoc)
+      .def("pdf", &evaluate_bssrdf<true>, nb::arg("distance").none(), nb::arg("wavelength").none(),
+           nb::sig("def pdf(self, distance: " ARRAY ", wavelength: " ARRAY ") -> " RESULT), kBssrdfPdfDoc)
+      .def("sample", &sample_bssrdf, nb::arg("wavelength").none(), nb::arg("u").none(),
+           nb::sig("def sample(self, wavelength: " ARRAY ", u: " ARRAY ") -> " RESULT), kBssrdfSampleDoc)
       .def_prop_ro(
           "boundary", [](const Bssrdf& b) -> const Bsdf& { return *b.boundary(); },
           nb::rv_policy::reference_internal,

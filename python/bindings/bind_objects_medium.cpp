@@ -17,14 +17,6 @@ namespace {
 
 WavelengthRange range_of(const Medium& medium) { return WavelengthRange(medium.properties().context().grid); }
 
-Vec3 point_of(const std::array<double, 3>& p) {
-  const Vec3 point{float(p[0]), float(p[1]), float(p[2])};
-  if (!is_finite(point))
-    throw Error("p: expected three finite numbers, got (" + number_text(p[0]) + ", " + number_text(p[1]) +
-                ", " + number_text(p[2]) + ")");
-  return point;
-}
-
 nb::object coefficients(const Medium& medium, nb::handle wavelength, nb::handle d,
                         const std::array<double, 3>& p) {
   const Vec3 point = point_of(p);

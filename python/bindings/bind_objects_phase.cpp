@@ -18,18 +18,10 @@ WavelengthRange range_of(const PhaseFunction& phase) {
   return WavelengthRange(phase.properties().context().grid);
 }
 
-Vec3 point_of(const std::array<double, 3>& p) {
-  const Vec3 point{float(p[0]), float(p[1]), float(p[2])};
-  if (!is_finite(point))
-    throw Error("p: expected three finite numbers, got (" + number_text(p[0]) + ", " + number_text(p[1]) +
-                ", " + number_text(p[2]) + ")");
-  return point;
-}
-
 /// The value of each element, or with `Pdf` the density.
 template <bool Pdf>
-nb::object evaluate(const PhaseFunction& phase, nb::handle wi, nb::handle wo, nb::handle wavelength,
-                    const std::array<double, 3>& p) {
+nb::object evaluate_phase(const PhaseFunction& phase, nb::handle wi, nb::handle wo, nb::handle wavelength,
+                          const std::array<double, 3>& p) {
   const Vec3 point = point_of(p);
   const PlaceArguments in("wi", wi, "wo", wo, {}, wavelength);
   Result<double> result(in.broadcast.shape());
@@ -41,8 +33,8 @@ nb::object evaluate(const PhaseFunction& phase, nb::handle wi, nb::handle wo, nb
   return result.object();
 }
 
-nb::object sample(const PhaseFunction& phase, nb::handle wi, nb::handle wavelength, nb::handle u,
-                  const std::array<double, 3>& p) {
+nb::object sample_phase(const PhaseFunction& phase, nb::handle wi, nb::handle wavelength, nb::handle u,
+                        const std::array<double, 3>& p) {
   const Vec3 point = point_of(p);
   const Argument given("wi", wi, 3), random("u", u, 3), nm("wavelength", wavelength);
   const Broadcast<3> broadcast({&given, &random, &nm}, 3);
@@ -100,7 +92,7 @@ nb::object projected_area(const PhaseFunction& phase, nb::handle d, const std::a
 #define RESULT "numpy.typing.NDArray[numpy.float64]"
 #define POINT ", p: tuple[float, float, float] = (0.0, 0.0, 0.0)"
 
-constexpr const char* kEvalDoc =
+constexpr const char* kPhaseEvalDoc =
     R"(Value of the phase function: a density over directions, integral 1 over the sphere.
 
 Directions are unit vectors of the world that point away from the place: wi towards where the path came from, wo into the new
@@ -130,13 +122,13 @@ Examples
 1.0
 )";
 
-constexpr const char* kPdfDoc =
+constexpr const char* kPhasePdfDoc =
     R"(Density of `sample` for the direction wo [1/sr] if `wavelength` is the one that is sampled for.
 
 Arguments and broadcasting are those of `eval`.
 )";
 
-constexpr const char* kSampleDoc =
+constexpr const char* kPhaseSampleDoc =
     R"(Draws directions, one per element, each for its own wavelength.
 
 Parameters
@@ -178,21 +170,21 @@ ndarray of float64, shape (...)
 void bind_phases(nb::module_& m) {
   const std::array<double, 3> origin{};
   nb::class_<PhaseFunction, Object>(m, "Phase", "Into which directions a medium scatters light.")
-      .def("eval", &evaluate<false>, nb::arg("wi").none(), nb::arg("wo").none(), nb::arg("wavelength").none(),
-           nb::kw_only(), nb::arg("p") = origin,
+      .def("eval", &evaluate_phase<false>, nb::arg("wi").none(), nb::arg("wo").none(),
+           nb::arg("wavelength").none(), nb::kw_only(), nb::arg("p") = origin,
            nb::sig("def eval(self, wi: " ARRAY ", wo: " ARRAY ", wavelength: " ARRAY ", *" POINT
                    ") -> " RESULT),
-           kEvalDoc)
-      .def("pdf", &evaluate<true>, nb::arg("wi").none(), nb::arg("wo").none(), nb::arg("wavelength").none(),
-           nb::kw_only(), nb::arg("p") = origin,
+           kPhaseEvalDoc)
+      .def("pdf", &evaluate_phase<true>, nb::arg("wi").none(), nb::arg("wo").none(),
+           nb::arg("wavelength").none(), nb::kw_only(), nb::arg("p") = origin,
            nb::sig("def pdf(self, wi: " ARRAY ", wo: " ARRAY ", wavelength: " ARRAY ", *" POINT
                    ") -> " RESULT),
-           kPdfDoc)
-      .def("sample", &sample, nb::arg("wi").none(), nb::arg("wavelength").none(), nb::arg("u").none(),
+           kPhasePdfDoc)
+      .def("sample", &sample_phase, nb::arg("wi").none(), nb::arg("wavelength").none(), nb::arg("u").none(),
            nb::kw_only(), nb::arg("p") = origin,
            nb::sig("def sample(self, wi: " ARRAY ", wavelength: " ARRAY ", u: " ARRAY ", *" POINT
                    ") -> aureole._objects.PhaseSample"),
-           kSampleDoc)
+           kPhaseSampleDoc)
       .def("projected_area", &projected_area, nb::arg("d").none(), nb::kw_only(), nb::arg("p") = origin,
            nb::sig("def projected_area(self, d: " ARRAY ", *" POINT ") -> " RESULT), kAreaDoc);
 }

@@ -60,7 +60,7 @@ nb::object eval_scalar(const Texture& texture, nb::handle uv) {
   return result.object();
 }
 
-nb::object transform(const Aperture& aperture, nb::handle q) {
+nb::object transform_aperture(const Aperture& aperture, nb::handle q) {
   const Argument vectors("q", q, 2);
   const Broadcast<1> broadcast({&vectors}, 1);
   const Result<std::complex<double>> result(broadcast.shape());
@@ -151,7 +151,7 @@ ndarray of float64, shape (...)
       .def_prop_ro("is_randomly_rotated", &Aperture::is_randomly_rotated,
                    "Every scatterer is turned by a random angle of its own.")
       .def(
-          "transform", &transform, nb::arg("q").none(),
+          "transform", &transform_aperture, nb::arg("q").none(),
           nb::sig("def transform(self, q: " ARRAY ") -> numpy.typing.NDArray[numpy.complex128]"),
           R"(Fourier transform of the unturned shape, F(q) = integral of A(x) exp(-i q.x) over the plane, with F(0) the area.
 

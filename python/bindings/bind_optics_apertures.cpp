@@ -23,7 +23,7 @@ using optics::ApertureShape;
 using ShapePtr = std::shared_ptr<ApertureShape>;
 
 /// F at q of shape (..., 2).
-nb::object transform(const ApertureShape& shape, const nb::object& q) {
+nb::object transform_shape(const ApertureShape& shape, const nb::object& q) {
   const nb::module_ numpy = nb::module_::import_("numpy");
   nb::object checked = nb::module_::import_("aureole._arrays").attr("real")("q", q);
   const nb::tuple size = nb::cast<nb::tuple>(checked.attr("shape"));
@@ -92,7 +92,7 @@ Made by the functions of `aureole.optics`: `circle`, `ellipse`, `annulus`, `ngon
       .def_prop_ro("bounding_radius", &ApertureShape::bounding_radius,
                    "Radius in m of the smallest circle about the origin that holds the shape.")
       .def_prop_ro("is_circular", &ApertureShape::is_circular, "The transform depends on |q| alone.")
-      .def("transform", &transform, arg("q"),
+      .def("transform", &transform_shape, arg("q"),
            nb::sig("def transform(self, q: numpy.typing.ArrayLike) -> "
                    "numpy.typing.NDArray[numpy.complex128]"),
            R"(The Fourier transform F(q) = integral of A(x) exp(-i q.x) dx dy: the far field of the opening.

@@ -138,7 +138,8 @@ void window_structure_factor(const Array<const double, 3>& positions, double wid
 }
 
 /// For u, or for pairs (ux, uy) of it.
-void evaluate(const StructureFactor& factor, const Reals& u, bool vectors, const Array<double>& result) {
+void evaluate_structure(const StructureFactor& factor, const Reals& u, bool vectors,
+                        const Array<double>& result) {
   const std::size_t n = result.size();
   require_size(u.size() == (vectors ? 2 * n : n), "StructureFactor");
   for_each(n, [&factor, vectors, from = u.data(), to = result.data()](std::size_t i) {
@@ -152,7 +153,7 @@ void bind_factors(nb::module_& m) {
   using nb::arg;
   nb::class_<StructureFactor>(m, "StructureFactor")
       .def_prop_ro("is_isotropic", &StructureFactor::is_isotropic)
-      .def("evaluate", &evaluate, arg("u"), arg("vectors"), arg("result").noconvert());
+      .def("evaluate", &evaluate_structure, arg("u"), arg("vectors"), arg("result").noconvert());
   m.def("percus_yevick_factor", [](double area_fraction) -> FactorPtr {
     return naming("area_fraction",
                   [&] { return std::make_shared<optics::PercusYevickStructureFactor>(area_fraction); });

@@ -67,7 +67,8 @@ void layer(const Reals& k, const Reals& s, const Reals& thickness, const Array<d
 }
 
 /// Rows of `result`: K, S.
-void coefficients(const Reals& r, const Reals& t, const Reals& thickness, const Array<double, 2>& result) {
+void pigment_coefficients(const Reals& r, const Reals& t, const Reals& thickness,
+                          const Array<double, 2>& result) {
   const std::size_t n = r.size();
   require_size(t.size() == n && thickness.size() == n && result.shape(0) == 2 && result.shape(1) == n,
                "coefficients");
@@ -188,8 +189,8 @@ std::vector<Solution> match(const PaletteParts& parts, const Numbers& target_lab
 void bind_pigment(nb::module_& m) {
   using nb::arg;
   m.def("pigment_layer", &layer, arg("k"), arg("s"), arg("thickness"), arg("result").noconvert());
-  m.def("pigment_coefficients", &coefficients, arg("reflectance"), arg("transmittance"), arg("thickness"),
-        arg("result").noconvert());
+  m.def("pigment_coefficients", &pigment_coefficients, arg("reflectance"), arg("transmittance"),
+        arg("thickness"), arg("result").noconvert());
   m.def(
       "pigment_opaque_reflectance",
       [](const Reals& k_over_s, const Array<double>& result) {

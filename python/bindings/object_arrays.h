@@ -4,6 +4,7 @@
 
 #include <nanobind/nanobind.h>
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <new>
@@ -41,6 +42,15 @@ inline bool make_unit(Vec3& w) {
   if (!(off <= 2e-3f)) return false;
   if (off > 2e-6f) w = w * (1 / std::sqrt(square));
   return true;
+}
+
+/// The argument `p`, a place; throws Error where a number is not finite.
+inline Vec3 point_of(const std::array<double, 3>& p) {
+  const Vec3 point{float(p[0]), float(p[1]), float(p[2])};
+  if (!is_finite(point))
+    throw Error("p: expected three finite numbers, got (" + number_text(p[0]) + ", " + number_text(p[1]) +
+                ", " + number_text(p[2]) + ")");
+  return point;
 }
 
 /// Texture coordinates that a texture may be asked for.
