@@ -177,8 +177,7 @@ void bind_check(nb::module_& m) {
         options.may_fail = may_fail;
         options.mode = radiance ? TransportMode::radiance : TransportMode::importance;
         options.samples = samples;
-        // The usual errors of bins are made for so many samples; fewer have more noise in each bin.
-        options.bin_tolerance *= std::max(1.0, std::sqrt(3e5 / double(options.samples)));
+        options.bin_tolerance = CheckOptions::bin_tolerance_for(samples);
         options.significance = significance;
         options.tolerance = tolerance;
         options.largest_energy = largest_energy;

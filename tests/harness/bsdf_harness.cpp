@@ -2,7 +2,6 @@
 #include "harness/bsdf_harness.h"
 
 #include <algorithm>
-#include <cmath>
 #include <sstream>
 
 #include "harness/case_list.h"
@@ -20,9 +19,8 @@ HarnessResult check_case(const BsdfCase& c, const HarnessOptions& harness) {
   options.family_size = harness.family_size;
   options.seed = harness.seed;
   options.samples = test::effort(std::min(options.samples, harness.most_samples), options.samples);
-  // The noise in each bin goes with one over the root of the samples.
   options.bin_tolerance =
-      test::effort(2e-6 * std::sqrt(75000 / double(harness.most_samples)), options.bin_tolerance);
+      test::effort(CheckOptions::bin_tolerance_for(harness.most_samples), options.bin_tolerance);
   const std::shared_ptr<const Bsdf> bsdf =
       c.bsdf ? c.bsdf : build<Bsdf>(c.xml, make_context(c.min_nm, c.max_nm), test::example_file);
   HarnessResult result;

@@ -2,6 +2,8 @@
 // The expectations that a check of a scattering function (BSDF or phase function) tests it against.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -32,6 +34,10 @@ struct CheckOptions {
   std::size_t samples = 300000;   ///< for each of 6 directions and 2 wavelengths
   double tolerance = 2e-3;        ///< of energies and masses by quadrature
   double bin_tolerance = 1e-6;  ///< of the integrals over one bin, which is divided until they change by less
+  /// For fewer than the usual 300,000 samples, whose noise in each bin is larger: as that noise.
+  static double bin_tolerance_for(std::size_t samples) {
+    return 1e-6 * std::sqrt(3e5 / double(std::min<std::size_t>(samples, 300000)));
+  }
   std::size_t most_bins = 1000000;  ///< where quadrature gives up
   /// Probability that a correct function of the family fails one of its statistical tests.
   double significance = 0.01;
