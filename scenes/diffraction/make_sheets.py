@@ -102,3 +102,7 @@ if __name__ == "__main__":
                      lambda i, j: (i in (0, 8) and j in (0, 6)) or (j == 3 and 2 <= i <= 6) or (j in (2, 4) and i in (2, 4, 6)))
     sheet_with_holes("two_slits.obj", "A sheet with two slits, 0.2 mm wide, 0.6 mm apart, 4 mm long.",
                      [-600.0, -0.4, -0.2, 0.2, 0.4, 600.0], [-600.0, -2.0, 2.0, 600.0], lambda i, j: j == 1 and i in (1, 3))
+    # Threads of a curtain: openings of 0.3 mm, 0.5 mm apart.
+    lines = [x for i in range(6) for x in (0.5 * i - 1.4, 0.5 * i - 1.1)]
+    sheet_with_holes("mesh.obj", "A sheet with 6 x 6 square openings of 0.3 mm, 0.5 mm apart.", [-600.0, *lines, 600.0], [-600.0, *lines, 600.0],
+                     lambda i, j: i % 2 == 1 and j % 2 == 1)

@@ -15,27 +15,30 @@ Matrix symmetric(const Matrix& a) { return 0.5 * (a + a.transpose()); }
 /// (1 - a b)^-1, all orders of reflection between two parts. A channel that is reflected totally by both, as
 /// in the glass of a slide, has neither light nor an inverse; its row is left out.
 Eigen::PartialPivLU<Matrix> interreflection(const Matrix& a, const Matrix& b) {
-  Matrix m = -a * b;
+  Matrix m = -product(a, b);
   m.diagonal() = m.diagonal().unaryExpr([](double x) { return x == -1 ? 1 : 1 + x; });
   return m.partialPivLu();
 }
 
 }  // namespace
 
+Matrix product(const Matrix& a, const Matrix& b) { return a * b; }
+Matrix inverse(const Matrix& a) { return a.inverse(); }
+
 Operators Operators::stacked(const Operators& upper, const Operators& lower) {
   const auto orders = interreflection(upper.r_below, lower.r_above);
   const Matrix down = orders.solve(upper.t_down),
-               back = orders.solve(upper.r_below * lower.t_down.transpose());
-  return {symmetric(upper.r_above + upper.t_down.transpose() * (lower.r_above * down)), lower.t_down * down,
-          symmetric(lower.r_below + lower.t_down * back)};
+               back = orders.solve(product(upper.r_below, lower.t_down.transpose()));
+  return {symmetric(upper.r_above + product(upper.t_down.transpose(), product(lower.r_above, down))),
+          product(lower.t_down, down), symmetric(lower.r_below + product(lower.t_down, back))};
 }
 
 FieldBetween::FieldBetween(const Operators& upper, const Operators& lower, const Matrix& from_above,
                            const Matrix& from_below) {
-  const Matrix up_first = lower.t_down.transpose() * from_below;
-  down = interreflection(upper.r_below, lower.r_above)
-             .solve(upper.t_down * from_above + upper.r_below * up_first);
-  up = up_first + lower.r_above * down;
+  const Matrix up_first = product(lower.t_down.transpose(), from_below),
+               down_first = product(upper.t_down, from_above) + product(upper.r_below, up_first);
+  down = interreflection(upper.r_below, lower.r_above).solve(down_first);
+  up = up_first + product(lower.r_above, down);
 }
 
 Vector root_etendues(const Channels& channels, double index) {
@@ -87,8 +90,8 @@ UniformLayer::Rates UniformLayer::rates(int mode) const {
           std::sqrt(double(l + 1 - mode) * (l + 1 + mode));
       before = p, p = next;
     }
-    rates.difference = -(even * even_weight.asDiagonal() * even.transpose());
-    rates.sum = -(odd * odd_weight.asDiagonal() * odd.transpose());
+    rates.difference = -product(even * even_weight.asDiagonal(), even.transpose());
+    rates.sum = -product(odd * odd_weight.asDiagonal(), odd.transpose());
   }
   const Vector out = mu_.cwiseInverse() - forward_;
   rates.difference.diagonal() += out;
@@ -117,21 +120,21 @@ Operators UniformLayer::operators(double optical_thickness, int mode) const {
   const int doublings = std::max(0, int(std::ceil(std::log2(0.5 * optical_thickness * rate / kThin))));
   const double half = std::ldexp(0.5 * optical_thickness, -doublings);
 
-  const Matrix one = Matrix::Identity(count_, count_), x = (half * half) * (sum * difference), x2 = x * x;
+  const Matrix one = Matrix::Identity(count_, count_), x = (half * half) * product(sum, difference),
+               x2 = product(x, x);
   const Eigen::PartialPivLU<Matrix> below(Matrix(one + (4.0 / 9) * x + x2 / 63));
   const Matrix tanh_over = below.solve(Matrix(half * one + (half / 9) * x + (half / 945) * x2));
-  Matrix even = symmetric(difference * tanh_over), odd = symmetric(tanh_over * sum);
-  Matrix rest = one - even * odd;
+  Matrix even = symmetric(product(difference, tanh_over)), odd = symmetric(product(tanh_over, sum));
+  Matrix rest = one - product(even, odd);
   for (int i = 0; i < doublings; ++i) {
-    Matrix square = even * odd;
-    square.diagonal().array() += 1;
-    const Matrix inverse = square.inverse(), root = inverse * rest;
-    even = symmetric(2 * (inverse * even));
-    odd = symmetric(2 * (odd * inverse));
-    rest = root * root;
+    const Matrix inverted = inverse(one + product(even, odd)), root = product(inverted, rest);
+    even = symmetric(2 * product(inverted, even));
+    odd = symmetric(2 * product(odd, inverted));
+    rest = product(root, root);
   }
-  const Matrix from_even = (one + even).inverse(), from_odd = (one + odd).inverse();
-  const Matrix r = symmetric(from_even * (odd - even) * from_odd), t = symmetric(from_even * rest * from_odd);
+  const Matrix from_even = inverse(one + even), from_odd = inverse(one + odd);
+  const Matrix r = symmetric(product(product(from_even, odd - even), from_odd)),
+               t = symmetric(product(product(from_even, rest), from_odd));
   return {r, t, r};
 }
 

@@ -19,6 +19,11 @@ namespace aureole::optics {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
+// Eigen's operator and inverse() are compiled anew for each kind of expression that they are a part of, with all their loops; these once.
+// An argument that is an expression is evaluated first.
+Matrix product(const Matrix& a, const Matrix& b);
+Matrix inverse(const Matrix& a);
+
 struct Operators {
   Matrix r_above;  ///< of light from above: symmetric, the channels of the medium above
   Matrix t_down;   ///< from the channels above to those below; of light from below it is the transpose

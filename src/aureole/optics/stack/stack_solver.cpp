@@ -165,10 +165,11 @@ std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_
     if (last == 0) {
       result.push_back({from_above, from_below});
     } else if (level == 0) {
-      result.push_back(
-          {from_above, lower[0].r_above * from_above + lower[0].t_down.transpose() * from_below});
+      result.push_back({from_above, product(lower[0].r_above, from_above) +
+                                        product(lower[0].t_down.transpose(), from_below)});
     } else if (level == last) {
-      result.push_back({lower[0].t_down * from_above + lower[0].r_below * from_below, from_below});
+      result.push_back(
+          {product(lower[0].t_down, from_above) + product(lower[0].r_below, from_below), from_below});
     } else {
       FieldBetween field(upper[level], lower[level], from_above, from_below);
       result.push_back({std::move(field.down), std::move(field.up)});
@@ -203,7 +204,7 @@ Matrix StackSolver::unscattered(int channel, bool scaled) const {
     step(up, i) = above ? r : 0;
     step(i + 1, up + 1) = below && e.kind != Element::Kind::substrate ? r : 0;
   }
-  return (Matrix::Identity(2 * levels, 2 * levels) - step).inverse();
+  return inverse(Matrix::Identity(2 * levels, 2 * levels) - step);
 }
 
 }  // namespace aureole::optics
