@@ -7,7 +7,7 @@
 
 #include "aureole/instrument/report/svg_plot.h"
 #include "aureole/pigment/match.h"
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 #include "command.h"
 
 namespace aureole {

@@ -148,7 +148,7 @@ private:
     return {k, s, gamma, Spectrum(1.f) / max(gamma, 1e-18f)};
   }
 
-  // pigment/kubelka_munk.cpp has the same forms in double precision.
+  // pigment/kubelka_munk_layer.cpp has the same forms in double precision.
 
   static Ratio opaque(const Coefficients& c) { return {c.s, c.k + c.s + c.gamma}; }
 

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "aureole/optics/medium/suspension.h"
+#include "aureole/optics/medium/suspension_model.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
 

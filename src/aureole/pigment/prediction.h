@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 #include "aureole/pigment/samples.h"
 
 namespace aureole::pigment {

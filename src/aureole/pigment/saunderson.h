@@ -4,7 +4,7 @@
 // within the binder, "outer" ones those that an instrument measures.
 #pragma once
 
-#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 
 namespace aureole::pigment {
 

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "aureole/optics/medium/spectral_table.h"
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 #include "aureole/pigment/grain_index.h"
 #include "aureole/pigment/hiding.h"
 

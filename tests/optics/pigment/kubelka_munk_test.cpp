@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/pigment/kubelka_munk.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,6 +7,7 @@
 #include <stdexcept>
 
 #include "aureole/pigment/kubelka_munk_inverse.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/transport_coefficients.h"
 
 namespace aureole::pigment {

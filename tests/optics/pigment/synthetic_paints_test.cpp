@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "aureole/optics/stack/plane_stack.h"
-#include "aureole/pigment/kubelka_munk.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/observation.h"
 #include "aureole/pigment/saunderson.h"
 

@@ -8,7 +8,7 @@
 
 #include "aureole/ingredient/ingredient.h"
 #include "aureole/medium/medium.h"
-#include "aureole/optics/medium/suspension.h"
+#include "aureole/optics/medium/suspension_model.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/volume/volume.h"
 

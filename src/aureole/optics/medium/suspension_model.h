@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "aureole/optics/medium/solution.h"
+#include "aureole/optics/medium/solution_model.h"
 #include "aureole/optics/particle/ensemble.h"
 
 namespace aureole::optics {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/particle/rayleigh.h"
+#include "aureole/optics/particle/rayleigh_scattering.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/saunderson.h"
 
 namespace aureole::pigment {
