@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands `aureole pigment ...` share: options and tables.
+// Options and tables that the commands `aureole pigment ...` share.
 #pragma once
 
 #include <string>

@@ -12,7 +12,7 @@
 
 namespace aureole {
 
-/// What the ingredients of a medium are to `optics::Suspension` and `optics::Solution`.
+/// The ingredients of a medium as `optics::Suspension` and `optics::Solution` take them.
 struct IngredientList {
   std::vector<optics::Ingredient> particles;
   std::vector<optics::Dye> dyes;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a palette says of a sample, to compare with its measurement.
+// Predictions of a palette for a measured sample.
 #pragma once
 
 #include <optional>
