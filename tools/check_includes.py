@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks that includes run one way: core <- math <- spectrum <- optics <- plugin <- families <- scene <- transport <-
 integrator <- loading <- render, instrument <- apps <- python.
-Plug-ins may include the interfaces of other families, not their plug-ins. Prints every arrow that points the wrong way."""
+Plug-ins may include the interfaces of other families, not their plug-ins. Prints every arrow that points the wrong way, and files that
+have the name of another one: a name says which file is meant, in an error, a list of open files or a talk."""
 import os
 import re
 import sys
@@ -28,6 +29,7 @@ def may_include(room, other):
 
 root = os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "")
 problems = []
+places = {}  # by name
 count = 0
 for base in ("src/aureole", "apps", "python/bindings"):
     for folder, _, files in os.walk(os.path.join(root, base)):
@@ -35,6 +37,9 @@ for base in ("src/aureole", "apps", "python/bindings"):
             if not name.endswith((".h", ".cpp")):
                 continue
             path = os.path.join(folder, name)
+            if name in places:
+                problems.append(f"{os.path.relpath(path, root)}: {places[name]} has the same name")
+            places[name] = os.path.relpath(path, root)
             if base == "src/aureole" and folder == os.path.join(root, base):
                 continue  # precompiled.h is above and below everything
             here = ALONE[base] if base in ALONE else os.path.relpath(path, os.path.join(root, base)).split(os.sep)[0]

@@ -103,8 +103,8 @@ class EdgeWaves:
         return (scalar("k", k, positive=True) / (2 * math.pi)) ** 2 * np.abs(self.field(q)) ** 2
 
     def power(self, q_max: Optional[float] = None) -> float:
-        """What all edges diffract together to |q| < q_max, by quadrature; to all q, closed, where no limit is given
-        (zeroth_order='beam' only). All real directions are q_max = 2 k."""
+        """Power that all edges diffract together to |q| < q_max, by quadrature; without a limit to all q, in closed
+        form (zeroth_order='beam' only). All real directions are q_max = 2 k."""
         if q_max is None:
             if self._removal != "beam":
                 raise Error("q_max: expected a limit, zeroth_order is not 'beam'")
@@ -112,7 +112,7 @@ class EdgeWaves:
         return self._edges.power(scalar("q_max", q_max, positive=True))
 
     def powers(self) -> Reals:
-        """What every edge diffracts alone; infinite where the 0th order is kept and the mean amplitude is not 0."""
+        """Power of each edge alone; infinite where the 0th order is kept and the mean amplitude is not 0."""
         return np.array(self._edges.powers())
 
     def quality(self, q_max: Optional[float] = None) -> float:

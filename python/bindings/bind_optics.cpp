@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "aureole/optics/interface/fresnel_equations.h"
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 #include "bindings.h"
 #include "optics_bindings.h"
 #include "vectorised.h"

@@ -24,7 +24,7 @@ public:
       if (s->stop) throw Stopped();
     };
   }
-  /// What `load` returns; to be called in the thread that made this object, without Python's lock. Throws the handler's
+  /// Returns load(); to be called in the thread that made this object, without Python's lock. Throws the handler's
   /// exception.
   template <class Load>
   auto run(Load&& load) const {

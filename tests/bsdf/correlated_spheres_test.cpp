@@ -17,7 +17,7 @@
 #include "aureole/bsdf/spheres/sphere_tables.h"
 #include "aureole/optics/arrangement/structure_factor.h"
 #include "aureole/optics/layer/coherent_layer.h"
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/bsdf_harness.h"
 #include "harness/effort.h"

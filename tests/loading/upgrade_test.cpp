@@ -45,7 +45,7 @@ TEST(Upgrade, NamesWithCapitalsAreReadWithANote) {
   ASSERT_EQ(u.notes().size(), 3u);
   EXPECT_NE(u.notes()[2].find("shape \"Rectangle\" is read as \"rectangle\""), std::string::npos)
       << u.notes()[2];
-  // What is unknown in small letters, too, stays as it is for the error about it.
+  // A name that is unknown in small letters, too, stays as it is for the error about it.
   EXPECT_EQ(Upgraded("<shape type='Heightfield'/>", "3.0.0").node().get("type"), "Heightfield");
 }
 

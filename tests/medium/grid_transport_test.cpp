@@ -117,8 +117,8 @@ TEST(GridTransport, ThickGridsKeepTheFurnaceWhite) {
 }
 
 TEST(GridTransport, TheMeanChordIsThatOfTheBody) {
-  // What only scatters and emits one unit per length sends out 4 pi V, whatever the grid, the phase function and the
-  // boundary: the mean path is 4 V / S.
+  // A medium that only scatters and emits one unit per length sends out 4 pi V, whatever the grid, the phase
+  // function and the boundary: the mean path is 4 V / S.
   VolumeFolder folder;
   constexpr double kMeter = 1.05, kVolume = 4.0 / 3 * M_PI;
   std::uint32_t state = 5;

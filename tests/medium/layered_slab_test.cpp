@@ -67,7 +67,7 @@ std::string looking_down(double half, int samples) {
          film(8, samples) + "</sensor>";
 }
 
-/// What leaves the coat along its normal under a sky. Both its faces at the heights 0 and 1.
+/// Light that leaves the coat along its normal under a sky. Its faces are at the heights 0 and 1.
 Picture under_sky(const Coat& c, int usual_samples = 24) {
   std::string scene = looking_down(0.99, is_thorough() ? 1024 : usual_samples) + kSky + mirrors();
   scene += level(1, true, interface_of(c) + medium_of(c, c.thickness, " name=\"interior\""));
@@ -100,7 +100,7 @@ class LayeredSlab : public ::testing::TestWithParam<Coat> {};
 
 TEST_P(LayeredSlab, ReflectsTheSkyAsPathsDo) {
   const std::string name = GetParam().name;
-  // What is not among the combinations below; and the table of docs/pigments.md.
+  // Coats that are not among the combinations below; the others for the table of docs/pigments.md.
   if (name != "AbsorbingOverWhite" && name != "BareOverMetal" && name != "OpenRough" && !is_thorough())
     GTEST_SKIP() << "AUREOLE_THOROUGH=1";
   const double expected = all_that_leaves(*build<Bsdf>(layered(GetParam())));
@@ -167,7 +167,7 @@ double reflected_along_normal(const Bsdf& bsdf, const Wavelengths& w) {
   return sum / kSamples;
 }
 
-/// What `paint` reflects with K and S of the same layer. A metal counts as a perfect diffuse reflector.
+/// The reflectance of `paint` with K and S of the same layer. A metal counts as a perfect diffuse reflector.
 double two_fluxes(const Coat& c) {
   const auto context = make_context();
   const double scattering = c.thickness * c.albedo, k = 2 * (c.thickness - scattering),

@@ -205,7 +205,7 @@ TEST(TwoWayEdges, LightOfEdgesThatAPolishedPlateReflects) {
   EXPECT_GT(both.value - off.value, 4 * std::hypot(both.error, off.error));
 }
 
-// What lamps send to a wall straight and around one edge is all that there is in this scene.
+// All light in this scene comes to a wall from lamps, straight and around one edge.
 TEST(DirectEdges, AreThoseOfThePathTracer) {
   const std::string scene =
       only_edges() + point("-.5, -.4, .95") +

@@ -18,7 +18,7 @@
 #include "aureole/optics/aperture/round_aperture.h"
 #include "aureole/optics/arrangement/pair_statistics.h"
 #include "aureole/optics/arrangement/structure_factor.h"
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 #include "gallery/gallery_edge_plots.h"
 
 namespace aureole {

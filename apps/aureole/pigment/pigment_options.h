@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the commands `aureole pigment ...` share: options and tables.
+// Options and tables that the commands `aureole pigment ...` share.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 #include "aureole/instrument/report/svg_plot.h"
 #include "aureole/pigment/match.h"
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 #include "command.h"
 
 namespace aureole {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a BSDF says about diffraction at the edges of its shape.
+// Settings of a BSDF for diffraction at the edges of its shape.
 #pragma once
 
 #include <optional>

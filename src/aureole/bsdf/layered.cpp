@@ -78,7 +78,7 @@ public:
   }
 
 private:
-  /// What a Lambertian substrate reflects here.
+  /// The reflectance of the Lambertian substrate here.
   class Below {
   public:
     Below(const Layered& layered, const BsdfContext& ctx) : is_there_(layered.substrate_ != nullptr) {

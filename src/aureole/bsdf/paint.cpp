@@ -148,12 +148,12 @@ private:
     return {k, s, gamma, Spectrum(1.f) / max(gamma, 1e-18f)};
   }
 
-  // pigment/kubelka_munk.cpp has the same forms in double precision.
+  // pigment/kubelka_munk_layer.cpp has the same forms in double precision.
 
   static Ratio opaque(const Coefficients& c) { return {c.s, c.k + c.s + c.gamma}; }
 
-  /// What the layer alone does to light: with d = exp(-2 gamma x), q = (1 - d)/gamma and D = K q + S q + 1 + d its
-  /// reflectance is S q/D, its transmittance squared 4 d/D^2.
+  /// Reflectance and transmittance of the layer alone: with d = exp(-2 gamma x), q = (1 - d)/gamma and
+  /// D = K q + S q + 1 + d the reflectance is S q/D, the transmittance squared 4 d/D^2.
   struct Film {
     Spectrum kq, sq, decay;
     Film(const Coefficients& c, float x) {

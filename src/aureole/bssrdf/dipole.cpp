@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The diffusion dipole: P(r) = alpha/(4 pi) sum over the source and its image of z (s + 1/d) exp(-s d)/d^2,
-// with d^2 = r^2 + z^2 and s = sqrt(3 sigma_a sigma_tr) (optics/medium/dipole.h). Since (s + 1/d) exp(-s d)/d
+// with d^2 = r^2 + z^2 and s = sqrt(3 sigma_a sigma_tr) (optics/medium/diffusion_dipole.h). Since (s + 1/d) exp(-s d)/d
 // is minus the derivative of exp(-s d)/d, each term's part of the light beyond a distance is z exp(-s d)/d
 // over exp(-s z), which is inverted to draw distances. Light that is scattered once is a sum of exponentials
 // over 2 pi r (optics/medium/single_scattering.h), of which one is chosen.
-#include "aureole/optics/medium/dipole.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -14,6 +12,7 @@
 #include "aureole/bssrdf/bssrdf.h"
 #include "aureole/bssrdf/matter/matter.h"
 #include "aureole/math/warp.h"
+#include "aureole/optics/medium/diffusion_dipole.h"
 #include "aureole/optics/medium/single_scattering.h"
 #include "aureole/plugin/registry.h"
 

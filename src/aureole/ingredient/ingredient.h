@@ -6,13 +6,13 @@
 #include <memory>
 #include <vector>
 
-#include "aureole/optics/medium/suspension.h"
+#include "aureole/optics/medium/suspension_model.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
 
 namespace aureole {
 
-/// What the ingredients of a medium are to `optics::Suspension` and `optics::Solution`.
+/// The ingredients of a medium as `optics::Suspension` and `optics::Solution` take them.
 struct IngredientList {
   std::vector<optics::Ingredient> particles;
   std::vector<optics::Dye> dyes;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a medium does with light, by wavelength, in SI units: measured from its own functions, so that it works
-// for any medium.
+// Optical properties of a medium by wavelength, in SI units: measured with its own functions, so that this
+// works for any medium.
 #pragma once
 
 #include <array>

@@ -4,7 +4,7 @@
 #include <array>
 #include <span>
 
-#include "aureole/integrator/channels.h"
+#include "aureole/integrator/further_channels.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/batch.h"
 

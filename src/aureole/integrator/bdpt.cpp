@@ -147,7 +147,7 @@ private:
     }
     if (!settings_.limits.reaches(2)) return;
 
-    // What the sensor sees come from edges, wherever they are on the film.
+    // Light that reaches the sensor from edges, wherever they are on the film.
     std::array<Path, kBatch> seen;
     std::array<Vec2, kBatch> film;
     for (size_t i = 0; i < paths.size(); ++i) {

@@ -31,7 +31,7 @@ inline void require_no_glowing_media(const Scene& scene, const Integrator& integ
         "diffraction", "light of media that emit is not followed around edges: switch one of them off");
 }
 
-/// What the sensor sees of one light around one edge, for one path.
+/// Light of one emitter that reaches the sensor around one edge, for one path.
 inline std::optional<Splat> light_seen_around_edge(const Scene& scene, int index, Path& path,
                                                    bool hide_emitters) {
   EdgePaths edges(scene, path.wavelengths, key(path.samples, 0, Key::connection) ^ 0xb5297a4du,

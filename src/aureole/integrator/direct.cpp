@@ -95,7 +95,7 @@ public:
     states_[i].is_lit |= open;
   }
 
-  /// What light of lamps reaches the vertices around one edge, `samples` times.
+  /// Adds the light of lamps that reaches the vertices around one edge, the mean of `samples` estimates.
   void connect_around_edges(const PathList& vertices, int samples) {
     for (const int i : vertices) {
       State& s = states_[i];

@@ -58,7 +58,7 @@ struct Splat {
   Spectrum estimate;
 };
 
-/// What an integrator needs of a scene beside surfaces, lights and media.
+/// The parts of a scene that an integrator needs beside surfaces, lights and media.
 struct SceneNeeds {
   std::optional<BeamWidth> edges;  ///< that diffract light in beams of that width
 };

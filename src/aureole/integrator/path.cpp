@@ -18,7 +18,7 @@
 namespace aureole {
 namespace {
 
-/// What a path keeps account of in scenes of `Space::any`.
+/// Further state of a path in scenes of `Space::any`.
 struct PathInSpace {
   int in_media = 0;     ///< scattering events in media
   Spectrum by_light;    ///< at a vertex in a medium: the density of its place had a light chosen it, relative
@@ -121,7 +121,7 @@ public:
 
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
 
-  // What is seen along lines of sight (`look_ahead`):
+  // Emission seen along lines of sight (`look_ahead`):
   void finish_looking() requires kAny {
     if (!lines_.empty()) follow(scene_, *sight_, lines_, RayTracer::Rays::incoherent);
   }
@@ -230,7 +230,7 @@ public:
     return true;
   }
 
-  /// What light reaches the vertices around edges.
+  /// Adds the light that reaches the vertices around edges.
   void connect_around_edges(const PathList& vertices) requires kAny {
     for (const int i : vertices) {
       const State& s = states_[i];

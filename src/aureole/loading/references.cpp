@@ -129,7 +129,7 @@ private:
         link(child);
         continue;
       }
-      // What stands inside of a reference, an error, is not linked: cycles are sought behind references, not in them.
+      // Elements inside of a reference, an error, are not linked: cycles are sought behind references, not in them.
       if (!check_attributes(child, {"id"}, {"name"}, diagnostics_)) continue;
       if (!child.children.empty())
         diagnostics_.error(child.children.front().where, "<ref> can't contain other elements");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // A forward and a backward lobe of Henyey and Greenstein. One lobe alone cannot have both a peak and the
 // light that most particles send back.
-#include "aureole/phase/lobe/henyey_greenstein.h"
+#include "aureole/phase/lobe/hg_lobe.h"
 #include "aureole/phase/phase.h"
 #include "aureole/plugin/registry.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The phase function of Henyey and Greenstein: one number, the mean cosine g.
-#include "aureole/phase/lobe/henyey_greenstein.h"
+#include "aureole/phase/lobe/hg_lobe.h"
 #include "aureole/phase/phase.h"
 #include "aureole/plugin/registry.h"
 

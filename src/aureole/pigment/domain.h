@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What functions of this room say of arguments out of range.
+// Errors of the functions in this folder for arguments out of range.
 #pragma once
 
 #include <charconv>

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 #include "aureole/pigment/samples.h"
 
 namespace aureole::pigment {
@@ -25,7 +25,7 @@ enum class FitMethod {
 };
 std::string_view name_of(FitMethod method);
 
-/// What to know of a fitted paint before it is believed.
+/// Diagnostics of a fitted paint, to judge it by before it is used.
 struct FitReport {
   FitMethod method = FitMethod::masstone;
   int samples = 0;                     ///< different ones, without repeats

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "aureole/core/parallel_for.h"
-#include "aureole/optics/medium/suspension.h"
-#include "aureole/pigment/paint.h"
+#include "aureole/optics/medium/suspension_model.h"
+#include "aureole/pigment/paints.h"
 #include "aureole/pigment/transport_coefficients.h"
 
 namespace aureole::pigment {

@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/saunderson.h"
 
 namespace aureole::pigment {

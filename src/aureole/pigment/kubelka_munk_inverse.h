@@ -4,7 +4,7 @@
 // no layer of this theory has.
 #pragma once
 
-#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 
 namespace aureole::pigment {
 

@@ -8,7 +8,7 @@
 
 #include "aureole/core/parallel_for.h"
 #include "aureole/pigment/observation.h"
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 
 namespace aureole::pigment {
 

@@ -5,7 +5,7 @@
 #include <iosfwd>
 #include <string>
 
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 
 namespace aureole::pigment {
 

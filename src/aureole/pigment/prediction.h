@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a palette says of a sample, to compare with its measurement.
+// Predictions of a palette for a measured sample.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 #include "aureole/pigment/samples.h"
 
 namespace aureole::pigment {

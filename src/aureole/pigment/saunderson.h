@@ -4,7 +4,7 @@
 // within the binder, "outer" ones those that an instrument measures.
 #pragma once
 
-#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 
 namespace aureole::pigment {
 
@@ -43,7 +43,7 @@ double rough_diffuse_reflectance(double index, double alpha);
 /// A rough interface, lit from everywhere. Since it absorbs nothing, 1 - k2 = (1 - k1)/n^2.
 Surface rough_surface(double index, double alpha, Specular specular);
 
-/// What is measured of a layer of this inner reflectance, in [0, 1].
+/// The reflectance measured of a layer of this inner reflectance, in [0, 1].
 double outer_reflectance(const Surface& surface, double inner);
 
 /// The inner reflectance from a measured one. Throws std::domain_error where it is below the interface's own

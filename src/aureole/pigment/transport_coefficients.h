@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 
 namespace aureole::pigment {
 

@@ -244,7 +244,7 @@ ObjectPtr Properties::make(const std::function<ObjectPtr(const Properties&)>& cr
   try {
     object = create(*this);
   } catch (const Error& e) {
-    // What is said of a parameter that had a problem already follows from that.
+    // An error at a parameter that had a problem already follows from that problem.
     const auto says_same = [&](const Error& known) {
       return known.where().line > 0 && known.where().str() == e.where().str();
     };

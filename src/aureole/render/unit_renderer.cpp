@@ -41,7 +41,7 @@ public:
     numbers[channels_] = s.alpha, numbers[channels_ + 1] = 1;
     for (int k = -border, at = 0; k <= border; ++k, at += stride) {
       const float weight = is_box ? 1.f : filter_.eval(float(s.id.x + k) + 0.5f - s.position.x);
-      // What lies behind the numbers of one pixel is that of the next, written later, or 0.
+      // Lanes behind the numbers of one pixel belong to the next, written later, or are 0.
       for (int c = 0; c < stride; c += kTogether) {
         put(weights + at + c, weight - Lanes{});  // the weight in all lanes
         put(repeated + at + c, get(numbers + c));

@@ -91,7 +91,7 @@ public:
   const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
   /// The edges that diffract light; null: none do.
   const SceneEdges* edges() const { return edges_.get(); }
-  /// What of them is lit; only where there are some.
+  /// The lit share of those edges; only where there are some.
   const LitEdges& lit_edges() const { return *lit_edges_; }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return tracer_->bounds(); }

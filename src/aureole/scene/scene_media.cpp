@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene finds out about its media as a whole: what is around a place, which media are lights, which of them
-// connections cannot reach, and which are not closed: that within a body with a gap, that which the sensor is in.
+// Properties of a scene's media as a whole: the medium around a place, which media are lights, which of them
+// connections cannot reach, and which are not closed: the one in a body with a gap, the one that the sensor is in.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -132,7 +132,7 @@ bool Scene::Closed::may_contain(const Vec3& p) const { return is_in(p, box); }
 
 void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers) {
   if (!any_medium_emits_) return;
-  // What each emitting medium fills, by the surfaces that it lies within: a box for each closed one, one box
+  // Volumes of the emitting media, by the surfaces that they lie within: a box for each closed one, one box
   // around all where some are flat and close a volume together.
   std::vector<std::pair<const Medium*, std::vector<Bounds3>>> found;
   const auto add = [&](const MediumPtr& medium, const Bounds3& box) {
@@ -169,7 +169,7 @@ void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<Sam
 
 namespace {
 
-/// What rays meet that go from an open surface into the medium behind it.
+/// Hits of the rays that go from an open surface into the medium behind it.
 struct OpenBody {
   int rays = 0;
   int itself = 0;  ///< met the same body from within

@@ -11,7 +11,7 @@ namespace {
 
 class Checkerboard final : public Texture {
 public:
-  /// What its colours are, reflectances or emissions, only the place tells where the texture is used.
+  /// Whether its colours are reflectances or emissions follows from the place where the texture is used.
   explicit Checkerboard(const Properties& properties, SpectrumRole role = SpectrumRole::unbounded)
       : Texture(properties),
         role_(role),

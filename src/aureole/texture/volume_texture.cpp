@@ -13,7 +13,7 @@ namespace {
 
 class VolumeTexture final : public Texture {
 public:
-  /// What its numbers and colours are, only the place tells where the texture is used.
+  /// The role of its numbers and colours follows from the place where the texture is used.
   explicit VolumeTexture(const Properties& p, SpectrumRole role = SpectrumRole::unbounded)
       : Texture(p), role_(role), volume_(get_optional_volume(p, "volume", role)) {
     if (!volume_) throw p.error("volume", "needs the parameter \"volume\"");

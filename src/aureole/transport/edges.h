@@ -72,7 +72,7 @@ public:
   static Place at_vertex(const Vertex& vertex, const Flight& flight) {
     return {vertex.anchor(), &flight, &vertex};
   }
-  /// What a vertex scatters of even light into a direction.
+  /// The response of a vertex in a direction to light of 1 at all wavelengths.
   static Spectrum response(const Vertex& vertex, const Vec3& d) {
     Response r;
     return vertex.respond(d, r) ? r.value.of(1.f) : Spectrum(0.f);

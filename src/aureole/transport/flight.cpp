@@ -29,7 +29,7 @@ float connection_density(const Glow& glow, const Medium& medium, const Vec3& p) 
   return glow.media->pdf(medium, glow.from.p, glow.from.facing, p) * length_squared(p - glow.from.p);
 }
 
-/// What is emitted at a tentative collision, of which the part `passed` arrives, over the density of finding it there,
+/// Adds emission at a tentative collision, of which the part `passed` arrives, over the density of finding it there,
 /// `flight` for each density of the path before, and `connection` for each of a connection.
 void add_collision(const Medium& medium, const Vec3& p, const MediumCoefficients& at, const Spectrum& passed,
                    const Spectrum& flight, float connection, Glow& glow) {

@@ -83,7 +83,7 @@ TEST(Bem, TwoCubes) {
     if (int(r.degrees) % 4 == 0)
       std::printf("two cubes, %2g degrees: %.4g m^2/sr by the solver, edge waves %+.2f dB\n", r.degrees,
                   r.intensity, db(intensity(cubes, r.degrees) / r.intensity));
-    // What the sides take has the cube's size, so that the lobes keep their width and their places.
+    // Light missing at the sides has the cube's size, so that the lobes keep their width and their places.
     if (r.degrees > 20) {
       EXPECT_NEAR(intensity(cubes, r.degrees), r.intensity, 0.05 * solver) << r.degrees;
     }

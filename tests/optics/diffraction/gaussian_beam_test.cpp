@@ -69,7 +69,7 @@ TEST(GaussianBeam, LightsWhatItReachesOfAnEdge) {
       EXPECT_EQ(pieces[i].a, pieces[i - 1].b);
     }
   }
-  // What does not fit is told, and nothing is written.
+  // Where the pieces do not fit their number is returned, and nothing is written.
   DiffractingEdge one{};
   EXPECT_EQ(beam.light({-100, 3}, {100, 3}, 4, 0.5, std::span(&one, 1)), 15u);
   EXPECT_EQ(one.a, 0.0);

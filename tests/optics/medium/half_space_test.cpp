@@ -9,8 +9,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "aureole/optics/medium/diffusion_dipole.h"
 #include "aureole/optics/medium/diffusion_width.h"
-#include "aureole/optics/medium/dipole.h"
 #include "aureole/optics/medium/single_scattering.h"
 
 namespace aureole::optics {

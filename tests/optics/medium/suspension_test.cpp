@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/medium/suspension.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,7 +8,8 @@
 #include <string>
 
 #include "aureole/optics/medium/spectral_table.h"
-#include "aureole/optics/particle/rayleigh.h"
+#include "aureole/optics/medium/suspension_model.h"
+#include "aureole/optics/particle/rayleigh_scattering.h"
 
 namespace aureole::optics {
 namespace {

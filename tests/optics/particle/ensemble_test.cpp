@@ -45,7 +45,7 @@ TEST(Ensemble, AveragesOfAnotherProgram) {
     const double degrees[] = {0, 10, 45, 90, 135, 170, 180};
     for (int i = 0; i < 7; ++i) {
       const double mu = std::cos(degrees[i] * kPi / 180);
-      // What another program's table has at this angle: averaging 5e-3, interpolation and normalisation 5e-3.
+      // Errors of the other program's table here: averaging 5e-3, interpolation and normalisation 5e-3.
       EXPECT_NEAR(phase.eval(mu) / r.phase[i], 1, 1e-2) << r.lambda << " at " << degrees[i];
       EXPECT_NEAR(e.differential(0, std::span(&mu, 1))[0] / c.scattering / r.phase[i], 1, 6e-3) << degrees[i];
     }

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/particle/mie.h"
-
 #include <gtest/gtest.h>
 
 #include <boost/math/special_functions/bessel.hpp>
@@ -10,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "aureole/optics/particle/mie_sphere.h"
 
 namespace aureole::optics {
 namespace {

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "aureole/optics/particle/coated_mie.h"
-#include "aureole/optics/particle/mie.h"
-#include "aureole/optics/particle/rayleigh.h"
+#include "aureole/optics/particle/mie_sphere.h"
+#include "aureole/optics/particle/rayleigh_scattering.h"
 
 namespace aureole::optics {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 #include "aureole/optics/particle/radius_distribution.h"
 
 namespace aureole::optics {

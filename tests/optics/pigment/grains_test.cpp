@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "aureole/optics/medium/spectral_table.h"
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 #include "aureole/pigment/grain_index.h"
 #include "aureole/pigment/hiding.h"
 
@@ -61,7 +61,7 @@ TEST(Grains, RutileOfAQuarterMicrometreIsTheBestWhite) {
     const double s = paint_of_grains(grains(find_grain_index("rutile")->index, diameter / 2, 0.1), nm)[0].s;
     if (s > best) best = s, at = diameter;
   }
-  // What makers of pigments aim at: some half of the wavelength in the binder.
+  // The diameter that makers of pigments aim at: some half of the wavelength in the binder.
   EXPECT_GT(at, 0.18e-6);
   EXPECT_LT(at, 0.30e-6);
   const Coefficients white = paint_of_grains(grains(find_grain_index("rutile")->index, at / 2, 0.15), nm)[0];

@@ -7,7 +7,7 @@
 #include <cstdlib>
 
 #include "aureole/optics/stack/plane_stack.h"
-#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/saunderson.h"
 #include "aureole/pigment/transport_coefficients.h"
 

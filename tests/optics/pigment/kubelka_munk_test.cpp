@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/pigment/kubelka_munk.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -9,6 +7,7 @@
 #include <stdexcept>
 
 #include "aureole/pigment/kubelka_munk_inverse.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/transport_coefficients.h"
 
 namespace aureole::pigment {
@@ -116,7 +115,7 @@ TEST(KubelkaMunkInverse, ComesBack) {
 }
 
 TEST(KubelkaMunkInverse, SmallCoefficientsKeepTheirDigits) {
-  // What is left of K is what 1 - R - T has: an absorbed fraction of 1e-6 is known to 1e-10.
+  // K has as many digits as 1 - R - T: an absorbed fraction of 1e-6 is known to 1e-10.
   const Coefficients weak = coefficients_of_transfer(layer({1e-6, 1}, 1), 1);
   EXPECT_NEAR(weak.k / 1e-6, 1, 1e-9);
   EXPECT_NEAR(weak.s, 1, 1e-9);

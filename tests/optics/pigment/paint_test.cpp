@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/pigment/paint.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,6 +6,7 @@
 #include <stdexcept>
 
 #include "aureole/pigment/hiding.h"
+#include "aureole/pigment/paints.h"
 
 namespace aureole::pigment {
 namespace {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "aureole/optics/stack/plane_stack.h"
-#include "aureole/pigment/kubelka_munk.h"
 #include "aureole/pigment/kubelka_munk_inverse.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/observation.h"
 #include "aureole/pigment/saunderson.h"
 
@@ -105,9 +105,9 @@ double solve(F&& f, double wanted, double low, double high) {
   return std::sqrt(low * high);
 }
 
-/// What a laboratory has of four paints: reflectances of opaque layers, pure and as tints with white, and of
-/// films over black and white; and what two theories make of them, by paint. With the opaque layer beside the films,
-/// streams find g as well (`three_streams`).
+/// Measurements of four paints in a laboratory, reflectances of opaque layers, pure and as tints with white, and of
+/// films over black and white; and the coefficients of two theories from them, by paint. With the opaque layer
+/// beside the films, streams find g as well (`three_streams`).
 struct Laboratory {
   std::vector<Coefficients> opaque, film;
   std::vector<Grains> opaque_streams, film_streams, three_streams;

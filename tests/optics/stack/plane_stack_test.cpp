@@ -71,7 +71,7 @@ TEST(PlaneStack, EnergyIsConserved) {
 }
 
 TEST(PlaneStack, Reciprocity) {
-  // What is seen from one direction of a beam from another: I/n^2 is the same the other way round.
+  // Radiance I in one direction due to a beam from another: I/n^2 is the same with both exchanged.
   const StackDescription d = refractive_stack(true);
   for (const bool delta_m : {false, true}) {
     const PlaneStack stack(d, {16, delta_m});

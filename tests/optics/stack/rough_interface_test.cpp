@@ -55,7 +55,7 @@ struct Albedo {
   double reflected, passed;
 };
 
-/// What Beckmann's or GGX's facets of index 1.5 reflect and refract of light at this cosine, met once:
+/// Reflection and refraction by Beckmann's or GGX's facets of index 1.5 of light at this cosine, met once:
 /// integral over the normals that it sees, in slopes.
 Albedo single_scattering(const StackInterface& interface, double mu) {
   const auto unmasked = [&](double c) {

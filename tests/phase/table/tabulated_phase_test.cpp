@@ -132,8 +132,8 @@ TEST(TabulatedPhase, SamplesFollowTheDistribution) {
       mu.push_back(std::clamp(double(dot(s.wo, kTravel)), -1.0, 1.0));
       ASSERT_NEAR(length(s.wo), 1, 1e-5);
       if (i % 97 == 0) {
-        // What comes with the direction is the value there; the peak is too narrow for single precision to
-        // say so from its directions at a part in a thousand.
+        // The value sampled with a direction is that of `eval` there; the peak is too narrow for directions
+        // in single precision to show this to a part in a thousand.
         const Spectrum p = table.eval(-kTravel, s.wo, w);
         ASSERT_NEAR(double(p[0] / s.value[0]), 1, 0.02) << mu.back();
       }

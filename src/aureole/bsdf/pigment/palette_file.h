@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Palettes of paint (pigment/paint.h) by file, and recipes by the names of their paints, with located errors.
+// Palettes of paint (pigment/paints.h) by file, and recipes by the names of their paints, with located errors.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 #include "aureole/spectrum/spectrum.h"
 #include "aureole/spectrum/wavelengths.h"
 

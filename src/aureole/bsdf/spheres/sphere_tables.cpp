@@ -9,7 +9,7 @@
 #include "aureole/core/parallel.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/layer/coherent_layer.h"
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 #include "aureole/spectrum/neighbours.h"
 
 namespace aureole {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the parameters of `layered` describe: plane stacks (optics/stack) by wavelength, and how finely their
-// scattering is tabulated.
+// The plane stacks (optics/stack) that the parameters of `layered` describe, by wavelength, and how finely
+// their scattering is tabulated.
 #pragma once
 
 #include <memory>

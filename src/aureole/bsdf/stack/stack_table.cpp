@@ -270,7 +270,7 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
       const bool s = i >= above;
       const optics::StackKernels::Side& from = s ? k.below : k.above;
       const std::size_t at = s ? i - above : i, to = at * std::size_t(wavelengths_) + std::size_t(w);
-      // What the table holds: the same as asked for but where nothing is scattered at all.
+      // The sum over the table: equal to the target but where nothing is scattered at all.
       sides_[s].scattered[to] = float(got(i));
       sides_[s].mirrored[to] = float(from.mirrored[at]), sides_[s].passed[to] = float(from.passed[at]);
       sides_[s].total[to] = sides_[s].scattered[to] + sides_[s].mirrored[to] + sides_[s].passed[to];
@@ -343,7 +343,7 @@ void StackTable::prepare_substrate(std::span<const optics::StackKernels> kernels
     }
     const double inner = inner_indices[of], per_inner = 1 / (double(kPi) * inner * inner);
     reached_sum_.push_back(float(sum)), per_inner_.push_back(float(per_inner));
-    // What the sum over nodes misses of the light that leaves comes back to the substrate: none is lost.
+    // Light that leaves, but that the sum over nodes misses, comes back to the substrate: none is lost.
     const double leaves = double(kPi) * double(index_[0]) * double(index_[0]) * per_inner * sum;
     lost_.push_back(float(std::max(1 - k.returned - k.left + leaves, 0.0)));
   }
@@ -477,7 +477,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
     if (choice * all >= scattered) return sample_upward(u, n);
     choice = std::min(choice * all / scattered, 0x1.fffffep-1f);
   }
-  // What is read from the table is a mean of four nodes: one of them is chosen by what it scatters.
+  // The value read from the table is a mean of four nodes: one is chosen by the light that it scatters.
   float weight[4], sum = 0;
   for (int k = 0; k < 4; ++k) {
     const int i = at.cell + k / 2, l = n.at[0] + k % 2;

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "aureole/optics/medium/suspension.h"
+#include "aureole/optics/medium/suspension_model.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/plugin/registry.h"
 

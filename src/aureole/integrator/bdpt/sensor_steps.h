@@ -177,7 +177,7 @@ public:
       log_(fmt::format("  connection: {} mean {:.6g}", open ? "visible" : "hidden", mean(c.light)));
   }
 
-  /// What light of lamps reaches the vertices around edges. To be called behind the connections with lights.
+  /// Adds the light of lamps that reaches vertices around edges. To be called after connections with lights.
   void connect_around_edges(const PathList& vertices) {
     if (!walks_to_edges_) return;
     for (const int i : vertices) {

@@ -45,7 +45,7 @@ struct MixtureTables {
 MixtureTables tabulate_mixture(const optics::Suspension& content, const SpectralGrid& grid, double unit,
                                const optics::TellProgress& progress) {
   MixtureTables made;
-  // What the host absorbs may vary much with the wavelength, and costs nothing: it is added at each node of
+  // The host's absorption may vary much with the wavelength, and costs nothing: it is added at each node of
   // the grid.
   optics::ClearMedium host = content.host();
   const optics::SpectralFunction host_absorption = std::exchange(host.absorption, nullptr);

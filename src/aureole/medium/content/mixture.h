@@ -8,7 +8,7 @@
 
 #include "aureole/ingredient/ingredient.h"
 #include "aureole/medium/medium.h"
-#include "aureole/optics/medium/suspension.h"
+#include "aureole/optics/medium/suspension_model.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/volume/volume.h"
 
@@ -45,7 +45,7 @@ optics::ClearMedium read_clear_medium(const Properties& properties, std::string_
 std::vector<IngredientPtr> read_ingredients(const Properties& properties);
 
 /// The suspension of all of `ingredients`, beside those that `base` has, with their dyes dissolved in its host.
-/// What is wrong with one of them alone is located there, what is wrong with all of them at the medium.
+/// An error in one of them alone is located there, an error in all of them together at the medium.
 optics::Suspension mix(const Properties& properties, const optics::Suspension& base,
                        const std::vector<IngredientPtr>& ingredients, bool dependent_scattering);
 

@@ -32,7 +32,7 @@ private:
   double radius_ = 0, inner_ = 0;
 };
 
-/// What comes to the opening from z < 0: a plane wave exp(i k d.x), or a spherical wave exp(i k r)/r from a point.
+/// The wave incident from z < 0: a plane wave exp(i k d.x), or a spherical wave exp(i k r)/r from a point.
 struct ScreenSource {
   static ScreenSource plane_wave(std::array<double, 3> direction);
   static ScreenSource point(std::array<double, 3> position);

@@ -204,7 +204,7 @@ void mean_edge_kernels_of(std::span<const ProjectedEdge> edges, double at, doubl
         line[i] = 2 * exp_minus(beta * beta + foot2 * inverse[i] * inverse[i]) * cosine;
       }
     }
-    // What is missing beyond its ends, or of an edge to one side of x the difference of the two.
+    // The parts missing beyond its ends; for an edge to one side of x, the difference of the two.
     const auto add_end = [&](const PlanePoint& p, double a, bool is_behind, double sign) {
       const double distance2 = p.x * p.x + p.y * p.y;
       if (distance2 > reach2) return;

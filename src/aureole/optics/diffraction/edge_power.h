@@ -19,16 +19,16 @@ struct EdgeConstants {
 /// quadrature does not confirm). At 0, where nothing is removed, 1/(64 pi) and infinity.
 EdgeConstants edge_constants(double canonical_sigma);
 
-/// What one edge diffracts, without interference: length^2 (|a - b|^2 alpha1 + |(a + b)/2|^2 alpha2), the two terms
-/// apart (S2.33; the term of both has the integral 0).
+/// Power diffracted by one edge, without interference: length^2 (|a - b|^2 alpha1 + |(a + b)/2|^2 alpha2), the two
+/// terms apart (S2.33; the term of both has the integral 0).
 struct EdgePower {
   double alpha1 = 0, alpha2 = 0;
   double total() const { return alpha1 + alpha2; }
 };
 EdgePower edge_power(const DiffractingEdge& edge, ZerothOrder zeroth);
 
-/// What edges diffract together, with interference, to all q, after one chi of standard deviation `sigma` is removed.
-/// The integral over q is closed: it leaves two integrals along edges over
+/// Power diffracted by edges together, with interference, to all q, after one chi of standard deviation `sigma` is
+/// removed. The integral over q is closed: it leaves two integrals along edges over
 ///   integral of (1 - chi) q_a q_b/q^4 exp(-i q.r) d2q = pi/2 [(E1(u) + h(u)) delta_ab - 2 h(u) r_a r_b/r^2],
 /// u = (sigma r)^2/2, h(u) = (1 - exp(-u))/u, E1 the exponential integral; by Gauss's rule with `nodes` (2, 4 or 8)
 /// for an edge of length up to 1/sigma and more in proportion. No allocation. With 2 nodes the error is some 1 %,

@@ -20,7 +20,7 @@
 #include <array>
 #include <complex>
 
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 
 namespace aureole::optics {
 

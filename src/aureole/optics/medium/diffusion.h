@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What of a medium is left where light has been scattered many times (the diffusion approximation; Ishimaru,
-// Wave Propagation and Scattering in Random Media, 1978, chapter 9).
+// The coefficients that describe a medium where light has been scattered many times (the diffusion
+// approximation; Ishimaru, Wave Propagation and Scattering in Random Media, 1978, chapter 9).
 #pragma once
 
 namespace aureole::optics {

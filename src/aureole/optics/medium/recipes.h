@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-#include "aureole/optics/medium/suspension.h"
+#include "aureole/optics/medium/suspension_model.h"
 
 namespace aureole::optics {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "aureole/optics/constants.h"
-#include "aureole/optics/particle/mie.h"
+#include "aureole/optics/particle/mie_sphere.h"
 #include "aureole/optics/particle/riccati_bessel.h"
 
 namespace aureole::optics {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What many particles of several kinds and sizes scatter and absorb, over wavelengths: coefficients and phase
-// functions. The sum over particles is one of intensities; of particles so dense that their positions are
-// not independent, of intensities times a structure factor.
+// Scattering and absorption by many particles of several kinds and sizes, over wavelengths: coefficients and
+// phase functions. The sum over particles is one of intensities; of particles so dense that their positions
+// are not independent, of intensities times a structure factor.
 #pragma once
 
 #include <functional>

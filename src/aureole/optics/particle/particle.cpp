@@ -7,8 +7,8 @@
 
 #include "aureole/optics/constants.h"
 #include "aureole/optics/particle/coated_mie.h"
-#include "aureole/optics/particle/mie.h"
-#include "aureole/optics/particle/rayleigh.h"
+#include "aureole/optics/particle/mie_sphere.h"
+#include "aureole/optics/particle/rayleigh_scattering.h"
 
 namespace aureole::optics {
 namespace {

@@ -56,10 +56,10 @@ UniformLayer::UniformLayer(const Channels& channels, double index, double albedo
       scale_(albedo / (4 * std::numbers::pi * index * index)),
       forward_(Vector::Zero(count_)) {
   for (int i = 0; i < count_; ++i) mu_[i] = channels.mu(i, index);
-  // What a quadrature of nodes mapped by refraction does not get of the light that is scattered, or gets too
-  // much of, is given to the forward direction (Grant & Hunt 1969, Proc. R. Soc. A 313, 183; Wiscombe 1976,
-  // J. Quant. Spectrosc. Radiat. Transfer 16, 637): energy is exact, and reciprocity is kept. Of the double
-  // Gauss rule it is a matter of rounding errors.
+  // Scattered light that a quadrature of nodes mapped by refraction misses, or counts in excess, is given to
+  // (or taken from) the forward direction (Grant & Hunt 1969, Proc. R. Soc. A 313, 183; Wiscombe 1976,
+  // J. Quant. Spectrosc. Radiat. Transfer 16, 637): energy is exact, and reciprocity is kept. With the double
+  // Gauss rule only rounding errors are left to correct.
   const Vector lost = rates(0).difference * root_etendue_;
   forward_ = lost.array() / root_etendue_.array() - (1 - albedo) / mu_.array();
 }

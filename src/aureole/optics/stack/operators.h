@@ -12,7 +12,7 @@
 #include <functional>
 #include <vector>
 
-#include "aureole/optics/stack/channels.h"
+#include "aureole/optics/stack/stack_channels.h"
 
 namespace aureole::optics {
 

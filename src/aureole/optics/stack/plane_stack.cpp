@@ -7,7 +7,7 @@
 #include <string>
 
 #include "aureole/optics/constants.h"
-#include "aureole/optics/stack/single_scattering.h"
+#include "aureole/optics/stack/stack_single_scattering.h"
 #include "aureole/optics/stack/stack_solver.h"
 
 namespace aureole::optics {
@@ -153,7 +153,7 @@ std::vector<StackFluxes> PlaneStack::fluxes(std::span<const StackLight> lights) 
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const int channel = lights[i].cosine ? channels.extra()[beam++] : -1;
     const Vector paths = unscattered_light(solver, lights[i], channel);
-    // What a mirror returns was not scattered either.
+    // Light that a mirror returns was not scattered either.
     const double u = paths[solver.last_level() + 1], d = description_.substrate
                                                              ? (1 - *description_.substrate) * paths[bottom] -
                                                                    paths[solver.last_level() + 1 + bottom]

@@ -56,8 +56,8 @@ struct StackDescription {
   /// Reflectance, in [0, 1], of a Lambertian surface that ends the last layer: 0 is black. None: there is
   /// light below, too.
   std::optional<double> substrate;
-  /// What a substrate reflects beside its Lambertian share, seen from the medium of the last layer: as a mirror,
-  /// by the cosine, and by a reciprocal BRDF in 1/sr of two cosines and the azimuth. Null: nothing.
+  /// Reflection by a substrate beside its Lambertian share, seen from the medium of the last layer: as a mirror,
+  /// by the cosine, and by a reciprocal BRDF in 1/sr of two cosines and the azimuth. Null: none.
   std::function<double(double)> mirror{};
   std::function<double(double, double, double)> brdf{};
   double index_below = 1;   ///< where there is no substrate

@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-#include "aureole/optics/stack/single_scattering.h"
+#include "aureole/optics/stack/stack_single_scattering.h"
 #include "aureole/optics/stack/stack_solver.h"
 
 namespace aureole::optics {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stacks do with light of all directions: the tables of layered materials.
+// Reflection and transmission by stacks between all directions: the tables of layered materials.
 #pragma once
 
 #include <span>
@@ -15,15 +15,15 @@ namespace aureole::optics {
 struct StackKernels {
   struct Side {
     std::vector<double> cosines;
-    /// Of a beam of irradiance 1 along each of them. What passes is 0 where there is a substrate.
+    /// Of a beam of irradiance 1 along each of them. `passed` is 0 where there is a substrate.
     std::vector<double> scattered;         ///< light that leaves in directions of its own, on either side
     std::vector<double> mirrored, passed;  ///< light that was not scattered
-    /// What comes down on a substrate, first arrivals alone; empty where there is none.
+    /// Irradiance on a substrate, first arrivals alone; empty where there is none.
     std::vector<double> reached;
   };
   Side above, below;  ///< below: empty where there is a substrate
   int azimuths = 0;
-  /// Of diffuse light that goes up from a substrate: what the layers return to it, and what leaves them.
+  /// Of diffuse light that goes up from a substrate: the share returned by the layers, and the share that leaves.
   double returned = 0, left = 0;
   /// f/n_o^2 in 1/sr, f as radiance per irradiance and n_o the index where it goes, without unscattered light:
   /// by incident cosine, outgoing cosine, azimuth. The same with both exchanged: light from below that passes

@@ -60,9 +60,9 @@ public:
   /// A mode above all others, in which nothing is scattered: light that keeps its direction.
   static constexpr int kUnscattered = 1 << 20;
 
-  /// What light of one channel is at each level after it was put into another, without scattering: down at
-  /// level i in row i, up in row last_level() + 1 + i, columns alike. `scaled`: forward peaks are not
-  /// scattering.
+  /// Unscattered light of one channel at each level for unit light put in at one level: rows are where it
+  /// arrives, down at level i in row i, up in row last_level() + 1 + i; columns, numbered alike, are where it
+  /// was put in. `scaled`: forward peaks are not scattering.
   Matrix unscattered(int channel, bool scaled) const;
 
 private:

@@ -13,7 +13,7 @@
 
 namespace aureole {
 
-/// What the BSDF or one within it says, or null.
+/// The settings of diffraction of the BSDF or of one within it, or null.
 const EdgeDiffraction* edge_diffraction_of(const Bsdf& bsdf);
 /// The first BSDF in the scene that has its shape diffract, or null.
 const Bsdf* first_diffracting_bsdf(const SceneParts& parts);

@@ -80,7 +80,7 @@ private:
     bool is_leaf;
   };
 
-  /// What of an edge decides where it goes: such items are sorted in place, so that a node's lie beside one another in memory.
+  /// Data of an edge that its node follows from: items are sorted in place, so that those of a node are adjacent in memory.
   struct Item;
 
   void build(std::uint32_t node, std::span<Item> items, int depth);

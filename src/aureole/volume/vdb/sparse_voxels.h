@@ -72,7 +72,7 @@ void add_block(SparseVoxels& voxels, const SparseVoxels::Coordinates& origin, co
       }
 }
 
-/// What a reader of a file with several grids found.
+/// The result of reading a file with several grids.
 struct SparseFile {
   std::string error;               ///< about the file, where it cannot be read
   std::vector<std::string> grids;  ///< names of all that it has

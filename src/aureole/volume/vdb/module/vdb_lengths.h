@@ -7,9 +7,9 @@
 
 namespace aureole {
 
-/// What is wrong with the header; empty: nothing. Its version is one that is known, up to `newest`, and all texts in
-/// it, in the list of grids and in the grids' own headers end within the file. Of what is no .vdb file at all OpenVDB
-/// complains itself.
+/// The fault in the header; empty: none. The version has to be a known one, up to `newest`, and all texts in the
+/// header, in the list of grids and in the grids' own headers have to end within the file. A file that is no .vdb
+/// file at all is refused by OpenVDB itself.
 std::string fault_of_vdb_header(const char* path, std::uint32_t newest);
 
 }  // namespace aureole

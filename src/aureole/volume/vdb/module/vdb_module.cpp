@@ -17,7 +17,7 @@
 namespace aureole {
 namespace {
 
-/// What is wrong with a file that OpenVDB can read.
+/// A fault in a file that OpenVDB can read.
 struct Fault : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -9,7 +9,7 @@
 
 namespace aureole::optics {
 
-/// What lies between particles: a liquid or gas that refracts, absorbs and, by its molecules, scatters.
+/// The host medium of particles: a liquid or gas that refracts, absorbs and, by its molecules, scatters.
 struct ClearMedium {
   SpectralFunction index;                     ///< real part
   SpectralFunction absorption = nullptr;      ///< sigma_a, 1/m; none: lossless

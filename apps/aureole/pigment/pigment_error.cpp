@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // aureole pigment error: how far Kubelka and Munk's two fluxes are from transport.
-#include "aureole/core/error.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "aureole/core/error.h"
 #include "aureole/core/image.h"
 #include "aureole/core/units.h"
 #include "aureole/pigment/two_flux_error.h"

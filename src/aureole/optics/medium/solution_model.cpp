@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/medium/solution.h"
+#include "aureole/optics/medium/solution_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include "aureole/optics/medium/absorption.h"
 #include "aureole/optics/medium/milk_components.h"
 #include "aureole/optics/medium/spectral_table.h"
-#include "aureole/optics/particle/rayleigh.h"
+#include "aureole/optics/particle/rayleigh_scattering.h"
 
 namespace aureole::optics {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "aureole/optics/medium/solution.h"
+#include "aureole/optics/medium/solution_model.h"
 #include "aureole/optics/particle/ensemble.h"
 
 namespace aureole::optics {
@@ -64,7 +64,7 @@ public:
                           const EnsembleAccuracy& accuracy = {}, const ParallelFor& parallel_for = serial_for,
                           const TellProgress& progress = nullptr) const;
 
-  /// What the option `hard_spheres` of an ingredient changes at a wavelength, whether it is on or not: worth a
+  /// Effect of the option `hard_spheres` of an ingredient at a wavelength, whether it is on or not: worth a
   /// remark where it is off and the scattering differs from 1 by more than 1 %. Nothing where the particles fill
   /// more than `kMaxHardSphereFraction`.
   std::optional<DependentScattering> dependence(std::size_t ingredient, double lambda_nm,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/medium/dipole.h"
+#include "aureole/optics/medium/diffusion_dipole.h"
 
 #include <cmath>
 #include <numbers>

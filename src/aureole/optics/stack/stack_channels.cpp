@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/stack/channels.h"
+#include "aureole/optics/stack/stack_channels.h"
 
 #include <algorithm>
 #include <cmath>

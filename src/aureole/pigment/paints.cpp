@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/pigment/paint.h"
+#include "aureole/pigment/paints.h"
 
 #include <cmath>
 #include <set>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/medium/suspension.h"
+#include "aureole/optics/medium/suspension_model.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "aureole/optics/particle/hard_spheres.h"
-#include "aureole/optics/particle/rayleigh.h"
+#include "aureole/optics/particle/rayleigh_scattering.h"
 
 namespace aureole::optics {
 namespace {

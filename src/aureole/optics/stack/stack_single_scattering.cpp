@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/optics/stack/single_scattering.h"
+#include "aureole/optics/stack/stack_single_scattering.h"
 
 #include <cmath>
 #include <utility>

@@ -26,7 +26,7 @@ public:
   };
   Beam light(int channel, bool from_below) const;
 
-  /// What is missing of the radiance in a channel, for each azimuth: the difference of both phase functions.
+  /// The part missing of the radiance in a channel, for each azimuth: the difference of both phase functions.
   std::vector<double> correction(const Beam& beam, int channel, int level, bool goes_up,
                                  std::span<const double> azimuths) const;
 

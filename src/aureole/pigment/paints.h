@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "aureole/pigment/kubelka_munk.h"
+#include "aureole/pigment/kubelka_munk_layer.h"
 #include "aureole/pigment/saunderson.h"
 
 namespace aureole::pigment {
@@ -66,7 +66,7 @@ struct Colorant {
 };
 double single_constant_k_over_s(double base_k_over_s, std::span<const Colorant> colorants);
 
-/// What lies below a layer: its inner reflectance at each wavelength, or one for all.
+/// The substrate below a layer: its inner reflectance at each wavelength, or one for all.
 using Substrate = std::span<const double>;
 
 /// Outer reflectance of a layer of paint. `thickness` is in the inverse unit of K and S and may be infinite:
