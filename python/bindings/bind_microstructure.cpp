@@ -80,13 +80,13 @@ Micrograph opened(const Field& f, bool srgb) {
   return m;
 }
 
-struct Result {
+struct MicrostructureResult {
   Microstructure found;
   std::vector<std::shared_ptr<Picture>> overlays;
 };
 
-Result analyse(const std::vector<const Field*>& fields, const MicrostructureOptions& options, bool srgb,
-               bool overlays) {
+MicrostructureResult analyse(const std::vector<const Field*>& fields, const MicrostructureOptions& options,
+                             bool srgb, bool overlays) {
   const Unlocked release;
   const auto read = [&](size_t i) {
     if (is_leaving()) throw Error("the program ends");  // seen by nobody: the thread stays in ~Unlocked
@@ -96,7 +96,7 @@ Result analyse(const std::vector<const Field*>& fields, const MicrostructureOpti
     }
     return opened(*fields[i], srgb);
   };
-  Result result;
+  MicrostructureResult result;
   const auto visit = [&](const Micrograph& field, const Segmentation& s, const std::vector<Particle>& p) {
     if (!overlays) return;
     result.overlays.push_back(std::make_shared<Picture>());
@@ -160,7 +160,7 @@ nb::dict particles(const Microstructure& m) {
   return d;
 }
 
-void save_result(const Result& r, const std::filesystem::path& path) {
+void save_result(const MicrostructureResult& r, const std::filesystem::path& path) {
   OutputFolder folder(path, "result.json");
   write_microstructure(r.found, folder);
   for (size_t i = 0; i < r.overlays.size(); ++i)
@@ -175,12 +175,12 @@ void bind_microstructure(nb::module_& m) {
       .def_static("array", array_field, nb::arg("name"), nb::arg("grey"), nb::arg("pixel_m"),
                   nb::arg("mask").none())
       .def_static("file", file_field, nb::arg("file"), nb::arg("pixel_m"), nb::arg("mask").none());
-  nb::class_<Result>(m, "MicrostructureResult", "What was found in pictures of a microscope.")
-      .def_prop_ro("numbers", [](const Result& r) { return numbers(r.found); })
-      .def_prop_ro("particles", [](const Result& r) { return particles(r.found); })
-      .def_prop_ro("overlays", [](const Result& r) { return r.overlays; })
-      .def_prop_ro("size_histogram", [](const Result& r) { return size_histogram(r.found); })
-      .def_prop_ro("scene_text", [](const Result& r) { return scene_snippet(r.found); })
+  nb::class_<MicrostructureResult>(m, "MicrostructureResult", "What was found in pictures of a microscope.")
+      .def_prop_ro("numbers", [](const MicrostructureResult& r) { return numbers(r.found); })
+      .def_prop_ro("particles", [](const MicrostructureResult& r) { return particles(r.found); })
+      .def_prop_ro("overlays", [](const MicrostructureResult& r) { return r.overlays; })
+      .def_prop_ro("size_histogram", [](const MicrostructureResult& r) { return size_histogram(r.found); })
+      .def_prop_ro("scene_text", [](const MicrostructureResult& r) { return scene_snippet(r.found); })
       .def("save", save_result, nb::arg("folder"));
   m.def(
       "analyse_microstructure",
