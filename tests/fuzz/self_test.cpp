@@ -68,7 +68,7 @@ int self_test(const std::filesystem::path& folder) {
         "said so"}},
       {101, {[]() -> Verdict { throw std::runtime_error("escapes"); }, ""}},
   };
-  if (kSanitized) planted[130] = {leak, "leak"};
+  if (kFindsLeaks) planted[130] = {leak, "leak"};
 
   Limits limits;
   limits.seconds = kSanitized ? 5 : 1;

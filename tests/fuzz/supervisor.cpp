@@ -232,7 +232,7 @@ private:
     add(f);
     if (index + 1 < c.range.end) ranges_.push_front({index + 1, c.range.end, c.range.again});
     // The cases before it were not searched for leaks.
-    if (kSanitized && index > c.range.begin) ranges_.push_back({c.range.begin, index, true});
+    if (kFindsLeaks && index > c.range.begin) ranges_.push_back({c.range.begin, index, true});
   }
 
   /// The search for leaks comes at the end of a child: halves find the case.

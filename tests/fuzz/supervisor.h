@@ -15,9 +15,11 @@
 namespace aureole::fuzz {
 
 #if defined(__SANITIZE_ADDRESS__)
-inline constexpr bool kSanitized = true;
+inline constexpr bool kFindsLeaks = true, kSanitized = true;
+#elif defined(__SANITIZE_THREAD__)
+inline constexpr bool kFindsLeaks = false, kSanitized = true;
 #else
-inline constexpr bool kSanitized = false;
+inline constexpr bool kFindsLeaks = false, kSanitized = false;
 #endif
 
 struct Limits {
