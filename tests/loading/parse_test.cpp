@@ -32,6 +32,24 @@ TEST(Parse, KeepsPlacesOfElementsAndValues) {
   EXPECT_EQ(shape.children[0].get("value"), "1 < 2");
 }
 
+// Places are found in a time that does not grow with the length of the line: with one that does this takes a minute.
+TEST(Parse, KeepsPlacesInALongLine) {
+  constexpr int kCount = 20000;
+  const std::string comment =
+      "<!-- \xc3\xa4\xe2\x82\xac\xf0\x9d\x84\x9e -->";  // characters of 2, 3 and 4 bytes
+  const std::string element = "<float name='r' value='1'/>";
+  std::string line;
+  for (int i = 0; i < kCount; ++i) line += comment + element;
+  const Parsed p(in_scene(line));
+  ASSERT_EQ(p.scene.root.children.size(), std::size_t(kCount));
+  for (int i = 0; i < kCount; ++i) {
+    const int column = 1 + i * int(12 + element.size()) + 12;
+    ASSERT_EQ(p.child(std::size_t(i)).where.column, column) << i;
+    ASSERT_EQ(p.child(std::size_t(i)).find("value")->where.column, column + 23) << i;
+    ASSERT_EQ(p.child(std::size_t(i)).where.line, 2);
+  }
+}
+
 TEST(Parse, LocatesSyntaxErrors) {
   const Parsed p("<scene version=\"3.0.0\">\n  <shape type=\"a\">\n</scene>");
   ASSERT_EQ(p.errors().size(), 1u);

@@ -27,18 +27,19 @@ class LocatedText {
 public:
   LocatedText(std::string text, std::string file)
       : buffer(text), original_(std::move(text)), file_(std::move(file)) {
-    for (std::size_t i = 0; i < original_.size(); ++i)
+    for (std::size_t i = 0; i < original_.size(); ++i) {
+      if (i % kBlock == 0) counts_.push_back(characters_);
+      characters_ += begins_character(i);
       if (original_[i] == '\n') line_starts_.push_back(i + 1);
+    }
   }
 
   SourceLocation at(std::size_t offset) const {
     offset = std::min(offset, original_.size());
     const auto line =
         std::upper_bound(line_starts_.begin(), line_starts_.end(), offset) - line_starts_.begin();
-    SourceLocation where{file_, int(line), 1};
-    for (std::size_t i = line_starts_[std::size_t(line - 1)]; i < offset; ++i)
-      if ((static_cast<unsigned char>(original_[i]) & 0xC0) != 0x80) ++where.column;  // UTF-8 characters
-    return where;
+    const std::size_t start = line_starts_[std::size_t(line - 1)];
+    return {file_, int(line), 1 + int(characters_before(offset) - characters_before(start))};
   }
   /// Unknown line for what is not in the text: the empty value of an attribute, for one.
   SourceLocation at(const char* p, std::size_t back = 0) const {
@@ -49,8 +50,21 @@ public:
   std::string buffer;
 
 private:
+  bool begins_character(std::size_t i) const {  // in UTF-8
+    return (static_cast<unsigned char>(original_[i]) & 0xC0) != 0x80;
+  }
+  std::size_t characters_before(std::size_t offset) const {
+    if (offset == original_.size()) return characters_;
+    std::size_t count = counts_[offset / kBlock];
+    for (std::size_t i = offset - offset % kBlock; i < offset; ++i) count += begins_character(i);
+    return count;
+  }
+
+  /// Characters are counted before each block of bytes, so that a place in a long line does not count all of it.
+  static constexpr std::size_t kBlock = 64;
   std::string original_, file_;
-  std::vector<std::size_t> line_starts_{0};
+  std::vector<std::size_t> line_starts_{0}, counts_;
+  std::size_t characters_ = 0;
 };
 
 SceneVersion parse_version(const Node& root, Diagnostics& diagnostics) {
