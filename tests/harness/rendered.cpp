@@ -51,6 +51,13 @@ Picture render(const LoadedScene& scene, const RenderOptions& options) {
   return p;
 }
 
+double largest_difference(const Picture& a, const Picture& b) {
+  double largest = 0;
+  for (std::size_t i = 0; i < a.mean.size(); ++i)
+    largest = std::max(largest, std::abs(a.mean[i] - b.mean[i]) / std::hypot(a.error[i], b.error[i]));
+  return largest;
+}
+
 void expect_mean(const Picture& p, double expected, double largest_error) {
   EXPECT_NEAR(p.all, expected, 4.5 * p.all_error + 2e-4 * expected);
   EXPECT_LT(p.all_error, largest_error * expected + 1e-9);

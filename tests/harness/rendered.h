@@ -27,6 +27,9 @@ Picture render(const LoadedScene& scene, const RenderOptions& options);
 /// Renders the content of a <scene> in two threads.
 Picture render(const std::string& content);
 
+/// The largest difference of two pixels at the same place, in standard errors: whether anything of what a test compares is there.
+double largest_difference(const Picture& a, const Picture& b);
+
 /// Within 4.5 standard errors, and these are small enough to mean something.
 void expect_mean(const Picture& p, double expected, double largest_error = 0.01);
 void expect_pixels(const Picture& p, double expected);

@@ -2,6 +2,7 @@
 // A tree of boxes that finds what lies in a beam of light: within a distance of a stretch of a ray.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>
@@ -58,6 +59,27 @@ public:
         stack[size++] = node.first + 1;
       }
     }
+  }
+
+  /// Whether a box lies within that distance of a place.
+  bool any_within(const Vec3& p, float distance) const {
+    if (nodes_.empty()) return false;
+    std::array<std::uint32_t, kMostDepth> stack;
+    std::size_t size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+      const Node& node = nodes_[stack[--size]];
+      float squared = 0;
+      for (int i = 0; i < 3; ++i) {
+        const float off = std::max({node.box.lower[i] - p[i], p[i] - node.box.upper[i], 0.f});
+        squared += off * off;
+      }
+      if (!(squared <= distance * distance)) continue;
+      if (node.count > 0) return true;
+      stack[size++] = node.first;
+      stack[size++] = node.first + 1;
+    }
+    return false;
   }
 
 private:

@@ -37,6 +37,10 @@ public:
       if (edge.is_outline(beam.d) && is_in_beam(edge.a, edge.b, beam)) visit(edge);
     });
   }
+  /// False where no edge is within that distance of a place; seldom true where there is none.
+  bool may_have_edge_within(const Vec3& p, float distance) const {
+    return edge_tree_.any_within(p, distance);
+  }
   /// The same for faces, whichever side of them the light meets.
   template <class Visit>
   void visit_faces(const Beam& beam, const Visit& visit) const {

@@ -2,10 +2,10 @@
 #include "aureole/scene/edge/scene_edges.h"
 
 #include <algorithm>
-#include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <numbers>
 
+#include "aureole/math/erf_inverse.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
 #include "aureole/optics/lanes.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
@@ -21,11 +21,6 @@ constexpr double kCoherent = 7;
 constexpr double kDepth = 3;
 /// Beyond this many sigma from its ends an edge is as good as endless, to exp(-12.5).
 constexpr double kEndless = 10;
-
-double erf_inverse(double x) {
-  using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-  return boost::math::erf_inv(x, Policy());
-}
 
 /// A density on an edge, [0, length]: about the place that fulfils Keller's condition, near both ends, where corners
 /// diffract, and everywhere.
@@ -118,6 +113,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   if (width_.at(longest) < 0.5 * longest)
     throw BeamWidthError(
         "beams are narrower than half of the longest wavelength, which has no direction then");
+  widest_beam_ = float(width_.at(longest) / unit_m_);
   Bounds3 box;
   for (const ModelPart& part : parts.surfaces) box.extend(part.bounds());
   if (!box.empty()) diameter_ = length(box.diagonal());
@@ -126,6 +122,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   lift_ = std::move(shapes.lift);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);
+  shapes_ = std::move(shapes.shapes);
   notes_ = std::move(shapes.remarks);
   if (!tree_.empty() && longest > diameter_ * unit_m_)
     throw BeamWidthError(

@@ -10,6 +10,7 @@
 
 #include <memory>
 #include <optional>
+#include <unordered_set>
 
 #include "aureole/scene/edge/beam_width.h"
 #include "aureole/scene/edge/edge_index.h"
@@ -58,6 +59,8 @@ public:
     bool achromatic;  ///< all have the same angle
   };
   Beams beams(const Wavelengths& w) const;
+  /// The largest sigma of any wavelength that the film sees.
+  float widest_beam() const { return widest_beam_; }
 
   /// A place around which light may go between two ends. The density does not depend on which wavelength is the hero.
   /// `u`: four numbers. `lit`: LitEdges::from the end that is a lamp, or null.
@@ -98,6 +101,8 @@ public:
   /// Some surface of the scene reflects as a mirror or is clear.
   bool has_mirrors() const { return has_mirrors_; }
 
+  /// The shape has edges here, in one instance of it at least.
+  bool diffracts(const Shape& shape) const { return shapes_.contains(&shape); }
   const EdgeIndex& index() const { return index_; }
   const EdgeTree& tree() const { return tree_; }
   bool empty() const { return tree_.empty(); }
@@ -116,9 +121,11 @@ private:
   bool has_mirrors_ = false;
   double unit_m_;  ///< metres per unit of length of the scene
   double shortest_nm_, longest_nm_;
+  float widest_beam_ = 0;
   float diameter_ = 0;        ///< of the scene's surfaces
   std::vector<float> lift_;   ///< of each set of triangles (diffracting_shapes.h)
   std::vector<float> scale_;  ///< the same, empty where all are 1
+  std::unordered_set<const Shape*> shapes_;
   std::vector<std::string> notes_;
   EdgeIndex index_;
   EdgeTree tree_;
