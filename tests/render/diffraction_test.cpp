@@ -275,7 +275,7 @@ TEST(SceneEdges, PlacesHaveTheirDensity) {
     double sum = 0, even = 0, squares = 0, even_squares = 0;
     const auto light = [&](const EdgePoint& x) {
       const Vec3 to_a = a.p - x.on_edge(), to_b = lamp.is_infinite ? lamp.p : normalize(lamp.p - x.on_edge());
-      return double(mean(edges.kernel(x, -to_b, normalize(to_a), beams))) / length_squared(to_a);
+      return double(mean(edges.kernel(x, -to_b, normalize(to_a), beams, {}))) / length_squared(to_a);
     };
     for (int i = 0; i < n; ++i) {
       const float u[4] = {next(), next(), next(), next()};
@@ -361,8 +361,8 @@ TEST(SceneEdges, DirectionsHaveTheirDensityAndKIsReciprocal) {
         if (!direction) continue;
         EXPECT_NEAR(length(direction->d), 1, 1e-5);
         if (is_near(direction->d)) sampled += 1.0 / n;
-        const Spectrum there = edges.kernel(x, d_i, direction->d, beams),
-                       back = edges.kernel(x, -direction->d, -d_i, beams);
+        const Spectrum there = edges.kernel(x, d_i, direction->d, beams, {}),
+                       back = edges.kernel(x, -direction->d, -d_i, beams, {});
         if (i < 2000) {
           for (int k = 0; k < kWavelengths; ++k)
             EXPECT_NEAR(there[k], back[k], 1e-4 * std::abs(there[k]) + 1e-9f) << at;
@@ -390,7 +390,7 @@ TEST(SceneEdges, KOfAStraightEdgeIsKellers) {
     const double step = 1e-3;
     for (double s = -0.15; s < 0.15; s += step) {
       const Vec3 d = normalize(d_i * float(std::cos(theta)) + across * float(std::sin(theta)) + e * float(s));
-      sum += edges.kernel(x, d_i, d, beams) * float(step);
+      sum += edges.kernel(x, d_i, d, beams, {}) * float(step);
     }
     for (int k = 0; k < kWavelengths; ++k) {
       // 2 sin(theta/2) is the angle of the symmetric kernel.

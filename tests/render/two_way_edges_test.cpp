@@ -123,7 +123,7 @@ void expect_equal_from_both_ends(const std::string& scene, const Settings& setti
   const Mean off = luminance(scene, "path", n / 2, without);
   std::printf("  without diffraction %.6g +- %.2g\n", off.value, off.error);
   expect_equal("path, bdpt", path, both, 0.03);
-  expect_equal("ptracer, bdpt", light, both, 0.05);
+  expect_equal("ptracer, bdpt", light, both, 0.06);
   if (kSanitized) return;
   EXPECT_GT(testing::largest_difference(both.picture, off.picture), 6)
       << "there is no diffracted light to compare";

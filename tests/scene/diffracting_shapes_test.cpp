@@ -81,7 +81,7 @@ TEST(DiffractingShapes, StateOneWidthAndAFactor) {
     const EdgeLine line(s.edges()->index().edges()[0]);
     const EdgePoint x{&s.edges()->index().edges()[0], at, line.at(at), {}, 1};
     const Vec3 d{0, 0, -1}, across = cross(line.direction.to_float(), d);
-    return s.edges()->kernel(x, d, normalize(d + 0.05f * across), beams_of(s))[0];
+    return s.edges()->kernel(x, d, normalize(d + 0.05f * across), beams_of(s), {})[0];
   };
   for (const double at : {0.01, 1e-5}) {  // far from corners and beside one
     EXPECT_GT(std::abs(kernel(*plain, at)), 0);
@@ -140,7 +140,7 @@ double far_field(const SceneEdges& edges, const Vec3& d_i, const Vec3& d_o, cons
     const EdgeLine line(edge);
     for (const double at : {0.2113248654, 0.7886751346}) {
       EdgePoint x{&edge, at * line.length, line.at(at * line.length), {}, 1};
-      sum += 0.5 * line.length * edges.kernel(x, d_i, d_o, beams)[0];
+      sum += 0.5 * line.length * edges.kernel(x, d_i, d_o, beams, {})[0];
     }
   }
   return sum;

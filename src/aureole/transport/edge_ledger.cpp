@@ -127,7 +127,8 @@ Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& 
   double pdf = kLobe * a2 / (pi * (a2 + v) * (a2 + v)) * (a2 + 4) / 4;
   for (const MeshEdge* edge : near)
     pdf += (1 - kLobe) / double(near.size()) * edges.scatter_pdf(on(edge), d, out, beams);
-  return edges.kernel(x, d, out, beams) * float(1 / pdf);
+  const Vec2 drawn{random.next(), random.next()};
+  return edges.kernel(x, d, out, beams, drawn) * float(1 / pdf);
 }
 
 bool lends_light(const Scene& scene, const Vec3& y) {

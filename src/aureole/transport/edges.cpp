@@ -115,7 +115,7 @@ Spectrum EdgePaths::light_at(const Place& from, const EdgePoint& point, const Ve
   value *= reach(from, point);
   if (is_black(value)) return 0.f;
   value *= through(point, from.anchor, leaving(scene_, from, d), false, {wo, infinite}, &start, false);
-  return is_black(value) ? value : value * edges_.kernel(point, d, wo, beams_);
+  return is_black(value) ? value : value * kernel(point, d, wo);
 }
 
 Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens,
@@ -127,7 +127,7 @@ Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const V
   if (is_black(value)) return 0.f;
   const Anchor aperture = Anchor::in_space(seen->p);
   value *= through(point, from.anchor, leaving(scene_, from, d), false, {}, &aperture, hide_emitters_);
-  return is_black(value) ? value : value * edges_.kernel(point, d, seen->wo, beams_);
+  return is_black(value) ? value : value * kernel(point, d, seen->wo);
 }
 
 Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
@@ -160,7 +160,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
   value *= through(*point, Anchor::in_space(seen->p), flight, hide_emitters_, {wo, infinite}, &start, false);
-  return is_black(value) ? value : value * edges_.kernel(*point, -wo, seen->wo, beams_);
+  return is_black(value) ? value : value * kernel(*point, -wo, seen->wo);
 }
 
 bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,

@@ -175,9 +175,10 @@ public:
     return edges_.scatter_pdf(at.point, at.d, d, beams_);
   }
 
-  Spectrum kernel(const AtEdge& at, const Vec3& d) const { return edges_.kernel(at.point, at.d, d, beams_); }
+  /// Drawn by numbers of its own.
+  Spectrum kernel(const AtEdge& at, const Vec3& d) { return kernel(at.point, at.d, d); }
   /// K between an edge that a path has come to and a vertex of another one, `distance` from it; 0 where the vertex lies in the edge's beam.
-  Spectrum kernel_to(const AtEdge& at, const Vec3& d, const Vertex& vertex, float distance) const {
+  Spectrum kernel_to(const AtEdge& at, const Vec3& d, const Vertex& vertex, float distance) {
     if (vertex.is_passable()) return kernel(at, d);  // as where a path meets it: `AfterEdge` holds on
     const Spectrum far = SceneEdges::far_enough(distance, false, beams_);
     return is_black(far) ? far : far * kernel(at, d);
@@ -194,6 +195,9 @@ private:
     PathEnd guide;
     const float* lit;  ///< LitEdges
   };
+  Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {
+    return edges_.kernel(point, d_i, d_o, beams_, next2());
+  }
   /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are small enough.
   Spectrum reach(const Place& from, const EdgePoint& point) const;
   /// Of Russian roulette: 0 where it ends the path around that edge, else one over the probability that it does not.

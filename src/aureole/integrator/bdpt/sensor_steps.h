@@ -293,7 +293,7 @@ private:
   }
 
   /// An edge that the path has come to with the factor `value`, with a vertex of a path of light.
-  void connect_edge(int i, const EdgePaths& edges, const EdgePaths::AtEdge& at, const Spectrum& value,
+  void connect_edge(int i, EdgePaths& edges, const EdgePaths::AtEdge& at, const Spectrum& value,
                     const LightVertex& end) {
     const State& s = states_[i];
     if (!limits_.reaches(s.scattered + 2 + end.edges) || !techniques_.have(end.edges + 1, s.scattered + 2))

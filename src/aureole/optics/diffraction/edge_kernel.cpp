@@ -232,7 +232,58 @@ void mean_edge_kernels_of(std::span<const ProjectedEdge> edges, double at, doubl
   }
 }
 
+template <int N>
+void drawn_edge_kernels_of(std::span<const ProjectedEdge> edges, PlanePoint normal, double share, double turn,
+                           const double* k, const double* sigma, double* result) {
+  Lanes px[N], py[N], exponent[N], re[N], im[N];
+  for (int i = 0; i < N; ++i) {
+    const Lanes q = turn * load_lanes(k + i * kLanes), width = load_lanes(sigma + i * kLanes),
+                s = 0.5 / width;
+    px[i] = q + normal.x * s, py[i] = normal.y * s;
+    exponent[i] = 2 * q * q * width * width, re[i] = im[i] = Lanes{};
+  }
+  for (const ProjectedEdge& edge : edges) {
+    const double ex = 0.5 * (edge.to.x - edge.from.x), ey = 0.5 * (edge.to.y - edge.from.y);
+    if (ey == 0) continue;
+    const double mx = edge.from.x + ex, my = edge.from.y + ey;
+    for (int i = 0; i < N; ++i) {
+      Lanes sine, cosine, half_sine, half_cosine;
+      const Lanes half = px[i] * ex + py[i] * ey;
+      sine_cosine(px[i] * mx + py[i] * my, sine, cosine);
+      sine_cosine(half, half_sine, half_cosine);
+      const Lanes squared = half * half;
+      const Lanes wave = 2 * ey * (squared < 1e-8 ? 1 - squared * (1 / 6.0) : half_sine / half);
+      re[i] += wave * cosine, im[i] += wave * sine;
+    }
+  }
+  const double factor = share / (4 * pi * pi * turn * turn);
+  for (int i = 0; i < N; ++i) {
+    const Lanes chi_less_1 =
+        exponent[i] < 1e-5 ? exponent[i] - 0.5 * exponent[i] * exponent[i] : 1 - exp_minus(exponent[i]);
+    store_lanes(result + i * kLanes, factor * chi_less_1 * (re[i] * re[i] + im[i] * im[i]));
+  }
+}
+
 }  // namespace
+
+void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index, PlanePoint normal,
+                        double turn, std::span<const double> k, std::span<const double> sigma,
+                        std::span<double> result) {
+  // Of (m.q)^2, with q along x, the squared part across q of the length that is seen, over the squared length.
+  double own = 0, all = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (!(edges[i].length > 0)) continue;
+    const double across = (edges[i].to.y - edges[i].from.y) / edges[i].length;
+    all += across * across * edges[i].length;
+    if (i == index) own = across * across;
+  }
+  const double share = own > 0 ? own / all : 0;
+  std::size_t i = 0;
+  for (; i + 2 * kLanes <= k.size(); i += 2 * kLanes)
+    drawn_edge_kernels_of<2>(edges, normal, share, turn, &k[i], &sigma[i], &result[i]);
+  for (; i + kLanes <= k.size(); i += kLanes)
+    drawn_edge_kernels_of<1>(edges, normal, share, turn, &k[i], &sigma[i], &result[i]);
+}
 
 void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double turn,
                        std::span<const double> k, std::span<const double> sigma, std::span<double> result) {

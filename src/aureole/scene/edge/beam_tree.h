@@ -61,9 +61,11 @@ public:
     }
   }
 
-  /// Whether a box lies within that distance of a place.
-  bool any_within(const Vec3& p, float distance) const {
-    if (nodes_.empty()) return false;
+  /// Calls visit(item) for the items in leaves whose boxes lie within that distance of a box, for as long as it returns true; whether it
+  /// always did.
+  template <class Visit>
+  bool visit_within(const Bounds3& from, float distance, const Visit& visit) const {
+    if (nodes_.empty()) return true;
     std::array<std::uint32_t, kMostDepth> stack;
     std::size_t size = 0;
     stack[size++] = 0;
@@ -71,15 +73,20 @@ public:
       const Node& node = nodes_[stack[--size]];
       float squared = 0;
       for (int i = 0; i < 3; ++i) {
-        const float off = std::max({node.box.lower[i] - p[i], p[i] - node.box.upper[i], 0.f});
+        const float off =
+            std::max({node.box.lower[i] - from.upper[i], from.lower[i] - node.box.upper[i], 0.f});
         squared += off * off;
       }
       if (!(squared <= distance * distance)) continue;
-      if (node.count > 0) return true;
-      stack[size++] = node.first;
-      stack[size++] = node.first + 1;
+      if (node.count > 0) {
+        for (std::uint32_t i = 0; i < node.count; ++i)
+          if (!visit(items_[node.first + i])) return false;
+      } else {
+        stack[size++] = node.first;
+        stack[size++] = node.first + 1;
+      }
     }
-    return false;
+    return true;
   }
 
 private:

@@ -39,7 +39,15 @@ public:
   }
   /// False where no edge is within that distance of a place; seldom true where there is none.
   bool may_have_edge_within(const Vec3& p, float distance) const {
-    return edge_tree_.any_within(p, distance);
+    Bounds3 place;
+    place.extend(p);
+    return !visit_within(place, distance, [](std::uint32_t) { return false; });
+  }
+  /// Calls visit(number of an edge) for edges about within that distance of a box, all that are and some that are not, for as long as it
+  /// returns true; whether it always did.
+  template <class Visit>
+  bool visit_within(const Bounds3& box, float distance, const Visit& visit) const {
+    return edge_tree_.visit_within(box, distance, visit);
   }
   /// The same for faces, whichever side of them the light meets.
   template <class Visit>

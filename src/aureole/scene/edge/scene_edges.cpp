@@ -113,12 +113,13 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   if (width_.at(longest) < 0.5 * longest)
     throw BeamWidthError(
         "beams are narrower than half of the longest wavelength, which has no direction then");
-  widest_beam_ = float(width_.at(longest) / unit_m_);
   Bounds3 box;
   for (const ModelPart& part : parts.surfaces) box.extend(part.bounds());
   if (!box.empty()) diameter_ = length(box.diagonal());
+  widest_beam_ = float(width_.at(longest) / unit_m_);
   index_ = EdgeIndex(shapes.sets, EdgeIndex::Of::edges);
   tree_ = EdgeTree(index_.edges());
+  clusters_ = EdgeClusters(index_, float(kCoherent) * widest_beam_);
   lift_ = std::move(shapes.lift);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);
@@ -251,8 +252,8 @@ std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* 
   return point_on(edge, line, l, float(choice->probability * pdf));
 }
 
-Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o,
-                            const Beams& beams) const {
+Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams,
+                            Vec2 u) const {
   Double3 in = normalize(Double3(d_i)), out = normalize(Double3(d_o));
   const Double3 turn = out - in, sum = in + out;
   const double turn2 = dot(turn, turn), sum2 = dot(sum, sum);
@@ -260,6 +261,40 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
   const Double3 along = sum * (1 / std::sqrt(sum2));
   const Vec3 d = along.to_float();
   if (!point.edge->is_outline(d)) return 0.f;
+
+  double k[kWavelengths], sigma[kWavelengths], result[kWavelengths];
+  for (int i = 0; i < kWavelengths; ++i) k[i] = beams.k[i], sigma[i] = beams.sigma[i];
+  // In the plane across the mean direction, from the place on, with the light's turn along x. The obstacle is on the left of
+  // an edge where its first face is lit.
+  const Double3 x = turn * (1 / std::sqrt(turn2)), y = cross(along, x);
+  thread_local std::vector<optics::ProjectedEdge> projected;
+  projected.clear();
+  const auto add = [&](const MeshEdge& edge) {
+    const Double3 a = Double3(edge.a) - point.x, b = Double3(edge.b) - point.x;
+    const optics::PlanePoint from{dot(a, x), dot(a, y)}, to{dot(b, x), dot(b, y)};
+    const double size = length(b - a);
+    if (dot(edge.n0, d) < 0)
+      projected.push_back({from, to, size});
+    else
+      projected.push_back({to, from, size});
+  };
+  const double scale = scale_of(*point.edge);
+  const auto scaled = [&] { return make_spectrum([&](int i) { return float(scale * result[i]); }); };
+
+  const auto number = std::size_t(point.edge - index_.edges().data());
+  if (const auto cluster = clusters_.of(number); !cluster.empty()) {
+    std::size_t at = 0;
+    for (const std::uint32_t i : cluster) {
+      const MeshEdge& edge = index_.edges()[i];
+      if (!edge.is_outline(d)) continue;
+      if (i == number) at = projected.size();
+      add(edge);
+    }
+    const double radius = std::sqrt(-2 * std::log1p(-double(u.x))), phi = 2 * pi * u.y;
+    optics::drawn_edge_kernels(projected, at, {radius * std::cos(phi), radius * std::sin(phi)},
+                               std::sqrt(turn2), k, sigma, result);
+    return scaled();
+  }
 
   const EdgeLine own(*point.edge);
   const float radius = float(kCoherent * beams.widest), depth = float(kDepth * beams.widest);
@@ -271,8 +306,6 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
   });
   alone &= near.empty();
 
-  double k[kWavelengths], sigma[kWavelengths], result[kWavelengths];
-  for (int i = 0; i < kWavelengths; ++i) k[i] = beams.k[i], sigma[i] = beams.sigma[i];
   if (alone) {
     const Double3 across = own.direction - along * dot(own.direction, along);
     const double shown2 = dot(across, across);
@@ -290,26 +323,12 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     return make_spectrum([&](int i) { return float(result[i]); });
   }
 
-  // In the plane across the mean direction, from the place on, with the light's turn along x. The obstacle is on the left of
-  // an edge where its first face is lit.
-  const Double3 x = turn * (1 / std::sqrt(turn2)), y = cross(along, x);
-  thread_local std::vector<optics::ProjectedEdge> projected;
-  projected.clear();
-  const auto add = [&](const MeshEdge& edge) {
-    const Double3 a = Double3(edge.a) - point.x, b = Double3(edge.b) - point.x;
-    const optics::PlanePoint from{dot(a, x), dot(a, y)}, to{dot(b, x), dot(b, y)};
-    if (dot(edge.n0, d) < 0)
-      projected.push_back({from, to, own.length});
-    else
-      projected.push_back({to, from, own.length});
-  };
   add(*point.edge);
   for (const MeshEdge* edge : near) add(*edge);
   const bool left = dot(point.edge->n0, d) < 0;
   const double at = point.at / own.length;
   optics::mean_edge_kernels(projected, left ? at : 1 - at, std::sqrt(turn2), k, sigma, result);
-  const double scale = scale_of(*point.edge);
-  return make_spectrum([&](int i) { return float(scale * result[i]); });
+  return scaled();
 }
 
 Spectrum SceneEdges::far_enough(float distance, bool from_edge, const Beams& beams) {

@@ -13,6 +13,7 @@
 #include <unordered_set>
 
 #include "aureole/scene/edge/beam_width.h"
+#include "aureole/scene/edge/edge_clusters.h"
 #include "aureole/scene/edge/edge_index.h"
 #include "aureole/scene/edge/edge_tree.h"
 #include "aureole/scene/scene_parts.h"
@@ -82,8 +83,9 @@ public:
   static bool turns_around(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {
     return point.edge->is_outline(d_i + d_o);
   }
-  /// K, for unit directions of travel [unit of length of the scene per steradian].
-  Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams) const;
+  /// An unbiased estimate of K by two numbers, for unit directions of travel [unit of length of the scene per steradian]. It is K itself but
+  /// in clusters (edge_clusters.h).
+  Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams, Vec2 u) const;
 
   /// 1 where light of a wavelength that comes to an edge from a place at that distance is diffracted as K says, 0 where the place
   /// lies in the beam: a vertex within sigma; another edge as far as it interferes, which is in K already.
@@ -105,6 +107,7 @@ public:
   bool diffracts(const Shape& shape) const { return shapes_.contains(&shape); }
   const EdgeIndex& index() const { return index_; }
   const EdgeTree& tree() const { return tree_; }
+  const EdgeClusters& clusters() const { return clusters_; }
   bool empty() const { return tree_.empty(); }
   /// Remarks about the edges.
   const std::vector<std::string>& notes() const { return notes_; }
@@ -129,6 +132,7 @@ private:
   std::vector<std::string> notes_;
   EdgeIndex index_;
   EdgeTree tree_;
+  EdgeClusters clusters_;
 };
 
 }  // namespace aureole
