@@ -238,7 +238,7 @@ public:
       if (s.last || !vertex.is_smooth() || !limits_.reaches(s.depth + 3)) continue;
       Path& path = paths_[size_t(i)];
       EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kOther);
-      const Spectrum light = edges.from_light(EdgePaths::at_vertex(vertex, s.flight), s.is_lit,
+      const Spectrum light = edges.from_light(EdgePaths::at_vertex(vertex, s.flight), s.is_lit, left(s),
                                               [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
       path.result.estimate += s.density.contribution(light, path.wavelengths);
       if (log_.follows(i) && !is_black(light))
@@ -285,14 +285,19 @@ private:
   void go_on(int i, const Vertex& vertex, const Vec3& d) { vertex.leave(d, has_media(), states_[i].flight); }
   bool has_media() const { return kAny && scene_.has_media(); }
 
+  /// The part of the path's weight that is left.
+  static float left(const State& s) {
+    const float left = s.density.hero_symmetric_throughput() * s.eta2;
+    if constexpr (kAny) return left / s.whole;
+    return left;
+  }
+
   /// Roulette; false where the path ends.
   bool survives(int i) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
     if (s.depth >= limits_.roulette_depth) {
-      float left = s.density.hero_symmetric_throughput() * s.eta2;
-      if constexpr (kAny) left /= s.whole;
-      const float survival = std::min(PathLimits::most_survival(scene_, s.depth), left);
+      const float survival = std::min(PathLimits::most_survival(scene_, s.depth), left(s));
       if (!(get(path.samples, s.vertex, Choice::roulette) < survival)) return false;
       s.density.survive(survival);
     }
@@ -325,7 +330,7 @@ private:
       if (log_.follows(i)) log_edge(log_, s.depth, at.point.p);
       const auto kernel = [&](const Vec3& d) { return edges.kernel(at, d); };
       path.result.estimate +=
-          s.density.contribution(so_far * edges.from_light(at.place(), false, kernel), path.wavelengths);
+          s.density.contribution(so_far * edges.from_light(at.place(), false, 1, kernel), path.wavelengths);
     };
     if (!edges.leave(
             first, value, s.depth, [&](int n) { return limits_.reaches(n); }, see, s.density, s.flight,

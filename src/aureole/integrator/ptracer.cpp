@@ -158,7 +158,7 @@ public:
       Path& path = paths_[size_t(i)];
       EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kToSensor,
                       limits_.hide_emitters);
-      see_around_edge(i, edges, EdgePaths::at_vertex(vertex, s.flight), s.is_seen,
+      see_around_edge(i, edges, EdgePaths::at_vertex(vertex, s.flight), s.is_seen, left(s),
                       [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
     }
   }
@@ -293,23 +293,25 @@ private:
     vertex.leave(d, scene_.has_media(), states_[i].flight);
   }
 
+  /// The part of the light that is left.
+  static float left(const State& s) { return s.density.hero_symmetric_throughput() / s.whole; }
+
   /// Roulette; false where the path ends.
   bool survives(int i) {
     State& s = states_[i];
     if (s.scattered < limits_.roulette_depth) return true;
-    const float survival = std::min(PathLimits::most_survival(scene_, s.scattered),
-                                    s.density.hero_symmetric_throughput() / s.whole);
+    const float survival = std::min(PathLimits::most_survival(scene_, s.scattered), left(s));
     if (!(get(paths_[size_t(i)].samples, s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
     return true;
   }
 
   template <class Respond>
-  void see_around_edge(int i, EdgePaths& edges, const EdgePaths::Place& from, bool is_seen,
+  void see_around_edge(int i, EdgePaths& edges, const EdgePaths::Place& from, bool is_seen, float left,
                        const Respond& respond) {
     Vec2 film;
     const Vec2 lens = edges.next2();
-    const Spectrum seen = edges.to_sensor(from, is_seen, lens, respond, film);
+    const Spectrum seen = edges.to_sensor(from, is_seen, left, lens, respond, film);
     if (is_black(seen)) return;
     const Spectrum estimate = states_[i].density.reached(Weight(seen), 1, paths_[size_t(i)].wavelengths);
     splats_.push_back({i, film, estimate});
@@ -331,7 +333,7 @@ private:
     State& s = states_[i];
     const auto see = [&](const EdgePaths::AtEdge& at, const Spectrum& so_far) {
       if (log_.follows(i)) log_edge(log_, s.scattered, at.point.p);
-      see_around_edge(i, edges, at.place(), false,
+      see_around_edge(i, edges, at.place(), false, 1,
                       [&](const Vec3& d) { return so_far * edges.kernel(at, d); });
     };
     if (!edges.leave(

@@ -88,14 +88,15 @@ public:
 
   /// Light of a lamp that reaches `from` around one edge, scattered there by respond(d) -> Spectrum, d the direction to the edge;
   /// black where there is none. `is_lit`: light comes to that place without going around an edge, beside which little of that which does
-  /// is looked at seldom.
+  /// is looked at seldom. `left`: about the part of the path's weight that is left there; where it is little that is done as well.
   template <class Respond>
-  Spectrum from_light(const Place& from, bool is_lit, const Respond& respond) {
+  Spectrum from_light(const Place& from, bool is_lit, float left, const Respond& respond) {
     LampEnd lamp;
-    if (!choose_lamp(from.anchor.p, lamp)) return 0.f;
+    const float whole = looked_at(left);
+    if (whole == 0 || !choose_lamp(from.anchor.p, lamp)) return 0.f;
     const auto point = choose_between(from.anchor.p, lamp.guide, lamp.lit);
     if (!point) return 0.f;
-    const float part = looked_at(*point, is_lit);
+    const float part = whole * looked_at(*point, is_lit);
     if (part == 0) return 0.f;
     const Vec3 d = point->direction_from(from.anchor.p);
     const Spectrum response = respond(d) * part;
@@ -103,10 +104,13 @@ public:
   }
   /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`; `is_seen` as `is_lit`.
   template <class Respond>
-  Spectrum to_sensor(const Place& from, bool is_seen, Vec2 lens, const Respond& respond, Vec2& film) {
+  Spectrum to_sensor(const Place& from, bool is_seen, float left, Vec2 lens, const Respond& respond,
+                     Vec2& film) {
+    const float whole = looked_at(left);
+    if (whole == 0) return 0.f;
     const auto point = choose_between(from.anchor.p, PathEnd{sensor_guide(from.anchor.p, lens)});
     if (!point) return 0.f;
-    const float part = looked_at(*point, is_seen);
+    const float part = whole * looked_at(*point, is_seen);
     if (part == 0) return 0.f;
     const Vec3 d = point->direction_from(from.anchor.p);
     const Spectrum response = respond(d) * part;
@@ -206,6 +210,12 @@ private:
     constexpr float kMuch = 0.002f, kLeast = 0.25f;
     const float probability = std::clamp(point.part_of_direct / kMuch, kLeast, 1.f);
     return random_.next() < probability ? 1 / probability : 0;
+  }
+  /// The same for a path of which that part is left: each look costs as much, and its estimates are in proportion to that.
+  float looked_at(float left) {
+    constexpr float kLeast = 0.05f;
+    const float probability = std::clamp(left, kLeast, 1.f);
+    return probability == 1 || random_.next() < probability ? 1 / probability : 0;
   }
   bool choose_lamp(const Vec3& seen_from, LampEnd& lamp);
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
