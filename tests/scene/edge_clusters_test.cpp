@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/edge_clusters.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "aureole/transport/keyed_random.h"
+
+namespace aureole {
+namespace {
+
+struct Triangles {
+  std::vector<Vec3> positions;
+  std::vector<TriangleIndices> triangles;
+  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
+    const auto n = std::uint32_t(positions.size());
+    positions.insert(positions.end(), {a, b, c});
+    triangles.push_back({n, n + 1, n + 2});
+  }
+  /// A disc of n triangles about a point, with a rim of n edges.
+  void add_disc(const Vec3& center, float radius, int n) {
+    const auto rim = [&](int i) {
+      const float phi = 2 * std::numbers::pi_v<float> * float(i % n) / float(n);
+      return center + radius * Vec3{std::cos(phi), std::sin(phi), 0};
+    };
+    for (int i = 0; i < n; ++i) add(center, rim(i), rim(i + 1));
+  }
+  EdgeIndex index() const {
+    const TriangleSet set{positions, triangles};
+    return EdgeIndex({&set, 1}, EdgeIndex::Of::edges);
+  }
+};
+
+TEST(EdgeClusters, AreGroupsApartThatFitABeam) {
+  Triangles t;
+  t.add_disc({0, 0, 0}, 1, 20);    // a cluster
+  t.add_disc({100, 0, 0}, 1, 20);  // two that are near one another, together too long
+  t.add_disc({105, 0, 0}, 1, 20);
+  t.add_disc({200, 0, 0}, 1, 20);  // two that fit together
+  t.add_disc({202.5f, 0, 0}, 0.2f, 8);
+  t.add_disc({300, 0, 0}, 1, 5);   // too few edges
+  t.add_disc({400, 0, 0}, 1, 20);  // beside an edge that is too long
+  t.add({401, 10, 0}, {402, -10, 0}, {402, 10, 0});
+  const EdgeIndex index = t.index();
+  const EdgeClusters clusters(index, 3);
+  EXPECT_EQ(clusters.size(), 2u);
+  const auto& edges = index.edges();
+  std::size_t in_clusters = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const auto cluster = clusters.of(i);
+    const int place = int(std::lround(edges[i].a.x / 100));
+    EXPECT_EQ(cluster.size(), place == 0 ? 20u : place == 2 ? 28u : 0u) << edges[i].a.x;
+    if (cluster.empty()) continue;
+    ++in_clusters;
+    EXPECT_NE(std::find(cluster.begin(), cluster.end(), i), cluster.end());
+    for (const std::uint32_t other : cluster) EXPECT_EQ(int(std::lround(edges[other].a.x / 100)), place);
+  }
+  EXPECT_EQ(in_clusters, 48u);
+  EXPECT_EQ(EdgeClusters(index, 0.05f).size(), 0u);  // narrower than the discs
+  EXPECT_EQ(EdgeClusters(index, 1000).size(), 1u);   // all of them in one
+  EXPECT_TRUE(EdgeClusters().of(0).empty());
+}
+
+// No edge of a cluster has an edge of another group within the distance.
+TEST(EdgeClusters, HaveNoOthersNearby) {
+  KeyedRandom random(5);
+  Triangles t;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 p{24 * random.next(), 24 * random.next(), 24 * random.next()};
+    t.add_disc(p, 0.05f + 0.6f * random.next(), 6 + int(14 * random.next()));
+  }
+  const EdgeIndex index = t.index();
+  const float coherent = 1;
+  const EdgeClusters clusters(index, coherent);
+  EXPECT_GT(clusters.size(), 10u);
+  const auto& edges = index.edges();
+  std::size_t apart = 0;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const auto own = clusters.of(i);
+    apart += own.empty();
+    if (own.empty()) continue;
+    EXPECT_GE(own.size(), EdgeClusters::kFewest);
+    const std::set<std::uint32_t> members(own.begin(), own.end());
+    for (std::size_t j = 0; j < edges.size(); ++j) {
+      const float ends = std::min({length(edges[i].a - edges[j].a), length(edges[i].a - edges[j].b),
+                                   length(edges[i].b - edges[j].a), length(edges[i].b - edges[j].b)});
+      if (ends < coherent) {
+        EXPECT_TRUE(members.contains(std::uint32_t(j)));
+      }
+    }
+  }
+  EXPECT_GT(apart, 100u);
+}
+
+}  // namespace
+}  // namespace aureole
