@@ -5,12 +5,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <initializer_list>
 #include <numbers>
 #include <set>
 
 #include "aureole/loading/load.h"
+#include "aureole/optics/diffraction/edge_kernel.h"
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/transport/keyed_random.h"
+#include "harness/paths.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"
 
@@ -144,6 +148,81 @@ double far_field(const SceneEdges& edges, const Vec3& d_i, const Vec3& d_o, cons
     }
   }
   return sum;
+}
+
+/// Discs of 18 edges, of radius 20 um, at heights z [m], in beams of `sigma` micrometres.
+std::shared_ptr<const Scene> discs(std::initializer_list<double> heights, int sigma) {
+  const test::TemporaryFolder folder;
+  std::string shapes;
+  for (const double z : heights) {
+    const auto file = folder.path / (std::to_string(shapes.size()) + ".obj");
+    std::ofstream obj(file);
+    obj << "v 0 0 0\n";
+    for (int i = 0; i < 18; ++i)
+      obj << "v " << 20e-6 * std::cos(pi * i / 9) << " " << 20e-6 * std::sin(pi * i / 9) << " 0\n";
+    for (int i = 0; i < 18; ++i) obj << "f 1 " << i + 2 << " " << (i + 1) % 18 + 2 << "\n";
+    obj.close();
+    shapes += "<shape type=\"obj\"><string name=\"filename\" value=\"" + file.string() +
+              "\"/><transform name=\"to_world\"><translate z=\"" + std::to_string(z) +
+              "\"/></transform></shape>";
+  }
+  return load(scene_of(shapes, std::to_string(sigma) + "um")).scene;
+}
+
+// What a cluster sends is what its edges send in pairs, summed over them and in the mean over drawn numbers.
+TEST(EdgeClusters, SendWhatPairsOfEdgesDo) {
+  const auto scene = discs({0}, 15);
+  const SceneEdges& edges = *scene->edges();
+  ASSERT_EQ(edges.clusters().size(), 1u);
+  const auto beams = edges.beams(Wavelengths::at(scene->parts().context->grid, 550.f));
+  const double k = beams.k[0], sigma = beams.sigma[0];
+  for (const double theta : {0.01, 0.03, 0.1}) {
+    const Vec3 d_i = normalize(Vec3{0.3f, 0.1f, -1}), d_o = normalize(d_i + float(theta) * Vec3{0.2f, 1, 0});
+    const auto in_space = [](const Vec3& v) { return optics::SpaceVector{v.x, v.y, v.z}; };
+    const optics::ScatteringPlane plane(in_space(d_i), in_space(d_o), k);
+    std::vector<optics::ProjectedEdge> projected;
+    for (const MeshEdge& e : edges.index().edges())
+      projected.push_back(
+          {plane.project(in_space(e.a)), plane.project(in_space(e.b)), length(Double3(e.b) - Double3(e.a))});
+    double expected = 0;
+    for (std::size_t i = 0; i < projected.size(); ++i)
+      for (int n = 0; n < 40; ++n)
+        expected += projected[i].length / 40 *
+                    optics::mean_edge_kernel(projected, i, (n + 0.5) / 40, plane.q(), k, sigma);
+    KeyedRandom random(8);
+    double sum = 0, squares = 0;
+    const int draws = 4000;
+    for (int n = 0; n < draws; ++n) {
+      const Vec2 u{random.next(), random.next()};
+      double all = 0;
+      for (const MeshEdge& e : edges.index().edges())
+        all += EdgeLine(e).length * edges.kernel(edges.place_on(e, 0.3), d_i, d_o, beams, u)[0];
+      sum += all / draws, squares += all * all / draws;
+    }
+    const double error = std::sqrt((squares - sum * sum) / draws);
+    EXPECT_NEAR(sum, expected, 4 * error) << theta;
+    EXPECT_LT(error, 0.05 * expected) << theta;
+  }
+}
+
+// Edges farther behind one another than three sigma do not interfere: two discs send the light of each.
+TEST(EdgeClusters, AreFlat) {
+  const auto one = discs({0}, 15), two = discs({0, 75e-6}, 15);
+  EXPECT_EQ(two->edges()->clusters().size(), 0u);
+  const Vec3 d_i{0, 0, -1}, d_o = normalize(Vec3{0.02f, 0.01f, -1});
+  const auto sent = [&](const Scene& scene) {
+    const SceneEdges& edges = *scene.edges();
+    const auto beams = edges.beams(Wavelengths::at(scene.parts().context->grid, 550.f));
+    KeyedRandom random(2);
+    double sum = 0;
+    for (int n = 0; n < 6000; ++n) {
+      const Vec2 u{random.next(), random.next()};
+      for (const MeshEdge& e : edges.index().edges())
+        sum += EdgeLine(e).length * edges.kernel(edges.place_on(e, random.next()), d_i, d_o, beams, u)[0];
+    }
+    return sum;
+  };
+  EXPECT_NEAR(sent(*two) / sent(*one), 2, 0.1);
 }
 
 class RoundEdges : public ::testing::TestWithParam<const char*> {};

@@ -35,6 +35,8 @@ enum class Lobe : unsigned {
 constexpr Lobe operator|(Lobe a, Lobe b) { return Lobe(unsigned(a) | unsigned(b)); }
 constexpr Lobe operator&(Lobe a, Lobe b) { return Lobe(unsigned(a) & unsigned(b)); }
 constexpr bool has(Lobe set, Lobe flag) { return unsigned(set & flag) != 0; }
+/// Of light that passes as if nothing were there.
+inline constexpr Lobe kNullLobe = Lobe::delta | Lobe::null;
 
 struct BsdfContext {
   const Wavelengths& wavelengths;  ///< index 0 is the hero

@@ -67,6 +67,10 @@ struct Bounds3 {
   Vec3 center() const { return 0.5f * (lower + upper); }
   Vec3 diagonal() const { return upper - lower; }
 };
+/// The squared distance of two boxes, 0 where they overlap.
+inline float squared_distance(const Bounds3& a, const Bounds3& b) {
+  return length_squared(max(max(a.lower - b.upper, b.lower - a.upper), Vec3{}));
+}
 
 /// A right-handed orthonormal frame; local z is `n`.
 struct Frame {

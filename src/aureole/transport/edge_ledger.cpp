@@ -25,7 +25,7 @@ constexpr double kReach = 5;
 constexpr double kDepth = 3;
 /// Edges nearer than that, in sigma, are looked at where directions are chosen.
 constexpr float kNear = 7;
-/// Rays that look for a lit face beside an edge, at most. Wires that are met less often than that lend nothing.
+/// Rays that look for a lit face beside an edge, at most. Of wires that are met less often the estimate is cut.
 constexpr int kMostRays = 4096;
 
 /// Makes keys of its own from those of BSDFs.
@@ -51,7 +51,7 @@ const Surface* first_surface(const Scene& scene, Ray ray) {
   for (int i = 0; i < 16; ++i) {
     const auto point = scene.intersect(ray);
     if (!point) return nullptr;
-    if (point->surface->lobes != (Lobe::delta | Lobe::null)) return point->surface;
+    if (point->surface->lobes != kNullLobe) return point->surface;
     const float passed = length(point->p - ray.o);
     const Ray rest = Anchor::of(*point).leave(ray.d);
     ray = {rest.o, ray.d, ray.t_max - passed};
@@ -71,6 +71,8 @@ struct Stretch {
 double per_lit_face(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation,
                     KeyedRandom& random) {
   const auto depth = float(kDepth * deviation);
+  // Rays that begin as near as that must not begin behind the face by rounding.
+  if (!(depth > max_component(abs(x.p)) * gamma_bound(32))) return 0;
   if (first_surface(scene, {x.p, -d, depth})) return 0;
   Double3 s, t;
   make_basis(normalize(Double3(d)), s, t);
@@ -132,9 +134,10 @@ Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& 
 }
 
 bool lends_light(const Scene& scene, const Vec3& y) {
-  // sqrt(kReach^2 + kDepth^2)
-  constexpr auto kFarthest = float(5.84 * kSpread);
-  return scene.edges()->index().may_have_edge_within(y, kFarthest * scene.edges()->widest_beam());
+  constexpr double kFarthest = 5.84;
+  static_assert(kFarthest * kFarthest >= kReach * kReach + kDepth * kDepth);
+  return scene.edges()->index().may_have_edge_within(
+      y, float(kFarthest * kSpread) * scene.edges()->widest_beam());
 }
 
 Spectrum left_by_edges(const Scene& scene, const Vec3& y, const Vec3& d, const Wavelengths& w,

@@ -17,15 +17,16 @@ namespace aureole {
 
 /// False where D is 0 for light from all directions.
 bool lends_light(const Scene& scene, const Vec3& y);
-/// An unbiased estimate of 1 - D for a place of a surface that has edges (`Surface::lends`) and light that falls on it along `d`: 1 far from
-/// edges. It may be negative, and its mean is not. Equal keys give equal estimates.
+/// An unbiased estimate of 1 - D for a place of a surface that has edges (`Surface::lends`) and light that travels along the unit vector
+/// `d`: 1 far from edges. It may be negative, and its mean is not. Equal arguments give equal estimates.
 Spectrum left_by_edges(const Scene& scene, const Vec3& y, const Vec3& d, const Wavelengths& w,
                        std::uint32_t key);
 
-/// Its parts, for tests. An estimate of S at a place on an edge, for light along `d`.
+/// Its parts, for tests. An estimate of S [unit of length of the scene] at a place on an edge, for light that travels along `d`.
 Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d,
                        const SceneEdges::Beams& beams, class KeyedRandom& random);
-/// An unbiased estimate of 1/N for a Gaussian of that standard deviation; 0 where x itself is not lit.
+/// An estimate of 1/N, a number of 1 and more, for a Gaussian of that standard deviation [unit of length of the scene]; 0 where x itself is
+/// not lit.
 double per_lit_face(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation,
                     class KeyedRandom& random);
 

@@ -88,7 +88,7 @@ public:
 
   /// Light of a lamp that reaches `from` around one edge, scattered there by respond(d) -> Spectrum, d the direction to the edge;
   /// black where there is none. `is_lit`: light comes to that place without going around an edge, beside which little of that which does
-  /// is looked at seldom. `left`: about the part of the path's weight that is left there; where it is little that is done as well.
+  /// is looked at seldom. `left`: about the part of the path's weight that is left there, which is the probability of looking.
   template <class Respond>
   Spectrum from_light(const Place& from, bool is_lit, float left, const Respond& respond) {
     LampEnd lamp;
@@ -211,7 +211,7 @@ private:
     const float probability = std::clamp(point.part_of_direct / kMuch, kLeast, 1.f);
     return random_.next() < probability ? 1 / probability : 0;
   }
-  /// The same for a path of which that part is left: each look costs as much, and its estimates are in proportion to that.
+  /// The same with that probability, but seldom to never: all looks cost the same, and those of faint paths add little.
   float looked_at(float left) {
     constexpr float kLeast = 0.05f;
     const float probability = std::clamp(left, kLeast, 1.f);

@@ -3,7 +3,10 @@
 // these functions; none names a concrete plug-in.
 #pragma once
 
+#include <bit>
+
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/core/random.h"
 #include "aureole/scene/surface.h"
 #include "aureole/spectrum/path_density.h"
 #include "aureole/transport/anchor.h"
@@ -131,10 +134,9 @@ public:
     // Light that paths from the sensor look for comes along -d, each with numbers of its own.
     if (context_.mode == TransportMode::importance)
       return aureole::left_by_edges(scene, point_.p, -to_previous_, context_.wavelengths, context_.key);
-    std::uint32_t key = context_.key;
-    for (int i = 0; i < 3; ++i)
-      key = std::uint32_t(mix_bits(key ^ (std::uint64_t(std::bit_cast<std::uint32_t>(d[i])) << 32)));
-    return aureole::left_by_edges(scene, point_.p, -d, context_.wavelengths, key);
+    std::uint64_t key = context_.key;
+    for (int i = 0; i < 3; ++i) key = combine_bits(key, std::bit_cast<std::uint32_t>(d[i]));
+    return aureole::left_by_edges(scene, point_.p, -d, context_.wavelengths, std::uint32_t(key));
   }
 
 private:

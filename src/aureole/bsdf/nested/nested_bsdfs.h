@@ -10,8 +10,6 @@
 
 namespace aureole {
 
-inline constexpr Lobe kNullLobe = Lobe::delta | Lobe::null;
-
 /// A sample that passes straight through; `mass` is both its probability and the fraction of the light.
 inline BsdfSample null_sample(const Vec3& wi, float mass) { return {-wi, mass, mass, kNullLobe}; }
 

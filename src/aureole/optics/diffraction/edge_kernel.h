@@ -93,12 +93,12 @@ double mean_edge_kernel(std::span<const ProjectedEdge> edges, std::size_t index,
 void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double turn,
                        std::span<const double> k, std::span<const double> sigma, std::span<double> result);
 
-/// An unbiased estimate of K on an edge of a group that lies within about one beam, in a time that grows with the number of edges and not
+/// K on an edge of a group that lies within about one beam, by a drawn wave vector, in a time that grows with the number of edges and not
 /// with that of their pairs: coherence exp(-r^2/(8 sigma^2)) is the mean of cos(s.r) over wave vectors s with the standard deviation
 /// 1/(2 sigma), so that with one of these
 ///   K = (k/2 pi)^2 (1 - chi)/q^4 W |sum over edges of (m_l.q) integral exp(i (q + s).x') dl'|^2,   W = w_j/(sum of w_l length_l),
-/// w_j = (m_j.q)^2 over the square of the length of the edge seen: what all edges send, divided among them by the light that each would send
-/// alone. It is never negative. `index`: of the edge; `normal`: two independent numbers of the standard normal distribution, which are s
+/// w_j = (m_j.q)^2 for the normal m_j per length in space: what all edges send, divided among them by the light that each would send alone.
+/// Summed over the edges it has the mean that `mean_edge_kernel` has, and it is never negative. `index`: of the edge; `normal`: two independent numbers of the standard normal distribution, which are s
 /// times 2 sigma; the rest as above.
 void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index, PlanePoint normal,
                         double turn, std::span<const double> k, std::span<const double> sigma,

@@ -71,13 +71,7 @@ public:
     stack[size++] = 0;
     while (size > 0) {
       const Node& node = nodes_[stack[--size]];
-      float squared = 0;
-      for (int i = 0; i < 3; ++i) {
-        const float off =
-            std::max({node.box.lower[i] - from.upper[i], from.lower[i] - node.box.upper[i], 0.f});
-        squared += off * off;
-      }
-      if (!(squared <= distance * distance)) continue;
+      if (!(squared_distance(node.box, from) <= distance * distance)) continue;
       if (node.count > 0) {
         for (std::uint32_t i = 0; i < node.count; ++i)
           if (!visit(items_[node.first + i])) return false;

@@ -74,7 +74,7 @@ DiffractingShapes::DiffractingShapes(const SceneParts& parts) {
 }
 
 void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, const Instance* instance) {
-  if (bsdf.lobes() == (Lobe::delta | Lobe::null)) return;
+  if (bsdf.lobes() == kNullLobe) return;
   const EdgeDiffraction* mark = only_marked_ ? edge_diffraction_of(bsdf) : nullptr;
   if (only_marked_ && !(mark && mark->is_enabled() && mark->scale() > 0)) return;
   const float factor = mark ? mark->scale() : 1.f;

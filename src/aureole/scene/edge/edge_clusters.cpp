@@ -6,13 +6,39 @@
 namespace aureole {
 namespace {
 
-/// Larger groups are no clusters; looking for one ends there, so that the time does not grow with the square of the number of edges.
-constexpr std::size_t kMostEdges = 4096;
+/// Larger groups are no clusters; looking for one ends there, since each of its edges meets all others.
+constexpr std::size_t kMostEdges = 1024;
+
+/// Of a flat group, over its length.
+constexpr float kThickest = 0.1f;
 
 Bounds3 box_of(const MeshEdge& edge) {
   Bounds3 box;
   box.extend(edge.a), box.extend(edge.b);
   return box;
+}
+
+/// About how far the edges leave the plane of three of their corners that lie far apart.
+float thickness(const std::vector<MeshEdge>& edges, const std::vector<std::uint32_t>& group) {
+  const auto farthest = [&](const auto& distance) {
+    Vec3 best = edges[group[0]].a;
+    for (const std::uint32_t i : group)
+      for (const Vec3& p : {edges[i].a, edges[i].b})
+        if (distance(p) > distance(best)) best = p;
+    return best;
+  };
+  const Vec3 first = edges[group[0]].a;
+  const Vec3 a = farthest([&](const Vec3& p) { return length_squared(p - first); });
+  const Vec3 b = farthest([&](const Vec3& p) { return length_squared(p - a); });
+  const Vec3 c = farthest([&](const Vec3& p) { return length_squared(cross(p - a, b - a)); });
+  const Vec3 n = cross(b - a, c - a);
+  if (!(length_squared(n) > 0)) return 0;
+  const Vec3 normal = normalize(n);
+  float low = 0, high = 0;
+  for (const std::uint32_t i : group)
+    for (const Vec3& p : {edges[i].a, edges[i].b})
+      low = std::min(low, dot(p - a, normal)), high = std::max(high, dot(p - a, normal));
+  return high - low;
 }
 
 }  // namespace
@@ -34,8 +60,9 @@ EdgeClusters::EdgeClusters(const EdgeIndex& index, float coherent) {
     bool fits = length(box.diagonal()) <= longest;
     for (std::size_t i = 0; fits && i < group.size(); ++i)
       fits = index.visit_within(box_of(edges[group[i]]), coherent, [&](std::uint32_t other) {
-        // What is settled lies farther away: else it would have found this edge.
-        if (states[other] == present || states[other] == settled) return true;
+        if (states[other] == present ||
+            squared_distance(box_of(edges[other]), box_of(edges[group[i]])) > coherent * coherent)
+          return true;
         // An edge of a group that is too large or too long belongs to that.
         if (states[other] == apart || group.size() == kMostEdges) return false;
         states[other] = present;
@@ -43,7 +70,8 @@ EdgeClusters::EdgeClusters(const EdgeIndex& index, float coherent) {
         box.extend(box_of(edges[other]));
         return length(box.diagonal()) <= longest;
       });
-    const bool is_cluster = fits && group.size() >= kFewest;
+    const bool is_cluster =
+        fits && group.size() >= kFewest && thickness(edges, group) <= kThickest * length(box.diagonal());
     for (const std::uint32_t i : group) states[i] = fits ? settled : apart;
     if (!is_cluster) continue;
     std::sort(group.begin(), group.end());

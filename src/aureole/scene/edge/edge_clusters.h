@@ -13,8 +13,9 @@ namespace aureole {
 class EdgeClusters {
 public:
   EdgeClusters() = default;
-  /// Edges that lie within `coherent` of one another belong together, by way of others, too. A cluster has at least kFewest of them
-  /// and is no longer than twice that distance; its edges are those that only it has nearby.
+  /// Edges that lie within `coherent` of one another belong together, by way of others, too, by their boxes. A cluster has at least
+  /// kFewest of them, is no longer than twice that distance and is flat, so that no edge lies behind another one; no edge outside it
+  /// lies within the distance of one inside.
   EdgeClusters(const EdgeIndex& index, float coherent);
 
   /// The pairs of fewer edges cost little, and drawn wave vectors have noise of their own.

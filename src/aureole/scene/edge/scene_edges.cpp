@@ -137,7 +137,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
 }
 
 void SceneEdges::remark_crowds() {
-  // Every sample looks at all edges within its beam, in time that grows with the square of their number.
+  // Every sample looks at all edges within its beam; clusters need little time for it.
   constexpr std::size_t kPlaces = 64, kCrowd = 500;
   const std::vector<MeshEdge>& edges = index_.edges();
   const double metres = 1e-9 * 0.5 * (shortest_nm_ + longest_nm_);
@@ -145,7 +145,9 @@ void SceneEdges::remark_crowds() {
              depth = radius * float(kDepth / kCoherent);
   std::size_t most = 0;
   for (std::size_t i = 0; i < std::min(kPlaces, edges.size()); ++i) {
-    const MeshEdge& edge = edges[i * edges.size() / std::min(kPlaces, edges.size())];
+    const std::size_t number = i * edges.size() / std::min(kPlaces, edges.size());
+    if (!clusters_.of(number).empty()) continue;
+    const MeshEdge& edge = edges[number];
     const Vec3 along = normalize(edge.b - edge.a);
     Vec3 d = edge.is_boundary ? edge.n0 : cross(along, edge.n0 + edge.n1);
     if (!(length_squared(d) > 0)) d = edge.n0;

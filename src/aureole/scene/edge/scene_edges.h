@@ -83,8 +83,9 @@ public:
   static bool turns_around(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {
     return point.edge->is_outline(d_i + d_o);
   }
-  /// An unbiased estimate of K by two numbers, for unit directions of travel [unit of length of the scene per steradian]. It is K itself but
-  /// in clusters (edge_clusters.h).
+  /// K by two numbers, for unit directions of travel [unit of length of the scene per steradian]: `mean_edge_kernel` outside clusters
+  /// (edge_clusters.h), where the numbers have no effect; within one `drawn_edge_kernels`, whose sum over the cluster has the same mean, and
+  /// which divides it among the edges in another way.
   Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams, Vec2 u) const;
 
   /// 1 where light of a wavelength that comes to an edge from a place at that distance is diffracted as K says, 0 where the place
