@@ -4,7 +4,7 @@
 
 namespace aureole {
 
-/// For -1 < x < 1.
-double erf_inverse(double x);
+/// x of the density exp(-x^2) between two limits, of which `low` and `high` are the error functions; u in [0, 1).
+double sample_between(double low, double high, double u);
 
 }  // namespace aureole

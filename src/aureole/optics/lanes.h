@@ -82,5 +82,7 @@ inline Lanes exp_minus(const Lanes& x) {
   std::memcpy(&e, &bits, sizeof e);
   return x < 700.0 ? e : Lanes{};
 }
+/// 1 - exp(-x) for x >= 0.
+inline Lanes one_less_exp_minus(const Lanes& x) { return x < 1e-5 ? x - 0.5 * x * x : 1 - exp_minus(x); }
 
 }  // namespace aureole::optics

@@ -185,8 +185,8 @@ Spectrum left_by_edges(const Scene& scene, const Vec3& y, const Vec3& d, const W
   for (; i + 1 < stretches.size() && rest >= stretches[i].mass; ++i) rest -= stretches[i].mass;
   const Stretch& s = stretches[i];
   const EdgeLine line(*s.edge);
-  const double z = std::clamp(s.low + random.next() * (s.high - s.low), -1 + 1e-15, 1 - 1e-15);
-  const double at = std::clamp(s.middle + erf_inverse(z) * std::numbers::sqrt2 / s.shown, 0.0, line.length);
+  const double z = sample_between(s.low, s.high, random.next());
+  const double at = std::clamp(s.middle + z * std::numbers::sqrt2 / s.shown, 0.0, line.length);
   const EdgePoint x = edges.place_on(*s.edge, at / line.length);
   const double per_face = per_lit_face(scene, x, d, deviation, random);
   if (!(per_face > 0)) return 1.f;

@@ -227,7 +227,7 @@ void mean_edge_kernels_of(std::span<const ProjectedEdge> edges, double at, doubl
   const double factor = 0.5 * std::sqrt(pi) * vy / (own.length * 4 * pi * pi * turn * turn);
   for (int i = 0; i < N; ++i) {
     const Lanes exponent = along[i] * along[i];  // 2 sigma^2 q^2
-    const Lanes chi_less_1 = exponent < 1e-5 ? exponent - 0.5 * exponent * exponent : 1 - exp_minus(exponent);
+    const Lanes chi_less_1 = one_less_exp_minus(exponent);
     store_lanes(result + i * kLanes, factor * chi_less_1 * sum[i]);
   }
 }
@@ -258,8 +258,7 @@ void drawn_edge_kernels_of(std::span<const ProjectedEdge> edges, PlanePoint norm
   }
   const double factor = share / (4 * pi * pi * turn * turn);
   for (int i = 0; i < N; ++i) {
-    const Lanes chi_less_1 =
-        exponent[i] < 1e-5 ? exponent[i] - 0.5 * exponent[i] * exponent[i] : 1 - exp_minus(exponent[i]);
+    const Lanes chi_less_1 = one_less_exp_minus(exponent[i]);
     store_lanes(result + i * kLanes, factor * chi_less_1 * (re[i] * re[i] + im[i] * im[i]));
   }
 }

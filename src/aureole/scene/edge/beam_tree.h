@@ -44,34 +44,40 @@ public:
   /// does. O(log n + k) for beams that are short against the scene; allocates nothing.
   template <class Visit>
   void visit(const Beam& beam, const Visit& visit) const {
-    if (nodes_.empty()) return;
     const Vec3 inverse{1 / beam.d.x, 1 / beam.d.y, 1 / beam.d.z};
-    std::array<std::uint32_t, kMostDepth> stack;
-    std::size_t size = 0;
-    stack[size++] = 0;
-    while (size > 0) {
-      const Node& node = nodes_[stack[--size]];
-      if (!node.cone.straddles(beam.d) || !meets(node.box, beam, inverse)) continue;
-      if (node.count > 0) {
-        for (std::uint32_t i = 0; i < node.count; ++i) visit(items_[node.first + i]);
-      } else {
-        stack[size++] = node.first;
-        stack[size++] = node.first + 1;
-      }
-    }
+    descend([&](const Node& node) { return node.cone.straddles(beam.d) && meets(node.box, beam, inverse); },
+            [&](std::uint32_t item) {
+              visit(item);
+              return true;
+            });
   }
 
   /// Calls visit(item) for the items in leaves whose boxes lie within that distance of a box, for as long as it returns true; whether it
   /// always did.
   template <class Visit>
   bool visit_within(const Bounds3& from, float distance, const Visit& visit) const {
+    return descend([&](const Node& node) { return squared_distance(node.box, from) <= distance * distance; },
+                   visit);
+  }
+
+private:
+  static constexpr std::size_t kMostDepth = 96;
+  struct Node {
+    Bounds3 box;
+    NormalCone cone;
+    std::uint32_t first = 0, count = 0;  ///< items, or count 0 and the first of two children
+  };
+
+  /// Calls visit(item) for the items of all leaves that enters(node) leads to, for as long as it returns true; whether it always did.
+  template <class Enters, class Visit>
+  bool descend(const Enters& enters, const Visit& visit) const {
     if (nodes_.empty()) return true;
     std::array<std::uint32_t, kMostDepth> stack;
     std::size_t size = 0;
     stack[size++] = 0;
     while (size > 0) {
       const Node& node = nodes_[stack[--size]];
-      if (!(squared_distance(node.box, from) <= distance * distance)) continue;
+      if (!enters(node)) continue;
       if (node.count > 0) {
         for (std::uint32_t i = 0; i < node.count; ++i)
           if (!visit(items_[node.first + i])) return false;
@@ -82,14 +88,6 @@ public:
     }
     return true;
   }
-
-private:
-  static constexpr std::size_t kMostDepth = 96;
-  struct Node {
-    Bounds3 box;
-    NormalCone cone;
-    std::uint32_t first = 0, count = 0;  ///< items, or count 0 and the first of two children
-  };
 
   /// A box and its number: they are sorted in place, so that a node's lie beside one another in memory.
   struct Item;

@@ -44,9 +44,7 @@ public:
   double sample(double u, double v) const {
     if (u < share_) {
       const double scale = std::numbers::sqrt2 * deviation_;
-      return std::clamp(
-          middle_ + scale * erf_inverse(std::clamp(low_ + v * (high_ - low_), -1 + 1e-15, 1 - 1e-15)), 0.0,
-          length_);
+      return std::clamp(middle_ + scale * sample_between(low_, high_, v), 0.0, length_);
     }
     u = (u - share_) / (1 - share_);
     const double ends = end_share_ / (1 - share_);
@@ -319,7 +317,7 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     for (int i = 0; i < kWavelengths; i += optics::kLanes) {
       const optics::Lanes width = optics::load_lanes(sigma + i), s = optics::load_lanes(k + i) * width,
                           exponent = 2 * s * s, lobe = exponent * turn2;
-      const optics::Lanes beyond = lobe < 1e-5 ? lobe - 0.5 * lobe * lobe : 1 - optics::exp_minus(lobe);
+      const optics::Lanes beyond = optics::one_less_exp_minus(lobe);
       optics::store_lanes(result + i, factor * width * beyond * optics::exp_minus(exponent * along_edge2));
     }
     return make_spectrum([&](int i) { return float(result[i]); });
