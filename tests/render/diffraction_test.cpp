@@ -313,8 +313,9 @@ TEST(SceneEdges, ThoseInShadowAreSeldomChosen) {
                          "shadow.xml")
                          .scene;
   const Light& lamp = scene->emitters().front();
-  const float* lit = scene->lit_edges().from(lamp, 0);
-  ASSERT_TRUE(lit);
+  const LitEdges::Lamp* known = scene->lit_edges().from(lamp, 0);
+  ASSERT_NE(known, nullptr);
+  const float* lit = known->lit.data();
   KeyedRandom random(1);
   int chosen[2] = {};
   for (int i = 0; i < 20000; ++i) {

@@ -9,6 +9,8 @@
 #include <set>
 #include <tuple>
 
+#include "aureole/scene/edge/edge_distance.h"
+
 namespace aureole {
 namespace {
 
@@ -301,6 +303,40 @@ TEST(EdgeIndex, OutlinesOfASphere) {
     EXPECT_LT(count, 1000u);
     EXPECT_GT(length_of_outline, 6.2);
   }
+}
+
+TEST(EdgeDistance, IsNeverAboveTheDistanceOfTheNearestEdge) {
+  Random random;
+  Triangles soup;
+  for (int i = 0; i < 30; ++i) {
+    const Vec3 p = random.point();
+    for (int j = 0; j < 3; ++j) soup.positions.push_back(p + (i % 10 ? 0.1f : 1.5f) * random.point());
+    const auto n = std::uint32_t(3 * i);
+    soup.triangles.push_back({n, n + 1, n + 2});
+  }
+  const TriangleSet set = soup;
+  const EdgeIndex index(std::span(&set, 1));
+  const EdgeDistance distance(index);
+  double told = 0, all = 0;
+  int within = 0;
+  for (int trial = 0; trial < 600; ++trial) {
+    const Vec3 p = (trial % 3 ? 1.f : 4.f) * random.point();  // some outside
+    // By fine steps along the edges.
+    double nearest = INFINITY;
+    for (const MeshEdge& e : index.edges())
+      for (int i = 0; i <= 500; ++i)
+        nearest = std::min(nearest, double(length(p - (e.a + (e.b - e.a) * (float(i) / 500)))));
+    EXPECT_LE(distance.at_least(p), nearest);
+    const float reach = 0.05f + 0.3f * float(trial % 7);
+    if (std::abs(nearest - reach) > 0.01) {
+      EXPECT_EQ(index.has_edge_within(p, reach), nearest < reach);
+      within += nearest < reach;
+    }
+    if (trial % 3) told += distance.at_least(p), all += nearest;
+  }
+  EXPECT_GT(told, 0.3 * all);
+  EXPECT_GT(within, 60);
+  EXPECT_EQ(EdgeDistance(EdgeIndex()).at_least({}), kInfinity);
 }
 
 TEST(EdgeIndex, OfNothingFindsNothing) {

@@ -136,8 +136,7 @@ Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& 
 bool lends_light(const Scene& scene, const Vec3& y) {
   constexpr double kFarthest = 5.84;
   static_assert(kFarthest * kFarthest >= kReach * kReach + kDepth * kDepth);
-  return scene.edges()->index().may_have_edge_within(
-      y, float(kFarthest * kSpread) * scene.edges()->widest_beam());
+  return scene.edges()->are_within(float(kFarthest * kSpread) * scene.edges()->widest_beam(), y);
 }
 
 Spectrum left_by_edges(const Scene& scene, const Vec3& y, const Vec3& d, const Wavelengths& w,

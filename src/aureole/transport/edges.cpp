@@ -51,14 +51,23 @@ Spectrum EdgePaths::reach(const Place& from, const EdgePoint& point) const {
   return SceneEdges::far_enough(std::sqrt(d2), !from.vertex, beams_) * (1 / (point.pdf * d2));
 }
 
-bool EdgePaths::choose_lamp(const Vec3& seen_from, LampEnd& lamp) {
+bool EdgePaths::choose_lamp(LampEnd& lamp) {
   const auto choice = scene_.lights().choose_by_power(next2());
   if (!choice || !(choice->probability > 0)) return false;
   lamp.light = choice->light, lamp.part = choice->part, lamp.probability = choice->probability;
   lamp.u = next2();
-  lamp.lit = scene_.lit_edges().from(*lamp.light, lamp.part);
-  // The point of the light is chosen again as seen from the edge, by the same numbers: what is known of it before only
-  // guides the choice of an edge.
+  if (const LitEdges::Lamp* known = scene_.lit_edges().from(*lamp.light, lamp.part))
+    lamp.lit = known->lit.data(), lamp.per_distance = 1 / known->nearest;
+  else
+    lamp.lit = nullptr,
+    lamp.per_distance = lamp.light->is_infinite()
+                            ? 0.f
+                            : edges_.per_distance(lamp.light->emission_bounds(lamp.part).box.center());
+  return true;
+}
+
+bool EdgePaths::find_guide(const Vec3& seen_from, LampEnd& lamp) const {
+  // The point of the light is chosen again as seen from the edge, by the same numbers.
   if (const auto s = lamp.light->sample_direct(seen_from, lamp.part, lamp.u, w_); s && s->pdf > 0) {
     lamp.guide = s->infinite ? PathEnd{s->wo, true} : PathEnd{s->p};
     return true;
@@ -133,7 +142,10 @@ Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const V
 Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
-  float part = 1;
+  LampEnd lamp;
+  if (!choose_lamp(lamp)) return 0.f;
+  float part = looked_for(eye, lamp);
+  if (part == 0 || !find_guide(eye, lamp)) return 0.f;
   {
     constexpr float kUnseen = 0.25f;
     const float u[3] = {random_.next(), random_.next(), random_.next()};
@@ -141,11 +153,9 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
     const auto seen = point ? scene_.sensor().sample_direct(point->on_edge(), lens) : std::nullopt;
     if (!seen || !(seen->importance > 0)) {
       if (random_.next() >= kUnseen) return 0.f;
-      part = 1 / kUnseen;
+      part *= 1 / kUnseen;
     }
   }
-  LampEnd lamp;
-  if (!choose_lamp(eye, lamp)) return 0.f;
   const auto point = choose_between(eye, lamp.guide, lamp.lit);
   if (!point) return 0.f;
   const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);
@@ -174,13 +184,15 @@ bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d,
 bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& film) {
   // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
+  const float begins = begun_from(eye);
+  if (begins == 0) return false;
   const float u[3] = {random_.next(), random_.next(), random_.next()};
   const auto point = edges_.choose_from({eye}, u);
   if (!point || !(point->pdf > 0)) return false;
   const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);
   if (!seen || !(seen->importance > 0)) return false;
   film = seen->film;
-  value = seen->importance / point->pdf;
+  value = seen->importance * begins / point->pdf;
   Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
   return arrive({Anchor::in_space(seen->p), &flight}, *point, -seen->wo, hide_emitters_, value, out);
@@ -188,14 +200,16 @@ bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& f
 
 bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   LampEnd lamp;
-  if (!choose_lamp(scene_.bounds().center(), lamp)) return false;
+  if (!choose_lamp(lamp) || !find_guide(scene_.bounds().center(), lamp)) return false;
+  const float begins = lamp.guide.is_infinite ? 1.f : begun_from(lamp.guide.p);
+  if (begins == 0) return false;
   const float u[3] = {random_.next(), random_.next(), random_.next()};
   const auto point = edges_.choose_from(lamp.guide, u, nullptr, lamp.lit);
   if (!point || !(point->pdf > 0)) return false;
   Anchor start;
   Vec3 wo;
   bool infinite;
-  value = lit(*point, lamp, start, wo, infinite) * (1 / point->pdf);
+  value = lit(*point, lamp, start, wo, infinite) * (begins / point->pdf);
   if (is_black(value)) return false;
   out.point = *point, out.d = -wo;
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);

@@ -47,7 +47,7 @@ public:
   static constexpr float kToNextEdge = 0.25f;
   /// Probability of leaving a vertex for an edge: seldom where edges are far or beams narrow.
   static float to_edge(const Scene& scene, const Vec3& p, const Wavelengths& w) {
-    return std::clamp(8 * scene.edges()->seen_from(p, scene.edges()->beams(w)), 1 / 16.f, 0.25f);
+    return std::clamp(8 * scene.edges()->seen_from(p, scene.edges()->beams(w)), 1 / 64.f, 0.25f);
   }
 
   EdgePaths(const Scene& scene, const Wavelengths& w, std::uint32_t key, bool hide_emitters = false)
@@ -92,8 +92,10 @@ public:
   template <class Respond>
   Spectrum from_light(const Place& from, bool is_lit, float left, const Respond& respond) {
     LampEnd lamp;
-    const float whole = looked_at(left);
-    if (whole == 0 || !choose_lamp(from.anchor.p, lamp)) return 0.f;
+    float whole = looked_at(left);
+    if (whole == 0 || !choose_lamp(lamp)) return 0.f;
+    whole *= looked_for(from.anchor.p, lamp);
+    if (whole == 0 || !find_guide(from.anchor.p, lamp)) return 0.f;
     const auto point = choose_between(from.anchor.p, lamp.guide, lamp.lit);
     if (!point) return 0.f;
     const float part = whole * looked_at(*point, is_lit);
@@ -106,9 +108,12 @@ public:
   template <class Respond>
   Spectrum to_sensor(const Place& from, bool is_seen, float left, Vec2 lens, const Respond& respond,
                      Vec2& film) {
-    const float whole = looked_at(left);
+    float whole = looked_at(left);
     if (whole == 0) return 0.f;
-    const auto point = choose_between(from.anchor.p, PathEnd{sensor_guide(from.anchor.p, lens)});
+    const Vec3 eye = sensor_guide(from.anchor.p, lens);
+    whole *= looked_for(from.anchor.p, edges_.per_distance(eye));
+    if (whole == 0) return 0.f;
+    const auto point = choose_between(from.anchor.p, PathEnd{eye});
     if (!point) return 0.f;
     const float part = whole * looked_at(*point, is_seen);
     if (part == 0) return 0.f;
@@ -196,28 +201,45 @@ private:
     std::size_t part;
     float probability;
     Vec2 u;
-    PathEnd guide;
-    const float* lit;  ///< LitEdges
+    float per_distance;  ///< one over that from edges
+    const float* lit;    ///< LitEdges
+    PathEnd guide{};     ///< see `find_guide`
   };
   Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {
     return edges_.kernel(point, d_i, d_o, beams_, next2());
   }
   /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are small enough.
   Spectrum reach(const Place& from, const EdgePoint& point) const;
-  /// Of Russian roulette: 0 where it ends the path around that edge, else one over the probability that it does not.
+  /// 0 where it ends a path, else one over the probability that it does not.
+  float roulette(float probability) {
+    return probability == 1 || random_.next() < probability ? 1 / probability : 0;
+  }
+  /// Of roulette for the path around that edge.
   float looked_at(const EdgePoint& point, bool is_beside_direct) {
     if (!is_beside_direct) return 1;
     constexpr float kMuch = 0.002f, kLeast = 0.25f;
-    const float probability = std::clamp(point.part_of_direct / kMuch, kLeast, 1.f);
-    return random_.next() < probability ? 1 / probability : 0;
+    return roulette(std::clamp(point.part_of_direct / kMuch, kLeast, 1.f));
   }
   /// The same with that probability, but seldom to never: all looks cost the same, and those of faint paths add little.
   float looked_at(float left) {
     constexpr float kLeast = 0.05f;
-    const float probability = std::clamp(left, kLeast, 1.f);
-    return probability == 1 || random_.next() < probability ? 1 / probability : 0;
+    return roulette(std::clamp(left, kLeast, 1.f));
   }
-  bool choose_lamp(const Vec3& seen_from, LampEnd& lamp);
+  /// The same before an edge is chosen: where all edges together send little, wherever they are, most looks end here.
+  float looked_for(const Vec3& from, float end_per_distance) {
+    constexpr float kMuch = 0.01f, kLeast = 1 / 64.f;
+    const float most = SceneEdges::most_of_direct(edges_.per_distance(from), end_per_distance, beams_);
+    return roulette(std::clamp(most / kMuch, kLeast, 1.f));
+  }
+  float looked_for(const Vec3& from, const LampEnd& lamp) { return looked_for(from, lamp.per_distance); }
+  /// The same of paths that begin at an end of all paths and go to an edge.
+  float begun_from(const Vec3& p) {
+    return roulette(std::clamp(64 * edges_.seen_from(p, beams_), 1 / 16.f, 1.f));
+  }
+  /// All but its guide.
+  bool choose_lamp(LampEnd& lamp);
+  /// About where the lamp is, seen from a place: it guides the choice of an edge. False where there is none.
+  bool find_guide(const Vec3& seen_from, LampEnd& lamp) const;
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
   /// `lit`: of the end that is a lamp.
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit = nullptr);

@@ -4,6 +4,7 @@
 
 #include "aureole/scene/edge/beam_tree.h"
 #include "aureole/scene/edge/mesh_edges.h"
+#include "aureole/shape/surface_point.h"
 
 namespace aureole {
 
@@ -37,11 +38,17 @@ public:
       if (edge.is_outline(beam.d) && is_in_beam(edge.a, edge.b, beam)) visit(edge);
     });
   }
-  /// False where no edge is within that distance of a place; seldom true where there is none.
-  bool may_have_edge_within(const Vec3& p, float distance) const {
+  /// Whether an edge is within that distance of a place, or of more by rounding.
+  bool has_edge_within(const Vec3& p, float distance) const {
     Bounds3 place;
     place.extend(p);
-    return !visit_within(place, distance, [](std::uint32_t) { return false; });
+    return !visit_within(place, distance, [&](std::uint32_t i) {
+      const Vec3 way = edges_[i].b - edges_[i].a, to = p - edges_[i].a;
+      const float most = distance + gamma_bound(16) * max_component(abs(to));  // and its rounding
+      const float way2 = length_squared(way), most2 = most * most;
+      if (length_squared(cross(to, way)) > most2 * way2) return true;  // far from all of its line
+      return length_squared(to - way * std::clamp(dot(to, way) / way2, 0.f, 1.f)) > most2;
+    });
   }
   /// Calls visit(number of an edge) for edges about within that distance of a box, all that are and some that are not, for as long as it
   /// returns true; whether it always did.

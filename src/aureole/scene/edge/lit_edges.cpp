@@ -15,9 +15,16 @@ constexpr int kMostPlaces = 4;  ///< along an edge
 /// Of an edge of which no ray has met the lamp: light may come to it between the rays.
 constexpr float kLeast = 0.03f;
 
-/// The part of an edge from whose places a ray meets the lamp. Each place looks at another point of it.
-float lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& edge, int places,
-               const Light& light, std::size_t part, const Wavelengths& w) {
+/// Of an edge.
+struct Lit {
+  float part = kLeast;        ///< from whose places a ray meets the lamp
+  float nearest = kInfinity;  ///< the shortest of these rays
+};
+
+/// Each place looks at another point of the lamp.
+Lit lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& edge, int places,
+             const Light& light, std::size_t part, const Wavelengths& w) {
+  Lit result;
   int lit = 0;
   for (int i = 0; i < places; ++i) {
     const EdgePoint point = edges.place_on(edge, (i + 0.5) / places);
@@ -26,9 +33,12 @@ float lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge&
     if (!seen || !(seen->pdf > 0)) continue;
     Ray ray{point.p, seen->wo, kInfinity};
     if (!seen->infinite) ray.d = seen->p - point.p, ray.t_max = 1 - 1e-4f;
-    lit += !tracer.occluded(ray);
+    if (tracer.occluded(ray)) continue;
+    ++lit;
+    if (!seen->infinite) result.nearest = std::min(result.nearest, length(ray.d));
   }
-  return std::max(kLeast, float(lit) / float(places));
+  result.part = std::max(kLeast, float(lit) / float(places));
+  return result;
 }
 
 }  // namespace
@@ -43,7 +53,7 @@ LitEdges::LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<c
   for (const Light& light : lights)
     for (std::size_t part = 0; part < light.part_count(); ++part)
       if (const float share = sampler.probability_by_power(light, part); share > 0)
-        found.push_back({share, {light.index, part, {}}});
+        found.push_back({share, {light.index, part, {}, kInfinity}});
   const std::size_t count =
       std::min({found.size(), kMostLamps, std::size_t(std::max(1.0, kMostRays / rays))});
   std::partial_sort(found.begin(), found.begin() + std::ptrdiff_t(count), found.end(),
@@ -51,18 +61,21 @@ LitEdges::LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<c
                       return std::tuple(-a.first, a.second.light, a.second.part) <
                              std::tuple(-b.first, b.second.light, b.second.part);
                     });
-  std::vector<float> lit(all.size());
+  std::vector<float> lit(all.size()), nearest(all.size());
   for (std::size_t i = 0; i < count; ++i) {
     Lamp& lamp = found[i].second;
     const Light& light = lights[lamp.light];
     for_ranges(
         all.size(),
         [&](std::size_t begin, std::size_t end) {
-          for (std::size_t e = begin; e < end; ++e)
-            lit[e] = lit_part(edges, tracer, all[e], places, light, lamp.part, w);
+          for (std::size_t e = begin; e < end; ++e) {
+            const Lit of_edge = lit_part(edges, tracer, all[e], places, light, lamp.part, w);
+            lit[e] = of_edge.part, nearest[e] = of_edge.nearest;
+          }
         },
         256);
     lamp.lit = edges.tree().of_nodes(lit);
+    lamp.nearest = *std::ranges::min_element(nearest);
     lamps_.push_back(std::move(lamp));
   }
 }

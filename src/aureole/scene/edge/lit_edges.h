@@ -20,20 +20,21 @@ public:
   LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
            const LightSampler& sampler, const Wavelengths& w);
 
-  /// For each node of the tree of edges how much of it is lit, over 0 and at most 1, which changes the noise of pictures and not their
-  /// mean; null where nothing is known.
-  const float* from(const Light& light, std::size_t part) const {
+  /// What is known of a lamp changes the noise of pictures and not their mean.
+  struct Lamp {
+    std::uint32_t light;
+    std::size_t part;
+    std::vector<float> lit;     ///< how much of each node of the tree of edges, over 0 and at most 1
+    float nearest = kInfinity;  ///< distance of the lamp from a lit place on an edge
+  };
+  /// Null where nothing is known.
+  const Lamp* from(const Light& light, std::size_t part) const {
     for (const Lamp& lamp : lamps_)
-      if (lamp.light == light.index && lamp.part == part) return lamp.lit.data();
+      if (lamp.light == light.index && lamp.part == part) return &lamp;
     return nullptr;
   }
 
 private:
-  struct Lamp {
-    std::uint32_t light;
-    std::size_t part;
-    std::vector<float> lit;
-  };
   std::vector<Lamp> lamps_;
 };
 

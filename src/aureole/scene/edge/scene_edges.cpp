@@ -118,6 +118,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   index_ = EdgeIndex(shapes.sets, EdgeIndex::Of::edges);
   tree_ = EdgeTree(index_.edges());
   clusters_ = EdgeClusters(index_, float(kCoherent) * widest_beam_);
+  distance_ = EdgeDistance(index_);
   lift_ = std::move(shapes.lift);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);

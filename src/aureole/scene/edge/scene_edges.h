@@ -9,11 +9,13 @@
 #pragma once
 
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <unordered_set>
 
 #include "aureole/scene/edge/beam_width.h"
 #include "aureole/scene/edge/edge_clusters.h"
+#include "aureole/scene/edge/edge_distance.h"
 #include "aureole/scene/edge/edge_index.h"
 #include "aureole/scene/edge/edge_tree.h"
 #include "aureole/scene/scene_parts.h"
@@ -67,6 +69,15 @@ public:
   /// `u`: four numbers. `lit`: LitEdges::from the end that is a lamp, or null.
   std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
                                           const float* u, const float* lit = nullptr) const;
+  /// About the most that `part_of_direct` of such a place may be, by one over the distance of each end from edges. A straight edge sends
+  /// lambda (1/r_a + 1/r_b)/(4 pi^2 theta^2) of the direct light around itself, theta no less than 1/(2 k sigma).
+  static float most_of_direct(float per_distance_a, float per_distance_b, const Beams& beams) {
+    constexpr float kAtOnce = 4;  // edges that send light to one place so near to its straight way
+    return kAtOnce / std::numbers::pi_v<float> * beams.widest / beams.angle *
+           (per_distance_a + per_distance_b);
+  }
+  /// About one over the distance of a place from the nearest edge.
+  float per_distance(const Vec3& p) const { return 1 / (distance_.at_least(p) + 0.5f * distance_.cell()); }
   /// A place that light from or to `a` may reach; three numbers. `leaving`: an edge on which `a` lies, and which is left out.
   std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u, const MeshEdge* leaving = nullptr,
                                        const float* lit = nullptr) const;
@@ -104,6 +115,11 @@ public:
   /// Some surface of the scene reflects as a mirror or is clear.
   bool has_mirrors() const { return has_mirrors_; }
 
+  /// Whether an edge is within that distance of a place, or within a little more.
+  bool are_within(float distance, const Vec3& p) const {
+    return distance_.at_least(p) <= distance && index_.has_edge_within(p, distance);
+  }
+
   /// The shape has edges here, in one instance of it at least.
   bool diffracts(const Shape& shape) const { return shapes_.contains(&shape); }
   const EdgeIndex& index() const { return index_; }
@@ -134,6 +150,7 @@ private:
   EdgeIndex index_;
   EdgeTree tree_;
   EdgeClusters clusters_;
+  EdgeDistance distance_;
 };
 
 }  // namespace aureole

@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+# CPU seconds of a render with diffraction over those without: the box with a star of Steinberg et al., all of whose edges lie in one
+# beam, and Mitsuba's Cornell box, far from whose edges visible light stays. One thread, in turns. Usage: bench/diffraction.sh [PROGRAM]
+set -euo pipefail
+. "$(dirname "$0")/scenes.sh"
+program=${1:-$root/build/release/bin/aureole}
+star_box=$shared/data/cornell-box/box.xml
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+seconds() {  # ARGUMENTS...
+  local TIMEFORMAT=%U
+  { time "$program" render "$@" --threads 1 -q -o "$folder/out.exr" --restart > /dev/null 2> "$folder/errors" ||
+    cat "$folder/errors" >&2; } 2>&1
+}
+
+measure() {  # NAME PARAMETER SCENE ARGUMENTS...
+  local name=$1 parameter=$2 on=() off=()
+  shift 2
+  for _ in $(seq "${REPEATS:-5}"); do
+    on+=("$(seconds "$@" -D "$parameter=true")")
+    off+=("$(seconds "$@" -D "$parameter=false")")
+  done
+  printf '%s\n' "${on[*]}" "${off[*]}" | awk -v name="$name" '
+    { $1 = $1; least = $1; for (i = 2; i <= NF; ++i) if ($i < least) least = $i; s[NR] = least }
+    END { printf "%-24s %6.2f s  without %6.2f s  ratio %5.2f\n", name, s[1], s[2], s[1] / s[2] }'
+}
+
+for integrator in path ptracer bdpt; do
+  if have "star box, $integrator" "$star_box"; then
+    # Without the shapes' BSDF there is nothing that the integrator's switch would make diffract.
+    measure "star box, $integrator" fsd "$star_box" -D res=96 -D spp=16 --integrator "$integrator" --spp 16
+  fi
+  if have "cbox, $integrator" "$cbox"; then
+    sed "s|<integrator type=\"path\">|&<boolean name=\"diffraction\" value=\"\$diffraction\"/>|" "$cbox" > "$folder/cbox.xml"
+    ln -sf "$(dirname "$cbox")"/meshes "$folder/"
+    measure "cbox, $integrator" diffraction "$folder/cbox.xml" -D res=96 --sampler sobol --integrator "$integrator" --spp 32
+  fi
+done
