@@ -8,6 +8,7 @@
 #include "aureole/scene/edge/diffracting_shapes.h"
 #include "aureole/scene/edge/lit_edges.h"
 #include "aureole/scene/edge/scene_edges.h"
+#include "aureole/scene/edge/seen_edges.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
 namespace aureole {
@@ -93,19 +94,23 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
 }
 
 void Scene::light_edges(const Scene* reuse) {
+  const SpectralGrid& grid = parts_.context->grid;
+  const auto middle = Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm))));
   const auto same_emitter = [](const ModelPart& a, const ModelPart& b) { return a.emitter == b.emitter; };
   if (reuse && reuse->edges_ == edges_ && reuse->parts_.emitters == parts_.emitters &&
       std::equal(parts_.surfaces.begin(), parts_.surfaces.end(), reuse->parts_.surfaces.begin(),
                  reuse->parts_.surfaces.end(), same_emitter)) {
     lit_edges_ = reuse->lit_edges_;
+    if (parts_.sensor == reuse->parts_.sensor && parts_.sensor_area == reuse->parts_.sensor_area) {
+      seen_edges_ = reuse->seen_edges_;
+      return;
+    }
   } else if (!has_binary_visibility()) {
     lit_edges_ = std::make_shared<const LitEdges>();  // rays do not tell what passes
   } else {
-    const SpectralGrid& grid = parts_.context->grid;
-    lit_edges_ = std::make_shared<const LitEdges>(
-        *edges_, *tracer_, emitters_, lights_,
-        Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm)))));
+    lit_edges_ = std::make_shared<const LitEdges>(*edges_, *tracer_, emitters_, lights_, middle);
   }
+  seen_edges_ = std::make_shared<const SeenEdges>(*edges_, *tracer_, emitters_, *lit_edges_, sensor_, middle);
 }
 
 void Scene::place_sensor(Bounds3 places) const {

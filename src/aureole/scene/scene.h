@@ -19,6 +19,7 @@ namespace aureole {
 
 class EmittingMedia;
 class LitEdges;
+class SeenEdges;
 class SceneEdges;
 
 class Scene {
@@ -93,6 +94,8 @@ public:
   const SceneEdges* edges() const { return edges_.get(); }
   /// The lit share of those edges; only where there are some.
   const LitEdges& lit_edges() const { return *lit_edges_; }
+  /// Those that the sensor sees; only where there are some.
+  const SeenEdges& seen_edges() const { return *seen_edges_; }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return tracer_->bounds(); }
   /// Notes for the user about the scene as a whole.
@@ -125,6 +128,7 @@ private:
   std::shared_ptr<const EmittingMedia> emitting_media_;
   std::shared_ptr<const SceneEdges> edges_;
   std::shared_ptr<const LitEdges> lit_edges_;
+  std::shared_ptr<const SeenEdges> seen_edges_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;

@@ -2,6 +2,7 @@
 #include "aureole/transport/edges.h"
 
 #include "aureole/scene/edge/lit_edges.h"
+#include "aureole/scene/edge/seen_edges.h"
 
 namespace aureole {
 
@@ -139,6 +140,13 @@ Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const V
   return is_black(value) ? value : value * kernel(point, d, seen->wo);
 }
 
+bool EdgePaths::sees_some_edge(const Vec3& eye, Vec2 lens) {
+  const float u[3] = {random_.next(), random_.next(), random_.next()};
+  const auto point = edges_.choose_from({eye}, u);
+  const auto seen = point ? scene_.sensor().sample_direct(point->on_edge(), lens) : std::nullopt;
+  return seen && seen->importance > 0;
+}
+
 Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
@@ -146,18 +154,30 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   if (!choose_lamp(lamp)) return 0.f;
   float part = looked_for(eye, lamp);
   if (part == 0 || !find_guide(eye, lamp)) return 0.f;
-  {
-    constexpr float kUnseen = 0.25f;
-    const float u[3] = {random_.next(), random_.next(), random_.next()};
-    const auto point = edges_.choose_from({eye}, u);
-    const auto seen = point ? scene_.sensor().sample_direct(point->on_edge(), lens) : std::nullopt;
-    if (!seen || !(seen->importance > 0)) {
-      if (random_.next() >= kUnseen) return 0.f;
-      part *= 1 / kUnseen;
+  // Edges that the sensor is known to see, or in some cases all others.
+  constexpr float kOthers = 0.25f;
+  std::optional<EdgePoint> point;
+  if (const SeenEdges::Table* table = scene_.seen_edges().from(*lamp.light, lamp.part, lens)) {
+    if (random_.next() >= kOthers) {
+      if (table->edges.empty()) return 0.f;
+      part *= 1 / (1 - kOthers);
+      const float u[3] = {random_.next(), random_.next(), random_.next()};
+      const SeenEdges::Table::Choice choice = table->choose(edges_, PathEnd{eye}, lamp.guide, beams_, u[0]);
+      point = edges_.place_between(edges_.index().edges()[choice.edge], choice.probability, PathEnd{eye},
+                                   lamp.guide, beams_, u + 1);
+    } else {
+      part *= 1 / kOthers;
+      point = choose_between(eye, lamp.guide, lamp.lit);
+      if (point && table->has(edges_.index().number(*point->edge))) return 0.f;
     }
+  } else {
+    if (!sees_some_edge(eye, lens)) {
+      if (random_.next() >= kOthers) return 0.f;
+      part *= 1 / kOthers;
+    }
+    point = choose_between(eye, lamp.guide, lamp.lit);
   }
-  const auto point = choose_between(eye, lamp.guide, lamp.lit);
-  if (!point) return 0.f;
+  if (!point || !(point->pdf > 0)) return 0.f;
   const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);
   if (!seen || !(seen->importance > 0)) return 0.f;
   film = seen->film;

@@ -240,6 +240,8 @@ private:
   bool choose_lamp(LampEnd& lamp);
   /// About where the lamp is, seen from a place: it guides the choice of an edge. False where there is none.
   bool find_guide(const Vec3& seen_from, LampEnd& lamp) const;
+  /// Of an edge that is chosen by chance whether the sensor looks there.
+  bool sees_some_edge(const Vec3& eye, Vec2 lens);
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
   /// `lit`: of the end that is a lamp.
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit = nullptr);

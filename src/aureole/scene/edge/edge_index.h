@@ -26,6 +26,7 @@ public:
   explicit EdgeIndex(std::span<const TriangleSet> sets, Of what = Of::edges_and_faces);
 
   const std::vector<MeshEdge>& edges() const { return edges_; }
+  std::uint32_t number(const MeshEdge& edge) const { return std::uint32_t(&edge - edges_.data()); }
   const std::vector<Face>& faces() const { return faces_; }
   std::size_t memory_bytes() const;
 

@@ -347,6 +347,13 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
   });
 }
 
+double EdgeTree::estimate(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle,
+                          float sigma) {
+  const Vec3 way = edge.b - edge.a;
+  const float size = length(way);
+  return between(edge, 0.5f * (edge.a + edge.b), way * (1 / size), size, a, b, angle, sigma);
+}
+
 std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, double u, const MeshEdge* leaving,
                                                       const float* lit) const {
   return descend(u, [&](const Node& node) {

@@ -53,6 +53,8 @@ public:
   /// `lit`: how much of each node one of the ends shines on (of_nodes), or null.
   std::optional<Choice> choose_between(const PathEnd& a, const PathEnd& b, float angle, float sigma, double u,
                                        const float* lit = nullptr) const;
+  /// That of one edge.
+  static double estimate(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle, float sigma);
   /// An edge that light from or to `a` may reach.
   /// `leaving`: one that is left out, or null.
   std::optional<Choice> choose_from(const PathEnd& a, double u, const MeshEdge* leaving = nullptr,

@@ -53,7 +53,7 @@ LitEdges::LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<c
   for (const Light& light : lights)
     for (std::size_t part = 0; part < light.part_count(); ++part)
       if (const float share = sampler.probability_by_power(light, part); share > 0)
-        found.push_back({share, {light.index, part, {}, kInfinity}});
+        found.push_back({share, {light.index, part, {}, {}, kInfinity}});
   const std::size_t count =
       std::min({found.size(), kMostLamps, std::size_t(std::max(1.0, kMostRays / rays))});
   std::partial_sort(found.begin(), found.begin() + std::ptrdiff_t(count), found.end(),
@@ -75,6 +75,8 @@ LitEdges::LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<c
         },
         256);
     lamp.lit = edges.tree().of_nodes(lit);
+    for (std::size_t e = 0; e < lit.size(); ++e)
+      if (lit[e] > kLeast) lamp.edges.push_back(std::uint32_t(e));
     lamp.nearest = *std::ranges::min_element(nearest);
     lamps_.push_back(std::move(lamp));
   }

@@ -24,9 +24,11 @@ public:
   struct Lamp {
     std::uint32_t light;
     std::size_t part;
-    std::vector<float> lit;     ///< how much of each node of the tree of edges, over 0 and at most 1
-    float nearest = kInfinity;  ///< distance of the lamp from a lit place on an edge
+    std::vector<std::uint32_t> edges;  ///< the numbers of those that it shines on
+    std::vector<float> lit;            ///< how much of each node of the tree of edges, over 0 and at most 1
+    float nearest = kInfinity;         ///< distance of the lamp from a lit place on an edge
   };
+  const std::vector<Lamp>& lamps() const { return lamps_; }
   /// Null where nothing is known.
   const Lamp* from(const Light& light, std::size_t part) const {
     for (const Lamp& lamp : lamps_)

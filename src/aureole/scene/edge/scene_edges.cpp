@@ -206,7 +206,15 @@ std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const Path
   const auto choice =
       tree_.choose_between(a, b, beams.angle, beams.widest, EdgeTree::random_from(u[0], u[1]), lit);
   if (!choice) return {};
-  const MeshEdge& edge = index_.edges()[choice->edge];
+  EdgePoint point = place_between(index_.edges()[choice->edge], choice->probability, a, b, beams, u + 2);
+  // Keller's coefficient times the ends' squared distance; ends at infinity have none.
+  const double distance2 = a.is_infinite || b.is_infinite ? 1 : double(length_squared(a.p - b.p));
+  point.part_of_direct = float(choice->estimate * distance2 / (2 * pi * min_component(beams.k)));
+  return point;
+}
+
+EdgePoint SceneEdges::place_between(const MeshEdge& edge, float probability, const PathEnd& a,
+                                    const PathEnd& b, const Beams& beams, const float* u) const {
   const EdgeLine line(edge);
   const std::optional<double> keller = keller_point(line, a, b);
   double deviation = line.length;
@@ -226,12 +234,8 @@ std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const Path
     deviation = 1.1 * width * sine / (rate(a) + rate(b));
   }
   const PlaceDensity places(keller, deviation, 2.0 * beams.widest, line.length);
-  const double l = places.sample(u[2], u[3]);
-  EdgePoint point = point_on(edge, line, l, float(choice->probability * places.pdf(l)));
-  // Keller's coefficient times the ends' squared distance; ends at infinity have none.
-  const double distance2 = a.is_infinite || b.is_infinite ? 1 : double(length_squared(a.p - b.p));
-  point.part_of_direct = float(choice->estimate * distance2 / (2 * pi * min_component(beams.k)));
-  return point;
+  const double l = places.sample(u[0], u[1]);
+  return point_on(edge, line, l, float(double(probability) * places.pdf(l)));
 }
 
 std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* u, const MeshEdge* leaving,

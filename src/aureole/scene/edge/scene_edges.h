@@ -69,6 +69,9 @@ public:
   /// `u`: four numbers. `lit`: LitEdges::from the end that is a lamp, or null.
   std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
                                           const float* u, const float* lit = nullptr) const;
+  /// The same on an edge that was chosen with that probability; two numbers. Without `part_of_direct`.
+  EdgePoint place_between(const MeshEdge& edge, float probability, const PathEnd& a, const PathEnd& b,
+                          const Beams& beams, const float* u) const;
   /// About the most that `part_of_direct` of such a place may be, by one over the distance of each end from edges. A straight edge sends
   /// lambda (1/r_a + 1/r_b)/(4 pi^2 theta^2) of the direct light around itself, theta no less than 1/(2 k sigma).
   static float most_of_direct(float per_distance_a, float per_distance_b, const Beams& beams) {
