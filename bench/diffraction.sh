@@ -11,16 +11,17 @@ trap 'rm -rf "$folder"' EXIT
 
 seconds() {  # ARGUMENTS...
   local TIMEFORMAT=%U
-  { time "$program" render "$@" --threads 1 -q -o "$folder/out.exr" --restart > /dev/null 2> "$folder/errors" ||
-    cat "$folder/errors" >&2; } 2>&1
+  { time "$program" render "$@" --threads 1 -q -o "$folder/out.exr" --restart > /dev/null 2> "$folder/errors"; } 2> "$folder/time" ||
+    { cat "$folder/errors" >&2; return 1; }
+  cat "$folder/time"
 }
 
 measure() {  # NAME PARAMETER SCENE ARGUMENTS...
   local name=$1 parameter=$2 on=() off=()
   shift 2
   for _ in $(seq "${REPEATS:-5}"); do
-    on+=("$(seconds "$@" -D "$parameter=true")")
-    off+=("$(seconds "$@" -D "$parameter=false")")
+    on[${#on[@]}]=$(seconds "$@" -D "$parameter=true")
+    off[${#off[@]}]=$(seconds "$@" -D "$parameter=false")
   done
   printf '%s\n' "${on[*]}" "${off[*]}" | awk -v name="$name" '
     { $1 = $1; least = $1; for (i = 2; i <= NF; ++i) if ($i < least) least = $i; s[NR] = least }
@@ -29,11 +30,11 @@ measure() {  # NAME PARAMETER SCENE ARGUMENTS...
 
 for integrator in path ptracer bdpt; do
   if have "star box, $integrator" "$star_box"; then
-    # Without the shapes' BSDF there is nothing that the integrator's switch would make diffract.
     measure "star box, $integrator" fsd "$star_box" -D res=96 -D spp=16 --integrator "$integrator" --spp 16
   fi
   if have "cbox, $integrator" "$cbox"; then
     sed "s|<integrator type=\"path\">|&<boolean name=\"diffraction\" value=\"\$diffraction\"/>|" "$cbox" > "$folder/cbox.xml"
+    grep -q diffraction "$folder/cbox.xml"
     ln -sf "$(dirname "$cbox")"/meshes "$folder/"
     measure "cbox, $integrator" diffraction "$folder/cbox.xml" -D res=96 --sampler sobol --integrator "$integrator" --spp 32
   fi

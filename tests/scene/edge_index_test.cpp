@@ -305,6 +305,20 @@ TEST(EdgeIndex, OutlinesOfASphere) {
   }
 }
 
+TEST(EdgeDistance, OfEdgesFarFromTheOrigin) {
+  // Coordinates are rounded to half a metre.
+  const Vec3 o{5e6f, 5.4e6f, 0};
+  Triangles square;
+  square.positions = {o, o + Vec3{20, 0, 0}, o + Vec3{20, 20, 0}, o + Vec3{0, 20, 0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const TriangleSet set = square;
+  const EdgeIndex index(std::span(&set, 1));
+  ASSERT_FALSE(index.edges().empty());
+  const EdgeDistance distance(index);
+  EXPECT_EQ(distance.at_least(o + Vec3{10, 0, 0}), 0);
+  EXPECT_LE(distance.at_least(o + Vec3{10, 10, 0}), 10);
+}
+
 TEST(EdgeDistance, IsNeverAboveTheDistanceOfTheNearestEdge) {
   Random random;
   Triangles soup;

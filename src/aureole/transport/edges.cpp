@@ -63,7 +63,7 @@ bool EdgePaths::choose_lamp(LampEnd& lamp) {
     lamp.lit = nullptr,
     lamp.per_distance = lamp.light->is_infinite()
                             ? 0.f
-                            : edges_.per_distance(lamp.light->emission_bounds(lamp.part).box.center());
+                            : edges_.per_distance(lamp.light->emission_bounds(lamp.part).box.center(), 0);
   return true;
 }
 
@@ -152,7 +152,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
   LampEnd lamp;
   if (!choose_lamp(lamp)) return 0.f;
-  float part = looked_for(eye, lamp);
+  float part = looked_for(eye, lamp.per_distance, true);
   if (part == 0 || !find_guide(eye, lamp)) return 0.f;
   // Edges that the sensor is known to see, or in some cases all others.
   constexpr float kOthers = 0.25f;

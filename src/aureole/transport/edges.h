@@ -94,7 +94,7 @@ public:
     LampEnd lamp;
     float whole = looked_at(left);
     if (whole == 0 || !choose_lamp(lamp)) return 0.f;
-    whole *= looked_for(from.anchor.p, lamp);
+    whole *= looked_for(from.anchor.p, lamp.per_distance, is_lit);
     if (whole == 0 || !find_guide(from.anchor.p, lamp)) return 0.f;
     const auto point = choose_between(from.anchor.p, lamp.guide, lamp.lit);
     if (!point) return 0.f;
@@ -111,7 +111,7 @@ public:
     float whole = looked_at(left);
     if (whole == 0) return 0.f;
     const Vec3 eye = sensor_guide(from.anchor.p, lens);
-    whole *= looked_for(from.anchor.p, edges_.per_distance(eye));
+    whole *= looked_for(from.anchor.p, edges_.per_distance(eye, 0), is_seen);
     if (whole == 0) return 0.f;
     const auto point = choose_between(from.anchor.p, PathEnd{eye});
     if (!point) return 0.f;
@@ -225,13 +225,14 @@ private:
     constexpr float kLeast = 0.05f;
     return roulette(std::clamp(left, kLeast, 1.f));
   }
-  /// The same before an edge is chosen: where all edges together send little, wherever they are, most looks end here.
-  float looked_for(const Vec3& from, float end_per_distance) {
-    constexpr float kMuch = 0.01f, kLeast = 1 / 64.f;
-    const float most = SceneEdges::most_of_direct(edges_.per_distance(from), end_per_distance, beams_);
-    return roulette(std::clamp(most / kMuch, kLeast, 1.f));
+  /// The same before an edge is chosen: where all edges together send little, wherever they are, most looks end here; not as many where
+  /// that may be all the light there is.
+  float looked_for(const Vec3& from, float end_per_distance, bool is_beside_direct) {
+    constexpr float kMuch = 0.01f, kLeast = 1 / 64.f, kLeastInShadow = 1 / 8.f;
+    const float near = SceneEdges::within_reach(beams_) / kMuch;
+    const float most = SceneEdges::most_of_direct(edges_.per_distance(from, near), end_per_distance, beams_);
+    return roulette(std::clamp(most / kMuch, is_beside_direct ? kLeast : kLeastInShadow, 1.f));
   }
-  float looked_for(const Vec3& from, const LampEnd& lamp) { return looked_for(from, lamp.per_distance); }
   /// The same of paths that begin at an end of all paths and go to an edge.
   float begun_from(const Vec3& p) {
     return roulette(std::clamp(64 * edges_.seen_from(p, beams_), 1 / 16.f, 1.f));

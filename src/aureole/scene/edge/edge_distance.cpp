@@ -41,8 +41,9 @@ EdgeDistance::EdgeDistance(const EdgeIndex& index) {
 
 void EdgeDistance::mark(const Vec3& a, const Vec3& b, Rows& rows) const {
   // Slanted edges fill a small part of their boxes.
-  if (length_squared(b - a) > 0.25f * cell_ * cell_) {
-    const Vec3 middle = 0.5f * (a + b);
+  const Vec3 middle = 0.5f * (a + b);
+  // Far from the origin a cell may be less than the rounding of coordinates.
+  if (length_squared(b - a) > 0.25f * cell_ * cell_ && !(middle == a) && !(middle == b)) {
     mark(a, middle, rows), mark(middle, b, rows);
     return;
   }

@@ -44,11 +44,12 @@ public:
     Bounds3 place;
     place.extend(p);
     return !visit_within(place, distance, [&](std::uint32_t i) {
-      const Vec3 way = edges_[i].b - edges_[i].a, to = p - edges_[i].a;
+      const MeshEdge& edge = edges_[i];
+      const Vec3 way = edge.b - edge.a, to = p - edge.a;
       const float most = distance + gamma_bound(16) * max_component(abs(to));  // and its rounding
-      const float way2 = length_squared(way), most2 = most * most;
-      if (length_squared(cross(to, way)) > most2 * way2) return true;  // far from all of its line
-      return length_squared(to - way * std::clamp(dot(to, way) / way2, 0.f, 1.f)) > most2;
+      // Most places are far from all of its line.
+      if (length_squared(cross(to, way)) > most * most * length_squared(way)) return true;
+      return edge.squared_distance(p) > most * most;
     });
   }
   /// Calls visit(number of an edge) for edges about within that distance of a box, all that are and some that are not, for as long as it

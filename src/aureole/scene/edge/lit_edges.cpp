@@ -18,7 +18,7 @@ constexpr float kLeast = 0.03f;
 /// Of an edge.
 struct Lit {
   float part = kLeast;        ///< from whose places a ray meets the lamp
-  float nearest = kInfinity;  ///< the shortest of these rays
+  float nearest = kInfinity;  ///< distance of the edge from where these rays meet it
 };
 
 /// Each place looks at another point of the lamp.
@@ -35,7 +35,7 @@ Lit lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& e
     if (!seen->infinite) ray.d = seen->p - point.p, ray.t_max = 1 - 1e-4f;
     if (tracer.occluded(ray)) continue;
     ++lit;
-    if (!seen->infinite) result.nearest = std::min(result.nearest, length(ray.d));
+    if (!seen->infinite) result.nearest = std::min(result.nearest, std::sqrt(edge.squared_distance(seen->p)));
   }
   result.part = std::max(kLeast, float(lit) / float(places));
   return result;

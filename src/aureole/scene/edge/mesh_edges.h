@@ -32,6 +32,10 @@ struct MeshEdge {
 
   /// Whether, in parallel light along `d`, one of the faces is lit from the front and the other one from the back.
   bool is_outline(const Vec3& d) const { return is_boundary || dot(n0, d) * dot(n1, d) <= 0; }
+  float squared_distance(const Vec3& p) const {
+    const Vec3 way = b - a, to = p - a;
+    return length_squared(to - way * std::clamp(dot(to, way) / length_squared(way), 0.f, 1.f));
+  }
 };
 
 /// Edges of all sets together. Vertices at one position are one: seams of texture coordinates or normals and borders between meshes that

@@ -75,12 +75,18 @@ public:
   /// About the most that `part_of_direct` of such a place may be, by one over the distance of each end from edges. A straight edge sends
   /// lambda (1/r_a + 1/r_b)/(4 pi^2 theta^2) of the direct light around itself, theta no less than 1/(2 k sigma).
   static float most_of_direct(float per_distance_a, float per_distance_b, const Beams& beams) {
-    constexpr float kAtOnce = 4;  // edges that send light to one place so near to its straight way
-    return kAtOnce / std::numbers::pi_v<float> * beams.widest / beams.angle *
-           (per_distance_a + per_distance_b);
+    return within_reach(beams) * (per_distance_a + per_distance_b);
   }
-  /// About one over the distance of a place from the nearest edge.
-  float per_distance(const Vec3& p) const { return 1 / (distance_.at_least(p) + 0.5f * distance_.cell()); }
+  /// The distance from an edge at which `most_of_direct` is one.
+  static float within_reach(const Beams& beams) {
+    constexpr float kAtOnce = 4;  // edges that send light to one place so near to its straight way
+    return kAtOnce / std::numbers::pi_v<float> * beams.widest / beams.angle;
+  }
+  /// One over `least` where an edge is within that distance of a place; else about one over the distance of the nearest one.
+  float per_distance(const Vec3& p, float least) const {
+    if (least > 0 && are_within(least, p)) return 1 / least;
+    return 1 / std::max(least, distance_.at_least(p) + 0.5f * distance_.cell());
+  }
   /// A place that light from or to `a` may reach; three numbers. `leaving`: an edge on which `a` lies, and which is left out.
   std::optional<EdgePoint> choose_from(const PathEnd& a, const float* u, const MeshEdge* leaving = nullptr,
                                        const float* lit = nullptr) const;

@@ -17,7 +17,8 @@ constexpr std::size_t kMostTried = 256;
 constexpr int kMostStrata = 64;  ///< along an axis
 /// Estimates of the light of an edge, for all tables.
 constexpr double kMostEstimates = 1e8;
-constexpr int kPlaces = 4;  ///< of a stratum
+constexpr double kMostTables = 4096;  ///< of all lamps: each may ask for some thousand rays
+constexpr int kPlaces = 4;            ///< of a stratum
 /// The part of choices that takes all edges of a table alike.
 constexpr double kEvenly = 0.1;
 
@@ -34,11 +35,12 @@ struct Filler {
   SceneEdges::Beams beams;
   Vec3 middle;  ///< of the scene
 
-  /// The lamp as seen from a place, of which one point stands for all.
-  std::optional<PathEnd> lamp_from(const Vec3& p) const {
-    const auto seen = light.sample_direct(p, lit.part, {0.5f, 0.5f}, w);
-    if (!seen || !(seen->pdf > 0)) return {};
-    return seen->infinite ? PathEnd{seen->wo, true} : PathEnd{seen->p};
+  /// A point of the lamp as seen from a place, another one for each number; about where it is, if that place does not see it.
+  PathEnd lamp_from(const Vec3& p, int i) const {
+    const Vec2 u{(float(i) + 0.5f) / kPlaces, std::fmod(0.5f + 0.618034f * float(i), 1.f)};
+    const auto seen = light.sample_direct(p, lit.part, u, w);
+    if (seen && seen->pdf > 0) return PathEnd{seen->p};
+    return {light.emission_bounds(lit.part).box.center()};
   }
 
   bool is_open(const EdgePoint& from, const PathEnd& to) const {
@@ -56,35 +58,35 @@ struct Filler {
     return seen && seen->importance > 0 && is_open(point, PathEnd{seen->p}) && is_open(point, lamp);
   }
 
-  Table fill(Vec2 lower, float size) const {
+  Table fill(Vec2 lower, Vec2 size) const {
     std::array<Vec2, kPlaces> lenses;
-    std::array<std::optional<PathEnd>, kPlaces> eyes, lamps;
+    std::array<PathEnd, kPlaces> eyes, lamps;
+    Table table;
     for (int i = 0; i < kPlaces; ++i) {
       const auto k = std::size_t(i);
-      lenses[k] = {lower.x + size * (i % 2 ? 0.75f : 0.25f), lower.y + size * (i / 2 ? 0.75f : 0.25f)};
+      lenses[k] = {lower.x + size.x * (i % 2 ? 0.75f : 0.25f), lower.y + size.y * (i / 2 ? 0.75f : 0.25f)};
       const auto seen = sensor.sample_direct(middle, lenses[k]);
-      if (!seen) continue;
-      eyes[k] = PathEnd{seen->p}, lamps[k] = lamp_from(seen->p);
+      if (!seen) {  // nothing is said of the part of a map whose places are not known
+        table.is_known = false;
+        return table;
+      }
+      eyes[k] = PathEnd{seen->p}, lamps[k] = lamp_from(seen->p, i);
     }
-    const auto all = [&](std::size_t k, std::uint32_t edge) {
-      return EdgeTree::estimate(edges.index().edges()[edge], *eyes[k], *lamps[k], beams.angle, beams.widest);
-    };
     std::vector<std::pair<double, std::uint32_t>> tried;
-    if (const auto k = std::size_t(std::ranges::find_if(lamps, [](const auto& l) { return l.has_value(); }) -
-                                   lamps.begin());
-        k < kPlaces)
-      for (const std::uint32_t edge : lit.edges)
-        if (const double estimate = all(k, edge); estimate > 0) tried.push_back({-estimate, edge});
+    for (const std::uint32_t edge : lit.edges)
+      if (const double estimate =
+              EdgeTree::estimate(edges.index().edges()[edge], eyes[0], lamps[0], beams.angle, beams.widest);
+          estimate > 0)
+        tried.push_back({-estimate, edge});
     if (tried.size() > kMostTried) {
       std::nth_element(tried.begin(), tried.begin() + kMostTried, tried.end());
       tried.resize(kMostTried);
     }
     std::ranges::sort(tried, {}, [](const auto& t) { return t.second; });
-    Table table;
     for (const auto& [estimate, edge] : tried) {
       const MeshEdge& tried_edge = edges.index().edges()[edge];
       for (std::size_t k = 0; k < kPlaces; ++k)
-        if (lamps[k] && is_lit(tried_edge, *eyes[k], *lamps[k], lenses[k])) {
+        if (is_lit(tried_edge, eyes[k], lamps[k], lenses[k])) {
           table.edges.push_back(edge);
           break;
         }
@@ -125,30 +127,36 @@ SeenEdges::SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span
   std::vector<const LitEdges::Lamp*> worth;
   double all = 0;
   for (const LitEdges::Lamp& lamp : lit.lamps())
-    if (lamp.edges.size() >= kFewest) worth.push_back(&lamp), all += double(lamp.edges.size());
+    // The sky is not known by a few of its directions.
+    if (lamp.edges.size() >= kFewest && !lights[lamp.light].is_infinite())
+      worth.push_back(&lamp), all += double(lamp.edges.size());
+  if (worth.empty()) return;
   const Vec3 middle = tracer.bounds().center();
-  const auto first = sensor.sample_direct(middle, {0.01f, 0.01f}),
-             last = sensor.sample_direct(middle, {0.99f, 0.99f});
-  if (worth.empty() || !first || !last) return;
-  // The places of a lens are one for edges far away. Tables of a map shall not take longer than a picture of a few samples.
+  Bounds3 places;
+  for (const Vec2 lens :
+       {Vec2{0.5f, 0.5f}, Vec2{0.01f, 0.01f}, Vec2{0.99f, 0.01f}, Vec2{0.01f, 0.99f}, Vec2{0.99f, 0.99f}})
+    if (const auto seen = sensor.sample_direct(middle, lens)) places.extend(seen->p);
+  // A camera sees more edges than a table holds.
+  if (places.empty() || !(length(places.diagonal()) > 1e-3f * length(tracer.bounds().diagonal()))) return;
+  // Tables of a map shall not take longer than a picture of a few samples.
   constexpr float kPixels = 4;
-  if (length(first->p - last->p) > 1e-3f * length(tracer.bounds().diagonal())) {
-    const Vec2 pixels = sensor.part.upper - sensor.part.lower;
-    const double most = std::min({double(kMostStrata), double(std::max(pixels.x, pixels.y)) / kPixels,
-                                  std::sqrt(kMostEstimates / all)});
-    strata_ = std::max(1, int(most / std::sqrt(double(worth.size()))));
-  }
-  const float size = 1 / float(strata_);
+  const Vec2 pixels = sensor.part.upper - sensor.part.lower;
+  const auto most = [](float along) { return std::clamp(double(along) / kPixels, 1.0, double(kMostStrata)); };
+  const double tables = std::min(kMostEstimates / all, kMostTables / double(worth.size())),
+               fewer = std::min(1.0, std::sqrt(tables / (most(pixels.x) * most(pixels.y))));
+  strata_x_ = std::max(1, int(most(pixels.x) * fewer)), strata_y_ = std::max(1, int(most(pixels.y) * fewer));
   for (const LitEdges::Lamp* lamp : worth) {
     const Filler filler{edges, tracer, lights[lamp->light], *lamp, sensor, w, edges.beams(w), middle};
     Lamp& own = lamps_.emplace_back(Lamp{lamp->light, lamp->part, {}});
-    own.tables.resize(std::size_t(strata_) * std::size_t(strata_));
+    own.tables.resize(std::size_t(strata_x_) * std::size_t(strata_y_));
+    const Vec2 size{1 / float(strata_x_), 1 / float(strata_y_)};
     for_ranges(
         own.tables.size(),
         [&](std::size_t begin, std::size_t end) {
           for (std::size_t i = begin; i < end; ++i)
             own.tables[i] = filler.fill(
-                {size * float(i % std::size_t(strata_)), size * float(i / std::size_t(strata_))}, size);
+                {size.x * float(i % std::size_t(strata_x_)), size.y * float(i / std::size_t(strata_x_))},
+                size);
         },
         16);
   }
@@ -157,10 +165,11 @@ SeenEdges::SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span
 const Table* SeenEdges::from(const Light& light, std::size_t part, Vec2 lens) const {
   for (const Lamp& lamp : lamps_)
     if (lamp.light == light.index && lamp.part == part) {
-      const auto stratum = [&](float u) {
-        return std::size_t(std::clamp(int(u * float(strata_)), 0, strata_ - 1));
+      const auto stratum = [](float u, int strata) {
+        return std::size_t(std::clamp(int(u * float(strata)), 0, strata - 1));
       };
-      const Table& table = lamp.tables[stratum(lens.y) * std::size_t(strata_) + stratum(lens.x)];
+      const Table& table =
+          lamp.tables[stratum(lens.y, strata_y_) * std::size_t(strata_x_) + stratum(lens.x, strata_x_)];
       return table.is_known ? &table : nullptr;
     }
   return nullptr;

@@ -32,7 +32,7 @@ public:
   };
 
   SeenEdges() = default;
-  /// For lamps that light so many edges that it is worth the time. `w`: any wavelengths.
+  /// For sensors with many places, such as maps, and lamps that light so many edges that it is worth the time. `w`: any wavelengths.
   SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
             const LitEdges& lit, const PlacedSensor& sensor, const Wavelengths& w);
 
@@ -46,7 +46,7 @@ private:
     std::size_t part;
     std::vector<Table> tables;
   };
-  int strata_ = 1;  ///< along each of the two numbers
+  int strata_x_ = 1, strata_y_ = 1;  ///< of the two numbers of `lens`
   std::vector<Lamp> lamps_;
 };
 
