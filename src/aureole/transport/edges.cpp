@@ -69,13 +69,9 @@ bool EdgePaths::choose_lamp(LampEnd& lamp) {
 
 bool EdgePaths::find_guide(const Vec3& seen_from, LampEnd& lamp) const {
   // The point of the light is chosen again as seen from the edge, by the same numbers.
-  if (const auto s = lamp.light->sample_direct(seen_from, lamp.part, lamp.u, w_); s && s->pdf > 0) {
-    lamp.guide = s->infinite ? PathEnd{s->wo, true} : PathEnd{s->p};
-    return true;
-  }
-  if (lamp.light->is_infinite()) return false;
-  lamp.guide = {lamp.light->emission_bounds(lamp.part).box.center()};
-  return true;
+  const auto end = lamp_end(*lamp.light, lamp.part, lamp.u, seen_from, w_);
+  if (end) lamp.guide = *end;
+  return end.has_value();
 }
 
 Vec3 EdgePaths::sensor_guide(const Vec3& seen_from, Vec2 lens) const {

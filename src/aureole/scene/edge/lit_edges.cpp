@@ -15,6 +15,8 @@ constexpr int kMostPlaces = 4;  ///< along an edge
 /// Of an edge of which no ray has met the lamp: light may come to it between the rays.
 constexpr float kLeast = 0.03f;
 
+PathEnd end_of(const DirectSample& seen) { return seen.infinite ? PathEnd{seen.wo, true} : PathEnd{seen.p}; }
+
 /// Of an edge.
 struct Lit {
   float part = kLeast;        ///< from whose places a ray meets the lamp
@@ -28,12 +30,9 @@ Lit lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& e
   int lit = 0;
   for (int i = 0; i < places; ++i) {
     const EdgePoint point = edges.place_on(edge, (i + 0.5) / places);
-    const Vec2 u{(float(i) + 0.5f) / float(places), std::fmod(0.5f + 0.618034f * float(i), 1.f)};
-    const auto seen = light.sample_direct(point.on_edge(), part, u, w);
+    const auto seen = light.sample_direct(point.on_edge(), part, look_numbers(i, places), w);
     if (!seen || !(seen->pdf > 0)) continue;
-    Ray ray{point.p, seen->wo, kInfinity};
-    if (!seen->infinite) ray.d = seen->p - point.p, ray.t_max = 1 - 1e-4f;
-    if (tracer.occluded(ray)) continue;
+    if (!is_open(tracer, point, end_of(*seen))) continue;
     ++lit;
     if (!seen->infinite) result.nearest = std::min(result.nearest, std::sqrt(edge.squared_distance(seen->p)));
   }
@@ -42,6 +41,24 @@ Lit lit_part(const SceneEdges& edges, const RayTracer& tracer, const MeshEdge& e
 }
 
 }  // namespace
+
+std::optional<PathEnd> lamp_end(const Light& light, std::size_t part, Vec2 u, const Vec3& seen_from,
+                                const Wavelengths& w) {
+  if (const auto seen = light.sample_direct(seen_from, part, u, w); seen && seen->pdf > 0)
+    return end_of(*seen);
+  if (light.is_infinite()) return {};
+  return PathEnd{light.emission_bounds(part).box.center()};
+}
+
+Vec2 look_numbers(int look, int count) {
+  return {(float(look) + 0.5f) / float(count), std::fmod(0.5f + 0.618034f * float(look), 1.f)};
+}
+
+bool is_open(const RayTracer& tracer, const EdgePoint& from, const PathEnd& to) {
+  Ray ray{from.p, to.p, kInfinity};
+  if (!to.is_infinite) ray.d = to.p - from.p, ray.t_max = 1 - 1e-4f;
+  return !tracer.occluded(ray);
+}
 
 LitEdges::LitEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
                    const LightSampler& sampler, const Wavelengths& w) {

@@ -3,6 +3,7 @@
 // around an edge has to reach it: the choice of edges (EdgeTree) is guided by what rays to the lamps have found when the scene was built.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -12,6 +13,15 @@
 #include "aureole/scene/ray_tracer.h"
 
 namespace aureole {
+
+/// About where a lamp is for light that goes to a place: a point of it, or a direction to it, that two numbers choose; its middle where
+/// that place does not see it. Nothing for a lamp at infinity that it does not see.
+std::optional<PathEnd> lamp_end(const Light& light, std::size_t part, Vec2 u, const Vec3& seen_from,
+                                const Wavelengths& w);
+/// Two numbers for the look of that number, of `count` looks at different points of a lamp.
+Vec2 look_numbers(int look, int count);
+/// Whether nothing is in the way between a place on an edge and an end of a path.
+bool is_open(const RayTracer& tracer, const EdgePoint& from, const PathEnd& to);
 
 class LitEdges {
 public:

@@ -35,27 +35,14 @@ struct Filler {
   SceneEdges::Beams beams;
   Vec3 middle;  ///< of the scene
 
-  /// A point of the lamp as seen from a place, another one for each number; about where it is, if that place does not see it.
-  PathEnd lamp_from(const Vec3& p, int i) const {
-    const Vec2 u{(float(i) + 0.5f) / kPlaces, std::fmod(0.5f + 0.618034f * float(i), 1.f)};
-    const auto seen = light.sample_direct(p, lit.part, u, w);
-    if (seen && seen->pdf > 0) return PathEnd{seen->p};
-    return {light.emission_bounds(lit.part).box.center()};
-  }
-
-  bool is_open(const EdgePoint& from, const PathEnd& to) const {
-    Ray ray{from.p, to.p, kInfinity};
-    if (!to.is_infinite) ray.d = to.p - from.p, ray.t_max = 1 - 1e-4f;
-    return !tracer.occluded(ray);
-  }
-
   /// Whether nothing is in the way of light around an edge.
   bool is_lit(const MeshEdge& edge, const PathEnd& eye, const PathEnd& lamp, Vec2 lens) const {
     const EdgeLine line(edge);
     const double at = std::clamp(keller_point(line, eye, lamp).value_or(0.5 * line.length), 0.0, line.length);
     const EdgePoint point = edges.place_on(edge, at / line.length);
     const auto seen = sensor.sample_direct(point.on_edge(), lens);
-    return seen && seen->importance > 0 && is_open(point, PathEnd{seen->p}) && is_open(point, lamp);
+    return seen && seen->importance > 0 && is_open(tracer, point, PathEnd{seen->p}) &&
+           is_open(tracer, point, lamp);
   }
 
   Table fill(Vec2 lower, Vec2 size) const {
@@ -66,11 +53,12 @@ struct Filler {
       const auto k = std::size_t(i);
       lenses[k] = {lower.x + size.x * (i % 2 ? 0.75f : 0.25f), lower.y + size.y * (i / 2 ? 0.75f : 0.25f)};
       const auto seen = sensor.sample_direct(middle, lenses[k]);
-      if (!seen) {  // nothing is said of the part of a map whose places are not known
+      const auto lamp = seen ? lamp_end(light, lit.part, look_numbers(i, kPlaces), seen->p, w) : std::nullopt;
+      if (!lamp) {  // nothing is said of the part of a map whose places are not known
         table.is_known = false;
         return table;
       }
-      eyes[k] = PathEnd{seen->p}, lamps[k] = lamp_from(seen->p, i);
+      eyes[k] = PathEnd{seen->p}, lamps[k] = *lamp;
     }
     std::vector<std::pair<double, std::uint32_t>> tried;
     for (const std::uint32_t edge : lit.edges)
