@@ -28,7 +28,7 @@ measure() {  # NAME PARAMETER SCENE ARGUMENTS...
     END { printf "%-24s %6.2f s  without %6.2f s  ratio %5.2f\n", name, s[1], s[2], s[1] / s[2] }'
 }
 
-for integrator in path ptracer bdpt; do
+for integrator in ${INTEGRATORS:-path ptracer bdpt}; do
   if have "star box, $integrator" "$star_box"; then
     measure "star box, $integrator" fsd "$star_box" -D res=96 -D spp=16 --integrator "$integrator" --spp 16
   fi

@@ -2,6 +2,7 @@
 // The ledger of light that edges diffract: what is lent of the light on faces is what edges send away.
 #include "aureole/transport/edge_ledger.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -30,17 +31,36 @@ Wavelengths some_wavelengths(const Scene& scene) {
                          make_spectrum([](int i) { return 420 + 35.f * float(i); }));
 }
 
-/// A regular polygon of radius 1 in the plane z = 0, as a mesh, in beams of that many wavelengths; `unit` is that of length.
-std::shared_ptr<const Scene> polygon(int corners, double radius_sigma, double wavelengths) {
+/// A regular polygon of radius 1 in the plane z = 0, or an opening of that shape in a sheet that ends far from it, as a mesh, in beams of
+/// that many wavelengths; `radius_sigma` is the radius over sigma at the longest of the wavelengths below.
+std::shared_ptr<const Scene> polygon(int corners, double radius_sigma, double wavelengths,
+                                     bool opening = false) {
   const auto file =
       std::filesystem::path(::testing::TempDir()) / ("polygon" + std::to_string(corners) + ".obj");
   std::ofstream obj(file);
-  obj << "v 0 0 0\n";
-  for (int i = 0; i < corners; ++i)
-    obj << "v " << std::cos(2 * pi * i / corners) << " " << std::sin(2 * pi * i / corners) << " 0\n";
-  for (int i = 0; i < corners; ++i) obj << "f 1 " << i + 2 << " " << (i + 1) % corners + 2 << "\n";
+  obj.precision(9);
+  const double outer = 1 + 30 / radius_sigma;
+  const auto ring = [&](double radius) {
+    for (int i = 0; i < corners; ++i)
+      obj << "v " << radius * std::cos(2 * pi * i / corners) << " " << radius * std::sin(2 * pi * i / corners)
+          << " 0\n";
+  };
+  ring(1);
+  if (opening) {
+    ring(outer / std::cos(pi / corners));
+  } else {
+    obj << "v 0 0 0\n";
+  }
+  for (int i = 0; i < corners; ++i) {
+    const int a = i + 1, b = (i + 1) % corners + 1;
+    if (opening) {
+      obj << "f " << a << " " << corners + a << " " << corners + b << "\nf " << a << " " << corners + b << " "
+          << b << "\n";
+    } else {
+      obj << "f " << corners + 1 << " " << a << " " << b << "\n";
+    }
+  }
   obj.close();
-  // sigma at the longest of the wavelengths below, 665 nm, is 1/radius_sigma.
   const double unit_m = radius_sigma * wavelengths * 665e-9;
   return load_scene_from_string(
              "<scene version=\"3.0.0\"><string name=\"length_unit\" value=\"" + std::to_string(unit_m * 1e6) +
@@ -54,6 +74,18 @@ std::shared_ptr<const Scene> polygon(int corners, double radius_sigma, double wa
       .scene;
 }
 
+/// Whether a place in the plane of the polygon lies in it.
+bool is_inside(int corners, double x, double y) {
+  for (int k = 0; k < corners; ++k) {
+    const double middle = 2 * pi * (k + 0.5) / corners;
+    if (x * std::cos(middle) + y * std::sin(middle) > std::cos(pi / corners)) return false;
+  }
+  return true;
+}
+
+/// A way that passes a place, from far away to far away.
+LightWay way_past(const Vec3& y, const Vec3& d, float reach) { return {y - reach * d, d, 2 * reach}; }
+
 /// A mean with its standard error.
 struct Mean {
   double sum = 0, squares = 0;
@@ -66,52 +98,69 @@ struct Mean {
 struct LedgerCase {
   int corners;
   double radius_sigma, wavelengths, tilt;
+  bool opening;
 };
 
-// What is lent of the light on a face, and what its edges diffract, for light of one unit of irradiance.
+// What light that passes beside edges lends, and what they diffract by Monte Carlo integration of K, for light of one unit of
+// irradiance.
 TEST(EdgeLedger, LendsWhatIsDiffracted) {
-  for (const LedgerCase& c : {LedgerCase{3, 6, 25, 0},
-                              {4, 1.5, 0.5, 0},
-                              {4, 3, 50, 0.9},
-                              {20, 3, 5, 0.4},
-                              {200, 4, 50, 0},
-                              {200, 0.5, 4, 0}}) {
-    const auto scene = polygon(c.corners, c.radius_sigma, c.wavelengths);
+  for (const LedgerCase& c : {LedgerCase{3, 6, 25, 0, false},
+                              {4, 1.5, 0.5, 0, false},
+                              {4, 3, 50, 0.9, false},
+                              {20, 3, 5, 0.4, false},
+                              {200, 4, 50, 0, false},
+                              {200, 0.5, 4, 0, false},
+                              {3, 6, 25, 0, true},
+                              {4, 1.5, 0.5, 0, true},
+                              {4, 0.2, 25, 0.9, true},
+                              {200, 4, 50, 0, true}}) {
+    const auto scene = polygon(c.corners, c.radius_sigma, c.wavelengths, c.opening);
     const SceneEdges& edges = *scene->edges();
-    ASSERT_EQ(int(edges.index().edges().size()), c.corners);
+    std::vector<const MeshEdge*> outline;
+    for (const MeshEdge& edge : edges.index().edges())
+      if (length(edge.a) < 1.001f) outline.push_back(&edge);
+    ASSERT_EQ(int(outline.size()), c.corners);
     const bool many = c.corners > 20;
-    const int n = kSanitized ? 100 : test::effort(many ? 4000 : 24000, 600000);
+    const int n = kSanitized ? 100 : test::effort(many ? 4000 : 24000, many ? 150000 : 1200000);
     const auto beams = edges.beams(some_wavelengths(*scene));
     const Vec3 d{float(std::sin(c.tilt)), 0, -float(std::cos(c.tilt))};
     KeyedRandom random(17);
     const auto next = [&] { return random.next(); };
     const auto w = some_wavelengths(*scene);
     Mean lent, diffracted;
-    const double area = 0.5 * c.corners * std::sin(2 * pi / c.corners) * std::cos(c.tilt);
-    const double outline = 2 * c.corners * std::sin(pi / c.corners);
+    // Places beyond 5 deviations of the deficit, of .6 sigma, lend nothing; in the plane, which light meets obliquely, they lie farther.
+    const double window = c.opening ? 1 : 1 + 3.2 / (c.radius_sigma * std::cos(c.tilt));
+    const double area = 4 * window * window * std::cos(c.tilt);
+    const double falls = 0.5 * c.corners * std::sin(2 * pi / c.corners) * std::cos(c.tilt);
+    const double outline_length = 2 * c.corners * std::sin(pi / c.corners);
     for (int i = 0; i < n; ++i) {
-      // A point of one of the triangles about the middle.
-      const double r = std::sqrt(next()), t = next();
-      const int k = std::min(int(next() * float(c.corners)), c.corners - 1);
-      const double a = 2 * pi * k / c.corners, b = 2 * pi * (k + 1) / c.corners;
-      const Vec3 y{float(r * ((1 - t) * std::cos(a) + t * std::cos(b))),
-                   float(r * ((1 - t) * std::sin(a) + t * std::sin(b))), 0};
-      lent.add(area * (1 - double(mean(left_by_edges(*scene, y, d, w, std::uint32_t(2 * i))))));
-      const auto& all = edges.index().edges();
-      const MeshEdge& edge = all[std::min(std::size_t(next() * float(all.size())), all.size() - 1)];
+      const double x = window * (2 * next() - 1), y = window * (2 * next() - 1);
+      const bool passes = is_inside(c.corners, x, y) == c.opening;
+      const Vec3 at{float(x), float(y), 0};
+      lent.add(
+          passes ? area * (1 - double(mean(left_by_edges(*scene, way_past(at, d, float(20 / c.radius_sigma)),
+                                                         w, std::uint32_t(2 * i)))))
+                 : 0);
+      const MeshEdge& edge =
+          *outline[std::min(std::size_t(next() * float(outline.size())), outline.size() - 1)];
       const EdgeLine line(edge);
-      EdgePoint x{&edge, next() * line.length, {}, {}, 1};
-      x.x = line.at(x.at);
-      diffracted.add(outline * double(mean(diffracted_at(edges, x, d, beams, random))));
+      EdgePoint place{&edge, next() * line.length, {}, {}, 1};
+      place.x = line.at(place.at);
+      diffracted.add(outline_length * double(mean(diffracted_at(edges, place, d, beams, random))));
     }
     const double error = std::hypot(lent.error(), diffracted.error());
     std::printf(
-        "%3d edges, radius %3g sigma, %4g wavelengths, tilt %3g: lent %.5f of the light, diffracted %.5f, difference %+.2f +- %.2f %%\n",
-        c.corners, c.radius_sigma, c.wavelengths, c.tilt, lent.mean() / area, diffracted.mean() / area,
-        100 * (lent.mean() / diffracted.mean() - 1), 100 * error / diffracted.mean());
+        "%3d edges of an %s, radius %3g sigma, %4g wavelengths, tilt %3g: lent %.5f of the light on it, diffracted %.5f, "
+        "difference %+.2f +- %.2f %%\n",
+        c.corners, c.opening ? "opening" : "obstacle", c.radius_sigma, c.wavelengths, c.tilt,
+        lent.mean() / falls, diffracted.mean() / falls, 100 * (lent.mean() / diffracted.mean() - 1),
+        100 * error / diffracted.mean());
     if (kSanitized) continue;
     EXPECT_NEAR(lent.mean(), diffracted.mean(), 4 * error + 0.001 * diffracted.mean());
-    EXPECT_LT(error, (many ? 0.2 : 0.06) * diffracted.mean());
+    EXPECT_LT(error, (many ? 0.2 : 0.1) * diffracted.mean());
+    if (c.opening) {
+      EXPECT_LT(lent.mean(), falls);
+    }
   }
 }
 
@@ -156,48 +205,98 @@ TEST(EdgeLedger, DiffractsTheIntegralOfK) {
   }
 }
 
-// No place lends more than falls on it: with a white surface, what is reflected and diffracted is at most what falls.
-TEST(EdgeLedger, NoPlaceLendsMoreThanItHas) {
-  const auto largest = [](const char* shape, const Vec3& at, double tilt) {
-    const auto scene =
-        load_scene_from_string(
-            "<scene version=\"3.0.0\"><string name=\"length_unit\" value=\"1um\"/><integrator type=\"path\">"
-            "<boolean name=\"diffraction\" value=\"true\"/><string name=\"beam_width\" value=\"5\"/></integrator>"
-            "<sensor type=\"perspective\"><film type=\"hdrfilm\"/></sensor>" +
-                std::string(shape) + "</scene>",
-            "ledger.xml")
-            .scene;
-    const Vec3 d = normalize(Vec3{float(std::sin(tilt)), 0, -float(std::cos(tilt))});
-    const auto w = some_wavelengths(*scene);
-    Mean mean_of[kWavelengths];
-    for (int i = 0; i < 8000; ++i) {
-      const Spectrum left = left_by_edges(*scene, at, d, w, std::uint32_t(i));
-      for (int k = 0; k < kWavelengths; ++k) mean_of[k].add(1 - double(left[k]));
-    }
-    double most = 0;
-    for (const Mean& m : mean_of) most = std::max(most, m.mean() - 3 * m.error());
-    std::printf("%-18s D = %.3f +- %.3f at the longest, %.3f at the shortest wavelength\n",
-                std::string(shape).substr(13, 9).c_str(), mean_of[kWavelengths - 1].mean(),
-                mean_of[kWavelengths - 1].error(), mean_of[0].mean());
-    return most;
-  };
-  const char* square =
-      R"(<shape type="rectangle"><transform name="to_world"><scale value="200"/></transform></shape>)";
-  const char* wire =
-      R"(<shape type="rectangle"><transform name="to_world"><scale x="200" y="0.1"/></transform></shape>)";
-  const char* cube =
-      R"(<shape type="cube"><transform name="to_world"><scale value="100"/></transform></shape>)";
-  EXPECT_LT(largest(square, {200, 0, 0}, 0), 1);
-  EXPECT_LT(largest(square, {200, 0, 0}, 1.3), 1);
-  EXPECT_LT(largest(square, {200, 200, 0}, 0), 1);
-  EXPECT_LT(largest(wire, {0, 0, 0}, 0), 1);
-  EXPECT_LT(largest(cube, {100, 0, 100}, 0.7), 1);
-  EXPECT_LT(largest(cube, {100, 100, 100}, 0.7), 1);
-  EXPECT_LT(largest(square, {150, 0, 0}, 0), 1e-3);  // far from all edges
+/// A scene in micrometres with beams of 5 wavelengths.
+std::shared_ptr<const Scene> in_micrometres(const std::string& shapes) {
+  return load_scene_from_string(
+             "<scene version=\"3.0.0\"><string name=\"length_unit\" value=\"1um\"/><integrator type=\"path\">"
+             "<boolean name=\"diffraction\" value=\"true\"/><string name=\"beam_width\" value=\"5\"/></integrator>"
+             "<sensor type=\"perspective\"><film type=\"hdrfilm\"/></sensor>" +
+                 shapes + "</scene>",
+             "ledger.xml")
+      .scene;
 }
 
-// Places that are said to be far from all edges lend nothing.
-TEST(EdgeLedger, PlacesFarFromEdgesLendNothing) {
+/// The part of the light that a way leaves to edges, per wavelength.
+std::vector<Mean> lent_on(const Scene& scene, const LightWay& way, int samples) {
+  const auto w = some_wavelengths(scene);
+  std::vector<Mean> mean_of(kWavelengths);
+  for (int i = 0; i < samples; ++i) {
+    const Spectrum left = left_by_edges(scene, way, w, std::uint32_t(i));
+    for (int k = 0; k < kWavelengths; ++k) mean_of[std::size_t(k)].add(1 - double(left[k]));
+  }
+  return mean_of;
+}
+
+std::string rectangle(double half_x, double half_y, double at_x, double at_y = 0, double at_z = 0) {
+  return R"(<shape type="rectangle"><transform name="to_world"><scale x=")" + std::to_string(half_x) +
+         "\" y=\"" + std::to_string(half_y) + R"("/><translate x=")" + std::to_string(at_x) + "\" y=\"" +
+         std::to_string(at_y) + "\" z=\"" + std::to_string(at_z) + R"("/></transform></shape>)";
+}
+
+// No light lends more than passes, and as much in one direction as in the other.
+TEST(EdgeLedger, NoLightLendsMoreThanItHas) {
+  const auto largest = [](const char* name, const std::shared_ptr<const Scene>& scene, const Vec3& at,
+                          double tilt) {
+    // Not along the sides of the cube: which edges are its outline would be left to rounding.
+    const Vec3 d = normalize(Vec3{float(std::sin(tilt)), 0.01f, -float(std::cos(tilt))});
+    const float reach = 4 * scene->edges()->widest_beam();
+    const int samples = kSanitized ? 100 : 8000;
+    const auto there = lent_on(*scene, way_past(at, d, reach), samples),
+               back = lent_on(*scene, way_past(at, -d, reach), samples);
+    double most = 0;
+    for (std::size_t k = 0; k < there.size(); ++k) {
+      most = std::max({most, there[k].mean() - 3 * there[k].error(), back[k].mean() - 3 * back[k].error()});
+      if (kSanitized) continue;
+      EXPECT_NEAR(there[k].mean(), back[k].mean(), 5 * std::hypot(there[k].error(), back[k].error()) + 1e-9)
+          << name;
+    }
+    std::printf("%-40s D = %.3f +- %.3f at the longest, %.3f at the shortest wavelength\n", name,
+                there.back().mean(), there.back().error(), there.front().mean());
+    return most;
+  };
+  const auto square = in_micrometres(rectangle(200, 200, 0));
+  EXPECT_LT(largest("straight edge", square, {200.001f, 0, 0}, 0), 1);
+  EXPECT_LT(largest("straight edge, light oblique", square, {200.001f, 0, 0}, 1.3), 1);
+  EXPECT_LT(largest("corner of an obstacle", square, {200.001f, 200.001f, 0}, 0), 1);
+  EXPECT_LT(largest("wire", in_micrometres(rectangle(200, 0.1, 0)), {0, 0.101f, 0}, 0), 1);
+  for (const double width : {0.1, 1.0, 3.0, 6.0})
+    EXPECT_LT(
+        largest(fmt::format("middle of a slit of {} um", width).c_str(),
+                in_micrometres(rectangle(100, 200, -100 - width / 2) + rectangle(100, 200, 100 + width / 2)),
+                {0, 0, 0}, 0),
+        1);
+  const auto cube = in_micrometres(
+      R"(<shape type="cube"><transform name="to_world"><scale value="100"/></transform></shape>)");
+  EXPECT_LT(largest("edge of a cube", cube, {100.1f, 0, 100.1f}, 0.7), 1);
+  EXPECT_LT(largest("corner of a cube", cube, {100.1f, 100.1f, 100.1f}, 0.7), 1);
+  EXPECT_LT(largest("far from all edges", square, {220, 0, 0}, 0), 1e-9);
+  // Near the corners and in the middle of openings; sigma is 3.3 um at the longest wavelength. In the middle of those smaller than that,
+  // most of whose light is diffracted, it is up to .07 more than there is, and less nearer to the edges (docs/diffraction.md).
+  for (const int corners : {3, 4, 40})
+    for (const double radius : {0.3, 0.6, 1.0, 6.0})
+      for (const float at : {0.99f, 0.f})
+        EXPECT_LT(largest(fmt::format("{} corners, radius {} sigma, at {}", corners, radius, at).c_str(),
+                          polygon(corners, radius, 5, true), {at, 0, 0}, 0),
+                  radius < 2 && at == 0 ? 1.08 : 1);
+}
+
+// Edges at distances that are many beams apart each take their part of what is left.
+TEST(EdgeLedger, DistantEdgesTakeOneAfterTheOther) {
+  const std::string first = rectangle(200, 200, -200), second = rectangle(200, 200, -199, 0, -100);
+  const LightWay way{{1, 0, 50}, {0, 0, -1}, 300};
+  const int samples = kSanitized ? 100 : 20000;
+  const auto left = [&](const std::string& shapes) { return lent_on(*in_micrometres(shapes), way, samples); };
+  const auto a = left(first), b = left(second), both = left(first + second);
+  for (std::size_t k = 0; k < both.size(); ++k) {
+    const double expected = 1 - (1 - a[k].mean()) * (1 - b[k].mean());
+    if (kSanitized) continue;
+    EXPECT_GT(a[k].mean(), 0.2);
+    EXPECT_NEAR(both[k].mean(), expected, 5 * (both[k].error() + a[k].error() + b[k].error()));
+  }
+}
+
+// Ways that stay farther from all edges than the deficit reaches lend nothing.
+TEST(EdgeLedger, WaysFarFromEdgesLendNothing) {
   const auto scene = polygon(5, 8, 5);
   const auto w = some_wavelengths(*scene);
   KeyedRandom random(11);
@@ -205,29 +304,38 @@ TEST(EdgeLedger, PlacesFarFromEdgesLendNothing) {
   for (int i = 0; i < 4000; ++i) {
     const Vec3 y{4 * random.next() - 2, 4 * random.next() - 2, 2 * random.next() - 1};
     const Vec3 d = square_to_uniform_sphere({random.next(), random.next()});
-    const Spectrum left = left_by_edges(*scene, y, d, w, std::uint32_t(i));
-    const bool lends = lends_light(*scene, y);
-    near += lends && max_component(abs(left - Spectrum(1.f))) > 0;
-    if (lends) continue;
+    const float reach = 3 * random.next();
+    const Spectrum left = left_by_edges(*scene, way_past(y, d, reach), w, std::uint32_t(i));
+    double nearest = 1e9;
+    for (const MeshEdge& edge : scene->edges()->index().edges())
+      for (int k = 0; k <= 400; ++k) {
+        const Double3 to = Double3(edge.a + (float(k) / 400) * (edge.b - edge.a)) - Double3(y);
+        const double along = std::clamp(dot(to, Double3(d)), -double(reach), double(reach));
+        nearest = std::min(nearest, length(to - Double3(d) * along));
+      }
+    const bool lends = max_component(abs(left - Spectrum(1.f))) > 0;
+    near += lends;
+    if (nearest < 3.05 / 8) continue;
     ++far;
-    EXPECT_EQ(max_component(abs(left - Spectrum(1.f))), 0) << i;
+    EXPECT_FALSE(lends) << i;
   }
   EXPECT_GT(far, 200);
   EXPECT_GT(near, 100);
 }
 
-/// The mean irradiance that light has from within on a sphere around an obstacle, in even light: 1 without losses.
+/// The mean irradiance that light has from within on a sphere around an obstacle, in even light: 1 without losses. Light that passes 3 sigma
+/// beside the obstacle goes on for as much before it meets the sphere.
 Picture around(const std::string& obstacle, const char* reflectance, const char* integrator,
                bool diffraction) {
   return render(std::string(R"(<string name="length_unit" value="20um"/><integrator type=")") + integrator +
                 R"("><boolean name="diffraction" value=")" + (diffraction ? "true" : "false") +
-                R"("/><string name="beam_width" value="20 wavelengths"/></integrator>)" + obstacle +
+                R"("/><string name="beam_width" value="12 wavelengths"/></integrator>)" + obstacle +
                 R"(<bsdf type="twosided"><bsdf type="diffuse"><spectrum name="reflectance" value=")" +
                 reflectance +
                 R"("/></bsdf></bsdf></shape>
-  <shape type="sphere"><float name="radius" value="2.5"/><boolean name="flip_normals" value="true"/>
+  <shape type="sphere"><float name="radius" value="3"/><boolean name="flip_normals" value="true"/>
     <bsdf type="null"/><sensor type="irradiancemeter"><sampler type="sobol"><integer name="sample_count" value=")" +
-                (kSanitized ? "16" : "4096") + R"("/></sampler>
+                (kSanitized ? "16" : test::effort("4096", "65536")) + R"("/></sampler>
       <film type="specfilm"><integer name="width" value="1"/><integer name="height" value="1"/>
         <float name="wavelength_min" value="500"/><float name="wavelength_max" value="600"/>
         <integer name="bins" value="1"/><boolean name="preview" value="false"/><rfilter type="box"/></film>
@@ -235,35 +343,34 @@ Picture around(const std::string& obstacle, const char* reflectance, const char*
   <emitter type="directional"><vector name="direction" x="0.1" y="0.2" z="-1"/><spectrum name="irradiance" value="4"/></emitter>)");
 }
 
-// What falls on a white obstacle leaves it, by its faces or around its edges, and all of it reaches the sphere around.
-TEST(EdgeLedger, WhiteObstaclesKeepAllLight) {
-  const auto expect_all = [](const char* name, const std::string& obstacle,
-                             std::initializer_list<const char*> integrators) {
+// All light reaches the sphere around a white obstacle: what edges send around them is missing beside them. A black obstacle
+// absorbs what falls on it, no more and no less.
+TEST(EdgeLedger, ObstaclesKeepAllLight) {
+  const auto expect = [](const char* name, const std::string& obstacle, const char* reflectance,
+                         double expected, double expected_error,
+                         std::initializer_list<const char*> integrators) {
     for (const char* integrator : integrators) {
-      const Picture p = around(obstacle, "1", integrator, true);
-      std::printf("%-5s by %-7s: %.5f +- %.5f of the light\n", name, integrator, p.all, p.all_error);
+      const Picture p = around(obstacle, reflectance, integrator, true);
+      std::printf("%-14s by %-7s: %.5f +- %.5f of the light, expected %.5f +- %.5f\n", name, integrator,
+                  p.all, p.all_error, expected, expected_error);
       if (kSanitized) continue;
-      EXPECT_NEAR(p.all, 1, 4 * p.all_error) << name << " " << integrator;
+      EXPECT_NEAR(p.all, expected, 4 * std::hypot(p.all_error, expected_error)) << name << " " << integrator;
       EXPECT_LT(p.all_error, 0.02) << name << " " << integrator;
     }
   };
   const char* plate = R"(<shape type="rectangle">)";
-  expect_all("plate", plate, {"path", "ptracer", "bdpt"});
-  expect_all(
-      "block",
+  expect("white plate", plate, "1", 1, 0, {"path", "ptracer", "bdpt"});
+  expect(
+      "white block",
       R"(<shape type="cube"><transform name="to_world"><scale value="0.6"/><rotate x="1" y="0.4" angle="35"/></transform>)",
-      {"path"});
-  expect_all("disc", R"(<shape type="disk">)", {"path"});
-  const Picture black = around(plate, "0", "path", true), dark = around(plate, "0", "path", false),
-                white = around(plate, "1", "path", false);
-  std::printf("of the light on the plate %.4f is diffracted\n",
-              (black.all - dark.all) / (white.all - dark.all));
-  if (kSanitized) return;
-  EXPECT_GT(black.all - dark.all, 0.2 * (white.all - dark.all));
+      "1", 1, 0, {"path"});
+  expect("white disc", R"(<shape type="disk">)", "1", 1, 0, {"path"});
+  const Picture dark = around(plate, "0", "path", false);
+  expect("black plate", plate, "0", dark.all, dark.all_error, {"path", "ptracer", "bdpt"});
 }
 
-// The part of a Gaussian about places on the edges of a convex polygon, by rows of it, each with error functions.
-TEST(EdgeLedger, CoveredPartIsThatOfThePolygon) {
+// The part of a Gaussian about places on the edges of a convex polygon that it leaves open, by rows of it, each with error functions.
+TEST(EdgeLedger, OpenPartIsThatBesideThePolygon) {
   for (const int corners : {3, 5, 40}) {
     const auto scene = polygon(corners, 1, 5);
     const SceneEdges& edges = *scene->edges();
@@ -273,7 +380,7 @@ TEST(EdgeLedger, CoveredPartIsThatOfThePolygon) {
         const MeshEdge& edge = edges.index().edges()[1];
         const EdgeLine line(edge);
         EdgePoint x{&edge, at * line.length, line.at(at * line.length), {}, 1};
-        double expected = 0;
+        double covered = 0;
         const int rows = 4000;
         for (int i = 0; i < rows; ++i) {
           const double y = -1 + (i + 0.5) * 2 / rows;
@@ -291,15 +398,15 @@ TEST(EdgeLedger, CoveredPartIsThatOfThePolygon) {
           }
           if (!(high > low)) continue;
           const double z = (y - x.x.y) / deviation, scale = 1 / (deviation * std::numbers::sqrt2);
-          expected += 2.0 / rows * std::exp(-0.5 * z * z) / (deviation * std::sqrt(2 * pi)) * 0.5 *
-                      (std::erf((high - x.x.x) * scale) - std::erf((low - x.x.x) * scale));
+          covered += 2.0 / rows * std::exp(-0.5 * z * z) / (deviation * std::sqrt(2 * pi)) * 0.5 *
+                     (std::erf((high - x.x.x) * scale) - std::erf((low - x.x.x) * scale));
         }
         EdgePoint place = edges.place_on(edge, at);
         for (const float side : {1.f, -1.f}) {
           Mean rays;
           for (int i = 0; i < (kSanitized ? 100 : 20000); ++i)
-            rays.add(per_lit_face(*scene, place, {0, 0, side}, deviation, random));
-          EXPECT_NEAR(rays.mean(), 1 / expected, 5 * rays.error())
+            rays.add(per_open_way(*scene, place, {0, 0, side}, deviation, 1, random));
+          EXPECT_NEAR(rays.mean(), 1 / (1 - covered), 5 * rays.error())
               << corners << " " << deviation << " " << at;
         }
       }

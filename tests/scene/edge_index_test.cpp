@@ -314,7 +314,7 @@ TEST(EdgeDistance, OfEdgesFarFromTheOrigin) {
   const TriangleSet set = square;
   const EdgeIndex index(std::span(&set, 1));
   ASSERT_FALSE(index.edges().empty());
-  const EdgeDistance distance(index);
+  const EdgeDistance distance(index, 0);
   EXPECT_EQ(distance.at_least(o + Vec3{10, 0, 0}), 0);
   EXPECT_LE(distance.at_least(o + Vec3{10, 10, 0}), 10);
 }
@@ -330,7 +330,7 @@ TEST(EdgeDistance, IsNeverAboveTheDistanceOfTheNearestEdge) {
   }
   const TriangleSet set = soup;
   const EdgeIndex index(std::span(&set, 1));
-  const EdgeDistance distance(index);
+  const EdgeDistance distance(index, 0), with_margin(index, 0.2f);
   double told = 0, all = 0;
   int within = 0;
   for (int trial = 0; trial < 600; ++trial) {
@@ -341,6 +341,7 @@ TEST(EdgeDistance, IsNeverAboveTheDistanceOfTheNearestEdge) {
       for (int i = 0; i <= 500; ++i)
         nearest = std::min(nearest, double(length(p - (e.a + (e.b - e.a) * (float(i) / 500)))));
     EXPECT_LE(distance.at_least(p), nearest);
+    EXPECT_LE(with_margin.at_least(p), nearest);
     const float reach = 0.05f + 0.3f * float(trial % 7);
     if (std::abs(nearest - reach) > 0.01) {
       EXPECT_EQ(index.has_edge_within(p, reach), nearest < reach);
@@ -350,7 +351,38 @@ TEST(EdgeDistance, IsNeverAboveTheDistanceOfTheNearestEdge) {
   }
   EXPECT_GT(told, 0.3 * all);
   EXPECT_GT(within, 60);
-  EXPECT_EQ(EdgeDistance(EdgeIndex()).at_least({}), kInfinity);
+  EXPECT_EQ(EdgeDistance(EdgeIndex(), 0.1f).at_least({}), kInfinity);
+}
+
+TEST(EdgeDistance, NoEdgeIsWithinTheMarginOfWhatIsFree) {
+  Random random;
+  Triangles soup;
+  for (int i = 0; i < 12; ++i) {
+    const Vec3 p = random.point();
+    for (int j = 0; j < 3; ++j) soup.positions.push_back(p + 0.3f * random.point());
+    const auto n = std::uint32_t(3 * i);
+    soup.triangles.push_back({n, n + 1, n + 2});
+  }
+  const TriangleSet set = soup;
+  const EdgeIndex index(std::span(&set, 1));
+  const float margin = 0.15f;
+  const EdgeDistance distance(index, margin);
+  int all = 0, some = 0, none = 0;
+  for (int trial = 0; trial < 1500; ++trial) {
+    const Vec3 o = (trial % 2 ? 1.f : 3.f) * random.point();
+    const Vec3 d = trial % 8 == 7 ? Vec3{0, -1, 0} : normalize(random.point());
+    const float length = trial % 5 == 4 ? kInfinity : 2.5f, free = distance.free_along(o, d, length);
+    EXPECT_GE(free, 0);
+    EXPECT_LE(free, length);
+    const float until = std::min(free, 12.f);
+    for (int i = 0; free > 0 && i < 200; ++i)
+      EXPECT_FALSE(index.has_edge_within(o + d * (until * float(i) / 200), margin - 0.002f)) << trial;
+    (free == length ? all : free > 0 ? some : none)++;
+  }
+  EXPECT_GT(all, 200);
+  EXPECT_GT(some, 200);
+  EXPECT_GT(none, 50);
+  EXPECT_EQ(EdgeDistance(EdgeIndex(), 0.1f).free_along({}, {0, 0, 1}, kInfinity), kInfinity);
 }
 
 TEST(EdgeIndex, OfNothingFindsNothing) {

@@ -42,6 +42,7 @@ public:
   bool needs_march() const { return sensor_.needs_march(); }
   void connected(int path, const Connection& c, bool open) { sensor_.connected(path, c, open); }
   const Wavelengths& wavelengths(int path) const { return sensor_.wavelengths(path); }
+  std::uint32_t connection_key(int path) const { return sensor_.connection_key(path); }
 
 private:
   bdpt::SensorSteps& sensor_;

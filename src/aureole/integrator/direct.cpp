@@ -27,6 +27,7 @@ public:
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
+  std::uint32_t connection_key(int i) const { return paths_[size_t(i)].samples.key(states_[i].dimension); }
   bool looks_for_emission() const { return media_ != nullptr; }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
@@ -41,6 +42,8 @@ public:
       if (!is_black(glow.seen)) path.result.estimate += s.density.beta.of(glow.seen) / path.wavelengths.pdf;
       s.density.attenuate(Weight(light.passed * light.roulette));
     }
+    lend_to_edges(scene_, s.flight.ray, hit ? hit.t : kInfinity, LightWay::End::vertex, path.wavelengths,
+                  path.samples.key(s.dimension), s.density);
     if (!hit) return escape(i);
     Vertex& vertex = vertices_.make(
         i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::radiance); });

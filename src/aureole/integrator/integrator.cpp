@@ -6,6 +6,7 @@
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/connection.h"
 #include "aureole/transport/dimensions.h"
+#include "aureole/transport/edge_ledger.h"
 #include "aureole/transport/keyed_random.h"
 
 namespace aureole {
@@ -42,7 +43,8 @@ Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path
   }
   if (!connect(scene, c, path.wavelengths)) return 0.f;
   if (scene.has_media()) c.finish();
-  return c.light;
+  return c.light *
+         left_by_edges(scene, LightWay::of(c), path.wavelengths, key(path.samples, -1, Key::connection));
 }
 
 }  // namespace

@@ -74,6 +74,9 @@ public:
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
+  std::uint32_t connection_key(int i) const {
+    return key(paths_[size_t(i)].samples, states_[i].vertex, Key::connection);
+  }
   void put_segments(BatchConnections* room) requires kAny { segments_ = room; }
   bool looks_for_emission() const requires kAny { return media_ != nullptr; }
 
@@ -85,6 +88,7 @@ public:
         const Event event = fly(i, hit ? hit.t : kInfinity);
         if (event != Event::crossed) return event;
       }
+    if constexpr (kAny) lend(i, hit ? hit.t : kInfinity);
     if (!hit) return escape(i);
     Path& path = paths_[size_t(i)];
     Vertex& vertex = vertices_.make(
@@ -285,6 +289,14 @@ private:
   void go_on(int i, const Vertex& vertex, const Vec3& d) { vertex.leave(d, has_media(), states_[i].flight); }
   bool has_media() const { return kAny && scene_.has_media(); }
 
+  /// What edges beside the flight take of it, over that distance.
+  void lend(int i, float t) requires kAny {
+    State& s = states_[i];
+    const Path& path = paths_[size_t(i)];
+    lend_to_edges(scene_, s.flight.ray, t, s.after_edge.end(), path.wavelengths,
+                  key(path.samples, s.vertex, Key::flight), s.density);
+  }
+
   /// The part of the path's weight that is left.
   static float left(const State& s) {
     const float left = s.density.hero_symmetric_throughput() * s.eta2;
@@ -367,6 +379,7 @@ private:
                       s.looked ? nullptr : &path.result.estimate, p, {media_, s.from, s.share}, &chosen))
       return Event::crossed;
     s.by_light = places ? chosen * places->pdf(dot(p - s.flight.ray.o, s.flight.ray.d)) : Spectrum(0.f);
+    lend(i, length(p - s.flight.ray.o));
     if (log_.follows(i))
       log_medium(log_, s.depth, p, *s.flight.medium, s.density.hero_symmetric_throughput());
     if (s.depth == 0) path.result.alpha = 1;

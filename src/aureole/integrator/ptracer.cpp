@@ -58,6 +58,9 @@ public:
   /// Whether paths of one edge count.
   bool counts_beams() const { return counts_beams_; }
   bool needs_march() const { return !scene_.has_binary_visibility() || limits_.hide_emitters; }
+  std::uint32_t connection_key(int i) const {
+    return key(paths_[size_t(i)].samples, states_[i].vertex, Key::connection);
+  }
 
   /// Where the path begins; false where it carries no light.
   bool emit(int i) {
@@ -107,6 +110,7 @@ public:
       if (event != Event::crossed) return event;
     }
     if (!hit) return Event::escape;
+    lend(i, hit.t);
     Path& path = paths_[size_t(i)];
     Vertex& vertex = vertices_.make(
         i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, TransportMode::importance); });
@@ -273,6 +277,7 @@ private:
       }
       const bool open = aureole::connect(scene_, c, path.wavelengths);
       if (open && scene_.has_media()) c.finish();
+      if (open) c.light *= left_by_edges(scene_, LightWay::of(c), path.wavelengths, connection_key(i));
       if (open) splats_.push_back({i, crossing.film, c.light});
       if (log_.follows(i)) log_seen(log_, crossing.film, c, open);
     });
@@ -291,6 +296,14 @@ private:
 
   void go_on(int i, const Vertex& vertex, const Vec3& d) {
     vertex.leave(d, scene_.has_media(), states_[i].flight);
+  }
+
+  /// What edges beside the flight take of it, over that distance.
+  void lend(int i, float t) {
+    State& s = states_[i];
+    const Path& path = paths_[size_t(i)];
+    lend_to_edges(scene_, s.flight.ray, t, s.after_edge.end(), path.wavelengths,
+                  key(path.samples, s.vertex, Key::flight), s.density);
   }
 
   /// The part of the light that is left.
@@ -351,6 +364,7 @@ private:
     Vec3 p;
     if (!aureole::fly(s.flight, t_max, path.wavelengths, path.samples, s.vertex, s.density, nullptr, p))
       return Event::crossed;
+    lend(i, length(p - s.flight.ray.o));
     if (log_.follows(i))
       log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
     if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;
@@ -435,8 +449,7 @@ private:
       if (limits_.hide_emitters && !scene.has_media()) continue;
       Flight flight{paths[i].ray, nullptr, {}};
       find_surroundings(scene, nullptr, flight);
-      sight.begin(int(i), flight, 1.f, scene.has_media() ? key(paths[i].samples, -1, Key::flight) : 0,
-                  limits_.hide_emitters);
+      sight.begin(int(i), flight, 1.f, key(paths[i].samples, -1, Key::flight), limits_.hide_emitters);
       rays.add(int(i), paths[i].ray);
     }
     follow(scene, sight, rays, RayTracer::Rays::coherent);

@@ -75,8 +75,6 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
     if (edges_->empty())
       notes_.push_back("no shape of the scene has edges that diffract: no light is diffracted");
     notes_.insert(notes_.end(), edges_->notes().begin(), edges_->notes().end());
-    for (Surface& surface : surfaces_)
-      if (surface.shape && edges_->diffracts(*surface.shape)) surface.lends = surface.needs_choice = true;
   } else if (const Bsdf* bsdf = first_diffracting_bsdf(parts_)) {
     const std::string where = bsdf->properties().where().str();
     notes_.push_back((where.empty() ? "" : where + ": ") + "edges of \"" + bsdf->properties().type() +

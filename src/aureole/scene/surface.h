@@ -35,7 +35,6 @@ struct alignas(64) Surface {
   bool passable : 1 = false;      ///< some light may pass straight through it
   bool bounds_media : 1 = false;  ///< `outside` and `inside` lie at it; else the same medium is on both sides
   bool needs_choice : 1 = true, needs_tangent : 1 = true;
-  bool lends : 1 = false;    ///< its edges take of the light that falls on it (transport/edge_ledger.h)
   std::int8_t priority = 0;  ///< of overlapping dielectrics the highest counts
 
   /// Light that is refracted into it leaves elsewhere.

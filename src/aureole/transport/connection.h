@@ -23,6 +23,7 @@ enum class Event : std::uint8_t {
 
 struct Connection {
   Flight flight;  ///< the part that is still to be tested; ends at t = 1 unless it is infinite
+  Vec3 origin;    ///< where it begins
   Vec3 d;         ///< unit direction
   Vec3 target;    ///< the far end, if there is one
   bool infinite;
@@ -87,6 +88,7 @@ bool is_lost(const Scene& scene, Connection& connection);
 bool connect(const Scene& scene, Connection& connection, const Wavelengths& w);
 
 inline void Connection::set(const Anchor& from, const Vec3& direction, const Anchor& to) {
+  origin = from.p;
   flight.ray.o = offset_origin(from.p, from.p_error, from.ng, direction);
   // The far end leaves its surface, too, so that the segment needs no shortening by a constant. The rounding
   // of the ray's own arithmetic counts: direction, distance and differences of the length of the segment,
@@ -101,7 +103,7 @@ inline void Connection::set(const Anchor& from, const Vec3& direction, const Anc
 
 inline void Connection::set(const Ray& r) {
   flight.ray = r;
-  d = r.d;
+  origin = r.o, d = r.d;
   infinite = true, through_emitters = false;
 }
 

@@ -13,6 +13,7 @@
 //     bool scatter(int path);                             false: the path ends here, or goes on below
 //     PathList emerge();                                  those that went on below, at a vertex again
 //     const Wavelengths& wavelengths(int path);
+//     std::uint32_t connection_key(int path);             for random numbers of the vertex's connections
 //     void lose(int path);                                the ray has left the range of float: the path ends,
 //                                                         and its sample must become invalid
 // and where there are
@@ -29,6 +30,7 @@
 
 #include "aureole/transport/batch.h"
 #include "aureole/transport/connection.h"
+#include "aureole/transport/edge_ledger.h"
 
 namespace aureole {
 
@@ -54,6 +56,14 @@ struct BatchConnections {
   Connection of_path[kBatch];
 };
 
+/// The end of a connection.
+template <class Steps>
+void end_connection(const Scene& scene, Steps& steps, int path, Connection& c, bool open) {
+  if (open && scene.edges())
+    c.light *= left_by_edges(scene, LightWay::of(c), steps.wavelengths(path), steps.connection_key(path));
+  steps.connected(path, c, open);
+}
+
 /// Connections that may pass surfaces or media.
 template <class Steps>
 [[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, BatchConnections& connections) {
@@ -67,7 +77,7 @@ template <class Steps>
                                    return;
                                  }
                                  if (event == Event::escape && scene.has_media()) c.finish();
-                                 steps.connected(path, c, event == Event::escape);
+                                 end_connection(scene, steps, path, c, event == Event::escape);
                                });
 }
 
@@ -82,7 +92,7 @@ void connect_each(const Scene& scene, Steps& steps, const PathList& paths, Batch
   if (steps.needs_march()) return march_all(scene, steps, connections);
   connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {
     Connection& c = connections.of_path[path];
-    steps.connected(path, c, open || is_lost(scene, c));
+    end_connection(scene, steps, path, c, open || is_lost(scene, c));
   });
 }
 

@@ -2,8 +2,10 @@
 #include "aureole/transport/edge_ledger.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "aureole/math/erf_inverse.h"
@@ -14,26 +16,29 @@ namespace {
 
 using std::numbers::pi;
 
-/// Standard deviation of G over the widest sigma. A beam that reaches y is centred within sigma of it, and reaches an edge within sigma
-/// of its centre.
-constexpr double kSpread = std::numbers::sqrt2;
-// In these deviations:
-/// Beyond this distance across the light G counts as 0 (4e-6 of it).
-constexpr double kReach = 5;
-/// Edges and faces at a greater distance along the light do not share it. Surfaces in grazing light, up to 70 degrees, lie within as far
-/// as most of G.
-constexpr double kDepth = 3;
-/// Edges nearer than that, in sigma, are looked at where directions are chosen.
+/// Standard deviation of G over the widest sigma: small, since the light that is missing comes from next to the edge, but not so small that
+/// corners of openings lend more than they have (docs/decisions.md).
+constexpr double kSpread = 0.6;
+/// Beyond this distance across the light, in these deviations, G counts as 0 (4e-5 of it).
+constexpr double kReach = 4.5;
+// In sigma:
+/// Free way before and behind an edge that light needs to pass it.
+constexpr float kPassing = 3;
+/// Of an edge at the end of the way others are ignored that are nearer, as where they interfere (`SceneEdges::far_enough`).
+constexpr float kIgnored = 7;
+/// Edges at depths that differ by less lend of the same light, others one after the other.
+constexpr double kTogether = 7;
+/// Edges nearer than that are looked at where directions are chosen.
 constexpr float kNear = 7;
-/// Rays that look for a lit face beside an edge, at most. Of wires that are met less often the estimate is cut.
+/// Rays that look for an open way beside an edge, at most. Of slits that are met less often the estimate is cut.
 constexpr int kMostRays = 4096;
 
-/// Makes keys of its own from those of BSDFs.
+/// Makes keys of its own from those of others.
 constexpr std::uint32_t kLent = 0x68e31da4u;
 
-/// Places seen along the light, in units of the deviation from one of them.
+/// Places seen along a way, in units of the deviation from its begin.
 struct View {
-  View(const Double3& origin, const Vec3& along, double deviation)
+  View(const Vec3& origin, const Vec3& along, double deviation)
       : o(origin), z(normalize(Double3(along))), scale(1 / deviation) {
     make_basis(z, x, y);
   }
@@ -46,34 +51,95 @@ struct View {
   double scale;
 };
 
-/// The first surface along a ray that is more than a boundary of media; null where there is none.
-const Surface* first_surface(const Scene& scene, Ray ray) {
+/// Whether a surface that is more than a boundary of media is in the way.
+bool is_blocked(const Scene& scene, Ray ray) {
+  if (scene.has_binary_visibility()) return scene.tracer().occluded(ray);
   for (int i = 0; i < 16; ++i) {
     const auto point = scene.intersect(ray);
-    if (!point) return nullptr;
-    if (point->surface->lobes != kNullLobe) return point->surface;
+    if (!point) return false;
+    if (point->surface->lobes != kNullLobe) return true;
     const float passed = length(point->p - ray.o);
     const Ray rest = Anchor::of(*point).leave(ray.d);
     ray = {rest.o, ray.d, ray.t_max - passed};
   }
-  return nullptr;
+  return true;
 }
 
-/// A stretch of an edge with the part of G about y that falls on it.
+/// A stretch of an edge beside a way, seen along that in deviations.
 struct Stretch {
   const MeshEdge* edge;
-  double middle, low, high;  ///< middle: of G, along the edge; the others: error functions at its ends
-  double shown, mass;        ///< shown: deviations seen per length
+  Double3 from, along;  ///< one end, and from there to the other
+  double foot;          ///< of the way, as a fraction of the edge
+  double begin, end;    ///< the part of it that lies beside the way
+  double depth;         ///< of its nearest place
+  double weight;        ///< about the part of G that falls on it
 };
+
+/// The stretch of an edge, of no weight where that is not beside the way, whose depths are [first, last].
+Stretch stretch_of(const MeshEdge& edge, const View& view, double first, double last) {
+  Stretch s{&edge, view(Double3(edge.a)), {}, 0, 0, 1, 0, 0};
+  s.along = view(Double3(edge.b)) - s.from;
+  const double shown2 = s.along.x * s.along.x + s.along.y * s.along.y;
+  if (!(shown2 > 1e-6 * s.along.z * s.along.z)) return s;  // along the way it diffracts nothing
+  if (std::abs(s.along.z) > 1e-12) {
+    const double t0 = (first - s.from.z) / s.along.z, t1 = (last - s.from.z) / s.along.z;
+    s.begin = std::max(s.begin, std::min(t0, t1)), s.end = std::min(s.end, std::max(t0, t1));
+  } else if (!(s.from.z >= first && s.from.z <= last)) {
+    return s;
+  }
+  if (!(s.begin < s.end)) return s;
+  s.foot = -(s.from.x * s.along.x + s.from.y * s.along.y) / shown2;
+  const double nearest = std::clamp(s.foot, s.begin, s.end);
+  const double x = s.from.x + nearest * s.along.x, y = s.from.y + nearest * s.along.y, r2 = x * x + y * y;
+  if (r2 > kReach * kReach) return s;
+  s.depth = s.from.z + nearest * s.along.z;
+  s.weight = std::exp(-0.5 * r2) * std::min(1.0, 0.4 * std::sqrt(shown2) * (s.end - s.begin));
+  return s;
+}
+
+Spectrum power_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d, const SceneEdges::Beams& beams,
+                  KeyedRandom& random) {
+  return SceneEdges::has_power(beams) ? edges.power(x, d, beams) : diffracted_at(edges, x, d, beams, random);
+}
+
+/// An estimate of D, of edges at one depth.
+Spectrum lent(const Scene& scene, std::span<const Stretch> stretches, const Vec3& d, double deviation,
+              const SceneEdges::Beams& beams, KeyedRandom& random) {
+  double all = 0;
+  for (const Stretch& s : stretches) all += s.weight;
+  // Where little can be taken it is looked at seldom: S is about half of sigma, N half.
+  const double probability = std::clamp(2 * all / (std::sqrt(2 * pi) * kSpread), 0.01, 1.0);
+  if (random.next() >= probability) return 0.f;
+  double rest = random.next() * all;
+  std::size_t i = 0;
+  for (; i + 1 < stretches.size() && rest >= stretches[i].weight; ++i) rest -= stretches[i].weight;
+  const Stretch& s = stretches[i];
+  const double shown = std::hypot(s.along.x, s.along.y);
+  const double low = std::erf((s.begin - s.foot) * shown * std::sqrt(0.5)),
+               high = std::erf((s.end - s.foot) * shown * std::sqrt(0.5));
+  const double at = std::clamp(
+      s.foot + sample_between(low, high, random.next()) * std::numbers::sqrt2 / shown, s.begin, s.end);
+  const double x = s.from.x + s.foot * s.along.x, y = s.from.y + s.foot * s.along.y;
+  // The integral of G over the stretch, per length [1/unit of length of the scene].
+  const double mass = std::exp(-0.5 * (x * x + y * y)) * 0.5 * (high - low) / std::sqrt(2 * pi) *
+                      EdgeLine(*s.edge).length / (shown * deviation * deviation);
+  if (!(mass > 0)) return 0.f;
+  const EdgePoint point = scene.edges()->place_on(*s.edge, at);
+  const double per_way =
+      per_open_way(scene, point, d, deviation, kPassing * scene.edges()->widest_beam(), random);
+  if (!(per_way > 0)) return 0.f;
+  return power_at(*scene.edges(), point, d, beams, random) *
+         float(mass * all / s.weight * per_way / probability);
+}
 
 }  // namespace
 
-double per_lit_face(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation,
+double per_open_way(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation, double depth,
                     KeyedRandom& random) {
-  const auto depth = float(kDepth * deviation);
-  // Rays that begin as near as that must not begin behind the face by rounding.
-  if (!(depth > max_component(abs(x.p)) * gamma_bound(32))) return 0;
-  if (first_surface(scene, {x.p, -d, depth})) return 0;
+  const auto reach = float(depth);
+  // Ways as short as that must not begin behind the face by rounding.
+  if (!(reach > max_component(abs(x.p)) * gamma_bound(8))) return 0;
+  if (is_blocked(scene, {x.p, -d, reach}) || is_blocked(scene, {x.p, d, reach})) return 0;
   Double3 s, t;
   make_basis(normalize(Double3(d)), s, t);
   for (int rays = 1; rays <= kMostRays; ++rays) {
@@ -83,9 +149,8 @@ double per_lit_face(const Scene& scene, const EdgePoint& x, const Vec3& d, doubl
       continue;
     }
     const double r = deviation * std::sqrt(r2);
-    const Vec3 o = (x.x + s * (r * std::cos(phi)) + t * (r * std::sin(phi))).to_float() - depth * d;
-    const Surface* surface = first_surface(scene, {o, d, 2 * depth});
-    if (surface && surface->lends) return rays;
+    const Vec3 o = (x.x + s * (r * std::cos(phi)) + t * (r * std::sin(phi))).to_float() - reach * d;
+    if (!is_blocked(scene, {o, d, 2 * reach})) return rays;
   }
   return 0;
 }
@@ -133,64 +198,45 @@ Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& 
   return edges.kernel(x, d, out, beams, drawn) * float(1 / pdf);
 }
 
-bool lends_light(const Scene& scene, const Vec3& y) {
-  constexpr double kFarthest = 5.84;
-  static_assert(kFarthest * kFarthest >= kReach * kReach + kDepth * kDepth);
-  return scene.edges()->are_within(float(kFarthest * kSpread) * scene.edges()->widest_beam(), y);
-}
-
-Spectrum left_by_edges(const Scene& scene, const Vec3& y, const Vec3& d, const Wavelengths& w,
-                       std::uint32_t key) {
+Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key) {
+  if (!scene.edges() || scene.edges()->empty()) return 1.f;
   const SceneEdges& edges = *scene.edges();
+  static_assert(kReach * kSpread <= SceneEdges::kMargin);
+  std::uint64_t bits = key ^ kLent;
+  for (int i = 0; i < 3; ++i) bits = combine_bits(bits, std::bit_cast<std::uint32_t>(way.d[i]));
+  KeyedRandom random{std::uint32_t(bits)};
+  const float part = edges.looks_beside();
+  if (part < 1 && random.next() >= part) return 1.f;
+  const auto clear = [&](LightWay::End end) {
+    return edges.widest_beam() * (end == LightWay::End::edge ? kIgnored : kPassing);
+  };
+  const float after = clear(way.begin), end = way.length - clear(way.end);
+  const float begin = after + edges.free_along(way.from + way.d * after, way.d, end - after);
+  if (!(begin < end)) return 1.f;
+
   const SceneEdges::Beams beams = edges.beams(w);
-  const double deviation = kSpread * beams.widest;
-  const auto radius = float(kReach * deviation), depth = float(kDepth * deviation);
+  const double deviation = kSpread * beams.widest, first = begin / deviation, last = end / deviation;
   thread_local std::vector<Stretch> stretches;
   stretches.clear();
-  double all = 0;
-  const View view(Double3(y), d, deviation);
-  edges.index().visit_edges({y, d, radius, -depth, depth}, [&](const MeshEdge& edge) {
-    const EdgeLine line(edge);
-    const Double3 from = view(line.origin), to = view(line.at(line.length)), way = to - from;
-    const double shown2 = way.x * way.x + way.y * way.y;
-    const double shown = std::sqrt(shown2) / line.length;
-    if (!(shown * deviation > 1e-3)) return;
-    // Of the fraction along it: between the depths, and the foot of y.
-    double begin = 0, end = 1;
-    if (std::abs(way.z) > 1e-12) {
-      const double t0 = (-kDepth - from.z) / way.z, t1 = (kDepth - from.z) / way.z;
-      begin = std::max(begin, std::min(t0, t1)), end = std::min(end, std::max(t0, t1));
-    }
-    if (!(begin < end)) return;
-    const double foot = -(from.x * way.x + from.y * way.y) / shown2;
-    const double off_x = from.x + foot * way.x, off_y = from.y + foot * way.y;
-    if (off_x * off_x + off_y * off_y > kReach * kReach) return;
-    const double low = std::erf((begin - foot) * std::sqrt(0.5 * shown2)),
-                 high = std::erf((end - foot) * std::sqrt(0.5 * shown2));
-    const double mass =
-        std::exp(-0.5 * (off_x * off_x + off_y * off_y)) * 0.5 * (high - low) / (std::sqrt(2 * pi) * shown);
-    if (!(mass > 0)) return;
-    stretches.push_back({&edge, foot * line.length, low, high, shown, mass});
-    all += mass;
-  });
-  if (!(all > 0)) return 1.f;
-  KeyedRandom random(key ^ kLent);
-  // Where little can be taken it is looked at seldom: S is about a quarter of sigma, N half.
-  const double about = 0.5 * all / (deviation * deviation) * beams.widest;
-  const double probability = std::clamp(4 * about, 0.01, 1.0);
-  if (random.next() >= probability) return 1.f;
-  double rest = random.next() * all;
-  std::size_t i = 0;
-  for (; i + 1 < stretches.size() && rest >= stretches[i].mass; ++i) rest -= stretches[i].mass;
-  const Stretch& s = stretches[i];
-  const EdgeLine line(*s.edge);
-  const double z = sample_between(s.low, s.high, random.next());
-  const double at = std::clamp(s.middle + z * std::numbers::sqrt2 / s.shown, 0.0, line.length);
-  const EdgePoint x = edges.place_on(*s.edge, at / line.length);
-  const double per_face = per_lit_face(scene, x, d, deviation, random);
-  if (!(per_face > 0)) return 1.f;
-  return Spectrum(1.f) - diffracted_at(edges, x, d, beams, random) *
-                             float(all * per_face / (deviation * deviation * probability));
+  const View view(way.from, way.d, deviation);
+  edges.index().visit_edges({way.from, way.d, float(kReach * deviation), begin, end},
+                            [&](const MeshEdge& edge) {
+                              const Stretch s = stretch_of(edge, view, first, last);
+                              if (s.weight > 0) stretches.push_back(s);
+                            });
+  if (stretches.empty()) return 1.f;
+  const auto by_depth = [](const Stretch& a, const Stretch& b) { return a.depth < b.depth; };
+  const auto [nearest, farthest] = std::minmax_element(stretches.begin(), stretches.end(), by_depth);
+  constexpr double kGap = kTogether / kSpread;
+  if (farthest->depth - nearest->depth > kGap) std::stable_sort(stretches.begin(), stretches.end(), by_depth);
+  Spectrum left = 1.f;
+  for (auto from = stretches.begin(); from != stretches.end();) {
+    auto to = from + 1;
+    while (to != stretches.end() && to->depth - (to - 1)->depth <= kGap) ++to;
+    left *= Spectrum(1.f) - lent(scene, {from, to}, way.d, deviation, beams, random);
+    from = to;
+  }
+  return part < 1 ? Spectrum(1.f) + (left - Spectrum(1.f)) * (1 / part) : left;
 }
 
 }  // namespace aureole

@@ -1,33 +1,54 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of diffraction: light that edges send around themselves is missing on the surfaces beside them
-// (docs/diffraction.md).
+// The ledger of diffraction: light that edges send around themselves is missing in what passes beside them (docs/diffraction.md).
 //
 // A place x on an edge diffracts the power E S(x) dl of light of irradiance E, S the integral of K over directions. It is taken from
-// what falls on the faces about x, in the shape of a Gaussian G across the light: of the light that falls on y the part
-//   D(y) = integral over edges of S(x) G(y - x)/N(x) dl,   N(x) = integral of G(y' - x) over the faces that are lit,
-// so that the integral of D over the faces is that of S over the edges, whatever their shapes.
+// light that passes x, in the shape of a Gaussian G across the light: of what passes at y the part
+//   D(y) = integral over edges of S(x) G(y - x)/N(x) dl,   N(x) = integral of G(y' - x) over all y' where light passes,
+// so that the integral of D across the light is that of S over the edges, whatever their shapes. Light passes at y where a straight way
+// goes on for sigma before and behind it.
 #pragma once
 
 #include <cstdint>
 
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/scene/scene.h"
+#include "aureole/transport/connection.h"
 
 namespace aureole {
 
-/// False where D is 0 for light from all directions.
-bool lends_light(const Scene& scene, const Vec3& y);
-/// An unbiased estimate of 1 - D for a place of a surface that has edges (`Surface::lends`) and light that travels along the unit vector
-/// `d`: 1 far from edges. It may be negative, and its mean is not. Equal arguments give equal estimates.
-Spectrum left_by_edges(const Scene& scene, const Vec3& y, const Vec3& d, const Wavelengths& w,
-                       std::uint32_t key);
+/// A straight way that light takes, in either direction.
+struct LightWay {
+  /// An edge at the end of a way ignores others that lie in its beam; a vertex, those that it does not shine on.
+  enum class End : std::uint8_t { vertex, edge };
+
+  Vec3 from;
+  Vec3 d;        ///< unit length
+  float length;  ///< may be infinite
+  End begin = End::vertex, end = End::vertex;
+
+  static LightWay of(const Connection& c, End begin = End::vertex, End end = End::vertex) {
+    return {c.origin, c.d, c.infinite ? kInfinity : aureole::length(c.target - c.origin), begin, end};
+  }
+};
+
+/// An unbiased estimate of the product of 1 - D over the edges beside the way, D the sum of those at one depth: the part of the light that
+/// they leave. 1 far from edges. It may be negative; its mean is not. Equal arguments give equal estimates. 1 in scenes without edges that
+/// diffract.
+Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key);
+
+/// The same of a path that has gone on over the distance `length` along a ray.
+template <class Density>
+void lend_to_edges(const Scene& scene, const Ray& ray, float length, LightWay::End begin,
+                   const Wavelengths& w, std::uint32_t key, Density& density) {
+  if (scene.edges()) density.attenuate(Weight(left_by_edges(scene, {ray.o, ray.d, length, begin}, w, key)));
+}
 
 /// Its parts, for tests. An estimate of S [unit of length of the scene] at a place on an edge, for light that travels along `d`.
 Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d,
                        const SceneEdges::Beams& beams, class KeyedRandom& random);
-/// An estimate of 1/N, a number of 1 and more, for a Gaussian of that standard deviation [unit of length of the scene]; 0 where x itself is
-/// not lit.
-double per_lit_face(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation,
+/// An estimate of 1/N, a number of 1 and more, for a Gaussian of that standard deviation and ways of that length before and behind it
+/// [unit of length of the scene]; 0 where none passes x itself.
+double per_open_way(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation, double depth,
                     class KeyedRandom& random);
 
 }  // namespace aureole

@@ -13,8 +13,9 @@ Flight leaving(const Scene& scene, const EdgePaths::Place& from, const Vec3& d) 
   return scene.has_media() ? from.leaving(d) : Flight{};
 }
 
-Spectrum finish(const Scene& scene, Connection& c, const Wavelengths& w, const Flight& surroundings,
-                std::uint32_t key, Flight* end) {
+/// The part of the light that passes a way which begins or ends at an edge.
+Spectrum passed_along(const Scene& scene, Connection& c, LightWay::End begin, LightWay::End finish,
+                      const Wavelengths& w, const Flight& surroundings, std::uint32_t key, Flight* end) {
   c.light = 1.f;
   if (scene.has_media()) {
     c.begin_in(surroundings, key);
@@ -23,27 +24,30 @@ Spectrum finish(const Scene& scene, Connection& c, const Wavelengths& w, const F
   if (!connect(scene, c, w)) return 0.f;
   if (scene.has_media()) c.finish();
   if (end) *end = c.flight;
-  return c.light;
+  return c.light * left_by_edges(scene, LightWay::of(c, begin, finish), w, key + 2);
+}
+
+constexpr auto kVertex = LightWay::End::vertex, kEdge = LightWay::End::edge;
+
+Connection between(const Anchor& from, const Anchor& to, bool through_emitters) {
+  Connection c;
+  c.set(from, normalize(to.p - from.p), to);
+  c.through_emitters = through_emitters;
+  return c;
 }
 
 }  // namespace
 
-Spectrum passed_between(const Scene& scene, const Anchor& from, const Anchor& to, const Flight& surroundings,
-                        bool through_emitters, const Wavelengths& w, std::uint32_t key, Flight* end) {
-  Connection c;
-  c.set(from, normalize(to.p - from.p), to);
-  c.through_emitters = through_emitters;
-  return finish(scene, c, w, surroundings, key, end);
-}
-
-Spectrum EdgePaths::passed_to_edge(const Anchor& from, const EdgePoint& point, const Flight& surroundings,
-                                   bool through_emitters, std::uint32_t key, Flight* end) const {
+Spectrum EdgePaths::passed_to_edge(const Anchor& from, LightWay::End from_end, const EdgePoint& point,
+                                   const Flight& surroundings, bool through_emitters, std::uint32_t key,
+                                   Flight* end) const {
   const Anchor edge = Anchor::in_space(point.p);
   // Rays are traced from the edge, where the ray tracer's rounding is that of the faces there and not of the way. What is around has
   // to be followed from the other end.
-  if (scene_.has_media())
-    return passed_between(scene_, from, edge, surroundings, through_emitters, w_, key, end);
-  return passed_between(scene_, edge, from, surroundings, through_emitters, w_, key, end);
+  Connection c =
+      scene_.has_media() ? between(from, edge, through_emitters) : between(edge, from, through_emitters);
+  return passed_along(scene_, c, scene_.has_media() ? from_end : kEdge, scene_.has_media() ? kEdge : from_end,
+                      w_, surroundings, key, end);
 }
 
 Spectrum EdgePaths::reach(const Place& from, const EdgePoint& point) const {
@@ -96,19 +100,21 @@ Spectrum EdgePaths::lit(const EdgePoint& point, const LampEnd& lamp, Anchor& sta
   return s->radiance * (1 / (s->pdf * lamp.probability));
 }
 
-Spectrum EdgePaths::through(const EdgePoint& point, const Anchor& from, const Flight& surroundings,
-                            bool through_emitters, const PathEnd& to, const Anchor* end,
-                            bool end_through_emitters) {
+Spectrum EdgePaths::through(const EdgePoint& point, const Anchor& from, LightWay::End from_end,
+                            const Flight& surroundings, bool through_emitters, const PathEnd& to,
+                            const Anchor* end, bool end_through_emitters) {
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   const Anchor anchor = Anchor::in_space(point.p);
   Flight at_edge;
-  const Spectrum passed = passed_to_edge(from, point, surroundings, through_emitters, key, &at_edge);
+  const Spectrum passed =
+      passed_to_edge(from, from_end, point, surroundings, through_emitters, key, &at_edge);
   if (is_black(passed)) return 0.f;
-  if (!to.is_infinite)
-    return passed * passed_between(scene_, anchor, *end, at_edge, end_through_emitters, w_, key + 1);
   Connection c;
-  c.set(anchor.leave(to.p));
-  return passed * finish(scene_, c, w_, at_edge, key + 1, nullptr);
+  if (to.is_infinite)
+    c.set(anchor.leave(to.p));
+  else
+    c = between(anchor, *end, end_through_emitters);
+  return passed * passed_along(scene_, c, kEdge, kVertex, w_, at_edge, key + 1, nullptr);
 }
 
 Spectrum EdgePaths::light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp) {
@@ -120,7 +126,8 @@ Spectrum EdgePaths::light_at(const Place& from, const EdgePoint& point, const Ve
   if (is_black(value) || !SceneEdges::turns_around(point, d, wo)) return 0.f;
   value *= reach(from, point);
   if (is_black(value)) return 0.f;
-  value *= through(point, from.anchor, leaving(scene_, from, d), false, {wo, infinite}, &start, false);
+  value *=
+      through(point, from.anchor, from.end(), leaving(scene_, from, d), false, {wo, infinite}, &start, false);
   return is_black(value) ? value : value * kernel(point, d, wo);
 }
 
@@ -132,7 +139,8 @@ Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const V
   Spectrum value = reach(from, point) * seen->importance;
   if (is_black(value)) return 0.f;
   const Anchor aperture = Anchor::in_space(seen->p);
-  value *= through(point, from.anchor, leaving(scene_, from, d), false, {}, &aperture, hide_emitters_);
+  value *=
+      through(point, from.anchor, from.end(), leaving(scene_, from, d), false, {}, &aperture, hide_emitters_);
   return is_black(value) ? value : value * kernel(point, d, seen->wo);
 }
 
@@ -185,14 +193,16 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   value *= part * seen->importance / point->pdf;
   Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
-  value *= through(*point, Anchor::in_space(seen->p), flight, hide_emitters_, {wo, infinite}, &start, false);
+  value *= through(*point, Anchor::in_space(seen->p), kVertex, flight, hide_emitters_, {wo, infinite}, &start,
+                   false);
   return is_black(value) ? value : value * kernel(*point, -wo, seen->wo);
 }
 
 bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,
                        Spectrum& value, AtEdge& out) {
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
-  value *= passed_to_edge(from.anchor, point, leaving(scene_, from, d), through_emitters, key, &out.flight);
+  value *= passed_to_edge(from.anchor, from.end(), point, leaving(scene_, from, d), through_emitters, key,
+                          &out.flight);
   out.point = point, out.d = d;
   return !is_black(value);
 }
@@ -233,13 +243,12 @@ bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   // Traced from the edge to the lamp: what passes is the same both ways, and lamps at infinity have no place to begin at.
   out.flight = Flight{Ray{point->p, wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_surroundings(scene_, out.flight);
-  if (!infinite) {
-    value *= passed_between(scene_, anchor, start, out.flight, false, w_, key);
-  } else {
-    Connection c;
+  Connection c;
+  if (infinite)
     c.set(anchor.leave(wo));
-    value *= finish(scene_, c, w_, out.flight, key, nullptr);
-  }
+  else
+    c = between(anchor, start, false);
+  value *= passed_along(scene_, c, kEdge, kVertex, w_, out.flight, key, nullptr);
   return !is_black(value);
 }
 

@@ -13,22 +13,20 @@
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/transport/anchor.h"
 #include "aureole/transport/connection.h"
+#include "aureole/transport/edge_ledger.h"
 #include "aureole/transport/keyed_random.h"
 #include "aureole/transport/vertex.h"
 
 namespace aureole {
-
-/// The part of the light that goes straight between two places, black where something is in the way. `end` receives the flight
-/// there, in scenes with media.
-Spectrum passed_between(const Scene& scene, const Anchor& from, const Anchor& to, const Flight& surroundings,
-                        bool through_emitters, const Wavelengths& w, std::uint32_t key,
-                        Flight* end = nullptr);
 
 /// Where a path has left an edge, until it comes to a vertex.
 struct AfterEdge {
   Vec3 edge;
   bool is_set = false;
   float pdf = 0;  ///< with which the direction was chosen [1/sr]
+
+  /// Where the path's flight has begun.
+  LightWay::End end() const { return is_set ? LightWay::End::edge : LightWay::End::vertex; }
 
   /// At a vertex: false where it lies in the edge's beam at all wavelengths, which those where it does lose.
   template <class Density>
@@ -67,6 +65,7 @@ public:
     const Flight* flight;            ///< that has led there, or leaves an edge
     const Vertex* vertex = nullptr;  ///< null: an edge
 
+    LightWay::End end() const { return vertex ? LightWay::End::vertex : LightWay::End::edge; }
     Flight leaving(const Vec3& d) const { return vertex ? vertex->surroundings(d, *flight) : *flight; }
   };
   static Place at_vertex(const Vertex& vertex, const Flight& flight) {
@@ -248,11 +247,15 @@ private:
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit = nullptr);
   Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);
   Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
-  Spectrum passed_to_edge(const Anchor& from, const EdgePoint& point, const Flight& surroundings,
-                          bool through_emitters, std::uint32_t key, Flight* end) const;
+  /// The part of the light that goes straight from a place to an edge, black where something is in the way. `end` receives the flight
+  /// there, in scenes with media.
+  Spectrum passed_to_edge(const Anchor& from, LightWay::End from_end, const EdgePoint& point,
+                          const Flight& surroundings, bool through_emitters, std::uint32_t key,
+                          Flight* end) const;
   /// The part of the light that passes from a place to an edge and from there to `to`, which is `end` or at infinity.
-  Spectrum through(const EdgePoint& point, const Anchor& from, const Flight& surroundings,
-                   bool through_emitters, const PathEnd& to, const Anchor* end, bool end_through_emitters);
+  Spectrum through(const EdgePoint& point, const Anchor& from, LightWay::End from_end,
+                   const Flight& surroundings, bool through_emitters, const PathEnd& to, const Anchor* end,
+                   bool end_through_emitters);
   /// Light of the lamp that arrives at the edge along -wo, over the density of its choice.
   Spectrum lit(const EdgePoint& point, const LampEnd& lamp, Anchor& start, Vec3& wo, bool& infinite) const;
   bool arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,

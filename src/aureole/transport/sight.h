@@ -3,6 +3,7 @@
 #pragma once
 
 #include "aureole/transport/driver.h"
+#include "aureole/transport/edge_ledger.h"
 
 namespace aureole {
 
@@ -27,6 +28,7 @@ public:
     lines_[path].set(flight.ray);
     lines_[path].through_emitters = through_emitters;
     if (scene_.has_media()) lines_[path].begin_in(flight, key);
+    keys_[path] = key;
     lines_[path].light = factor;
   }
   const Ray& ray(int path) const { return lines_[path].flight.ray; }
@@ -41,6 +43,9 @@ public:
       line.passed = 1.f;
       if (is_black(line.light)) return Event::blocked;
     }
+    if (scene_.edges())
+      line.light *=
+          left_by_edges(scene_, {line.flight.ray.o, line.d, hit ? hit.t : kInfinity}, w, keys_[path]);
     if (!hit) {
       for (const Light* light : scene_.infinite_emitters())
         viewer_.see(path, *light, nullptr, line.d, line.light * light->eval_escaped(line.d, w));
@@ -67,6 +72,7 @@ private:
   const Scene& scene_;
   Viewer& viewer_;
   Connection lines_[kBatch];
+  std::uint32_t keys_[kBatch];
 };
 
 }  // namespace aureole

@@ -3,15 +3,11 @@
 // these functions; none names a concrete plug-in.
 #pragma once
 
-#include <bit>
-
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/core/random.h"
 #include "aureole/scene/surface.h"
 #include "aureole/spectrum/path_density.h"
 #include "aureole/transport/anchor.h"
 #include "aureole/transport/connection.h"
-#include "aureole/transport/edge_ledger.h"
 #include "aureole/transport/flight.h"
 
 namespace aureole {
@@ -129,16 +125,6 @@ public:
     return Event::surface;
   }
 
-  /// Of the light of a path that leaves along d, what edges near by do not diffract.
-  [[gnu::noinline]] Spectrum left_by_edges(const Scene& scene, const Vec3& d) const {
-    // Light that paths from the sensor look for comes along -d, each with numbers of its own.
-    if (context_.mode == TransportMode::importance)
-      return aureole::left_by_edges(scene, point_.p, -to_previous_, context_.wavelengths, context_.key);
-    std::uint64_t key = context_.key;
-    for (int i = 0; i < 3; ++i) key = combine_bits(key, std::bit_cast<std::uint32_t>(d[i]));
-    return aureole::left_by_edges(scene, point_.p, -d, context_.wavelengths, std::uint32_t(key));
-  }
-
 private:
   [[gnu::noinline]] void enter(const BsdfSample& s, Scatter& out) const {
     out.value = Weight(s.value);
@@ -220,9 +206,7 @@ public:
 
   BasicVertex(const Scene& scene, const RayTracer::Hit& hit, const Flight& flight, const Wavelengths& w,
               TransportMode mode)
-      : surface_(scene, hit, flight.ray, w, mode) {
-    if (kSpace == Space::any && surface().lends && lends_light(scene, p())) lender_ = &scene;
-  }
+      : surface_(scene, hit, flight.ray, w, mode) {}
   BasicVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
       : surface_(point, to_previous, w, mode) {}
   BasicVertex(const MediumPoint& point, const Vec3& to_previous,
@@ -275,10 +259,7 @@ public:
   Vec3 facing() const { return in_medium() ? Vec3{} : surface_.facing(); }
   /// The value and density for a direction; false where nothing is scattered there.
   bool respond(const Vec3& d, Response& out) const {
-    if (in_medium()) return medium_.respond(d, out);
-    if (!surface_.respond(d, out)) return false;
-    if (lends()) lend(d, out.value);
-    return true;
+    return in_medium() ? medium_.respond(d, out) : surface_.respond(d, out);
   }
   // For two-way methods, which compare the ways in which a path can be found:
   /// The density with which a path that comes along -d, in the other mode of transport, is scattered to where this
@@ -299,26 +280,17 @@ public:
   /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes as if
   /// there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, Scatter& out) const {
-    if (in_medium()) return medium_.scatter(u1, u2, out);
-    const Event event = surface_.scatter(u1, u2, out);
-    if (lends() && event == Event::surface) lend(out.d, out.value);
-    return event;
+    return in_medium() ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
   }
 
 private:
   bool in_medium() const { return kMayBeInMedium && in_medium_; }
-  bool lends() const { return kSpace == Space::any && lender_; }
-  /// Takes what edges near by diffract of the light that comes to the surface, for a path that leaves along d.
-  void lend(const Vec3& d, Weight& value) const {
-    value = value.after(Weight(surface_.left_by_edges(*lender_, d)));
-  }
 
   union {
     SurfaceVertex surface_;
     MediumVertex medium_;
   };
   bool in_medium_ = false;
-  const Scene* lender_ = nullptr;  ///< of a surface with edges that diffract
 };
 
 using Vertex = BasicVertex<Space::any>;

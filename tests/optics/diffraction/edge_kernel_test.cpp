@@ -138,6 +138,60 @@ TEST(EdgeKernel, OfAStraightEdgeTendsToKellersCoefficient) {
     }
 }
 
+// By rings of transverse wave vectors up to 2 k, of which there are k^2 per steradian.
+TEST(EdgeKernel, PowersAreItsIntegralOverDirections) {
+  // In sigma: the middle and near the end of an edge, near others, beside a narrow gap.
+  struct Case {
+    const char* name;
+    Ring ring;
+    std::size_t index;
+    double at;
+  };
+  const Ring wire{{0, 0}, {9, 0}, {9, 0.1}, {0, 0.1}};
+  for (const Case& c : {Case{"square", testing::regular_ring(4, 6, 0.2), 0, 0.5},
+                        {"corner of a square", testing::regular_ring(4, 6, 0.2), 1, 0.02},
+                        {"triangle", testing::regular_ring(3, 0.7, 0.5), 2, 0.3},
+                        {"wire", wire, 0, 0.5},
+                        {"wire", wire, 1, 0.7}}) {
+    std::vector<ProjectedEdge> edges;
+    for (std::size_t i = 0; i < c.ring.size(); ++i) {
+      const PlanePoint a = c.ring[i], b = c.ring[(i + 1) % c.ring.size()];
+      // Seen under a slant: edges are longer than they look.
+      edges.push_back({a, b, 1.25 * std::hypot(b.x - a.x, b.y - a.y)});
+    }
+    for (const double wavelengths : {5.0, 25.0}) {
+      const double longest = 2 * M_PI * wavelengths;
+      // Beams in proportion to the wavelength, as for rendering.
+      std::vector<double> k, sigma, result(8);
+      for (int i = 0; i < 8; ++i) sigma.push_back(1 - 0.05 * i), k.push_back(longest / sigma.back());
+      mean_edge_powers(edges, c.index, c.at, k, sigma, result);
+      for (const std::size_t i : {std::size_t(0), std::size_t(5)}) {
+        // Rings that widen with |q|.
+        const int rings = 400;
+        double expected = 0;
+        const double first = std::log(1e-3), last = std::log(2 * k[i]);
+        for (int r = 0; r < rings; ++r) {
+          const double q = std::exp(first + (r + 0.5) * (last - first) / rings);
+          double mean = 0;
+          const int steps = 120 + int(12 * q);  // lobes of long edges are narrow
+          for (int s = 0; s < steps; ++s) {
+            const double phi = 2 * M_PI * (s + 0.5) / steps;
+            mean += mean_edge_kernel(edges, c.index, c.at, {q * std::cos(phi), q * std::sin(phi)}, k[i],
+                                     sigma[i]) /
+                    steps;
+          }
+          expected += 2 * M_PI * q * q * (last - first) / rings * mean / (k[i] * k[i]);
+        }
+        std::printf("%-18s at %4.2f, sigma of %4.1f wavelengths: S = %.5f, by quadrature %.5f, %+.2f %%\n",
+                    c.name, c.at, sigma[i] * k[i] / (2 * M_PI), result[i], expected,
+                    100 * (result[i] / expected - 1));
+        // Of what narrow gaps send beyond directions only the part of their own edges is left out.
+        EXPECT_NEAR(result[i], expected, 0.03 / wavelengths * expected + 5e-3 / wavelengths);
+      }
+    }
+  }
+}
+
 // Both kernels along all edges of a figure, against one another: centres summed on a grid, points along the edges by Simpson's rule.
 TEST(EdgeKernel, TheMeanIsTheIntegralOverCentres) {
   const double sigma = 1, k = 60;

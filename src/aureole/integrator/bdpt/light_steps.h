@@ -28,6 +28,9 @@ public:
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility() || limits_.hide_emitters; }
+  std::uint32_t connection_key(int i) const {
+    return key(states_[i].samples, states_[i].vertex, Key::connection);
+  }
   /// The last vertex of a path that may be connected, from which `previous` leads to the others.
   const LightVertex* last_vertex(int path) const { return states_[path].kept; }
 
@@ -88,6 +91,7 @@ public:
       if (event != Event::crossed) return event;
     }
     if (!hit) return Event::escape;
+    lend(i, hit.t);
     s.present = &vertices_.make(scene_, hit, s.flight, path.wavelengths, TransportMode::importance);
     Vertex& vertex = s.present->vertex;
     ++s.vertex;
@@ -224,12 +228,20 @@ private:
     return survives(i);
   }
 
+  /// As that of `ptracer`.
+  void lend(int i, float t) {
+    State& s = states_[i];
+    lend_to_edges(scene_, s.flight.ray, t, s.after_edge.end(), wavelengths(i),
+                  key(s.samples, s.vertex, Key::flight), s.density);
+  }
+
   [[gnu::noinline]] Event fly(int i, float t_max) {
     State& s = states_[i];
     const Path& path = paths_[size_t(i)];
     Vec3 p;
     if (!aureole::fly(s.flight, t_max, path.wavelengths, s.samples, s.vertex, s.density, nullptr, p))
       return Event::crossed;
+    lend(i, length(p - s.flight.ray.o));
     if (log_.follows(i))
       log_medium(log_, s.scattered + 1, p, *s.flight.medium, s.density.hero_symmetric_throughput() / s.whole);
     if (s.in_media == limits_.max_scattering || s.density.beta.is_black()) return Event::blocked;

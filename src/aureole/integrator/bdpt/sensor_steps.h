@@ -52,6 +52,9 @@ public:
   const Ray& ray(int path) const { return states_[path].flight.ray; }
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
+  std::uint32_t connection_key(int i) const {
+    return key(paths_[size_t(i)].samples, states_[i].vertex, Key::connection);
+  }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
@@ -59,6 +62,7 @@ public:
       const Event event = fly(i, hit ? hit.t : kInfinity);
       if (event != Event::crossed) return event;
     }
+    lend(i, hit ? hit.t : kInfinity);
     if (!hit) return escape(i);
     Path& path = paths_[size_t(i)];
     Vertex& vertex = vertices_.make(
@@ -322,6 +326,8 @@ private:
                                                        std::uint64_t(end.edges))));
     if (!aureole::connect(scene_, c, path.wavelengths)) return;
     if (scene_.has_media()) c.finish();
+    c.light *=
+        left_by_edges(scene_, LightWay::of(c, LightWay::End::edge), path.wavelengths, connection_key(i));
     const Spectrum kernel = edges.kernel_to(at, d, end.vertex, std::sqrt(distance2));
     if (is_black(kernel)) return;
     path.result.estimate +=
@@ -339,6 +345,13 @@ private:
   }
 
   /// As that of `path`.
+  void lend(int i, float t) {
+    State& s = states_[i];
+    lend_to_edges(scene_, s.flight.ray, t, s.after_edge.end(), wavelengths(i),
+                  key(paths_[size_t(i)].samples, s.vertex, Key::flight), s.density);
+  }
+
+  /// As that of `path`.
   [[gnu::noinline]] Event fly(int i, float t_max) {
     State& s = states_[i];
     Path& path = paths_[size_t(i)];
@@ -346,6 +359,7 @@ private:
     Vec3 p;
     if (!aureole::fly(s.flight, t_max, path.wavelengths, path.samples, s.vertex, s.density, estimate, p))
       return Event::crossed;
+    lend(i, length(p - s.flight.ray.o));
     if (log_.follows(i))
       log_medium(log_, s.scattered, p, *s.flight.medium, s.density.hero_symmetric_throughput());
     if (s.scattered == 0) path.result.alpha = 1;

@@ -263,7 +263,165 @@ void drawn_edge_kernels_of(std::span<const ProjectedEdge> edges, PlanePoint norm
   }
 }
 
+/// What depends on u of the integral for S, for u in [0, kLargest].
+class PowerTable {
+public:
+  static constexpr double kLargest = 16;
+  struct Entry {
+    double logarithm, smooth, bend;  ///< exp(-u) times 1, E1(u) + log(u), (1 - exp(-u))/u
+  };
+
+  PowerTable() {
+    for (int i = 0; i < kSteps + 2; ++i) {
+      const double u = i * kLargest / kSteps, e = std::exp(-u);
+      entries_[i] = i == 0 ? Entry{1, -std::numbers::egamma, 1}
+                           : Entry{e, e * (-std::expint(-u) + std::log(u)), e * -std::expm1(-u) / u};
+    }
+  }
+  Entry at(double u) const {
+    const double x = u * (kSteps / kLargest);
+    const int i = int(x);
+    const double t = x - i;
+    const Entry &a = entries_[i], &b = entries_[i + 1];
+    return {a.logarithm + t * (b.logarithm - a.logarithm), a.smooth + t * (b.smooth - a.smooth),
+            a.bend + t * (b.bend - a.bend)};
+  }
+
+private:
+  static constexpr int kSteps = 2048;
+  Entry entries_[kSteps + 2];
+};
+const PowerTable kPowers;
+
+/// S for one or more sigma, from the edges one after the other.
+class EdgePowerSum {
+public:
+  static constexpr int kMost = 4;
+
+  /// `normal`: of the edge at x, of length 1.
+  EdgePowerSum(PlanePoint x, PlanePoint normal, std::span<const double> sigma)
+      : x_(x), normal_(normal), count_(int(sigma.size())) {
+    widest_ = 0, narrowest_ = INFINITY;
+    for (int i = 0; i < count_; ++i) {
+      per_u_[i] = 1 / (8 * sigma[std::size_t(i)] * sigma[std::size_t(i)]),
+      log_per_u_[i] = std::log(per_u_[i]);
+      widest_ = std::max(widest_, sigma[std::size_t(i)]);
+      narrowest_ = std::min(narrowest_, sigma[std::size_t(i)]);
+    }
+    reach_ = std::sqrt(8 * PowerTable::kLargest) * widest_;
+  }
+
+  void add(const ProjectedEdge& edge, bool is_own) {
+    const double ex = edge.to.x - edge.from.x, ey = edge.to.y - edge.from.y, length = std::hypot(ex, ey);
+    if (!(length > 0)) return;
+    Line line;
+    line.ux = ex / length, line.uy = ey / length;
+    const double from_x = edge.from.x - x_.x, from_y = edge.from.y - x_.y;
+    const double begin = from_x * line.ux + from_y * line.uy, end = begin + length;
+    line.foot_x = is_own ? 0 : from_x - begin * line.ux, line.foot_y = is_own ? 0 : from_y - begin * line.uy;
+    line.off2 = line.foot_x * line.foot_x + line.foot_y * line.foot_y;
+    if (line.off2 > reach_ * reach_) return;
+    line.parallel = normal_.x * line.uy - normal_.y * line.ux;
+    const double nearest = std::clamp(0.0, begin, end);
+    double inner = 0;
+    if (is_own) {
+      inner = kInnermost * narrowest_;
+      add_innermost(std::min(inner, -begin));
+      add_innermost(std::min(inner, end));
+    }
+    add_side(line, nearest + inner, end, 1);
+    add_side(line, nearest - inner, begin, -1);
+  }
+  double sum(int i) const { return sum_[i]; }
+
+private:
+  struct Line {
+    double ux, uy, foot_x, foot_y, off2, parallel;
+  };
+  /// In sigma: where the logarithm alone is integrated, and the widest panel.
+  static constexpr double kInnermost = 0.02, kWidest = 1.4;
+
+  void add_innermost(double size) {
+    if (!(size > 0)) return;
+    for (int i = 0; i < count_; ++i)
+      sum_[i] += size * (3 - std::numbers::egamma - std::log(size * size) - log_per_u_[i]);
+  }
+  /// Panels that grow with the distance, as far as coherence goes.
+  void add_side(const Line& line, double from, double to, double sign) {
+    double rest = sign * (to - from);
+    while (rest > 0) {
+      const double distance = std::sqrt(line.off2 + from * from);
+      if (distance > reach_) return;
+      double size = std::clamp(distance, kInnermost * narrowest_, kWidest * narrowest_);
+      if (rest < 1.5 * size) size = rest;
+      constexpr double kAt[] = {0.11270166537925831, 0.5, 0.88729833462074169},
+                       kWeight[] = {5 / 18.0, 8 / 18.0, 5 / 18.0};
+      for (int i = 0; i < 3; ++i) add_place(line, from + sign * size * kAt[i], size * kWeight[i]);
+      from += sign * size, rest -= size;
+    }
+  }
+  void add_place(const Line& line, double s, double weight) {
+    const double x = line.foot_x + s * line.ux, y = line.foot_y + s * line.uy, r2 = line.off2 + s * s;
+    if (!(r2 > 0)) return;
+    const double log_r2 = std::log(r2);
+    // Twice the product of the cosines of both normals with r.
+    const double both = 2 * (normal_.x * x + normal_.y * y) * (line.uy * x - line.ux * y) / r2;
+    for (int i = 0; i < count_; ++i) {
+      const double u = r2 * per_u_[i];
+      if (u > PowerTable::kLargest) continue;
+      const PowerTable::Entry e = kPowers.at(u);
+      sum_[i] += weight * (line.parallel * (e.smooth - e.logarithm * (log_r2 + log_per_u_[i])) +
+                           (line.parallel - both) * e.bend);
+    }
+  }
+
+  PlanePoint x_, normal_;
+  int count_;
+  double widest_, narrowest_, reach_, per_u_[kMost], log_per_u_[kMost], sum_[kMost] = {};
+};
+
 }  // namespace
+
+void mean_edge_powers(std::span<const ProjectedEdge> edges, std::size_t index, double at,
+                      std::span<const double> k, std::span<const double> sigma, std::span<double> result) {
+  const ProjectedEdge& own = edges[index];
+  const double vx = own.to.x - own.from.x, vy = own.to.y - own.from.y, shown = std::hypot(vx, vy);
+  if (!(shown > 0)) {
+    std::fill(result.begin(), result.end(), 0.0);
+    return;
+  }
+  // S is smooth in sigma: at four places between the smallest and the largest one, and a cubic through them.
+  const auto [least, most] = std::minmax_element(sigma.begin(), sigma.end());
+  const bool is_one = *most - *least < 1e-6 * *most;
+  double nodes[EdgePowerSum::kMost];
+  const std::size_t count = is_one ? 1 : EdgePowerSum::kMost;
+  for (std::size_t i = 0; i < count; ++i)
+    nodes[i] = is_one ? *most : *least + (*most - *least) * double(i) / double(count - 1);
+  EdgePowerSum sum({own.from.x + at * vx, own.from.y + at * vy}, {vy / shown, -vx / shown}, {nodes, count});
+  for (std::size_t i = 0; i < edges.size(); ++i) sum.add(edges[i], i == index);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    double value = 0;
+    for (std::size_t j = 0; j < count; ++j) {
+      double basis = 1;
+      for (std::size_t l = 0; l < count; ++l)
+        if (l != j) basis *= (sigma[i] - nodes[l]) / (nodes[j] - nodes[l]);
+      value += basis * sum.sum(int(j));
+    }
+    result[i] = shown / own.length * value / (8 * pi) - 1 / (2 * pi * k[i]);
+  }
+}
+
+double straight_edge_power() {
+  static const double power = [] {
+    // Long enough for all of the coherence; k so large that nothing lies beyond directions.
+    const ProjectedEdge edge{{-50, 0}, {50, 0}, 100};
+    const double k = 1e12, sigma = 1;
+    double result;
+    mean_edge_powers({&edge, 1}, 0, 0.5, {&k, 1}, {&sigma, 1}, {&result, 1});
+    return result;
+  }();
+  return power;
+}
 
 void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index, PlanePoint normal,
                         double turn, std::span<const double> k, std::span<const double> sigma,

@@ -79,13 +79,11 @@ void DiffractingShapes::add(const Shape& shape, const Bsdf& bsdf, bool shines, c
   if (only_marked_ && !(mark && mark->is_enabled() && mark->scale() > 0)) return;
   const float factor = mark ? mark->scale() : 1.f;
   if (const auto* mesh = dynamic_cast<const Mesh*>(&shape)) {
-    shapes.insert(&shape);
     add_triangles(mesh->data().positions, mesh->data().triangles, instance, factor, 0);
     return;
   }
   const auto* round = dynamic_cast<const RoundShape*>(&shape);
   if (!round || shines || round->is_hollow()) return;
-  shapes.insert(&shape);
   double magnified = 1;
   if (instance) {
     magnified = 0;

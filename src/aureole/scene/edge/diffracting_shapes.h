@@ -3,7 +3,6 @@
 #pragma once
 
 #include <string>
-#include <unordered_set>
 #include <vector>
 
 #include "aureole/bsdf/bsdf.h"
@@ -30,7 +29,6 @@ public:
   /// Of each set: how high above an edge light passes. A round surface bends away behind its outline; so far as its depth there is less
   /// than that, it is as good as a flat screen.
   std::vector<float> lift;
-  std::unordered_set<const Shape*> shapes;  ///< all of them
   std::vector<std::string> remarks;
 
   /// The width of beams, with what BSDFs say about it. Throws Error where they disagree.

@@ -8,16 +8,18 @@
 
 namespace aureole {
 
-EdgeDistance::EdgeDistance(const EdgeIndex& index) {
+EdgeDistance::EdgeDistance(const EdgeIndex& index, float margin) : margin_(margin) {
   Bounds3 box;
   for (const MeshEdge& edge : index.edges()) box.extend(edge.a), box.extend(edge.b);
   if (box.empty()) return;
   // Half a cell more on each side, for the rounding of coordinates.
-  cell_ = max_component(box.diagonal()) / (kCells - 1), per_length_ = 1 / cell_;
+  cell_ = (max_component(box.diagonal()) + 2 * margin) / (kCells - 1), per_length_ = 1 / cell_;
   const float half = 0.5f * kCells * cell_;
   lower_ = box.center() - Vec3{half, half, half};
   Rows reached(std::size_t(kCells) * kCells), before, grown;
-  for (const MeshEdge& edge : index.edges()) mark(edge.a, edge.b, reached);
+  std::vector<float> lengths(reached.size() * kCells);
+  for (const MeshEdge& edge : index.edges()) mark(edge.a, edge.b, reached, lengths);
+  most_beside_ = *std::max_element(lengths.begin(), lengths.end()) * 2 * margin_ / (cell_ * cell_);
   // The cells that have an edge, those around them, and so on.
   cells_.assign(reached.size() * kCells, 0);
   before.assign(reached.size(), 0);
@@ -39,17 +41,47 @@ EdgeDistance::EdgeDistance(const EdgeIndex& index) {
   }
 }
 
-void EdgeDistance::mark(const Vec3& a, const Vec3& b, Rows& rows) const {
+float EdgeDistance::free_along(const Vec3& o, const Vec3& d, float length) const {
+  if (cells_.empty()) return std::max(length, 0.f);
+  // In cells. Its way through the grid, outside of which no edge's margin is, with room for rounding.
+  constexpr float kRoom = 0.01f;
+  float begin[3], rate[3], inverse[3], t = 0, end = length;
+  for (int i = 0; i < 3; ++i) {
+    begin[i] = (o[i] - lower_[i]) * per_length_, rate[i] = d[i] * per_length_, inverse[i] = 1 / rate[i];
+    const float t0 = (-kRoom - begin[i]) * inverse[i], t1 = (kCells + kRoom - begin[i]) * inverse[i];
+    t = std::max(t, std::min(t0, t1)), end = std::min(end, std::max(t0, t1));
+  }
+  const float step = kStep * cell_;
+  while (t < end) {
+    int cell[3];
+    for (int i = 0; i < 3; ++i) cell[i] = std::clamp(int(begin[i] + rate[i] * t), 0, kCells - 1);
+    const int free = cells_[row(cell[1], cell[2]) * kCells + std::size_t(cell[0])];
+    if (free == 0) return t;
+    // Out of this cell and of those around it that are free as well.
+    float next = kInfinity;
+    for (int i = 0; i < 3; ++i) {
+      if (rate[i] == 0) continue;
+      const int side = cell[i] + (rate[i] > 0 ? free : 1 - free);
+      next = std::min(next, (float(side) - begin[i]) * inverse[i]);
+    }
+    t = std::max(next, t) + step;
+  }
+  return std::max(length, 0.f);
+}
+
+void EdgeDistance::mark(const Vec3& a, const Vec3& b, Rows& rows, std::vector<float>& lengths) const {
   // Slanted edges fill a small part of their boxes.
   const Vec3 middle = 0.5f * (a + b);
   // Far from the origin a cell may be less than the rounding of coordinates.
   if (length_squared(b - a) > 0.25f * cell_ * cell_ && !(middle == a) && !(middle == b)) {
-    mark(a, middle, rows), mark(middle, b, rows);
+    mark(a, middle, rows, lengths), mark(middle, b, rows, lengths);
     return;
   }
+  lengths[index_of(middle)] += length(b - a);
+  const float margin = margin_ + 2 * kStep * cell_;
   int first[3], last[3];
   for (int i = 0; i < 3; ++i)
-    first[i] = cell_of(std::min(a[i], b[i]), i), last[i] = cell_of(std::max(a[i], b[i]), i);
+    first[i] = cell_of(std::min(a[i], b[i]) - margin, i), last[i] = cell_of(std::max(a[i], b[i]) + margin, i);
   for (int z = first[2]; z <= last[2]; ++z)
     for (int y = first[1]; y <= last[1]; ++y)
       for (int x = first[0]; x <= last[0]; ++x) rows[row(y, z)] |= std::uint64_t(1) << x;

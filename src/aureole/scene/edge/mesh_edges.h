@@ -31,7 +31,7 @@ struct MeshEdge {
   bool is_concave;   ///< a fold towards the side of its normals
 
   /// Whether, in parallel light along `d`, one of the faces is lit from the front and the other one from the back.
-  bool is_outline(const Vec3& d) const { return is_boundary || dot(n0, d) * dot(n1, d) <= 0; }
+  bool is_outline(const Vec3& d) const { return is_boundary | (dot(n0, d) * dot(n1, d) <= 0); }
   float squared_distance(const Vec3& p) const {
     const Vec3 way = b - a, to = p - a;
     return length_squared(to - way * std::clamp(dot(to, way) / length_squared(way), 0.f, 1.f));

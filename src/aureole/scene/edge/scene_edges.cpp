@@ -118,11 +118,10 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   index_ = EdgeIndex(shapes.sets, EdgeIndex::Of::edges);
   tree_ = EdgeTree(index_.edges());
   clusters_ = EdgeClusters(index_, float(kCoherent) * widest_beam_);
-  distance_ = EdgeDistance(index_);
+  distance_ = EdgeDistance(index_, kMargin * widest_beam_);
   lift_ = std::move(shapes.lift);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);
-  shapes_ = std::move(shapes.shapes);
   notes_ = std::move(shapes.remarks);
   if (!tree_.empty() && longest > diameter_ * unit_m_)
     throw BeamWidthError(
@@ -257,6 +256,73 @@ std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* 
   return point_on(edge, line, l, float(choice->probability * pdf));
 }
 
+struct SceneEdges::Neighbours {
+  /// `near` is the thread's, until the next call.
+  const std::vector<const MeshEdge*>* near;
+  bool is_cluster;     ///< `near` has the edge itself, too
+  bool alone = false;  ///< there are none, and its ends are far
+
+  /// The edges as `add`(edge) makes them; the number of the edge itself.
+  template <class Add>
+  std::size_t project(const MeshEdge& own, const Add& add) const {
+    std::size_t index = 0;
+    if (!is_cluster) add(own);
+    for (std::size_t i = 0; i < near->size(); ++i) {
+      if ((*near)[i] == &own) index = i;
+      add(*(*near)[i]);
+    }
+    return index;
+  }
+};
+
+SceneEdges::Neighbours SceneEdges::neighbours(const EdgePoint& point, const Vec3& d,
+                                              const Beams& beams) const {
+  thread_local std::vector<const MeshEdge*> near;
+  near.clear();
+  if (const auto cluster = clusters_.of(index_.number(*point.edge)); !cluster.empty()) {
+    // Without branches: which edges are outlines cannot be predicted.
+    near.resize(cluster.size());
+    std::size_t count = 0;
+    for (const std::uint32_t i : cluster) {
+      const MeshEdge& edge = index_.edges()[i];
+      near[count] = &edge;
+      count += edge.is_outline(d);
+    }
+    near.resize(count);
+    return {&near, true};
+  }
+  const float radius = float(kCoherent * beams.widest), depth = float(kDepth * beams.widest);
+  index_.visit_edges({point.x.to_float(), d, radius, -depth, depth}, [&](const MeshEdge& edge) {
+    if (&edge != point.edge) near.push_back(&edge);
+  });
+  const double length = EdgeLine(*point.edge).length, ends = kEndless * beams.widest;
+  return {&near, false, near.empty() && point.at > ends && length - point.at > ends};
+}
+
+namespace {
+
+/// Edges seen along a direction, in the plane of x and y about a place. The obstacle is on the left of an edge where its first face is lit.
+struct Projection {
+  Double3 origin, x, y;
+  Vec3 d;
+
+  optics::ProjectedEdge operator()(const MeshEdge& edge) const {
+    // Pointers are exchanged without a branch, which could not be predicted.
+    const bool left = is_left(edge);
+    const Vec3 *from = left ? &edge.a : &edge.b, *to = left ? &edge.b : &edge.a;
+    const Double3 a = Double3(*from) - origin, b = Double3(*to) - origin;
+    return {{dot(a, x), dot(a, y)}, {dot(b, x), dot(b, y)}, length(b - a)};
+  }
+  bool is_left(const MeshEdge& edge) const { return dot(edge.n0, d) < 0; }
+  /// The fraction of a place along the projected edge.
+  double at(const EdgePoint& point) const {
+    const double t = point.at / EdgeLine(*point.edge).length;
+    return is_left(*point.edge) ? t : 1 - t;
+  }
+};
+
+}  // namespace
+
 Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams,
                             Vec2 u) const {
   Double3 in = normalize(Double3(d_i)), out = normalize(Double3(d_o));
@@ -269,71 +335,68 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
 
   double k[kWavelengths], sigma[kWavelengths], result[kWavelengths];
   for (int i = 0; i < kWavelengths; ++i) k[i] = beams.k[i], sigma[i] = beams.sigma[i];
-  // In the plane across the mean direction, from the place on, with the light's turn along x. The obstacle is on the left of
-  // an edge where its first face is lit.
-  const Double3 x = turn * (1 / std::sqrt(turn2)), y = cross(along, x);
-  thread_local std::vector<optics::ProjectedEdge> projected;
-  projected.clear();
-  const auto add = [&](const MeshEdge& edge) {
-    const Double3 a = Double3(edge.a) - point.x, b = Double3(edge.b) - point.x;
-    const optics::PlanePoint from{dot(a, x), dot(a, y)}, to{dot(b, x), dot(b, y)};
-    const double size = length(b - a);
-    if (dot(edge.n0, d) < 0)
-      projected.push_back({from, to, size});
-    else
-      projected.push_back({to, from, size});
-  };
   const double scale = scale_of(*point.edge);
   const auto scaled = [&] { return make_spectrum([&](int i) { return float(scale * result[i]); }); };
 
-  const auto number = std::size_t(point.edge - index_.edges().data());
-  if (const auto cluster = clusters_.of(number); !cluster.empty()) {
-    std::size_t at = 0;
-    for (const std::uint32_t i : cluster) {
-      const MeshEdge& edge = index_.edges()[i];
-      if (!edge.is_outline(d)) continue;
-      if (i == number) at = projected.size();
-      add(edge);
-    }
-    const double radius = std::sqrt(-2 * std::log1p(-double(u.x))), phi = 2 * pi * u.y;
-    optics::drawn_edge_kernels(projected, at, {radius * std::cos(phi), radius * std::sin(phi)},
-                               std::sqrt(turn2), k, sigma, result);
-    return scaled();
-  }
-
-  const EdgeLine own(*point.edge);
-  const float radius = float(kCoherent * beams.widest), depth = float(kDepth * beams.widest);
-  bool alone = point.at > kEndless * beams.widest && own.length - point.at > kEndless * beams.widest;
-  thread_local std::vector<const MeshEdge*> near;
-  near.clear();
-  index_.visit_edges({point.x.to_float(), d, radius, -depth, depth}, [&](const MeshEdge& edge) {
-    if (&edge != point.edge) near.push_back(&edge);
-  });
-  alone &= near.empty();
-
-  if (alone) {
-    const Double3 across = own.direction - along * dot(own.direction, along);
+  const Neighbours around = neighbours(point, d, beams);
+  if (around.alone) {
+    const Double3 own = EdgeLine(*point.edge).direction, across = own - along * dot(own, along);
     const double shown2 = dot(across, across);
     if (!(shown2 > 1e-12)) return 0.f;
     const double along_edge2 = dot(turn, across) * dot(turn, across) / shown2;
     const double flux2 = std::max(0.0, turn2 - along_edge2);
-    const double factor = scale_of(*point.edge) * std::sqrt(shown2) * std::sqrt(8 * pi) / (4 * pi * pi) *
-                          flux2 / (turn2 * turn2);
+    const double factor = std::sqrt(shown2) * std::sqrt(8 * pi) / (4 * pi * pi) * flux2 / (turn2 * turn2);
     for (int i = 0; i < kWavelengths; i += optics::kLanes) {
       const optics::Lanes width = optics::load_lanes(sigma + i), s = optics::load_lanes(k + i) * width,
                           exponent = 2 * s * s, lobe = exponent * turn2;
       const optics::Lanes beyond = optics::one_less_exp_minus(lobe);
       optics::store_lanes(result + i, factor * width * beyond * optics::exp_minus(exponent * along_edge2));
     }
-    return make_spectrum([&](int i) { return float(result[i]); });
+    return scaled();
   }
 
-  add(*point.edge);
-  for (const MeshEdge* edge : near) add(*edge);
-  const bool left = dot(point.edge->n0, d) < 0;
-  const double at = point.at / own.length;
-  optics::mean_edge_kernels(projected, left ? at : 1 - at, std::sqrt(turn2), k, sigma, result);
+  // In the plane across the mean direction, with the light's turn along x.
+  const Double3 x = turn * (1 / std::sqrt(turn2));
+  const Projection projection{point.x, x, cross(along, x), d};
+  thread_local std::vector<optics::ProjectedEdge> projected;
+  projected.clear();
+  const std::size_t index =
+      around.project(*point.edge, [&](const MeshEdge& edge) { projected.push_back(projection(edge)); });
+  if (around.is_cluster) {
+    const double radius = std::sqrt(-2 * std::log1p(-double(u.x))), phi = 2 * pi * u.y;
+    optics::drawn_edge_kernels(projected, index, {radius * std::cos(phi), radius * std::sin(phi)},
+                               std::sqrt(turn2), k, sigma, result);
+  } else {
+    optics::mean_edge_kernels(projected, projection.at(point), std::sqrt(turn2), k, sigma, result);
+  }
   return scaled();
+}
+
+Spectrum SceneEdges::power(const EdgePoint& point, const Vec3& direction, const Beams& beams) const {
+  const Double3 along = normalize(Double3(direction));
+  const Vec3 d = along.to_float();
+  if (!point.edge->is_outline(d)) return 0.f;
+  double k[kWavelengths], sigma[kWavelengths], result[kWavelengths];
+  for (int i = 0; i < kWavelengths; ++i) k[i] = beams.k[i], sigma[i] = beams.sigma[i];
+  const double scale = scale_of(*point.edge);
+  const Neighbours around = neighbours(point, d, beams);
+  if (around.alone) {
+    const Double3 own = EdgeLine(*point.edge).direction;
+    const double cosine = dot(own, along), shown = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    return make_spectrum([&](int i) {
+      return float(scale * (optics::straight_edge_power() * shown * sigma[i] - 1 / (2 * pi * k[i])));
+    });
+  }
+  Double3 x, y;
+  make_basis(along, x, y);
+  // y turned from x as it is for `kernel`: the obstacle's side must be the same.
+  const Projection projection{point.x, x, cross(along, x), d};
+  thread_local std::vector<optics::ProjectedEdge> projected;
+  projected.clear();
+  const std::size_t index =
+      around.project(*point.edge, [&](const MeshEdge& edge) { projected.push_back(projection(edge)); });
+  optics::mean_edge_powers(projected, index, projection.at(point), k, sigma, result);
+  return make_spectrum([&](int i) { return float(scale * result[i]); });
 }
 
 Spectrum SceneEdges::far_enough(float distance, bool from_edge, const Beams& beams) {

@@ -11,7 +11,6 @@
 #include <memory>
 #include <numbers>
 #include <optional>
-#include <unordered_set>
 
 #include "aureole/scene/edge/beam_width.h"
 #include "aureole/scene/edge/edge_clusters.h"
@@ -107,6 +106,10 @@ public:
   /// (edge_clusters.h), where the numbers have no effect; within one `drawn_edge_kernels`, whose sum over the cluster has the same mean, and
   /// which divides it among the edges in another way.
   Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams, Vec2 u) const;
+  /// The integral of K over directions, for light along d [unit of length of the scene]: `mean_edge_powers`, which in clusters divides the
+  /// light among the edges otherwise. `has_power`: for beams that are wide enough for it.
+  Spectrum power(const EdgePoint& point, const Vec3& d, const Beams& beams) const;
+  static bool has_power(const Beams& beams) { return beams.angle < 1 / 60.f; }
 
   /// 1 where light of a wavelength that comes to an edge from a place at that distance is diffracted as K says, 0 where the place
   /// lies in the beam: a vertex within sigma; another edge as far as it interferes, which is in K already.
@@ -124,13 +127,21 @@ public:
   /// Some surface of the scene reflects as a mirror or is clear.
   bool has_mirrors() const { return has_mirrors_; }
 
+  /// How far along a ray no edge is within kMargin of the widest beam: perhaps farther, but nowhere before `length` where it is that.
+  float free_along(const Vec3& o, const Vec3& d, float length) const {
+    return distance_.free_along(o, d, length);
+  }
+  static constexpr float kMargin = 3;
+  /// Of ways that light takes, the part of which edges beside them are looked for: less than 1 where few could have one.
+  float looks_beside() const {
+    constexpr float kMany = 0.01f, kLeast = 1 / 16.f;
+    return std::clamp(distance_.most_beside() / kMany, kLeast, 1.f);
+  }
   /// Whether an edge is within that distance of a place, or within a little more.
   bool are_within(float distance, const Vec3& p) const {
     return distance_.at_least(p) <= distance && index_.has_edge_within(p, distance);
   }
 
-  /// The shape has edges here, in one instance of it at least.
-  bool diffracts(const Shape& shape) const { return shapes_.contains(&shape); }
   const EdgeIndex& index() const { return index_; }
   const EdgeTree& tree() const { return tree_; }
   const EdgeClusters& clusters() const { return clusters_; }
@@ -140,6 +151,9 @@ public:
 
 private:
   EdgePoint point_on(const MeshEdge& edge, const EdgeLine& line, double l, float pdf) const;
+  /// The outlines about a place in light along d that interfere with its edge: those of its cluster, or the others near by.
+  struct Neighbours;
+  Neighbours neighbours(const EdgePoint& point, const Vec3& d, const Beams& beams) const;
 
   double scale_of(const MeshEdge& edge) const {
     return scale_.empty() ? 1.0 : double(scale_[edge.face0.set]);
@@ -154,7 +168,6 @@ private:
   float diameter_ = 0;        ///< of the scene's surfaces
   std::vector<float> lift_;   ///< of each set of triangles (diffracting_shapes.h)
   std::vector<float> scale_;  ///< the same, empty where all are 1
-  std::unordered_set<const Shape*> shapes_;
   std::vector<std::string> notes_;
   EdgeIndex index_;
   EdgeTree tree_;
