@@ -33,8 +33,19 @@ constexpr float kNear = 7;
 /// Rays that look for an open way beside an edge, at most. Of slits that are met less often the estimate is cut.
 constexpr int kMostRays = 4096;
 
+/// One edge is drawn for every so many that are beside a way, and at most so many are.
+constexpr int kPerDraw = 12, kMostDraws = 4;
+
 /// Makes keys of its own from those of others.
-constexpr std::uint32_t kLent = 0x68e31da4u;
+constexpr std::uint32_t kLooked = 0x1b56c4e9u, kLent = 0x68e31da4u;
+
+/// Ways of one path may share a key.
+std::uint32_t key_of(const LightWay& way, std::uint32_t key) {
+  constexpr std::uint64_t kOdd[] = {0x9e3779b97f4a7c15u, 0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu};
+  std::uint64_t bits = key;
+  for (int i = 0; i < 3; ++i) bits += kOdd[i] * std::bit_cast<std::uint32_t>(way.d[i]);
+  return std::uint32_t(bits >> 32) ^ std::uint32_t(bits);
+}
 
 /// Places seen along a way, in units of the deviation from its begin.
 struct View {
@@ -102,14 +113,9 @@ Spectrum power_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d, co
   return SceneEdges::has_power(beams) ? edges.power(x, d, beams) : diffracted_at(edges, x, d, beams, random);
 }
 
-/// An estimate of D, of edges at one depth.
-Spectrum lent(const Scene& scene, std::span<const Stretch> stretches, const Vec3& d, double deviation,
-              const SceneEdges::Beams& beams, KeyedRandom& random) {
-  double all = 0;
-  for (const Stretch& s : stretches) all += s.weight;
-  // Where little can be taken it is looked at seldom: S is about half of sigma, N half.
-  const double probability = std::clamp(2 * all / (std::sqrt(2 * pi) * kSpread), 0.01, 1.0);
-  if (random.next() >= probability) return 0.f;
+/// An estimate of what one of the stretches, drawn by its weight, takes; `all` is the sum of the weights.
+Spectrum lent_at(const Scene& scene, std::span<const Stretch> stretches, double all, const Vec3& d,
+                 double deviation, const SceneEdges::Beams& beams, KeyedRandom& random) {
   double rest = random.next() * all;
   std::size_t i = 0;
   for (; i + 1 < stretches.size() && rest >= stretches[i].weight; ++i) rest -= stretches[i].weight;
@@ -128,8 +134,22 @@ Spectrum lent(const Scene& scene, std::span<const Stretch> stretches, const Vec3
   const double per_way =
       per_open_way(scene, point, d, deviation, kPassing * scene.edges()->widest_beam(), random);
   if (!(per_way > 0)) return 0.f;
-  return power_at(*scene.edges(), point, d, beams, random) *
-         float(mass * all / s.weight * per_way / probability);
+  return power_at(*scene.edges(), point, d, beams, random) * float(mass * all / s.weight * per_way);
+}
+
+/// An estimate of D, of edges at one depth.
+Spectrum lent(const Scene& scene, std::span<const Stretch> stretches, const Vec3& d, double deviation,
+              const SceneEdges::Beams& beams, KeyedRandom& random) {
+  double all = 0;
+  for (const Stretch& s : stretches) all += s.weight;
+  // Where little can be taken it is looked at seldom: S is about half of sigma, N half.
+  const double probability = std::clamp(2 * all / (std::sqrt(2 * pi) * kSpread), 0.01, 1.0);
+  if (random.next() >= probability) return 0.f;
+  // S of many edges near one another differs much, and has both signs.
+  const int draws = std::clamp(int(stretches.size()) / kPerDraw, 1, kMostDraws);
+  Spectrum sum = 0.f;
+  for (int i = 0; i < draws; ++i) sum += lent_at(scene, stretches, all, d, deviation, beams, random);
+  return sum * float(1 / (probability * draws));
 }
 
 }  // namespace
@@ -202,11 +222,8 @@ Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelength
   if (!scene.edges() || scene.edges()->empty()) return 1.f;
   const SceneEdges& edges = *scene.edges();
   static_assert(kReach * kSpread <= SceneEdges::kMargin);
-  std::uint64_t bits = key ^ kLent;
-  for (int i = 0; i < 3; ++i) bits = combine_bits(bits, std::bit_cast<std::uint32_t>(way.d[i]));
-  KeyedRandom random{std::uint32_t(bits)};
   const float part = edges.looks_beside();
-  if (part < 1 && random.next() >= part) return 1.f;
+  if (part < 1 && KeyedRandom(key_of(way, key ^ kLooked)).next() >= part) return 1.f;
   const auto clear = [&](LightWay::End end) {
     return edges.widest_beam() * (end == LightWay::End::edge ? kIgnored : kPassing);
   };
@@ -214,6 +231,7 @@ Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelength
   const float begin = after + edges.free_along(way.from + way.d * after, way.d, end - after);
   if (!(begin < end)) return 1.f;
 
+  KeyedRandom random(key_of(way, key ^ kLent));
   const SceneEdges::Beams beams = edges.beams(w);
   const double deviation = kSpread * beams.widest, first = begin / deviation, last = end / deviation;
   thread_local std::vector<Stretch> stretches;

@@ -131,7 +131,7 @@ public:
   float free_along(const Vec3& o, const Vec3& d, float length) const {
     return distance_.free_along(o, d, length);
   }
-  static constexpr float kMargin = 3;
+  static constexpr float kMargin = 2.7f;
   /// Of ways that light takes, the part of which edges beside them are looked for: less than 1 where few could have one.
   float looks_beside() const {
     constexpr float kMany = 0.01f, kLeast = 1 / 16.f;
