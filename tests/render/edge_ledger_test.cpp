@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of light that edges diffract: what is lent of the light on faces is what edges send away.
+// The ledger of light that edges diffract: what is missing in light that passes beside them is what they send away.
 #include "aureole/transport/edge_ledger.h"
 
 #include <fmt/format.h>
@@ -150,7 +150,7 @@ TEST(EdgeLedger, LendsWhatIsDiffracted) {
     }
     const double error = std::hypot(lent.error(), diffracted.error());
     std::printf(
-        "%3d edges of an %s, radius %3g sigma, %4g wavelengths, tilt %3g: lent %.5f of the light on it, diffracted %.5f, "
+        "%3d edges of an %s, radius %3g sigma, %4g wavelengths, tilt %3g: lent %.5f of as much light as falls on it, diffracted %.5f, "
         "difference %+.2f +- %.2f %%\n",
         c.corners, c.opening ? "opening" : "obstacle", c.radius_sigma, c.wavelengths, c.tilt,
         lent.mean() / falls, diffracted.mean() / falls, 100 * (lent.mean() / diffracted.mean() - 1),

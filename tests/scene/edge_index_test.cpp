@@ -383,6 +383,20 @@ TEST(EdgeDistance, NoEdgeIsWithinTheMarginOfWhatIsFree) {
   EXPECT_GT(some, 200);
   EXPECT_GT(none, 50);
   EXPECT_EQ(EdgeDistance(EdgeIndex(), 0.1f).free_along({}, {0, 0, 1}, kInfinity), kInfinity);
+  // From far away, where a cell is less than the rounding of distances.
+  for (const float far : {1e3f, 1e5f, 1e7f}) {
+    int met = 0;
+    for (int trial = 0; trial < 300; ++trial) {
+      const Vec3 d = normalize(random.point()),
+                 at = index.edges()[std::size_t(trial) % index.edges().size()].a;
+      const float free = distance.free_along(at - d * far, d, kInfinity);
+      met += free < kInfinity;
+      if (free < kInfinity) {
+        EXPECT_NEAR(free, far, 4 + 1e-6f * far);
+      }
+    }
+    EXPECT_GT(met, far < 1e6f ? 290 : 0) << far;
+  }
 }
 
 TEST(EdgeIndex, OfNothingFindsNothing) {

@@ -26,7 +26,7 @@ constexpr double kReach = 4.5;
 constexpr float kPassing = 3;
 /// Of an edge at the end of the way others are ignored that are nearer, as where they interfere (`SceneEdges::far_enough`).
 constexpr float kIgnored = 7;
-/// Edges at depths that differ by less lend of the same light, others one after the other.
+/// Edges within this depth take of the same light, others one group after the other.
 constexpr double kTogether = 7;
 /// Edges nearer than that are looked at where directions are chosen.
 constexpr float kNear = 7;
@@ -39,11 +39,14 @@ constexpr int kPerDraw = 12, kMostDraws = 4;
 /// Makes keys of its own from those of others.
 constexpr std::uint32_t kLooked = 0x1b56c4e9u, kLent = 0x68e31da4u;
 
-/// Ways of one path may share a key.
+/// Ways of one path may share a key, and parts of one way their direction.
 std::uint32_t key_of(const LightWay& way, std::uint32_t key) {
-  constexpr std::uint64_t kOdd[] = {0x9e3779b97f4a7c15u, 0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu};
+  constexpr std::uint64_t kOdd[] = {0x9e3779b97f4a7c15u, 0xbf58476d1ce4e5b9u, 0x94d049bb133111ebu},
+                          kOdder[] = {0xd6e8feb86659fd93u, 0xa0761d6478bd642fu, 0xe7037ed1a0b428dbu};
   std::uint64_t bits = key;
-  for (int i = 0; i < 3; ++i) bits += kOdd[i] * std::bit_cast<std::uint32_t>(way.d[i]);
+  for (int i = 0; i < 3; ++i)
+    bits += kOdd[i] * std::bit_cast<std::uint32_t>(way.d[i]) +
+            kOdder[i] * std::bit_cast<std::uint32_t>(way.from[i]);
   return std::uint32_t(bits >> 32) ^ std::uint32_t(bits);
 }
 
@@ -250,7 +253,7 @@ Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelength
   Spectrum left = 1.f;
   for (auto from = stretches.begin(); from != stretches.end();) {
     auto to = from + 1;
-    while (to != stretches.end() && to->depth - (to - 1)->depth <= kGap) ++to;
+    while (to != stretches.end() && to->depth - from->depth <= kGap) ++to;
     left *= Spectrum(1.f) - lent(scene, {from, to}, way.d, deviation, beams, random);
     from = to;
   }

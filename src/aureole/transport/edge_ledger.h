@@ -4,8 +4,9 @@
 // A place x on an edge diffracts the power E S(x) dl of light of irradiance E, S the integral of K over directions. It is taken from
 // light that passes x, in the shape of a Gaussian G across the light: of what passes at y the part
 //   D(y) = integral over edges of S(x) G(y - x)/N(x) dl,   N(x) = integral of G(y' - x) over all y' where light passes,
-// so that the integral of D across the light is that of S over the edges, whatever their shapes. Light passes at y where a straight way
-// goes on for sigma before and behind it.
+// so that the integral of D across the light is that of S over the edges, whatever their shapes. G is .6 of the widest sigma of the path's
+// wavelengths wide, for all of them. Light passes at y where a straight way goes on for 3 sigma before and behind it. Light "lends" what is
+// missing in it to edges.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,8 @@ namespace aureole {
 
 /// A straight way that light takes, in either direction.
 struct LightWay {
-  /// An edge at the end of a way ignores others that lie in its beam; a vertex, those that it does not shine on.
+  /// What the way ends at: an edge, which has others within 7 sigma in its own K, or another vertex, within 3 sigma of which light does not
+  /// pass. Edges there take nothing.
   enum class End : std::uint8_t { vertex, edge };
 
   Vec3 from;
@@ -32,11 +34,11 @@ struct LightWay {
 };
 
 /// An unbiased estimate of the product of 1 - D over the edges beside the way, D the sum of those at one depth: the part of the light that
-/// they leave. 1 far from edges. It may be negative; its mean is not. Equal arguments give equal estimates. 1 in scenes without edges that
-/// diffract.
+/// they leave. 1 far from edges. It may be negative, and in small openings so may its mean (docs/diffraction.md). Equal arguments give equal
+/// estimates. 1 in scenes without edges that diffract.
 Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key);
 
-/// The same of a path that has gone on over the distance `length` along a ray.
+/// Takes that from the density of a path that has gone on over the distance `length` along a ray.
 template <class Density>
 void lend_to_edges(const Scene& scene, const Ray& ray, float length, LightWay::End begin,
                    const Wavelengths& w, std::uint32_t key, Density& density) {

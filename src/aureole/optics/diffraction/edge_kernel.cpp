@@ -390,6 +390,7 @@ void mean_edge_powers(std::span<const ProjectedEdge> edges, std::size_t index, d
     std::fill(result.begin(), result.end(), 0.0);
     return;
   }
+  const double sine = shown / own.length, cosine = std::sqrt(std::max(0.0, 1 - sine * sine));
   // S is smooth in sigma: at four places between the smallest and the largest one, and a cubic through them.
   const auto [least, most] = std::minmax_element(sigma.begin(), sigma.end());
   const bool is_one = *most - *least < 1e-6 * *most;
@@ -407,7 +408,7 @@ void mean_edge_powers(std::span<const ProjectedEdge> edges, std::size_t index, d
         if (l != j) basis *= (sigma[i] - nodes[l]) / (nodes[j] - nodes[l]);
       value += basis * sum.sum(int(j));
     }
-    result[i] = shown / own.length * value / (8 * pi) - 1 / (2 * pi * k[i]);
+    result[i] = sine * value / (8 * pi) - cosine / (4 * k[i]);
   }
 }
 

@@ -91,12 +91,12 @@ double mean_edge_kernel(std::span<const ProjectedEdge> edges, std::size_t index,
 void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double turn,
                        std::span<const double> k, std::span<const double> sigma, std::span<double> result);
 
-/// The integral of `mean_edge_kernel` over all directions, for beams that are wide against the wavelength: over the whole plane of q, in
-/// closed form but for a quadrature along the edges,
+/// The integral S of `mean_edge_kernel` over all directions of light that goes on, for beams that are wide against the wavelength, from the
+/// edges as they are seen along the light that arrives: over the whole plane of q, in closed form but for a quadrature along the edges,
 ///   S = m/(8 pi) . sum over edges of integral exp(-u) [E1(u) n_l + (1 - exp(-u))/u (n_l - 2 e (e.n_l))] ds',   u = r^2/(8 sigma^2),
-/// e the direction of r = x - x', n_l normals of length 1, ds' in the plane; less 1/(2 pi k), the part of a straight edge beyond the
-/// directions that light has. For many wavelengths at once, [unit of length]. Within .6 % of the integral at sigma = 5 wavelengths
-/// and .1 % at 25, in gaps as narrow as half a wavelength 4 % (docs/optics.md). No allocation.
+/// e the direction of r = x - x', n_l normals of length 1, ds' in the plane; less |cos b|/(4 k), b the angle between light and edge, since
+/// light has no directions beyond |q| = 2 k and K is defined across the mean of both directions. For many wavelengths at once, [unit of
+/// length]. Errors: docs/optics.md. No allocation.
 void mean_edge_powers(std::span<const ProjectedEdge> edges, std::size_t index, double at,
                       std::span<const double> k, std::span<const double> sigma, std::span<double> result);
 

@@ -43,20 +43,24 @@ EdgeDistance::EdgeDistance(const EdgeIndex& index, float margin) : margin_(margi
 
 float EdgeDistance::free_along(const Vec3& o, const Vec3& d, float length) const {
   if (cells_.empty()) return std::max(length, 0.f);
-  // In cells. Its way through the grid, outside of which no edge's margin is, with room for rounding.
-  constexpr float kRoom = 0.01f;
-  float begin[3], rate[3], inverse[3], t = 0, end = length;
+  // Its way through the grid, outside of which no edge's margin is, with room for rounding.
+  const float room = 0.01f * cell_, size = kCells * cell_;
+  float first = 0, last = length;
   for (int i = 0; i < 3; ++i) {
-    begin[i] = (o[i] - lower_[i]) * per_length_, rate[i] = d[i] * per_length_, inverse[i] = 1 / rate[i];
-    const float t0 = (-kRoom - begin[i]) * inverse[i], t1 = (kCells + kRoom - begin[i]) * inverse[i];
-    t = std::max(t, std::min(t0, t1)), end = std::min(end, std::max(t0, t1));
+    const float t0 = (lower_[i] - room - o[i]) / d[i], t1 = (lower_[i] + size + room - o[i]) / d[i];
+    first = std::max(first, std::min(t0, t1)), last = std::min(last, std::max(t0, t1));
   }
-  const float step = kStep * cell_;
-  while (t < end) {
+  // In cells, from where it enters: origins that are far away would round the steps off.
+  const Vec3 entry = o + d * first;
+  float begin[3], rate[3], inverse[3];
+  for (int i = 0; i < 3; ++i)
+    begin[i] = (entry[i] - lower_[i]) * per_length_, rate[i] = d[i] * per_length_, inverse[i] = 1 / rate[i];
+  const float end = last - first, step = kStep * cell_;
+  for (float t = 0; t < end;) {
     int cell[3];
     for (int i = 0; i < 3; ++i) cell[i] = std::clamp(int(begin[i] + rate[i] * t), 0, kCells - 1);
     const int free = cells_[row(cell[1], cell[2]) * kCells + std::size_t(cell[0])];
-    if (free == 0) return t;
+    if (free == 0) return first + t;
     // Out of this cell and of those around it that are free as well.
     float next = kInfinity;
     for (int i = 0; i < 3; ++i) {

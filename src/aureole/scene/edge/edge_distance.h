@@ -16,7 +16,7 @@ public:
   /// `margin`: the distance from edges that `free_along` asks for.
   EdgeDistance(const EdgeIndex& index, float margin);
 
-  /// A distance within which no edge is; 0 within a cell or two of an edge.
+  /// A distance within which no edge is; 0 within the margin and a cell or two of an edge.
   float at_least(const Vec3& p) const {
     if (cells_.empty()) return kInfinity;
     const int cells = cells_[index_of(p)];
@@ -27,7 +27,7 @@ public:
   float free_along(const Vec3& o, const Vec3& d, float length) const;
   /// Of the ways through a cell, the largest part of which an edge is within the margin, about; may be above 1.
   float most_beside() const { return most_beside_; }
-  /// The length of a cell: about 1/63 of that of all edges.
+  /// The length of a cell: about 1/63 of that of all edges with the margin around them.
   float cell() const { return cell_; }
 
 private:

@@ -384,7 +384,8 @@ Spectrum SceneEdges::power(const EdgePoint& point, const Vec3& direction, const 
     const Double3 own = EdgeLine(*point.edge).direction;
     const double cosine = dot(own, along), shown = std::sqrt(std::max(0.0, 1 - cosine * cosine));
     return make_spectrum([&](int i) {
-      return float(scale * (optics::straight_edge_power() * shown * sigma[i] - 1 / (2 * pi * k[i])));
+      return float(scale *
+                   (optics::straight_edge_power() * shown * sigma[i] - std::abs(cosine) / (4 * k[i])));
     });
   }
   Double3 x, y;
