@@ -43,8 +43,8 @@ Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path
   }
   if (!connect(scene, c, path.wavelengths)) return 0.f;
   if (scene.has_media()) c.finish();
-  return c.light *
-         left_by_edges(scene, LightWay::of(c), path.wavelengths, key(path.samples, -1, Key::connection));
+  lend_to_edges(scene, LightWay::of(c), path.wavelengths, key(path.samples, -1, Key::connection), c.light);
+  return c.light;
 }
 
 }  // namespace

@@ -277,7 +277,7 @@ private:
       }
       const bool open = aureole::connect(scene_, c, path.wavelengths);
       if (open && scene_.has_media()) c.finish();
-      if (open) c.light *= left_by_edges(scene_, LightWay::of(c), path.wavelengths, connection_key(i));
+      if (open) lend_to_edges(scene_, LightWay::of(c), path.wavelengths, connection_key(i), c.light);
       if (open) splats_.push_back({i, crossing.film, c.light});
       if (log_.follows(i)) log_seen(log_, crossing.film, c, open);
     });

@@ -59,8 +59,8 @@ struct BatchConnections {
 /// The end of a connection.
 template <class Steps>
 void end_connection(const Scene& scene, Steps& steps, int path, Connection& c, bool open) {
-  if (open && scene.edges())
-    c.light *= left_by_edges(scene, LightWay::of(c), steps.wavelengths(path), steps.connection_key(path));
+  if (open)
+    lend_to_edges(scene, LightWay::of(c), steps.wavelengths(path), steps.connection_key(path), c.light);
   steps.connected(path, c, open);
 }
 

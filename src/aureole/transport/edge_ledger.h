@@ -38,7 +38,12 @@ struct LightWay {
 /// estimates. 1 in scenes without edges that diffract.
 Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key);
 
-/// Takes that from the density of a path that has gone on over the distance `length` along a ray.
+/// Takes that from light which has gone straight.
+inline void lend_to_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key,
+                          Spectrum& light) {
+  if (scene.edges()) light *= left_by_edges(scene, way, w, key);
+}
+/// The same for the density of a path that has gone on over the distance `length` along a ray.
 template <class Density>
 void lend_to_edges(const Scene& scene, const Ray& ray, float length, LightWay::End begin,
                    const Wavelengths& w, std::uint32_t key, Density& density) {

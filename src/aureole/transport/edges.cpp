@@ -24,7 +24,8 @@ Spectrum passed_along(const Scene& scene, Connection& c, LightWay::End begin, Li
   if (!connect(scene, c, w)) return 0.f;
   if (scene.has_media()) c.finish();
   if (end) *end = c.flight;
-  return c.light * left_by_edges(scene, LightWay::of(c, begin, finish), w, key + 2);
+  lend_to_edges(scene, LightWay::of(c, begin, finish), w, key + 2, c.light);
+  return c.light;
 }
 
 constexpr auto kVertex = LightWay::End::vertex, kEdge = LightWay::End::edge;

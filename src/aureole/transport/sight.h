@@ -43,9 +43,7 @@ public:
       line.passed = 1.f;
       if (is_black(line.light)) return Event::blocked;
     }
-    if (scene_.edges())
-      line.light *=
-          left_by_edges(scene_, {line.flight.ray.o, line.d, hit ? hit.t : kInfinity}, w, keys_[path]);
+    lend_to_edges(scene_, {line.flight.ray.o, line.d, hit ? hit.t : kInfinity}, w, keys_[path], line.light);
     if (!hit) {
       for (const Light* light : scene_.infinite_emitters())
         viewer_.see(path, *light, nullptr, line.d, line.light * light->eval_escaped(line.d, w));

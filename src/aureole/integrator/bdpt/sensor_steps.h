@@ -326,8 +326,7 @@ private:
                                                        std::uint64_t(end.edges))));
     if (!aureole::connect(scene_, c, path.wavelengths)) return;
     if (scene_.has_media()) c.finish();
-    c.light *=
-        left_by_edges(scene_, LightWay::of(c, LightWay::End::edge), path.wavelengths, connection_key(i));
+    lend_to_edges(scene_, LightWay::of(c, LightWay::End::edge), path.wavelengths, connection_key(i), c.light);
     const Spectrum kernel = edges.kernel_to(at, d, end.vertex, std::sqrt(distance2));
     if (is_black(kernel)) return;
     path.result.estimate +=

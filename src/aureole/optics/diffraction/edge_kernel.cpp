@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "aureole/optics/diffraction/exponential_integral.h"
 #include "aureole/optics/faddeeva.h"
 #include "aureole/optics/lanes.h"
 
@@ -274,8 +275,8 @@ public:
   PowerTable() {
     for (int i = 0; i < kSteps + 2; ++i) {
       const double u = i * kLargest / kSteps, e = std::exp(-u);
-      entries_[i] = i == 0 ? Entry{1, -std::numbers::egamma, 1}
-                           : Entry{e, e * (-std::expint(-u) + std::log(u)), e * -std::expm1(-u) / u};
+      entries_[i] = {e, e * (entire_exponential_integral(u) - std::numbers::egamma),
+                     i == 0 ? 1 : e * -std::expm1(-u) / u};
     }
   }
   Entry at(double u) const {
@@ -291,7 +292,10 @@ private:
   static constexpr int kSteps = 2048;
   Entry entries_[kSteps + 2];
 };
-const PowerTable kPowers;
+const PowerTable& power_table() {
+  static const PowerTable table;
+  return table;
+}
 
 /// S for one or more sigma, from the edges one after the other.
 class EdgePowerSum {
@@ -369,12 +373,13 @@ private:
     for (int i = 0; i < count_; ++i) {
       const double u = r2 * per_u_[i];
       if (u > PowerTable::kLargest) continue;
-      const PowerTable::Entry e = kPowers.at(u);
+      const PowerTable::Entry e = table_.at(u);
       sum_[i] += weight * (line.parallel * (e.smooth - e.logarithm * (log_r2 + log_per_u_[i])) +
                            (line.parallel - both) * e.bend);
     }
   }
 
+  const PowerTable& table_ = power_table();
   PlanePoint x_, normal_;
   int count_;
   double widest_, narrowest_, reach_, per_u_[kMost], log_per_u_[kMost], sum_[kMost] = {};

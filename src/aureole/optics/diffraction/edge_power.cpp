@@ -4,21 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <boost/math/quadrature/gauss.hpp>
-#include <boost/math/special_functions/expint.hpp>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "aureole/optics/diffraction/exponential_integral.h"
+
 namespace aureole::optics {
 namespace {
 
 using std::numbers::pi;
-
-double exponential_integral(double u) {
-  using Policy = boost::math::policies::policy<boost::math::policies::promote_double<false>>;
-  return boost::math::expint(1, u, Policy());
-}
 
 /// E1(u) + ln(u) and (1 - exp(-u))/u, both entire, by cubic interpolation: exact forms take ten times as long.
 class PairFunctions {
@@ -26,7 +22,7 @@ public:
   PairFunctions() {
     for (int i = 0; i <= kCount + 2; ++i) {
       const double u = double(i - 1) / kPerUnit;
-      regular_[i] = ein(u) - std::numbers::egamma;
+      regular_[i] = entire_exponential_integral(u) - std::numbers::egamma;
       quotient_[i] = u == 0 ? 1 : -std::expm1(-u) / u;
     }
   }
@@ -48,17 +44,6 @@ public:
 
 private:
   static constexpr int kPerUnit = 32, kEnd = 20, kCount = kPerUnit * kEnd;
-
-  /// gamma + ln(u) + E1(u), also for u <= 0 by its power series.
-  static double ein(double u) {
-    if (u > 1) return std::numbers::egamma + std::log(u) + exponential_integral(u);
-    double term = 1, sum = 0;
-    for (int k = 1; k < 24; ++k) {
-      term *= -u / k;
-      sum -= term / k;
-    }
-    return sum;
-  }
 
   std::array<double, kCount + 3> regular_, quotient_;
 };
