@@ -82,6 +82,30 @@ TEST(RenderedEdge, ShadowOfAHalfPlaneIsFresnels) {
   }
 }
 
+// With the default width of beams, from three widths of their spectrum on: light turns by x/(1 m), and 3/(2 k sigma) of 25 wavelengths is
+// 9.5 mrad. The film shows x from -17.6 to -9.6 mm.
+TEST(RenderedEdge, ShadowOfAHalfPlaneInNarrowBeams) {
+  const Picture p = render(half_plane(1, "25 wavelengths", kSanitized ? 4 : 2048, "-0.0136"));
+  if (kSanitized) return;
+  for (int column = 0; column < 8; ++column) {
+    const double nearest = 9.6 + 7 - column;  // mm
+    double expected = 0;
+    for (int i = 0; i < 50; ++i) {
+      const double x = -1e-3 * (nearest + (i + 0.5) / 50);
+      expected += optics::knife_edge_intensity(0.5 * x * std::sqrt(4 / 550e-9)) / 50 * 0.25 / pi;
+    }
+    double mean = 0, error = 0;
+    for (int row = 0; row < p.height; ++row) {
+      mean += p.mean[std::size_t(row * 8 + column)] / p.height;
+      error = std::hypot(error, p.error[std::size_t(row * 8 + column)] / p.height);
+    }
+    const double difference = 10 * std::log10(mean / expected), noise = 10 / std::log(10.0) * error / mean;
+    std::printf("from %.1f widths on: %+.3f dB +- %.3f\n", nearest / 3.183, difference, noise);
+    EXPECT_LT(noise, 0.1);
+    EXPECT_NEAR(difference, 0, 0.1 + 3 * noise);
+  }
+}
+
 // Beside the shadow light has no fringes. Over 8 mm, Fresnel's numbers from 0 to 10.8, no light is lost or won but what goes into the shadow
 // or comes from beyond.
 TEST(RenderedEdge, LightBesideTheShadowOfAHalfPlane) {
@@ -410,7 +434,7 @@ TEST(SceneEdges, DirectionsHaveTheirDensityAndKIsReciprocal) {
   }
 }
 
-// Over the directions along a straight edge K is Keller's coefficient, without the part across the beam's own spectrum.
+// Over the directions along a straight edge K is Keller's coefficient, from three widths of the beam's own spectrum on.
 TEST(SceneEdges, KOfAStraightEdgeIsKellers) {
   const auto scene = sheet_and_block();
   const SceneEdges& edges = *scene->edges();
@@ -421,10 +445,12 @@ TEST(SceneEdges, KOfAStraightEdgeIsKellers) {
   EdgePoint x{&edge, 0.5 * line.length, {}, {}, 1};
   x.x = line.at(x.at);
   const Vec3 e = line.direction.to_float(), d_i{0, 0, -1}, across = normalize(cross(e, d_i));
-  for (const double theta : {0.3, 0.6}) {
+  ASSERT_TRUE(beams.achromatic);
+  for (const double theta :
+       {3.05 * beams.angle, 4.0 * beams.angle, 6.0 * beams.angle, 15.0 * beams.angle, 0.3, 0.6}) {
     Spectrum sum = 0.f;
-    const double step = 1e-3;
-    for (double s = -0.15; s < 0.15; s += step) {
+    const double step = 0.05 * beams.angle;
+    for (double s = -8.0 * beams.angle; s < 8.0 * beams.angle; s += step) {
       const Vec3 d = normalize(d_i * float(std::cos(theta)) + across * float(std::sin(theta)) + e * float(s));
       sum += edges.kernel(x, d_i, d, beams, {}) * float(step);
     }
@@ -432,7 +458,7 @@ TEST(SceneEdges, KOfAStraightEdgeIsKellers) {
       // 2 sin(theta/2) is the angle of the symmetric kernel.
       const double turn = 2 * std::sin(theta / 2),
                    expected = double(w.nm[k]) * 1e-3 / (4 * pi * pi * turn * turn);
-      EXPECT_NEAR(sum[k], expected, 0.02 * expected) << theta;
+      EXPECT_NEAR(sum[k], expected, 0.01 * expected) << theta / double(beams.angle) << " widths";
     }
   }
 }

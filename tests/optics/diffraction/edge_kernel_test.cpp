@@ -138,6 +138,54 @@ TEST(EdgeKernel, OfAStraightEdgeTendsToKellersCoefficient) {
     }
 }
 
+// At a straight edge: over the directions along it Keller's coefficient, over the sphere its power, by quadrature about the light that
+// arrives.
+TEST(EdgeKernel, OfAStraightEdgeIsKellersFromThreeWidthsOn) {
+  const double sigma[4] = {1, 1, 1, 1};
+  for (const double wavelengths : {5.0, 25.0}) {
+    const double kn = 2 * M_PI * wavelengths, k[4] = {kn, kn, kn, kn}, width = 1 / (2 * kn);
+    double result[4];
+    for (const double theta : {3.05, 4.0, 6.0, 15.0}) {
+      double sum = 0;
+      const double step = 0.02 * width;
+      for (double along = -10 * width; along < 10 * width; along += step) {
+        straight_edge_kernels(theta * width, along, 1, k, sigma, result);
+        sum += result[0] * step;
+      }
+      const double keller = 2 * M_PI / kn / (4 * M_PI * M_PI * theta * theta * width * width);
+      EXPECT_NEAR(sum / keller, 1, 0.01) << theta;
+    }
+    for (const double tilt : {0.0, 0.8}) {
+      // The edge along x, light in the plane of x and z.
+      const SpaceVector d{std::sin(tilt), 0, std::cos(tilt)};
+      double expected = 0;
+      const int rings = 600;
+      const double first = std::log(1e-3 / kn), last = std::log(2);
+      for (int r = 0; r < rings; ++r) {
+        const double v = std::exp(first + (r + 0.5) * (last - first) / rings);
+        const double cosine = 1 - 0.5 * v * v, sine = v * std::sqrt(1 - 0.25 * v * v);
+        const int steps = 200 + int(60 * kn * v);
+        double mean = 0;
+        for (int n = 0; n < steps; ++n) {
+          const double phi = 2 * M_PI * (n + 0.5) / steps, x = sine * std::cos(phi), y = sine * std::sin(phi);
+          const SpaceVector out{x * d.z + cosine * d.x, y, cosine * d.z - x * d.x};
+          const ScatteringPlane plane(d, out, kn);
+          const PlanePoint e = plane.project({1, 0, 0});
+          const double shown = std::hypot(e.x, e.y);
+          if (!(shown > 1e-9)) continue;
+          // q lies along the first axis of the plane.
+          straight_edge_kernels(v * std::abs(e.y) / shown, v * std::abs(e.x) / shown, shown, k, sigma,
+                                result);
+          mean += result[0] / steps;
+        }
+        expected += 2 * M_PI * v * v * (last - first) / rings * mean;
+      }
+      EXPECT_NEAR(straight_edge_power(std::sin(tilt), kn, 1), expected, 0.004 * expected)
+          << wavelengths << " " << tilt;
+    }
+  }
+}
+
 // Over the sphere by rings about the light that arrives, each direction with edges projected along the mean of both.
 TEST(EdgeKernel, PowersAreItsIntegralOverDirections) {
   // In sigma: the middle and near the end of an edge, near others, beside a narrow gap.

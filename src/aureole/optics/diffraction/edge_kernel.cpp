@@ -417,16 +417,32 @@ void mean_edge_powers(std::span<const ProjectedEdge> edges, std::size_t index, d
   }
 }
 
-double straight_edge_power() {
-  static const double power = [] {
-    // Long enough for all of the coherence; k so large that nothing lies beyond directions.
-    const ProjectedEdge edge{{-50, 0}, {50, 0}, 100};
-    const double k = 1e12, sigma = 1;
-    double result;
-    mean_edge_powers({&edge, 1}, 0, 0.5, {&k, 1}, {&sigma, 1}, {&result, 1});
-    return result;
-  }();
-  return power;
+namespace {
+
+/// Of (sigma q)^2 in the removal of the 0th order at a straight edge: (1 - exp(-b 9/4))^2 = .991.
+constexpr double kStraightRemoval = 2.4;
+
+}  // namespace
+
+void straight_edge_kernels(double across, double along, double shown, std::span<const double> k,
+                           std::span<const double> sigma, std::span<double> result) {
+  const double across2 = across * across, along2 = along * along;
+  if (!(across2 > 0)) {
+    std::fill(result.begin(), result.end(), 0.0);
+    return;
+  }
+  const double factor = shown * std::sqrt(8 / pi) / (4 * pi) / across2;
+  for (std::size_t i = 0; i < k.size(); i += kLanes) {
+    const Lanes width = load_lanes(&sigma[i]), s = load_lanes(&k[i]) * width, s2 = s * s;
+    const Lanes left = one_less_exp_minus(kStraightRemoval * across2 * s2);
+    store_lanes(&result[i], factor * width * left * left * exp_minus(2 * along2 * s2));
+  }
+}
+
+double straight_edge_power(double cosine, double k, double sigma) {
+  // Over the whole plane of q, less what has no direction (`mean_edge_powers`).
+  static const double whole = std::sqrt(kStraightRemoval / pi) * (2 - std::numbers::sqrt2);
+  return whole * std::sqrt(std::max(0.0, 1 - cosine * cosine)) * sigma - std::abs(cosine) / (4 * k);
 }
 
 void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index, PlanePoint normal,

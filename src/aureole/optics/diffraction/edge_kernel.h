@@ -100,9 +100,18 @@ void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double t
 void mean_edge_powers(std::span<const ProjectedEdge> edges, std::size_t index, double at,
                       std::span<const double> k, std::span<const double> sigma, std::span<double> result);
 
-/// The same over sigma of an endless straight edge across the light, without what lies beyond directions:
-/// 8^(1/2)/(4 pi) integral over t > 0 of exp(-t^2) (E1(t^2) + (1 - exp(-t^2))/t^2).
-double straight_edge_power();
+/// K on an edge that is straight and alone for many sigma around, where it can do without what the waves above leave out: they drop the
+/// gradient of the amplitude along the edge, which makes them smaller by (1 - a^2)^2, a the part of the turn along the edge, 16 % in all at
+/// 3/(2 k sigma). With it
+///   K = (8/pi)^(1/2) k^2 sigma/(4 pi) shown (1 - exp(-b (sigma q_n)^2))^2/q_n^2 exp(-2 (sigma q_t)^2)   [q_n = k across, q_t = k along]
+/// whose integral over the directions along the edge is Keller's coefficient lambda/(4 pi^2 theta^2) within 1 % from theta = 3/(2 k sigma) on,
+/// and whose 0th order is removed across the edge only. `across` and `along`: of the difference of the two directions, in the plane across
+/// their mean; `shown`: the length of the edge that is seen there over its length. For many wavelengths at once, a multiple of four of
+/// them. No allocation.
+void straight_edge_kernels(double across, double along, double shown, std::span<const double> k,
+                           std::span<const double> sigma, std::span<double> result);
+/// The integral of that over all directions of light that goes on; `cosine`: of the angle between the light and the edge [unit of length].
+double straight_edge_power(double cosine, double k, double sigma);
 
 /// K on an edge of a group that lies within about one beam, by a drawn wave vector, in a time that grows with the number of edges and not
 /// with that of their pairs: coherence exp(-r^2/(8 sigma^2)) is the mean of cos(s.r) over wave vectors s with the standard deviation

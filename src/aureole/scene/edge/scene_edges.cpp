@@ -119,6 +119,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   tree_ = EdgeTree(index_.edges());
   clusters_ = EdgeClusters(index_, float(kCoherent) * widest_beam_);
   distance_ = EdgeDistance(index_, kMargin * widest_beam_);
+  straight_ = StraightEdges(index_);
   lift_ = std::move(shapes.lift);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);
@@ -260,7 +261,7 @@ struct SceneEdges::Neighbours {
   /// `near` is the thread's, until the next call.
   const std::vector<const MeshEdge*>* near;
   bool is_cluster;     ///< `near` has the edge itself, too
-  bool alone = false;  ///< there are none, and its ends are far
+  bool alone = false;  ///< there are none but parts of the same straight line, whose ends are far
 
   /// The edges as `add`(edge) makes them; the number of the edge itself.
   template <class Add>
@@ -292,11 +293,15 @@ SceneEdges::Neighbours SceneEdges::neighbours(const EdgePoint& point, const Vec3
     return {&near, true};
   }
   const float radius = float(kCoherent * beams.widest), depth = float(kDepth * beams.widest);
+  const StraightEdges::Place own = straight_.of(index_.number(*point.edge));
+  bool others = false;  // that are no part of the same line
   index_.visit_edges({point.x.to_float(), d, radius, -depth, depth}, [&](const MeshEdge& edge) {
-    if (&edge != point.edge) near.push_back(&edge);
+    if (&edge == point.edge) return;
+    near.push_back(&edge);
+    others |= straight_.of(index_.number(edge)).line != own.line;
   });
   const double length = EdgeLine(*point.edge).length, ends = kEndless * beams.widest;
-  return {&near, false, near.empty() && point.at > ends && length - point.at > ends};
+  return {&near, false, !others && own.before + point.at > ends && own.after + length - point.at > ends};
 }
 
 namespace {
@@ -344,14 +349,8 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     const double shown2 = dot(across, across);
     if (!(shown2 > 1e-12)) return 0.f;
     const double along_edge2 = dot(turn, across) * dot(turn, across) / shown2;
-    const double flux2 = std::max(0.0, turn2 - along_edge2);
-    const double factor = std::sqrt(shown2) * std::sqrt(8 * pi) / (4 * pi * pi) * flux2 / (turn2 * turn2);
-    for (int i = 0; i < kWavelengths; i += optics::kLanes) {
-      const optics::Lanes width = optics::load_lanes(sigma + i), s = optics::load_lanes(k + i) * width,
-                          exponent = 2 * s * s, lobe = exponent * turn2;
-      const optics::Lanes beyond = optics::one_less_exp_minus(lobe);
-      optics::store_lanes(result + i, factor * width * beyond * optics::exp_minus(exponent * along_edge2));
-    }
+    optics::straight_edge_kernels(std::sqrt(std::max(0.0, turn2 - along_edge2)), std::sqrt(along_edge2),
+                                  std::sqrt(shown2), k, sigma, result);
     return scaled();
   }
 
@@ -382,11 +381,9 @@ Spectrum SceneEdges::power(const EdgePoint& point, const Vec3& direction, const 
   const Neighbours around = neighbours(point, d, beams);
   if (around.alone) {
     const Double3 own = EdgeLine(*point.edge).direction;
-    const double cosine = dot(own, along), shown = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    return make_spectrum([&](int i) {
-      return float(scale *
-                   (optics::straight_edge_power() * shown * sigma[i] - std::abs(cosine) / (4 * k[i])));
-    });
+    const double cosine = dot(own, along);
+    return make_spectrum(
+        [&](int i) { return float(scale * optics::straight_edge_power(cosine, k[i], sigma[i])); });
   }
   Double3 x, y;
   make_basis(along, x, y);

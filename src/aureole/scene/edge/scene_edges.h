@@ -17,6 +17,7 @@
 #include "aureole/scene/edge/edge_distance.h"
 #include "aureole/scene/edge/edge_index.h"
 #include "aureole/scene/edge/edge_tree.h"
+#include "aureole/scene/edge/straight_edges.h"
 #include "aureole/scene/scene_parts.h"
 #include "aureole/spectrum/wavelengths.h"
 
@@ -173,6 +174,7 @@ private:
   EdgeTree tree_;
   EdgeClusters clusters_;
   EdgeDistance distance_;
+  StraightEdges straight_;
 };
 
 }  // namespace aureole
