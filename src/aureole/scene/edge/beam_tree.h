@@ -44,12 +44,18 @@ public:
   /// does. O(log n + k) for beams that are short against the scene; allocates nothing.
   template <class Visit>
   void visit(const Beam& beam, const Visit& visit) const {
+    visit_while(beam, [&](std::uint32_t item) {
+      visit(item);
+      return true;
+    });
+  }
+  /// The same for as long as visit(item) returns true; whether it always did.
+  template <class Visit>
+  bool visit_while(const Beam& beam, const Visit& visit) const {
     const Vec3 inverse{1 / beam.d.x, 1 / beam.d.y, 1 / beam.d.z};
-    descend([&](const Node& node) { return node.cone.straddles(beam.d) && meets(node.box, beam, inverse); },
-            [&](std::uint32_t item) {
-              visit(item);
-              return true;
-            });
+    return descend(
+        [&](const Node& node) { return node.cone.straddles(beam.d) && meets(node.box, beam, inverse); },
+        visit);
   }
 
   /// Calls visit(item) for the items in leaves whose boxes lie within that distance of a box, for as long as it returns true; whether it

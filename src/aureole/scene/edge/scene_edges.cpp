@@ -120,6 +120,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   clusters_ = EdgeClusters(index_, float(kCoherent) * widest_beam_);
   distance_ = EdgeDistance(index_, kMargin * widest_beam_);
   straight_ = StraightEdges(index_);
+  covers_ = EdgeCovers(index_, clusters_, shapes.sets, float(kDepth) * widest_beam_);
   lift_ = std::move(shapes.lift);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);
@@ -257,30 +258,56 @@ std::optional<EdgePoint> SceneEdges::choose_from(const PathEnd& a, const float* 
   return point_on(edge, line, l, float(choice->probability * pdf));
 }
 
+namespace {
+
+/// Edges seen along a direction, in the plane of x and y about a place. The obstacle is on the left of an edge where its first face is lit.
+struct Projection {
+  Double3 origin, x, y;
+  Vec3 d;
+
+  optics::ProjectedEdge operator()(const MeshEdge& edge, const EdgeStretch& part = {}) const {
+    // Pointers are exchanged without a branch, which could not be predicted.
+    const bool left = is_left(edge);
+    const Vec3 *from = left ? &edge.a : &edge.b, *to = left ? &edge.b : &edge.a;
+    Double3 a = Double3(*from) - origin, b = Double3(*to) - origin;
+    if (part.from > 0 || part.to < 1) {
+      const Double3 way = b - a;
+      const double begin = left ? part.from : 1 - part.to, end = left ? part.to : 1 - part.from;
+      b = a + way * end, a = a + way * begin;
+    }
+    return {{dot(a, x), dot(a, y)}, {dot(b, x), dot(b, y)}, length(b - a)};
+  }
+  bool is_left(const MeshEdge& edge) const { return dot(edge.n0, d) < 0; }
+};
+
+/// The fraction of a place along its edge.
+double fraction_of(const EdgePoint& point) { return point.at / EdgeLine(*point.edge).length; }
+
+}  // namespace
+
 struct SceneEdges::Neighbours {
   /// `near` is the thread's, until the next call.
   const std::vector<const MeshEdge*>* near;
   bool is_cluster;     ///< `near` has the edge itself, too
+  EdgeStretch own;     ///< the part of the edge about the place that no face covers
   bool alone = false;  ///< there are none but parts of the same straight line, whose ends are far
-
-  /// The edges as `add`(edge) makes them; the number of the edge itself.
-  template <class Add>
-  std::size_t project(const MeshEdge& own, const Add& add) const {
-    std::size_t index = 0;
-    if (!is_cluster) add(own);
-    for (std::size_t i = 0; i < near->size(); ++i) {
-      if ((*near)[i] == &own) index = i;
-      add(*(*near)[i]);
-    }
-    return index;
-  }
 };
 
-SceneEdges::Neighbours SceneEdges::neighbours(const EdgePoint& point, const Vec3& d,
-                                              const Beams& beams) const {
+std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& point, const Vec3& d,
+                                                             const Beams& beams) const {
+  const std::size_t number = index_.number(*point.edge);
+  const double length = EdgeLine(*point.edge).length, at = fraction_of(point);
+  EdgeStretch own;
+  if (covers_.may_be(number)) {
+    const auto open = covers_.open(*point.edge, number, d, float(kDepth * beams.widest));
+    const auto part =
+        std::ranges::find_if(open, [&](const EdgeStretch& part) { return part.from <= at && at <= part.to; });
+    if (part == open.end()) return {};
+    own = *part;
+  }
   thread_local std::vector<const MeshEdge*> near;
   near.clear();
-  if (const auto cluster = clusters_.of(index_.number(*point.edge)); !cluster.empty()) {
+  if (const auto cluster = clusters_.of(number); !cluster.empty()) {
     // Without branches: which edges are outlines cannot be predicted.
     near.resize(cluster.size());
     std::size_t count = 0;
@@ -290,43 +317,53 @@ SceneEdges::Neighbours SceneEdges::neighbours(const EdgePoint& point, const Vec3
       count += edge.is_outline(d);
     }
     near.resize(count);
-    return {&near, true};
+    return Neighbours{&near, true, own};
   }
   const float radius = float(kCoherent * beams.widest), depth = float(kDepth * beams.widest);
-  const StraightEdges::Place own = straight_.of(index_.number(*point.edge));
+  const StraightEdges::Place place = straight_.of(number);
   bool others = false;  // that are no part of the same line
   index_.visit_edges({point.x.to_float(), d, radius, -depth, depth}, [&](const MeshEdge& edge) {
     if (&edge == point.edge) return;
     near.push_back(&edge);
-    others |= straight_.of(index_.number(edge)).line != own.line;
+    const std::uint32_t other = index_.number(edge);
+    others |= straight_.of(other).line != place.line || covers_.may_be(other);
   });
-  const double length = EdgeLine(*point.edge).length, ends = kEndless * beams.widest;
-  return {&near, false, !others && own.before + point.at > ends && own.after + length - point.at > ends};
+  const double ends = kEndless * beams.widest,
+               before = (at - own.from) * length + (own.from > 0 ? 0 : double(place.before)),
+               after = (own.to - at) * length + (own.to < 1 ? 0 : double(place.after));
+  return Neighbours{&near, false, own, !others && before > ends && after > ends};
 }
 
-namespace {
-
-/// Edges seen along a direction, in the plane of x and y about a place. The obstacle is on the left of an edge where its first face is lit.
-struct Projection {
-  Double3 origin, x, y;
-  Vec3 d;
-
-  optics::ProjectedEdge operator()(const MeshEdge& edge) const {
-    // Pointers are exchanged without a branch, which could not be predicted.
-    const bool left = is_left(edge);
-    const Vec3 *from = left ? &edge.a : &edge.b, *to = left ? &edge.b : &edge.a;
-    const Double3 a = Double3(*from) - origin, b = Double3(*to) - origin;
-    return {{dot(a, x), dot(a, y)}, {dot(b, x), dot(b, y)}, length(b - a)};
-  }
-  bool is_left(const MeshEdge& edge) const { return dot(edge.n0, d) < 0; }
-  /// The fraction of a place along the projected edge.
-  double at(const EdgePoint& point) const {
-    const double t = point.at / EdgeLine(*point.edge).length;
-    return is_left(*point.edge) ? t : 1 - t;
-  }
+/// `projected` receives what is seen of the edges; the place lies on the one of that number, `at` a fraction of it.
+struct SceneEdges::Projected {
+  std::size_t own = 0;
+  double at = 0;
 };
-
-}  // namespace
+template <class Project>
+SceneEdges::Projected SceneEdges::project(const Neighbours& around, const EdgePoint& point,
+                                          const Project& projection, const Beams& beams,
+                                          std::vector<optics::ProjectedEdge>& projected) const {
+  projected.clear();
+  Projected result;
+  const auto add = [&](const MeshEdge& edge) {
+    const std::size_t number = index_.number(edge);
+    const bool is_own = &edge == point.edge;
+    if (!covers_.may_be(number)) {
+      if (is_own) result.own = projected.size();
+      projected.push_back(projection(edge));
+      return;
+    }
+    const auto own_at = projected.size();
+    if (is_own) result.own = own_at, projected.push_back(projection(edge, around.own));
+    for (const EdgeStretch& part : covers_.open(edge, number, projection.d, float(kDepth * beams.widest)))
+      if (!is_own || part.from != around.own.from) projected.push_back(projection(edge, part));
+  };
+  if (!around.is_cluster) add(*point.edge);
+  for (const MeshEdge* edge : *around.near) add(*edge);
+  const double at = (fraction_of(point) - around.own.from) / (around.own.to - around.own.from);
+  result.at = projection.is_left(*point.edge) ? at : 1 - at;
+  return result;
+}
 
 Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams,
                             Vec2 u) const {
@@ -343,8 +380,9 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
   const double scale = scale_of(*point.edge);
   const auto scaled = [&] { return make_spectrum([&](int i) { return float(scale * result[i]); }); };
 
-  const Neighbours around = neighbours(point, d, beams);
-  if (around.alone) {
+  const std::optional<Neighbours> around = neighbours(point, d, beams);
+  if (!around) return 0.f;
+  if (around->alone) {
     const Double3 own = EdgeLine(*point.edge).direction, across = own - along * dot(own, along);
     const double shown2 = dot(across, across);
     if (!(shown2 > 1e-12)) return 0.f;
@@ -358,15 +396,13 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
   const Double3 x = turn * (1 / std::sqrt(turn2));
   const Projection projection{point.x, x, cross(along, x), d};
   thread_local std::vector<optics::ProjectedEdge> projected;
-  projected.clear();
-  const std::size_t index =
-      around.project(*point.edge, [&](const MeshEdge& edge) { projected.push_back(projection(edge)); });
-  if (around.is_cluster) {
+  const Projected own = project(*around, point, projection, beams, projected);
+  if (around->is_cluster) {
     const double radius = std::sqrt(-2 * std::log1p(-double(u.x))), phi = 2 * pi * u.y;
-    optics::drawn_edge_kernels(projected, index, {radius * std::cos(phi), radius * std::sin(phi)},
+    optics::drawn_edge_kernels(projected, own.own, {radius * std::cos(phi), radius * std::sin(phi)},
                                std::sqrt(turn2), k, sigma, result);
   } else {
-    optics::mean_edge_kernels(projected, projection.at(point), std::sqrt(turn2), k, sigma, result);
+    optics::mean_edge_kernels(projected, own.at, std::sqrt(turn2), k, sigma, result);
   }
   return scaled();
 }
@@ -378,8 +414,9 @@ Spectrum SceneEdges::power(const EdgePoint& point, const Vec3& direction, const 
   double k[kWavelengths], sigma[kWavelengths], result[kWavelengths];
   for (int i = 0; i < kWavelengths; ++i) k[i] = beams.k[i], sigma[i] = beams.sigma[i];
   const double scale = scale_of(*point.edge);
-  const Neighbours around = neighbours(point, d, beams);
-  if (around.alone) {
+  const std::optional<Neighbours> around = neighbours(point, d, beams);
+  if (!around) return 0.f;
+  if (around->alone) {
     const Double3 own = EdgeLine(*point.edge).direction;
     const double cosine = dot(own, along);
     return make_spectrum(
@@ -390,10 +427,8 @@ Spectrum SceneEdges::power(const EdgePoint& point, const Vec3& direction, const 
   // y turned from x as it is for `kernel`: the obstacle's side must be the same.
   const Projection projection{point.x, x, cross(along, x), d};
   thread_local std::vector<optics::ProjectedEdge> projected;
-  projected.clear();
-  const std::size_t index =
-      around.project(*point.edge, [&](const MeshEdge& edge) { projected.push_back(projection(edge)); });
-  optics::mean_edge_powers(projected, index, projection.at(point), k, sigma, result);
+  const Projected own = project(*around, point, projection, beams, projected);
+  optics::mean_edge_powers(projected, own.own, own.at, k, sigma, result);
   return make_spectrum([&](int i) { return float(scale * result[i]); });
 }
 

@@ -14,6 +14,7 @@
 
 #include "aureole/scene/edge/beam_width.h"
 #include "aureole/scene/edge/edge_clusters.h"
+#include "aureole/scene/edge/edge_covers.h"
 #include "aureole/scene/edge/edge_distance.h"
 #include "aureole/scene/edge/edge_index.h"
 #include "aureole/scene/edge/edge_tree.h"
@@ -22,6 +23,10 @@
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
+
+namespace optics {
+struct ProjectedEdge;
+}
 
 /// A place on an edge.
 struct EdgePoint {
@@ -146,15 +151,21 @@ public:
   const EdgeIndex& index() const { return index_; }
   const EdgeTree& tree() const { return tree_; }
   const EdgeClusters& clusters() const { return clusters_; }
+  const EdgeCovers& covers() const { return covers_; }
   bool empty() const { return tree_.empty(); }
   /// Remarks about the edges.
   const std::vector<std::string>& notes() const { return notes_; }
 
 private:
   EdgePoint point_on(const MeshEdge& edge, const EdgeLine& line, double l, float pdf) const;
-  /// The outlines about a place in light along d that interfere with its edge: those of its cluster, or the others near by.
+  /// The outlines about a place in light along d that interfere with its edge: those of its cluster, or the others near by. None where
+  /// a face covers the place, which is no outline then.
   struct Neighbours;
-  Neighbours neighbours(const EdgePoint& point, const Vec3& d, const Beams& beams) const;
+  std::optional<Neighbours> neighbours(const EdgePoint& point, const Vec3& d, const Beams& beams) const;
+  struct Projected;
+  template <class Project>
+  Projected project(const Neighbours& around, const EdgePoint& point, const Project& projection,
+                    const Beams& beams, std::vector<optics::ProjectedEdge>& projected) const;
 
   double scale_of(const MeshEdge& edge) const {
     return scale_.empty() ? 1.0 : double(scale_[edge.face0.set]);
@@ -175,6 +186,7 @@ private:
   EdgeClusters clusters_;
   EdgeDistance distance_;
   StraightEdges straight_;
+  EdgeCovers covers_;
 };
 
 }  // namespace aureole

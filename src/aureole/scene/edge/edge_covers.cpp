@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/edge_covers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace aureole {
+namespace {
+
+/// By how much corners may be off, over the largest coordinate.
+constexpr double kRounding = 1e-6;
+
+double largest(const Vec3& p) { return double(max_component(abs(p))); }
+
+/// Whether a point v of the triangle, relative to a point of the edge, has n0.v > 0 and n1.v < 0 or the other way around: only such faces
+/// can lie before or behind an edge that is an outline. A border has faces on one side only, so that all but those in its plane can.
+bool may_cover(const std::array<Vec3, 3>& triangle, const MeshEdge& edge) {
+  double scale = std::max(largest(edge.a), largest(edge.b)), s0[3], s1[3];
+  for (int i = 0; i < 3; ++i) {
+    const Double3 v = Double3(triangle[std::size_t(i)]) - Double3(edge.a);
+    s0[i] = dot(v, Double3(edge.n0)), s1[i] = dot(v, Double3(edge.n1));
+    scale = std::max(scale, largest(triangle[std::size_t(i)]));
+  }
+  // Normals are as exact as floats, which counts for faces far along the edge.
+  const double off = 4 * kRounding * scale;
+  // Faces that have a side along the edge, as its own have, do not cover it.
+  const Double3 e = normalize(Double3(edge.b) - Double3(edge.a));
+  if (std::count_if(triangle.begin(), triangle.end(), [&](const Vec3& p) {
+        return length(cross(Double3(p) - Double3(edge.a), e)) <= off;
+      }) >= 2)
+    return false;
+  if (edge.is_boundary) return std::max({std::abs(s0[0]), std::abs(s0[1]), std::abs(s0[2])}) > off;
+  // What of the triangle is left by both half-spaces.
+  const auto is_left = [&](double sign) {
+    struct Corner {
+      double a, b;
+    };
+    Corner corners[3], kept[4];
+    for (int i = 0; i < 3; ++i) corners[i] = {sign * s0[i] - off, -sign * s1[i] - off};
+    int count = 0;
+    for (int i = 0; i < 3; ++i) {
+      const Corner &p = corners[i], &q = corners[(i + 1) % 3];
+      if (p.a > 0) kept[count++] = p;
+      if ((p.a > 0) != (q.a > 0)) kept[count++] = {0, p.b + (q.b - p.b) * (p.a / (p.a - q.a))};
+    }
+    return std::any_of(kept, kept + count, [](const Corner& c) { return c.b > 0; });
+  };
+  return is_left(1) || is_left(-1);
+}
+
+/// An edge seen along a direction z of light: x runs along it, from its a.
+struct View {
+  View(const MeshEdge& edge, const Double3& d) : origin(edge.a), z(d) {
+    const Double3 way = Double3(edge.b) - origin;
+    const double rise = dot(way, z);
+    const Double3 across = way - z * rise;
+    shown = length(across);
+    if (!(shown > 0)) return;
+    x = across * (1 / shown), y = cross(z, x);
+    slope = rise / shown;
+  }
+
+  Double3 origin, x, y, z;
+  double shown, slope = 0;
+};
+
+/// What a face covers of it, as a fraction of its length; empty where `to` is not larger.
+EdgeStretch covered_by(const std::array<Vec3, 3>& face, const View& view, double depth, double rounding) {
+  Double3 p[3];
+  double v[3];
+  for (int i = 0; i < 3; ++i) p[i] = Double3(face[std::size_t(i)]) - view.origin, v[i] = dot(p[i], view.y);
+  const bool above = v[0] > 0;
+  if ((v[1] > 0) == above && (v[2] > 0) == above) return {0, 0};
+  // Where two of its sides cross the edge's line, and how far behind that.
+  double at[2], behind[2];
+  int count = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    if ((v[i] > 0) == (v[j] > 0)) continue;
+    const Double3 q = p[i] + (p[j] - p[i]) * (v[i] / (v[i] - v[j]));
+    at[count] = dot(q, view.x);
+    behind[count] = dot(q, view.z) - view.slope * at[count];
+    ++count;
+  }
+  if (at[1] < at[0]) std::swap(at[0], at[1]), std::swap(behind[0], behind[1]);
+  // Faces that touch leave no gap between them.
+  double from = std::max(at[0] - rounding, 0.0), to = std::min(at[1] + rounding, view.shown);
+  const double rate = (behind[1] - behind[0]) / std::max(at[1] - at[0], 1e-300);
+  for (const double limit : {depth, -depth}) {
+    // The side on which the face is near enough.
+    const bool first_in = limit > 0 ? behind[0] <= limit : behind[0] >= limit,
+               second_in = limit > 0 ? behind[1] <= limit : behind[1] >= limit;
+    if (!first_in && !second_in) return {0, 0};
+    const double change = at[0] + (limit - behind[0]) / rate;
+    if (!first_in) from = std::max(from, change);
+    if (!second_in) to = std::min(to, change);
+  }
+  return {from / view.shown, to / view.shown};
+}
+
+}  // namespace
+
+EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters,
+                       std::span<const TriangleSet> sets, float depth) {
+  const std::vector<MeshEdge>& edges = index.edges();
+  if (edges.empty()) return;
+  std::vector<Bounds3> boxes;
+  std::vector<std::uint32_t> sets_of;
+  for (std::uint32_t set = 0; set < sets.size(); ++set)
+    for (const TriangleIndices& corners : sets[set].triangles) {
+      Triangle& triangle = faces_.emplace_back();
+      for (std::size_t c = 0; c < 3; ++c) triangle[c] = sets[set].positions[corners[c]];
+      Bounds3& box = boxes.emplace_back();
+      for (const Vec3& p : triangle) box.extend(p);
+      sets_of.push_back(set);
+    }
+  tree_ = BeamTree(boxes);
+  std::vector<std::uint32_t> found;
+  bool many = false;
+  begins_.reserve(edges.size() + 1);
+  begins_.push_back(0);
+  for (const MeshEdge& edge : edges) {
+    const Vec3 way = edge.b - edge.a;
+    const float size = length(way);
+    const Beam beam{edge.a, way * (1 / size), depth, -depth, size + depth};
+    const bool is_in_cluster = !clusters.of(index.number(edge)).empty();
+    const auto may_be = [&](std::uint32_t i) {
+      return !(is_in_cluster && sets_of[i] == edge.face0.set) && is_in_beam(faces_[i], beam) &&
+             may_cover(faces_[i], edge);
+    };
+    found.clear();
+    if (!tree_.visit_while(beam, [&](std::uint32_t i) {
+          if (may_be(i)) found.push_back(i);
+          return found.size() <= kMostListed;
+        }))
+      many = true, found = {kMany};
+    listed_.insert(listed_.end(), found.begin(), found.end());
+    begins_.push_back(std::uint32_t(listed_.size()));
+  }
+  if (listed_.empty()) {
+    *this = {};
+  } else if (!many) {
+    tree_ = {};
+    // Only those that are listed.
+    std::unordered_map<std::uint32_t, std::uint32_t> number;
+    std::vector<Triangle> kept;
+    for (std::uint32_t& i : listed_) {
+      const auto [at, is_new] = number.try_emplace(i, std::uint32_t(kept.size()));
+      if (is_new) kept.push_back(faces_[i]);
+      i = at->second;
+    }
+    faces_ = std::move(kept);
+  }
+}
+
+std::span<const EdgeStretch> EdgeCovers::open(const MeshEdge& edge, std::size_t number, const Vec3& d,
+                                              float depth) const {
+  thread_local std::vector<EdgeStretch> covered, open;
+  covered.clear(), open.clear();
+  const View view(edge, normalize(Double3(d)));
+  if (!(view.shown > 0)) return open;
+  const double rounding = kRounding * std::max(largest(edge.a), largest(edge.b));
+  const auto cover = [&](std::uint32_t face) {
+    const EdgeStretch part = covered_by(faces_[face], view, double(depth), rounding);
+    if (part.from < part.to) covered.push_back(part);
+  };
+  const std::uint32_t first = begins_[number], last = begins_[number + 1];
+  if (last - first == 1 && listed_[first] == kMany) {
+    // Those about the edge, seen along the light.
+    const Vec3 middle = 0.5f * (edge.a + edge.b), half = 0.5f * (edge.b - edge.a);
+    const float rise = std::abs(dot(half, d)), reach = depth + rise;
+    const float radius = std::sqrt(std::max(0.f, length_squared(half) - rise * rise)) + float(rounding);
+    tree_.visit({middle, d, radius, -reach, reach}, [&](std::uint32_t face) {
+      if (may_cover(faces_[face], edge)) cover(face);
+    });
+  } else {
+    for (std::uint32_t i = first; i < last; ++i) cover(listed_[i]);
+  }
+  std::sort(covered.begin(), covered.end(),
+            [](const EdgeStretch& p, const EdgeStretch& q) { return p.from < q.from; });
+  double from = 0;
+  const double least = rounding / view.shown;
+  const auto keep = [&](double to) {
+    if (to - from > least) open.push_back({from, to});
+  };
+  for (const EdgeStretch& part : covered) {
+    keep(part.from);
+    from = std::max(from, part.to);
+  }
+  keep(1);
+  return open;
+}
+
+}  // namespace aureole
