@@ -152,12 +152,18 @@ bool EdgePaths::sees_some_edge(const Vec3& eye, Vec2 lens) {
   return seen && seen->importance > 0;
 }
 
+float EdgePaths::looked_on_film() {
+  constexpr float kPerPart = 8, kLeast = 1 / 16.f;
+  return roulette(std::clamp(kPerPart * scene_.seen_edges().film_part(), kLeast, 1.f));
+}
+
 Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   // A point of the aperture, which guides the choice of the edge: `lens` chooses it again as seen from there.
   const Vec3 eye = sensor_guide(scene_.bounds().center(), lens);
+  float part = looked_on_film();
   LampEnd lamp;
-  if (!choose_lamp(lamp)) return 0.f;
-  float part = looked_for(eye, lamp.per_distance, true);
+  if (part == 0 || !choose_lamp(lamp)) return 0.f;
+  part *= looked_for(eye, lamp.per_distance, true);
   if (part == 0 || !find_guide(eye, lamp)) return 0.f;
   // Edges that the sensor is known to see, or in some cases all others.
   constexpr float kOthers = 0.25f;

@@ -232,6 +232,9 @@ private:
     const float most = SceneEdges::most_of_direct(edges_.per_distance(from, near), end_per_distance, beams_);
     return roulette(std::clamp(most / kMuch, is_beside_direct ? kLeast : kLeastInShadow, 1.f));
   }
+  /// The same of light that the sensor sees at edges. All that is found adds up on the pixels that they fill, so that where these are few
+  /// a part of the samples finds it with less noise than other light has.
+  float looked_on_film();
   /// The same of paths that begin at an end of all paths and go to an edge.
   float begun_from(const Vec3& p) {
     return roulette(std::clamp(64 * edges_.seen_from(p, beams_), 1 / 16.f, 1.f));

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "aureole/core/parallel.h"
+
 namespace aureole {
 namespace {
 
@@ -24,6 +26,8 @@ bool may_cover(const std::array<Vec3, 3>& triangle, const MeshEdge& edge) {
   }
   // Normals are as exact as floats, which counts for faces far along the edge.
   const double off = 4 * kRounding * scale;
+  // Most are those of a convex body.
+  if (!edge.is_boundary && std::max({s0[0], s0[1], s0[2], s1[0], s1[1], s1[2]}) <= off) return false;
   // Faces that have a side along the edge, as its own have, do not cover it.
   const Double3 e = normalize(Double3(edge.b) - Double3(edge.a));
   if (std::count_if(triangle.begin(), triangle.end(), [&](const Vec3& p) {
@@ -116,31 +120,47 @@ EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters,
       sets_of.push_back(set);
     }
   tree_ = BeamTree(boxes);
-  std::vector<std::uint32_t> found;
-  bool many = false;
-  begins_.reserve(edges.size() + 1);
-  begins_.push_back(0);
-  for (const MeshEdge& edge : edges) {
+  const auto faces_about = [&](std::size_t number, std::vector<std::uint32_t>& found) {
+    const MeshEdge& edge = edges[number];
     const Vec3 way = edge.b - edge.a;
     const float size = length(way);
     const Beam beam{edge.a, way * (1 / size), depth, -depth, size + depth};
-    const bool is_in_cluster = !clusters.of(index.number(edge)).empty();
-    const auto may_be = [&](std::uint32_t i) {
-      return !(is_in_cluster && sets_of[i] == edge.face0.set) && is_in_beam(faces_[i], beam) &&
-             may_cover(faces_[i], edge);
-    };
+    const bool is_in_cluster = !clusters.of(number).empty();
     found.clear();
     if (!tree_.visit_while(beam, [&](std::uint32_t i) {
-          if (may_be(i)) found.push_back(i);
+          if (!(is_in_cluster && sets_of[i] == edge.face0.set) && may_cover(faces_[i], edge) &&
+              is_in_beam(faces_[i], beam))
+            found.push_back(i);
           return found.size() <= kMostListed;
         }))
-      many = true, found = {kMany};
-    listed_.insert(listed_.end(), found.begin(), found.end());
-    begins_.push_back(std::uint32_t(listed_.size()));
+      found = {kMany};
+  };
+  constexpr std::size_t kTogether = 4096;
+  struct Part {
+    std::vector<std::uint32_t> listed, counts;
+  };
+  std::vector<Part> parts((edges.size() + kTogether - 1) / kTogether);
+  for_ranges(
+      parts.size(),
+      [&](std::size_t first, std::size_t last) {
+        std::vector<std::uint32_t> found;
+        for (std::size_t i = first; i < last; ++i)
+          for (std::size_t j = i * kTogether; j < std::min((i + 1) * kTogether, edges.size()); ++j) {
+            faces_about(j, found);
+            parts[i].listed.insert(parts[i].listed.end(), found.begin(), found.end());
+            parts[i].counts.push_back(std::uint32_t(found.size()));
+          }
+      },
+      1);
+  begins_.reserve(edges.size() + 1);
+  begins_.push_back(0);
+  for (const Part& part : parts) {
+    listed_.insert(listed_.end(), part.listed.begin(), part.listed.end());
+    for (const std::uint32_t count : part.counts) begins_.push_back(begins_.back() + count);
   }
   if (listed_.empty()) {
     *this = {};
-  } else if (!many) {
+  } else if (std::ranges::find(listed_, kMany) == listed_.end()) {
     tree_ = {};
     // Only those that are listed.
     std::unordered_map<std::uint32_t, std::uint32_t> number;

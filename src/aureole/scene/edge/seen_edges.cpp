@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "aureole/core/parallel.h"
+#include "aureole/core/random.h"
 
 namespace aureole {
 namespace {
@@ -84,6 +85,37 @@ struct Filler {
   }
 };
 
+/// `SeenEdges::film_part`.
+float part_of_film(const SceneEdges& edges, const Vec3& middle, const PlacedSensor& sensor) {
+  constexpr int kMostCells = 64, kPlaces = 4096;
+  const Vec2 size = sensor.part.upper - sensor.part.lower;
+  const auto cells_along = [&](float pixels) { return std::clamp(int(pixels), 1, kMostCells); };
+  const int columns = cells_along(size.x), rows = cells_along(size.y);
+  std::vector<std::uint32_t> counts(std::size_t(columns * rows));
+  double all = 0;
+  for (int i = 0; i < kPlaces; ++i) {
+    const auto random = [&](std::uint64_t j) {
+      return unit_float(std::uint32_t(combine_bits(std::uint64_t(i), j) >> 32));
+    };
+    const Vec2 lens{random(0), random(1)};
+    const auto eye = sensor.sample_direct(middle, lens);
+    const float u[3] = {random(2), random(3), random(4)};
+    const auto place = edges.choose_from({eye ? eye->p : middle}, u);
+    const auto seen = place ? sensor.sample_direct(place->on_edge(), lens) : std::nullopt;
+    if (!seen || !(seen->importance > 0)) continue;
+    const auto cell = [](float at, float least, float extent, int cells) {
+      return std::clamp(int((at - least) / extent * float(cells)), 0, cells - 1);
+    };
+    ++counts[std::size_t(cell(seen->film.y, sensor.part.lower.y, size.y, rows) * columns +
+                         cell(seen->film.x, sensor.part.lower.x, size.x, columns))];
+    ++all;
+  }
+  // One over the probability that two places are in the same cell.
+  double pairs = 0;
+  for (const double count : counts) pairs += count * (count - 1);
+  return all < 2 ? 1.f : float(std::min(1.0, all * (all - 1) / (std::max(pairs, 1.0) * columns * rows)));
+}
+
 }  // namespace
 
 bool Table::has(std::uint32_t edge) const { return std::ranges::binary_search(edges, edge); }
@@ -112,6 +144,8 @@ Table::Choice Table::choose(const SceneEdges& scene_edges, const PathEnd& a, con
 
 SeenEdges::SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
                      const LitEdges& lit, const PlacedSensor& sensor, const Wavelengths& w) {
+  const Vec3 middle = tracer.bounds().center();
+  if (!edges.empty()) film_part_ = part_of_film(edges, middle, sensor);
   std::vector<const LitEdges::Lamp*> worth;
   double all = 0;
   for (const LitEdges::Lamp& lamp : lit.lamps())
@@ -119,7 +153,6 @@ SeenEdges::SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span
     if (lamp.edges.size() >= kFewest && !lights[lamp.light].is_infinite())
       worth.push_back(&lamp), all += double(lamp.edges.size());
   if (worth.empty()) return;
-  const Vec3 middle = tracer.bounds().center();
   Bounds3 places;
   for (const Vec2 lens :
        {Vec2{0.5f, 0.5f}, Vec2{0.01f, 0.01f}, Vec2{0.99f, 0.01f}, Vec2{0.01f, 0.99f}, Vec2{0.99f, 0.99f}})

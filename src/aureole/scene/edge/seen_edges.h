@@ -40,7 +40,12 @@ public:
   /// nevertheless: rays end at four of the places.
   const Table* from(const Light& light, std::size_t part, Vec2 lens) const;
 
+  /// About the part of the film that edges fill, whatever hides them: what the sensor sees of them at once comes together on as many
+  /// pixels.
+  float film_part() const { return film_part_; }
+
 private:
+  float film_part_ = 1;
   struct Lamp {
     std::uint32_t light;
     std::size_t part;
