@@ -12,7 +12,7 @@ from . import _aureole
 from ._arrays import complex_numbers, real, scalar, shown, text
 from ._edge_waves import _ring
 from ._errors import Error
-from ._vectorised import broadcast, choice, last_axis, shaped
+from ._vectorised import broadcast, choice, last_axis, of_rows, shaped
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
@@ -27,6 +27,22 @@ class RadioMaterial(NamedTuple):
     d: float
     min_frequency: float
     max_frequency: float
+
+
+def faddeeva(z: npt.ArrayLike) -> Complexes:
+    """w(z) = exp(-z^2) erfc(-i z), the error function of complex numbers, by libcerf, with relative errors near 1e-13; infinite
+    where it overflows, far below the real axis.
+
+    Examples
+    --------
+    >>> from aureole import optics
+    >>> optics.faddeeva([0, 1j]).round(6)
+    array([1.      +0.j, 0.427584+0.j])
+    """
+    array = complex_numbers("z", z)
+    result = np.empty(array.size, np.complex128)
+    _aureole.faddeeva(np.ascontiguousarray(array).reshape(-1), result)
+    return shaped(result, array.shape)  # type: ignore[no-any-return]
 
 
 def fresnel_integral(v: npt.ArrayLike) -> Complexes:
@@ -96,6 +112,58 @@ def utd_coefficient(phi: npt.ArrayLike, phi_i: npt.ArrayLike, k: npt.ArrayLike, 
     array([0.0266])
     """
     return _wedge(n, (k, distance, sin_beta, phi, phi_i), polarisation, faces, False)
+
+
+def keller_coefficient(phi: npt.ArrayLike, phi_i: npt.ArrayLike, k: npt.ArrayLike, *, n: float = 2.0, sin_beta: npt.ArrayLike = 1.0,
+                       polarisation: str = "soft") -> Complexes:
+    """Diffraction coefficient of a wedge of metal without transition functions, in sqrt(length): what `utd_coefficient` is far from
+    the boundaries of shadow and reflection, where this is infinite. Arguments as there.
+
+    References
+    ----------
+    Keller 1962, "Geometrical theory of diffraction", J. Opt. Soc. Am. 52(2); time dependence exp(-i omega t).
+
+    Examples
+    --------
+    >>> import math
+    >>> from aureole import optics
+    >>> abs(optics.keller_coefficient([0.5], 1.0, 2 * math.pi)).round(4)
+    array([0.0266])
+    """
+    corner, hard = math.pi * scalar("n", n), choice("polarisation", polarisation, "soft", "hard") == "hard"
+    return of_rows(lambda rows, result: _aureole.keller_coefficient(scalar("n", n), rows, hard, result), np.complex128,  # type: ignore[no-any-return]
+                   k=real("k", k, positive=True), sin_beta=_sine(sin_beta), phi=real("phi", phi, minimum=0, maximum=corner + 1e-12),
+                   phi_i=real("phi_i", phi_i, minimum=0, maximum=corner + 1e-12))
+
+
+def plane_wave_distance(s: npt.ArrayLike, sin_beta: npt.ArrayLike = 1.0) -> Reals:
+    """`distance` of `utd_coefficient` for a plane wave: s sin^2(beta), the observer s behind the edge."""
+    return of_rows(_aureole.plane_wave_distance, s=real("s", s, positive=True), sin_beta=_sine(sin_beta))  # type: ignore[no-any-return]
+
+
+def point_source_distance(s_i: npt.ArrayLike, s: npt.ArrayLike, sin_beta: npt.ArrayLike = 1.0) -> Reals:
+    """`distance` of `utd_coefficient` for a point source s_i before the edge and an observer s behind it:
+    s_i s sin^2(beta)/(s_i + s), in their unit of length (Kouyoumjian & Pathak 1974).
+
+    Examples
+    --------
+    >>> from aureole import optics
+    >>> optics.point_source_distance([1.0, 1e9], 1.0).round(6)
+    array([0.5, 1. ])
+    """
+    return of_rows(_aureole.point_source_distance, s_i=real("s_i", s_i, positive=True), s=real("s", s, positive=True),  # type: ignore[no-any-return]
+                   sin_beta=_sine(sin_beta))
+
+
+def plane_wave_spreading(s: npt.ArrayLike) -> Reals:
+    """Diffracted field at the distance s from the edge over field at the edge and D, of a plane wave: 1/sqrt(s)."""
+    return of_rows(_aureole.plane_wave_spreading, s=real("s", s, positive=True))  # type: ignore[no-any-return]
+
+
+def point_source_spreading(s_i: npt.ArrayLike, s: npt.ArrayLike) -> Reals:
+    """Diffracted field at the distance s from the edge over field at the edge and D, of a wave from a point s_i before it:
+    sqrt(s_i/(s (s + s_i))), in 1/sqrt(length)."""
+    return of_rows(_aureole.point_source_spreading, s_i=real("s_i", s_i, positive=True), s=real("s", s, positive=True))  # type: ignore[no-any-return]
 
 
 def utd_field(phi: npt.ArrayLike, phi_i: npt.ArrayLike, k: npt.ArrayLike, rho: npt.ArrayLike, *, n: float = 2.0,
@@ -189,6 +257,10 @@ def _of_real(name: str, value: Any, function: Any, **limits: Any) -> Complexes:
     result = np.empty(array.size, np.complex128)
     function(np.ascontiguousarray(array).reshape(-1), result)
     return shaped(result, array.shape)  # type: ignore[no-any-return]
+
+
+def _sine(sin_beta: Any) -> Reals:
+    return real("sin_beta", sin_beta, positive=True, maximum=1)
 
 
 def _wedge(n: Any, arguments: Tuple[Any, ...], polarisation: Any, faces: Any, is_field: bool) -> Complexes:

@@ -39,6 +39,14 @@ def shaped(flat: npt.NDArray[Any], shape: Tuple[int, ...]) -> Any:
     return flat.reshape(shape)[()]
 
 
+def of_rows(function: Any, dtype: Any = np.float64, **arrays: npt.NDArray[Any]) -> Any:
+    """A compiled function of rows of numbers, for the named arrays broadcast against each other."""
+    shape, flat = broadcast(**arrays)
+    result = np.empty(flat[0].size, dtype)
+    function(np.stack(flat, axis=-1).reshape(-1), result)
+    return shaped(result, shape)
+
+
 def last_axis(name: str, array: npt.NDArray[Any], size: int) -> None:
     """Require shape (..., size)."""
     if array.ndim == 0 or array.shape[-1] != size:

@@ -19,22 +19,32 @@ from ._aureole import ApertureShape
 from ._correlations import (HardDiscs, PairCorrelation, PointStructureFactor, StructureFactor,
                             hard_disc_pair_correlation, hard_discs, pair_correlation, point_structure_factor,
                             structure_factor)
-from ._diffraction import (RadioMaterial, fraunhofer, fresnel_integral, kirchhoff, knife_edge, radio_materials, radio_permittivity,
-                           rayleigh_sommerfeld, transition_function, utd_coefficient, utd_field)
-from ._edge_waves import EdgeConstants, EdgeWaves, edge_constants, gaussian_beam_power, mean_edge_kernel, triangle_transform
+from ._diffraction import (RadioMaterial, faddeeva, fraunhofer, fresnel_integral, keller_coefficient, kirchhoff, knife_edge,
+                           plane_wave_distance, plane_wave_spreading, point_source_distance, point_source_spreading,
+                           radio_materials, radio_permittivity, rayleigh_sommerfeld, transition_function, utd_coefficient,
+                           utd_field)
+from ._edge_kernels import (diffracted_intensity, drawn_edge_kernels, mean_edge_kernel, mean_edge_powers, straight_edge_kernels,
+                            straight_edge_power)
+from ._edge_waves import (AmplitudeMoments, EdgeConstants, EdgeWaves, amplitude_moments, edge_alpha1, edge_alpha2, edge_constants,
+                          gaussian_beam_power, interfering_power, mean_edge_sigma, triangle_power, triangle_transform,
+                          zeroth_order_power)
 from ._errors import Error
 from ._sizes import SizeDistribution, size_distribution
 from ._stack import PlaneStack, StackFields, StackFluxes, StackLayer
 from ._vectorised import broadcast, limit_results, shaped
 
-__all__ = ["ApertureShape", "EdgeConstants", "EdgeWaves", "Fresnel", "HardDiscs", "Mie", "PairCorrelation",
-           "PlaneStack", "PointStructureFactor", "RadioMaterial", "SizeDistribution", "StackFields", "StackFluxes", "StackLayer", "StructureFactor", "annulus", "circle",
-           "edge_constants", "ellipse", "fraunhofer", "fresnel", "fresnel_diffuse_reflectance", "fresnel_integral",
-           "gaussian_beam_power", "hard_disc_pair_correlation", "hard_discs", "kirchhoff", "knife_edge", "mask",
-           "mean_edge_kernel", "mie", "mie_amplitudes", "mie_phase_function", "ngon", "pair_correlation",
-           "point_structure_factor", "polygon", "radio_materials", "radio_permittivity", "rayleigh_sommerfeld",
-           "rectangle", "size_distribution", "star", "structure_factor", "transition_function", "triangle_transform",
-           "utd_coefficient", "utd_field"]
+__all__ = ["AmplitudeMoments", "ApertureShape", "EdgeConstants", "EdgeWaves", "Fresnel", "HardDiscs", "Mie",
+           "PairCorrelation", "PlaneStack", "PointStructureFactor", "RadioMaterial", "SizeDistribution", "StackFields",
+           "StackFluxes", "StackLayer", "StructureFactor", "amplitude_moments", "annulus", "circle",
+           "diffracted_intensity", "drawn_edge_kernels", "edge_alpha1", "edge_alpha2", "edge_constants", "ellipse",
+           "faddeeva", "fraunhofer", "fresnel", "fresnel_diffuse_reflectance", "fresnel_integral", "gaussian_beam_power",
+           "hard_disc_pair_correlation", "hard_discs", "interfering_power", "keller_coefficient", "kirchhoff",
+           "knife_edge", "mask", "mean_edge_kernel", "mean_edge_powers", "mean_edge_sigma", "mie", "mie_amplitudes",
+           "mie_phase_function", "ngon", "pair_correlation", "plane_wave_distance", "plane_wave_spreading",
+           "point_source_distance", "point_source_spreading", "point_structure_factor", "polygon", "radio_materials",
+           "radio_permittivity", "rayleigh_sommerfeld", "rectangle", "size_distribution", "star", "straight_edge_kernels",
+           "straight_edge_power", "structure_factor", "transition_function", "triangle_power", "triangle_transform",
+           "utd_coefficient", "utd_field", "zeroth_order_power"]
 
 Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]

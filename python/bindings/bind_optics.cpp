@@ -132,6 +132,7 @@ void bind_optics(nb::module_& m) {
   bind_apertures(m);
   bind_correlations(m);
   bind_diffraction(m);
+  bind_edge_kernels(m);
 }
 
 }  // namespace aureole::python

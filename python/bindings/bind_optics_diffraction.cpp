@@ -19,8 +19,9 @@
 #include "aureole/core/random.h"
 #include "aureole/optics/diffraction/diffraction_integral.h"
 #include "aureole/optics/diffraction/edge_density.h"
-#include "aureole/optics/diffraction/edge_kernel.h"
+#include "aureole/optics/diffraction/edge_power.h"
 #include "aureole/optics/diffraction/gaussian_beam.h"
+#include "aureole/optics/diffraction/triangle_transform.h"
 #include "aureole/optics/diffraction/uniform_theory.h"
 #include "aureole/optics/faddeeva.h"
 #include "aureole/optics/interface/radio_material.h"
@@ -95,6 +96,15 @@ public:
     if (q_max == 0) return optics::interfering_power(edges_, zeroth_.sigma, 8);
     return optics::diffracted_power(edges_, zeroth_, q_max);
   }
+  /// To all q, with `nodes` of the rule along edges; chi that of the beam.
+  double interfering_power(int nodes) const {
+    limit_work("edges", std::pow(double(edges_.size()) + length_ * zeroth_.sigma, 2), 1e7);
+    const Unlocked release;
+    return naming("sigma", [&] { return optics::interfering_power(edges_, zeroth_.sigma, nodes); });
+  }
+  double mean_sigma() const {
+    return naming("edges", [&] { return optics::mean_edge_sigma(edges_); });
+  }
   void pdf(const Reals& q, const Array<double>& result) const {
     require_size(q.size() == 2 * result.size(), "pdf");
     std::vector<optics::EdgeDensity::Share> shares(edges_.size());
@@ -136,18 +146,24 @@ private:
   double extent_ = 0, length_ = 0;
 };
 
-/// `corners`: three x, y of each triangle, `values`: three; results for every q.
-void triangle_transform(const Reals& corners, const Complexes& values, const Reals& q,
-                        const Array<Complex>& result) {
+/// `corners`: three x, y of each triangle, `values`: three.
+std::vector<optics::LinearTriangle> triangles_of(const Reals& corners, const Complexes& values) {
   const std::size_t n = values.size() / 3;
-  require_size(corners.size() == 6 * n && values.size() == 3 * n && q.size() == 2 * result.size(),
-               "triangle_transform");
+  require_size(corners.size() == 6 * n && values.size() == 3 * n, "triangles");
   std::vector<optics::LinearTriangle> triangles;
   for (std::size_t i = 0; i < n; ++i) {
     const double* c = corners.data() + 6 * i;
     const Complex* v = values.data() + 3 * i;
     triangles.push_back({{{{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}}}, {v[0], v[1], v[2]}});
   }
+  return triangles;
+}
+
+/// Results for every q.
+void triangle_transform(const Reals& corners, const Complexes& values, const Reals& q,
+                        const Array<Complex>& result) {
+  require_size(q.size() == 2 * result.size(), "triangle_transform");
+  const std::vector<optics::LinearTriangle> triangles = triangles_of(corners, values);
   for_each(result.size(), [&triangles, from = q.data(), to = result.data()](std::size_t i) {
     to[i] = optics::transform(triangles, {from[2 * i], from[2 * i + 1]});
   });
@@ -159,6 +175,27 @@ auto of_each_real(const char* name, const F& f) {
     require_size(x.size() == result.size(), name);
     for_each(x.size(), [&f, from = x.data(), to = result.data()](std::size_t i) { to[i] = f(from[i]); });
   };
+}
+
+/// The same for functions of several numbers, which are rows of `arguments`.
+template <int kColumns, class F>
+auto of_each_row(const char* name, const F& f) {
+  return [name, f](const Reals& arguments, const Array<double>& result) {
+    require_size(arguments.size() == kColumns * result.size(), name);
+    for_each(result.size(), [&f, from = arguments.data(), to = result.data()](std::size_t i) {
+      to[i] = f(from + kColumns * i);
+    });
+  };
+}
+
+/// Columns of `arguments`: k, sin_beta, phi, phi_i.
+void keller_coefficient(double n, const Reals& arguments, bool is_hard, const Array<Complex>& result) {
+  require_size(arguments.size() == 4 * result.size(), "keller_coefficient");
+  const optics::Wedge w = naming("n", [&] { return optics::Wedge(n); });
+  for_each(result.size(), [&](std::size_t i) {
+    const double* a = arguments.data() + 4 * i;
+    result.data()[i] = w.keller_coefficient(a[0], a[1], a[2], a[3], is_hard);
+  });
 }
 
 /// Columns of `arguments`: k, rho (or KP's L), sin_beta, phi, phi_i; `faces`: reflection of the o- and n-face.
@@ -223,26 +260,6 @@ void diffraction_integral(const std::string& kind, const Reals& vertices,
   });
 }
 
-/// Rows of `edges`: x, y of both ends and the length in space.
-void mean_edge_kernel(const Reals& edges, const Array<const std::int64_t>& index, const Reals& at,
-                      const Reals& q, double k, double sigma, const Array<double>& result) {
-  const std::size_t count = edges.size() / 5;
-  require_size(edges.size() == 5 * count && index.size() == result.size() && at.size() == result.size() &&
-                   q.size() == 2 * result.size(),
-               "mean_edge_kernel");
-  std::vector<optics::ProjectedEdge> all;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double* e = edges.data() + 5 * i;
-    all.push_back({{e[0], e[1]}, {e[2], e[3]}, e[4]});
-  }
-  for (std::size_t i = 0; i < index.size(); ++i)
-    require_size(index.data()[i] >= 0 && std::size_t(index.data()[i]) < count, "mean_edge_kernel");
-  for_each(result.size(), [&](std::size_t i) {
-    result.data()[i] = optics::mean_edge_kernel(all, std::size_t(index.data()[i]), at.data()[i],
-                                                {q.data()[2 * i], q.data()[2 * i + 1]}, k, sigma);
-  });
-}
-
 }  // namespace
 
 void bind_diffraction(nb::module_& m) {
@@ -254,11 +271,39 @@ void bind_diffraction(nb::module_& m) {
       .def("field", &Edges::field, arg("q"), arg("result").noconvert())
       .def("powers", &Edges::powers)
       .def("power", &Edges::power, arg("q_max"))
+      .def("interfering_power", &Edges::interfering_power, arg("nodes"))
+      .def("mean_sigma", &Edges::mean_sigma)
       .def("pdf", &Edges::pdf, arg("q"), arg("result").noconvert())
       .def("sample", &Edges::sample, arg("seed"), arg("result").noconvert())
       .def("balanced", &Edges::balanced, arg("power"), arg("most_edges"));
   m.def("triangle_transform", &triangle_transform, arg("corners"), arg("values"), arg("q"),
         arg("result").noconvert());
+  m.def(
+      "triangle_power",
+      [](const Reals& corners, const Complexes& values) {
+        return optics::power(triangles_of(corners, values));
+      },
+      arg("corners"), arg("values"));
+  m.def(
+      "amplitude_moments",
+      [](const Reals& corners, const Complexes& values) {
+        const optics::AmplitudeMoments a = optics::amplitude_moments(triangles_of(corners, values));
+        return std::array{a.total, a.x, a.y, a.xx, a.xy, a.yy};
+      },
+      arg("corners"), arg("values"));
+  m.def(
+      "zeroth_order_power",
+      [](const Reals& corners, const Complexes& values, double sigma) {
+        const auto triangles = triangles_of(corners, values);
+        return naming("values", [&] { return optics::zeroth_order_power(triangles, sigma); });
+      },
+      arg("corners"), arg("values"), arg("sigma"));
+  m.def("edge_alpha1",
+        of_each_row<2>("edge_alpha1", [](const double* a) { return optics::edge_alpha1(a[0], a[1]); }),
+        arg("arguments"), arg("result").noconvert());
+  m.def("edge_alpha2",
+        of_each_row<2>("edge_alpha2", [](const double* a) { return optics::edge_alpha2(a[0], a[1]); }),
+        arg("arguments"), arg("result").noconvert());
   m.def(
       "edge_constants",
       [](double sigma) {
@@ -274,8 +319,14 @@ void bind_diffraction(nb::module_& m) {
         });
       },
       arg("sigma"), arg("ring"));
-  m.def("mean_edge_kernel", &mean_edge_kernel, arg("edges"), arg("index"), arg("at"), arg("q"), arg("k"),
-        arg("sigma"), arg("result").noconvert());
+  m.def(
+      "faddeeva",
+      [](const Complexes& z, const Array<Complex>& result) {
+        require_size(z.size() == result.size(), "faddeeva");
+        for_each(z.size(),
+                 [from = z.data(), to = result.data()](std::size_t i) { to[i] = optics::faddeeva(from[i]); });
+      },
+      arg("z"), arg("result").noconvert());
   m.def("fresnel_integral", of_each_real<Complex>("fresnel_integral", optics::fresnel_integral), arg("v"),
         arg("result").noconvert());
   m.def("knife_edge", of_each_real<Complex>("knife_edge", optics::knife_edge_field), arg("v"),
@@ -284,6 +335,24 @@ void bind_diffraction(nb::module_& m) {
         arg("x"), arg("result").noconvert());
   m.def("wedge", &wedge, arg("n"), arg("arguments"), arg("faces"), arg("is_field"),
         arg("result").noconvert());
+  m.def("keller_coefficient", &keller_coefficient, arg("n"), arg("arguments"), arg("is_hard"),
+        arg("result").noconvert());
+  m.def("plane_wave_distance",
+        of_each_row<2>("plane_wave_distance",
+                       [](const double* a) { return optics::plane_wave_distance(a[0], a[1]); }),
+        arg("arguments"), arg("result").noconvert());
+  m.def("point_source_distance",
+        of_each_row<3>("point_source_distance",
+                       [](const double* a) { return optics::point_source_distance(a[0], a[1], a[2]); }),
+        arg("arguments"), arg("result").noconvert());
+  m.def("plane_wave_spreading",
+        of_each_row<1>("plane_wave_spreading",
+                       [](const double* a) { return optics::plane_wave_spreading(*a); }),
+        arg("arguments"), arg("result").noconvert());
+  m.def("point_source_spreading",
+        of_each_row<2>("point_source_spreading",
+                       [](const double* a) { return optics::point_source_spreading(a[0], a[1]); }),
+        arg("arguments"), arg("result").noconvert());
   m.def("diffraction_integral", &diffraction_integral, arg("kind"), arg("vertices"), arg("sizes"),
         arg("radius"), arg("inner_radius"), arg("is_point"), arg("source"), arg("k"), arg("points"),
         arg("result").noconvert());

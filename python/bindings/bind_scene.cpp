@@ -266,16 +266,16 @@ nb::tuple render(const std::shared_ptr<OpenScene>& scene, const RenderOptions& o
 }  // namespace
 
 void bind_scene(nb::module_& m) {
-  nb::class_<Array, Object>(m, "Array", "Numbers that stand for a file in a scene.")
+  nb::class_<aureole::Array, Object>(m, "Array", "Numbers that stand for a file in a scene.")
       .def(
           "__init__",
-          [](Array* self, const nb::ndarray<const double, nb::c_contig, nb::device::cpu>& values) {
+          [](aureole::Array* self, const nb::ndarray<const double, nb::c_contig, nb::device::cpu>& values) {
             std::vector<std::size_t> shape;
             for (std::size_t i = 0; i < values.ndim(); ++i) shape.push_back(values.shape(i));
-            new (self) Array(std::move(shape), {values.data(), values.data() + values.size()});
+            new (self) aureole::Array(std::move(shape), {values.data(), values.data() + values.size()});
           },
           nb::arg("values"))
-      .def_prop_ro("shape", &Array::shape);
+      .def_prop_ro("shape", &aureole::Array::shape);
 
   nb::class_<OpenScene>(m, "OpenScene", "A scene with its objects.")
       .def_static(

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import aureole
-from aureole import _diffraction, _edge_waves, optics
+from aureole import _diffraction, _edge_kernels, _edge_waves, optics
 
 SQUARE = [(-5, -5), (5, -5), (5, 5), (-5, 5)]
 K = 2 * math.pi
@@ -51,6 +51,64 @@ def test_triangles_and_beams():
     assert optics.gaussian_beam_power(SQUARE, 5) == pytest.approx(math.erf(1 / math.sqrt(2)) ** 2)
 
 
+def test_moments_and_the_light_straight_ahead():
+    corners, values = np.array([(0.1, -0.2), (0.9, 0.3), (0.2, 0.8)]), np.array([1.0, 2 - 0.5j, 0.3j])
+    m = optics.amplitude_moments(corners, values)
+    h = 1e-4
+    q = np.array([(0, 0), (h, 0), (-h, 0), (0, h), (0, -h)])
+    field = optics.triangle_transform(corners, values, q)
+    assert m.total == pytest.approx(field[0])
+    assert (m.x, m.y) == (pytest.approx(1j * (field[1] - field[2]) / (2 * h), rel=1e-6), pytest.approx(1j * (field[3] - field[4]) / (2 * h), rel=1e-6))
+    assert m.xx == pytest.approx(-(field[1] - 2 * field[0] + field[2]) / h ** 2, rel=1e-5)
+    # The power straight on and the power by Parseval, of an amplitude that is 1 in a square.
+    halves, even = [[(-5, -5), (5, -5), (5, 5)], [(-5, -5), (5, 5), (-5, 5)]], np.ones((2, 3))
+    assert optics.triangle_power(halves, even) == pytest.approx(100)
+    assert optics.amplitude_moments(halves, even).xx == pytest.approx(10 * 250 / 3)
+    sigma = 0.1
+    assert optics.zeroth_order_power(halves, even, sigma) == pytest.approx(100 ** 2 / (2 * math.pi) / (2 * 25 / 3 + 1 / sigma ** 2))
+
+
+def test_waves_and_powers_by_name():
+    along, across = np.array([-7.0, 0.02, 0.3, 2.0]), np.array([[0.2], [-3.0]])
+    h = 0.5 * along
+    factor = across / (2 * math.pi * (along ** 2 + across ** 2))
+    assert np.allclose(optics.edge_alpha1(along, across), factor * 0.5 * (np.cos(h) - np.sin(h) / h) / h, atol=1e-12)
+    assert np.allclose(optics.edge_alpha2(along, across), factor * np.sin(h) / h)
+    edges = [[(0, 0), (10, 0)], [(10, 0), (10, 10)], [(10, 10), (0, 10)], [(0, 10), (0, 0)]]
+    waves = optics.EdgeWaves(edges, sigma=0.1)
+    assert optics.interfering_power(edges, sigma=0.1, nodes=8) == waves.power()
+    assert optics.interfering_power(edges, sigma=0.1, nodes=2) == pytest.approx(waves.power(), rel=0.01)
+    assert optics.mean_edge_sigma(edges) == pytest.approx(math.sqrt(3) / 10)
+    q = np.random.default_rng(3).normal(size=(4, 2))
+    field = optics.EdgeWaves(edges, zeroth_order="none").field(q)
+    assert np.allclose(optics.diffracted_intensity(field, q, K, 0.1), waves.intensity(q, K))
+    assert np.allclose(optics.diffracted_intensity(field, q, K), (K / (2 * math.pi)) ** 2 * np.abs(field) ** 2)
+
+
+def test_kernels_of_a_straight_edge():
+    sigma, theta = 25.0, 4 / (2 * K * 25.0)
+    y = np.linspace(-0.03, 0.03, 2001)
+    k = optics.straight_edge_kernels(theta, y, K, sigma)
+    assert k.shape == y.shape and k.sum() * (y[1] - y[0]) == pytest.approx(1 / (2 * math.pi * theta) ** 2, rel=0.01)
+    edge = [[(0, -400), (0, 400)]]
+    power = optics.mean_edge_powers(edge, 0, [0.5, 0.4], K, sigma)
+    assert power == pytest.approx(np.full(2, sigma * (math.asinh(1) + math.sqrt(2) - 1) / math.sqrt(2 * math.pi)), rel=1e-3)
+    # Light at an angle to the edge: less of it is seen, and some directions are missing.
+    assert optics.mean_edge_powers(edge, 0, 0.5, K, sigma, lengths=[1000]) == pytest.approx(0.8 * power[0] - 0.6 / (4 * K), rel=1e-3)
+    assert optics.straight_edge_power(0.6, K, sigma) == pytest.approx(0.8 * optics.straight_edge_power(0.0, K, sigma) - 0.6 / (4 * K))
+
+
+def test_the_mean_of_drawn_kernels_is_the_mean_kernel():
+    sigma, turn = 2.0, 0.3
+    edges = np.array([[(0, 0), (2, 0.5)], [(2, 0.5), (1, 2)], [(1, 2), (0, 0)]])
+    lengths = np.linalg.norm(edges[:, 1] - edges[:, 0], axis=1)
+    normal = np.random.default_rng(4).normal(size=(20000, 2))
+    drawn = sum(length * optics.drawn_edge_kernels(edges, i, normal, turn, K, sigma) for i, length in enumerate(lengths))
+    at = (np.arange(64) + 0.5) / 64
+    mean = sum(length * optics.mean_edge_kernel(edges, i, at, (K * turn, 0), K, sigma).mean() for i, length in enumerate(lengths))
+    assert drawn.min() >= 0 and drawn.mean() == pytest.approx(mean, abs=4 * drawn.std() / math.sqrt(drawn.size))
+
+
 def test_mean_edge_kernel_is_kellers_far_from_the_beam():
     sigma, theta = 25.0, 0.2
     qy = np.linspace(-0.2, 0.2, 401)
@@ -67,6 +125,28 @@ def test_uniform_theory_and_knife_edge():
     assert optics.fresnel_integral(1e6) == pytest.approx(0.5 + 0.5j, abs=1e-6)
     assert optics.transition_function(0.5) == pytest.approx(0.6768 - 0.2682j, abs=1e-4)
     assert optics.utd_field(0.0, 1.0, K, 3.0) == pytest.approx(0, abs=1e-12)  # on soft metal
+
+
+def test_keller_and_spreadings():
+    phi, phi_i = np.array([0.3, 1.0, 3.9]), 0.8
+    for n in (1.5, 2.0):
+        for polarisation in ("soft", "hard"):
+            keller = optics.keller_coefficient(phi, phi_i, K, n=n, polarisation=polarisation)
+            uniform = optics.utd_coefficient(phi, phi_i, K, 1e7, n=n, polarisation=polarisation)
+            assert np.abs(keller / uniform - 1).max() < 1e-5
+    s = np.array([2.0, 30.0])
+    assert optics.point_source_distance(5.0, s, 0.5) == pytest.approx(5 * s / (5 + s) / 4)
+    assert optics.plane_wave_distance(s, 0.5) == pytest.approx(s / 4)
+    assert optics.point_source_spreading(5.0, s) == pytest.approx(np.sqrt(5 / (s * (5 + s))))
+    assert optics.point_source_spreading(1e12, s) == pytest.approx(optics.plane_wave_spreading(s))
+
+
+def test_faddeeva():
+    # Abramowitz & Stegun 1964, table 7.9.
+    assert optics.faddeeva(1 + 1j) == pytest.approx(0.304744 + 0.208219j, abs=1e-6)
+    x = np.linspace(-3, 3, 13)
+    assert optics.faddeeva(x).real == pytest.approx(np.exp(-x ** 2))
+    assert optics.faddeeva(1j * np.array([0.1, 2])).real == pytest.approx([math.exp(y * y) * math.erfc(y) for y in (0.1, 2)])
 
 
 def test_integrals_on_the_axis():
@@ -101,12 +181,19 @@ def test_radio_materials():
     (lambda: optics.radio_permittivity("brick", 60e9), "known for 1 to 40 GHz"),
     (lambda: optics.radio_permittivity("cheese", 1e9), "concrete, brick"),
     (lambda: optics.triangle_transform([(0, 0), (1, 0)], [1, 1, 1], [0, 0]), "corners and values"),
+    (lambda: optics.edge_alpha1(0, 0), "along and across: expected finite waves"),
+    (lambda: optics.zeroth_order_power([(0, 0), (1, 0), (0, 1)], [1, -1, 0], 1), "values: power of the 0th order"),
+    (lambda: optics.interfering_power([[(0, 0), (1, 0)]], sigma=1, nodes=3), "nodes: expected 2, 4 or 8"),
+    (lambda: optics.mean_edge_powers([[(0, 0), (1, 0)]], 0, 0.5, K, 1, lengths=[0.5]), "lengths: expected none below"),
+    (lambda: optics.drawn_edge_kernels([[(0, 0), (1e9, 1)]], 0, (0, 0), 1, K, 1), "edges: expected phases below"),
+    (lambda: optics.keller_coefficient(7, 1, K), "phi: expected at most"),
+    (lambda: optics.keller_coefficient(1, 1, K, n=3), "n: angle outside a wedge"),
     (lambda: optics.mean_edge_kernel([[(0, 0), (1, 0)]], 1, 0.5, (1, 0), K, 1), "index: expected at most 0")])
 def test_wrong_arguments(call, message):
     with pytest.raises(aureole.Error, match=message):
         call()
 
 
-@pytest.mark.parametrize("module", [_edge_waves, _diffraction])
+@pytest.mark.parametrize("module", [_edge_waves, _edge_kernels, _diffraction])
 def test_examples(module):
     assert doctest.testmod(module, optionflags=doctest.ELLIPSIS).failed == 0
