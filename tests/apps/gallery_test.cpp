@@ -6,8 +6,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <thread>
@@ -105,17 +107,45 @@ TEST(MediaGallery, EverySceneLoads) {
                                            "solids", "turbid", "powder", "sky"}));
 }
 
-TEST(PaintGallery, EverySceneLoads) {
-  const fs::path folder = source_dir() / "scenes" / "paint";
+/// Loads every scene of a gallery with every value and returns the names of its figures.
+std::vector<std::string> load_figures(const char* name) {
+  const fs::path folder = source_dir() / "scenes" / name;
   const Json gallery = Json::parse(content(folder / "gallery.json"));
   std::vector<std::string> ids;
   for (const Json& figure : gallery.at("figures")) {
     ids.push_back(figure.at("id"));
-    for (const Json& table : figure.at("renders"))
+    for (const Json& table : figure.value("renders", Json::array()))
       for (const Defines& defines : variants(table))
         EXPECT_NO_THROW(load_small(folder / table.at("scene").get<std::string>(), defines)) << ids.back();
   }
-  EXPECT_EQ(ids, (std::vector<std::string>{"chart", "glaze", "varnish", "rutile", "metamers"}));
+  return ids;
+}
+
+TEST(PaintGallery, EverySceneLoads) {
+  EXPECT_EQ(load_figures("paint"),
+            (std::vector<std::string>{"chart", "glaze", "varnish", "rutile", "metamers"}));
+}
+
+TEST(DiffractionGallery, EverySceneLoads) {
+  EXPECT_EQ(load_figures("diffraction"),
+            (std::vector<std::string>{"edge_functions", "edge_amplitudes", "edge_approximation", "wedge",
+                                      "openings", "double_slit", "star", "two_slits", "mesh", "comb", "razor",
+                                      "leaves", "street"}));
+}
+
+TEST(DiffractionGallery, TheSolversNumbersAreThoseOfTheTest) {
+  const Json gallery = Json::parse(content(source_dir() / "scenes" / "diffraction" / "gallery.json"));
+  std::vector<double> solver;
+  for (const Json& figure : gallery.at("figures"))
+    for (const Json& plot : figure.value("plots", Json::array()))
+      if (plot.at("kind") == "slits_and_solver") plot.at("solver").get_to(solver);
+  const std::string rows =
+      content(source_dir() / "tests" / "optics" / "diffraction" / "references" / "bem_references.inc");
+  std::vector<double> expected;
+  const std::regex row(R"(\{"slits", \d+, ([^}]+)\})");
+  for (auto i = std::sregex_iterator(rows.begin(), rows.end(), row); i != std::sregex_iterator(); ++i)
+    expected.push_back(std::stod((*i)[1]));
+  EXPECT_EQ(solver, expected);
 }
 
 struct Outcome {
@@ -263,6 +293,57 @@ TEST_F(GalleryCommand, MakesAPageAndKeepsWhatIsDone) {
   EXPECT_EQ(o.exit_code, 0) << o.output;
   EXPECT_NE(fs::last_write_time(exr), old);
   EXPECT_EQ(page().find("not rendered yet"), std::string::npos);
+}
+
+TEST_F(GalleryCommand, MakesThePlotsOfDiffraction) {
+  const Json gallery = Json::parse(content(source_dir() / "scenes" / "diffraction" / "gallery.json"));
+  // Each plot has a file for each member of a list.
+  const std::map<std::string, const char*> lists{{"edge_waves", "b"},
+                                                 {"edge_amplitude", "ratios"},
+                                                 {"edge_profile", "pieces"},
+                                                 {"wedge", "n"},
+                                                 {"opening", "fresnel_numbers"}};
+  Json figures = Json::array();
+  std::map<std::string, std::size_t> files;
+  for (const Json& figure : gallery.at("figures")) {
+    if (!figure.contains("plots")) continue;
+    EXPECT_TRUE(figure.contains("counterpart")) << figure["id"];
+    figures.push_back(figure);
+    for (const Json& plot : figure["plots"]) {
+      const std::string kind = plot["kind"];
+      const auto list = lists.find(kind);
+      files[kind] += list == lists.end() ? 1 : plot.at(list->second).size();
+    }
+  }
+  EXPECT_EQ(figures.size(), 6u);
+  EXPECT_EQ(files.size(), lists.size() + 1) << "slits_and_solver has one file";
+  write(figures);
+  const Outcome o = run();
+  ASSERT_EQ(o.exit_code, 0) << o.output;
+  expect_good_page();
+  const Json results = Json::parse(content(out() / "results.json"));
+  const std::regex error("([Oo]ff|error of|straight on)[^;]* [+-]?[0-9]+[.][0-9e+-]+");
+  for (const auto& [name, plot] : results["plots"].items()) {
+    const std::string key = plot["key"];
+    for (auto& [kind, missing] : files)
+      if (key.find(" " + kind + " ") != std::string::npos) missing -= plot["files"].size();
+    for (const Json& file : plot["files"]) {
+      const std::string path = file["file"], caption = file["caption"];
+      EXPECT_TRUE(std::regex_search(caption, error)) << name << ": " << caption;
+      EXPECT_EQ(caption.find("nan"), std::string::npos) << caption;
+      if (path.ends_with(".png")) {
+        const Image picture = read_image(out() / path);
+        const auto [low, high] = std::minmax_element(picture.pixels.begin(), picture.pixels.end());
+        EXPECT_GT(*high, *low + 0.5f) << path << " is of one colour";
+      } else {
+        const std::string text = content(out() / path);
+        EXPECT_TRUE(text.starts_with("<svg")) << path;
+        EXPECT_EQ(text.find("nan"), std::string::npos) << path;
+        EXPECT_EQ(text.find("inf"), std::string::npos) << path;
+      }
+    }
+  }
+  for (const auto& [kind, missing] : files) EXPECT_EQ(missing, 0u) << kind;
 }
 
 TEST_F(GalleryCommand, FullPicturesServeAsPreviewsButNotTheOtherWay) {

@@ -4,12 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/special_functions/bessel.hpp>
 #include <cmath>
 #include <complex>
 #include <numbers>
 
 #include "aureole/instrument/report/svg_plot.h"
 #include "aureole/optics/diffraction/diffraction_integral.h"
+#include "aureole/optics/diffraction/edge_power.h"
 #include "aureole/optics/diffraction/edge_wave.h"
 #include "aureole/optics/diffraction/uniform_theory.h"
 #include "aureole/optics/faddeeva.h"
@@ -40,7 +42,35 @@ PlotSeries line(const std::string& label, int color) {
 
 }  // namespace
 
-EdgeMap edge_wave_map(double a, double b, double extent) {
+namespace {
+
+/// The square of the wave of an edge of length 1, at x along and y across it.
+using WavePower = std::function<double(double, double)>;
+
+/// Its integral over the plane without the lobe chi: rings, and beyond the last one a fall with 1/r^2.
+double power_without_lobe(const WavePower& wave, double sigma) {
+  const double first = 1e-3, last = 400;
+  const int rings = 400;
+  const double step = std::log(last / first) / rings;
+  double sum = 0, per_radius = 0;
+  for (int i = 0; i < rings; ++i) {
+    const double r = first * std::exp((i + 0.5) * step), left = -std::expm1(-r * r / (2 * sigma * sigma));
+    // A quarter of the ring: waves are even in both coordinates.
+    const int steps = 40 + int(4 * r);
+    double mean = 0;
+    for (int j = 0; j < steps; ++j) {
+      const double phi = 0.5 * pi * (j + 0.5) / steps;
+      mean += wave(r * std::cos(phi), r * std::sin(phi)) / steps;
+    }
+    per_radius = 2 * pi * r * left * mean;
+    sum += per_radius * r * step;
+  }
+  return sum + per_radius * last;
+}
+
+}  // namespace
+
+EdgeMap edge_wave_map(double a, double b, double extent, double inset) {
   const auto size = [a, b](double x, double y) {
     return std::abs(Complex((a - b) * optics::edge_alpha1(x, y), 0.5 * (a + b) * optics::edge_alpha2(x, y)));
   };
@@ -54,13 +84,63 @@ EdgeMap edge_wave_map(double a, double b, double extent) {
       const double expected = std::abs(sum * y) / (2 * pi * (x * x + y * y));
       worst = std::max(worst, std::abs(size(x, y) - expected)), most = std::max(most, expected);
     }
+  std::string caption = fmt::format(
+      "a = {:g}, b = {:g}; canonical coordinates to {:g}; off the integral along the edge by {:.1e} of its largest value",
+      a, b, extent, worst / most);
   // The pole at 0 would leave nothing to see.
   const double top = size(0.08 * extent, 0.08 * extent) + size(0, 0.1 * extent);
+  const auto shade = [=](double x, double y) { return std::sqrt(size(x, y) / top); };
+  if (!(inset > 0)) return {[=](double u, double v) { return shade(extent * u, extent * v); }, caption};
+  // The published chi of an edge, of standard deviation sqrt(3).
+  const double sigma = std::numbers::sqrt3;
+  const optics::EdgeConstants constants = optics::edge_constants(sigma);
+  const double power = (a - b) * (a - b) * constants.alpha1 + 0.25 * (a + b) * (a + b) * constants.alpha2;
+  const double found = power_without_lobe([&](double x, double y) { return std::pow(size(x, y), 2); }, sigma);
+  caption += fmt::format(
+      "; inset to {:g}: the 0th-order lobe removed, whose power {:.6f} is {:.1e} of itself off a quadrature over the plane",
+      inset, power, std::abs(found / power - 1));
+  return {[=](double u, double v) {
+            const double begin = 0.26, frame = 0.02;
+            if (u < begin || v > -begin) return shade(extent * u, extent * v);
+            if (u < begin + frame || v > -begin - frame) return 1.0;
+            const double half = 0.5 * (1 - begin - frame), x = inset * ((u - 1 + half) / half),
+                         y = inset * ((v + 1 - half) / half), r2 = x * x + y * y;
+            return r2 > 0 ? std::sqrt(std::sqrt(-std::expm1(-r2 / (2 * sigma * sigma)))) * shade(x, y) : 0.0;
+          },
+          caption};
+}
+
+EdgeCurves edge_amplitude(double a, double b, double ratio) {
+  // Of an edge of length 1 in a beam of 1/ratio, the standard deviation of the amplitude.
+  const auto gauss = [&](double t) { return std::exp(-0.5 * std::pow(ratio * t, 2)); };
+  const double ends = gauss(0.5), from = a * ends, to = b * ends;
+  PlotSeries series[] = {line("exact", 0), line("linear amplitude", 1), line("constant amplitude", 2)};
+  double errors[2] = {}, sum = 0;
+  for (int i = 0; i <= 360; ++i) {
+    const double theta = pi * (i / 360.0 - 0.5), radius = 4 * pi, x = radius * std::sin(theta),
+                 y = radius * std::cos(theta);
+    const Complex along = integrate(-0.5, 0.5, 2000, [&](double t) {
+      return (0.5 * (a + b) + (b - a) * t) * gauss(t) * std::polar(1.0, -x * t);
+    });
+    const Complex exact = along * y / (2 * pi * radius * radius),
+                  even = 0.5 * (from + to) * optics::edge_alpha2(x, y),
+                  linear = even - Complex(0, 1) * (from - to) * optics::edge_alpha1(x, y);
+    const Complex values[] = {exact, linear, even};
+    for (int k = 0; k < 3; ++k)
+      series[k].x.push_back(180 * theta / pi), series[k].y.push_back(std::abs(values[k]));
+    for (int k = 0; k < 2; ++k) errors[k] += std::norm(values[k + 1] - exact);
+    sum += std::norm(exact);
+  }
   return {
-      [=](double u, double v) { return std::sqrt(size(extent * u, extent * v) / top); },
+      svg_plot({fmt::format("An edge of {:.3g} sigma, amplitudes {:g} and {:g}", ratio, a, b),
+                "direction about the light / degrees",
+                "root of the intensity",
+                {series[0], series[1], series[2]},
+                false}),
       fmt::format(
-          "a = {:g}, b = {:g}; canonical coordinates to {:g}; off the integral along the edge by {:.1e} of its largest value",
-          a, b, extent, worst / most)};
+          "two fringes from the middle; off the integral along the edge, by quadrature, by {:.2g} (linear) and "
+          "{:.2g} (constant) of its root mean square",
+          std::sqrt(errors[0] / sum), std::sqrt(errors[1] / sum))};
 }
 
 EdgeCurves edge_profile(double width, int pieces) {
@@ -119,6 +199,23 @@ EdgeCurves edge_profile(double width, int pieces) {
           std::sqrt(tail[1] / tail_sum))};
 }
 
+namespace {
+
+/// The exact field of a plane wave at a wedge of metal, the electric field along its edge (Bowman, Senior & Uslenghi 1969, Electromagnetic and
+/// Acoustic Scattering by Simple Shapes, chapter 6).
+Complex wedge_series(double n, double k_rho, double phi, double phi_i) {
+  Complex sum = 0;
+  const int terms = int(n * (k_rho + 30 + 6 * std::cbrt(k_rho)));
+  for (int m = 1; m <= terms; ++m) {
+    const double nu = m / n;
+    sum += boost::math::cyl_bessel_j(nu, k_rho) * std::polar(1.0, -0.5 * pi * nu) * std::sin(nu * phi) *
+           std::sin(nu * phi_i);
+  }
+  return 4 / n * sum;
+}
+
+}  // namespace
+
 EdgeMap wedge_map(double n, double phi_i, double wavelengths) {
   const double k = 2 * pi, outside = n * pi;
   const auto field = [=](double x, double y) -> Complex {
@@ -128,8 +225,22 @@ EdgeMap wedge_map(double n, double phi_i, double wavelengths) {
     const double rho = std::max(std::hypot(x, y), 0.02);
     return optics::Wedge(n).plane_wave_field(k, rho, phi, phi_i, optics::kSoftMetal);
   };
-  std::string error = "inside the wedge the picture is dark";
-  if (n == 2) {
+  std::string error;
+  if (n < 2) {
+    error = "off the exact series of Bessel functions, in parts of the incident field at most:";
+    for (const double rho : {0.5, 2.0, 0.5 * wavelengths}) {
+      double worst = 0;
+      for (int i = 0; i < 120; ++i) {
+        const double phi = outside * (i + 0.37) / 120;
+        worst = std::max(worst,
+                         std::abs(optics::Wedge(n).plane_wave_field(k, rho, phi, phi_i, optics::kSoftMetal) -
+                                  wedge_series(n, k * rho, phi, phi_i)));
+      }
+      error += fmt::format(" {:.1e} at {:g},", worst, rho);
+    }
+    error.back() = ' ';
+    error += "wavelengths from the edge";
+  } else {
     // Sommerfeld 1896: u = U(phi - phi') - U(phi + phi') with Fresnel's integrals.
     double worst = 0;
     for (int i = 0; i < 400; ++i) {
@@ -235,6 +346,63 @@ EdgeCurves opening_profile(const std::string& shape, double wavelengths, double 
       fmt::format(
           "root mean square of the error of |U| over that of Rayleigh and Sommerfeld's: edge waves {:.2g}, Fraunhofer {:.2g}, UTD {:.2g}",
           std::sqrt(errors[0] / sum), std::sqrt(errors[1] / sum), std::sqrt(errors[2] / sum))};
+}
+
+EdgeCurves slits_profile(const SlitsAndSolver& slits) {
+  std::vector<optics::Ring> rings;
+  const double x = 0.5 * slits.width, y = 0.5 * slits.height;
+  for (const double c : {-0.5 * slits.apart, 0.5 * slits.apart})
+    rings.push_back({{c - x, -y}, {c + x, -y}, {c + x, y}, {c - x, y}});
+  const auto region = optics::PolygonRegion::even_odd(rings);
+  const auto opening = optics::FlatOpening::polygon(region);
+  const auto edges = optics::region_edges(region);
+  const double k = 2 * pi / slits.wavelength, per_area = 1 / std::pow(slits.wavelength, 2);
+  const auto waves = [&](double degrees) {
+    const double q = k * std::sin(degrees * pi / 180);
+    return per_area * (q > 0 ? std::norm(optics::edge_field(edges, {q, 0})) : std::pow(region.area(), 2));
+  };
+  // Far behind, Rayleigh and Sommerfeld's integral is Fraunhofer's and the cosine of the angle.
+  const auto integral = [&](double degrees) {
+    const double t = degrees * pi / 180;
+    return per_area * std::norm(std::cos(t) * optics::fraunhofer(opening, {k * std::sin(t), 0}));
+  };
+  const auto db = [](double ratio) { return 10 * std::log10(ratio); };
+  PlotSeries series[] = {line("wave solver", 1), line("edge waves", 0), line("Rayleigh-Sommerfeld", 2)};
+  series[0].kind = PlotSeries::Kind::points;
+  const std::vector<double>& solver = slits.solver;
+  const double ahead = solver[0], floor = 1e-5 * ahead, end = slits.step_degrees * double(solver.size() - 1);
+  for (int i = 0; i <= 600; ++i) {
+    const double t = end * i / 600;
+    series[1].x.push_back(t), series[1].y.push_back(std::max(waves(t), floor));
+    series[2].x.push_back(t), series[2].y.push_back(std::max(integral(t), floor));
+  }
+  double errors[2] = {}, sum = 0, in_lobes = 0;
+  std::size_t outer = 0;  // the highest place beyond 25 degrees
+  for (std::size_t i = 0; i < solver.size(); ++i) {
+    const double t = slits.step_degrees * double(i), model = waves(t);
+    series[0].x.push_back(t), series[0].y.push_back(std::max(solver[i], floor));
+    errors[0] += std::pow(std::sqrt(model) - std::sqrt(solver[i]), 2);
+    errors[1] += std::pow(std::sqrt(integral(t)) - std::sqrt(solver[i]), 2);
+    sum += solver[i];
+    if (t <= 20 && model > 0.02 * ahead) in_lobes = std::max(in_lobes, std::abs(db(model / solver[i])));
+    if (t > 25 && (outer == 0 || solver[i] > solver[outer])) outer = i;
+  }
+  std::string lobe;
+  if (outer > 0) {
+    const double t = slits.step_degrees * double(outer);
+    lobe = fmt::format(", {:+.2f} dB in the lobe at {:g} degrees", db(waves(t) / solver[outer]), t);
+  }
+  return {
+      svg_plot({fmt::format("Two slits of {:.0f} x {:.0f} wavelengths beside a wave solver",
+                            slits.width / slits.wavelength, slits.height / slits.wavelength),
+                "angle / degrees",
+                "intensity / (m^2/sr)",
+                {series[1], series[2], series[0]},
+                true}),
+      fmt::format(
+          "edge waves beside the solver: {:+.2f} dB straight on, within {:.2f} dB in the lobes to 20 degrees{}; root mean square of "
+          "the error of |U| over that of the solver {:.2g}, of Rayleigh and Sommerfeld's integral {:.2g}",
+          db(waves(0) / ahead), in_lobes, lobe, std::sqrt(errors[0] / sum), std::sqrt(errors[1] / sum))};
 }
 
 }  // namespace aureole

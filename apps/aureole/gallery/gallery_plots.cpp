@@ -241,7 +241,21 @@ void draw(const EdgeMap& map, GallerySize size, Output& out) {
 
 void plot_edge_waves(const GalleryPlot& plot, GallerySize size, Output& out) {
   for (const double b : numbers(plot, "b"))
-    draw(edge_wave_map(number(plot, "a"), b, number(plot, "extent")), size, out);
+    draw(edge_wave_map(number(plot, "a"), b, number(plot, "extent"), number(plot, "inset")), size, out);
+}
+
+void plot_edge_amplitude(const GalleryPlot& plot, GallerySize, Output& out) {
+  for (const double ratio : numbers(plot, "ratios")) {
+    const EdgeCurves curves = edge_amplitude(number(plot, "a"), number(plot, "b"), ratio);
+    out.svg(curves.svg, curves.caption);
+  }
+}
+
+void plot_slits(const GalleryPlot& plot, GallerySize, Output& out) {
+  const EdgeCurves curves =
+      slits_profile({0.299792458 / number(plot, "GHz"), number(plot, "width_m"), number(plot, "height_m"),
+                     number(plot, "apart_m"), number(plot, "step_degrees"), numbers(plot, "solver")});
+  out.svg(curves.svg, curves.caption);
 }
 
 void plot_edge_profile(const GalleryPlot& plot, GallerySize, Output& out) {
@@ -271,6 +285,7 @@ struct Parameter {
   const char* name;
   double low = 0, high = 0;
   std::vector<std::string> words = {};
+  std::size_t most = 20;  ///< numbers of a list
 
   bool is_good(const Json& v) const {
     const auto in_range = [this](const Json& x) {
@@ -278,13 +293,13 @@ struct Parameter {
     };
     if (type == number) return in_range(v);
     if (type == list)
-      return v.is_array() && !v.empty() && v.size() <= 20 && std::all_of(v.begin(), v.end(), in_range);
+      return v.is_array() && !v.empty() && v.size() <= most && std::all_of(v.begin(), v.end(), in_range);
     return v.is_string() && std::find(words.begin(), words.end(), v.get<std::string>()) != words.end();
   }
   std::string expected() const {
     if (type == word) return fmt::format("one of {}", fmt::join(words, ", "));
-    return fmt::format("{} from {:g} to {:g}", type == list ? "a list of 1 to 20 numbers" : "a number", low,
-                       high);
+    return fmt::format("{} from {:g} to {:g}",
+                       type == list ? fmt::format("a list of 1 to {} numbers", most) : "a number", low, high);
   }
 };
 
@@ -319,7 +334,23 @@ const std::map<std::string, Kind>& kinds() {
       {"edge_waves",
        {plot_edge_waves,
         4,
-        {{P::number, "a", -10, 10}, {P::list, "b", -10, 10}, {P::number, "extent", 1, 200}}}},
+        {{P::number, "a", -10, 10},
+         {P::list, "b", -10, 10},
+         {P::number, "extent", 1, 200},
+         {P::number, "inset", 0, 200}}}},
+      {"edge_amplitude",
+       {plot_edge_amplitude,
+        3,
+        {{P::number, "a", -10, 10}, {P::number, "b", -10, 10}, {P::list, "ratios", 0.01, 20}}}},
+      {"slits_and_solver",
+       {plot_slits,
+        1,
+        {{P::number, "GHz", 0.1, 1000},
+         {P::number, "width_m", 1e-4, 10},
+         {P::number, "height_m", 1e-4, 10},
+         {P::number, "apart_m", 1e-4, 10},
+         {P::number, "step_degrees", 0.1, 10},
+         {P::list, "solver", 1e-12, 1e6, {}, 1000}}}},
       {"edge_profile", {plot_edge_profile, 2, {{P::number, "sigmas", 0.5, 12}, {P::list, "pieces", 1, 64}}}},
       {"wedge",
        {plot_wedge,
