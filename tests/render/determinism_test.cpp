@@ -2,6 +2,7 @@
 // The same picture, bit for bit: for any number of threads, across interruptions, for parts merged.
 #include <gtest/gtest.h>
 
+#include "harness/paths.h"
 #include "loading/load_text.h"
 #include "render/small_scene.h"
 
@@ -29,6 +30,23 @@ TEST(Determinism, ThreadsDoNotChangeABit) {
       EXPECT_TRUE(same_bits(one, rendered(options, film))) << threads << " threads " << film;
     }
     EXPECT_EQ(one.invalid_samples, 0u);
+  }
+}
+
+TEST(Determinism, ThreadsDoNotChangeABitOfDiffractedLight) {
+  for (const char* integrator : {"path", "ptracer", "bdpt"}) {
+    const auto state = [&](int threads, const char* diffraction) {
+      LoadOptions load;
+      load.defines = {{"integrator", integrator}, {"diffraction", diffraction}};
+      RenderOptions options;
+      options.threads = threads, options.replicates = 2, options.end = 96;
+      RenderJob job(load_scene(source_dir() / "tests/render/scenes/diffraction-block.xml", load), options);
+      EXPECT_EQ(job.run(kGo), RenderJob::Outcome::finished);
+      return job.state();
+    };
+    const RenderState one = state(1, "true");
+    EXPECT_TRUE(same_bits(one, state(2, "true"))) << integrator;
+    EXPECT_FALSE(same_bits(one, state(1, "false"))) << integrator << ": there is no diffracted light";
   }
 }
 

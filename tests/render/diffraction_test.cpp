@@ -145,6 +145,27 @@ TEST(RenderedEdge, ItsLightDoesNotDependOnHowItIsCut) {
   }
 }
 
+// The first millimetre beside the shadow, whose light passes the edge within a beam of .52 mm.
+TEST(RenderedEdge, WhatItTakesDoesNotDependOnHowItIsCut) {
+  const auto light = [](int pieces) {
+    const Picture p = render(half_plane(pieces, "fresnel 0.5m", kSanitized ? 4 : 1024, "0.004"));
+    return std::pair{0.5 * (p.mean[0] + p.mean[8]), 0.5 * std::hypot(p.error[0], p.error[8])};
+  };
+  const auto [whole, whole_error] = light(1);
+  // Without the sheet it would be 1/4 over pi.
+  if (!kSanitized) {
+    EXPECT_LT(whole, 0.95 * 0.25 / pi);
+  }
+  for (const int pieces : {7, 1000}) {
+    const auto [cut, cut_error] = light(pieces);
+    if (kSanitized) continue;
+    const double error = std::hypot(whole_error, cut_error);
+    std::printf("%d pieces: %.5f +- %.1g, one %.5f +- %.1g\n", pieces, cut, cut_error, whole, whole_error);
+    EXPECT_NEAR(cut, whole, 4 * error) << pieces;
+    EXPECT_LT(error, 0.035 * whole);
+  }
+}
+
 // A square of 2 mm off the axis in the shadow of a disc or ball of 2 mm radius between a lamp and a screen. The light there is that of
 // tests/render/references/disc_shadow.py, .01731 of what it is without an obstacle.
 TEST(RenderedEdge, ShadowsOfADiscAndABallAreRound) {

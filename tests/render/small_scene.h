@@ -3,12 +3,14 @@
 // and point lights.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "aureole/render/job.h"
 
@@ -41,9 +43,11 @@ inline LoadedScene small_scene(int width = 40, int height = 28, const std::strin
 }
 
 inline bool same_bits(const RenderState& a, const RenderState& b) {
-  if (a.films.size() != b.films.size()) return false;
-  for (std::size_t i = 0; i < a.films.size(); ++i)
-    if (a.films[i].data() != b.films[i].data()) return false;
+  const auto differ = [](const std::vector<FilmBuffer>& of_a, const std::vector<FilmBuffer>& of_b) {
+    return !std::equal(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
+                       [](const FilmBuffer& x, const FilmBuffer& y) { return x.data() == y.data(); });
+  };
+  if (differ(a.films, b.films) || differ(a.splats, b.splats)) return false;
   return a.picture().pixels == b.picture().pixels;
 }
 

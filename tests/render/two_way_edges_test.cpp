@@ -13,6 +13,7 @@
 #include "harness/paths.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"
+#include "render/edge_scenes.h"
 
 namespace aureole::test {
 namespace {
@@ -56,21 +57,6 @@ Mean luminance(const std::string& scene, const std::string& integrator, int samp
   return {p.all, p.all_error, p};
 }
 
-std::string rectangle(const std::string& transform, const std::string& inside = "") {
-  return R"(<shape type="rectangle"><transform name="to_world">)" + transform + "</transform>" + inside +
-         "</shape>";
-}
-std::string grey(double reflectance) {
-  return fmt::format(
-      R"(<bsdf type="twosided"><bsdf type="diffuse"><spectrum name="reflectance" value="{}"/></bsdf></bsdf>)",
-      reflectance);
-}
-
-/// A floor and a wall.
-std::string walls() {
-  return rectangle(R"(<translate z="-1"/>)", grey(0.7)) +
-         rectangle(R"(<rotate x="1" angle="90"/><translate y="1"/>)", grey(0.8));
-}
 /// That shines down.
 std::string lamp(double half, double x, double z) {
   return rectangle(
@@ -150,18 +136,6 @@ TEST(TwoWayEdges, BehindGlass) {
   expect_equal("path, bdpt", path, both, 0.05);
   if (kSanitized) return;
   EXPECT_GT(testing::largest_difference(both.picture, off.picture), 6);
-}
-
-/// A black sheet from x = -1 to 0, the edges of which are the only ones in the scene that diffract.
-std::string only_edges() {
-  return rectangle(
-      R"(<scale x="0.5" y="0.6"/><translate x="-0.5" z="0.2"/>)",
-      R"(<bsdf type="freespacediffraction"><float name="scale" value="1"/>)" + grey(0) + "</bsdf>");
-}
-std::string point(const char* p) {
-  return fmt::format(
-      R"(<emitter type="point"><point name="position" value="{}"/><spectrum name="intensity" value="1"/></emitter>)",
-      p);
 }
 
 /// Below the sheet, in the shadow, a plate sends the light of the edge under a black shield to a wall, which alone the sensor sees.

@@ -29,13 +29,6 @@ RenderState rendered(const LoadedScene& scene, const RenderOptions& options) {
   return job.state();
 }
 
-bool same_bits_of_both(const RenderState& a, const RenderState& b) {
-  if (!same_bits(a, b) || a.splats.size() != b.splats.size()) return false;
-  for (std::size_t i = 0; i < a.splats.size(); ++i)
-    if (a.splats[i].data() != b.splats[i].data()) return false;
-  return true;
-}
-
 /// Without glass and point lights, which some techniques do not find.
 const std::string kDiffuse = R"(<scene version="3.0.0">
 <sensor type="perspective"><float name="fov" value="50"/>
@@ -153,7 +146,7 @@ TEST(TwoWayJob, ThreadsPartsAndFilesDoNotChangeABit) {
   const RenderState one = rendered(scene, options);
   EXPECT_GT(one.identity.splat_channels, 0);
   options.threads = 8;
-  EXPECT_TRUE(same_bits_of_both(one, rendered(scene, options)));
+  EXPECT_TRUE(same_bits(one, rendered(scene, options)));
 
   options.begin = 0, options.end = 16;
   RenderState sum = rendered(scene, options);
@@ -161,7 +154,7 @@ TEST(TwoWayJob, ThreadsPartsAndFilesDoNotChangeABit) {
   sum = RenderState::load(folder.path / "part.state");
   options.begin = 16, options.end = 48;
   sum.merge(rendered(scene, options));
-  EXPECT_TRUE(same_bits_of_both(one, sum));
+  EXPECT_TRUE(same_bits(one, sum));
 }
 
 TEST(TwoWayJob, InterruptedAndResumed) {
@@ -171,7 +164,7 @@ TEST(TwoWayJob, InterruptedAndResumed) {
   const RenderState whole = rendered(scene, options);
   options.state_file = folder.path / "job.state";
   const int interruptions = render_interrupted(
-      scene, options, [&](const RenderJob& job) { EXPECT_TRUE(same_bits_of_both(whole, job.state())); });
+      scene, options, [&](const RenderJob& job) { EXPECT_TRUE(same_bits(whole, job.state())); });
   EXPECT_GT(interruptions, 0);
 }
 
