@@ -113,7 +113,10 @@ Stretch stretch_of(const MeshEdge& edge, const View& view, double first, double 
 
 Spectrum power_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d, const SceneEdges::Beams& beams,
                   KeyedRandom& random) {
-  return SceneEdges::has_power(beams) ? edges.power(x, d, beams) : diffracted_at(edges, x, d, beams, random);
+  if (const auto power = edges.power(x, d, beams)) return *power;
+  float u[7];
+  for (float& number : u) number = random.next();
+  return diffracted_at(edges, x, d, beams, u);
 }
 
 /// An estimate of what one of the stretches, drawn by its weight, takes; `all` is the sum of the weights.
@@ -179,7 +182,7 @@ double per_open_way(const Scene& scene, const EdgePoint& x, const Vec3& d, doubl
 }
 
 Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d,
-                       const SceneEdges::Beams& beams, KeyedRandom& random) {
+                       const SceneEdges::Beams& beams, std::span<const float, 7> u) {
   // Directions from the cones of all edges near by, and from a lobe about that of the light, where corners send it.
   thread_local std::vector<const MeshEdge*> near;
   near.clear();
@@ -194,13 +197,12 @@ Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& 
   };
   constexpr double kLobe = 0.4;
   const double a = 4 * beams.angle, a2 = a * a;
-  const float choice = random.next();
-  const float u[4] = {random.next(), random.next(), random.next(), random.next()};
+  const float choice = u[0];
   Vec3 out;
   if (choice < kLobe) {
-    const double w = u[0] * 4 / (a2 + 4), v = a2 * w / (1 - w);  // the squared difference of the directions
+    const double w = u[1] * 4 / (a2 + 4), v = a2 * w / (1 - w);  // the squared difference of the directions
     const double cosine = 1 - 0.5 * v, sine = std::sqrt(std::max(0.0, v * (1 - 0.25 * v))),
-                 phi = 2 * pi * u[1];
+                 phi = 2 * pi * u[2];
     const Double3 z = normalize(Double3(d));
     Double3 s, t;
     make_basis(z, s, t);
@@ -208,7 +210,7 @@ Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& 
   } else {
     const double share = (choice - kLobe) / (1 - kLobe) * double(near.size());
     const auto direction =
-        edges.scatter(on(near[std::min(std::size_t(share), near.size() - 1)]), d, beams, u);
+        edges.scatter(on(near[std::min(std::size_t(share), near.size() - 1)]), d, beams, &u[1]);
     if (!direction) return 0.f;
     out = direction->d;
   }
@@ -217,8 +219,7 @@ Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& 
   double pdf = kLobe * a2 / (pi * (a2 + v) * (a2 + v)) * (a2 + 4) / 4;
   for (const MeshEdge* edge : near)
     pdf += (1 - kLobe) / double(near.size()) * edges.scatter_pdf(on(edge), d, out, beams);
-  const Vec2 drawn{random.next(), random.next()};
-  return edges.kernel(x, d, out, beams, drawn) * float(1 / pdf);
+  return edges.kernel(x, d, out, beams, {u[5], u[6]}) * float(1 / pdf);
 }
 
 Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key) {
