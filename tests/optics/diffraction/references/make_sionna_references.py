@@ -7,7 +7,7 @@ tests/render/edge_sionna_test.cpp.
     venv/bin/python make_sionna_references.py sionna_references.inc ../../../render/references/sionna_powers.inc
 
 sionna-rt's compiler needs a libLLVM of version 17 or later: DRJIT_LIBLLVM_PATH names its file. Written with sionna-rt 2.2.0, mitsuba
-3.9.1, drjit 1.5.0 and LLVM 19. It takes a minute.
+3.9.1, drjit 1.5.0 and LLVM 19. It takes some minutes.
 
 Each row is one path with one diffraction, oblique as well: frequency [GHz], exterior angle of the edge over pi, transmitter, point of
 the edge, receiver [m], a point on the o-face and one on the n-face beside the edge, 10 lg of the path's gain between isotropic
