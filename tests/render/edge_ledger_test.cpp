@@ -33,18 +33,20 @@ Wavelengths some_wavelengths(const Scene& scene) {
                          make_spectrum([](int i) { return 420 + 35.f * float(i); }));
 }
 
-/// A shape in beams of that many wavelengths, the longest of which below has a sigma of 1/`per_sigma`.
-std::shared_ptr<const Scene> in_beams(const std::string& shape, double per_sigma, double wavelengths) {
-  const double unit_m = per_sigma * wavelengths * 665e-9;
+std::shared_ptr<const Scene> in_beams_of(double wavelengths, double unit_um, const std::string& shapes) {
   return load_scene_from_string(
-             "<scene version=\"3.0.0\"><string name=\"length_unit\" value=\"" + std::to_string(unit_m * 1e6) +
+             "<scene version=\"3.0.0\"><string name=\"length_unit\" value=\"" + std::to_string(unit_um) +
                  "um\"/><integrator type=\"path\"><boolean name=\"diffraction\" value=\"true\"/>"
                  "<string name=\"beam_width\" value=\"" +
                  std::to_string(wavelengths) +
                  "\"/></integrator><sensor type=\"perspective\"><sampler type=\"sobol\"/><film type=\"hdrfilm\"/></sensor>" +
-                 shape + "</scene>",
-             "edges.xml")
+                 shapes + "</scene>",
+             "ledger.xml")
       .scene;
+}
+/// A shape in beams of that many wavelengths, the longest of which above has a sigma of 1/`per_sigma`.
+std::shared_ptr<const Scene> in_beams(const std::string& shape, double per_sigma, double wavelengths) {
+  return in_beams_of(wavelengths, per_sigma * wavelengths * 0.665, shape);
 }
 
 /// A regular polygon of radius 1 in the plane z = 0, or an opening of that shape in a sheet that ends far from it, as a mesh, in beams of
@@ -301,15 +303,7 @@ TEST(EdgeLedger, DiffractsTheIntegralOfK) {
 }
 
 /// A scene in micrometres with beams of 5 wavelengths.
-std::shared_ptr<const Scene> in_micrometres(const std::string& shapes) {
-  return load_scene_from_string(
-             "<scene version=\"3.0.0\"><string name=\"length_unit\" value=\"1um\"/><integrator type=\"path\">"
-             "<boolean name=\"diffraction\" value=\"true\"/><string name=\"beam_width\" value=\"5\"/></integrator>"
-             "<sensor type=\"perspective\"><film type=\"hdrfilm\"/></sensor>" +
-                 shapes + "</scene>",
-             "ledger.xml")
-      .scene;
-}
+std::shared_ptr<const Scene> in_micrometres(const std::string& shapes) { return in_beams_of(5, 1, shapes); }
 
 /// The part of the light that a way leaves to edges, per wavelength.
 std::vector<Mean> lent_on(const Scene& scene, const LightWay& way, int samples) {

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <span>
 
-#include "aureole/math/erf_inverse.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
 #include "aureole/optics/lanes.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
+#include "aureole/scene/edge/place_density.h"
 
 namespace aureole {
 namespace {
@@ -23,61 +23,12 @@ constexpr double kDepth = 3;
 /// Beyond this many sigma from its ends an edge is as good as endless, to exp(-12.5).
 constexpr double kEndless = 10;
 
-/// The closed form of the power that an edge diffracts holds for cones narrower than that, and where no edge nearly parallel to it is within
-/// that many wavelengths: what of their waves has no direction is not in it (7 % of the power of a wire of half a wavelength, -.7 % of one and
-/// a half, .3 % of two and a half; at corners its errors cancel along the edges). Pieces of one curve count as parallel where the direction to
-/// the other is off it by more than that sine.
+/// The closed form of the power that an edge diffracts holds for cones narrower than kWidestCone, and where no edge side by side with it is
+/// within kApart wavelengths: what of their waves has no direction is not in it (7 % of the power of a wire of half a wavelength, -.7 % of one
+/// and a half, .3 % of two and a half; at corners its errors cancel along the edges). Edges are side by side where the cosine of their angle is
+/// above kParallel and the way to the other one leaves that by a sine above kBeside: pieces of one curve follow each other instead.
 constexpr float kWidestCone = 1 / 60.f;
 constexpr double kApart = 2, kBeside = 0.25, kParallel = 0.7;
-
-/// A density on an edge, [0, length]: about the place that fulfils Keller's condition, near both ends, where corners
-/// diffract, and everywhere.
-class PlaceDensity {
-public:
-  PlaceDensity(std::optional<double> keller, double deviation, double end_scale, double length)
-      : length_(length), end_scale_(end_scale) {
-    if (keller && deviation < 4 * length) {
-      middle_ = *keller, deviation_ = deviation;
-      const double scale = 1 / (deviation_ * std::numbers::sqrt2);
-      // Most edges have the whole of it.
-      low_ = middle_ * scale > 6 ? -1 : std::erf(-middle_ * scale);
-      high_ = (length_ - middle_) * scale > 6 ? 1 : std::erf((length_ - middle_) * scale);
-      const double mass = 0.5 * (high_ - low_);
-      if (mass > 1e-6) share_ = 0.9 * std::min(1.0, 20 * mass), inverse_mass_ = 1 / mass;
-    }
-    if (end_scale_ < 0.25 * length_)
-      end_share_ = 0.6 * (1 - share_), end_mass_ = -std::expm1(-length_ / end_scale_);
-  }
-
-  double sample(double u, double v) const {
-    if (u < share_) {
-      const double scale = std::numbers::sqrt2 * deviation_;
-      return std::clamp(middle_ + scale * sample_between(low_, high_, v), 0.0, length_);
-    }
-    u = (u - share_) / (1 - share_);
-    const double ends = end_share_ / (1 - share_);
-    if (u < ends) {
-      const double l = -end_scale_ * std::log1p(-v * end_mass_);
-      return std::clamp(u < 0.5 * ends ? l : length_ - l, 0.0, length_);
-    }
-    return v * length_;
-  }
-  double pdf(double l) const {
-    double p = (1 - share_ - end_share_) / length_;
-    if (share_ > 0) {
-      const double z = (l - middle_) / deviation_;
-      p += share_ * inverse_mass_ * std::exp(-0.5 * z * z) / (deviation_ * std::sqrt(2 * pi));
-    }
-    if (end_share_ > 0)
-      p += 0.5 * end_share_ * (std::exp(-l / end_scale_) + std::exp(-(length_ - l) / end_scale_)) /
-           (end_scale_ * end_mass_);
-    return p;
-  }
-
-private:
-  double length_, end_scale_, middle_ = 0, deviation_ = 1, low_ = 0, high_ = 0, inverse_mass_ = 0, share_ = 0,
-                              end_share_ = 0, end_mass_ = 1;
-};
 
 /// Cauchy's distribution wrapped around the circle, of mode 0.
 double sample_wrapped_cauchy(double gamma, double u) {

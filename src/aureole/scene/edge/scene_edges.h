@@ -113,7 +113,8 @@ public:
   /// which divides it among the edges in another way.
   Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams, Vec2 u) const;
   /// The integral of K over directions, for light along d [unit of length of the scene]: `mean_edge_powers`, which in clusters divides the
-  /// light among the edges otherwise. None where that does not hold: for narrow beams, and between edges side by side less than two wavelengths from each other.
+  /// light among the edges otherwise. None where that does not hold: for narrow beams, and between edges side by side less than two
+  /// wavelengths from each other.
   std::optional<Spectrum> power(const EdgePoint& point, const Vec3& d, const Beams& beams) const;
 
   /// 1 where light of a wavelength that comes to an edge from a place at that distance is diffracted as K says, 0 where the place
