@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/optics/diffraction/edge_group.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
 #include "optics_bindings.h"
 #include "vectorised.h"

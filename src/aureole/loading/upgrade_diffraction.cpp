@@ -12,7 +12,7 @@ namespace aureole {
 namespace {
 
 /// Half the width of the film's band: narrow against all that depends on the wavelength.
-constexpr double kHalfBand = 1e-3;
+constexpr double kHalfBand = 5e-6;
 
 void add(Node& owner, const Node& near, std::string_view tag, std::string name, std::string value) {
   owner.children.push_back(

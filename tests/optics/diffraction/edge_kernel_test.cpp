@@ -329,63 +329,6 @@ TEST(EdgeKernel, OfManyWavelengthsIsThatOfEach) {
   EXPECT_LT(worst, 3e-9);
 }
 
-// A group of edges sends in the mean over drawn wave vectors what its edges send by the mean kernel, each of them its share.
-TEST(EdgeKernel, DrawnForAGroupHasTheMeanOfItsEdges) {
-  std::mt19937_64 engine(4);
-  std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform;
-  std::vector<ProjectedEdge> edges;
-  constexpr int kCorners = 9;
-  PlanePoint corners[kCorners];
-  for (int i = 0; i < kCorners; ++i) {
-    const double r = 0.5 + uniform(engine), phi = 2 * M_PI * i / kCorners;
-    corners[i] = {r * std::cos(phi), r * std::sin(phi)};
-  }
-  for (int i = 0; i < kCorners; ++i) {
-    const PlanePoint a = corners[i], b = corners[(i + 1) % kCorners];
-    edges.push_back({a, b, std::hypot(b.x - a.x, b.y - a.y) * (1 + 0.1 * i)});  // some are seen obliquely
-  }
-  // The share of each edge, per length.
-  double shares[kCorners], all = 0;
-  for (int j = 0; j < kCorners; ++j) {
-    const ProjectedEdge& edge = edges[std::size_t(j)];
-    shares[j] = std::pow((edge.to.y - edge.from.y) / edge.length, 2);
-    all += shares[j] * edge.length;
-  }
-  for (double& share : shares) share /= all;
-  for (const double turn : {0.03, 0.3, 1.2}) {
-    const double k[4] = {10, 11, 20, 50}, sigma[4] = {0.3, 2, 1, 1};
-    double whole[4] = {}, drawn[4] = {}, squares[4] = {}, result[4];
-    for (std::size_t j = 0; j < edges.size(); ++j)
-      for (int i = 0; i < 4; ++i)
-        for (int n = 0; n < 400; ++n)
-          whole[i] += edges[j].length / 400 *
-                      mean_edge_kernel(edges, j, (n + 0.5) / 400, {k[i] * turn, 0}, k[i], sigma[i]);
-    const int draws = 40000;
-    for (int n = 0; n < draws; ++n) {
-      const PlanePoint s{normal(engine), normal(engine)};
-      drawn_edge_kernels(edges, 3, s, turn, k, sigma, result);
-      double sum[4];
-      for (int i = 0; i < 4; ++i) {
-        sum[i] = result[i] / shares[3];
-        drawn[i] += sum[i] / draws, squares[i] += sum[i] * sum[i] / draws;
-      }
-      if (n % 1000) continue;
-      const std::size_t other = std::size_t(n / 1000) % kCorners;
-      drawn_edge_kernels(edges, other, s, turn, k, sigma, result);
-      for (int i = 0; i < 4; ++i) {
-        EXPECT_GE(result[i], 0);
-        EXPECT_NEAR(result[i], sum[i] * shares[other], 1e-12 * sum[i]) << other;
-      }
-    }
-    for (int i = 0; i < 4; ++i) {
-      const double error = std::sqrt((squares[i] - drawn[i] * drawn[i]) / draws);
-      EXPECT_NEAR(drawn[i], whole[i], 5 * error + 1e-9 * whole[i]) << turn << " " << i;
-      EXPECT_LT(error, 0.03 * drawn[i]) << turn << " " << i;
-    }
-  }
-}
-
 TEST(EdgeKernel, HasOneLobeForAllEdges) {
   EXPECT_THROW(diffracted_intensity({}, {1, 0}, 1, ZerothOrder::of_edges()), std::logic_error);
   EXPECT_EQ(diffracted_intensity({2.0, 4.0}, {1, 0}, 2 * M_PI, ZerothOrder::kept()), 4.0);

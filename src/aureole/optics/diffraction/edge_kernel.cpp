@@ -233,63 +233,6 @@ void mean_edge_kernels_of(std::span<const ProjectedEdge> edges, double at, doubl
   }
 }
 
-/// What one edge adds to the wave, from half of its way and its middle: 2 e.y sin(half)/half exp(i p.m).
-inline void add_wave(const Lanes& px, const Lanes& py, const Lanes& ex, const Lanes& ey, const Lanes& mx,
-                     const Lanes& my, Lanes& re, Lanes& im) {
-  Lanes sine, cosine, half_sine, half_cosine;
-  const Lanes half = px * ex + py * ey;
-  sine_cosine(px * mx + py * my, sine, cosine);
-  sine_cosine(half, half_sine, half_cosine);
-  const Lanes squared = half * half;
-  const Lanes wave = 2 * ey * (squared < 1e-8 ? 1 - squared * (1 / 6.0) : half_sine / half);
-  re += wave * cosine, im += wave * sine;
-}
-
-/// At one wavelength, four edges at a time.
-double drawn_edge_kernel_of(std::span<const ProjectedEdge> edges, PlanePoint normal, double share,
-                            double turn, double k, double sigma) {
-  const double q = turn * k, s = 0.5 / sigma;
-  const Lanes px = Lanes{} + (q + normal.x * s), py = Lanes{} + normal.y * s;
-  Lanes re{}, im{};
-  for (std::size_t i = 0; i < edges.size(); i += kLanes) {
-    Lanes ex{}, ey{}, mx{}, my{};  // what is left of four has no length
-    for (std::size_t j = 0; j < std::min(std::size_t(kLanes), edges.size() - i); ++j) {
-      const ProjectedEdge& edge = edges[i + j];
-      ex[j] = 0.5 * (edge.to.x - edge.from.x), ey[j] = 0.5 * (edge.to.y - edge.from.y);
-      mx[j] = edge.from.x + ex[j], my[j] = edge.from.y + ey[j];
-    }
-    add_wave(px, py, ex, ey, mx, my, re, im);
-  }
-  double real = 0, imaginary = 0;
-  for (int j = 0; j < kLanes; ++j) real += re[j], imaginary += im[j];
-  return share / (4 * pi * pi * turn * turn) * -std::expm1(-2 * q * q * sigma * sigma) *
-         (real * real + imaginary * imaginary);
-}
-
-template <int N>
-void drawn_edge_kernels_of(std::span<const ProjectedEdge> edges, PlanePoint normal, double share, double turn,
-                           const double* k, const double* sigma, double* result) {
-  Lanes px[N], py[N], exponent[N], re[N], im[N];
-  for (int i = 0; i < N; ++i) {
-    const Lanes q = turn * load_lanes(k + i * kLanes), width = load_lanes(sigma + i * kLanes),
-                s = 0.5 / width;
-    px[i] = q + normal.x * s, py[i] = normal.y * s;
-    exponent[i] = 2 * q * q * width * width, re[i] = im[i] = Lanes{};
-  }
-  for (const ProjectedEdge& edge : edges) {
-    const double ex = 0.5 * (edge.to.x - edge.from.x), ey = 0.5 * (edge.to.y - edge.from.y);
-    if (ey == 0) continue;
-    const double mx = edge.from.x + ex, my = edge.from.y + ey;
-    for (int i = 0; i < N; ++i)
-      add_wave(px[i], py[i], Lanes{} + ex, Lanes{} + ey, Lanes{} + mx, Lanes{} + my, re[i], im[i]);
-  }
-  const double factor = share / (4 * pi * pi * turn * turn);
-  for (int i = 0; i < N; ++i) {
-    const Lanes chi_less_1 = one_less_exp_minus(exponent[i]);
-    store_lanes(result + i * kLanes, factor * chi_less_1 * (re[i] * re[i] + im[i] * im[i]));
-  }
-}
-
 /// What depends on u of the integral for S, for u in [0, kLargest].
 class PowerTable {
 public:
@@ -469,34 +412,6 @@ double straight_edge_power(double cosine, double k, double sigma) {
   // Over the whole plane of q, less what has no direction (`mean_edge_powers`).
   static const double whole = std::sqrt(kStraightRemoval / pi) * (2 - std::numbers::sqrt2);
   return whole * std::sqrt(std::max(0.0, 1 - cosine * cosine)) * sigma - std::abs(cosine) / (4 * k);
-}
-
-void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index, PlanePoint normal,
-                        double turn, std::span<const double> k, std::span<const double> sigma,
-                        std::span<double> result) {
-  // Of (m.q)^2, with q along x, the squared part across q of the length that is seen, over the squared length.
-  double own = 0, all = 0;
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (!(edges[i].length > 0)) continue;
-    const double across = (edges[i].to.y - edges[i].from.y) / edges[i].length;
-    all += across * across * edges[i].length;
-    if (i == index) own = across * across;
-  }
-  const double share = own > 0 ? own / all : 0;
-  // Of a band so narrow that all of its waves have the same phases within some hundredths one is computed.
-  const auto [longest, shortest] = std::minmax_element(k.begin(), k.end());
-  const auto [narrowest, widest] = std::minmax_element(sigma.begin(), sigma.end());
-  constexpr double kExtent = 14, kSame = 0.05;
-  if ((*shortest - *longest) * turn * kExtent * *widest < kSame &&
-      *widest - *narrowest < 0.1 * kSame * *widest) {
-    std::fill(result.begin(), result.end(), drawn_edge_kernel_of(edges, normal, share, turn, k[0], sigma[0]));
-    return;
-  }
-  std::size_t i = 0;
-  for (; i + 2 * kLanes <= k.size(); i += 2 * kLanes)
-    drawn_edge_kernels_of<2>(edges, normal, share, turn, &k[i], &sigma[i], &result[i]);
-  for (; i + kLanes <= k.size(); i += kLanes)
-    drawn_edge_kernels_of<1>(edges, normal, share, turn, &k[i], &sigma[i], &result[i]);
 }
 
 void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double turn,

@@ -113,15 +113,4 @@ void straight_edge_kernels(double across, double along, double shown, std::span<
 /// The integral of that over all directions of light that goes on; `cosine`: of the angle between the light and the edge [unit of length].
 double straight_edge_power(double cosine, double k, double sigma);
 
-/// K on an edge of a group that lies within about one beam, by a drawn wave vector, in a time that grows with the number of edges and not
-/// with that of their pairs: coherence exp(-r^2/(8 sigma^2)) is the mean of cos(s.r) over wave vectors s with the standard deviation
-/// 1/(2 sigma), so that with one of these
-///   K = (k/2 pi)^2 (1 - chi)/q^4 W |sum over edges of (m_l.q) integral exp(i (q + s).x') dl'|^2,   W = w_j/(sum of w_l length_l),
-/// w_j = (m_j.q)^2 for the normal m_j per length in space: what all edges send, divided among them by the light that each would send alone.
-/// Summed over the edges it has the mean that `mean_edge_kernel` has, and it is never negative. `index`: of the edge; `normal`: two independent numbers of the standard normal distribution, which are s
-/// times 2 sigma; the rest as above. Where all wavelengths have nearly the same phases over 14 sigma one stands for all.
-void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index, PlanePoint normal,
-                        double turn, std::span<const double> k, std::span<const double> sigma,
-                        std::span<double> result);
-
 }  // namespace aureole::optics

@@ -21,11 +21,18 @@ public:
   /// The pairs of fewer edges cost little, and drawn wave vectors have noise of their own.
   static constexpr std::size_t kFewest = 16;
 
-  /// The numbers of the edges in the cluster of an edge; empty where it belongs to none.
+  /// The cluster of an edge, or `size()` where it belongs to none.
+  std::size_t number_of(std::size_t edge) const {
+    return cluster_of_.empty() || cluster_of_[edge] == kNone ? size() : cluster_of_[edge];
+  }
+  /// The numbers of the edges in a cluster, ascending.
+  std::span<const std::uint32_t> edges(std::size_t cluster) const {
+    return std::span(edges_).subspan(begins_[cluster], begins_[cluster + 1] - begins_[cluster]);
+  }
+  /// Those of the cluster of an edge; empty where it belongs to none.
   std::span<const std::uint32_t> of(std::size_t edge) const {
-    if (cluster_of_.empty() || cluster_of_[edge] == kNone) return {};
-    const std::uint32_t c = cluster_of_[edge];
-    return std::span(edges_).subspan(begins_[c], begins_[c + 1] - begins_[c]);
+    const std::size_t cluster = number_of(edge);
+    return cluster == size() ? std::span<const std::uint32_t>() : edges(cluster);
   }
   std::size_t size() const { return begins_.empty() ? 0 : begins_.size() - 1; }
 

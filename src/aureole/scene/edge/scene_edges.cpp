@@ -6,6 +6,7 @@
 #include <numbers>
 #include <span>
 
+#include "aureole/optics/diffraction/edge_group.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
 #include "aureole/optics/lanes.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
@@ -80,6 +81,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   distance_ = EdgeDistance(index_, kMargin * widest_beam_);
   straight_ = StraightEdges(index_);
   covers_ = EdgeCovers(index_, clusters_, shapes.sets, float(kDepth) * widest_beam_);
+  group_clusters();
   lift_ = std::move(shapes.lift);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);
@@ -93,6 +95,23 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
     return is_mirror(part.bsdf) ||
            (part.instance && std::ranges::any_of(part.instance->list().bsdfs, is_mirror));
   });
+}
+
+SceneEdges::~SceneEdges() = default;
+
+void SceneEdges::group_clusters() {
+  const auto in_space = [](const Vec3& v) { return optics::SpaceVector{v.x, v.y, v.z}; };
+  std::vector<optics::EdgeGroup::Edge> group;
+  for (std::size_t c = 0; c < clusters_.size(); ++c) {
+    group.clear();
+    const auto numbers = clusters_.edges(c);
+    if (std::ranges::none_of(numbers, [&](std::uint32_t i) { return covers_.may_be(i); }))
+      for (const std::uint32_t i : numbers) {
+        const MeshEdge& edge = index_.edges()[i];
+        group.push_back({in_space(edge.a), in_space(edge.b), in_space(edge.n0), in_space(edge.n1)});
+      }
+    groups_.emplace_back(group);
+  }
 }
 
 void SceneEdges::remark_crowds() {
@@ -339,6 +358,22 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
   const double scale = scale_of(*point.edge);
   const auto scaled = [&] { return make_spectrum([&](int i) { return float(scale * result[i]); }); };
 
+  // In the plane across the mean direction, with the light's turn along x.
+  const Double3 x = turn * (1 / std::sqrt(turn2));
+  const std::size_t number = index_.number(*point.edge), cluster = clusters_.number_of(number);
+  const auto wave = [&] {
+    const double radius = std::sqrt(-2 * std::log1p(-double(u.x))), phi = 2 * pi * u.y;
+    return optics::PlanePoint{radius * std::cos(phi), radius * std::sin(phi)};
+  };
+  if (cluster != clusters_.size() && !groups_[cluster].empty()) {
+    const auto in_space = [](const Double3& v) { return optics::SpaceVector{v.x, v.y, v.z}; };
+    const auto numbers = clusters_.edges(cluster);
+    const auto own = std::size_t(std::ranges::lower_bound(numbers, number) - numbers.begin());
+    groups_[cluster].drawn_kernels(own, in_space(along), in_space(x), wave(), std::sqrt(turn2), k, sigma,
+                                   result);
+    return scaled();
+  }
+
   const std::optional<Neighbours> around = neighbours(point, d, beams);
   if (!around) return 0.f;
   if (around->alone) {
@@ -351,15 +386,11 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     return scaled();
   }
 
-  // In the plane across the mean direction, with the light's turn along x.
-  const Double3 x = turn * (1 / std::sqrt(turn2));
   const Projection projection{point.x, x, cross(along, x), d};
   thread_local std::vector<optics::ProjectedEdge> projected;
   const Projected own = project(*around, point, projection, beams, projected);
   if (around->is_cluster) {
-    const double radius = std::sqrt(-2 * std::log1p(-double(u.x))), phi = 2 * pi * u.y;
-    optics::drawn_edge_kernels(projected, own.own, {radius * std::cos(phi), radius * std::sin(phi)},
-                               std::sqrt(turn2), k, sigma, result);
+    optics::drawn_edge_kernels(projected, own.own, wave(), std::sqrt(turn2), k, sigma, result);
   } else {
     optics::mean_edge_kernels(projected, own.at, std::sqrt(turn2), k, sigma, result);
   }

@@ -25,8 +25,9 @@
 namespace aureole {
 
 namespace optics {
+class EdgeGroup;
 struct ProjectedEdge;
-}
+}  // namespace optics
 
 /// A place on an edge.
 struct EdgePoint {
@@ -58,6 +59,7 @@ public:
   // The tree refers to the edges of the index.
   SceneEdges(const SceneEdges&) = delete;
   SceneEdges& operator=(const SceneEdges&) = delete;
+  ~SceneEdges();
 
   /// sigma and wave number at the wavelengths of a path, in units of the scene.
   struct Beams {
@@ -171,6 +173,7 @@ private:
     return scale_.empty() ? 1.0 : double(scale_[edge.face0.set]);
   }
   void remark_crowds();
+  void group_clusters();
 
   BeamWidth width_;
   bool has_mirrors_ = false;
@@ -187,6 +190,7 @@ private:
   EdgeDistance distance_;
   StraightEdges straight_;
   EdgeCovers covers_;
+  std::vector<optics::EdgeGroup> groups_;  ///< of each cluster, empty where a face may cover one of its edges
 };
 
 }  // namespace aureole
