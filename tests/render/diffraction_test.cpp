@@ -359,8 +359,9 @@ TEST(SceneEdges, PlacesHaveTheirDensity) {
     };
     for (int i = 0; i < n; ++i) {
       const float u[4] = {next(), next(), next(), next()};
-      if (const auto x = edges.choose_between(a, lamp, beams, u, lit_or_not(i))) {
-        const double f = light(*x) / x->pdf;
+      if (const auto between = edges.choose_between(a, lamp, beams, u, lit_or_not(i))) {
+        const EdgePoint x = edges.place_between(*between, a, lamp, beams, u + 2);
+        const double f = light(x) / x.pdf;
         sum += f / n, squares += f * f / n;
       }
       const auto& all = edges.index().edges();

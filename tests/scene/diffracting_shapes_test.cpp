@@ -298,10 +298,13 @@ TEST(RoundEdges, AllOfASmallRimIsChosen) {
   double sums[2] = {}, squares[2] = {};  // of the halves of the rim
   for (int i = 0; i < n; ++i) {
     const float u[4] = {random.next(), random.next(), random.next(), random.next()};
-    const auto x = edges.choose_between({{0.0004f, 0, -1}}, {{0, 0, 1}}, beams, u);
-    if (!x || EdgeLine(*x->edge).length > 1) continue;
-    const int half = x->x.y > 0;
-    sums[half] += 1 / double(x->pdf) / n, squares[half] += 1 / double(x->pdf) / x->pdf / n;
+    const PathEnd a{{0.0004f, 0, -1}}, b{{0, 0, 1}};
+    const auto between = edges.choose_between(a, b, beams, u);
+    if (!between) continue;
+    const EdgePoint x = edges.place_between(*between, a, b, beams, u + 2);
+    if (EdgeLine(*x.edge).length > 1) continue;
+    const int half = x.x.y > 0;
+    sums[half] += 1 / double(x.pdf) / n, squares[half] += 1 / double(x.pdf) / x.pdf / n;
   }
   for (const int half : {0, 1}) {
     const double error = std::sqrt((squares[half] - sums[half] * sums[half]) / n);

@@ -9,6 +9,7 @@
 #include "aureole/scene/edge/lit_edges.h"
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/scene/edge/seen_edges.h"
+#include "aureole/scene/edge/shadow_light.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
 namespace aureole {
@@ -89,11 +90,16 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
   if (edges_) light_edges(reuse);
+  if (edges_ && !edges_->empty()) light_in_shadows_ = aureole::light_in_shadows(*this, middle_wavelengths());
+}
+
+Wavelengths Scene::middle_wavelengths() const {
+  const SpectralGrid& grid = parts_.context->grid;
+  return Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm))));
 }
 
 void Scene::light_edges(const Scene* reuse) {
-  const SpectralGrid& grid = parts_.context->grid;
-  const auto middle = Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm))));
+  const Wavelengths middle = middle_wavelengths();
   const auto same_emitter = [](const ModelPart& a, const ModelPart& b) { return a.emitter == b.emitter; };
   if (reuse && reuse->edges_ == edges_ && reuse->parts_.emitters == parts_.emitters &&
       std::equal(parts_.surfaces.begin(), parts_.surfaces.end(), reuse->parts_.surfaces.begin(),

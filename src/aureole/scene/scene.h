@@ -96,6 +96,8 @@ public:
   const LitEdges& lit_edges() const { return *lit_edges_; }
   /// Those that the sensor sees; only where there are some.
   const SeenEdges& seen_edges() const { return *seen_edges_; }
+  /// `light_in_shadows`; only where there are edges.
+  float light_in_shadows() const { return light_in_shadows_; }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return tracer_->bounds(); }
   /// Notes for the user about the scene as a whole.
@@ -110,6 +112,7 @@ private:
   void bound_emitters();
   void weigh_lights();
   void light_edges(const Scene* reuse);
+  Wavelengths middle_wavelengths() const;
   /// Adds the spectra of their powers.
   void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
   void find_closed_media();
@@ -129,6 +132,7 @@ private:
   std::shared_ptr<const SceneEdges> edges_;
   std::shared_ptr<const LitEdges> lit_edges_;
   std::shared_ptr<const SeenEdges> seen_edges_;
+  float light_in_shadows_ = 0;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;

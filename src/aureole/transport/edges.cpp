@@ -85,11 +85,30 @@ Vec3 EdgePaths::sensor_guide(const Vec3& seen_from, Vec2 lens) const {
   return scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o;
 }
 
+std::optional<SceneEdges::EdgesBetween> EdgePaths::edges_between(const Vec3& a, const PathEnd& b,
+                                                                 const float* lit) {
+  const float u[2] = {random_.next(), random_.next()};
+  return edges_.choose_between(PathEnd{a}, b, beams_, u, lit);
+}
+
+std::optional<EdgePoint> EdgePaths::place_between(const SceneEdges::EdgesBetween& edges, const Vec3& a,
+                                                  const PathEnd& b) {
+  const float u[2] = {random_.next(), random_.next()};
+  const EdgePoint point = edges_.place_between(edges, PathEnd{a}, b, beams_, u);
+  return point.pdf > 0 && point.on_edge() != a ? std::optional(point) : std::nullopt;
+}
+
 std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b, const float* lit) {
-  const float u[4] = {random_.next(), random_.next(), random_.next(), random_.next()};
-  auto point = edges_.choose_between(PathEnd{a}, b, beams_, u, lit);
-  if (point && (!(point->pdf > 0) || point->on_edge() == a)) point.reset();
-  return point;
+  const auto edges = edges_between(a, b, lit);
+  return edges ? place_between(*edges, a, b) : std::nullopt;
+}
+
+std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b, const float* lit,
+                                                   const Beside& beside, float& whole) {
+  const auto edges = edges_between(a, b, lit);
+  if (!edges) return {};
+  whole *= looked_at(*edges, beside);
+  return whole > 0 ? place_between(*edges, a, b) : std::nullopt;
 }
 
 Spectrum EdgePaths::lit(const EdgePoint& point, const LampEnd& lamp, Anchor& start, Vec3& wo,

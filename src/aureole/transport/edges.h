@@ -95,12 +95,11 @@ public:
     if (whole == 0 || !choose_lamp(lamp)) return 0.f;
     whole *= looked_for(from.anchor.p, lamp.per_distance, is_lit);
     if (whole == 0 || !find_guide(from.anchor.p, lamp)) return 0.f;
-    const auto point = choose_between(from.anchor.p, lamp.guide, lamp.lit);
+    const Beside beside = is_lit ? kDirectLight : from.vertex ? other_light() : kNothing;
+    const auto point = choose_between(from.anchor.p, lamp.guide, lamp.lit, beside, whole);
     if (!point) return 0.f;
-    const float part = whole * looked_at(*point, is_lit);
-    if (part == 0) return 0.f;
     const Vec3 d = point->direction_from(from.anchor.p);
-    const Spectrum response = respond(d) * part;
+    const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * light_at(from, *point, d, lamp);
   }
   /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`; `is_seen` as `is_lit`.
@@ -112,12 +111,11 @@ public:
     const Vec3 eye = sensor_guide(from.anchor.p, lens);
     whole *= looked_for(from.anchor.p, edges_.per_distance(eye, 0), is_seen);
     if (whole == 0) return 0.f;
-    const auto point = choose_between(from.anchor.p, PathEnd{eye});
+    const auto point =
+        choose_between(from.anchor.p, PathEnd{eye}, nullptr, is_seen ? kDirectLight : kNothing, whole);
     if (!point) return 0.f;
-    const float part = whole * looked_at(*point, is_seen);
-    if (part == 0) return 0.f;
     const Vec3 d = point->direction_from(from.anchor.p);
-    const Spectrum response = respond(d) * part;
+    const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * sensor_at(from, *point, d, lens, film);
   }
   /// The sensor's response to light of a lamp around one edge. Looked at seldom where the sensor does not see an edge that is chosen by chance.
@@ -213,11 +211,17 @@ private:
   float roulette(float probability) {
     return probability == 1 || random_.next() < probability ? 1 / probability : 0;
   }
-  /// Of roulette for the path around that edge.
-  float looked_at(const EdgePoint& point, bool is_beside_direct) {
-    if (!is_beside_direct) return 1;
-    constexpr float kMuch = 0.002f, kLeast = 0.25f;
-    return roulette(std::clamp(point.part_of_direct / kMuch, kLeast, 1.f));
+  /// Other light at a place, beside which what edges send is looked at less often.
+  struct Beside {
+    float much;   ///< the part of direct light from which on edges are looked at always
+    float least;  ///< the least probability
+  };
+  static constexpr Beside kNothing{0, 1}, kDirectLight{0.002f, 0.25f};
+  /// In shadows: light by way of surfaces, which has more noise.
+  Beside other_light() const { return {4 * scene_.light_in_shadows(), 0.125f}; }
+  /// Of roulette for the path around edges.
+  float looked_at(const SceneEdges::EdgesBetween& edges, const Beside& beside) {
+    return beside.much > 0 ? roulette(std::clamp(edges.part_of_direct / beside.much, beside.least, 1.f)) : 1;
   }
   /// The same with that probability, but seldom to never: all looks cost the same, and those of faint paths add little.
   float looked_at(float left) {
@@ -246,8 +250,14 @@ private:
   /// Of an edge that is chosen by chance whether the sensor looks there.
   bool sees_some_edge(const Vec3& eye, Vec2 lens);
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
-  /// `lit`: of the end that is a lamp.
-  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit = nullptr);
+  /// A place on an edge. `lit`: of the end that is a lamp.
+  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit);
+  /// The same with roulette (`looked_at`): `whole` is divided by its probability.
+  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit,
+                                          const Beside& beside, float& whole);
+  std::optional<SceneEdges::EdgesBetween> edges_between(const Vec3& a, const PathEnd& b, const float* lit);
+  std::optional<EdgePoint> place_between(const SceneEdges::EdgesBetween& edges, const Vec3& a,
+                                         const PathEnd& b);
   Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);
   Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
   /// The part of the light that goes straight from a place to an edge, black where something is in the way. `end` receives the flight

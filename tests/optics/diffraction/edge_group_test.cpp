@@ -124,7 +124,6 @@ TEST(EdgeGroup, IsThatOfItsOutlinesInAPlane) {
   }
   EXPECT_GT(outlines, 500);
   EXPECT_GT(others, 50);
-  EXPECT_TRUE(EdgeGroup({}).empty());
 }
 
 }  // namespace

@@ -26,6 +26,12 @@ inline void add_wave(const Lanes& px, const Lanes& py, const SeenEdges& e, Lanes
   re += wave * cosine, im += wave * sine;
 }
 
+double sum(const Lanes& lanes) {
+  double sum = 0;
+  for (int j = 0; j < kLanes; ++j) sum += lanes[j];
+  return sum;
+}
+
 /// Light that turns by `turn`, and s by the two numbers.
 struct DrawnWave {
   PlanePoint normal;
@@ -42,8 +48,7 @@ double kernel_at_one(std::size_t fours, const Seen& seen, DrawnWave drawn, doubl
   const Lanes px = Lanes{} + (q + drawn.normal.x * s), py = Lanes{} + drawn.normal.y * s;
   Lanes re{}, im{};
   for (std::size_t i = 0; i < fours; ++i) add_wave(px, py, seen(i), re, im);
-  double real = 0, imaginary = 0;
-  for (int j = 0; j < kLanes; ++j) real += re[j], imaginary += im[j];
+  const double real = sum(re), imaginary = sum(im);
   return share / (4 * pi * pi * drawn.turn * drawn.turn) * -std::expm1(-2 * q * q * sigma * sigma) *
          (real * real + imaginary * imaginary);
 }
@@ -141,40 +146,85 @@ EdgeGroup::EdgeGroup(std::span<const Edge> edges) : fours_((edges.size() + kLane
     set(four.middle, lane, a.x - o.x + x, a.y - o.y + y, a.z - o.z + z);
     set(four.n0, lane, n0.x, n0.y, n0.z);
     set(four.n1, lane, n1.x, n1.y, n1.z);
-    four.inverse_length[lane] = length > 0 ? 1 / length : 0;
+    has_folds_ |= n1.x != 0 || n1.y != 0 || n1.z != 0;
+    four.length[lane] = length, four.inverse_length[lane] = length > 0 ? 1 / length : 0;
+    length_ += length;
   }
+}
+
+[[gnu::always_inline]] inline Lanes EdgeGroup::outline(const Four& four, SpaceVector d) const {
+  if (!has_folds_) return Lanes{} + 1;
+  return dot(four.n0, d) * dot(four.n1, d) <= 0 ? Lanes{} + 1 : Lanes{};
+}
+
+[[gnu::always_inline]] inline Lanes EdgeGroup::light(const Four& four, SpaceVector d, SpaceVector y) const {
+  const Lanes across = 2 * outline(four, d) * dot(four.half, y);
+  return across * across * four.inverse_length;
 }
 
 void EdgeGroup::drawn_kernels(std::size_t index, SpaceVector d, SpaceVector x, PlanePoint normal, double turn,
                               std::span<const double> k, std::span<const double> sigma,
                               std::span<double> result) const {
   const SpaceVector y{d.y * x.z - d.z * x.y, d.z * x.x - d.x * x.z, d.x * x.y - d.y * x.x};
-  // The side of the obstacle, 0 where it has no outline there.
-  const auto side = [&](const Four& four) {
-    const Lanes first = dot(four.n0, d);
-    const Lanes sign = first < 0 ? Lanes{} + 1 : Lanes{} - 1;
-    return first * dot(four.n1, d) <= 0 ? sign : Lanes{};
-  };
-  // Of (m.q)^2, as above.
   Lanes sums{};
-  double own = 0;
-  for (std::size_t i = 0; i < fours_.size(); ++i) {
-    const Lanes across = 2 * side(fours_[i]) * dot(fours_[i].half, y), squared = across * across;
-    sums += squared * fours_[i].inverse_length;
-    if (i == index / kLanes) {
-      const std::size_t lane = index % kLanes;
-      own = squared[lane] * fours_[i].inverse_length[lane] * fours_[i].inverse_length[lane];
-    }
-  }
-  double all = 0;
-  for (int j = 0; j < kLanes; ++j) all += sums[j];
-  const auto seen = [&](std::size_t four) {
-    const Four& edges = fours_[four];
-    const Lanes sign = side(edges);
-    return SeenEdges{sign * dot(edges.half, x), sign * dot(edges.half, y), dot(edges.middle, x),
-                     dot(edges.middle, y)};
+  for (const Four& four : fours_) sums += light(four, d, y);
+  const Four& of_own = fours_[index / kLanes];
+  const std::size_t lane = index % kLanes;
+  const double own = light(of_own, d, y)[lane] * of_own.inverse_length[lane];
+  const auto seen = [&](std::size_t i) {
+    const Four& four = fours_[i];
+    // The side of the obstacle.
+    const Lanes side = outline(four, d) * (dot(four.n0, d) < 0 ? Lanes{} + 1 : Lanes{} - 1);
+    return SeenEdges{side * dot(four.half, x), side * dot(four.half, y), dot(four.middle, x),
+                     dot(four.middle, y)};
   };
-  kernels(fours_.size(), seen, {normal, turn}, own > 0 ? own / all : 0, k, sigma, result);
+  kernels(fours_.size(), seen, {normal, turn}, own > 0 ? own / sum(sums) : 0, k, sigma, result);
+}
+
+template <class Weight>
+EdgeGroup::Choice EdgeGroup::choose_by(const Weight& weight, double all, double u) const {
+  double rest = u * all;
+  Choice last{0, 0};
+  for (std::size_t i = 0; i < fours_.size(); ++i) {
+    const Lanes weights = weight(fours_[i]);
+    const double of_four = sum(weights);
+    if (!(of_four > 0)) continue;
+    if (rest >= of_four && i + 1 < fours_.size()) {
+      rest -= of_four;
+      continue;
+    }
+    for (int j = 0; j < kLanes; ++j) {
+      if (!(weights[j] > 0)) continue;
+      last = {i * kLanes + std::size_t(j), weights[j] / all};
+      if (rest < weights[j]) break;
+      rest -= weights[j];
+    }
+    return last;
+  }
+  return last;
+}
+
+EdgeGroup::Choice EdgeGroup::choose(SpaceVector d, SpaceVector y, double u) const {
+  constexpr double kByLength = 0.25;
+  Lanes sums{};
+  for (const Four& four : fours_) sums += light(four, d, y);
+  const double all = sum(sums), of_light = all > 0 ? (1 - kByLength) / all : 0,
+               of_length = (all > 0 ? kByLength : 1) / length_;
+  return choose_by([&](const Four& four) { return of_light * light(four, d, y) + of_length * four.length; },
+                   1, u);
+}
+
+std::optional<EdgeGroup::Choice> EdgeGroup::choose_by_length(double u, std::size_t without) const {
+  const double out = without == kNone ? 0 : fours_[without / kLanes].length[without % kLanes];
+  const double rest = length_ - out;
+  if (!(rest > 1e-12 * length_)) return {};
+  return choose_by(
+      [&](const Four& four) {
+        Lanes lengths = four.length;
+        if (without != kNone && &four == &fours_[without / kLanes]) lengths[without % kLanes] = 0;
+        return lengths;
+      },
+      rest, u);
 }
 
 }  // namespace aureole::optics

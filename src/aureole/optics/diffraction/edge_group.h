@@ -3,6 +3,7 @@
 // summed at once.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,7 +32,6 @@ public:
     SpaceVector a, b, n0, n1;
   };
   explicit EdgeGroup(std::span<const Edge> edges);
-  bool empty() const { return fours_.empty(); }
 
   /// `drawn_edge_kernels` of those edges that are outlines in light along `d`, projected along that with the light's turn along `x`; both are
   /// unit vectors across each other. 0 for an edge that is none. No allocation.
@@ -39,11 +39,32 @@ public:
                      std::span<const double> k, std::span<const double> sigma,
                      std::span<double> result) const;
 
+  struct Choice {
+    std::size_t index;
+    double probability;
+  };
+  /// An edge in proportion to about the light that it sends where light along `d` turns across `y`, unit vectors across each other: in three
+  /// of four cases to its share in `drawn_edge_kernels`, else to its length. u in [0, 1).
+  Choice choose(SpaceVector d, SpaceVector y, double u) const;
+  /// In proportion to their lengths, without the one of that number (or none, `kNone`); nothing where no length is left.
+  static constexpr std::size_t kNone = ~std::size_t(0);
+  std::optional<Choice> choose_by_length(double u, std::size_t without = kNone) const;
+
 private:
   struct Four {
-    Lanes half[3], middle[3], n0[3], n1[3], inverse_length;
+    Lanes half[3], middle[3], n0[3], n1[3], length, inverse_length;
   };
+  /// 1, or 0 where an edge is no outline in light along d.
+  Lanes outline(const Four& four, SpaceVector d) const;
+  /// Each edge's part of the light times its length, over the sum for all; `y` is across the turn.
+  Lanes light(const Four& four, SpaceVector d, SpaceVector y) const;
+  /// In proportion to weight(four) -> Lanes, whose sum is `all`.
+  template <class Weight>
+  Choice choose_by(const Weight& weight, double all, double u) const;
+
   std::vector<Four> fours_;  ///< what is left of four has no length
+  double length_ = 0;        ///< of all edges
+  bool has_folds_ = false;
 };
 
 }  // namespace aureole::optics

@@ -2,6 +2,7 @@
 // Groups of edges that all lie within one beam and apart from all others, such as those of a small hole: their waves are summed at once.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -33,6 +34,11 @@ public:
   std::span<const std::uint32_t> of(std::size_t edge) const {
     const std::size_t cluster = number_of(edge);
     return cluster == size() ? std::span<const std::uint32_t>() : edges(cluster);
+  }
+  /// The place of an edge of a cluster among its `edges`.
+  std::size_t place_of(std::size_t edge) const {
+    const auto all = edges(number_of(edge));
+    return std::size_t(std::ranges::lower_bound(all, edge) - all.begin());
   }
   std::size_t size() const { return begins_.empty() ? 0 : begins_.size() - 1; }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <tuple>
 
 namespace aureole {
 namespace {
@@ -113,23 +114,58 @@ std::optional<double> keller_point(const EdgeLine& line, const PathEnd& a, const
 }
 
 struct EdgeTree::Item {
-  Vec3 a, b;
-  float length;
-  std::uint32_t index;
+  Vec3 a, b;  ///< ends, or corners of the box
+  float length, shortest;
+  std::uint32_t count, index;
+  bool is_cluster;
 
   float center(int axis) const { return 0.5f * (a[axis] + b[axis]); }
   void extend(Bounds3& box) const { box.extend(a), box.extend(b); }
 };
 
-EdgeTree::EdgeTree(std::span<const MeshEdge> edges) : edges_(edges) {
+EdgeTree::EdgeTree(std::span<const MeshEdge> edges, const EdgeClusters& clusters,
+                   std::span<const optics::EdgeGroup> groups)
+    : edges_(edges), clusters_(&clusters), groups_(groups) {
   if (edges.empty()) return;
   std::vector<Item> items;
   items.reserve(edges.size());
-  for (const MeshEdge& edge : edges)
-    items.push_back({edge.a, edge.b, length(edge.b - edge.a), std::uint32_t(items.size())});
-  nodes_.reserve(2 * edges.size());
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (clusters.number_of(i) != clusters.size()) continue;
+    const float size = length(edges[i].b - edges[i].a);
+    items.push_back({edges[i].a, edges[i].b, size, size, 1, std::uint32_t(i), false});
+  }
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    Bounds3 box;
+    Item item{{}, {}, 0, INFINITY, std::uint32_t(clusters.edges(c).size()), std::uint32_t(c), true};
+    for (const std::uint32_t i : clusters.edges(c)) {
+      box.extend(edges[i].a), box.extend(edges[i].b);
+      const float size = length(edges[i].b - edges[i].a);
+      item.length += size, item.shortest = std::min(item.shortest, size);
+    }
+    item.a = box.lower, item.b = box.upper;
+    items.push_back(item);
+  }
+  nodes_.reserve(2 * items.size());
   nodes_.emplace_back();
   build(0, items, 0);
+}
+
+void EdgeTree::set_directions(Node& leaf) const {
+  const auto of_edge = [&](std::uint32_t i) {
+    const MeshEdge& edge = edges_[i];
+    return std::pair(edge.is_boundary ? NormalCone{} : NormalCone::of(edge.n0, edge.n1),
+                     of_line(normalize(edge.b - edge.a)));
+  };
+  if (!leaf.is_cluster) {
+    std::tie(leaf.normals, leaf.lines) = of_edge(leaf.index);
+    return;
+  }
+  const auto numbers = clusters_->edges(leaf.index);
+  std::tie(leaf.normals, leaf.lines) = of_edge(numbers[0]);
+  for (const std::uint32_t i : numbers.subspan(1)) {
+    const auto [normals, lines] = of_edge(i);
+    leaf.normals = leaf.normals.merged(normals), leaf.lines = merged_lines(leaf.lines, lines);
+  }
 }
 
 namespace {
@@ -245,27 +281,25 @@ std::size_t divide(std::span<Item> items, const Bounds3& centers, int depth) {
 
 void EdgeTree::build(std::uint32_t node, std::span<Item> items, int depth) {
   Bounds3 box, centers;
-  float length = 0, shortest = INFINITY;
+  float length = 0, shortest = INFINITY, count = 0;
   for (const Item& item : items) {
     item.extend(box);
     centers.extend(0.5f * (item.a + item.b));
-    length += item.length, shortest = std::min(shortest, item.length);
+    length += item.length, shortest = std::min(shortest, item.shortest), count += float(item.count);
   }
   nodes_[node].center = box.center();
   nodes_[node].radius = 0.5f * aureole::length(box.diagonal());
-  nodes_[node].length = length, nodes_[node].shortest = shortest, nodes_[node].count = float(items.size());
+  nodes_[node].length = length, nodes_[node].shortest = shortest, nodes_[node].count = count;
   if (items.size() == 1) {
-    const MeshEdge& edge = edges_[items[0].index];
-    nodes_[node].normals = edge.is_boundary ? NormalCone{} : NormalCone::of(edge.n0, edge.n1);
-    nodes_[node].lines = of_line(normalize(edge.b - edge.a));
     nodes_[node].index = items[0].index;
-    nodes_[node].is_leaf = true;
+    nodes_[node].is_leaf = true, nodes_[node].is_cluster = items[0].is_cluster;
+    set_directions(nodes_[node]);
     return;
   }
   const std::size_t half = divide(items, centers, depth);
   const auto first = std::uint32_t(nodes_.size());
   nodes_[node].index = first;
-  nodes_[node].is_leaf = false;
+  nodes_[node].is_leaf = nodes_[node].is_cluster = false;
   nodes_.resize(nodes_.size() + 2);
   build(first, items.first(half), depth + 1);
   build(first + 1, items.subspan(half), depth + 1);
@@ -274,7 +308,7 @@ void EdgeTree::build(std::uint32_t node, std::span<Item> items, int depth) {
 }
 
 template <class Importance>
-std::optional<EdgeTree::Choice> EdgeTree::descend(double u, const Importance& importance) const {
+std::optional<EdgeTree::Leaf> EdgeTree::descend(double u, const Importance& importance) const {
   if (nodes_.empty()) return {};
   constexpr float kLeastShare = 1e-3f;
   std::uint32_t node = 0;
@@ -296,14 +330,14 @@ std::optional<EdgeTree::Choice> EdgeTree::descend(double u, const Importance& im
     }
   }
   if (!(own > 0) || !(probability > 0)) return {};
-  return Choice{nodes_[node].index, probability, own / probability};
+  return Leaf{node, probability, own / probability, u};
 }
 
-std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const PathEnd& b, float angle,
-                                                         float sigma, double u, const float* lit) const {
+std::optional<EdgeTree::Leaf> EdgeTree::choose_between(const PathEnd& a, const PathEnd& b, float angle,
+                                                       float sigma, double u, const float* lit) const {
   return descend(u, [&](const Node& node) {
     const double part = lit ? double(lit[&node - nodes_.data()]) : 1.0;
-    if (node.is_leaf)
+    if (node.is_leaf && !node.is_cluster)
       return part *
              between(edges_[node.index], node.center, node.lines.axis, node.length, a, b, angle, sigma);
     const Towards to_a(a, node.center), to_b(b, node.center);
@@ -347,6 +381,18 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_between(const PathEnd& a, const
   });
 }
 
+EdgeTree::Choice EdgeTree::edge_between(const Leaf& leaf, const PathEnd& a, const PathEnd& b) const {
+  const Node& node = nodes_[leaf.node];
+  if (!node.is_cluster) return {node.index, leaf.probability};
+  const Vec3 to_a = Towards(a, node.center).d, to_b = Towards(b, node.center).d;
+  // Across the turn, in the plane across the light's mean direction; any where it does not turn.
+  const Vec3 mean = to_a - to_b, d = length_squared(mean) > 0 ? normalize(mean) : to_a,
+             across = cross(d, to_a + to_b);
+  const Vec3 y = length_squared(across) > 0 ? normalize(across) : Vec3{};
+  const auto own = groups_[node.index].choose({d.x, d.y, d.z}, {y.x, y.y, y.z}, leaf.u);
+  return {clusters_->edges(node.index)[own.index], leaf.probability * float(own.probability)};
+}
+
 double EdgeTree::estimate(const MeshEdge& edge, const PathEnd& a, const PathEnd& b, float angle,
                           float sigma) {
   const Vec3 way = edge.b - edge.a;
@@ -356,13 +402,23 @@ double EdgeTree::estimate(const MeshEdge& edge, const PathEnd& a, const PathEnd&
 
 std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, double u, const MeshEdge* leaving,
                                                       const float* lit) const {
-  return descend(u, [&](const Node& node) {
-    if (node.is_leaf && &edges_[node.index] == leaving) return 0.0;
+  const auto leaf = descend(u, [&](const Node& node) {
+    if (node.is_leaf && !node.is_cluster && &edges_[node.index] == leaving) return 0.0;
     const double length = lit ? double(node.length) * lit[&node - nodes_.data()] : double(node.length);
     if (a.is_infinite) return length;
     return length /
            std::max(double(length_squared(a.p - node.center)), 0.25 * node.radius * node.radius + 1e-30);
   });
+  if (!leaf) return {};
+  const Node& node = nodes_[leaf->node];
+  if (!node.is_cluster) return Choice{node.index, leaf->probability};
+  std::size_t without = optics::EdgeGroup::kNone;
+  if (const auto number = std::size_t(leaving - edges_.data());
+      leaving && clusters_->number_of(number) == node.index)
+    without = clusters_->place_of(number);
+  const auto own = groups_[node.index].choose_by_length(leaf->u, without);
+  if (!own) return {};
+  return Choice{clusters_->edges(node.index)[own->index], leaf->probability * float(own->probability)};
 }
 
 std::vector<float> EdgeTree::of_nodes(std::span<const float> edge_values) const {
@@ -370,6 +426,13 @@ std::vector<float> EdgeTree::of_nodes(std::span<const float> edge_values) const 
   // Children come behind their node.
   for (std::size_t i = nodes_.size(); i-- > 0;) {
     const Node& node = nodes_[i];
+    if (node.is_cluster) {
+      double sum = 0;
+      for (const std::uint32_t edge : clusters_->edges(node.index))
+        sum += double(edge_values[edge]) * length(edges_[edge].b - edges_[edge].a);
+      values[i] = float(sum / std::max(node.length, 1e-30f));
+      continue;
+    }
     if (node.is_leaf) {
       values[i] = edge_values[node.index];
       continue;

@@ -76,12 +76,15 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   if (!box.empty()) diameter_ = length(box.diagonal());
   widest_beam_ = float(width_.at(longest) / unit_m_);
   index_ = EdgeIndex(shapes.sets, EdgeIndex::Of::edges);
-  tree_ = EdgeTree(index_.edges());
   clusters_ = EdgeClusters(index_, float(kCoherent) * widest_beam_);
+  group_clusters();
+  tree_ = EdgeTree(index_.edges(), clusters_, groups_);
   distance_ = EdgeDistance(index_, kMargin * widest_beam_);
   straight_ = StraightEdges(index_);
   covers_ = EdgeCovers(index_, clusters_, shapes.sets, float(kDepth) * widest_beam_);
-  group_clusters();
+  for (std::size_t c = 0; c < clusters_.size(); ++c)
+    is_covered_.push_back(
+        std::ranges::any_of(clusters_.edges(c), [&](std::uint32_t i) { return covers_.may_be(i); }));
   lift_ = std::move(shapes.lift);
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);
@@ -97,19 +100,15 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   });
 }
 
-SceneEdges::~SceneEdges() = default;
-
 void SceneEdges::group_clusters() {
   const auto in_space = [](const Vec3& v) { return optics::SpaceVector{v.x, v.y, v.z}; };
   std::vector<optics::EdgeGroup::Edge> group;
   for (std::size_t c = 0; c < clusters_.size(); ++c) {
     group.clear();
-    const auto numbers = clusters_.edges(c);
-    if (std::ranges::none_of(numbers, [&](std::uint32_t i) { return covers_.may_be(i); }))
-      for (const std::uint32_t i : numbers) {
-        const MeshEdge& edge = index_.edges()[i];
-        group.push_back({in_space(edge.a), in_space(edge.b), in_space(edge.n0), in_space(edge.n1)});
-      }
+    for (const std::uint32_t i : clusters_.edges(c)) {
+      const MeshEdge& edge = index_.edges()[i];
+      group.push_back({in_space(edge.a), in_space(edge.b), in_space(edge.n0), in_space(edge.n1)});
+    }
     groups_.emplace_back(group);
   }
 }
@@ -180,16 +179,21 @@ EdgePoint SceneEdges::point_on(const MeshEdge& edge, const EdgeLine& line, doubl
   return point;
 }
 
-std::optional<EdgePoint> SceneEdges::choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
-                                                    const float* u, const float* lit) const {
-  const auto choice =
+std::optional<SceneEdges::EdgesBetween> SceneEdges::choose_between(const PathEnd& a, const PathEnd& b,
+                                                                   const Beams& beams, const float* u,
+                                                                   const float* lit) const {
+  const auto leaf =
       tree_.choose_between(a, b, beams.angle, beams.widest, EdgeTree::random_from(u[0], u[1]), lit);
-  if (!choice) return {};
-  EdgePoint point = place_between(index_.edges()[choice->edge], choice->probability, a, b, beams, u + 2);
+  if (!leaf) return {};
   // Keller's coefficient times the ends' squared distance; ends at infinity have none.
   const double distance2 = a.is_infinite || b.is_infinite ? 1 : double(length_squared(a.p - b.p));
-  point.part_of_direct = float(choice->estimate * distance2 / (2 * pi * min_component(beams.k)));
-  return point;
+  return EdgesBetween{*leaf, float(leaf->estimate * distance2 / (2 * pi * min_component(beams.k)))};
+}
+
+EdgePoint SceneEdges::place_between(const EdgesBetween& edges, const PathEnd& a, const PathEnd& b,
+                                    const Beams& beams, const float* u) const {
+  const EdgeTree::Choice choice = tree_.edge_between(edges.leaf, a, b);
+  return place_between(index_.edges()[choice.edge], choice.probability, a, b, beams, u);
 }
 
 EdgePoint SceneEdges::place_between(const MeshEdge& edge, float probability, const PathEnd& a,
@@ -365,12 +369,10 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     const double radius = std::sqrt(-2 * std::log1p(-double(u.x))), phi = 2 * pi * u.y;
     return optics::PlanePoint{radius * std::cos(phi), radius * std::sin(phi)};
   };
-  if (cluster != clusters_.size() && !groups_[cluster].empty()) {
+  if (cluster != clusters_.size() && !is_covered_[cluster]) {
     const auto in_space = [](const Double3& v) { return optics::SpaceVector{v.x, v.y, v.z}; };
-    const auto numbers = clusters_.edges(cluster);
-    const auto own = std::size_t(std::ranges::lower_bound(numbers, number) - numbers.begin());
-    groups_[cluster].drawn_kernels(own, in_space(along), in_space(x), wave(), std::sqrt(turn2), k, sigma,
-                                   result);
+    groups_[cluster].drawn_kernels(clusters_.place_of(number), in_space(along), in_space(x), wave(),
+                                   std::sqrt(turn2), k, sigma, result);
     return scaled();
   }
 

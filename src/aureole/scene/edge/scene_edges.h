@@ -25,9 +25,8 @@
 namespace aureole {
 
 namespace optics {
-class EdgeGroup;
 struct ProjectedEdge;
-}  // namespace optics
+}
 
 /// A place on an edge.
 struct EdgePoint {
@@ -36,9 +35,6 @@ struct EdgePoint {
   Double3 x;      ///< on the edge
   Vec3 p;         ///< the same, off the surfaces that meet there, so that they don't block rays from it
   float pdf = 0;  ///< density of the choice, per length
-  /// Of a place chosen between two ends: about the light that goes around all edges over that of the ends' straight
-  /// connection.
-  float part_of_direct = 1;
 
   Vec3 on_edge() const { return x.to_float(); }
   /// The unit direction from a place to it, from their difference in double precision: far from the origin `on_edge` is off the edge.
@@ -59,7 +55,6 @@ public:
   // The tree refers to the edges of the index.
   SceneEdges(const SceneEdges&) = delete;
   SceneEdges& operator=(const SceneEdges&) = delete;
-  ~SceneEdges();
 
   /// sigma and wave number at the wavelengths of a path, in units of the scene.
   struct Beams {
@@ -72,14 +67,23 @@ public:
   /// The largest sigma of any wavelength that the film sees.
   float widest_beam() const { return widest_beam_; }
 
-  /// A place around which light may go between two ends. The density does not depend on which wavelength is the hero.
-  /// `u`: four numbers. `lit`: LitEdges::from the end that is a lamp, or null.
-  std::optional<EdgePoint> choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
-                                          const float* u, const float* lit = nullptr) const;
-  /// The same on an edge that was chosen with that probability; two numbers. Without `part_of_direct`.
+  /// Edges around which light may go between two ends, one of which is chosen last.
+  struct EdgesBetween {
+    EdgeTree::Leaf leaf;
+    /// About the light that goes around all edges of the scene over that of the ends' straight connection.
+    float part_of_direct;
+  };
+  /// The density of the choice does not depend on which wavelength is the hero. `u`: two numbers. `lit`: LitEdges::from the end that is a
+  /// lamp, or null.
+  std::optional<EdgesBetween> choose_between(const PathEnd& a, const PathEnd& b, const Beams& beams,
+                                             const float* u, const float* lit = nullptr) const;
+  /// A place around which light may go; two numbers.
+  EdgePoint place_between(const EdgesBetween& edges, const PathEnd& a, const PathEnd& b, const Beams& beams,
+                          const float* u) const;
+  /// The same on an edge that was chosen with that probability.
   EdgePoint place_between(const MeshEdge& edge, float probability, const PathEnd& a, const PathEnd& b,
                           const Beams& beams, const float* u) const;
-  /// About the most that `part_of_direct` of such a place may be, by one over the distance of each end from edges. A straight edge sends
+  /// About the most that `part_of_direct` may be, by one over the distance of each end from edges. A straight edge sends
   /// lambda (1/r_a + 1/r_b)/(4 pi^2 theta^2) of the direct light around itself, theta no less than 1/(2 k sigma).
   static float most_of_direct(float per_distance_a, float per_distance_b, const Beams& beams) {
     return within_reach(beams) * (per_distance_a + per_distance_b);
@@ -185,12 +189,13 @@ private:
   std::vector<float> scale_;  ///< the same, empty where all are 1
   std::vector<std::string> notes_;
   EdgeIndex index_;
-  EdgeTree tree_;
   EdgeClusters clusters_;
+  std::vector<optics::EdgeGroup> groups_;  ///< of each cluster
+  std::vector<std::uint8_t> is_covered_;   ///< the same: whether a face may cover one of its edges
+  EdgeTree tree_;
   EdgeDistance distance_;
   StraightEdges straight_;
   EdgeCovers covers_;
-  std::vector<optics::EdgeGroup> groups_;  ///< of each cluster, empty where a face may cover one of its edges
 };
 
 }  // namespace aureole

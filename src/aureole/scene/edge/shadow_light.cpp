@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/shadow_light.h"
+
+#include <algorithm>
+#include <optional>
+#include <vector>
+
+#include "aureole/core/random.h"
+#include "aureole/scene/edge/lit_edges.h"
+#include "aureole/scene/scene.h"
+
+namespace aureole {
+namespace {
+
+constexpr int kPlacesAlong = 8;  ///< of the film, on each axis
+constexpr int kLampRays = 4096;
+/// Of each surface so many of the places where they meet it serve: behind a small hole there are few.
+constexpr std::size_t kMostBounces = 32;
+constexpr std::size_t kMostSurfaces = 16;  ///< those that meet most of them
+/// Fewer places in shadow tell nothing.
+constexpr std::size_t kFewestPlaces = 8;
+
+struct Numbers {
+  std::uint64_t state;
+  float next() { return unit_float(std::uint32_t(mix_bits(state += 0x9e3779b97f4a7c15u) >> 32)); }
+  Vec2 next2() {
+    const float x = next();
+    return {x, next()};
+  }
+};
+
+bool is_matt_or_glossy(const SurfacePoint& point) {
+  return has(point.surface->lobes, Lobe::diffuse | Lobe::glossy);
+}
+
+bool is_open(const Scene& scene, const SurfacePoint& from, const Vec3& d, const Vec3* to) {
+  Ray ray{offset_origin(from, d), d, kInfinity};
+  if (to) ray.d = *to - ray.o, ray.t_max = 1 - 1e-4f;
+  return !scene.tracer().occluded(ray);
+}
+
+/// Where light of a lamp meets a surface first.
+struct Bounce {
+  SurfacePoint point;
+  Vec3 to_lamp;
+  Spectrum power;  ///< of that ray [W]
+};
+
+std::vector<Bounce> bounces(const Scene& scene, const Wavelengths& w, Numbers& numbers) {
+  std::vector<std::pair<const Surface*, std::vector<Bounce>>> found;
+  for (int i = 0; i < kLampRays; ++i) {
+    const auto lamp = scene.lights().choose_by_power(numbers.next2());
+    if (!lamp || !(lamp->probability > 0)) continue;
+    const Vec2 position = numbers.next2(), direction = numbers.next2();
+    const auto s = lamp->light->sample_ray(lamp->part, position, direction, w);
+    if (!s || !(s->pdf_position > 0) || !(s->pdf_direction > 0)) continue;
+    const auto point = scene.intersect({offset_origin(s->p, s->p_error, s->ng, s->d), s->d, kInfinity});
+    if (!point || !is_matt_or_glossy(*point)) continue;
+    auto of_surface =
+        std::ranges::find_if(found, [&](const auto& entry) { return entry.first == point->surface; });
+    if (of_surface == found.end()) of_surface = found.insert(found.end(), {point->surface, {}});
+    const float density = s->pdf_position * s->pdf_direction * lamp->probability * kLampRays;
+    of_surface->second.push_back({*point, -s->d, s->value * (1 / density)});
+  }
+  std::ranges::stable_sort(found,
+                           [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
+  found.resize(std::min(found.size(), kMostSurfaces));
+  std::vector<Bounce> result;
+  for (const auto& [surface, all] : found) {
+    const std::size_t kept = std::min(all.size(), kMostBounces);  // their order is random
+    for (std::size_t i = 0; i < kept; ++i) {
+      result.push_back(all[i]);
+      result.back().power *= float(all.size()) / float(kept);
+    }
+  }
+  return result;
+}
+
+/// The irradiance that all of them send to a place.
+double irradiance_from(const Scene& scene, std::span<const Bounce> bounces, const SurfacePoint& x,
+                       const Vec3& n, const Wavelengths& w) {
+  double sum = 0;
+  for (const Bounce& b : bounces) {
+    const Vec3 to = x.p - b.point.p;
+    const float d2 = length_squared(to);
+    if (!(d2 > 0)) continue;
+    const Vec3 d = to * (1 / std::sqrt(d2));
+    const float cosine = -dot(n, d);
+    if (!(cosine > 0)) continue;
+    const BsdfContext context{w, b.point};
+    const Frame& frame = b.point.shading;
+    const double sent = double(
+        mean(b.power *
+             b.point.surface->bsdf->eval_pdf(frame.to_local(b.to_lamp), frame.to_local(d), context).value));
+    if (sent > 0 && is_open(scene, x, -d, &b.point.p)) sum += sent * double(cosine / d2);
+  }
+  return sum;
+}
+
+/// What a matt place with the normal n would have of a lamp as it shines on an edge, in the direction of that, over the lamp's probability.
+double unobstructed(const Scene& scene, const Vec3& p, const Vec3& n, const LightChoice& lamp,
+                    const Wavelengths& w, Numbers& numbers) {
+  const Vec2 u = numbers.next2();
+  const auto end = lamp_end(*lamp.light, lamp.part, u, p, w);
+  if (!end) return 0;
+  const LitEdges::Lamp* known = scene.lit_edges().from(*lamp.light, lamp.part);
+  const float at[3] = {numbers.next(), numbers.next(), numbers.next()};
+  const auto place = scene.edges()->choose_from(*end, at, nullptr, known ? known->lit.data() : nullptr);
+  if (!place) return 0;
+  const Vec3 y = place->on_edge();
+  const auto s = lamp.light->sample_direct(y, lamp.part, u, w);
+  if (!s || !(s->pdf > 0)) return 0;
+  const float nearer =
+      s->infinite ? 1 : length_squared(s->p - y) / std::max(length_squared(s->p - p), 1e-30f);
+  return double(mean(s->radiance)) * nearer * std::max(0.f, dot(n, normalize(y - p))) /
+         (s->pdf * lamp.probability);
+}
+
+bool is_lit(const Scene& scene, const SurfacePoint& point, const LightChoice& lamp, const Wavelengths& w,
+            Numbers& numbers) {
+  const auto s = lamp.light->sample_direct(point.p, lamp.part, numbers.next2(), w);
+  return s && s->pdf > 0 && is_open(scene, point, s->wo, s->infinite ? nullptr : &s->p);
+}
+
+}  // namespace
+
+float light_in_shadows(const Scene& scene, const Wavelengths& w) {
+  if (scene.lights().empty() || !scene.has_binary_visibility()) return 0;
+  Numbers numbers{0x5851f42d4c957f2du};
+  const std::vector<Bounce> lit = bounces(scene, w, numbers);
+  if (lit.empty()) return 0;
+  std::vector<double> ratios;
+  const FilmPart& part = scene.sensor().part;
+  const Vec2 size = part.upper - part.lower;
+  for (int i = 0; i < kPlacesAlong * kPlacesAlong; ++i) {
+    const Vec2 film{part.lower.x + size.x * (float(i % kPlacesAlong) + 0.5f) / kPlacesAlong,
+                    part.lower.y + size.y * (float(i / kPlacesAlong) + 0.5f) / kPlacesAlong};
+    const Ray ray = scene.sensor().sample_ray(film, numbers.next2()).ray;
+    const auto point = scene.intersect(ray);
+    const auto lamp = scene.lights().choose_by_power(numbers.next2());
+    if (!point || !is_matt_or_glossy(*point) || !lamp || !(lamp->probability > 0)) continue;
+    const Vec3 n = dot(point->shading.n, ray.d) < 0 ? point->shading.n : -point->shading.n;
+    if (is_lit(scene, *point, *lamp, w, numbers)) continue;
+    if (const double direct = unobstructed(scene, point->p, n, *lamp, w, numbers); direct > 0)
+      ratios.push_back(irradiance_from(scene, lit, *point, n, w) / direct);
+  }
+  if (ratios.size() < kFewestPlaces) return 0;
+  const auto quartile = ratios.begin() + std::ptrdiff_t(ratios.size() / 4);
+  std::ranges::nth_element(ratios, quartile);
+  return float(*quartile);
+}
+
+}  // namespace aureole
