@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "aureole/core/keyed_random.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
-#include "aureole/transport/keyed_random.h"
 #include "harness/effort.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"
@@ -488,7 +488,7 @@ TEST(EdgeLedger, OpenPartIsThatBesideThePolygon) {
         for (const float side : {1.f, -1.f}) {
           Mean rays;
           for (int i = 0; i < (kSanitized ? 100 : 20000); ++i)
-            rays.add(per_open_way(*scene, place, {0, 0, side}, deviation, 1, random));
+            rays.add(*per_open_way(*scene, place, {0, 0, side}, deviation, 1, random));
           EXPECT_NEAR(rays.mean(), 1 / (1 - covered), 5 * rays.error())
               << corners << " " << deviation << " " << at;
         }

@@ -10,10 +10,10 @@
 #include <numbers>
 #include <set>
 
+#include "aureole/core/keyed_random.h"
 #include "aureole/loading/load.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
 #include "aureole/scene/edge/scene_edges.h"
-#include "aureole/transport/keyed_random.h"
 #include "harness/paths.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"
@@ -125,9 +125,25 @@ TEST(DiffractingShapes, BadScenesAreErrorsOrRemarks) {
     wires +=
         R"(<shape type="rectangle"><transform name="to_world"><scale x="1e-7" y="0.01"/><translate x=")" +
         std::to_string(1e-6 * i) + R"("/></transform></shape>)";
-  std::string notes;
-  for (const std::string& note : load(scene_of(wires, "1mm")).notes) notes += note;
-  EXPECT_NE(notes.find("a beam of light holds up to"), std::string::npos) << notes;
+  const auto notes_of = [](const std::string& shapes) {
+    std::string notes;
+    for (const std::string& note : load(scene_of(shapes, "1mm")).notes) notes += note + "\n";
+    return notes;
+  };
+  EXPECT_NE(notes_of(wires).find("a beam of light holds up to"), std::string::npos) << notes_of(wires);
+
+  const auto sheet = [](const std::string& to_world) {
+    return R"(<shape type="rectangle"><transform name="to_world"><scale value="0.01"/>)" + to_world +
+           "</transform></shape>";
+  };
+  // Two sheets through each other, and beside each other with a gap of a tenth of a micrometre and of a millimetre.
+  const std::string crossing = sheet("") + sheet(R"(<rotate x="1" y="0.3" angle="70"/>)");
+  EXPECT_NE(notes_of(crossing).find("edges: 4 of 4 faces cut through others"), std::string::npos)
+      << notes_of(crossing);
+  const std::string narrow = notes_of(sheet("") + sheet(R"(<translate x="0.0200001"/>)")),
+                    wide = notes_of(sheet("") + sheet(R"(<translate x="0.021"/>)"));
+  EXPECT_NE(narrow.find("through so narrow a slit"), std::string::npos) << narrow;
+  EXPECT_EQ(wide, "");
 }
 
 /// The part of the light on a disc of radius r that its edges send by q, per solid angle: (A/lambda)^2 (2 J1(q r)/(q r))^2.

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <set>
 
-#include "aureole/transport/keyed_random.h"
+#include "aureole/core/keyed_random.h"
 #include "scene/triangles.h"
 
 namespace aureole {

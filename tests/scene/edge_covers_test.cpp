@@ -154,7 +154,7 @@ TEST(EdgeCovers, ManySmallFacesAreOneLarge) {
   for (const Triangles* mesh : {&one, &many}) {
     const TriangleSet set{mesh->positions, mesh->triangles};
     const EdgeIndex index = mesh->index();
-    const EdgeCovers covers(index, {}, {&set, 1}, 2);
+    const EdgeCovers covers(index, {}, FaceTree({&set, 1}), 2);
     for (const Vec3& d : {Vec3{0, 0, -1}, normalize(Vec3{0.4f, 0.1f, -1}), normalize(Vec3{0.4f, 0.1f, 1})}) {
       // The square is seen from the plane of the strip where the light has moved it.
       const float moved = -d.x / d.z;

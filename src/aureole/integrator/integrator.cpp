@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
+#include "aureole/core/keyed_random.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/connection.h"
 #include "aureole/transport/dimensions.h"
 #include "aureole/transport/edge_ledger.h"
-#include "aureole/transport/keyed_random.h"
 
 namespace aureole {
 

@@ -8,31 +8,25 @@
 #include <span>
 #include <vector>
 
+#include "aureole/core/keyed_random.h"
 #include "aureole/math/erf_inverse.h"
-#include "aureole/transport/keyed_random.h"
 
 namespace aureole {
 namespace {
 
 using std::numbers::pi;
 
-/// Standard deviation of G over the widest sigma: small, since the light that is missing comes from next to the edge, but not so small that
-/// corners of openings lend more than they have (docs/decisions.md).
-constexpr double kSpread = 0.6;
-/// Beyond this distance across the light, in these deviations, G counts as 0 (4e-5 of it).
-constexpr double kReach = 4.5;
+using beside::kPassing;
+using beside::kReach;
+using beside::kSpread;
+
 // In sigma:
-/// Free way before and behind an edge that light needs to pass it.
-constexpr float kPassing = 3;
 /// Of an edge at the end of the way others are ignored that are nearer, as where they interfere (`SceneEdges::far_enough`).
 constexpr float kIgnored = 7;
 /// Edges within this depth take of the same light, others one group after the other.
 constexpr double kTogether = 7;
 /// Edges nearer than that are looked at where directions are chosen.
 constexpr float kNear = 7;
-/// Rays that look for an open way beside an edge, at most. Of slits that are met less often the estimate is cut.
-constexpr int kMostRays = 4096;
-
 /// One edge is drawn for every so many that are beside a way, and at most so many are.
 constexpr int kPerDraw = 12, kMostDraws = 4;
 
@@ -64,20 +58,6 @@ struct View {
   Double3 o, x, y, z;
   double scale;
 };
-
-/// Whether a surface that is more than a boundary of media is in the way.
-bool is_blocked(const Scene& scene, Ray ray) {
-  if (scene.has_binary_visibility()) return scene.tracer().occluded(ray);
-  for (int i = 0; i < 16; ++i) {
-    const auto point = scene.intersect(ray);
-    if (!point) return false;
-    if (point->surface->lobes != kNullLobe) return true;
-    const float passed = length(point->p - ray.o);
-    const Ray rest = Anchor::of(*point).leave(ray.d);
-    ray = {rest.o, ray.d, ray.t_max - passed};
-  }
-  return true;
-}
 
 /// A stretch of an edge beside a way, seen along that in deviations.
 struct Stretch {
@@ -138,7 +118,7 @@ Spectrum lent_at(const Scene& scene, std::span<const Stretch> stretches, double 
   if (!(mass > 0)) return 0.f;
   const EdgePoint point = scene.edges()->place_on(*s.edge, at);
   const double per_way =
-      per_open_way(scene, point, d, deviation, kPassing * scene.edges()->widest_beam(), random);
+      per_open_way(scene, point, d, deviation, kPassing * scene.edges()->widest_beam(), random).value_or(0);
   if (!(per_way > 0)) return 0.f;
   return power_at(*scene.edges(), point, d, beams, random) * float(mass * all / s.weight * per_way);
 }
@@ -159,27 +139,6 @@ Spectrum lent(const Scene& scene, std::span<const Stretch> stretches, const Vec3
 }
 
 }  // namespace
-
-double per_open_way(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation, double depth,
-                    KeyedRandom& random) {
-  const auto reach = float(depth);
-  // Ways as short as that must not begin behind the face by rounding.
-  if (!(reach > max_component(abs(x.p)) * gamma_bound(8))) return 0;
-  if (is_blocked(scene, {x.p, -d, reach}) || is_blocked(scene, {x.p, d, reach})) return 0;
-  Double3 s, t;
-  make_basis(normalize(Double3(d)), s, t);
-  for (int rays = 1; rays <= kMostRays; ++rays) {
-    const double r2 = -2 * std::log1p(-double(random.next())), phi = 2 * pi * random.next();
-    if (r2 > kReach * kReach) {
-      --rays;
-      continue;
-    }
-    const double r = deviation * std::sqrt(r2);
-    const Vec3 o = (x.x + s * (r * std::cos(phi)) + t * (r * std::sin(phi))).to_float() - reach * d;
-    if (!is_blocked(scene, {o, d, 2 * reach})) return rays;
-  }
-  return 0;
-}
 
 Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d,
                        const SceneEdges::Beams& beams, std::span<const float, 7> u) {

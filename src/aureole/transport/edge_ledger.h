@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <span>
 
+#include "aureole/scene/edge/open_ways.h"
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/scene/scene.h"
 #include "aureole/transport/connection.h"
@@ -51,13 +52,9 @@ void lend_to_edges(const Scene& scene, const Ray& ray, float length, LightWay::E
   if (scene.edges()) density.attenuate(Weight(left_by_edges(scene, {ray.o, ray.d, length, begin}, w, key)));
 }
 
-/// Its parts, for tests. An estimate of S [unit of length of the scene] at a place on an edge, for light that travels along `d`, by seven
+/// A part of it, for tests: an estimate of S [unit of length of the scene] at a place on an edge, for light that travels along `d`, by seven
 /// numbers in [0, 1).
 Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d,
                        const SceneEdges::Beams& beams, std::span<const float, 7> u);
-/// An estimate of 1/N, a number of 1 and more, for a Gaussian of that standard deviation and ways of that length before and behind it
-/// [unit of length of the scene]; 0 where none passes x itself.
-double per_open_way(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation, double depth,
-                    class KeyedRandom& random);
 
 }  // namespace aureole

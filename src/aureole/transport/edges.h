@@ -10,11 +10,11 @@
 
 #include <optional>
 
+#include "aureole/core/keyed_random.h"
 #include "aureole/scene/edge/scene_edges.h"
 #include "aureole/transport/anchor.h"
 #include "aureole/transport/connection.h"
 #include "aureole/transport/edge_ledger.h"
-#include "aureole/transport/keyed_random.h"
 #include "aureole/transport/vertex.h"
 
 namespace aureole {

@@ -3,7 +3,7 @@
 // light sampling would have found a light that a path has met.
 #pragma once
 
-#include "aureole/transport/keyed_random.h"
+#include "aureole/core/keyed_random.h"
 #include "aureole/transport/vertex.h"
 
 namespace aureole {

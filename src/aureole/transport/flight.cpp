@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aureole/transport/keyed_random.h"
+#include "aureole/core/keyed_random.h"
 
 namespace aureole {
 

@@ -105,21 +105,11 @@ EdgeStretch covered_by(const std::array<Vec3, 3>& face, const View& view, double
 
 }  // namespace
 
-EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters,
-                       std::span<const TriangleSet> sets, float depth) {
+EdgeCovers::EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, FaceTree faces, float depth) {
   const std::vector<MeshEdge>& edges = index.edges();
   if (edges.empty()) return;
-  std::vector<Bounds3> boxes;
-  std::vector<std::uint32_t> sets_of;
-  for (std::uint32_t set = 0; set < sets.size(); ++set)
-    for (const TriangleIndices& corners : sets[set].triangles) {
-      Triangle& triangle = faces_.emplace_back();
-      for (std::size_t c = 0; c < 3; ++c) triangle[c] = sets[set].positions[corners[c]];
-      Bounds3& box = boxes.emplace_back();
-      for (const Vec3& p : triangle) box.extend(p);
-      sets_of.push_back(set);
-    }
-  tree_ = BeamTree(boxes);
+  faces_ = std::move(faces.faces), tree_ = std::move(faces.tree);
+  const std::vector<std::uint32_t>& sets_of = faces.set_of;
   const auto faces_about = [&](std::size_t number, std::vector<std::uint32_t>& found) {
     const MeshEdge& edge = edges[number];
     const Vec3 way = edge.b - edge.a;

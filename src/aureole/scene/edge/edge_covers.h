@@ -13,6 +13,7 @@
 
 #include "aureole/scene/edge/edge_clusters.h"
 #include "aureole/scene/edge/edge_index.h"
+#include "aureole/scene/edge/face_tree.h"
 #include "aureole/shape/geometry/double3.h"
 
 namespace aureole {
@@ -26,8 +27,7 @@ class EdgeCovers {
 public:
   EdgeCovers() = default;
   /// `depth`: how far before or behind an edge faces belong to the same obstacle, at most.
-  EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, std::span<const TriangleSet> sets,
-             float depth);
+  EdgeCovers(const EdgeIndex& index, const EdgeClusters& clusters, FaceTree faces, float depth);
 
   /// Whether some face may cover part of the edge, from any direction for which that is an outline.
   bool may_be(std::size_t edge) const { return !begins_.empty() && begins_[edge] != begins_[edge + 1]; }
@@ -36,7 +36,7 @@ public:
                                     float depth) const;
 
 private:
-  using Triangle = std::array<Vec3, 3>;
+  using Triangle = FaceTree::Triangle;
   /// Edges with more faces near by than that look for them in the tree.
   static constexpr std::size_t kMostListed = 256;
   static constexpr std::uint32_t kMany = ~0u;

@@ -32,6 +32,11 @@ struct MeshEdge {
 
   /// Whether, in parallel light along `d`, one of the faces is lit from the front and the other one from the back.
   bool is_outline(const Vec3& d) const { return is_boundary | (dot(n0, d) * dot(n1, d) <= 0); }
+  /// A direction of light, of length 1, for which it is an outline.
+  Vec3 across() const {
+    const Vec3 d = is_boundary ? n0 : cross(b - a, n0 + n1);
+    return normalize(length_squared(d) > 0 ? d : n0);
+  }
   float squared_distance(const Vec3& p) const {
     const Vec3 way = b - a, to = p - a;
     return length_squared(to - way * std::clamp(dot(to, way) / length_squared(way), 0.f, 1.f));

@@ -81,7 +81,9 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   tree_ = EdgeTree(index_.edges(), clusters_, groups_);
   distance_ = EdgeDistance(index_, kMargin * widest_beam_);
   straight_ = StraightEdges(index_);
-  covers_ = EdgeCovers(index_, clusters_, shapes.sets, float(kDepth) * widest_beam_);
+  FaceTree faces(shapes.sets);
+  const std::string crossings = tree_.empty() ? "" : remark_on_crossings(faces);
+  covers_ = EdgeCovers(index_, clusters_, std::move(faces), float(kDepth) * widest_beam_);
   for (std::size_t c = 0; c < clusters_.size(); ++c)
     is_covered_.push_back(
         std::ranges::any_of(clusters_.edges(c), [&](std::uint32_t i) { return covers_.may_be(i); }));
@@ -89,6 +91,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
   if (std::any_of(shapes.scale.begin(), shapes.scale.end(), [](float scale) { return scale != 1; }))
     scale_ = std::move(shapes.scale);
   notes_ = std::move(shapes.remarks);
+  if (!crossings.empty()) notes_.push_back(crossings);
   if (!tree_.empty() && longest > diameter_ * unit_m_)
     throw BeamWidthError(
         "the longest wavelength is longer than the scene, whose edges cannot diffract it as edges do");
@@ -125,11 +128,8 @@ void SceneEdges::remark_crowds() {
     const std::size_t number = i * edges.size() / std::min(kPlaces, edges.size());
     if (!clusters_.of(number).empty()) continue;
     const MeshEdge& edge = edges[number];
-    const Vec3 along = normalize(edge.b - edge.a);
-    Vec3 d = edge.is_boundary ? edge.n0 : cross(along, edge.n0 + edge.n1);
-    if (!(length_squared(d) > 0)) d = edge.n0;
     std::size_t count = 0;
-    index_.visit_edges({0.5f * (edge.a + edge.b), normalize(d), radius, -depth, depth},
+    index_.visit_edges({0.5f * (edge.a + edge.b), edge.across(), radius, -depth, depth},
                        [&](const MeshEdge&) { ++count; });
     most = std::max(most, count);
   }

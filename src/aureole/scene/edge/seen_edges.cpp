@@ -11,8 +11,6 @@
 namespace aureole {
 namespace {
 
-/// With fewer lit edges the tree of edges serves.
-constexpr std::size_t kFewest = 64;
 /// Of each stratum as many edges are tried, those that send most light if nothing is in the way.
 constexpr std::size_t kMostTried = 256;
 constexpr int kMostStrata = 64;  ///< along an axis
@@ -150,7 +148,7 @@ SeenEdges::SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span
   double all = 0;
   for (const LitEdges::Lamp& lamp : lit.lamps())
     // The sky is not known by a few of its directions.
-    if (lamp.edges.size() >= kFewest && !lights[lamp.light].is_infinite())
+    if (!lamp.edges.empty() && !lights[lamp.light].is_infinite())
       worth.push_back(&lamp), all += double(lamp.edges.size());
   if (worth.empty()) return;
   Bounds3 places;

@@ -32,7 +32,7 @@ public:
   };
 
   SeenEdges() = default;
-  /// For sensors with many places, such as maps, and lamps that light so many edges that it is worth the time. `w`: any wavelengths.
+  /// For sensors with many places, such as maps. `w`: any wavelengths.
   SeenEdges(const SceneEdges& edges, const RayTracer& tracer, std::span<const Light> lights,
             const LitEdges& lit, const PlacedSensor& sensor, const Wavelengths& w);
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "aureole/core/random.h"
+#include "aureole/core/keyed_random.h"
 #include "aureole/scene/edge/lit_edges.h"
 #include "aureole/scene/scene.h"
 
@@ -20,14 +20,10 @@ constexpr std::size_t kMostSurfaces = 16;  ///< those that meet most of them
 /// Fewer places in shadow tell nothing.
 constexpr std::size_t kFewestPlaces = 8;
 
-struct Numbers {
-  std::uint64_t state;
-  float next() { return unit_float(std::uint32_t(mix_bits(state += 0x9e3779b97f4a7c15u) >> 32)); }
-  Vec2 next2() {
-    const float x = next();
-    return {x, next()};
-  }
-};
+Vec2 next2(KeyedRandom& random) {
+  const float x = random.next();
+  return {x, random.next()};
+}
 
 bool is_matt_or_glossy(const SurfacePoint& point) {
   return has(point.surface->lobes, Lobe::diffuse | Lobe::glossy);
@@ -46,12 +42,12 @@ struct Bounce {
   Spectrum power;  ///< of that ray [W]
 };
 
-std::vector<Bounce> bounces(const Scene& scene, const Wavelengths& w, Numbers& numbers) {
+std::vector<Bounce> bounces(const Scene& scene, const Wavelengths& w, KeyedRandom& random) {
   std::vector<std::pair<const Surface*, std::vector<Bounce>>> found;
   for (int i = 0; i < kLampRays; ++i) {
-    const auto lamp = scene.lights().choose_by_power(numbers.next2());
+    const auto lamp = scene.lights().choose_by_power(next2(random));
     if (!lamp || !(lamp->probability > 0)) continue;
-    const Vec2 position = numbers.next2(), direction = numbers.next2();
+    const Vec2 position = next2(random), direction = next2(random);
     const auto s = lamp->light->sample_ray(lamp->part, position, direction, w);
     if (!s || !(s->pdf_position > 0) || !(s->pdf_direction > 0)) continue;
     const auto point = scene.intersect({offset_origin(s->p, s->p_error, s->ng, s->d), s->d, kInfinity});
@@ -99,12 +95,12 @@ double irradiance_from(const Scene& scene, std::span<const Bounce> bounces, cons
 
 /// What a matt place with the normal n would have of a lamp as it shines on an edge, in the direction of that, over the lamp's probability.
 double unobstructed(const Scene& scene, const Vec3& p, const Vec3& n, const LightChoice& lamp,
-                    const Wavelengths& w, Numbers& numbers) {
-  const Vec2 u = numbers.next2();
+                    const Wavelengths& w, KeyedRandom& random) {
+  const Vec2 u = next2(random);
   const auto end = lamp_end(*lamp.light, lamp.part, u, p, w);
   if (!end) return 0;
   const LitEdges::Lamp* known = scene.lit_edges().from(*lamp.light, lamp.part);
-  const float at[3] = {numbers.next(), numbers.next(), numbers.next()};
+  const float at[3] = {random.next(), random.next(), random.next()};
   const auto place = scene.edges()->choose_from(*end, at, nullptr, known ? known->lit.data() : nullptr);
   if (!place) return 0;
   const Vec3 y = place->on_edge();
@@ -117,8 +113,8 @@ double unobstructed(const Scene& scene, const Vec3& p, const Vec3& n, const Ligh
 }
 
 bool is_lit(const Scene& scene, const SurfacePoint& point, const LightChoice& lamp, const Wavelengths& w,
-            Numbers& numbers) {
-  const auto s = lamp.light->sample_direct(point.p, lamp.part, numbers.next2(), w);
+            KeyedRandom& random) {
+  const auto s = lamp.light->sample_direct(point.p, lamp.part, next2(random), w);
   return s && s->pdf > 0 && is_open(scene, point, s->wo, s->infinite ? nullptr : &s->p);
 }
 
@@ -126,8 +122,8 @@ bool is_lit(const Scene& scene, const SurfacePoint& point, const LightChoice& la
 
 float light_in_shadows(const Scene& scene, const Wavelengths& w) {
   if (scene.lights().empty() || !scene.has_binary_visibility()) return 0;
-  Numbers numbers{0x5851f42d4c957f2du};
-  const std::vector<Bounce> lit = bounces(scene, w, numbers);
+  KeyedRandom random(0x5851f42du);
+  const std::vector<Bounce> lit = bounces(scene, w, random);
   if (lit.empty()) return 0;
   std::vector<double> ratios;
   const FilmPart& part = scene.sensor().part;
@@ -135,13 +131,13 @@ float light_in_shadows(const Scene& scene, const Wavelengths& w) {
   for (int i = 0; i < kPlacesAlong * kPlacesAlong; ++i) {
     const Vec2 film{part.lower.x + size.x * (float(i % kPlacesAlong) + 0.5f) / kPlacesAlong,
                     part.lower.y + size.y * (float(i / kPlacesAlong) + 0.5f) / kPlacesAlong};
-    const Ray ray = scene.sensor().sample_ray(film, numbers.next2()).ray;
+    const Ray ray = scene.sensor().sample_ray(film, next2(random)).ray;
     const auto point = scene.intersect(ray);
-    const auto lamp = scene.lights().choose_by_power(numbers.next2());
+    const auto lamp = scene.lights().choose_by_power(next2(random));
     if (!point || !is_matt_or_glossy(*point) || !lamp || !(lamp->probability > 0)) continue;
     const Vec3 n = dot(point->shading.n, ray.d) < 0 ? point->shading.n : -point->shading.n;
-    if (is_lit(scene, *point, *lamp, w, numbers)) continue;
-    if (const double direct = unobstructed(scene, point->p, n, *lamp, w, numbers); direct > 0)
+    if (is_lit(scene, *point, *lamp, w, random)) continue;
+    if (const double direct = unobstructed(scene, point->p, n, *lamp, w, random); direct > 0)
       ratios.push_back(irradiance_from(scene, lit, *point, n, w) / direct);
   }
   if (ratios.size() < kFewestPlaces) return 0;
