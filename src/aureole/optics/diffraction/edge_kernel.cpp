@@ -408,10 +408,57 @@ void straight_edge_kernels(double across, double along, double shown, std::span<
   }
 }
 
+namespace {
+
+/// Of an endless edge over the whole plane of q, over sigma.
+double whole_straight_power() {
+  static const double power = std::sqrt(kStraightRemoval / pi) * (2 - std::numbers::sqrt2);
+  return power;
+}
+
+}  // namespace
+
 double straight_edge_power(double cosine, double k, double sigma) {
-  // Over the whole plane of q, less what has no direction (`mean_edge_powers`).
-  static const double whole = std::sqrt(kStraightRemoval / pi) * (2 - std::numbers::sqrt2);
-  return whole * std::sqrt(std::max(0.0, 1 - cosine * cosine)) * sigma - std::abs(cosine) / (4 * k);
+  // Less what has no direction (`mean_edge_powers`).
+  return whole_straight_power() * std::sqrt(std::max(0.0, 1 - cosine * cosine)) * sigma -
+         std::abs(cosine) / (4 * k);
+}
+
+void add_straight_edge_corrections(double across, double along, double shown, double weight,
+                                   std::span<const double> k, std::span<const double> sigma,
+                                   std::span<double> result) {
+  const double across2 = across * across, along2 = along * along, turn2 = across2 + along2;
+  if (!(across2 > 0)) return;
+  const double factor = weight * shown * std::sqrt(8 / pi) / (4 * pi), mean = across2 / (turn2 * turn2);
+  for (std::size_t i = 0; i < k.size(); i += kLanes) {
+    const Lanes width = load_lanes(&sigma[i]), s = load_lanes(&k[i]) * width, s2 = s * s;
+    const Lanes left = one_less_exp_minus(kStraightRemoval * across2 * s2);
+    const Lanes more = left * left * (1 / across2) - mean * one_less_exp_minus(2 * turn2 * s2);
+    store_lanes(&result[i], load_lanes(&result[i]) + factor * width * exp_minus(2 * along2 * s2) * more);
+  }
+}
+
+double straight_edge_power_correction(double cosine, double sigma) {
+  // `mean_edge_powers` along an endless edge: the integral of exp(-t^2) (E1(t^2) + (1 - exp(-t^2))/t^2).
+  static const double mean =
+      std::sqrt(1 / (8 * pi)) * 2 * (std::log(1 + std::numbers::sqrt2) + std::numbers::sqrt2 - 1);
+  return std::sqrt(std::max(0.0, 1 - cosine * cosine)) * sigma * (whole_straight_power() - mean);
+}
+
+double straight_edge_weight(std::span<const ProjectedEdge> edges, std::size_t index, double at, double before,
+                            double after, double sigma) {
+  const ProjectedEdge& own = edges[index];
+  const double x = own.from.x + at * (own.to.x - own.from.x), y = own.from.y + at * (own.to.y - own.from.y);
+  const double scale2 = 8 * sigma * sigma;
+  double weight = 0.5 * (std::erf(before / std::sqrt(scale2)) + std::erf(after / std::sqrt(scale2)));
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (i == index) continue;
+    const double ex = edges[i].to.x - edges[i].from.x, ey = edges[i].to.y - edges[i].from.y;
+    const double fx = x - edges[i].from.x, fy = y - edges[i].from.y;
+    const double length2 = ex * ex + ey * ey, along = fx * ex + fy * ey, across = fx * ey - fy * ex;
+    if (along > 0 && along < length2) weight *= -std::expm1(-across * across / (length2 * scale2));
+  }
+  return weight;
 }
 
 void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double turn,

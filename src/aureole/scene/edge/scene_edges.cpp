@@ -270,9 +270,10 @@ double fraction_of(const EdgePoint& point) { return point.at / EdgeLine(*point.e
 struct SceneEdges::Neighbours {
   /// `near` is the thread's, until the next call.
   const std::vector<const MeshEdge*>* near;
-  bool is_cluster;     ///< `near` has the edge itself, too
-  EdgeStretch own;     ///< the part of the edge about the place that no face covers
-  bool alone = false;  ///< there are none but parts of the same straight line, whose ends are far
+  bool is_cluster;               ///< `near` has the edge itself, too
+  EdgeStretch own;               ///< the part of the edge about the place that no face covers
+  double before = 0, after = 0;  ///< of its straight line, from the place to the ends
+  bool alone = false;            ///< there are none but parts of that line, whose ends are far
 };
 
 std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& point, const Vec3& d,
@@ -299,7 +300,7 @@ std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& po
       count += edge.is_outline(d);
     }
     near.resize(count);
-    return Neighbours{&near, true, own};
+    return Neighbours{.near = &near, .is_cluster = true, .own = own};
   }
   const float radius = float(kCoherent * beams.widest), depth = float(kDepth * beams.widest);
   const StraightEdges::Place place = straight_.of(number);
@@ -313,7 +314,7 @@ std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& po
   const double ends = kEndless * beams.widest,
                before = (at - own.from) * length + (own.from > 0 ? 0 : double(place.before)),
                after = (own.to - at) * length + (own.to < 1 ? 0 : double(place.after));
-  return Neighbours{&near, false, own, !others && before > ends && after > ends};
+  return Neighbours{&near, false, own, before, after, !others && before > ends && after > ends};
 }
 
 /// `projected` receives what is seen of the edges; the place lies on the one of that number, `at` a fraction of it.
@@ -378,13 +379,13 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
 
   const std::optional<Neighbours> around = neighbours(point, d, beams);
   if (!around) return 0.f;
+  const Double3 seen = EdgeLine(*point.edge).direction - along * dot(EdgeLine(*point.edge).direction, along);
+  const double shown2 = dot(seen, seen);
+  if (!(shown2 > 1e-12)) return 0.f;
+  const double shown = std::sqrt(shown2), along_edge2 = dot(turn, seen) * dot(turn, seen) / shown2,
+               along_edge = std::sqrt(along_edge2), across = std::sqrt(std::max(0.0, turn2 - along_edge2));
   if (around->alone) {
-    const Double3 own = EdgeLine(*point.edge).direction, across = own - along * dot(own, along);
-    const double shown2 = dot(across, across);
-    if (!(shown2 > 1e-12)) return 0.f;
-    const double along_edge2 = dot(turn, across) * dot(turn, across) / shown2;
-    optics::straight_edge_kernels(std::sqrt(std::max(0.0, turn2 - along_edge2)), std::sqrt(along_edge2),
-                                  std::sqrt(shown2), k, sigma, result);
+    optics::straight_edge_kernels(across, along_edge, shown, k, sigma, result);
     return scaled();
   }
 
@@ -395,6 +396,9 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     optics::drawn_edge_kernels(projected, own.own, wave(), std::sqrt(turn2), k, sigma, result);
   } else {
     optics::mean_edge_kernels(projected, own.at, std::sqrt(turn2), k, sigma, result);
+    const double weight = optics::straight_edge_weight(projected, own.own, own.at, around->before * shown,
+                                                       around->after * shown, double(beams.widest));
+    optics::add_straight_edge_corrections(across, along_edge, shown, weight, k, sigma, result);
   }
   return scaled();
 }
@@ -447,6 +451,14 @@ std::optional<Spectrum> SceneEdges::power(const EdgePoint& point, const Vec3& di
   const Projected own = project(*around, point, projection, beams, projected);
   if (has_parallel_within(kApart * 2 * pi / min_component(beams.k), projected, own.own, own.at)) return {};
   optics::mean_edge_powers(projected, own.own, own.at, k, sigma, result);
+  if (!around->is_cluster) {
+    const double cosine = dot(EdgeLine(*point.edge).direction, along),
+                 shown = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    const double weight = optics::straight_edge_weight(projected, own.own, own.at, around->before * shown,
+                                                       around->after * shown, double(beams.widest));
+    for (int i = 0; i < kWavelengths; ++i)
+      result[i] += weight * optics::straight_edge_power_correction(cosine, sigma[i]);
+  }
   return make_spectrum([&](int i) { return float(scale * result[i]); });
 }
 

@@ -2,6 +2,7 @@
 #include "aureole/scene/edge/shadow_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -13,7 +14,7 @@ namespace aureole {
 namespace {
 
 constexpr int kPlacesAlong = 8;  ///< of the film, on each axis
-constexpr int kLampRays = 4096;
+constexpr int kLampRays = 16384;
 /// Of each surface so many of the places where they meet it serve: behind a small hole there are few.
 constexpr std::size_t kMostBounces = 32;
 constexpr std::size_t kMostSurfaces = 16;  ///< those that meet most of them
@@ -47,7 +48,9 @@ std::vector<Bounce> bounces(const Scene& scene, const Wavelengths& w, KeyedRando
   for (int i = 0; i < kLampRays; ++i) {
     const auto lamp = scene.lights().choose_by_power(next2(random));
     if (!lamp || !(lamp->probability > 0)) continue;
-    const Vec2 position = next2(random), direction = next2(random);
+    // Evenly spread (Roberts' sequence): few of the rays pass small holes.
+    const auto spread = [&](double step) { return float(std::fmod((i + 0.5) * step, 1.0)); };
+    const Vec2 position = next2(random), direction{spread(0.7548776662466927), spread(0.5698402909980532)};
     const auto s = lamp->light->sample_ray(lamp->part, position, direction, w);
     if (!s || !(s->pdf_position > 0) || !(s->pdf_direction > 0)) continue;
     const auto point = scene.intersect({offset_origin(s->p, s->p_error, s->ng, s->d), s->d, kInfinity});
