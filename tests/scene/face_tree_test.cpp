@@ -6,18 +6,12 @@
 #include <chrono>
 #include <cmath>
 
+#include "scene/triangles.h"
+
 namespace aureole {
 namespace {
 
-struct Faces {
-  std::vector<Vec3> positions;
-  std::vector<TriangleIndices> triangles;
-
-  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const auto first = std::uint32_t(positions.size());
-    positions.insert(positions.end(), {a, b, c});
-    triangles.push_back({first, first + 1, first + 2});
-  }
+struct Faces : test::Triangles {
   void add_quad(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { add(a, b, c), add(a, c, d); }
   void add_box(const Vec3& low, const Vec3& high) {
     const auto at = [&](int x, int y, int z) {

@@ -163,6 +163,11 @@ public:
   const std::vector<std::string>& notes() const { return notes_; }
 
 private:
+  /// Beyond this many sigma edges do not interfere: their light is coherent by exp(-r^2/(8 sigma^2)), 2e-3 there.
+  static constexpr double kCoherent = 7;
+  /// Within this distance along the light, in sigma, edges belong to one beam.
+  static constexpr double kDepth = 3;
+
   EdgePoint point_on(const MeshEdge& edge, const EdgeLine& line, double l, float pdf) const;
   /// The outlines about a place in light along d that interfere with its edge: those of its cluster, or the others near by. None where
   /// a face covers the place, which is no outline then.
@@ -172,6 +177,10 @@ private:
   template <class Project>
   Projected project(const Neighbours& around, const EdgePoint& point, const Project& projection,
                     const Beams& beams, std::vector<optics::ProjectedEdge>& projected) const;
+  /// Of a place whose edge is seen by `shown` of its length: how much of the light is that of its line alone, in the widest beams at all
+  /// wavelengths. K and S have the same.
+  static double line_weight(const Neighbours& around, std::span<const optics::ProjectedEdge> projected,
+                            const Projected& own, double shown, const Beams& beams);
 
   double scale_of(const MeshEdge& edge) const {
     return scale_.empty() ? 1.0 : double(scale_[edge.face0.set]);
