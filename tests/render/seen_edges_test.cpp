@@ -135,13 +135,16 @@ TEST(SeenEdges, TablesHoldThoseOnTheSensorsSideOfTheWall) {
 TEST(SeenEdges, FewEdgesHaveTables) {
   const auto scene =
       load_scene_from_string(
-          "<scene version='3.0.0'>" + integrator("path", 3) + R"(<sensor type="powermap">)" + film(1) +
+          "<scene version='3.0.0'>" + integrator("path", 3) +
+              R"(<sensor type="powermap"><transform name="to_world"><translate z="-3"/></transform>)" +
+              film(1) +
               R"(<shape type="cube"/><emitter type="point"><point name="position" x="9" y="0" z="0"/></emitter></scene>)",
           "cube.xml")
           .scene;
   const SeenEdges::Table* table = scene->seen_edges().from(scene->emitters().front(), 0, {0.5f, 0.5f});
   ASSERT_NE(table, nullptr);
-  EXPECT_LE(table->edges.size(), 12u);
+  EXPECT_FALSE(table->edges.empty());
+  EXPECT_LT(table->edges.size(), 12u) << "no place sees all edges of a cube that the lamp shines on";
 }
 
 }  // namespace

@@ -108,7 +108,8 @@ public:
       const Vertex& vertex = vertices_[i];
       Spectrum light = 0.f;
       for (int k = 0; k < samples; ++k)
-        light += edges.from_light(EdgePaths::at_vertex(vertex, s.flight), s.is_lit, 1,
+        light += edges.from_light(EdgePaths::at_vertex(vertex, s.flight),
+                                  s.is_lit ? EdgePaths::Beside::direct : EdgePaths::Beside::nothing, 1,
                                   [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
       path.result.estimate += s.density.contribution(light * (1 / float(samples)), path.wavelengths);
     }

@@ -242,8 +242,10 @@ public:
       if (s.last || !vertex.is_smooth() || !limits_.reaches(s.depth + 3)) continue;
       Path& path = paths_[size_t(i)];
       EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kOther);
-      const Spectrum light = edges.from_light(EdgePaths::at_vertex(vertex, s.flight), s.is_lit, left(s),
-                                              [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
+      const Spectrum light =
+          edges.from_light(EdgePaths::at_vertex(vertex, s.flight),
+                           s.is_lit ? EdgePaths::Beside::direct : EdgePaths::Beside::surfaces, left(s),
+                           [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
       path.result.estimate += s.density.contribution(light, path.wavelengths);
       if (log_.follows(i) && !is_black(light))
         log_(fmt::format("  light around an edge: mean {:.6g}", mean(light)));
@@ -341,8 +343,8 @@ private:
     const auto see = [&](const EdgePaths::AtEdge& at, const Spectrum& so_far) {
       if (log_.follows(i)) log_edge(log_, s.depth, at.point.p);
       const auto kernel = [&](const Vec3& d) { return edges.kernel(at, d); };
-      path.result.estimate +=
-          s.density.contribution(so_far * edges.from_light(at.place(), false, 1, kernel), path.wavelengths);
+      path.result.estimate += s.density.contribution(
+          so_far * edges.from_light(at.place(), EdgePaths::Beside::nothing, 1, kernel), path.wavelengths);
     };
     if (!edges.leave(
             first, value, s.depth, [&](int n) { return limits_.reaches(n); }, see, s.density, s.flight,

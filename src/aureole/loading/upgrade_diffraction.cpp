@@ -11,7 +11,8 @@
 namespace aureole {
 namespace {
 
-/// Half the width of the film's band: narrow against all that depends on the wavelength.
+/// Half the width of the film's band over its wavelength: so narrow that all of it has one phase over the edges of a beam, which are 14 sigma
+/// apart at most, and one wavelength serves for all (optics/diffraction/edge_group.cpp), for sigma below some 50 wavelengths.
 constexpr double kHalfBand = 5e-6;
 
 void add(Node& owner, const Node& near, std::string_view tag, std::string name, std::string value) {

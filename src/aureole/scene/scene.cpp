@@ -91,9 +91,10 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
   if (edges_) light_edges(reuse);
-  if (!edges_ || edges_->empty()) return;
-  light_in_shadows_ = aureole::light_in_shadows(*this, middle_wavelengths());
-  if (std::string remark = remark_on_slits(*this); !remark.empty()) notes_.push_back(std::move(remark));
+  if (edges_ && !edges_->empty()) {
+    light_in_shadows_ = aureole::light_in_shadows(*this, middle_wavelengths());
+    if (std::string remark = remark_on_slits(*this); !remark.empty()) notes_.push_back(std::move(remark));
+  }
 }
 
 Wavelengths Scene::middle_wavelengths() const {

@@ -104,7 +104,7 @@ std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd&
 }
 
 std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b, const float* lit,
-                                                   const Beside& beside, float& whole) {
+                                                   Beside beside, float& whole) {
   const auto edges = edges_between(a, b, lit);
   if (!edges) return {};
   whole *= looked_at(*edges, beside);

@@ -85,24 +85,26 @@ public:
     Place place() const { return {Anchor::in_space(point.p), &flight}; }
   };
 
+  /// Other light at a place, beside which what edges send there is looked at less often: none, that of a lamp without going around an edge, or
+  /// light by way of surfaces, as the scene's shadows have it.
+  enum class Beside : std::uint8_t { nothing, direct, surfaces };
+
   /// Light of a lamp that reaches `from` around one edge, scattered there by respond(d) -> Spectrum, d the direction to the edge;
-  /// black where there is none. `is_lit`: light comes to that place without going around an edge, beside which little of that which does
-  /// is looked at seldom. `left`: about the part of the path's weight that is left there, which is the probability of looking.
+  /// black where there is none. `left`: about the part of the path's weight that is left there, which is the probability of looking.
   template <class Respond>
-  Spectrum from_light(const Place& from, bool is_lit, float left, const Respond& respond) {
+  Spectrum from_light(const Place& from, Beside beside, float left, const Respond& respond) {
     LampEnd lamp;
     float whole = looked_at(left);
     if (whole == 0 || !choose_lamp(lamp)) return 0.f;
-    whole *= looked_for(from.anchor.p, lamp.per_distance, is_lit);
+    whole *= looked_for(from.anchor.p, lamp.per_distance, beside == Beside::direct);
     if (whole == 0 || !find_guide(from.anchor.p, lamp)) return 0.f;
-    const Beside beside = is_lit ? kDirectLight : from.vertex ? other_light() : kNothing;
     const auto point = choose_between(from.anchor.p, lamp.guide, lamp.lit, beside, whole);
     if (!point) return 0.f;
     const Vec3 d = point->direction_from(from.anchor.p);
     const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * light_at(from, *point, d, lamp);
   }
-  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`; `is_seen` as `is_lit`.
+  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`; `is_seen`: the sensor sees that place without going around an edge.
   template <class Respond>
   Spectrum to_sensor(const Place& from, bool is_seen, float left, Vec2 lens, const Respond& respond,
                      Vec2& film) {
@@ -111,8 +113,8 @@ public:
     const Vec3 eye = sensor_guide(from.anchor.p, lens);
     whole *= looked_for(from.anchor.p, edges_.per_distance(eye, 0), is_seen);
     if (whole == 0) return 0.f;
-    const auto point =
-        choose_between(from.anchor.p, PathEnd{eye}, nullptr, is_seen ? kDirectLight : kNothing, whole);
+    const auto point = choose_between(from.anchor.p, PathEnd{eye}, nullptr,
+                                      is_seen ? Beside::direct : Beside::nothing, whole);
     if (!point) return 0.f;
     const Vec3 d = point->direction_from(from.anchor.p);
     const Spectrum response = respond(d) * whole;
@@ -211,17 +213,14 @@ private:
   float roulette(float probability) {
     return probability == 1 || random_.next() < probability ? 1 / probability : 0;
   }
-  /// Other light at a place, beside which what edges send is looked at less often.
-  struct Beside {
-    float much;   ///< the part of direct light from which on edges are looked at always
-    float least;  ///< the least probability
-  };
-  static constexpr Beside kNothing{0, 1}, kDirectLight{0.002f, 0.25f};
-  /// In shadows: light by way of surfaces, which has more noise.
-  Beside other_light() const { return {4 * scene_.light_in_shadows(), 0.125f}; }
-  /// Of roulette for the path around edges.
-  float looked_at(const SceneEdges::EdgesBetween& edges, const Beside& beside) {
-    return beside.much > 0 ? roulette(std::clamp(edges.part_of_direct / beside.much, beside.least, 1.f)) : 1;
+  /// Roulette that decides whether a path goes on to edges that it has chosen: always where they send no less than a part of the
+  /// other light, else in proportion to what they send.
+  float looked_at(const SceneEdges::EdgesBetween& edges, Beside beside) {
+    if (beside == Beside::nothing) return 1;
+    // Over direct light; that by way of surfaces has more noise.
+    const float much = beside == Beside::direct ? 0.002f : 4 * scene_.light_in_shadows(),
+                least = beside == Beside::direct ? 0.25f : 0.125f;
+    return much > 0 ? roulette(std::clamp(edges.part_of_direct / much, least, 1.f)) : 1;
   }
   /// The same with that probability, but seldom to never: all looks cost the same, and those of faint paths add little.
   float looked_at(float left) {
@@ -253,8 +252,8 @@ private:
   /// A place on an edge. `lit`: of the end that is a lamp.
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit);
   /// The same with roulette (`looked_at`): `whole` is divided by its probability.
-  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit,
-                                          const Beside& beside, float& whole);
+  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit, Beside beside,
+                                          float& whole);
   std::optional<SceneEdges::EdgesBetween> edges_between(const Vec3& a, const PathEnd& b, const float* lit);
   std::optional<EdgePoint> place_between(const SceneEdges::EdgesBetween& edges, const Vec3& a,
                                          const PathEnd& b);

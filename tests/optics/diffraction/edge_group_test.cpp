@@ -67,6 +67,61 @@ TEST(EdgeGroup, HasTheMeanOfItsEdges) {
   }
 }
 
+// Edges are chosen with the probabilities that are returned, all that have a length, and by their lengths.
+TEST(EdgeGroup, ChoicesHaveTheirProbabilities) {
+  std::mt19937_64 engine(9);
+  std::normal_distribution<double> normal;
+  std::vector<EdgeGroup::Edge> edges;
+  std::vector<double> lengths;
+  double all = 0;
+  for (int i = 0; i < 18; ++i) {
+    const SpaceVector a{normal(engine), normal(engine), 0};
+    const SpaceVector b = i == 4 ? a : SpaceVector{normal(engine), normal(engine), 0};
+    // Some folds, of which one is no outline in light along z.
+    edges.push_back({a,
+                     b,
+                     {0, 0, 1},
+                     i == 7   ? SpaceVector{0, 0.6, 0.8}
+                     : i == 8 ? SpaceVector{0, 0.6, -0.8}
+                              : SpaceVector{}});
+    lengths.push_back(std::hypot(b.x - a.x, b.y - a.y));
+    all += lengths.back();
+  }
+  const EdgeGroup group(edges);
+  constexpr int kDraws = 200000;
+  const auto expect_frequencies = [&](const auto& choose, const char* what) {
+    std::vector<double> counts(edges.size()), probabilities(edges.size());
+    for (int i = 0; i < kDraws; ++i) {
+      const EdgeGroup::Choice choice = choose((i + 0.5) / kDraws);
+      counts[choice.index] += 1.0 / kDraws, probabilities[choice.index] = choice.probability;
+    }
+    double sum = 0;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      EXPECT_NEAR(counts[i], probabilities[i], 2.0 / kDraws) << what << " " << i;
+      sum += probabilities[i];
+    }
+    EXPECT_NEAR(sum, 1, 1e-12) << what;
+    return probabilities;
+  };
+  for (const SpaceVector y : {SpaceVector{1, 0, 0}, SpaceVector{0.6, 0.8, 0}, SpaceVector{}}) {
+    const auto p = expect_frequencies([&](double u) { return group.choose({0, 0, 1}, y, u); }, "by light");
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      EXPECT_GE(p[i], 0.2499 * lengths[i] / all) << i;
+      EXPECT_EQ(p[i] > 0, i != 4);
+    }
+    EXPECT_NEAR(p[7], (y.x == 0 ? 1 : 0.25) * lengths[7] / all, 1e-12);
+  }
+  for (const std::size_t without : {EdgeGroup::kNone, std::size_t(2), std::size_t(4), std::size_t(17)}) {
+    const auto p =
+        expect_frequencies([&](double u) { return group.choose_by_length(u, without).value(); }, "by length");
+    const double rest = all - (without == EdgeGroup::kNone ? 0 : lengths[without]);
+    for (std::size_t i = 0; i < edges.size(); ++i)
+      EXPECT_NEAR(p[i], i == without ? 0 : lengths[i] / rest, 1e-12) << i;
+  }
+  const EdgeGroup one({edges.data(), 1});
+  EXPECT_FALSE(one.choose_by_length(0.5, 0));
+}
+
 // Edges in space, far from the origin, boundaries and folds: the group sends what its outlines send as they are seen in a plane.
 TEST(EdgeGroup, IsThatOfItsOutlinesInAPlane) {
   std::mt19937_64 engine(7);

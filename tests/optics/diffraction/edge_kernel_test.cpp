@@ -186,6 +186,68 @@ TEST(EdgeKernel, OfAStraightEdgeIsKellersFromThreeWidthsOn) {
   }
 }
 
+// What is added near corners and other edges: its integral over directions, and its weight in cases that are known.
+TEST(EdgeKernel, CorrectionsOfStraightEdgesHaveTheirPower) {
+  const double kn = 200, k[4] = {kn, kn, kn, kn}, sigma[4] = {1, 1, 1, 1}, ones[4] = {1, 1, 1, 1};
+  double sum = 0, result[4];
+  const int steps = 400;
+  const double first = std::log(1e-4), last = std::log(60.0);
+  for (int i = 0; i < steps; ++i) {
+    const double q = std::exp(first + (i + 0.5) * (last - first) / steps), step = q * (last - first) / steps;
+    for (double along = -4; along < 4; along += 0.01) {
+      std::fill(result, result + 4, 0.0);
+      add_straight_edge_corrections(q / kn, along / kn, 1, ones, k, sigma, result);
+      sum += 2 * result[0] * step * 0.01 / (kn * kn);  // on both sides
+    }
+  }
+  EXPECT_NEAR(sum, straight_edge_power_correction(0, 1), 1e-4);
+  EXPECT_NEAR(straight_edge_power_correction(0.6, 2), 1.6 * straight_edge_power_correction(0, 1), 1e-12);
+  // To what the mean kernel has it adds what the kernel of endless edges has more.
+  const ProjectedEdge line{{-100, 0}, {100, 0}, 200};
+  const double across = 4 / kn, along = 0.5 / kn, turn = std::hypot(across, along);
+  const PlanePoint u{along / turn, across / turn};  // the turn along the first axis
+  const ProjectedEdge turned{{-100 * u.x, 100 * u.y}, {100 * u.x, -100 * u.y}, line.length};
+  result[0] = mean_edge_kernel(std::span(&turned, 1), 0, 0.5, {kn * turn, 0}, kn, 1);
+  std::fill(result + 1, result + 4, result[0]);
+  add_straight_edge_corrections(across, along, 1, ones, k, sigma, result);
+  double straight[4];
+  straight_edge_kernels(across, along, 1, k, sigma, straight);
+  EXPECT_NEAR(result[0], straight[0], 1e-6 * straight[0]);
+}
+
+TEST(EdgeKernel, WeightsOfStraightEdgesAreTheirPartOfTheLight) {
+  const double sigma[4] = {0.5, 1, 2, 4};
+  double weights[4];
+  const auto weigh = [&](double before, double after, std::initializer_list<ProjectedEdge> others) {
+    straight_edge_weights({0, 0}, before, after, {others.begin(), others.size()}, sigma, weights);
+  };
+  weigh(100, 100, {});
+  for (const double w : weights) EXPECT_NEAR(w, 1, 1e-6);
+  weigh(100, 0, {});
+  for (const double w : weights) EXPECT_NEAR(w, 0.5, 1e-6);
+  weigh(1.3, 0.4, {});
+  for (int i = 0; i < 4; ++i) {
+    const double scale = std::sqrt(8.0) * sigma[i];
+    EXPECT_NEAR(weights[i], 0.5 * (std::erf(1.3 / scale) + std::erf(0.4 / scale)), 0.007) << i;
+  }
+  // The other side of a wire and of a slit, and far away.
+  for (const double side : {1.0, -1.0}) {
+    weigh(100, 100, {{{100 * side, 1e-6}, {-100 * side, 1e-6}, 200}});
+    for (const double w : weights) EXPECT_NEAR(w, 0, 1e-9);
+    weigh(100, 100, {{{100 * side, 2}, {-100 * side, 2}, 200}});
+    for (int i = 0; i < 4; ++i) EXPECT_NEAR(weights[i], 1 - std::exp(-0.5 / (sigma[i] * sigma[i])), 1e-4);
+  }
+  weigh(100, 100, {{{100, 30}, {-100, 30}, 200}});
+  for (const double w : weights) EXPECT_NEAR(w, 1, 1e-3);
+  // A corner of about 90 degrees: smooth in its angle.
+  double before[4];
+  for (const double lean : {-1e-6, 1e-6}) {
+    weigh(1, 100, {{{-1, 0}, {-1 + 50 * lean, 50}, 50}});
+    if (lean < 0) std::copy(weights, weights + 4, before);
+  }
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(weights[i], before[i], 1e-5);
+}
+
 // Over the sphere by rings about the light that arrives, each direction with edges projected along the mean of both.
 TEST(EdgeKernel, PowersAreItsIntegralOverDirections) {
   // In sigma: the middle and near the end of an edge, near others, beside a narrow gap.

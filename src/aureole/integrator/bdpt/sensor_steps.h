@@ -191,9 +191,11 @@ public:
         continue;
       Path& path = paths_[size_t(i)];
       EdgePaths edges(scene_, path.wavelengths, key(path.samples, s.vertex, Key::connection) ^ kToEdge);
-      const Spectrum light = edges.from_light(EdgePaths::at_vertex(vertex, s.flight), s.is_lit,
-                                              s.arrived.hero_symmetric_throughput() * s.eta2 / s.whole,
-                                              [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
+      const Spectrum light =
+          edges.from_light(EdgePaths::at_vertex(vertex, s.flight),
+                           s.is_lit ? EdgePaths::Beside::direct : EdgePaths::Beside::surfaces,
+                           s.arrived.hero_symmetric_throughput() * s.eta2 / s.whole,
+                           [&](const Vec3& d) { return EdgePaths::response(vertex, d); });
       path.result.estimate += s.arrived.contribution(light, path.wavelengths);
       if (log_.follows(i) && !is_black(light))
         log_(fmt::format("  light around an edge: mean {:.6g}", mean(light)));
@@ -280,8 +282,8 @@ private:
       if (techniques_.have(1, s.scattered + 3)) {
         const auto kernel = [&](const Vec3& d) { return edges.kernel(at, d); };
         Path& path = paths_[size_t(i)];
-        path.result.estimate +=
-            s.density.contribution(so_far * edges.from_light(at.place(), false, 1, kernel), path.wavelengths);
+        path.result.estimate += s.density.contribution(
+            so_far * edges.from_light(at.place(), EdgePaths::Beside::nothing, 1, kernel), path.wavelengths);
       }
       for (const LightVertex* end = s.light; end; end = end->previous)
         connect_edge(i, edges, at, so_far, *end);

@@ -424,17 +424,18 @@ double straight_edge_power(double cosine, double k, double sigma) {
          std::abs(cosine) / (4 * k);
 }
 
-void add_straight_edge_corrections(double across, double along, double shown, double weight,
+void add_straight_edge_corrections(double across, double along, double shown, std::span<const double> weights,
                                    std::span<const double> k, std::span<const double> sigma,
                                    std::span<double> result) {
   const double across2 = across * across, along2 = along * along, turn2 = across2 + along2;
   if (!(across2 > 0)) return;
-  const double factor = weight * shown * std::sqrt(8 / pi) / (4 * pi), mean = across2 / (turn2 * turn2);
+  const double factor = shown * std::sqrt(8 / pi) / (4 * pi), mean = across2 / (turn2 * turn2);
   for (std::size_t i = 0; i < k.size(); i += kLanes) {
     const Lanes width = load_lanes(&sigma[i]), s = load_lanes(&k[i]) * width, s2 = s * s;
     const Lanes left = one_less_exp_minus(kStraightRemoval * across2 * s2);
     const Lanes more = left * left * (1 / across2) - mean * one_less_exp_minus(2 * turn2 * s2);
-    store_lanes(&result[i], load_lanes(&result[i]) + factor * width * exp_minus(2 * along2 * s2) * more);
+    store_lanes(&result[i], load_lanes(&result[i]) +
+                                factor * load_lanes(&weights[i]) * width * exp_minus(2 * along2 * s2) * more);
   }
 }
 
@@ -445,20 +446,35 @@ double straight_edge_power_correction(double cosine, double sigma) {
   return std::sqrt(std::max(0.0, 1 - cosine * cosine)) * sigma * (whole_straight_power() - mean);
 }
 
-double straight_edge_weight(std::span<const ProjectedEdge> edges, std::size_t index, double at, double before,
-                            double after, double sigma) {
-  const ProjectedEdge& own = edges[index];
-  const double x = own.from.x + at * (own.to.x - own.from.x), y = own.from.y + at * (own.to.y - own.from.y);
-  const double scale2 = 8 * sigma * sigma;
-  double weight = 0.5 * (std::erf(before / std::sqrt(scale2)) + std::erf(after / std::sqrt(scale2)));
-  for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (i == index) continue;
-    const double ex = edges[i].to.x - edges[i].from.x, ey = edges[i].to.y - edges[i].from.y;
-    const double fx = x - edges[i].from.x, fy = y - edges[i].from.y;
-    const double length2 = ex * ex + ey * ey, along = fx * ex + fy * ey, across = fx * ey - fy * ex;
-    if (along > 0 && along < length2) weight *= -std::expm1(-across * across / (length2 * scale2));
+void straight_edge_weights(PlanePoint place, double before, double after,
+                           std::span<const ProjectedEdge> others, std::span<const double> sigma,
+                           std::span<double> weights) {
+  constexpr double kLeast = 1e-3, kReach = 7;
+  for (std::size_t i = 0; i < sigma.size(); i += kLanes) {
+    const Lanes per_scale2 = 1 / (8 * load_lanes(&sigma[i]) * load_lanes(&sigma[i]));
+    const auto part = [&](double t) {
+      Lanes e = one_less_exp_minus(4 / pi * t * t * per_scale2);
+      for (int j = 0; j < kLanes; ++j) e[j] = std::sqrt(e[j]);
+      return t < 0 ? -e : e;
+    };
+    Lanes weight = 0.5 * (part(before) + part(after));
+    double largest = 0, widest2 = 0;
+    for (int j = 0; j < kLanes; ++j) {
+      largest = std::max(largest, weight[j]);
+      widest2 = std::max(widest2, sigma[i + std::size_t(j)] * sigma[i + std::size_t(j)]);
+    }
+    if (largest < kLeast) weight = Lanes{};
+    for (std::size_t n = 0; largest >= kLeast && n < others.size(); ++n) {
+      const ProjectedEdge& edge = others[n];
+      const double ex = edge.to.x - edge.from.x, ey = edge.to.y - edge.from.y, length = std::hypot(ex, ey);
+      if (!(length > 0)) continue;
+      const double fx = place.x - edge.from.x, fy = place.y - edge.from.y;
+      const double foot = (fx * ex + fy * ey) / length, h = (fx * ey - fy * ex) / length;
+      if (h * h > kReach * kReach * widest2) continue;
+      weight *= 1 - exp_minus(h * h * per_scale2) * 0.5 * (part(length - foot) - part(-foot));
+    }
+    store_lanes(&weights[i], weight);
   }
-  return weight;
 }
 
 void mean_edge_kernels(std::span<const ProjectedEdge> edges, double at, double turn,

@@ -113,17 +113,19 @@ void straight_edge_kernels(double across, double along, double shown, std::span<
 /// The integral of that over all directions of light that goes on; `cosine`: of the angle between the light and the edge [unit of length].
 double straight_edge_power(double cosine, double k, double sigma);
 
-/// Near corners, and near other edges, both are weighed: `weight` times what an endless straight edge has by `straight_edge_kernels` more than
-/// by `mean_edge_kernel` is added to `result`. No allocation.
-void add_straight_edge_corrections(double across, double along, double shown, double weight,
+/// How much of the coherent light about a place is that of the straight line of its edge alone, for each sigma (a multiple of four of them):
+/// 1/2 (e(before) + e(after)), the distances from the place to the ends of the line as they are seen, times, for every other edge, which is no
+/// part of that line, 1 - exp(-h^2/(8 sigma^2)) 1/2 (e(t1) - e(t0)), h the distance of the place from the other one's line, t0 and t1 the ends of that edge
+/// counted from the place's foot on it. e(t) = sign(t) (1 - exp(-t^2/(2 pi sigma^2)))^(1/2), within .7 % of erf(t/(8^(1/2) sigma)). No allocation.
+void straight_edge_weights(PlanePoint place, double before, double after,
+                           std::span<const ProjectedEdge> others, std::span<const double> sigma,
+                           std::span<double> weights);
+/// Near corners and other edges both kernels are weighed: `weights` times what an endless straight edge has by `straight_edge_kernels` more
+/// than by `mean_edge_kernel` is added to `result`. No allocation.
+void add_straight_edge_corrections(double across, double along, double shown, std::span<const double> weights,
                                    std::span<const double> k, std::span<const double> sigma,
                                    std::span<double> result);
-/// The integral of that over all directions, for a weight of 1.
+/// The integral of that over all directions, for a weight of 1 [unit of length].
 double straight_edge_power_correction(double cosine, double sigma);
-/// How much of the light about a place on edges[index] is that of its line alone, for that weight: 1/2 (erf(a/(8^(1/2) sigma)) + erf(b/(8^(1/2)
-/// sigma))), a and b `before` and `after`, the distances from the place to the ends of the line as they are seen, times 1 - exp(-h^2/(8 sigma^2))
-/// for every other edge on which the place has a foot, at the distance h.
-double straight_edge_weight(std::span<const ProjectedEdge> edges, std::size_t index, double at, double before,
-                            double after, double sigma);
 
 }  // namespace aureole::optics

@@ -413,9 +413,10 @@ std::optional<EdgeTree::Choice> EdgeTree::choose_from(const PathEnd& a, double u
   const Node& node = nodes_[leaf->node];
   if (!node.is_cluster) return Choice{node.index, leaf->probability};
   std::size_t without = optics::EdgeGroup::kNone;
-  if (const auto number = std::size_t(leaving - edges_.data());
-      leaving && clusters_->number_of(number) == node.index)
-    without = clusters_->place_of(number);
+  if (leaving) {
+    const auto number = std::size_t(leaving - edges_.data());
+    if (clusters_->number_of(number) == node.index) without = clusters_->place_of(number);
+  }
   const auto own = groups_[node.index].choose_by_length(leaf->u, without);
   if (!own) return {};
   return Choice{clusters_->edges(node.index)[own->index], leaf->probability * float(own->probability)};

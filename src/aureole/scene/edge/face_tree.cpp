@@ -19,6 +19,12 @@ Bounds3 box_about(const Triangle& triangle) {
   return box;
 }
 
+/// By how much places count as the same, for coordinates as large as those of the box.
+double rounding_in(const Bounds3& box) {
+  constexpr double kOfCoordinates = 5e-7;
+  return kOfCoordinates * double(std::max(max_component(abs(box.lower)), max_component(abs(box.upper))));
+}
+
 /// The plane of a triangle, with a normal of length 1; `rounding`: by how much places count as in it.
 struct FacePlane {
   FacePlane(const Triangle& t, double rounding) : origin(t[0]), rounding(rounding) {
@@ -95,7 +101,6 @@ FaceTree::FaceTree(std::span<const TriangleSet> sets) {
 
 std::size_t count_crossing_faces(const FaceTree& all) {
   constexpr int kMostTried = 256;  // for each face
-  constexpr double kRoundingOfPlaces = 5e-7;
   std::atomic<std::size_t> count = 0;
   for_ranges(
       all.faces.size(),
@@ -104,9 +109,8 @@ std::size_t count_crossing_faces(const FaceTree& all) {
         for (std::size_t i = begin; i < end; ++i) {
           const Triangle& face = all.faces[i];
           const Bounds3 box = box_about(face);
-          const double rounding = kRoundingOfPlaces * double(std::max(max_component(abs(box.lower)),
-                                                                      max_component(abs(box.upper))));
-          const FacePlane plane(face, rounding);
+          const double rounding = rounding_in(box);
+          FacePlane plane(face, rounding);
           int tried = 0;
           bool crosses = false;
           all.tree.visit_within(box, 0, [&](std::uint32_t other) {
@@ -114,6 +118,7 @@ std::size_t count_crossing_faces(const FaceTree& all) {
             const Bounds3 their_box = box_about(theirs);
             if (other == i || squared_distance(box, their_box) > 0) return true;
             if (++tried > kMostTried) return false;
+            plane.rounding = std::max(rounding, rounding_in(their_box));
             const Heights heights(theirs, plane);  // most lie on one side
             crosses = heights.straddles && !have_common_corner(face, theirs) &&
                       cross_each_other(face, plane, theirs, heights);

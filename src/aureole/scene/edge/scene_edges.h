@@ -3,8 +3,8 @@
 // direction behind it, and the kernel K of both.
 //
 // A place x on an edge has the measure of length. Light of irradiance E across its direction of travel d_i leaves dl of the
-// edge with the intensity E K(x; d_i -> d_o) dl. K is that of optics/diffraction/edge_kernel.h, `mean_edge_kernel`, so
-// that it is the same when the light runs backwards, waves of edges nearer to each other than the beams are wide
+// edge with the intensity E K(x; d_i -> d_o) dl. K is that of optics/diffraction/edge_kernel.h, `mean_edge_kernel` with
+// `add_straight_edge_corrections`, so that it is the same when the light runs backwards, waves of edges nearer to each other than the beams are wide
 // interfere, and may cancel: K may be negative at a place, never on the average over places.
 #pragma once
 
@@ -52,7 +52,7 @@ public:
   /// Of the shapes that diffract (diffracting_shapes.h). Throws BeamWidthError where beams are narrower than half of the longest wavelength
   /// or that is longer than the scene, and Error where BSDFs disagree about their width.
   SceneEdges(const SceneParts& parts, const BeamWidth& width);
-  // The tree refers to the edges of the index.
+  // The tree refers to the edges of the index, to the clusters and to their groups.
   SceneEdges(const SceneEdges&) = delete;
   SceneEdges& operator=(const SceneEdges&) = delete;
 
@@ -67,7 +67,7 @@ public:
   /// The largest sigma of any wavelength that the film sees.
   float widest_beam() const { return widest_beam_; }
 
-  /// Edges around which light may go between two ends, one of which is chosen last.
+  /// A leaf of the tree: an edge around which light may go between two ends, or a cluster, of whose edges one is chosen later.
   struct EdgesBetween {
     EdgeTree::Leaf leaf;
     /// About the light that goes around all edges of the scene over that of the ends' straight connection.
@@ -177,10 +177,10 @@ private:
   template <class Project>
   Projected project(const Neighbours& around, const EdgePoint& point, const Project& projection,
                     const Beams& beams, std::vector<optics::ProjectedEdge>& projected) const;
-  /// Of a place whose edge is seen by `shown` of its length: how much of the light is that of its line alone, in the widest beams at all
-  /// wavelengths. K and S have the same.
-  static double line_weight(const Neighbours& around, std::span<const optics::ProjectedEdge> projected,
-                            const Projected& own, double shown, const Beams& beams);
+  /// `straight_edge_weights` of a place whose edge is seen by `shown` of its length: K and S have the same.
+  static void line_weights(const Neighbours& around, std::span<const optics::ProjectedEdge> projected,
+                           const Projected& own, double shown, std::span<const double> sigma,
+                           std::span<double> weights);
 
   double scale_of(const MeshEdge& edge) const {
     return scale_.empty() ? 1.0 : double(scale_[edge.face0.set]);

@@ -82,7 +82,8 @@ struct SceneEdges::Neighbours {
   const std::vector<const MeshEdge*>* near;
   bool is_cluster;               ///< `near` has the edge itself, too
   EdgeStretch own;               ///< the part of the edge about the place that no face covers
-  double before = 0, after = 0;  ///< of its straight line, from the place to the ends
+  std::size_t of_line = 0;       ///< the first so many are parts of its straight line
+  double before = 0, after = 0;  ///< from the place to the ends of that
   bool alone = false;            ///< there are none but parts of that line, whose ends are far
 };
 
@@ -114,23 +115,35 @@ std::optional<SceneEdges::Neighbours> SceneEdges::neighbours(const EdgePoint& po
   }
   const float radius = float(kCoherent * beams.widest), depth = float(kDepth * beams.widest);
   const StraightEdges::Place place = straight_.of(number);
-  bool others = false;  // that are no part of the same line
+  std::size_t of_line = 0;
+  bool is_line_covered = false;
   index_.visit_edges({point.x.to_float(), d, radius, -depth, depth}, [&](const MeshEdge& edge) {
     if (&edge == point.edge) return;
     near.push_back(&edge);
     const std::uint32_t other = index_.number(edge);
-    others |= straight_.of(other).line != place.line || covers_.may_be(other);
+    if (straight_.of(other).line != place.line) return;
+    is_line_covered |= covers_.may_be(other);
+    std::swap(near[of_line++], near.back());
   });
-  const double ends = kEndless * beams.widest,
-               before = (at - own.from) * length + (own.from > 0 ? 0 : double(place.before)),
-               after = (own.to - at) * length + (own.to < 1 ? 0 : double(place.after));
-  return Neighbours{&near, false, own, before, after, !others && before > ends && after > ends};
+  double before = (at - own.from) * length, after = (own.to - at) * length;
+  // Where other parts of the line may be covered it counts as ended.
+  if (!is_line_covered && !(own.from > 0)) before += double(place.before);
+  if (!is_line_covered && !(own.to < 1)) after += double(place.after);
+  const double ends = kEndless * beams.widest;
+  return Neighbours{.near = &near,
+                    .is_cluster = false,
+                    .own = own,
+                    .of_line = of_line,
+                    .before = before,
+                    .after = after,
+                    .alone = of_line == near.size() && before > ends && after > ends};
 }
 
 /// `projected` receives what is seen of the edges; the place lies on the one of that number, `at` a fraction of it.
 struct SceneEdges::Projected {
   std::size_t own = 0;
   double at = 0;
+  std::size_t others = 0;  ///< the first edge that is no part of the own one's line
 };
 template <class Project>
 SceneEdges::Projected SceneEdges::project(const Neighbours& around, const EdgePoint& point,
@@ -152,16 +165,23 @@ SceneEdges::Projected SceneEdges::project(const Neighbours& around, const EdgePo
       if (!is_own || part.from != around.own.from) projected.push_back(projection(edge, part));
   };
   if (!around.is_cluster) add(*point.edge);
-  for (const MeshEdge* edge : *around.near) add(*edge);
+  for (std::size_t i = 0; i < around.near->size(); ++i) {
+    if (i == around.of_line) result.others = projected.size();
+    add(*(*around.near)[i]);
+  }
+  if (around.of_line == around.near->size()) result.others = projected.size();
   const double at = (fraction_of(point) - around.own.from) / (around.own.to - around.own.from);
   result.at = projection.is_left(*point.edge) ? at : 1 - at;
   return result;
 }
 
-double SceneEdges::line_weight(const Neighbours& around, std::span<const optics::ProjectedEdge> projected,
-                               const Projected& own, double shown, const Beams& beams) {
-  return optics::straight_edge_weight(projected, own.own, own.at, around.before * shown, around.after * shown,
-                                      double(beams.widest));
+void SceneEdges::line_weights(const Neighbours& around, std::span<const optics::ProjectedEdge> projected,
+                              const Projected& own, double shown, std::span<const double> sigma,
+                              std::span<double> weights) {
+  const auto& [from, to, length] = projected[own.own];
+  const optics::PlanePoint place{from.x + own.at * (to.x - from.x), from.y + own.at * (to.y - from.y)};
+  optics::straight_edge_weights(place, around.before * shown, around.after * shown,
+                                projected.subspan(own.others), sigma, weights);
 }
 
 Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o, const Beams& beams,
@@ -212,9 +232,9 @@ Spectrum SceneEdges::kernel(const EdgePoint& point, const Vec3& d_i, const Vec3&
     optics::drawn_edge_kernels(projected, own.own, wave(), std::sqrt(turn2), k, sigma, result);
   } else {
     optics::mean_edge_kernels(projected, own.at, std::sqrt(turn2), k, sigma, result);
-    const double weight = optics::straight_edge_weight(projected, own.own, own.at, around->before * shown,
-                                                       around->after * shown, double(beams.widest));
-    optics::add_straight_edge_corrections(across, along_edge, shown, weight, k, sigma, result);
+    double weights[kWavelengths];
+    line_weights(*around, projected, own, shown, sigma, weights);
+    optics::add_straight_edge_corrections(across, along_edge, shown, weights, k, sigma, result);
   }
   return scaled();
 }
@@ -270,10 +290,10 @@ std::optional<Spectrum> SceneEdges::power(const EdgePoint& point, const Vec3& di
   if (!around->is_cluster) {
     const double cosine = dot(EdgeLine(*point.edge).direction, along),
                  shown = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    const double weight = optics::straight_edge_weight(projected, own.own, own.at, around->before * shown,
-                                                       around->after * shown, double(beams.widest));
+    double weights[kWavelengths];
+    line_weights(*around, projected, own, shown, sigma, weights);
     for (int i = 0; i < kWavelengths; ++i)
-      result[i] += weight * optics::straight_edge_power_correction(cosine, sigma[i]);
+      result[i] += weights[i] * optics::straight_edge_power_correction(cosine, sigma[i]);
   }
   return make_spectrum([&](int i) { return float(scale * result[i]); });
 }

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <unordered_map>
 #include <vector>
 
 #include "aureole/core/keyed_random.h"
@@ -15,9 +17,9 @@ namespace {
 
 constexpr int kPlacesAlong = 8;  ///< of the film, on each axis
 constexpr int kLampRays = 16384;
-/// Of each surface so many of the places where they meet it serve: behind a small hole there are few.
-constexpr std::size_t kMostBounces = 32;
-constexpr std::size_t kMostSurfaces = 16;  ///< those that meet most of them
+/// At most so many of the places where the rays meet one surface are kept, so that those behind a small hole, which are few, count as well;
+/// and the places on the surfaces that most rays meet.
+constexpr std::size_t kMostBounces = 32, kMostSurfaces = 16;
 /// Fewer places in shadow tell nothing.
 constexpr std::size_t kFewestPlaces = 8;
 
@@ -44,29 +46,29 @@ struct Bounce {
 };
 
 std::vector<Bounce> bounces(const Scene& scene, const Wavelengths& w, KeyedRandom& random) {
-  std::vector<std::pair<const Surface*, std::vector<Bounce>>> found;
+  std::vector<std::vector<Bounce>> found;
+  std::unordered_map<const Surface*, std::size_t> number;
   for (int i = 0; i < kLampRays; ++i) {
     const auto lamp = scene.lights().choose_by_power(next2(random));
     if (!lamp || !(lamp->probability > 0)) continue;
-    // Evenly spread (Roberts' sequence): few of the rays pass small holes.
+    // Directions are evenly spread (Roberts' sequence): few of the rays pass small holes.
     const auto spread = [&](double step) { return float(std::fmod((i + 0.5) * step, 1.0)); };
     const Vec2 position = next2(random), direction{spread(0.7548776662466927), spread(0.5698402909980532)};
     const auto s = lamp->light->sample_ray(lamp->part, position, direction, w);
     if (!s || !(s->pdf_position > 0) || !(s->pdf_direction > 0)) continue;
     const auto point = scene.intersect({offset_origin(s->p, s->p_error, s->ng, s->d), s->d, kInfinity});
     if (!point || !is_matt_or_glossy(*point)) continue;
-    auto of_surface =
-        std::ranges::find_if(found, [&](const auto& entry) { return entry.first == point->surface; });
-    if (of_surface == found.end()) of_surface = found.insert(found.end(), {point->surface, {}});
+    const auto [at, is_new] = number.try_emplace(point->surface, found.size());
+    if (is_new) found.emplace_back();
     const float density = s->pdf_position * s->pdf_direction * lamp->probability * kLampRays;
-    of_surface->second.push_back({*point, -s->d, s->value * (1 / density)});
+    found[at->second].push_back({*point, -s->d, s->value * (1 / density)});
   }
-  std::ranges::stable_sort(found,
-                           [](const auto& a, const auto& b) { return a.second.size() > b.second.size(); });
+  std::ranges::stable_sort(found, std::ranges::greater{},
+                           [](const auto& of_surface) { return of_surface.size(); });
   found.resize(std::min(found.size(), kMostSurfaces));
   std::vector<Bounce> result;
-  for (const auto& [surface, all] : found) {
-    const std::size_t kept = std::min(all.size(), kMostBounces);  // their order is random
+  for (const std::vector<Bounce>& all : found) {
+    const std::size_t kept = std::min(all.size(), kMostBounces);
     for (std::size_t i = 0; i < kept; ++i) {
       result.push_back(all[i]);
       result.back().power *= float(all.size()) / float(kept);
@@ -89,8 +91,7 @@ double irradiance_from(const Scene& scene, std::span<const Bounce> bounces, cons
     const BsdfContext context{w, b.point};
     const Frame& frame = b.point.shading;
     const double sent = double(
-        mean(b.power *
-             b.point.surface->bsdf->eval_pdf(frame.to_local(b.to_lamp), frame.to_local(d), context).value));
+        mean(b.power * b.point.surface->bsdf->eval(frame.to_local(b.to_lamp), frame.to_local(d), context)));
     if (sent > 0 && is_open(scene, x, -d, &b.point.p)) sum += sent * double(cosine / d2);
   }
   return sum;
