@@ -157,6 +157,73 @@ def straight_edge_power(cosine: npt.ArrayLike, k: npt.ArrayLike, sigma: npt.Arra
                    cosine=real("cosine", cosine, minimum=-1, maximum=1), k=_scale("k", k), sigma=_scale("sigma", sigma))
 
 
+def straight_edge_corrections(across: npt.ArrayLike, along: npt.ArrayLike, k: npt.ArrayLike, sigma: npt.ArrayLike, *,
+                              shown: npt.ArrayLike = 1.0, weight: npt.ArrayLike = 1.0) -> Reals:
+    """What `straight_edge_kernels` has more than `mean_edge_kernel` has on an endless straight edge, times `weight`.
+
+    Pictures add it to the mean kernel near corners and other edges, with the weight of `straight_edge_weights`.
+
+    Parameters
+    ----------
+    across, along, k, sigma, shown : array_like
+        As of `straight_edge_kernels`.
+    weight : array_like
+        In [0, 1].
+
+    Returns
+    -------
+    numpy.ndarray
+        In length/sr.
+    """
+    return of_rows(_aureole.straight_edge_corrections,  # type: ignore[no-any-return]
+                   across=_turn("across", across), along=_turn("along", along), shown=real("shown", shown, minimum=0, maximum=1),
+                   weight=real("weight", weight, minimum=0, maximum=1), k=_scale("k", k), sigma=_scale("sigma", sigma))
+
+
+def straight_edge_power_correction(cosine: npt.ArrayLike, sigma: npt.ArrayLike) -> Reals:
+    """Integral of `straight_edge_corrections` of weight 1 over all directions, in units of length; `cosine` of the angle between
+    light and edge."""
+    return of_rows(_aureole.straight_edge_power_correction,  # type: ignore[no-any-return]
+                   cosine=real("cosine", cosine, minimum=-1, maximum=1), sigma=_scale("sigma", sigma))
+
+
+def straight_edge_weights(place: npt.ArrayLike, before: npt.ArrayLike, after: npt.ArrayLike, others: npt.ArrayLike,
+                          sigma: npt.ArrayLike) -> Reals:
+    """How much of the coherent light about a place on an edge is that of the edge's straight line alone.
+
+    Parameters
+    ----------
+    place : array_like, shape (2,)
+        In the plane across the light.
+    before, after : array_like
+        Distances from the place to the ends of the line, as they are seen.
+    others : array_like, shape (n, 2, 2)
+        The ends of all other edges nearby, in that plane; none, where there are none.
+    sigma : array_like
+        Standard deviation of the beams' intensity.
+
+    Returns
+    -------
+    numpy.ndarray
+        In [0, 1]; `before`, `after` and `sigma` broadcast.
+
+    Examples
+    --------
+    At the end of a line half of the light is its own:
+
+    >>> from aureole import optics
+    >>> round(float(optics.straight_edge_weights((0, 0), 50.0, 0.0, [], 1.0)), 3)
+    0.5
+    """
+    point = real("place", place)
+    if point.shape != (2,):
+        raise Error(f"place: expected an array of shape (2,), got shape {point.shape}")
+    rows = np.zeros(0) if np.size(others) == 0 else _projected(others, 0, None)[0]
+    return of_rows(lambda arguments, result: _aureole.straight_edge_weights(rows, arguments, result),  # type: ignore[no-any-return]
+                   x=point[0], y=point[1], before=real("before", before, minimum=0), after=real("after", after, minimum=0),
+                   sigma=_scale("sigma", sigma))
+
+
 def diffracted_intensity(field: npt.ArrayLike, q: npt.ArrayLike, k: npt.ArrayLike, sigma: Optional[npt.ArrayLike] = None) -> Reals:
     """Power per steradian of a field, (k/2 pi)^2 (1 - chi) |F|^2, from which the 0th order is removed here.
 

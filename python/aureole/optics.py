@@ -23,8 +23,8 @@ from ._diffraction import (RadioMaterial, faddeeva, fraunhofer, fresnel_integral
                            plane_wave_distance, plane_wave_spreading, point_source_distance, point_source_spreading,
                            radio_materials, radio_permittivity, rayleigh_sommerfeld, transition_function, utd_coefficient,
                            utd_field)
-from ._edge_kernels import (diffracted_intensity, drawn_edge_kernels, mean_edge_kernel, mean_edge_powers, straight_edge_kernels,
-                            straight_edge_power)
+from ._edge_kernels import (diffracted_intensity, drawn_edge_kernels, mean_edge_kernel, mean_edge_powers, straight_edge_corrections,
+                            straight_edge_kernels, straight_edge_power, straight_edge_power_correction, straight_edge_weights)
 from ._edge_waves import (AmplitudeMoments, EdgeConstants, EdgeWaves, amplitude_moments, edge_alpha1, edge_alpha2, edge_constants,
                           gaussian_beam_power, interfering_power, mean_edge_sigma, triangle_power, triangle_transform,
                           zeroth_order_power)
@@ -42,8 +42,8 @@ __all__ = ["AmplitudeMoments", "ApertureShape", "EdgeConstants", "EdgeWaves", "F
            "knife_edge", "mask", "mean_edge_kernel", "mean_edge_powers", "mean_edge_sigma", "mie", "mie_amplitudes",
            "mie_phase_function", "ngon", "pair_correlation", "plane_wave_distance", "plane_wave_spreading",
            "point_source_distance", "point_source_spreading", "point_structure_factor", "polygon", "radio_materials",
-           "radio_permittivity", "rayleigh_sommerfeld", "rectangle", "size_distribution", "star", "straight_edge_kernels",
-           "straight_edge_power", "structure_factor", "transition_function", "triangle_power", "triangle_transform",
+           "radio_permittivity", "rayleigh_sommerfeld", "rectangle", "size_distribution", "star", "straight_edge_corrections",
+           "straight_edge_kernels", "straight_edge_power", "straight_edge_power_correction", "straight_edge_weights", "structure_factor", "transition_function", "triangle_power", "triangle_transform",
            "utd_coefficient", "utd_field", "zeroth_order_power"]
 
 Reals = npt.NDArray[np.float64]

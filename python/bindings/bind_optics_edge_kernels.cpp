@@ -111,6 +111,39 @@ void straight_edge_power(const Reals& arguments, const Array<double>& result) {
   });
 }
 
+/// Rows of `arguments`: across, along, shown, weight, k, sigma.
+void straight_edge_corrections(const Reals& arguments, const Array<double>& result) {
+  require_size(arguments.size() == 6 * result.size(), "straight_edge_corrections");
+  for_each(result.size(), [&](std::size_t i) {
+    const double* a = arguments.data() + 6 * i;
+    Group kernels = {};
+    optics::add_straight_edge_corrections(a[0], a[1], a[2], group_of(a[3]), group_of(a[4]), group_of(a[5]),
+                                          kernels);
+    result.data()[i] = kernels[0];
+  });
+}
+
+/// Rows of `arguments`: cosine, sigma.
+void straight_edge_power_correction(const Reals& arguments, const Array<double>& result) {
+  require_size(arguments.size() == 2 * result.size(), "straight_edge_power_correction");
+  for_each(result.size(), [&](std::size_t i) {
+    const double* a = arguments.data() + 2 * i;
+    result.data()[i] = optics::straight_edge_power_correction(a[0], a[1]);
+  });
+}
+
+/// Rows of `arguments`: x and y of the place, before, after, sigma.
+void straight_edge_weights(const Reals& others, const Reals& arguments, const Array<double>& result) {
+  const std::vector<ProjectedEdge> all = projected_edges(others);
+  require_size(arguments.size() == 5 * result.size(), "straight_edge_weights");
+  for_each(result.size(), [&](std::size_t i) {
+    const double* a = arguments.data() + 5 * i;
+    Group weights;
+    optics::straight_edge_weights({a[0], a[1]}, a[2], a[3], all, group_of(a[4]), weights);
+    result.data()[i] = weights[0];
+  });
+}
+
 /// Rows of `arguments`: x and y of q, k, sigma of chi, 0 where nothing is removed.
 void diffracted_intensity(const Complexes& field, const Reals& arguments, const Array<double>& result) {
   require_size(field.size() == result.size() && arguments.size() == 4 * result.size(),
@@ -135,6 +168,11 @@ void bind_edge_kernels(nb::module_& m) {
   add("drawn_edge_kernels", &drawn_edge_kernels);
   m.def("straight_edge_kernels", &straight_edge_kernels, arg("arguments"), arg("result").noconvert());
   m.def("straight_edge_power", &straight_edge_power, arg("arguments"), arg("result").noconvert());
+  m.def("straight_edge_corrections", &straight_edge_corrections, arg("arguments"), arg("result").noconvert());
+  m.def("straight_edge_power_correction", &straight_edge_power_correction, arg("arguments"),
+        arg("result").noconvert());
+  m.def("straight_edge_weights", &straight_edge_weights, arg("others"), arg("arguments"),
+        arg("result").noconvert());
   m.def("diffracted_intensity", &diffracted_intensity, arg("field"), arg("arguments"),
         arg("result").noconvert());
 }

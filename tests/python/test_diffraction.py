@@ -96,6 +96,14 @@ def test_kernels_of_a_straight_edge():
     # Light at an angle to the edge: less of it is seen, and some directions are missing.
     assert optics.mean_edge_powers(edge, 0, 0.5, K, sigma, lengths=[1000]) == pytest.approx(0.8 * power[0] - 0.6 / (4 * K), rel=1e-3)
     assert optics.straight_edge_power(0.6, K, sigma) == pytest.approx(0.8 * optics.straight_edge_power(0.0, K, sigma) - 0.6 / (4 * K))
+    more = optics.straight_edge_corrections(theta, y, K, sigma, weight=0.5)
+    for i in range(0, y.size, 100):
+        mean = optics.mean_edge_kernel(edge, 0, 0.5, (K * theta, K * y[i]), K, sigma)
+        assert more[i] == pytest.approx(0.5 * (k[i] - mean), abs=1e-4 * k.max())
+    assert optics.straight_edge_power_correction(0.6, sigma) == pytest.approx(
+        0.8 * (optics.straight_edge_power(0.0, K, sigma) - power[0]), abs=2e-4 * sigma)
+    assert optics.straight_edge_weights((0, 0), [50 * sigma, 0], 50 * sigma, [], sigma) == pytest.approx([1, 0.5])
+    assert optics.straight_edge_weights((0, 0), 50 * sigma, 50 * sigma, [[(90.0, 1e-7), (-90.0, 1e-7)]], sigma) == pytest.approx(0)
 
 
 def test_the_mean_of_drawn_kernels_is_the_mean_kernel():
