@@ -103,7 +103,7 @@ def test_kernels_of_a_straight_edge():
     assert optics.straight_edge_power_correction(0.6, sigma) == pytest.approx(
         0.8 * (optics.straight_edge_power(0.0, K, sigma) - power[0]), abs=2e-4 * sigma)
     assert optics.straight_edge_weights((0, 0), [50 * sigma, 0], 50 * sigma, [], sigma) == pytest.approx([1, 0.5])
-    assert optics.straight_edge_weights((0, 0), 50 * sigma, 50 * sigma, [[(90.0, 1e-7), (-90.0, 1e-7)]], sigma) == pytest.approx(0)
+    assert optics.straight_edge_weights((0, 0), 50 * sigma, 50 * sigma, [[(50 * sigma, 1e-7), (-50 * sigma, 1e-7)]], sigma) == pytest.approx(0, abs=1e-6)
 
 
 def test_the_mean_of_drawn_kernels_is_the_mean_kernel():
