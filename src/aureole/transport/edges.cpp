@@ -85,30 +85,16 @@ Vec3 EdgePaths::sensor_guide(const Vec3& seen_from, Vec2 lens) const {
   return scene_.sensor().sample_ray(0.5f * (part.lower + part.upper), lens).ray.o;
 }
 
-std::optional<SceneEdges::EdgesBetween> EdgePaths::edges_between(const Vec3& a, const PathEnd& b,
-                                                                 const float* lit) {
-  const float u[2] = {random_.next(), random_.next()};
-  return edges_.choose_between(PathEnd{a}, b, beams_, u, lit);
-}
-
-std::optional<EdgePoint> EdgePaths::place_between(const SceneEdges::EdgesBetween& edges, const Vec3& a,
-                                                  const PathEnd& b) {
-  const float u[2] = {random_.next(), random_.next()};
-  const EdgePoint point = edges_.place_between(edges, PathEnd{a}, b, beams_, u);
-  return point.pdf > 0 && point.on_edge() != a ? std::optional(point) : std::nullopt;
-}
-
-std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b, const float* lit) {
-  const auto edges = edges_between(a, b, lit);
-  return edges ? place_between(*edges, a, b) : std::nullopt;
-}
-
 std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd& b, const float* lit,
                                                    Beside beside, float& whole) {
-  const auto edges = edges_between(a, b, lit);
+  const float of_edges[2] = {random_.next(), random_.next()};
+  const auto edges = edges_.choose_between(PathEnd{a}, b, beams_, of_edges, lit);
   if (!edges) return {};
   whole *= looked_at(*edges, beside);
-  return whole > 0 ? place_between(*edges, a, b) : std::nullopt;
+  if (whole == 0) return {};
+  const float of_place[2] = {random_.next(), random_.next()};
+  const EdgePoint point = edges_.place_between(*edges, PathEnd{a}, b, beams_, of_place);
+  return point.pdf > 0 && point.on_edge() != a ? std::optional(point) : std::nullopt;
 }
 
 Spectrum EdgePaths::lit(const EdgePoint& point, const LampEnd& lamp, Anchor& start, Vec3& wo,
@@ -197,7 +183,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
                                    lamp.guide, beams_, u + 1);
     } else {
       part *= 1 / kOthers;
-      point = choose_between(eye, lamp.guide, lamp.lit);
+      point = choose_between(eye, lamp.guide, lamp.lit, Beside::nothing, part);
       if (point && table->has(edges_.index().number(*point->edge))) return 0.f;
     }
   } else {
@@ -205,7 +191,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
       if (random_.next() >= kOthers) return 0.f;
       part *= 1 / kOthers;
     }
-    point = choose_between(eye, lamp.guide, lamp.lit);
+    point = choose_between(eye, lamp.guide, lamp.lit, Beside::nothing, part);
   }
   if (!point || !(point->pdf > 0)) return 0.f;
   const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);

@@ -104,7 +104,8 @@ public:
     const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * light_at(from, *point, d, lamp);
   }
-  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`; `is_seen`: the sensor sees that place without going around an edge.
+  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`; `is_seen`: the
+  /// sensor sees that place without going around an edge.
   template <class Respond>
   Spectrum to_sensor(const Place& from, bool is_seen, float left, Vec2 lens, const Respond& respond,
                      Vec2& film) {
@@ -249,14 +250,9 @@ private:
   /// Of an edge that is chosen by chance whether the sensor looks there.
   bool sees_some_edge(const Vec3& eye, Vec2 lens);
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
-  /// A place on an edge. `lit`: of the end that is a lamp.
-  std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit);
-  /// The same with roulette (`looked_at`): `whole` is divided by its probability.
+  /// A place on an edge, after roulette (`looked_at`), by whose probability `whole` is divided. `lit`: of the end that is a lamp, or null.
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit, Beside beside,
                                           float& whole);
-  std::optional<SceneEdges::EdgesBetween> edges_between(const Vec3& a, const PathEnd& b, const float* lit);
-  std::optional<EdgePoint> place_between(const SceneEdges::EdgesBetween& edges, const Vec3& a,
-                                         const PathEnd& b);
   Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);
   Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
   /// The part of the light that goes straight from a place to an edge, black where something is in the way. `end` receives the flight

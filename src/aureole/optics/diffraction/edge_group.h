@@ -17,8 +17,8 @@ namespace aureole::optics {
 /// 1/(2 sigma), so that with one of these
 ///   K = (k/2 pi)^2 (1 - chi)/q^4 W |sum over edges of (m_l.q) integral exp(i (q + s).x') dl'|^2,   W = w_j/(sum of w_l length_l),
 /// w_j = (m_j.q)^2 for the normal m_j per length in space: what all edges send, divided among them by the light that each would send alone.
-/// Summed over the edges it has the mean that `mean_edge_kernel` has, and it is never negative. `index`: of the edge; `normal`: two independent numbers of the standard normal distribution, which are s
-/// times 2 sigma; the rest as above. Where all wavelengths have nearly the same phases over 14 sigma one stands for all.
+/// Summed over the edges it has the mean that `mean_edge_kernel` has, and it is never negative. `index`: of the edge; `normal`: two
+/// independent numbers of the standard normal distribution, which are s times 2 sigma; the rest as in `mean_edge_kernels`. Where all wavelengths have nearly the same phases over 14 sigma one stands for all.
 void drawn_edge_kernels(std::span<const ProjectedEdge> edges, std::size_t index, PlanePoint normal,
                         double turn, std::span<const double> k, std::span<const double> sigma,
                         std::span<double> result);
