@@ -23,6 +23,15 @@ measure() {  # NAME PIXELS SCENE ARGUMENTS...
   awk -v name="$name" -v d=$((many - few)) -v n=$((pixels * 64)) 'BEGIN { printf "%-14s %7.0f instructions per sample\n", name, d / n }'
 }
 
-if have cbox "$cbox"; then measure cbox 2304 "$cbox" -D res=48; fi
+if have cbox "$cbox"; then
+  measure cbox 2304 "$cbox" -D res=48
+  measure "cbox ptracer" 2304 "$cbox" -D res=48 --integrator ptracer
+  measure "cbox bdpt" 2304 "$cbox" -D res=48 --integrator bdpt
+fi
 if have matpreview "$matpreview"; then measure matpreview 3072 "$matpreview" -D width=64 -D height=48; fi
 measure condensation 1536 "$demo" -D width=48 -D height=32
+measure fog 960 "$root/scenes/media/fog.xml" -D width=40 -D height=24
+measure milk 960 "$root/scenes/milk/milk.xml" -D width=40 -D height=24
+measure caustic 2304 "$root/bench/two_way/caustic.xml" -D width=48 -D height=48
+star_box=$shared/data/cornell-box/box.xml
+if have "star box" "$star_box"; then measure "star box" 576 "$star_box" -D res=24 -D spp=16 --integrator path; fi

@@ -125,7 +125,7 @@ void replay_samples(const RenderJob& job, int x, int y, std::int64_t begin, std:
   if (end - begin <= kSampleBlock) {
     for (std::int64_t i = begin; i < end; ++i) {
       fmt::print("{} {}\n", name, i);
-      check(i, job.replay(x, y, i, 0, [](const std::string& line) { fmt::print("{}\n", line); }));
+      check(i, job.replay(x, y, i, 0, [](const PathEvent& event) { fmt::print("{}\n", to_string(event)); }));
     }
     return;
   }

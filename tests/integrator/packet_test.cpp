@@ -211,7 +211,7 @@ TEST_P(LockStep, PathsAsOneByOne) {
       one.aovs = alone.data();
       std::vector<Splat> expected;
       int lines = 0;
-      const PathLog log = [&](const std::string&) { ++lines; };
+      const PathLog log = [&](const PathEvent&) { ++lines; };
       integrator.trace(*scene, std::span(&one, 1), expected, BatchLog(log, 0));
       ASSERT_TRUE(same_bits(one.result.estimate, paths[i].result.estimate)) << "pixel " << pixel;
       ASSERT_EQ(one.result.alpha, paths[i].result.alpha);

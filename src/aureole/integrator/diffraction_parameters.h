@@ -7,7 +7,6 @@
 
 #include "aureole/integrator/integrator.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/spectrum/path_density.h"
 #include "aureole/transport/edges.h"
 
 namespace aureole {
@@ -29,18 +28,6 @@ inline void require_no_glowing_media(const Scene& scene, const Integrator& integ
   if (scene.edges() && scene.emitting_media())
     throw integrator.properties().error(
         "diffraction", "light of media that emit is not followed around edges: switch one of them off");
-}
-
-/// Light of one emitter that reaches the sensor around one edge, for one path.
-inline std::optional<Splat> light_seen_around_edge(const Scene& scene, int index, Path& path,
-                                                   bool hide_emitters) {
-  EdgePaths edges(scene, path.wavelengths, key(path.samples, 0, Key::connection) ^ 0xb5297a4du,
-                  hide_emitters);
-  const Vec2 lens = edges.next2();
-  Splat splat{index, {}, 0.f};
-  splat.estimate = single_estimate(edges.from_light_to_sensor(lens, splat.film), path.wavelengths);
-  if (is_black(splat.estimate)) return {};
-  return splat;
 }
 
 /// `own` followed by the rows of these parameters.

@@ -2,6 +2,7 @@
 // Direct illumination only, with chosen numbers of light and BSDF samples.
 #include "aureole/integrator/diffraction_parameters.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/transport/edge_walk.h"
 #include "aureole/transport/endpoints.h"
 #include "aureole/transport/sight.h"
 
@@ -28,7 +29,6 @@ public:
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   bool needs_march() const { return !scene_.has_binary_visibility(); }
   std::uint32_t connection_key(int i) const { return paths_[size_t(i)].samples.key(states_[i].dimension); }
-  bool looks_for_emission() const { return media_ != nullptr; }
 
   Event arrive(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
@@ -69,7 +69,9 @@ public:
 
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
 
-  bool connect(int i, Connection& out) {
+  int connection_count(int) const { return media_ ? 2 : 1; }
+  bool connect(int i, int k, Connection& out) {
+    if (k == 1) return connect_to_emission(i, out);
     State& s = states_[i];
     if (!s.smooth || scene_.lights().empty()) return false;
     SampleStream& samples = paths_[size_t(i)].samples;
@@ -93,7 +95,7 @@ public:
     return found;
   }
 
-  void connected(int i, const Connection& c, bool open) {
+  void end_connection(int i, int, const Connection& c, bool open) {
     if (open) paths_[size_t(i)].result.estimate += c.light;
     states_[i].is_lit |= open;
   }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/integrator/integrator.h"
 
-#include <fmt/format.h>
-
 #include "aureole/core/keyed_random.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/connection.h"
@@ -58,7 +56,7 @@ void Integrator::estimate(const Scene& scene, std::span<Path> paths, std::vector
     if (!receiver) continue;
     const Spectrum light = received(scene, *receiver, paths[i]);
     if (log.follows(int(i)) && !is_black(light))
-      log(fmt::format("  from an emitter to the receiver: mean {:.6g}", mean(light)));
+      log({.kind = PathEvent::Kind::other, .estimate = light, .text = "from an emitter to the receiver"});
     paths[i].result.estimate += light;
   }
 }

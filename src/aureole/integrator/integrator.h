@@ -3,60 +3,18 @@
 // from the emitters. An integrator owns no scene state and no threads.
 #pragma once
 
-#include <functional>
-#include <limits>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
-#include "aureole/sampler/sampler.h"
 #include "aureole/scene/scene.h"
 #include "aureole/transport/batch.h"
+#include "aureole/transport/path.h"
+#include "aureole/transport/path_log.h"
 
 namespace aureole {
-
-/// Receives one line per event of a path, for replaying a pixel. Empty in normal rendering.
-using PathLog = std::function<void(const std::string&)>;
-
-/// The log of a batch: it tells the events of one of its paths, or of none.
-class BatchLog {
-public:
-  BatchLog() = default;
-  BatchLog(const PathLog& log, int path) : log_(log ? &log : nullptr), path_(path) {}
-  bool follows(int path) const { return log_ != nullptr && path == path_; }
-  void operator()(const std::string& line) const { (*log_)(line); }
-
-private:
-  const PathLog* log_ = nullptr;
-  int path_ = -1;
-};
-
-struct RadianceEstimate {
-  Spectrum estimate{0.f};  ///< L_i / (N p_lambda(lambda_i)), as Film::measure takes it
-  float alpha = 0;
-  /// The path could not be followed: its sample is left out and counted.
-  void invalidate() { estimate = std::numeric_limits<float>::quiet_NaN(); }
-};
-
-/// One of the paths of a batch, which belongs to a sample of a pixel.
-struct Path {
-  Ray ray;    ///< of the sensor
-  Vec2 film;  ///< where it was sampled [pixels from the film's top left corner]
-  Wavelengths wavelengths;
-  SampleStream samples;     ///< its dimensions count from where those of the sensor end
-  float* aovs = nullptr;    ///< receives one number per name of `aov_names`
-  RadianceEstimate result;  ///< of the radiance along `ray`, set by `Integrator::trace`
-};
-
-/// Light that a path leaves anywhere on the film.
-struct Splat {
-  int path;   ///< of the batch
-  Vec2 film;  ///< pixels from the film's top left corner
-  /// Spectral power per film area [pixels^2] over the density of the path, as Film::measure takes it.
-  Spectrum estimate;
-};
 
 /// The parts of a scene that an integrator needs beside surfaces, lights and media.
 struct SceneNeeds {

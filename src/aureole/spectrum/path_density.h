@@ -34,6 +34,8 @@ enum class PathStart { sensor, emitter };
 /// zero stays zero.
 template <class W, PathStart kStart>
 struct BasicPathDensity {
+  static constexpr PathStart kBegin = kStart;
+
   W beta{};             ///< f / p_hero
   Spectrum ratio{1.f};  ///< of walking here; ratio[0] is always 1
   /// The ratio as if the last vertex had been found by light sampling, without the density of that choice; 0

@@ -1,29 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver: it follows the paths of a batch together. Their rays go to the ray tracer as packets, and each
-// step of an integrator (what a ray meets, the connections of a vertex, the next direction) runs over all
-// paths of the batch before the next step begins. Replaying one path is the same code.
+// The driver: it follows the paths of a batch together. Their rays go to the ray tracer as packets, and each step (arrive, connect,
+// scatter, emerge; see transport/walk.h) runs over all paths of the batch before the next step begins. Replaying one path is the same
+// code.
 //
-// An integrator's steps are functions of a class, of which `path` is an index into the batch:
+// Steps are functions of a class, `Walk` or another one, of which `path` is an index into the batch:
 //     const Ray& ray(int path);                           the ray that the path goes on along
-//     Event arrive(int path, const RayTracer::Hit& hit);  what it met: `surface` and `medium` are vertices,
-//                                                         `crossed` is none; else the path has ended
-//     bool connect(int path, Connection& out);            false: the vertex has no connection
-//     bool needs_march();                                 whether connections may pass surfaces
-//     void connected(int path, const Connection& c, bool open);
-//     bool scatter(int path);                             false: the path ends here, or goes on below
-//     PathList emerge();                                  those that went on below, at a vertex again
+//     Event arrive(int path, const RayTracer::Hit& hit);  what it has hit: `surface` and `medium` are vertices, `crossed` is none; else
+//                                                         the path has ended
+//     void lose(int path);                                the ray has left the range of float: the path ends, and its sample must
+//                                                         become invalid
+// and, for steps that have them,
+//     int connection_count(int path);                     upper bound of the number of connections of the vertex; 1 need not be true
+//     bool connect(int path, int k, Connection& out);     makes the k-th connection; false where there is none
+//     void end_connection(int path, int k, const Connection& c, bool open);   k = -1: from a point along the ray
+//     bool needs_march();                                 whether connections may cross surfaces
 //     const Wavelengths& wavelengths(int path);
 //     std::uint32_t connection_key(int path);             for random numbers of the vertex's connections
-//     void lose(int path);                                the ray has left the range of float: the path ends,
-//                                                         and its sample must become invalid
-// and where there are
-//     void put_segments(BatchConnections* room);          room for connections that `arrive` makes, from places
-//                                                         along the segment that it has followed
+//     void connect_edges(const PathList& vertices);       further next-event estimation, once for all vertices
+//     void put_segments(BatchConnections* room);          storage of connections that `arrive` makes, from points along the ray
 //     void finish_looking();                              follows lines of sight that `arrive` has begun
-//     bool looks_for_emission();                          whether vertices have a second connection,
-//     bool connect_to_emission(int path, Connection& out);
-//     bool looks_around_edges();          whether vertices are connected around edges, too,
-//     void connect_around_edges(const PathList& vertices);
+//     bool scatter(int path);                             false: the path ends here, or continues below the surface
+//     PathList emerge();                                  paths that continued below a surface, at a vertex again
 #pragma once
 
 #include <type_traits>
@@ -56,17 +53,17 @@ struct BatchConnections {
   Connection of_path[kBatch];
 };
 
-/// The end of a connection.
+/// Tells the steps the result of a connection.
 template <class Steps>
-void end_connection(const Scene& scene, Steps& steps, int path, Connection& c, bool open) {
+void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open) {
   if (open)
     lend_to_edges(scene, LightWay::of(c), steps.wavelengths(path), steps.connection_key(path), c.light);
-  steps.connected(path, c, open);
+  steps.end_connection(path, k, c, open);
 }
 
-/// Connections that may pass surfaces or media.
+/// Connections that may cross surfaces or media.
 template <class Steps>
-[[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, BatchConnections& connections) {
+[[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, int k, BatchConnections& connections) {
   while (!connections.rays.empty())
     connections.rays.intersect(scene.tracer(), RayTracer::Rays::incoherent,
                                [&](int path, const RayTracer::Hit& hit) {
@@ -77,43 +74,47 @@ template <class Steps>
                                    return;
                                  }
                                  if (event == Event::escape && scene.has_media()) c.finish();
-                                 end_connection(scene, steps, path, c, event == Event::escape);
+                                 end_connection(scene, steps, path, k, c, event == Event::escape);
                                });
 }
 
-/// One connection of each path, which `connect(path, connection)` makes.
-template <class Steps, class Connect>
-void connect_each(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections,
-                  Connect&& connect) {
+/// The k-th connection of each path.
+template <class Steps>
+[[gnu::always_inline]] inline void connect_each(const Scene& scene, Steps& steps, const PathList& paths,
+                                                int k, BatchConnections& connections) {
   for (const int path : paths) {
     Connection& c = connections.of_path[path];
-    if (connect(path, c)) connections.rays.add(path, c.flight.ray);
+    if (steps.connect(path, k, c)) connections.rays.add(path, c.flight.ray);
   }
-  if (steps.needs_march()) return march_all(scene, steps, connections);
+  if (steps.needs_march()) return march_all(scene, steps, k, connections);
   connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {
     Connection& c = connections.of_path[path];
-    end_connection(scene, steps, path, c, open || is_lost(scene, c));
+    end_connection(scene, steps, path, k, c, open || is_lost(scene, c));
   });
 }
 
-/// One connection of each path with a light or the sensor.
+/// Further connections of vertices, beside the first of each.
 template <class Steps>
-void connect_all(const Scene& scene, Steps& steps, const PathList& paths, BatchConnections& connections) {
-  connect_each(scene, steps, paths, connections,
-               [&](int path, Connection& c) { return steps.connect(path, c); });
+[[gnu::noinline]] void connect_further(const Scene& scene, Steps& steps, const PathList& vertices,
+                                       BatchConnections& connections) {
+  PathList rest = vertices;
+  for (int k = 1;; ++k) {
+    PathList next;
+    for (const int path : rest)
+      if (k < steps.connection_count(path)) next.add(path);
+    if (next.count == 0) return;
+    connect_each(scene, steps, next, k, connections);
+    rest = next;
+  }
 }
 
 /// All connections of the vertices.
 template <class Steps>
 void connect_vertices(const Scene& scene, Steps& steps, const PathList& vertices,
                       BatchConnections& connections) {
-  connect_all(scene, steps, vertices, connections);
-  if constexpr (requires { steps.looks_for_emission(); })
-    if (steps.looks_for_emission())
-      connect_each(scene, steps, vertices, connections,
-                   [&](int path, Connection& c) { return steps.connect_to_emission(path, c); });
-  if constexpr (requires { steps.looks_around_edges(); })
-    if (steps.looks_around_edges()) steps.connect_around_edges(vertices);
+  connect_each(scene, steps, vertices, 0, connections);
+  if constexpr (requires { steps.connection_count(0); }) connect_further(scene, steps, vertices, connections);
+  if constexpr (requires { steps.connect_edges(vertices); }) steps.connect_edges(vertices);
 }
 
 /// The next directions: adds the rays of the paths that go on.
@@ -140,7 +141,7 @@ template <class Steps>
 template <class Steps>
 [[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
   constexpr bool kScatters = requires { steps.scatter(0); };
-  constexpr bool kConnects = requires(Connection & c) { steps.connect(0, c); };
+  constexpr bool kConnects = requires(Connection & c) { steps.connect(0, 0, c); };
   constexpr bool kEmerges = requires { steps.emerge(); };
   constexpr bool kHasSegments = requires { steps.put_segments(nullptr); };
   std::conditional_t<kConnects, BatchConnections, char> connections;
@@ -148,7 +149,7 @@ template <class Steps>
   for (; !rays.empty(); kind = RayTracer::Rays::incoherent) {
     [[maybe_unused]] const PathList vertices = arrive_all(scene, steps, rays, kind);
     if constexpr (kHasSegments)
-      if (!connections.rays.empty()) march_all(scene, steps, connections);
+      if (!connections.rays.empty()) march_all(scene, steps, -1, connections);
     if constexpr (requires { steps.finish_looking(); }) steps.finish_looking();
     if constexpr (kConnects) connect_vertices(scene, steps, vertices, connections);
     if constexpr (kScatters) scatter_all(steps, vertices, rays);

@@ -24,6 +24,10 @@ struct AfterEdge {
   Vec3 edge;
   bool is_set = false;
   float pdf = 0;  ///< with which the direction was chosen [1/sr]
+  // For light paths of `bdpt`:
+  bool found_from_sensor =
+      false;             ///< the path's last edge is found from the sensor: its vertices are not connected
+  bool is_next = false;  ///< the vertex before the present one is an edge
 
   /// Where the path's flight has begun.
   LightWay::End end() const { return is_set ? LightWay::End::edge : LightWay::End::vertex; }

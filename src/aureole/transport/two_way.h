@@ -14,6 +14,10 @@
 // Null collisions are vertices of a path, too: a walk that passes them has a density for that, a connection does not.
 #pragma once
 
+#include <memory>
+#include <vector>
+
+#include "aureole/transport/batch.h"
 #include "aureole/transport/endpoints.h"
 #include "aureole/transport/vertex.h"
 
@@ -95,5 +99,44 @@ struct Emission {
 
 using SensorSubpathDensity = TwoWayDensity<PathStart::sensor>;
 using LightSubpathDensity = TwoWayDensity<PathStart::emitter>;
+
+/// A vertex of a light path, kept for connections.
+struct LightVertex {
+  template <class Make>
+  explicit LightVertex(const Make& make) : vertex(make()) {}
+
+  Vertex vertex;
+  LightSubpathDensity density;
+  int edges = 0;                          ///< segments from the light
+  int in_media = 0;                       ///< vertices in media so far, this one included
+  int count = 0;                          ///< number of vertices that `previous` leads to, this one included
+  const LightVertex* previous = nullptr;  ///< the vertex before it that may be connected
+};
+
+/// Storage of the vertices of a batch of light paths, made in place: earlier ones stay where they are.
+class LightVertices {
+public:
+  template <class Make>
+  Vertex& make(int path, const Make& make) {
+    if (used_ % kChunk == 0 && used_ / kChunk == chunks_.size())
+      chunks_.push_back(std::make_unique_for_overwrite<Room[]>(kChunk));
+    Room& room = chunks_[used_ / kChunk][used_ % kChunk];
+    ++used_;
+    return (present_[path] = new (room.bytes) LightVertex(make))->vertex;
+  }
+  Vertex& operator[](int path) { return present_[path]->vertex; }
+  /// The present vertex of a path.
+  LightVertex& present(int path) { return *present_[path]; }
+
+private:
+  static_assert(std::is_trivially_destructible_v<LightVertex>);
+  static constexpr std::size_t kChunk = 64;
+  struct Room {
+    alignas(LightVertex) std::byte bytes[sizeof(LightVertex)];
+  };
+  std::vector<std::unique_ptr<Room[]>> chunks_;
+  std::size_t used_ = 0;
+  LightVertex* present_[kBatch];
+};
 
 }  // namespace aureole

@@ -15,6 +15,9 @@ namespace aureole {
 /// The scenes that code is compiled for: `empty` has no media, no shapes with a priority and no edges that diffract light, so
 /// that paths among its surfaces need not ask for them at every step.
 enum class Space { empty, any };
+inline Space space_of(const Scene& scene) {
+  return scene.has_media() || scene.edges() ? Space::any : Space::empty;
+}
 
 /// Value and density of scattering at a vertex for one given direction.
 struct Response {

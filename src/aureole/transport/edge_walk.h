@@ -1,0 +1,303 @@
+// SPDX-License-Identifier: Apache-2.0
+// `EdgeWalk`: diffraction in a random walk (docs/diffraction.md). `Walk` calls it at every step, so that integrators need not know
+// whether a scene has edges that diffract light. Without such edges every function returns at once.
+#pragma once
+
+#include <array>
+
+#include "aureole/transport/edges.h"
+#include "aureole/transport/path.h"
+#include "aureole/transport/path_log.h"
+#include "aureole/transport/two_way.h"
+#include "aureole/transport/walk_state.h"
+
+namespace aureole {
+
+/// Whether edges of the scene diffract light.
+inline bool has_diffracting_edges(const Scene& scene) { return scene.edges() && !scene.edges()->empty(); }
+
+/// Whether the walks of that density leave their vertices for edges. Light paths of `bdpt` only have to find edges that the sensor
+/// sees in mirrors or smooth glass.
+template <class Density>
+bool walks_to_edges(const Scene& scene) {
+  if (!has_diffracting_edges(scene)) return false;
+  return !std::is_same_v<Density, LightSubpathDensity> || scene.edges()->has_mirrors();
+}
+
+/// Light of one light that reaches the sensor around one edge, for one path; nothing where it is black.
+inline std::optional<Splat> light_seen_around_edge(const Scene& scene, int index, Path& path,
+                                                   bool hide_emitters) {
+  EdgePaths edges(scene, path.wavelengths, key(path.samples, 0, Key::connection) ^ 0xb5297a4du,
+                  hide_emitters);
+  const Vec2 lens = edges.next2();
+  Splat splat{index, {}, 0.f};
+  splat.estimate = single_estimate(edges.from_light_to_sensor(lens, splat.film), path.wavelengths);
+  if (is_black(splat.estimate)) return {};
+  return splat;
+}
+
+class EdgeWalk {
+public:
+  explicit EdgeWalk(const Scene& scene) : scene_(scene), is_on_(has_diffracting_edges(scene)) {}
+
+  /// Multiplies the path's throughput by the diffraction factor of the segment of that length along its present ray.
+  template <class W>
+  void attenuate(W& walk, int i, float length) const {
+    if (!scene_.edges()) return;
+    auto& s = walk.state(i);
+    lend_to_edges(scene_, s.flight.ray, length, s.after_edge.end(), walk.wavelengths(i),
+                  key(walk.samples(i), s.vertex, Key::flight), s.density);
+  }
+
+  /// The path arrives at a vertex at `p`. False where it ends, because `p` lies within the beam of the edge that it has left.
+  template <class W>
+  bool arrive(W& walk, int i, const Vec3& p) const {
+    auto& s = walk.state(i);
+    return !s.after_edge.is_set || s.after_edge.leaves_beam(scene_, p, walk.wavelengths(i), s.density);
+  }
+
+  /// Whether the path leaves its vertex for an edge, which it does with `probability`.
+  template <class W>
+  bool is_left(W& walk, int i, float& probability) const {
+    if (!is_on_ || !walks_to_edges<typename W::Density>(scene_)) return false;
+    auto& s = walk.state(i);
+    const auto& vertex = walk.vertex(i);
+    if (!vertex.is_smooth() || !walk.limits().reaches(s.depth + 4 + kSegmentsBehind<W>)) return false;
+    probability = EdgePaths::to_edge(scene_, vertex.p(), walk.wavelengths(i));
+    return KeyedRandom(walk_key(walk, i)).next() < probability;
+  }
+  /// Continues the path by way of an edge. False where it ends.
+  template <class W>
+  [[gnu::noinline]] bool leave_vertex(W& walk, int i, float probability) const {
+    auto& s = walk.state(i);
+    if (W::kFromSensor && s.depth == 0) walk.path(i).result.alpha = 1;
+    KeyedRandom random(walk_key(walk, i));
+    random.next();
+    EdgePaths edges(scene_, walk.wavelengths(i), random, walk.limits().hide_emitters);
+    Spectrum value;
+    EdgePaths::AtEdge at;
+    s.density = walk.vertex_density(i);
+    if (!edges.walk(walk.vertex(i), s.flight, probability, value, at)) return false;
+    ++s.depth;
+    return leave_edge(walk, i, edges, at, value);
+  }
+
+  /// The path is scattered at a vertex.
+  template <class W>
+  void scatter(W& walk, int i, const Scatter& b) const {
+    auto& after = walk.state(i).after_edge;
+    after.is_set = false;
+    if constexpr (kIsTwoWayLight<W>) {
+      // The edge before a mirror is found from the light, any other one from the sensor.
+      if (after.is_next) after.found_from_sensor = !b.delta;
+      after.is_next = false;
+    }
+  }
+
+  /// Begins a path at an edge, which the sensor sees at `film` or which a light irradiates. False where there is none.
+  template <class W>
+  bool begin(W& walk, int i, Vec2& film) const {
+    if (!walk.limits().reaches(3 + kSegmentsBehind<W>)) return false;
+    auto& s = walk.state(i);
+    EdgePaths edges(scene_, walk.wavelengths(i), key(walk.samples(i), 0, Key::connection) ^ kBegin,
+                    walk.limits().hide_emitters);
+    Spectrum value = 1.f;
+    EdgePaths::AtEdge at;
+    if constexpr (W::kFromSensor) {
+      s.vertex = -1;
+      if (!edges.begin_at_sensor(edges.next2(), value, at, film)) return false;
+    } else {
+      if (!edges.begin_at_light(value, at)) return false;
+    }
+    s.first_throughput = max_component(abs(value));
+    return leave_edge(walk, i, edges, at, value);
+  }
+
+  /// Next-event estimation around edges: connects the vertices with lights or, from light paths, with the sensor.
+  template <class W>
+  void connect(W& walk, const PathList& vertices) const {
+    if (!is_on_ || kIsTwoWayLight<W>) return;
+    for (const int i : vertices) {
+      auto& s = walk.state(i);
+      const auto& vertex = walk.vertex(i);
+      if ((W::kFromSensor && s.last) || !vertex.is_smooth() || !walk.limits().reaches(s.depth + 3) ||
+          !walk.has_technique(1, s.depth + 3))
+        continue;
+      EdgePaths edges(scene_, walk.wavelengths(i), key(walk.samples(i), s.vertex, Key::connection) ^ kConnect,
+                      walk.limits().hide_emitters);
+      const auto respond = [&](const Vec3& d) { return EdgePaths::response(vertex, d); };
+      const EdgePaths::Place place = EdgePaths::at_vertex(vertex, s.flight);
+      const float throughput = walk.relative_throughput(i);
+      if constexpr (W::kFromSensor) {
+        const Spectrum light =
+            edges.from_light(place, s.is_connected ? EdgePaths::Beside::direct : EdgePaths::Beside::surfaces,
+                             throughput, respond);
+        Path& path = walk.path(i);
+        path.result.estimate += walk.vertex_density(i).contribution(light, path.wavelengths);
+        if (walk.log().follows(i) && !is_black(light))
+          walk.log()({.kind = PathEvent::Kind::other, .estimate = light, .text = "light around an edge"});
+      } else if constexpr (!kIsTwoWayLight<W>) {
+        connect_with_sensor(walk, i, edges, place, s.is_connected, throughput, respond);
+      }
+    }
+  }
+
+private:
+  // They make other keys of one.
+  static constexpr std::uint32_t kConnect = 0x2545f491u, kLeave = 0x7feb352du, kBegin = 0x846ca68bu;
+  template <class W>
+  static constexpr bool kIsTwoWayLight = std::is_same_v<typename W::Density, LightSubpathDensity>;
+  /// Segments that a path has at least behind its next vertex: light paths of `bdpt` are not connected with the sensor at edges.
+  template <class W>
+  static constexpr int kSegmentsBehind = kIsTwoWayLight<W>;
+
+  template <class W>
+  static std::uint32_t walk_key(W& walk, int i) {
+    return key(walk.samples(i), walk.state(i).vertex, Key::connection) ^ kLeave;
+  }
+
+  template <class W, class Respond>
+  static void connect_with_sensor(W& walk, int i, EdgePaths& edges, const EdgePaths::Place& from,
+                                  bool is_seen, float throughput, const Respond& respond) {
+    Vec2 film;
+    const Vec2 lens = edges.next2();
+    const Spectrum seen = edges.to_sensor(from, is_seen, throughput, lens, respond, film);
+    if (is_black(seen)) return;
+    const Spectrum estimate = walk.state(i).density.reached(Weight(seen), 1, walk.wavelengths(i));
+    walk.splat(i, film, estimate);
+    if (walk.log().follows(i))
+      walk.log()({.kind = PathEvent::Kind::other,
+                  .estimate = estimate,
+                  .film = film,
+                  .text = "sensor around an edge"});
+  }
+
+  /// From an edge, perhaps by way of other ones, into a direction: the state of the path becomes that behind it.
+  template <class W>
+  bool leave_edge(W& walk, int i, EdgePaths& edges, const EdgePaths::AtEdge& first,
+                  const Spectrum& value) const {
+    auto& s = walk.state(i);
+    const auto connect = [&](const EdgePaths::AtEdge& at, const Spectrum& so_far) {
+      if (walk.log().follows(i))
+        walk.log()({.kind = PathEvent::Kind::edge, .depth = s.depth + !W::kFromSensor, .p = at.point.p});
+      const auto respond = [&](const Vec3& d) { return edges.kernel(at, d); };
+      if constexpr (W::kFromSensor) {
+        if (walk.has_technique(1, s.depth + 3)) {
+          Path& path = walk.path(i);
+          path.result.estimate += s.density.contribution(
+              so_far * edges.from_light(at.place(), EdgePaths::Beside::nothing, 1, respond),
+              path.wavelengths);
+        }
+        if constexpr (requires { walk.last_light_vertex(i); })
+          for (const LightVertex* light = walk.last_light_vertex(i); light; light = light->previous)
+            connect_with_light_vertex(walk, i, edges, at, so_far, *light);
+      } else if constexpr (!kIsTwoWayLight<W>) {
+        connect_with_sensor(walk, i, edges, at.place(), false, 1,
+                            [&](const Vec3& d) { return so_far * respond(d); });
+      }
+    };
+    const auto reaches = [&](int n) { return walk.limits().reaches(n); };
+    if (!edges.leave(first, value, s.depth, reaches, connect, s.density, s.flight, s.after_edge))
+      return false;
+    if constexpr (requires { s.density.leave_edge(0.f, true); }) {
+      s.density.leave_edge(s.after_edge.pdf, W::kFromSensor);
+      s.from.p = s.after_edge.edge;
+    }
+    if constexpr (kIsTwoWayLight<W>) s.after_edge.found_from_sensor = s.after_edge.is_next = true;
+    // Connections from before the edge have counted the lights that the path hits next.
+    s.emission_counted = true;
+    ++s.vertex;
+    return walk.survives(i);
+  }
+
+  /// Connects an edge that a path of `bdpt` has come to, with the factor `value`, with a vertex of a light path.
+  template <class W>
+  void connect_with_light_vertex(W& walk, int i, EdgePaths& edges, const EdgePaths::AtEdge& at,
+                                 const Spectrum& value, const LightVertex& light) const {
+    const auto& s = walk.state(i);
+    if (!walk.may_connect(i, light)) return;
+    const float distance2 = length_squared(light.vertex.p() - at.point.on_edge());
+    if (!(distance2 > 0)) return;
+    const Vec3 d = -at.point.direction_from(light.vertex.p());
+    if (!SceneEdges::turns_around(at.point, at.d, d)) return;
+    Response there;
+    if (!light.vertex.respond(-d, there)) return;
+    Path& path = walk.path(i);
+    const Anchor edge = Anchor::in_space(at.point.p);
+    Connection c;
+    c.set(edge, normalize(light.vertex.p() - edge.p), light.vertex.anchor());
+    const float inverse = 1 / distance2;
+    // Light paths do not find this edge: the other techniques are the walk of the sensor's path, and what is behind.
+    const Spectrum other = s.density.ratio * light.vertex.density_across(d) *
+                           light.density.others(light.vertex.reverse_pdf(-d)) *
+                           (edges.scatter_pdf(at, d) * inverse);
+    c.light = 1.f;
+    walk.weigh(s.density.ratio * light.density.ratio, other, path.wavelengths, c);
+    if (scene_.has_media())
+      c.begin_in(at.flight,
+                 std::uint32_t(combine_bits(key(walk.samples(i), s.vertex, Key::connection) ^ kConnect,
+                                            std::uint64_t(light.edges))));
+    if (!aureole::connect(scene_, c, path.wavelengths)) return;
+    if (scene_.has_media()) c.finish();
+    lend_to_edges(scene_, LightWay::of(c, LightWay::End::edge), path.wavelengths, walk.connection_key(i),
+                  c.light);
+    const Spectrum kernel = edges.kernel_to(at, d, light.vertex, std::sqrt(distance2));
+    if (is_black(kernel)) return;
+    path.result.estimate +=
+        s.density.beta.of(value * kernel * there.value.after(light.density.beta).of(Spectrum(inverse))) *
+        c.light;
+    if (walk.log().follows(i))
+      walk.log()(
+          {.kind = PathEvent::Kind::other, .estimate = c.light * kernel, .text = "connection of the edge"});
+  }
+
+  const Scene& scene_;
+  const bool is_on_;
+};
+
+/// Paths that begin at edges, and light that reaches the sensor around one edge alone. The paths of `in` are followed once more, by random
+/// numbers of their own: the `stream`-th second stream of each. `sees_lights`: paths with one edge between a light and the sensor count.
+/// `run(second, begin)` makes a walk of the input `second`, calls begin(walk, rays), which adds the rays of paths that have begun, and
+/// follows them. What they find is left as splats.
+template <class Run>
+[[gnu::noinline]] void follow_edge_paths(const WalkInput& in, int stream, bool sees_lights,
+                                         std::vector<Splat>& splats, Run&& run) {
+  if (!has_diffracting_edges(in.scene) || !in.limits.reaches(2)) return;
+  const std::size_t n = in.paths.size();
+  std::array<Path, kBatch> second;
+  std::array<Vec2, kBatch> film;
+  for (std::size_t i = 0; i < n; ++i) {
+    second[i] = in.paths[i];
+    for (int k = 0; k < stream; ++k) second[i].samples = second[i].samples.of_second_path();
+    second[i].result = {};
+  }
+  run(WalkInput{in.scene, in.limits, {second.data(), n}, in.log}, [&](auto& walk, BatchRays& rays) {
+    for (std::size_t i = 0; i < n; ++i) {
+      if (sees_lights)
+        if (const auto splat = light_seen_around_edge(in.scene, int(i), in.paths[i], in.limits.hide_emitters))
+          splats.push_back(*splat);
+      film[i] = {-1, -1};
+      if (walk.begin_at_edge(int(i), film[i])) rays.add(int(i), walk.ray(int(i)));
+    }
+  });
+  for (std::size_t i = 0; i < n; ++i) {
+    const Spectrum& estimate = second[i].result.estimate;
+    if (!is_finite(estimate))
+      in.paths[i].result.invalidate();
+    else if (!is_black(estimate))
+      splats.push_back({int(i), film[i], estimate});
+  }
+}
+
+/// Light paths of `bdpt` that begin at an edge, where the scene needs them: `run(begin)` as above, without random numbers of its own.
+template <class Walk, class Run>
+void follow_light_from_edges(const WalkInput& in, Run&& run) {
+  if (!walks_to_edges<typename Walk::Density>(in.scene)) return;
+  run([&](Walk& walk, BatchRays& rays) {
+    Vec2 film;
+    for (std::size_t i = 0; i < in.paths.size(); ++i)
+      if (walk.begin_at_edge(int(i), film)) rays.add(int(i), walk.ray(int(i)));
+  });
+}
+
+}  // namespace aureole

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// `Path`: a sample of the film whose light is estimated, with its result; and `Splat`: light that a path leaves elsewhere on the film.
+#pragma once
+
+#include <limits>
+
+#include "aureole/sampler/sampler.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+struct RadianceEstimate {
+  Spectrum estimate{0.f};  ///< L_i / (N p_lambda(lambda_i)), as Film::measure takes it
+  float alpha = 0;
+  /// Marks the sample as invalid: it is left out of the picture and counted.
+  void invalidate() { estimate = std::numeric_limits<float>::quiet_NaN(); }
+};
+
+/// One of the paths of a batch, which belongs to a sample of a pixel.
+struct Path {
+  Ray ray;    ///< of the sensor
+  Vec2 film;  ///< where it was sampled [pixels from the film's top left corner]
+  Wavelengths wavelengths;
+  SampleStream samples;     ///< its dimensions count from the first one after those of the sensor
+  float* aovs = nullptr;    ///< receives one number per name of `Integrator::aov_names`
+  RadianceEstimate result;  ///< of the radiance along `ray`, set by `Integrator::trace`
+};
+
+/// Light that a path leaves anywhere on the film.
+struct Splat {
+  int path;   ///< index into the batch
+  Vec2 film;  ///< pixels from the film's top left corner
+  /// Spectral power per film area [pixels^2] over the pdf of the path, as Film::measure takes it.
+  Spectrum estimate;
+};
+
+}  // namespace aureole

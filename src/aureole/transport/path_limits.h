@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// `PathLimits`: the parameters of integrators that limit the length of paths.
+#pragma once
+
+#include <algorithm>
+
+#include "aureole/plugin/properties.h"
+#include "aureole/scene/scene.h"
+
+namespace aureole {
+
+/// The parameters `max_depth`, `rr_depth`, `max_scattering` and `hide_emitters`.
+struct PathLimits {
+  /// Russian roulette begins here at the latest: inside a closed shape without losses no path would end without it.
+  static constexpr int kLatestRoulette = 1000;
+
+  explicit PathLimits(const Properties& p)
+      : max_depth(int(p.get_int("max_depth", -1, {-1, 1e9}))),
+        roulette_depth(std::min(int(p.get_int("rr_depth", 5, {1, 1e9})), kLatestRoulette)),
+        max_scattering(int(p.get_int("max_scattering", -1, {-1, 1e9}))),
+        hide_emitters(p.get_bool("hide_emitters", false)) {}
+
+  /// Upper bound of the survival probability of Russian roulette after `depth` scattering events: 0.95 in scenes without
+  /// media. Paths in media of high albedo are long: a loss of 5 % at every vertex would make the few that survive hundreds of
+  /// times as bright as the others. There the loss at the n-th event is 1/(2 n), clamped to [0.00005, 0.001], so that the
+  /// throughput of surviving paths grows as the square root of n (docs/decisions.md).
+  static float max_survival(const Scene& scene, int depth) {
+    return scene.has_media() ? 1 - std::clamp(0.5f / float(depth + 1), 5e-5f, 1e-3f) : 0.95f;
+  }
+
+  /// Whether paths of so many segments count.
+  bool reaches(int segments) const { return max_depth < 0 || segments <= max_depth; }
+
+  int max_depth;  ///< longest path in segments; -1: no limit
+  int roulette_depth;
+  int max_scattering;  ///< most scattering events in media; -1: no limit
+  bool hide_emitters;
+};
+
+}  // namespace aureole

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// The log of a replayed path: what happens to it, event by event. `--pixel` prints them as lines; tests compare them with an own
+// calculation.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "aureole/math/vec.h"
+#include "aureole/spectrum/spectrum.h"
+
+namespace aureole {
+
+class Light;
+class Medium;
+struct SurfacePoint;
+
+struct PathEvent {
+  enum class Kind : std::uint8_t {
+    start,       ///< a light path starts at a light or in a medium that emits, at `p` along `d`
+    surface,     ///< a vertex on a surface at `p`, or a hit of a light
+    medium,      ///< a vertex in a medium at `p`
+    exit,        ///< the path was refracted into a surface with a BSSRDF and leaves it at `p`
+    edge,        ///< the path turns around an edge that diffracts light, at `p`
+    escape,      ///< the ray leaves the scene along `d`
+    emission,    ///< emission found by hitting a light at `p`, or in the direction `d`
+    connection,  ///< next-event estimation with a light at `p` or, infinite, in the direction `d`; or another connection from the present
+                 ///< vertex of a path from the sensor
+    sensor,      ///< a connection with the sensor at `p`, seen at `film`
+    other,       ///< further light, which `text` describes
+  };
+
+  Kind kind;
+  int depth = 0;          ///< number of segments from the start of the path
+  Vec3 p{};               ///< world space
+  Vec3 d{};               ///< unit direction in world space
+  bool infinite = false;  ///< the far end is at infinity along `d`
+  float throughput = 0;   ///< relative to that at the start of the path
+  int vertex = 0;    ///< of a connection with a light path: number of segments of that path up to its vertex
+  bool open = true;  ///< a connection is not occluded
+  /// What the event adds to the estimate, as RadianceEstimate::estimate; 0 where it adds none.
+  Spectrum estimate{0.f};
+  Vec2 film{};                          ///< pixels from the film's top left corner
+  const SurfacePoint* point = nullptr;  ///< of `surface` and `exit`; valid during the call
+  const Light* light = nullptr;         ///< of `start`
+  std::size_t part = 0;                 ///< of that light
+  const Medium* in_medium = nullptr;    ///< of `start` and `medium`
+  const char* text = "";
+};
+
+/// Receives the events of a path. Empty in normal rendering.
+using PathLog = std::function<void(const PathEvent&)>;
+
+/// The event as a line of text.
+std::string to_string(const PathEvent& event);
+
+/// The log of a batch: it receives the events of one path of the batch, or of none.
+class BatchLog {
+public:
+  BatchLog() = default;
+  BatchLog(const PathLog& log, int path) : log_(log ? &log : nullptr), path_(path) {}
+  bool follows(int path) const { return log_ != nullptr && path == path_; }
+  void operator()(const PathEvent& event) const { (*log_)(event); }
+
+private:
+  const PathLog* log_ = nullptr;
+  int path_ = -1;
+};
+
+}  // namespace aureole

@@ -1,0 +1,393 @@
+// SPDX-License-Identifier: Apache-2.0
+// `Walk`: the random walk of a batch of paths, from the sensor or from the lights. What a path does at every step is written here once;
+// integrators derive from it and say what they connect with what.
+//
+// A step of the driver (transport/driver.h) has these phases, each over all paths of the batch:
+//   arrive   the ray through the medium that it is in; the vertex that it leads to; emission at the hit point
+//   connect  next-event estimation from the vertex: what the integrator's `connect` says
+//   scatter  the next direction, by the BSDF or the phase function; Russian roulette
+//   emerge   exits of paths that were refracted into a surface with a BSSRDF (transport/emerge.h)
+// Null surfaces and interfaces between media are crossed within `arrive` and `scatter`: they are no vertices.
+//
+// `Kind` of a walk names its parts:
+//   Space kSpace         the scenes that it is compiled for
+//   Density              throughput and pdfs: PathDensity, LightPathDensity, or TwoWayDensity of `bdpt`
+//   State                further state of a path
+//   Vertices             storage of the vertices of a batch, PerPath<Vertex> or one that keeps earlier vertices
+//   bool kEmerges        whether paths continue below surfaces with a BSSRDF
+// `Self` may replace these functions (hooks); the ones here do nothing or what most integrators do:
+//   samples(i)                       the random numbers of the path
+//   emission(i, light, point, L)     the path has hit a light, or has left the scene where the light is at infinity (point null)
+//   emission_in_media(i)             receives the emission of media along the ray, or null
+//   before_flight(i, hit)            the ray is in a medium and was traced
+//   after_flight(i, p, chosen)       the path will be scattered in the medium at `p`
+//   at_vertex(i)                     the path has arrived at a vertex
+//   extend(i, scatter)               throughput and pdfs after scattering
+//   scattered(i, scatter)            the path was scattered
+//   follows_last(i)                  whether a light path samples a direction at its last vertex
+//   may_end_at_event(i)              whether the ray may be cut where the medium will scatter the path
+//   connection_count(i)              upper bound of the number of connections of the vertex
+//   connect(i, k, connection)        makes the k-th one; false where there is none
+//   connected(i, k, connection, open)   receives its result
+//   has_technique(s, t)              whether paths of s vertices from the light and t from the sensor count
+#pragma once
+
+#include <utility>
+
+#include "aureole/transport/dimensions.h"
+#include "aureole/transport/driver.h"
+#include "aureole/transport/edge_walk.h"
+#include "aureole/transport/emerge.h"
+#include "aureole/transport/endpoints.h"
+#include "aureole/transport/path.h"
+#include "aureole/transport/path_limits.h"
+#include "aureole/transport/path_log.h"
+#include "aureole/transport/walk_state.h"
+
+namespace aureole {
+
+template <class Self, class Kind>
+class Walk {
+public:
+  static constexpr bool kAny = Kind::kSpace == Space::any;
+  static constexpr bool kFromSensor = Kind::Density::kBegin == PathStart::sensor;
+  static constexpr TransportMode kMode = kFromSensor ? TransportMode::radiance : TransportMode::importance;
+  using Vertex = BasicVertex<Kind::kSpace>;
+  using Density = typename Kind::Density;
+  struct State : WalkState<Kind::kSpace, Density>, Kind::State {};
+
+  explicit Walk(const WalkInput& in)
+      : scene_(in.scene), limits_(in.limits), paths_(in.paths), log_(in.log), edges_(in.scene) {}
+
+  // For the driver:
+  const Ray& ray(int i) const { return states_[i].flight.ray; }
+  const Wavelengths& wavelengths(int i) const { return paths_[size_t(i)].wavelengths; }
+  bool needs_march() const {
+    return !scene_.has_binary_visibility() || (!kFromSensor && limits_.hide_emitters);
+  }
+  std::uint32_t connection_key(int i) { return key(self().samples(i), states_[i].vertex, Key::connection); }
+  void lose(int i) { paths_[size_t(i)].result.invalidate(); }
+  Event arrive(int i, const RayTracer::Hit& hit);
+  bool scatter(int i);
+  PathList emerge() requires(Kind::kEmerges);
+  void end_connection(int i, int k, const Connection& c, bool open) {
+    if constexpr (kAny)
+      if (k == 0) states_[i].is_connected = open;
+    self().connected(i, k, c, open);
+  }
+  void connect_edges(const PathList& vertices) {
+    if constexpr (kAny) edges_.connect(self(), vertices);
+  }
+
+  // For `EdgeWalk`:
+  const Scene& scene() const { return scene_; }
+  const PathLimits& limits() const { return limits_; }
+  Path& path(int i) { return paths_[size_t(i)]; }
+  const BatchLog& log() const { return log_; }
+  State& state(int i) { return states_[i]; }
+  Vertex& vertex(int i) { return vertices_[i]; }
+  /// Throughput and pdfs at the present vertex.
+  const Density& vertex_density(int i) const { return states_[i].density; }
+  bool survives(int i);
+  /// The path's throughput relative to that at its start, for Russian roulette.
+  float relative_throughput(int i) const {
+    const State& s = states_[i];
+    const float throughput = self().vertex_density(i).hero_symmetric_throughput() * s.eta2;
+    if constexpr (kAny) return throughput / s.first_throughput;
+    return throughput;
+  }
+  /// Begins a path at an edge, which the sensor sees at `film` or a light irradiates; false where there is none.
+  bool begin_at_edge(int i, Vec2& film) requires kAny { return edges_.begin(self(), i, film); }
+
+  void log_connection(const Connection& c, bool open, int vertex = 0) const {
+    log_({.kind = PathEvent::Kind::connection,
+          .p = c.target,
+          .d = c.d,
+          .infinite = c.infinite,
+          .vertex = vertex,
+          .open = open,
+          .estimate = c.light});
+  }
+  void log_emission(int i, const SurfacePoint* point, const Spectrum& estimate) const {
+    log_({.kind = PathEvent::Kind::emission,
+          .depth = states_[i].depth + 1,
+          .p = point ? point->p : Vec3{},
+          .d = states_[i].flight.ray.d,
+          .infinite = !point,
+          .estimate = estimate});
+  }
+  void log_sensor(const Connection& c, Vec2 film, bool open) const {
+    log_({.kind = PathEvent::Kind::sensor,
+          .p = c.target,
+          .d = c.d,
+          .open = open,
+          .estimate = c.light,
+          .film = film});
+  }
+
+  // Hooks, see above:
+  SampleStream& samples(int i) { return paths_[size_t(i)].samples; }
+  Spectrum* emission_in_media(int) { return nullptr; }
+  EmissionSearch emission_search(int) { return {}; }
+  void before_flight(int, const RayTracer::Hit&) {}
+  void after_flight(int, const Vec3&, const Spectrum&) {}
+  void at_vertex(int) {}
+  void extend(int i, const Scatter& b) { states_[i].density.extend(b.value, b.pdf, b.delta); }
+  void scattered(int, const Scatter&) {}
+  bool follows_last(int) const { return false; }
+  bool may_end_at_event(int) const { return true; }
+  int connection_count(int) const { return 1; }
+  bool has_technique(int, int) const { return true; }
+
+protected:
+  Self& self() { return static_cast<Self&>(*this); }
+  const Self& self() const { return static_cast<const Self&>(*this); }
+  bool has_media() const { return kAny && scene_.has_media(); }
+  void go_on(int i, const Vertex& vertex, const Vec3& d) { vertex.leave(d, has_media(), states_[i].flight); }
+  /// Begins a walk from the sensor with the ray of the sample.
+  void begin_at_sensor(int i) {
+    State& s = states_[i];
+    s.flight.ray = paths_[size_t(i)].ray;
+    s.vertex = -1;
+    if constexpr (kAny) find_surroundings(scene_, nullptr, s.flight);
+  }
+  struct Emitted {
+    LightChoice choice;
+    EmittedRay ray;
+    float pdf;  ///< of position and direction, with the choice of the light
+  };
+  /// Begins a light path by `u`, two numbers that choose the light; nothing where it carries no light. `probability`: of starting at a light
+  /// at all.
+  std::optional<Emitted> begin_at_light(int i, Vec2 u, float probability);
+
+  const Scene& scene_;
+  const PathLimits& limits_;
+  const std::span<Path> paths_;
+  const BatchLog& log_;
+  State states_[kBatch];
+  typename Kind::Vertices vertices_;
+
+private:
+  Event fly(int i, float t_max);
+  Event escape(int i);
+  /// Logs the vertex that the path has arrived at.
+  [[gnu::noinline, gnu::cold]] void log_vertex(int i, PathEvent::Kind kind, const Vec3& p,
+                                               const SurfacePoint* point) {
+    const State& s = states_[i];
+    float throughput = s.density.hero_symmetric_throughput();
+    if constexpr (kAny) throughput /= s.first_throughput;
+    log_({.kind = kind,
+          .depth = s.depth + !kFromSensor,
+          .p = p,
+          .d = s.flight.ray.d,
+          .throughput = throughput,
+          .point = point,
+          .in_medium = s.flight.medium});
+  }
+
+  PathList below_;  ///< paths that were refracted into a surface with a BSSRDF
+  EdgeWalk edges_;
+};
+
+template <class Self, class Kind>
+Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
+  State& s = states_[i];
+  if constexpr (kAny)
+    if (s.flight.medium) {
+      self().before_flight(i, hit);
+      const Event event = fly(i, hit ? hit.t : kInfinity);
+      if (event != Event::crossed) return event;
+    }
+  if constexpr (kAny)
+    if (hit || kFromSensor) edges_.attenuate(self(), i, hit ? hit.t : kInfinity);
+  if (!hit) return kFromSensor ? escape(i) : Event::escape;
+  Path& path = paths_[size_t(i)];
+  Vertex& vertex = vertices_.make(i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, kMode); });
+  if (kAny && s.flight.is_hidden(vertex.surface())) {
+    ++s.vertex;  // the ray behind has random numbers of its own
+    go_on(i, vertex, s.flight.ray.d);
+    return Event::crossed;
+  }
+  if (log_.follows(i)) log_vertex(i, PathEvent::Kind::surface, vertex.p(), &vertex.point());
+  if constexpr (kFromSensor) {
+    if (const Light* light = vertex.light()) {
+      if (limits_.hide_emitters && s.depth == 0) {
+        s.vertex += has_media();  // the ray behind has random numbers of its own
+        go_on(i, vertex, s.flight.ray.d);
+        return Event::crossed;
+      }
+      self().emission(i, *light, &vertex.point(),
+                      light->eval(vertex.point(), -s.flight.ray.d, path.wavelengths));
+    }
+    s.last = !limits_.reaches(s.depth + 2);
+    if (s.last && !vertex.surface().passable) {
+      if (s.depth == 0) path.result.alpha = 1;
+      return Event::blocked;
+    }
+  }
+  // A surface with a null component is treated as a null surface here.
+  if constexpr (kAny)
+    if (!vertex.is_passable() && !edges_.arrive(self(), i, vertex.p())) return Event::blocked;
+  s.pairs = self().samples(i).directions(++s.vertex);
+  vertex.prepare(vertex.surface().needs_choice ? key(self().samples(i), s.vertex) : 0, s.flight);
+  if constexpr (kAny) s.is_connected = false;
+  self().at_vertex(i);
+  return Event::surface;
+}
+
+/// Through the medium along the ray: `medium` where the path is scattered there, `crossed` where it arrives at the distance t_max.
+template <class Self, class Kind>
+[[gnu::noinline]] Event Walk<Self, Kind>::fly(int i, float t_max) {
+  State& s = states_[i];
+  Path& path = paths_[size_t(i)];
+  Vec3 p;
+  Spectrum chosen;
+  if (!aureole::fly(s.flight, t_max, path.wavelengths, self().samples(i), s.vertex, s.density,
+                    self().emission_in_media(i), p, self().emission_search(i), &chosen))
+    return Event::crossed;
+  self().after_flight(i, p, chosen);
+  edges_.attenuate(self(), i, length(p - s.flight.ray.o));
+  if (log_.follows(i)) log_vertex(i, PathEvent::Kind::medium, p, nullptr);
+  if (kFromSensor && s.depth == 0) path.result.alpha = 1;
+  if (!limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering || s.density.beta.is_black())
+    return Event::blocked;
+  if (!edges_.arrive(self(), i, p)) return Event::blocked;
+  ++s.in_media;
+  s.last = s.is_connected = false;
+  s.pairs = self().samples(i).directions(++s.vertex);
+  vertices_.make(i, [&] { return Vertex({p, s.flight.medium}, -s.flight.ray.d, path.wavelengths); });
+  self().at_vertex(i);
+  return Event::medium;
+}
+
+template <class Self, class Kind>
+Event Walk<Self, Kind>::escape(int i) {
+  State& s = states_[i];
+  Path& path = paths_[size_t(i)];
+  if (log_.follows(i)) log_({.kind = PathEvent::Kind::escape, .depth = s.depth, .d = s.flight.ray.d});
+  if (s.depth == 0) {
+    path.result.alpha = limits_.hide_emitters || scene_.infinite_emitters().empty() ? 0.f : 1.f;
+    if (limits_.hide_emitters) return Event::escape;
+  }
+  if constexpr (kFromSensor)
+    for (const Light* light : scene_.infinite_emitters())
+      self().emission(i, *light, nullptr, light->eval_escaped(s.flight.ray.d, path.wavelengths));
+  return Event::escape;
+}
+
+// `scatter` is called once, and large: GCC would not inline it (1 % of a path's instructions).
+template <class Self, class Kind>
+[[gnu::always_inline]] inline bool Walk<Self, Kind>::scatter(int i) {
+  State& s = states_[i];
+  Path& path = paths_[size_t(i)];
+  const Vertex& vertex = vertices_[i];
+  float to_edge = 0;
+  if constexpr (kAny)
+    if (edges_.is_left(self(), i, to_edge)) return edges_.leave_vertex(self(), i, to_edge);
+  if constexpr (!kFromSensor) {
+    s.last = !limits_.reaches(s.depth + 3);
+    if (s.last && !vertex.is_passable() && !vertex.has_exit() && !self().follows_last(i)) return false;
+  }
+  const float lobe = vertex.needs_choice() ? get(self().samples(i), s.vertex, Choice::lobe) : 0.f;
+  Scatter b;
+  const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
+  if (event == Event::crossed) {
+    s.density.attenuate(b.value);
+    if (kAny && to_edge > 0) s.density.survive(1 - to_edge);
+    go_on(i, vertex, b.d);
+    return true;
+  }
+  if (kFromSensor && s.depth == 0) path.result.alpha = 1;
+  if (event == Event::blocked) return false;
+  if constexpr (kFromSensor) {
+    if (s.last) return false;
+  } else {
+    if ((s.last && event != Event::entered && !b.delta) || b.value.is_black()) return false;
+  }
+  if constexpr (kAny) {
+    s.emission_counted = false;
+    edges_.scatter(self(), i, b);
+    self().extend(i, b);
+    // Like Russian roulette, a choice that no MIS weight knows.
+    if (to_edge > 0) s.density.survive(1 - to_edge);
+  } else {
+    self().extend(i, b);
+  }
+  self().scattered(i, b);
+  if (!kFromSensor && s.last && event != Event::entered) return false;
+  if (event == Event::entered) {
+    below_.add(i);
+    return false;
+  }
+  s.from = {vertex.p(), vertex.facing()};
+  go_on(i, vertex, b.d);
+  ++s.depth;
+  if constexpr (kFromSensor) s.eta2 *= b.eta * b.eta;
+  if (!survives(i)) return false;
+  if constexpr (kAny)
+    if (s.flight.medium && self().may_end_at_event(i))
+      end_at_event(s.flight, path.wavelengths, get(self().samples(i), s.vertex, Choice::distance));
+  return true;
+}
+
+/// Russian roulette; false where the path ends.
+template <class Self, class Kind>
+bool Walk<Self, Kind>::survives(int i) {
+  State& s = states_[i];
+  if (s.depth >= limits_.roulette_depth) {
+    float throughput = s.density.hero_symmetric_throughput() * s.eta2;
+    if constexpr (kAny) throughput /= s.first_throughput;
+    const float survival = std::min(PathLimits::max_survival(scene_, s.depth), throughput);
+    if (!(get(self().samples(i), s.vertex, Choice::roulette) < survival)) return false;
+    s.density.survive(survival);
+  }
+  if constexpr (!kFromSensor) return true;
+  // The last ray can only find emission.
+  bool finds_emission = true;
+  if constexpr (kAny) finds_emission = !s.emission_counted;
+  return limits_.reaches(s.depth + 2) || (finds_emission && scene_.may_meet_emitter(s.flight.ray));
+}
+
+/// Subsurface scattering adds no segment to the path: light that leaves at an exit counts as scattered by the surface.
+template <class Self, class Kind>
+PathList Walk<Self, Kind>::emerge() requires(Kind::kEmerges) {
+  PathList vertices;
+  for (const int i : std::exchange(below_, {})) {
+    State& s = states_[i];
+    if (!aureole::emerge(scene_, vertices_, i, paths_[size_t(i)].wavelengths, self().samples(i), kMode,
+                         s.vertex, s.density, s.flight))
+      continue;
+    if (log_.follows(i)) log_vertex(i, PathEvent::Kind::exit, vertices_[i].p(), &vertices_[i].point());
+    s.pairs = self().samples(i).directions(s.vertex);
+    if constexpr (kAny) s.is_connected = false;
+    vertices.add(i);
+  }
+  return vertices;
+}
+
+template <class Self, class Kind>
+auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::optional<Emitted> {
+  State& s = states_[i];
+  const auto choice = scene_.lights().choose_by_power(u);
+  if (!choice) return {};
+  SampleStream& samples = self().samples(i);
+  const auto emitted = choice->light->sample_ray(choice->part, get(samples, 0, Pair::connection),
+                                                 get(samples, 0, Pair::scatter), wavelengths(i));
+  if (!emitted || is_black(emitted->value)) return {};
+  const float pdf = probability * choice->probability * emitted->pdf_position * emitted->pdf_direction;
+  if (!(pdf > 0)) return {};
+  s.density.beta = Weight(emitted->value);
+  s.density.survive(pdf);
+  s.first_throughput = s.density.hero_symmetric_throughput();
+  s.flight.ray = Anchor::of(*emitted).leave(emitted->d);
+  find_surroundings(scene_, choice->light, s.flight);
+  if (log_.follows(i))
+    log_({.kind = PathEvent::Kind::start,
+          .p = s.flight.ray.o,
+          .d = s.flight.ray.d,
+          .light = choice->light,
+          .part = choice->part});
+  return Emitted{*choice, *emitted, pdf};
+}
+
+}  // namespace aureole

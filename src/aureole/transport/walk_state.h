@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// `WalkState`: the state of one path of a walk (transport/walk.h).
+#pragma once
+
+#include <span>
+
+#include "aureole/transport/edges.h"
+#include "aureole/transport/flight.h"
+#include "aureole/transport/path.h"
+#include "aureole/transport/path_limits.h"
+#include "aureole/transport/path_log.h"
+
+namespace aureole {
+
+/// The batch that a walk follows.
+struct WalkInput {
+  const Scene& scene;
+  const PathLimits& limits;
+  std::span<Path> paths;
+  const BatchLog& log;
+};
+
+/// State that only paths in `Space::any` have.
+struct WalkStateInSpace {
+  int in_media = 0;  ///< scattering events in media
+  /// Emission along the present ray, including behind null surfaces, has already been counted.
+  bool emission_counted = false;
+  bool is_connected =
+      false;  ///< the first connection of the vertex, with a light or the sensor, was not occluded
+  float first_throughput =
+      1;  ///< throughput at the start of the path: Russian roulette uses throughput relative to it
+  AfterEdge after_edge;
+};
+struct WalkStateInEmptySpace {};
+
+template <Space kSpace, class Density>
+struct WalkState : std::conditional_t<kSpace == Space::any, WalkStateInSpace, WalkStateInEmptySpace> {
+  Flight flight;
+  Density density;  ///< up to and including the direction of the present ray
+  LightReference
+      from;  ///< the vertex that the present ray has left, from which connections may have found what it hits
+  int depth = 0;   ///< scattering events so far
+  int vertex = 0;  ///< number of the present vertex in the random numbers; crossed surfaces count
+  const float* pairs = nullptr;  ///< random numbers of the present vertex
+  float eta2 = 1;  ///< squared index of refraction of the present medium over the sensor's: undoes the n^2 of
+                   ///< radiance for Russian roulette; 1 in light paths
+  bool last =
+      false;  ///< paths from the sensor: the present surface may only be crossed; light paths: the limit ends
+              ///< the path after this vertex
+};
+
+}  // namespace aureole
