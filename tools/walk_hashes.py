@@ -113,8 +113,8 @@ def scenes(folder):
         yield name, (ROOT / path).parent, text, beam[0] if beam else ""
 
 
-def run(program, folder, scene, name):
-    out = folder / (hashlib.sha256(name.encode()).hexdigest()[:16] + ".exr")
+def run(program, folder, scene, name, keep=None):
+    out = (keep or folder) / (hashlib.sha256(name.encode()).hexdigest()[:16] + ".exr")
     size = [] if name.startswith("receiver") else ["-D", f"width={SIZE}", "-D", f"height={SIZE}"]
     common = [program, "render", scene, "--threads", "1", *size]
     picture = subprocess.run([*common, "--spp", "4", "-o", out, "--quiet", "--restart"], capture_output=True, text=True, cwd=folder)
@@ -126,14 +126,37 @@ def run(program, folder, scene, name):
     return f"{pixel_hash(out)} {replay}  {name}"
 
 
+def report_differences(folder, other, names):
+    """Prints the pictures that differ by more than 1e-4 of their largest number, with that part."""
+    import aureole  # the package of a build, on PYTHONPATH
+    import numpy as np
+    for name in names:
+        file = hashlib.sha256(name.encode()).hexdigest()[:16] + ".exr"
+        if not (folder / file).exists() or not (other / file).exists():
+            continue
+        a, b = (np.asarray(aureole.read_image(str(f / file)).array, dtype=float) for f in (folder, other))
+        difference = np.abs(a - b).max() / max(np.abs(b).max(), 1e-30)
+        if not difference < 1e-4:
+            pixels = (np.abs(a - b).max(axis=-1) > 1e-4 * np.abs(b).max()).mean()
+            print(f"{name}: {difference:.2g} of the largest number, in {pixels:.0%} of the pixels; means {a.mean():.6g}, {b.mean():.6g}",
+                  file=sys.stderr)
+
+
 def main():
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("build", type=Path)
     p.add_argument("--against", type=Path, help="what another build printed")
     p.add_argument("--only", default="", help="names that have this in them")
+    p.add_argument("--keep", type=Path, help="folder that the pictures are left in")
+    p.add_argument("--near", type=Path, help="folder of another run's pictures: prints those that differ by more than rounding")
     p.add_argument("--jobs", type=int, default=os.cpu_count())
     a = p.parse_args()
     program = a.build.resolve() / "bin/aureole"
+    if a.near and not a.keep:
+        p.error("--near needs --keep")
+    if a.keep:
+        a.keep.mkdir(parents=True, exist_ok=True)
+        a.keep = a.keep.resolve()
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
         jobs = []
@@ -153,8 +176,10 @@ def main():
                     scene.write_text(text.replace("INTEGRATOR", integrator(kind, values, beam)))
                     jobs.append((scene, title))
         with concurrent.futures.ThreadPoolExecutor(a.jobs) as pool:
-            lines = list(pool.map(lambda job: run(program, job[0].parent, *job), jobs))
+            lines = list(pool.map(lambda job: run(program, job[0].parent, *job, a.keep), jobs))
     print("\n".join(lines))
+    if a.near:
+        report_differences(a.keep, a.near, [title for _, title in jobs])
     if a.against:
         before = [line for line in a.against.read_text().splitlines() if a.only in line]
         differing = sorted({line.split("  ", 1)[-1] for line in set(before) ^ set(lines)})

@@ -10,6 +10,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/spectrum/path_density.h"
+#include "aureole/transport/connection.h"
 
 namespace aureole {
 namespace {
@@ -358,8 +359,10 @@ TEST(PathDensity, IsUnbiasedForEveryWavelength) {
             [&](int i) { return float(t ? Toy::p2(x, double(w.nm[i])) : Toy::p1(x, double(w.nm[i]))); });
       };
       const Spectrum f = make_spectrum([&](int i) { return float(Toy::f(x, double(w.nm[i]))); });
-      const PathDensity density;
-      const Spectrum c = density.connected(Weight(f), 1.f, densities(technique), densities(1 - technique), w);
+      Connection connection;
+      connection.near = Weight(f), connection.far = 1.f;
+      connection.weigh(false, densities(technique), densities(1 - technique), w);
+      const Spectrum c = connection.estimate();
       for (int i = 0; i < kWavelengths; ++i) {
         ASSERT_TRUE(std::isfinite(c[i]));
         estimate[std::clamp(int((w.nm[i] - 400) / 25), 0, kBands - 1)] += double(c[i]);
@@ -401,10 +404,10 @@ TEST(PathDensity, ChainOfEventsIsUnbiasedAndZerosPersist) {
     path.extend(Weight(make_spectrum([&](int i) { return float(value(left, nm(i))); })),
                 make_spectrum([&](int i) { return float(left ? left_mass(nm(i)) : 1 - left_mass(nm(i))); }),
                 true);
-    ASSERT_FLOAT_EQ(path.ratio[0], 1.f);
+    ASSERT_FLOAT_EQ(path.r_u[0], 1.f);
     for (int i = 0; i < kWavelengths; ++i)
       if (left && nm(i) > 550) {
-        ASSERT_EQ(path.ratio[i], 0.f);
+        ASSERT_EQ(path.r_u[i], 0.f);
         ASSERT_EQ(path.beta.of(1.f)[i], 0.f);
       }
     // Invert the CDF x (1 - a) + a x^2 of the second event.
@@ -415,7 +418,7 @@ TEST(PathDensity, ChainOfEventsIsUnbiasedAndZerosPersist) {
     if (left) {
       for (int i = 0; i < kWavelengths; ++i)
         if (nm(i) > 550) {
-          ASSERT_EQ(path.ratio[i], 0.f) << "a ratio came back from zero";
+          ASSERT_EQ(path.r_u[i], 0.f) << "a ratio came back from zero";
         }
     }
     // Roulette that takes no side.

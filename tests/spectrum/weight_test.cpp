@@ -1,81 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
-// The throughput of a path is composed in the order of the light, whatever a weight is: with a matrix per
-// wavelength in its place, as polarised light needs, both kinds of paths find the product that light sees.
+// The throughput of a path is composed in the order of the light, whatever a weight is: with maps that do not commute, as polarised light
+// needs, paths from the sensor and from the lights find the product that light sees.
 #include <gtest/gtest.h>
 
 #include "aureole/spectrum/path_density.h"
+#include "harness/matrix_light.h"
 
-namespace aureole::test {
+namespace aureole::testing {
 namespace {
 
-/// A 4 x 4 matrix per wavelength, without any physics. Light is the first component of what it is applied to.
-class Mueller {
-public:
-  Mueller() {
-    for (int i = 0; i < 4; ++i) m_[i][i] = Spectrum(1.f);
-  }
-  static Mueller numbered(float seed) {
-    Mueller a;
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j)
-        a.m_[i][j] =
-            make_spectrum([&](int k) { return 0.1f + std::abs(std::sin(seed * float(4 * i + j + 1 + k))); });
-    return a;
-  }
+using Map = MatrixLight::Weight;
 
-  Spectrum of(const Spectrum& light) const { return m_[0][0] * light; }
-  Mueller after(const Mueller& first) const {
-    Mueller r;
-    for (int i = 0; i < 4; ++i)
-      for (int j = 0; j < 4; ++j) {
-        r.m_[i][j] = 0.f;
-        for (int k = 0; k < 4; ++k) r.m_[i][j] += m_[i][k] * first.m_[k][j];
-      }
-    return r;
-  }
-  Mueller scaled(const Spectrum& s) const {
-    Mueller r = *this;
-    for (auto& row : r.m_)
-      for (Spectrum& x : row) x *= s;
-    return r;
-  }
-  float largest() const { return max_component(m_[0][0]); }
-  bool is_black() const { return aureole::is_black(m_[0][0]); }
+const Map kFirst(1.f, 0.3f, 0.8f, 0.1f, 0.6f), kSecond(1.f, 0.9f, 0.2f, 0.7f, 0.4f),
+    kThird(1.f, 0.2f, 0.5f, 0.8f, 0.1f);
+const Spectrum kRadiance = make_spectrum([](int i) { return 1 + 0.2f * float(i); });
+/// Light passes the third map, the second, the first.
+const MatrixLight::Light kExpected = kFirst.of(kSecond.of(kThird.of(MatrixLight::emitted(kRadiance))));
 
-private:
-  Spectrum m_[4][4];
-};
-
-void expect_same(const Mueller& a, const Mueller& b) {
-  for (int k = 0; k < kWavelengths; ++k)
-    EXPECT_NEAR(a.of(1.f)[k], b.of(1.f)[k], 1e-5f * std::abs(b.of(1.f)[k]));
+TEST(Weight, MapsOfTheTestDoNotCommute) {
+  EXPECT_GT(std::abs(kThird.of(kSecond.of(kFirst.of(MatrixLight::emitted(kRadiance)))).a[0] - kExpected.a[0]),
+            0.01f);
 }
 
-const Mueller kFirst = Mueller::numbered(0.3f), kSecond = Mueller::numbered(0.7f),
-              kThird = Mueller::numbered(1.1f);
-/// As light goes: through the third, the second, the first.
-const Mueller kProduct = kFirst.after(kSecond.after(kThird));
-
-TEST(Weight, MatricesDoNotCommute) {
-  EXPECT_GT(std::abs(kProduct.of(1.f)[0] - kThird.after(kSecond.after(kFirst)).of(1.f)[0]), 0.01f);
-}
-
-TEST(Weight, PathsFromTheSensorMeetTheLastFactorOfLightFirst) {
-  BasicPathDensity<Mueller, PathStart::sensor> path;
+TEST(Weight, PathsFromTheSensorMeetTheLastMapOfLightFirst) {
+  BasicPathDensity<MatrixLight, PathStart::sensor> path;
   path.extend(kFirst, Spectrum(2.f), false);
-  path.attenuate(kSecond);
-  path.pass({.value = kThird});
+  path.extend(kSecond, Spectrum(1.f), false);
+  path.attenuate(0.5f);
+  path.extend(kThird, Spectrum(1.f), false);
+  path.pass({.value = 2.f});
   path.survive(0.5f);
-  expect_same(path.beta, kProduct);
+  for (int i = 0; i < kWavelengths; ++i) EXPECT_NEAR(path.seen(kRadiance)[i], kExpected.a[i], 1e-5f);
 }
 
-TEST(Weight, PathsFromEmittersComposeAsLightGoes) {
-  BasicPathDensity<Mueller, PathStart::emitter> path;
+TEST(Weight, LightPathsComposeAsLightGoes) {
+  BasicPathDensity<MatrixLight, PathStart::emitter> path;
+  path.beta = MatrixLight::emitted(kRadiance);
   path.extend(kThird, Spectrum(2.f), false);
-  path.attenuate(kSecond);
-  path.pass({.value = kFirst});
+  path.attenuate(0.5f);
+  path.extend(kSecond, Spectrum(1.f), false);
+  path.pass({.value = 2.f});
   path.survive(0.5f);
-  expect_same(path.beta, kProduct);
+  const Wavelengths w = Wavelengths::at(SpectralGrid{}, Spectrum(500.f));
+  const Spectrum reached = path.reached(kFirst, 3, w) * w.pdf * sum(path.r_u);
+  for (int i = 0; i < kWavelengths; ++i) EXPECT_NEAR(reached[i], 3 * kExpected.a[i], 1e-5f);
 }
 
 TEST(PathDensity, RatiosOfWalkingAndOfLightSampling) {
@@ -84,21 +52,20 @@ TEST(PathDensity, RatiosOfWalkingAndOfLightSampling) {
   EXPECT_FALSE(path.has_light_ratio());
   path.extend(Weight(pdf), pdf, false);
   ASSERT_TRUE(path.has_light_ratio());
-  // The density of light sampling, where it would have been 3 per steradian, over the hero's.
-  EXPECT_FLOAT_EQ((path.light_ratio * 3.f)[1], 3.f / pdf[0]);
-  EXPECT_FLOAT_EQ(path.ratio[1], pdf[1] / pdf[0]);
-  // The two techniques share the path: their estimates add up to the integrand over its densities.
+  // The pdf of light sampling, where it would have been 3 per steradian, over the hero's.
+  EXPECT_FLOAT_EQ((path.r_l * 3.f)[1], 3.f / pdf[0]);
+  EXPECT_FLOAT_EQ(path.r_u[1], pdf[1] / pdf[0]);
+  // The two techniques share the path: each counts the integrand over the sum of both pdfs.
   const Wavelengths w = Wavelengths::at(SpectralGrid{}, Spectrum(500.f));
-  PathDensity before;
-  const Spectrum walked = path.met(2.f, 3.f, w), connected = before.connected(Weight(pdf), 2.f, 3.f, pdf, w);
-  for (int i = 0; i < kWavelengths; ++i) EXPECT_NEAR(walked[i], connected[i] * 1.f, 1e-6f);
+  const Spectrum walked = path.met(2.f, 3.f, w), expected = pdf * 2.f / (w.pdf * sum(pdf + 3.f));
+  for (int i = 0; i < kWavelengths; ++i) EXPECT_NEAR(walked[i], expected[i], 1e-6f);
   // A passage multiplies each by what its technique would have had.
-  path.pass({.value = {}, .flight = 0.5f, .connection = 0.25f});
-  EXPECT_FLOAT_EQ((path.light_ratio * 3.f)[1], 0.75f / pdf[0]);
-  EXPECT_FLOAT_EQ(path.ratio[1], 0.5f * pdf[1] / pdf[0]);
+  path.pass({.value = 1.f, .flight = 0.5f, .connection = 0.25f});
+  EXPECT_FLOAT_EQ((path.r_l * 3.f)[1], 0.75f / pdf[0]);
+  EXPECT_FLOAT_EQ(path.r_u[1], 0.5f * pdf[1] / pdf[0]);
   path.extend(Weight(), pdf, true);
   EXPECT_FALSE(path.has_light_ratio()) << "light sampling finds nothing behind a mirror";
 }
 
 }  // namespace
-}  // namespace aureole::test
+}  // namespace aureole::testing

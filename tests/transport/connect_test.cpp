@@ -47,13 +47,13 @@ std::shared_ptr<const Scene> scene_with(const std::string& content) {
 
 /// The fraction of light that passes from a surface point to a light.
 Spectrum passed(const Scene& scene, const SurfacePoint& from, const DirectSample& to, const Wavelengths& w) {
-  Connection c;
+  TestSegment c;
   if (to.infinite)
-    c.set(Anchor::of(from).leave(to.wo));
+    c.set(RayOrigin::of(from).spawn(to.wo));
   else
-    c.set(Anchor::of(from), to.wo, Anchor::of(to));
-  c.light = 1.f;
-  return connect(scene, c, w) ? c.light : 0.f;
+    c.set(RayOrigin::of(from), to.wo, RayOrigin::of(to));
+  c.passage = 1.f;
+  return is_visible(scene, c, w) ? c.passage : 0.f;
 }
 
 struct Found {
@@ -326,10 +326,10 @@ TEST(Connections, WithinThePlaneOfAPassableSurfaceEnd) {
     for (const SurfacePoint& b : points) {
       const Vec3 to = b.p - a.p;
       if (!(length_squared(to) > 0)) continue;
-      Connection c;
-      c.set(Anchor::of(a), normalize(to), Anchor::of(b));
-      c.light = 1.f;
-      connect(*scene, c, w);
+      TestSegment c;
+      c.set(RayOrigin::of(a), normalize(to), RayOrigin::of(b));
+      c.passage = 1.f;
+      is_visible(*scene, c, w);
       ++connections;
     }
   EXPECT_GT(connections, 30000);

@@ -124,7 +124,7 @@ TwoWayDensity<kStart> walked(const RandomPath& path, int first, int last, bool m
     Passage p;
     p.flight = e.passed * (to.in_medium ? across_to : Spectrum(1.f)) * (1 / hero);
     p.connection = 1 / hero;
-    p.value = Weight(p.flight);
+    p.value = p.flight;
     d.pass(p);
     d.arrive(to.in_medium, across_to, e.distance2);
   }
@@ -137,8 +137,8 @@ double weight(const RandomPath& path, int s) {
   if (s == 0) {
     // The sensor's walk meets the emitter.
     const auto sensor = walked<PathStart::sensor>(path, n, 0, false);
-    const Spectrum others = sensor.light_ratio + path.vertices[0].by_light * sensor.earlier;
-    return 1 / double(sum(sensor.ratio + others));
+    const Spectrum others = sensor.r_l + path.vertices[0].by_light * sensor.earlier;
+    return 1 / double(sum(sensor.r_u + others));
   }
   const auto light = walked<PathStart::emitter>(path, 0, s - 1, true);
   const auto sensor = walked<PathStart::sensor>(path, n, s, false);
@@ -148,9 +148,9 @@ double weight(const RandomPath& path, int s) {
   // The ends have no vertex before them.
   const Spectrum light_others = s == 1 ? Spectrum(1.f) : light.others(y.by_sensor),
                  sensor_others = s == n ? Spectrum(0.f) : sensor.others(z.by_light);
-  const Spectrum others = sensor.ratio * z.by_sensor * y.behind * passed * light_others +
-                          light.ratio * y.by_light * z.before * passed * sensor_others;
-  return 1 / double(sum(light.ratio * sensor.ratio + others));
+  const Spectrum others = sensor.r_u * z.by_sensor * y.behind * passed * light_others +
+                          light.r_u * y.by_light * z.before * passed * sensor_others;
+  return 1 / double(sum(light.r_u * sensor.r_u + others));
 }
 
 TEST(TwoWayWeights, AreTheBalanceHeuristicOverTechniquesAndWavelengths) {

@@ -12,6 +12,9 @@
 namespace aureole {
 namespace {
 
+using LightWalk = bdpt::LightWalk<Unpolarised>;
+using SensorWalk = bdpt::SensorWalk<Unpolarised>;
+
 class BidirectionalPathTracer final : public Integrator {
 public:
   explicit BidirectionalPathTracer(const Properties& p)
@@ -56,8 +59,8 @@ public:
     for (Path& p : paths) p.result = {};
     const WalkInput in{scene, settings_.limits, paths, log};
     BatchRays rays;
-    std::optional<bdpt::LightWalk> light, light_from_edges;
-    const bdpt::LightWalk* last_light = nullptr;
+    std::optional<LightWalk> light, light_from_edges;
+    const LightWalk* last_light = nullptr;
     if (settings_.limits.reaches(2) && settings_.techniques.need_light()) {
       light.emplace(in, settings_.techniques, splats);
       for (size_t i = 0; i < paths.size(); ++i)
@@ -67,20 +70,20 @@ public:
     }
     if (!settings_.limits.reaches(1)) return;
     if (light)
-      follow_light_from_edges<bdpt::LightWalk>(in, [&](const auto& begin) {
+      follow_light_from_edges<LightWalk>(in, [&](const auto& begin) {
         light_from_edges.emplace(in, settings_.techniques, splats, 2, &*light);
         begin(*light_from_edges, rays);
         follow(scene, *light_from_edges, rays, RayTracer::Rays::incoherent);
         last_light = &*light_from_edges;
       });
     const auto follow_from_sensor = [&](const WalkInput& input, RayTracer::Rays kind, const auto& begin) {
-      bdpt::SensorWalk walk(input, settings_.techniques);
+      SensorWalk walk(input, settings_.techniques);
       if (last_light)
         for (size_t i = 0; i < paths.size(); ++i) walk.put_light(int(i), last_light->last_vertex(int(i)));
       begin(walk, rays);
       follow(scene, walk, rays, kind);
     };
-    follow_from_sensor(in, RayTracer::Rays::coherent, [&](bdpt::SensorWalk& walk, BatchRays&) {
+    follow_from_sensor(in, RayTracer::Rays::coherent, [&](SensorWalk& walk, BatchRays&) {
       for (size_t i = 0; i < paths.size(); ++i) {
         walk.start(int(i));
         rays.add(int(i), paths[i].ray);

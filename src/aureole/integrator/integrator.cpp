@@ -23,26 +23,22 @@ Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path
   if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return 0.f;
   const float share = receiver.pdf(direct->wo);
   if (!(share > 0)) return 0.f;
-  const Anchor from{receiver.p, receiver.p_error, receiver.ng};
-  const float pdf = choice->probability * direct->pdf;
+  const RayOrigin from{receiver.p, receiver.p_error, receiver.ng};
   Connection c;
   if (direct->infinite)
-    c.set(from.leave(direct->wo));
+    c.set(from.spawn(direct->wo));
   else
-    c.set(from, direct->wo, Anchor::of(*direct));
-  c.light = direct->radiance * share / path.wavelengths.pdf;
+    c.set(from, direct->wo, RayOrigin::of(*direct));
+  c.near = Weight(Spectrum(share));
+  c.far = Unpolarised::emitted(direct->radiance);
   if (scene.has_media()) {
-    Flight surroundings{c.flight.ray, nullptr, {}};
-    find_surroundings(scene, nullptr, surroundings);
-    c.begin_in(surroundings, std::uint32_t(random.next() * 0x1p32f));
-    c.own = pdf, c.other = 0.f;
-  } else {
-    c.light *= 1 / (pdf * kWavelengths);
+    RayState start{c.ray, nullptr, {}};
+    find_interiors(scene, nullptr, start);
+    c.begin_in(start, std::uint32_t(random.next() * 0x1p32f));
   }
-  if (!connect(scene, c, path.wavelengths)) return 0.f;
-  if (scene.has_media()) c.finish();
-  lend_to_edges(scene, LightWay::of(c), path.wavelengths, key(path.samples, -1, Key::connection), c.light);
-  return c.light;
+  c.weigh(scene.has_media(), choice->probability * direct->pdf, 0.f, path.wavelengths);
+  const bool open = arrives(scene, c, path.wavelengths, key(path.samples, -1, Key::connection));
+  return open ? c.estimate() : Spectrum(0.f);
 }
 
 }  // namespace

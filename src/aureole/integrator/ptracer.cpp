@@ -2,13 +2,10 @@
 // Light tracing: paths from the lights, connected with the sensor at every vertex. Such a path has one technique, and spectral MIS weights it
 // over the wavelengths, whose pdfs differ only by those of its BSDF samples. Lights that the sensor sees directly, which no connection finds,
 // are found by rays of the sensor.
-#include <algorithm>
-
 #include "aureole/integrator/diffraction_parameters.h"
-#include "aureole/math/warp.h"
+#include "aureole/integrator/ptracer/particle_walk.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/transport/sight.h"
-#include "aureole/transport/walk.h"
+#include "aureole/transport/line_of_sight.h"
 
 namespace aureole {
 namespace {
@@ -22,7 +19,7 @@ public:
     if (!hides_emitters_) sum[path] += radiance;
   }
   void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
-  Glow glow(int) const { return {}; }
+  SegmentEmission emission(int) const { return {}; }
   void see(int path, const Spectrum& light) { media[path] += light / paths_[size_t(path)].wavelengths.pdf; }
 
   Spectrum sum[kBatch];
@@ -31,121 +28,6 @@ public:
 private:
   std::span<Path> paths_;
   bool hides_emitters_;  ///< media are none
-};
-
-struct LightKind {
-  static constexpr Space kSpace = Space::any;
-  static constexpr bool kEmerges = true;
-  using Density = LightPathDensity;
-  struct State {};
-  using Vertices = PerPath<aureole::Vertex>;
-};
-
-/// Paths from the lights.
-class LightWalk : public Walk<LightWalk, LightKind> {
-public:
-  LightWalk(const WalkInput& in, std::vector<Splat>& splats)
-      : Walk(in),
-        splats_(splats),
-        counts_crossings_(in.scene.sensor().counts_crossings()),
-        counts_beams_(counts_crossings_ && in.limits.reaches(1) && !in.limits.hide_emitters) {}
-
-  /// Whether paths of one segment count.
-  bool counts_beams() const { return counts_beams_; }
-
-  /// Begins a path at a light, or in a medium that emits; false where it carries no light.
-  bool start(int i) {
-    Path& p = path(i);
-    Vec2 u = p.samples.get2(SampleStream::choice(0, int(Choice::light)));
-    const EmittingMedia* media = scene_.emitting_media();
-    const float share = media ? float(media->power() / (media->power() + scene_.lights().power())) : 0.f;
-    if (u.x < share) return start_in_medium(i, *media, u.x / share, share);
-    if (share > 0) u.x = std::min((u.x - share) / (1 - share), 0x1.fffffep-1f);
-    const auto emitted = begin_at_light(i, u, 1 - share);
-    if (!emitted) return false;
-    // A beam that no connection finds; one from infinity is found by the connections of the receivers.
-    if (counts_beams_ && emitted->ray.delta_direction && !emitted->choice.light->is_infinite())
-      cross_receivers(i, Anchor::of(emitted->ray), emitted->ray.d, [&] { return states_[i].flight; });
-    return true;
-  }
-
-  bool connect(int i, int, Connection& out) {
-    State& s = states_[i];
-    const Vertex& vertex = vertices_[i];
-    if (!vertex.is_smooth()) return false;
-    // Rays of the sensor pass through the surfaces of lights.
-    if (limits_.hide_emitters && vertex.light()) return false;
-    Path& p = path(i);
-    const Vec2 lens = scene_.sensor().uses_lens() ? get(p.samples, s.vertex, Pair::connection) : Vec2{};
-    if (!connect_to_sensor(scene_, vertex, s.flight, s.density, lens, p.wavelengths,
-                           scene_.has_media() ? key(p.samples, s.vertex, Key::connection) : 0, out, film_[i]))
-      return false;
-    out.through_emitters = limits_.hide_emitters;
-    return true;
-  }
-  void connected(int i, int, const Connection& c, bool open) {
-    if (open) splat(i, film_[i], c.light);
-    if (log_.follows(i)) log_sensor(c, film_[i], open);
-  }
-  void splat(int i, Vec2 film, const Spectrum& estimate) { splats_.push_back({i, film, estimate}); }
-
-  // Hooks of the walk:
-  bool follows_last(int) const { return counts_crossings_; }
-  void scattered(int i, const Scatter& b) {
-    if (!counts_crossings_ || !b.delta) return;
-    const Vertex& vertex = vertices_[i];
-    cross_receivers(i, vertex.anchor(), b.d, [&] { return vertex.surroundings(b.d, states_[i].flight); });
-  }
-
-private:
-  bool start_in_medium(int i, const EmittingMedia& media, float u, float share) {
-    Path& p = path(i);
-    State& s = states_[i];
-    KeyedRandom third(key(p.samples, 0));
-    const EmittingMedia::Place place =
-        media.sample_by_power(std::min(u, 0x1.fffffep-1f), get(p.samples, 0, Pair::connection), third.next());
-    const Vec3 d = square_to_uniform_sphere(get(p.samples, 0, Pair::scatter));
-    s.flight.ray = {place.p, d, kInfinity};
-    find_surroundings(scene_, s.flight);
-    if (s.flight.medium != place.medium) return false;
-    if (const MajorantGrid* grid = place.medium->majorants(); grid && !(grid->at(place.p) > 0)) return false;
-    MediumCoefficients at;
-    place.medium->eval(place.p, d, p.wavelengths, at);
-    const float pdf = share * place.pdf * uniform_sphere_pdf();
-    if (is_black(at.emission) || !(pdf > 0)) return false;
-    s.density.beta = Weight(at.emission);
-    s.density.survive(pdf);
-    s.first_throughput = s.density.hero_symmetric_throughput();
-    if (log_.follows(i))
-      log_({.kind = PathEvent::Kind::start, .p = place.p, .d = d, .in_medium = place.medium});
-    return true;
-  }
-
-  /// Light that a mirror or a beam has sent along `d`, which no connection finds, where it crosses the sensor's receivers.
-  template <class Surroundings>
-  void cross_receivers(int i, const Anchor& from, const Vec3& d, const Surroundings& surroundings) {
-    const State& s = states_[i];
-    const Path& p = path(i);
-    scene_.sensor().for_crossings(from.leave(d), [&](const SensorCrossing& crossing) {
-      Connection c;
-      c.set(from, d, Anchor::in_space(crossing.p));
-      c.through_emitters = limits_.hide_emitters;
-      c.light = s.density.reached(Weight(1.f), crossing.importance, p.wavelengths);
-      if (scene_.has_media()) {
-        c.begin_in(surroundings(), key(p.samples, s.vertex, Key::connection));
-        c.own = 1.f / kWavelengths, c.other = 0.f;
-      }
-      const bool open = aureole::connect(scene_, c, p.wavelengths);
-      if (open && scene_.has_media()) c.finish();
-      if (open) lend_to_edges(scene_, LightWay::of(c), p.wavelengths, connection_key(i), c.light);
-      if (open) splat(i, crossing.film, c.light);
-      if (log_.follows(i)) log_sensor(c, crossing.film, open);
-    });
-  }
-
-  std::vector<Splat>& splats_;
-  const bool counts_crossings_, counts_beams_;
-  Vec2 film_[kBatch];  ///< where the light of a connection falls
 };
 
 class ParticleTracer final : public Integrator {
@@ -166,7 +48,7 @@ public:
              const BatchLog& log) const override {
     see_directly(scene, paths, log);
     const WalkInput in{scene, limits_, paths, log};
-    LightWalk walk(in, splats);
+    ParticleWalk<> walk(in, splats);
     const bool goes_on = limits_.reaches(2);
     if (!goes_on && !walk.counts_beams()) return;
     BatchRays rays;
@@ -175,7 +57,7 @@ public:
     if (!goes_on) return;
     follow(scene, walk, rays, RayTracer::Rays::incoherent);
     follow_edge_paths(in, 1, true, splats, [&](const WalkInput& second, const auto& begin) {
-      LightWalk from_edges(second, splats);
+      ParticleWalk<> from_edges(second, splats);
       begin(from_edges, rays);
       follow(scene, from_edges, rays, RayTracer::Rays::incoherent);
     });
@@ -185,18 +67,18 @@ private:
   /// The radiance along the sensor's rays that connections can't bring to the film.
   void see_directly(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
     SeenDirectly seen(paths, limits_.hide_emitters);
-    SightSteps sight(scene, seen);
+    LinesOfSight lines(scene, seen);
     BatchRays rays;
     for (size_t i = 0; i < paths.size(); ++i) {
       paths[i].result = {};
       if (!limits_.reaches(1) || !scene.may_meet_emitter(paths[i].ray)) continue;
       if (limits_.hide_emitters && !scene.has_media()) continue;
-      Flight flight{paths[i].ray, nullptr, {}};
-      find_surroundings(scene, nullptr, flight);
-      sight.begin(int(i), flight, 1.f, key(paths[i].samples, -1, Key::flight), limits_.hide_emitters);
+      RayState start{paths[i].ray, nullptr, {}};
+      find_interiors(scene, nullptr, start);
+      lines.begin(int(i), start, key(paths[i].samples, -1, Key::flight), limits_.hide_emitters);
       rays.add(int(i), paths[i].ray);
     }
-    follow(scene, sight, rays, RayTracer::Rays::coherent);
+    follow(scene, lines, rays, RayTracer::Rays::coherent);
     for (size_t i = 0; i < paths.size(); ++i) {
       if (log.follows(int(i)) && !is_black(seen.sum[i]))
         log({.kind = PathEvent::Kind::other,

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "aureole/medium/majorant_grid.h"
+#include "aureole/medium/majorants.h"
 #include "aureole/phase/phase.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
@@ -28,9 +28,8 @@ public:
   virtual void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const = 0;
   virtual const PhaseFunction& phase() const = 0;
 
-  /// Where sigma_t varies: bounds b of its cells, with which sigma_t(p, d, w) <= b majorant(d, w); outside of
-  /// the grid there is nothing. Null: sigma_t is majorant(d, w) everywhere.
-  virtual const MajorantGrid* majorants() const { return nullptr; }
+  /// Bounds b with which sigma_t(p, d, w) <= b majorant(d, w). Where they do not vary, sigma_t is majorant(d, w) everywhere.
+  virtual Majorants majorants() const { return {}; }
   virtual Spectrum majorant(const Vec3& d, const Wavelengths& w) const = 0;
 
   /// Whether `eval` gives the same everywhere, and at least its emission.

@@ -53,9 +53,9 @@ Vec3 even_place(int i) {
 EmittingMedia::Region EmittingMedia::region_of(const Filled& filled) {
   const Medium& medium = *filled.medium;
   Region r{&medium, {}, {}, {1, 1, 1}, 0, {}};
-  if (const MajorantGrid* grid = medium.majorants()) {
-    r.to_unit = grid->to_box();
-    for (std::size_t i = 0; i < 3; ++i) r.cells[i] = std::min(grid->cells()[i], kMostCells);
+  if (const Majorants majorants = medium.majorants()) {
+    r.to_unit = majorants.to_box();
+    for (std::size_t i = 0; i < 3; ++i) r.cells[i] = std::min(majorants.cells()[i], kMostCells);
   } else {
     const Vec3 size = filled.box.diagonal();
     if (!(size.x > 0 && size.y > 0 && size.z > 0)) return r;

@@ -9,6 +9,8 @@
 // (p_lambda,i sum_j sum_t ratio_t,j), so that a path needs to keep beta and the ratios only.
 #pragma once
 
+#include <type_traits>
+
 #include "aureole/spectrum/wavelengths.h"
 #include "aureole/spectrum/weight.h"
 
@@ -19,83 +21,82 @@ inline Spectrum single_estimate(const Spectrum& light, const Wavelengths& w) {
   return light / (w.pdf * float(kWavelengths));
 }
 
-/// The effect of passing a null surface or a medium: the transmitted fraction, and the probability densities,
-/// divided by the hero's own, of passing it on a walk and on a connection.
-template <class W>
-struct BasicPassage {
-  W value;
+/// The effect of a null interface or a medium between two vertices: the transmittance and, at a vertex in a medium, the scattering coefficient;
+/// and the pdfs of passing it on a walk and on a connection, divided by the hero's pdf of the walk.
+struct Passage {
+  Spectrum value;
   Spectrum flight{1.f}, connection{1.f};
 };
 
 /// The end at which a path begins, which decides the order in which its weights are multiplied.
 enum class PathStart { sensor, emitter };
 
-/// Throughput of a path and the ratios of its densities per wavelength to the hero's own. A ratio that became
-/// zero stays zero.
-template <class W, PathStart kStart>
+/// Throughput of a path and the ratios of its pdfs per wavelength to the hero's own (`r_u` and `r_l` of Miller, Georgiev & Jarosz 2019, "A
+/// null-scattering path integral formulation of light transport"). A ratio that became zero stays zero.
+template <class L, PathStart kStart>
 struct BasicPathDensity {
   static constexpr PathStart kBegin = kStart;
+  using Light = typename L::Light;
+  using Weight = typename L::Weight;
 
-  W beta{};             ///< f / p_hero
-  Spectrum ratio{1.f};  ///< of walking here; ratio[0] is always 1
-  /// The ratio as if the last vertex had been found by light sampling, without the density of that choice; 0
-  /// where light sampling cannot find it.
-  Spectrum light_ratio{0.f};
+  /// f / p_hero: the map of light that arrives at the last vertex; of a light path the light itself.
+  std::conditional_t<kStart == PathStart::sensor, Weight, Light> beta{};
+  Spectrum r_u{1.f};  ///< unidirectional sampling; r_u[0] is always 1
+  /// As if light sampling had found the last vertex, without the pdf of that choice; 0 where light sampling cannot find it.
+  Spectrum r_l{0.f};
 
-  /// Extends the path by a sampled event of value `f` (cosine included) and density per wavelength, or mass
-  /// of a `delta` lobe. Requires pdf[0] > 0.
-  void extend(const W& f, const Spectrum& pdf, bool delta) {
+  /// Extends the path by a sampled event of value `f` (cosine included) and pdf per wavelength, or mass of a `delta` lobe. Requires
+  /// pdf[0] > 0.
+  void extend(const Weight& f, const Spectrum& pdf, bool delta) {
     const float inverse = 1.f / pdf[0];
     compose(f.scaled(inverse));
-    light_ratio = delta ? Spectrum(0.f) : ratio * inverse;
-    ratio *= pdf * inverse;
+    r_l = delta ? Spectrum(0.f) : r_u * inverse;
+    r_u *= pdf * inverse;
   }
-  /// Continues behind a null surface or through a medium.
-  void pass(const BasicPassage<W>& p) {
-    compose(p.value);
-    ratio *= p.flight;
-    light_ratio *= p.connection;
+  /// Continues through a medium.
+  void pass(const Passage& p) {
+    beta = L::scaled(beta, p.value);
+    r_u *= p.flight;
+    r_l *= p.connection;
   }
-  /// The same if only the value changes: connections pass the surface with the same probability, which
-  /// therefore cancels in the MIS weights.
-  void attenuate(const W& value) { compose(value); }
-  /// Multiplies by an event whose probability is the same for all wavelengths (roulette, choices of lights).
-  void survive(float probability) { beta = beta.scaled(1.f / probability); }
+  /// Continues behind a null surface, which connections cross with the same probability: it cancels in the MIS weights.
+  void attenuate(const Spectrum& transmittance) { beta = L::scaled(beta, transmittance); }
+  /// Multiplies by an event whose probability is the same for all wavelengths (Russian roulette, choices of lights).
+  void survive(float probability) { beta = L::scaled(beta, 1.f / probability); }
 
+  bool has_light() const { return !L::is_black(beta); }
   /// Whether light sampling could have found the last vertex.
-  bool has_light_ratio() const { return light_ratio[0] > 0; }
+  bool has_light_ratio() const { return r_l[0] > 0; }
 
-  /// The estimate, per wavelength, of a path found by one technique only: by walking to where it met `light`.
-  Spectrum contribution(const Spectrum& light, const Wavelengths& w) const {
-    return beta.of(light) / (w.pdf * sum(ratio));
+  /// The estimate, per wavelength, of a path from the sensor found by one technique only: hitting a light of that radiance.
+  Spectrum contribution(const Spectrum& radiance, const Wavelengths& w) const {
+    return seen(radiance) / (w.pdf * sum(r_u));
   }
-  /// The same of light that light sampling would have found with the density `light_density`.
-  Spectrum met(const Spectrum& light, float light_density, const Wavelengths& w) const {
-    return beta.of(light) / (w.pdf * sum(ratio + light_ratio * light_density));
+  /// The estimate of a path that hits a light which light sampling would have found with the pdf `light_pdf`.
+  Spectrum met(const Spectrum& radiance, float light_pdf, const Wavelengths& w) const {
+    return seen(radiance) / (w.pdf * sum(r_u + r_l * light_pdf));
   }
-  /// The estimate of a connection: of `light` that is scattered with value `f` at the end of the path, where
-  /// `own` and `other` are the densities (relative to the same measure) of this event given the path so far,
-  /// by the technique used and by others. beta does not contain the event yet.
-  Spectrum connected(const W& f, const Spectrum& light, const Spectrum& own, const Spectrum& other,
-                     const Wavelengths& w) const {
-    return beta.of(f.of(light)) / (w.pdf * sum(ratio * (own + other)));
-  }
+  /// What the sensor measures of light of that radiance which is emitted towards the last vertex, without any pdf but the hero's.
+  Spectrum seen(const Spectrum& radiance) const { return L::measured(beta.of(L::emitted(radiance))); }
 
-  /// The estimate of a path of light that is scattered with value `f` at its end and counts with
-  /// `importance`.
-  Spectrum reached(const W& f, float importance, const Wavelengths& w) const {
-    return f.after(beta).of(Spectrum(importance)) / (w.pdf * sum(ratio));
+  /// The estimate of a light path that is scattered with value `f` at its last vertex and counts with `importance`.
+  Spectrum reached(const Weight& f, float importance, const Wavelengths& w) const {
+    return L::measured(f.of(beta)) * importance / (w.pdf * sum(r_u));
   }
 
   /// A measure of the path's importance that does not depend on which of the wavelengths is the hero.
-  float hero_symmetric_throughput() const { return beta.largest() / mean(ratio); }
+  float hero_symmetric_throughput() const { return max_component(L::magnitude(beta)) / mean(r_u); }
 
 private:
-  void compose(const W& f) { beta = kStart == PathStart::sensor ? beta.after(f) : f.after(beta); }
+  void compose(const Weight& f) {
+    if constexpr (kStart == PathStart::sensor)
+      beta = beta.after(f);
+    else
+      beta = f.of(beta);
+  }
 };
 
-using Passage = BasicPassage<Weight>;
-using PathDensity = BasicPathDensity<Weight, PathStart::sensor>;
-using LightPathDensity = BasicPathDensity<Weight, PathStart::emitter>;
+using PathDensity = BasicPathDensity<Unpolarised, PathStart::sensor>;
+using LightPathDensity = BasicPathDensity<Unpolarised, PathStart::emitter>;
 
 }  // namespace aureole

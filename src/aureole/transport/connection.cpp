@@ -5,7 +5,7 @@ namespace aureole {
 
 namespace {
 
-/// The fraction of light that passes straight through a surface along `d`, in either direction.
+/// Transmittance of a surface for light that passes straight along `d`, in either direction.
 Spectrum null_transmittance(const SurfacePoint& point, const Vec3& d, const Wavelengths& w) {
   if (!point.surface->passable) return 0.f;
   return point.surface->bsdf->null_transmittance(point.shading.to_local(-d), BsdfContext{w, point});
@@ -13,47 +13,48 @@ Spectrum null_transmittance(const SurfacePoint& point, const Vec3& d, const Wave
 
 }  // namespace
 
-bool is_lost(const Scene& scene, Connection& c) {
-  if (scene.tracer().is_traceable(c.flight.ray)) return false;
+bool is_lost(const Scene& scene, TestSegment& c) {
+  if (scene.tracer().is_traceable(c.ray)) return false;
   c.lose();
   return true;
 }
 
-void travel(Connection& c, float t, const Wavelengths& w, Glow* glow) {
-  const float unit = length(c.flight.ray.d);  // of the ray's distances
-  c.key = c.key * 0x9e3779b9u + 1;            // each medium on the way has numbers of its own
-  const Straight s = transmittance(*c.flight.medium, {c.flight.ray.o, c.d}, t * unit, w, c.key, glow);
-  c.passed_before = c.passed;
-  c.passed *= s.passed;
-  c.light *= s.roulette;
+void travel(TestSegment& c, float t, const Wavelengths& w, SegmentEmission* emission) {
+  const float unit = length(c.ray.d);  // of the ray's distances
+  c.key = c.key * 0x9e3779b9u + 1;     // each medium on the segment has random numbers of its own
+  const Transmittance s = transmittance(*c.medium, {c.ray.o, c.d}, t * unit, w, c.key, emission);
+  c.transmitted_before = c.transmitted;
+  c.transmitted *= s.value;
+  c.passage *= s.roulette;
 }
 
-Event cross(const SurfacePoint& point, Connection& c, const Wavelengths& w) {
-  if (!(c.through_emitters && point.surface->light) && !c.flight.is_hidden(*point.surface)) {
-    c.light *= null_transmittance(point, c.d, w);
-    if (is_black(c.light)) return Event::blocked;
+Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
+  if (!(c.through_emitters && point.surface->light) && !c.is_inactive(*point.surface)) {
+    c.passage *= null_transmittance(point, c.d, w);
+    if (is_black(c.passage)) return Event::blocked;
   }
-  c.flight.pass(point, c.d, c.d);
-  c.flight.ray.o = offset_origin(point, c.d);
+  c.pass(point, c.d, c.d);
+  c.ray.o = offset_origin(point, c.d);
   if (c.infinite) {
-    c.flight.ray.t_max = kInfinity;
+    c.ray.t_max = kInfinity;
     return Event::crossed;
   }
-  c.flight.ray.d = c.target - c.flight.ray.o;
-  // The march ends beyond a surface that the target lies on: going back would hit that surface again and
-  // again. So would a segment within the plane of a surface, whose ends are moved to different sides of it.
-  const bool turned = dot(c.flight.ray.d, point.ng) * dot(c.d, point.ng) < 0;
-  return dot(c.flight.ray.d, c.d) > 0 && !turned ? Event::crossed : Event::escape;
+  c.ray.d = c.target - c.ray.o;
+  // The march ends beyond a surface that the target lies on: going back would hit that surface again and again. So would a segment within
+  // the plane of a surface, whose ends are moved to different sides of it.
+  const bool turned = dot(c.ray.d, point.ng) * dot(c.d, point.ng) < 0;
+  return dot(c.ray.d, c.d) > 0 && !turned ? Event::crossed : Event::escape;
 }
 
-bool connect(const Scene& scene, Connection& c, const Wavelengths& w) {
-  if (scene.has_binary_visibility() && !c.through_emitters) {
-    if (!scene.tracer().occluded(c.flight.ray)) return true;
-    return is_lost(scene, c);
-  }
+bool is_visible(const Scene& scene, TestSegment& c, const Wavelengths& w) {
+  if (scene.has_binary_visibility() && !c.through_emitters)
+    return !scene.tracer().occluded(c.ray) || is_lost(scene, c);
   for (;;) {
-    const Event event = cross(scene, scene.tracer().intersect(c.flight.ray), c, w);
-    if (event != Event::crossed) return event == Event::escape;
+    const Event event = cross(scene, scene.tracer().intersect(c.ray), c, w);
+    if (event == Event::crossed) continue;
+    if (event != Event::escape) return false;
+    if (scene.has_media()) c.finish();
+    return true;
   }
 }
 

@@ -17,8 +17,8 @@
 //     const Wavelengths& wavelengths(int path);
 //     std::uint32_t connection_key(int path);             for random numbers of the vertex's connections
 //     void connect_edges(const PathList& vertices);       further next-event estimation, once for all vertices
-//     void put_segments(BatchConnections* room);          storage of connections that `arrive` makes, from points along the ray
-//     void finish_looking();                              follows lines of sight that `arrive` has begun
+//     void put_segments(BatchConnections<Connection>* room);         storage of connections that `arrive` makes, from points along the ray
+//     void finish_lines();                                follows lines of sight that `arrive` has begun
 //     bool scatter(int path);                             false: the path ends here, or continues below the surface
 //     PathList emerge();                                  paths that continued below a surface, at a vertex again
 #pragma once
@@ -47,30 +47,32 @@ PathList arrive_all(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer
   return vertices;
 }
 
-/// Room for one connection of each path.
+/// Storage of one connection of each path.
+template <class Connection>
 struct BatchConnections {
   BatchRays rays;
   Connection of_path[kBatch];
 };
 
 /// Tells the steps the result of a connection.
-template <class Steps>
+template <class Steps, class Connection>
 void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open) {
   if (open)
-    lend_to_edges(scene, LightWay::of(c), steps.wavelengths(path), steps.connection_key(path), c.light);
+    lend_to_edges(scene, LightWay::of(c), steps.wavelengths(path), steps.connection_key(path), c.passage);
   steps.end_connection(path, k, c, open);
 }
 
 /// Connections that may cross surfaces or media.
-template <class Steps>
-[[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, int k, BatchConnections& connections) {
+template <class Steps, class Connection>
+[[gnu::noinline]] void march_all(const Scene& scene, Steps& steps, int k,
+                                 BatchConnections<Connection>& connections) {
   while (!connections.rays.empty())
     connections.rays.intersect(scene.tracer(), RayTracer::Rays::incoherent,
                                [&](int path, const RayTracer::Hit& hit) {
                                  Connection& c = connections.of_path[path];
                                  const Event event = cross(scene, hit, c, steps.wavelengths(path));
                                  if (event == Event::crossed) {
-                                   connections.rays.add(path, c.flight.ray);
+                                   connections.rays.add(path, c.ray);
                                    return;
                                  }
                                  if (event == Event::escape && scene.has_media()) c.finish();
@@ -79,12 +81,12 @@ template <class Steps>
 }
 
 /// The k-th connection of each path.
-template <class Steps>
+template <class Steps, class Connection>
 [[gnu::always_inline]] inline void connect_each(const Scene& scene, Steps& steps, const PathList& paths,
-                                                int k, BatchConnections& connections) {
+                                                int k, BatchConnections<Connection>& connections) {
   for (const int path : paths) {
     Connection& c = connections.of_path[path];
-    if (steps.connect(path, k, c)) connections.rays.add(path, c.flight.ray);
+    if (steps.connect(path, k, c)) connections.rays.add(path, c.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, k, connections);
   connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {
@@ -94,9 +96,9 @@ template <class Steps>
 }
 
 /// Further connections of vertices, beside the first of each.
-template <class Steps>
+template <class Steps, class Connection>
 [[gnu::noinline]] void connect_further(const Scene& scene, Steps& steps, const PathList& vertices,
-                                       BatchConnections& connections) {
+                                       BatchConnections<Connection>& connections) {
   PathList rest = vertices;
   for (int k = 1;; ++k) {
     PathList next;
@@ -109,11 +111,12 @@ template <class Steps>
 }
 
 /// All connections of the vertices.
-template <class Steps>
+template <class Steps, class Connection>
 void connect_vertices(const Scene& scene, Steps& steps, const PathList& vertices,
-                      BatchConnections& connections) {
+                      BatchConnections<Connection>& connections) {
   connect_each(scene, steps, vertices, 0, connections);
   if constexpr (requires { steps.connection_count(0); }) connect_further(scene, steps, vertices, connections);
+  if constexpr (requires { steps.connected_all(vertices); }) steps.connected_all(vertices);
   if constexpr (requires { steps.connect_edges(vertices); }) steps.connect_edges(vertices);
 }
 
@@ -126,37 +129,38 @@ void scatter_all(Steps& steps, const PathList& paths, BatchRays& rays) {
 
 /// The exits of paths that have gone on below a surface, as vertices. Apart from the other steps, so that
 /// these cost the same in scenes without such surfaces.
-template <class Steps>
+template <class Steps, class Connection>
 [[gnu::noinline]] void emerge_all(const Scene& scene, Steps& steps, BatchRays& rays,
-                                  BatchConnections& connections) {
+                                  BatchConnections<Connection>& connections) {
   const PathList vertices = steps.emerge();
   if (vertices.count == 0) return;
   connect_vertices(scene, steps, vertices, connections);
   scatter_all(steps, vertices, rays);
 }
 
-/// Follows the paths of `rays` to their ends. Steps without `connect` have no connections, those without
-/// `scatter` no vertices, those without `emerge` no exits. Not inlined, so that the records of the batch lie
-/// behind one pointer: on its caller's stack their addresses would be computed anew at every access.
+/// Follows the paths of `rays` to their ends. Steps without a type `Connection` have no connections, those without `scatter` no vertices, those
+/// without `emerge` no exits. Not inlined, so that the records of the batch lie behind one pointer: on its caller's stack their addresses
+/// would be computed anew at every access.
 template <class Steps>
 [[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
-  constexpr bool kScatters = requires { steps.scatter(0); };
-  constexpr bool kConnects = requires(Connection & c) { steps.connect(0, 0, c); };
-  constexpr bool kEmerges = requires { steps.emerge(); };
-  constexpr bool kHasSegments = requires { steps.put_segments(nullptr); };
-  std::conditional_t<kConnects, BatchConnections, char> connections;
-  if constexpr (kHasSegments) steps.put_segments(&connections);
-  for (; !rays.empty(); kind = RayTracer::Rays::incoherent) {
-    [[maybe_unused]] const PathList vertices = arrive_all(scene, steps, rays, kind);
-    if constexpr (kHasSegments)
-      if (!connections.rays.empty()) march_all(scene, steps, -1, connections);
-    if constexpr (requires { steps.finish_looking(); }) steps.finish_looking();
-    if constexpr (kConnects) connect_vertices(scene, steps, vertices, connections);
-    if constexpr (kScatters) scatter_all(steps, vertices, rays);
-    if constexpr (kEmerges)
-      if (scene.has_exits()) emerge_all(scene, steps, rays, connections);
+  if constexpr (!requires { steps.scatter(0); }) {
+    for (; !rays.empty(); kind = RayTracer::Rays::incoherent) arrive_all(scene, steps, rays, kind);
+  } else {
+    BatchConnections<typename Steps::Connection> connections;
+    constexpr bool kHasSegments = requires { steps.put_segments(&connections); };
+    if constexpr (kHasSegments) steps.put_segments(&connections);
+    for (; !rays.empty(); kind = RayTracer::Rays::incoherent) {
+      const PathList vertices = arrive_all(scene, steps, rays, kind);
+      if constexpr (kHasSegments)
+        if (!connections.rays.empty()) march_all(scene, steps, -1, connections);
+      if constexpr (requires { steps.finish_lines(); }) steps.finish_lines();
+      connect_vertices(scene, steps, vertices, connections);
+      scatter_all(steps, vertices, rays);
+      if constexpr (requires { steps.emerge(); })
+        if (scene.has_exits()) emerge_all(scene, steps, rays, connections);
+    }
+    if constexpr (kHasSegments) steps.put_segments(nullptr);
   }
-  if constexpr (kHasSegments) steps.put_segments(nullptr);
 }
 
 }  // namespace aureole

@@ -30,8 +30,8 @@ struct LightWay {
   float length;  ///< may be infinite
   End begin = End::vertex, end = End::vertex;
 
-  static LightWay of(const Connection& c, End begin = End::vertex, End end = End::vertex) {
-    return {c.origin, c.d, c.infinite ? kInfinity : aureole::length(c.target - c.origin), begin, end};
+  static LightWay of(const TestSegment& c, End begin = End::vertex, End end = End::vertex) {
+    return {c.origin, c.d, c.distance(), begin, end};
   }
 };
 
@@ -40,16 +40,21 @@ struct LightWay {
 /// estimates. 1 in scenes without edges that diffract.
 Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key);
 
-/// Takes that from light which has gone straight.
+/// The factor by which edges beside a segment change the light that passes it: 1 in scenes without edges that diffract.
+inline Spectrum diffraction_factor(const Scene& scene, const LightWay& way, const Wavelengths& w,
+                                   std::uint32_t key) {
+  return scene.edges() ? left_by_edges(scene, way, w, key) : Spectrum(1.f);
+}
+/// Multiplies light by that factor.
 inline void lend_to_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key,
                           Spectrum& light) {
   if (scene.edges()) light *= left_by_edges(scene, way, w, key);
 }
-/// The same for the density of a path that has gone on over the distance `length` along a ray.
-template <class Density>
-void lend_to_edges(const Scene& scene, const Ray& ray, float length, LightWay::End begin,
-                   const Wavelengths& w, std::uint32_t key, Density& density) {
-  if (scene.edges()) density.attenuate(Weight(left_by_edges(scene, {ray.o, ray.d, length, begin}, w, key)));
+/// Tests a single connection: true where its far end is visible; `passage` is complete then, with the diffraction factor.
+inline bool arrives(const Scene& scene, TestSegment& connection, const Wavelengths& w, std::uint32_t key) {
+  if (!is_visible(scene, connection, w)) return false;
+  lend_to_edges(scene, LightWay::of(connection), w, key, connection.passage);
+  return true;
 }
 
 /// A part of it, for tests: an estimate of S [unit of length of the scene] at a place on an edge, for light that travels along `d`, by seven

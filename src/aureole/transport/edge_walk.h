@@ -21,7 +21,7 @@ inline bool has_diffracting_edges(const Scene& scene) { return scene.edges() && 
 template <class Density>
 bool walks_to_edges(const Scene& scene) {
   if (!has_diffracting_edges(scene)) return false;
-  return !std::is_same_v<Density, LightSubpathDensity> || scene.edges()->has_mirrors();
+  return !std::is_same_v<Density, LightSubpathDensity<Unpolarised>> || scene.edges()->has_mirrors();
 }
 
 /// Light of one light that reaches the sensor around one edge, for one path; nothing where it is black.
@@ -43,10 +43,11 @@ public:
   /// Multiplies the path's throughput by the diffraction factor of the segment of that length along its present ray.
   template <class W>
   void attenuate(W& walk, int i, float length) const {
-    if (!scene_.edges()) return;
+    if (!W::kDiffracts || !scene_.edges()) return;
     auto& s = walk.state(i);
-    lend_to_edges(scene_, s.flight.ray, length, s.after_edge.end(), walk.wavelengths(i),
-                  key(walk.samples(i), s.vertex, Key::flight), s.density);
+    const LightWay segment{s.segment.origin, s.segment.ray.d, length, s.after_edge.end()};
+    s.density.attenuate(diffraction_factor(scene_, segment, walk.wavelengths(i),
+                                           key(walk.samples(i), s.vertex, Key::flight)));
   }
 
   /// The path arrives at a vertex at `p`. False where it ends, because `p` lies within the beam of the edge that it has left.
@@ -77,19 +78,19 @@ public:
     Spectrum value;
     EdgePaths::AtEdge at;
     s.density = walk.vertex_density(i);
-    if (!edges.walk(walk.vertex(i), s.flight, probability, value, at)) return false;
+    if (!edges.walk(walk.vertex(i), s.segment, probability, value, at)) return false;
     ++s.depth;
     return leave_edge(walk, i, edges, at, value);
   }
 
   /// The path is scattered at a vertex.
   template <class W>
-  void scatter(W& walk, int i, const Scatter& b) const {
+  void scatter(W& walk, int i, bool delta) const {
     auto& after = walk.state(i).after_edge;
     after.is_set = false;
     if constexpr (kIsTwoWayLight<W>) {
       // The edge before a mirror is found from the light, any other one from the sensor.
-      if (after.is_next) after.found_from_sensor = !b.delta;
+      if (after.is_next) after.found_from_sensor = !delta;
       after.is_next = false;
     }
   }
@@ -108,6 +109,7 @@ public:
       if (!edges.begin_at_sensor(edges.next2(), value, at, film)) return false;
     } else {
       if (!edges.begin_at_light(value, at)) return false;
+      s.density.beta = 1.f;  // `value` has the light
     }
     s.first_throughput = max_component(abs(value));
     return leave_edge(walk, i, edges, at, value);
@@ -126,12 +128,16 @@ public:
       EdgePaths edges(scene_, walk.wavelengths(i), key(walk.samples(i), s.vertex, Key::connection) ^ kConnect,
                       walk.limits().hide_emitters);
       const auto respond = [&](const Vec3& d) { return EdgePaths::response(vertex, d); };
-      const EdgePaths::Place place = EdgePaths::at_vertex(vertex, s.flight);
+      const EdgePaths::Place place = EdgePaths::at_vertex(vertex, s.segment);
       const float throughput = walk.relative_throughput(i);
       if constexpr (W::kFromSensor) {
-        const Spectrum light =
-            edges.from_light(place, s.is_connected ? EdgePaths::Beside::direct : EdgePaths::Beside::surfaces,
-                             throughput, respond);
+        const EdgePaths::Beside beside = s.is_connected              ? EdgePaths::Beside::direct
+                                         : walk.has_indirect_light() ? EdgePaths::Beside::surfaces
+                                                                     : EdgePaths::Beside::nothing;
+        Spectrum light = 0.f;
+        for (int k = 0; k < walk.edge_samples(); ++k)
+          light += edges.from_light(place, beside, throughput, respond);
+        light *= 1 / float(walk.edge_samples());
         Path& path = walk.path(i);
         path.result.estimate += walk.vertex_density(i).contribution(light, path.wavelengths);
         if (walk.log().follows(i) && !is_black(light))
@@ -146,7 +152,8 @@ private:
   // They make other keys of one.
   static constexpr std::uint32_t kConnect = 0x2545f491u, kLeave = 0x7feb352du, kBegin = 0x846ca68bu;
   template <class W>
-  static constexpr bool kIsTwoWayLight = std::is_same_v<typename W::Density, LightSubpathDensity>;
+  static constexpr bool kIsTwoWayLight =
+      std::is_same_v<typename W::Density, LightSubpathDensity<Unpolarised>>;
   /// Segments that a path has at least behind its next vertex: light paths of `bdpt` are not connected with the sensor at edges.
   template <class W>
   static constexpr int kSegmentsBehind = kIsTwoWayLight<W>;
@@ -189,7 +196,8 @@ private:
               path.wavelengths);
         }
         if constexpr (requires { walk.last_light_vertex(i); })
-          for (const LightVertex* light = walk.last_light_vertex(i); light; light = light->previous)
+          for (const LightVertex<Unpolarised>* light = walk.last_light_vertex(i); light;
+               light = light->previous)
             connect_with_light_vertex(walk, i, edges, at, so_far, *light);
       } else if constexpr (!kIsTwoWayLight<W>) {
         connect_with_sensor(walk, i, edges, at.place(), false, 1,
@@ -197,8 +205,9 @@ private:
       }
     };
     const auto reaches = [&](int n) { return walk.limits().reaches(n); };
-    if (!edges.leave(first, value, s.depth, reaches, connect, s.density, s.flight, s.after_edge))
+    if (!edges.leave(first, value, s.depth, reaches, connect, s.density, s.segment, s.after_edge))
       return false;
+    s.segment.begin();
     if constexpr (requires { s.density.leave_edge(0.f, true); }) {
       s.density.leave_edge(s.after_edge.pdf, W::kFromSensor);
       s.from.p = s.after_edge.edge;
@@ -213,7 +222,7 @@ private:
   /// Connects an edge that a path of `bdpt` has come to, with the factor `value`, with a vertex of a light path.
   template <class W>
   void connect_with_light_vertex(W& walk, int i, EdgePaths& edges, const EdgePaths::AtEdge& at,
-                                 const Spectrum& value, const LightVertex& light) const {
+                                 const Spectrum& value, const LightVertex<Unpolarised>& light) const {
     const auto& s = walk.state(i);
     if (!walk.may_connect(i, light)) return;
     const float distance2 = length_squared(light.vertex.p() - at.point.on_edge());
@@ -223,32 +232,29 @@ private:
     Response there;
     if (!light.vertex.respond(-d, there)) return;
     Path& path = walk.path(i);
-    const Anchor edge = Anchor::in_space(at.point.p);
+    const RayOrigin edge = RayOrigin::in_space(at.point.p);
     Connection c;
-    c.set(edge, normalize(light.vertex.p() - edge.p), light.vertex.anchor());
+    c.set(edge, normalize(light.vertex.p() - edge.p), light.vertex.origin());
     const float inverse = 1 / distance2;
     // Light paths do not find this edge: the other techniques are the walk of the sensor's path, and what is behind.
-    const Spectrum other = s.density.ratio * light.vertex.density_across(d) *
+    const Spectrum other = s.density.r_u * light.vertex.density_across(d) *
                            light.density.others(light.vertex.reverse_pdf(-d)) *
                            (edges.scatter_pdf(at, d) * inverse);
-    c.light = 1.f;
-    walk.weigh(s.density.ratio * light.density.ratio, other, path.wavelengths, c);
+    walk.weigh(s.density.r_u * light.density.r_u, other, path.wavelengths, c);
     if (scene_.has_media())
-      c.begin_in(at.flight,
+      c.begin_in(at.state,
                  std::uint32_t(combine_bits(key(walk.samples(i), s.vertex, Key::connection) ^ kConnect,
                                             std::uint64_t(light.edges))));
-    if (!aureole::connect(scene_, c, path.wavelengths)) return;
-    if (scene_.has_media()) c.finish();
+    if (!is_visible(scene_, c, path.wavelengths)) return;
     lend_to_edges(scene_, LightWay::of(c, LightWay::End::edge), path.wavelengths, walk.connection_key(i),
-                  c.light);
+                  c.passage);
     const Spectrum kernel = edges.kernel_to(at, d, light.vertex, std::sqrt(distance2));
     if (is_black(kernel)) return;
     path.result.estimate +=
-        s.density.beta.of(value * kernel * there.value.after(light.density.beta).of(Spectrum(inverse))) *
-        c.light;
+        s.density.beta.of(value * kernel * (there.value.of(light.density.beta) * inverse)) * c.passage;
     if (walk.log().follows(i))
       walk.log()(
-          {.kind = PathEvent::Kind::other, .estimate = c.light * kernel, .text = "connection of the edge"});
+          {.kind = PathEvent::Kind::other, .estimate = c.passage * kernel, .text = "connection of the edge"});
   }
 
   const Scene& scene_;
@@ -287,6 +293,14 @@ template <class Run>
     else if (!is_black(estimate))
       splats.push_back({int(i), film[i], estimate});
   }
+}
+
+/// Light that reaches the sensor around one edge alone, for integrators without paths that begin at edges.
+inline void see_edges(const WalkInput& in, std::vector<Splat>& splats) {
+  if (!has_diffracting_edges(in.scene)) return;
+  for (std::size_t i = 0; i < in.paths.size(); ++i)
+    if (const auto splat = light_seen_around_edge(in.scene, int(i), in.paths[i], in.limits.hide_emitters))
+      splats.push_back(*splat);
 }
 
 /// Light paths of `bdpt` that begin at an edge, where the scene needs them: `run(begin)` as above, without random numbers of its own.

@@ -9,29 +9,26 @@ namespace aureole {
 namespace {
 
 /// In scenes with media: what is around the way from a place along d.
-Flight leaving(const Scene& scene, const EdgePaths::Place& from, const Vec3& d) {
-  return scene.has_media() ? from.leaving(d) : Flight{};
+RayState leaving(const Scene& scene, const EdgePaths::Place& from, const Vec3& d) {
+  return scene.has_media() ? from.leaving(d) : RayState{};
 }
 
-/// The part of the light that passes a way which begins or ends at an edge.
-Spectrum passed_along(const Scene& scene, Connection& c, LightWay::End begin, LightWay::End finish,
-                      const Wavelengths& w, const Flight& surroundings, std::uint32_t key, Flight* end) {
-  c.light = 1.f;
-  if (scene.has_media()) {
-    c.begin_in(surroundings, key);
-    c.own = 1.f / kWavelengths, c.other = 0.f;  // there is no other technique
-  }
-  if (!connect(scene, c, w)) return 0.f;
-  if (scene.has_media()) c.finish();
-  if (end) *end = c.flight;
-  lend_to_edges(scene, LightWay::of(c, begin, finish), w, key + 2, c.light);
-  return c.light;
+/// Transmittance and diffraction factor of a segment that begins or ends at an edge; `end` receives the state of a ray there.
+Spectrum passed_along(const Scene& scene, TestSegment& c, LightWay::End begin, LightWay::End finish,
+                      const Wavelengths& w, const RayState& start, std::uint32_t key, RayState* end) {
+  if (scene.has_media()) c.begin_in(start, key);
+  c.own = 1.f / kWavelengths, c.other = 0.f;  // there is no other technique
+  c.passage = 1.f;
+  if (!is_visible(scene, c, w)) return 0.f;
+  if (end) *end = c;
+  lend_to_edges(scene, LightWay::of(c, begin, finish), w, key + 2, c.passage);
+  return c.passage;
 }
 
 constexpr auto kVertex = LightWay::End::vertex, kEdge = LightWay::End::edge;
 
-Connection between(const Anchor& from, const Anchor& to, bool through_emitters) {
-  Connection c;
+TestSegment between(const RayOrigin& from, const RayOrigin& to, bool through_emitters) {
+  TestSegment c;
   c.set(from, normalize(to.p - from.p), to);
   c.through_emitters = through_emitters;
   return c;
@@ -39,20 +36,20 @@ Connection between(const Anchor& from, const Anchor& to, bool through_emitters) 
 
 }  // namespace
 
-Spectrum EdgePaths::passed_to_edge(const Anchor& from, LightWay::End from_end, const EdgePoint& point,
-                                   const Flight& surroundings, bool through_emitters, std::uint32_t key,
-                                   Flight* end) const {
-  const Anchor edge = Anchor::in_space(point.p);
+Spectrum EdgePaths::passed_to_edge(const RayOrigin& from, LightWay::End from_end, const EdgePoint& point,
+                                   const RayState& surroundings, bool through_emitters, std::uint32_t key,
+                                   RayState* end) const {
+  const RayOrigin edge = RayOrigin::in_space(point.p);
   // Rays are traced from the edge, where the ray tracer's rounding is that of the faces there and not of the way. What is around has
   // to be followed from the other end.
-  Connection c =
+  TestSegment c =
       scene_.has_media() ? between(from, edge, through_emitters) : between(edge, from, through_emitters);
   return passed_along(scene_, c, scene_.has_media() ? from_end : kEdge, scene_.has_media() ? kEdge : from_end,
                       w_, surroundings, key, end);
 }
 
 Spectrum EdgePaths::reach(const Place& from, const EdgePoint& point) const {
-  const float d2 = length_squared(point.on_edge() - from.anchor.p);
+  const float d2 = length_squared(point.on_edge() - from.origin.p);
   if (!(d2 > 0)) return 0.f;
   return SceneEdges::far_enough(std::sqrt(d2), !from.vertex, beams_) * (1 / (point.pdf * d2));
 }
@@ -97,34 +94,34 @@ std::optional<EdgePoint> EdgePaths::choose_between(const Vec3& a, const PathEnd&
   return point.pdf > 0 && point.on_edge() != a ? std::optional(point) : std::nullopt;
 }
 
-Spectrum EdgePaths::lit(const EdgePoint& point, const LampEnd& lamp, Anchor& start, Vec3& wo,
+Spectrum EdgePaths::lit(const EdgePoint& point, const LampEnd& lamp, RayOrigin& start, Vec3& wo,
                         bool& infinite) const {
   const auto s = lamp.light->sample_direct(point.on_edge(), lamp.part, lamp.u, w_);
   if (!s || !(s->pdf > 0)) return 0.f;
-  start = Anchor::of(*s), infinite = s->infinite;
+  start = RayOrigin::of(*s), infinite = s->infinite;
   wo = infinite ? s->wo : -point.direction_from(s->p);
   return s->radiance * (1 / (s->pdf * lamp.probability));
 }
 
-Spectrum EdgePaths::through(const EdgePoint& point, const Anchor& from, LightWay::End from_end,
-                            const Flight& surroundings, bool through_emitters, const PathEnd& to,
-                            const Anchor* end, bool end_through_emitters) {
+Spectrum EdgePaths::through(const EdgePoint& point, const RayOrigin& from, LightWay::End from_end,
+                            const RayState& surroundings, bool through_emitters, const PathEnd& to,
+                            const RayOrigin* end, bool end_through_emitters) {
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
-  const Anchor anchor = Anchor::in_space(point.p);
-  Flight at_edge;
+  const RayOrigin origin = RayOrigin::in_space(point.p);
+  RayState at_edge;
   const Spectrum passed =
       passed_to_edge(from, from_end, point, surroundings, through_emitters, key, &at_edge);
   if (is_black(passed)) return 0.f;
-  Connection c;
+  TestSegment c;
   if (to.is_infinite)
-    c.set(anchor.leave(to.p));
+    c.set(origin.spawn(to.p));
   else
-    c = between(anchor, *end, end_through_emitters);
+    c = between(origin, *end, end_through_emitters);
   return passed * passed_along(scene_, c, kEdge, kVertex, w_, at_edge, key + 1, nullptr);
 }
 
 Spectrum EdgePaths::light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp) {
-  Anchor start;
+  RayOrigin start;
   Vec3 wo;
   bool infinite;
   Spectrum value = lit(point, lamp, start, wo, infinite);
@@ -133,7 +130,7 @@ Spectrum EdgePaths::light_at(const Place& from, const EdgePoint& point, const Ve
   value *= reach(from, point);
   if (is_black(value)) return 0.f;
   value *=
-      through(point, from.anchor, from.end(), leaving(scene_, from, d), false, {wo, infinite}, &start, false);
+      through(point, from.origin, from.end(), leaving(scene_, from, d), false, {wo, infinite}, &start, false);
   return is_black(value) ? value : value * kernel(point, d, wo);
 }
 
@@ -144,9 +141,9 @@ Spectrum EdgePaths::sensor_at(const Place& from, const EdgePoint& point, const V
   film = seen->film;
   Spectrum value = reach(from, point) * seen->importance;
   if (is_black(value)) return 0.f;
-  const Anchor aperture = Anchor::in_space(seen->p);
+  const RayOrigin aperture = RayOrigin::in_space(seen->p);
   value *=
-      through(point, from.anchor, from.end(), leaving(scene_, from, d), false, {}, &aperture, hide_emitters_);
+      through(point, from.origin, from.end(), leaving(scene_, from, d), false, {}, &aperture, hide_emitters_);
   return is_black(value) ? value : value * kernel(point, d, seen->wo);
 }
 
@@ -197,24 +194,24 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   const auto seen = scene_.sensor().sample_direct(point->on_edge(), lens);
   if (!seen || !(seen->importance > 0)) return 0.f;
   film = seen->film;
-  Anchor start;
+  RayOrigin start;
   Vec3 wo;
   bool infinite;
   Spectrum value = lit(*point, lamp, start, wo, infinite);
   if (is_black(value) || !SceneEdges::turns_around(*point, -wo, seen->wo)) return 0.f;
   value *= part * seen->importance / point->pdf;
-  Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
-  if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
-  value *= through(*point, Anchor::in_space(seen->p), kVertex, flight, hide_emitters_, {wo, infinite}, &start,
-                   false);
+  RayState from_sensor{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
+  if (scene_.has_media()) find_interiors(scene_, nullptr, from_sensor);
+  value *= through(*point, RayOrigin::in_space(seen->p), kVertex, from_sensor, hide_emitters_, {wo, infinite},
+                   &start, false);
   return is_black(value) ? value : value * kernel(*point, -wo, seen->wo);
 }
 
 bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,
                        Spectrum& value, AtEdge& out) {
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
-  value *= passed_to_edge(from.anchor, from.end(), point, leaving(scene_, from, d), through_emitters, key,
-                          &out.flight);
+  value *= passed_to_edge(from.origin, from.end(), point, leaving(scene_, from, d), through_emitters, key,
+                          &out.state);
   out.point = point, out.d = d;
   return !is_black(value);
 }
@@ -231,9 +228,9 @@ bool EdgePaths::begin_at_sensor(Vec2 lens, Spectrum& value, AtEdge& out, Vec2& f
   if (!seen || !(seen->importance > 0)) return false;
   film = seen->film;
   value = seen->importance * begins / point->pdf;
-  Flight flight{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
-  if (scene_.has_media()) find_surroundings(scene_, nullptr, flight);
-  return arrive({Anchor::in_space(seen->p), &flight}, *point, -seen->wo, hide_emitters_, value, out);
+  RayState start{Ray{seen->p, -seen->wo, kInfinity}, nullptr, {}};
+  if (scene_.has_media()) find_interiors(scene_, nullptr, start);
+  return arrive({RayOrigin::in_space(seen->p), &start}, *point, -seen->wo, hide_emitters_, value, out);
 }
 
 bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
@@ -244,23 +241,23 @@ bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   const float u[3] = {random_.next(), random_.next(), random_.next()};
   const auto point = edges_.choose_from(lamp.guide, u, nullptr, lamp.lit);
   if (!point || !(point->pdf > 0)) return false;
-  Anchor start;
+  RayOrigin start;
   Vec3 wo;
   bool infinite;
   value = lit(*point, lamp, start, wo, infinite) * (begins / point->pdf);
   if (is_black(value)) return false;
   out.point = *point, out.d = -wo;
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
-  const Anchor anchor = Anchor::in_space(point->p);
+  const RayOrigin origin = RayOrigin::in_space(point->p);
   // Traced from the edge to the lamp: what passes is the same both ways, and lamps at infinity have no place to begin at.
-  out.flight = Flight{Ray{point->p, wo, kInfinity}, nullptr, {}};
-  if (scene_.has_media()) find_surroundings(scene_, out.flight);
-  Connection c;
+  out.state = RayState{Ray{point->p, wo, kInfinity}, nullptr, {}};
+  if (scene_.has_media()) find_interiors(scene_, out.state);
+  TestSegment c;
   if (infinite)
-    c.set(anchor.leave(wo));
+    c.set(origin.spawn(wo));
   else
-    c = between(anchor, start, false);
-  value *= passed_along(scene_, c, kEdge, kVertex, w_, out.flight, key, nullptr);
+    c = between(origin, start, false);
+  value *= passed_along(scene_, c, kEdge, kVertex, w_, out.state, key, nullptr);
   return !is_black(value);
 }
 

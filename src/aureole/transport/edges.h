@@ -12,9 +12,9 @@
 
 #include "aureole/core/keyed_random.h"
 #include "aureole/scene/edge/scene_edges.h"
-#include "aureole/transport/anchor.h"
 #include "aureole/transport/connection.h"
 #include "aureole/transport/edge_ledger.h"
+#include "aureole/transport/ray_origin.h"
 #include "aureole/transport/vertex.h"
 
 namespace aureole {
@@ -36,9 +36,9 @@ struct AfterEdge {
   template <class Density>
   [[gnu::noinline]] bool leaves_beam(const Scene& scene, const Vec3& p, const Wavelengths& w,
                                      Density& density) {
-    density.attenuate(Weight(SceneEdges::far_enough(length(p - edge), false, scene.edges()->beams(w))));
+    density.attenuate(SceneEdges::far_enough(length(p - edge), false, scene.edges()->beams(w)));
     is_set = false;
-    return !density.beta.is_black();
+    return density.has_light();
   }
 };
 
@@ -65,15 +65,15 @@ public:
 
   /// A place of a path that light goes from or to around an edge: a vertex or another edge.
   struct Place {
-    Anchor anchor;
-    const Flight* flight;            ///< that has led there, or leaves an edge
+    RayOrigin origin;
+    const RayState* state;           ///< that has led there, or leaves an edge
     const Vertex* vertex = nullptr;  ///< null: an edge
 
     LightWay::End end() const { return vertex ? LightWay::End::vertex : LightWay::End::edge; }
-    Flight leaving(const Vec3& d) const { return vertex ? vertex->surroundings(d, *flight) : *flight; }
+    RayState leaving(const Vec3& d) const { return vertex ? vertex->leaving(d, *state) : *state; }
   };
-  static Place at_vertex(const Vertex& vertex, const Flight& flight) {
-    return {vertex.anchor(), &flight, &vertex};
+  static Place at_vertex(const Vertex& vertex, const RayState& state) {
+    return {vertex.origin(), &state, &vertex};
   }
   /// The response of a vertex in a direction to light of 1 at all wavelengths.
   static Spectrum response(const Vertex& vertex, const Vec3& d) {
@@ -84,9 +84,9 @@ public:
   struct AtEdge {
     EdgePoint point;
     Vec3 d;
-    Flight flight;  ///< there; its ray is of no meaning
+    RayState state;  ///< there, without a ray
 
-    Place place() const { return {Anchor::in_space(point.p), &flight}; }
+    Place place() const { return {RayOrigin::in_space(point.p), &state}; }
   };
 
   /// Other light at a place, beside which what edges send there is looked at less often: none, that of a lamp without going around an edge, or
@@ -100,11 +100,11 @@ public:
     LampEnd lamp;
     float whole = looked_at(left);
     if (whole == 0 || !choose_lamp(lamp)) return 0.f;
-    whole *= looked_for(from.anchor.p, lamp.per_distance, beside == Beside::direct);
-    if (whole == 0 || !find_guide(from.anchor.p, lamp)) return 0.f;
-    const auto point = choose_between(from.anchor.p, lamp.guide, lamp.lit, beside, whole);
+    whole *= looked_for(from.origin.p, lamp.per_distance, beside == Beside::direct);
+    if (whole == 0 || !find_guide(from.origin.p, lamp)) return 0.f;
+    const auto point = choose_between(from.origin.p, lamp.guide, lamp.lit, beside, whole);
     if (!point) return 0.f;
-    const Vec3 d = point->direction_from(from.anchor.p);
+    const Vec3 d = point->direction_from(from.origin.p);
     const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * light_at(from, *point, d, lamp);
   }
@@ -115,13 +115,13 @@ public:
                      Vec2& film) {
     float whole = looked_at(left);
     if (whole == 0) return 0.f;
-    const Vec3 eye = sensor_guide(from.anchor.p, lens);
-    whole *= looked_for(from.anchor.p, edges_.per_distance(eye, 0), is_seen);
+    const Vec3 eye = sensor_guide(from.origin.p, lens);
+    whole *= looked_for(from.origin.p, edges_.per_distance(eye, 0), is_seen);
     if (whole == 0) return 0.f;
-    const auto point = choose_between(from.anchor.p, PathEnd{eye}, nullptr,
+    const auto point = choose_between(from.origin.p, PathEnd{eye}, nullptr,
                                       is_seen ? Beside::direct : Beside::nothing, whole);
     if (!point) return 0.f;
-    const Vec3 d = point->direction_from(from.anchor.p);
+    const Vec3 d = point->direction_from(from.origin.p);
     const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * sensor_at(from, *point, d, lens, film);
   }
@@ -133,26 +133,26 @@ public:
   bool walk(const Place& from, const Respond& respond, Spectrum& value, AtEdge& out,
             const MeshEdge* leaving = nullptr) {
     const float u[3] = {random_.next(), random_.next(), random_.next()};
-    const auto point = edges_.choose_from({from.anchor.p}, u, leaving);
+    const auto point = edges_.choose_from({from.origin.p}, u, leaving);
     if (!point || !(point->pdf > 0)) return false;
-    const Vec3 d = point->direction_from(from.anchor.p);
+    const Vec3 d = point->direction_from(from.origin.p);
     const Spectrum geometry = reach(from, *point);
     if (is_black(geometry)) return false;
     value *= respond(d) * geometry;
     return !is_black(value) && arrive(from, *point, d, false, value, out);
   }
   /// The same from a vertex that is left for an edge with that probability.
-  bool walk(const Vertex& vertex, const Flight& flight, float probability, Spectrum& value, AtEdge& out) {
+  bool walk(const Vertex& vertex, const RayState& state, float probability, Spectrum& value, AtEdge& out) {
     value = 1 / probability;
     return walk(
-        at_vertex(vertex, flight), [&](const Vec3& d) { return response(vertex, d); }, value, out);
+        at_vertex(vertex, state), [&](const Vec3& d) { return response(vertex, d); }, value, out);
   }
   /// From an edge, which a path has come to with the factor `value`, perhaps by way of other edges, into a direction: `density`,
-  /// `flight` and `after` become those of the path behind it. `scattered` counts the path's vertices, one for each edge;
+  /// `state` and `after` become those of the path behind it. `scattered` counts the path's vertices, one for each edge;
   /// reaches(n): paths of n edges count; see(at, value) connects every edge with the path's far end. False where the path ends.
   template <class Density, class Reaches, class See>
   bool leave(AtEdge at, Spectrum value, int& scattered, const Reaches& reaches, const See& see,
-             Density& density, Flight& flight, AfterEdge& after) {
+             Density& density, RayState& state, AfterEdge& after) {
     for (;;) {
       if (!reaches(scattered + 3)) return false;
       see(at, value);
@@ -171,8 +171,8 @@ public:
     float pdf;
     if (!scatter(at, value, d, pdf)) return false;
     density.extend(Weight(value), 1.f, true);
-    flight = at.flight;
-    flight.ray = Anchor::in_space(at.point.p).leave(d);
+    state = at.state;
+    state.ray = RayOrigin::in_space(at.point.p).spawn(d);
     after = {at.point.on_edge(), true, pdf};
     ++scattered;
     return true;
@@ -261,15 +261,15 @@ private:
   Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
   /// The part of the light that goes straight from a place to an edge, black where something is in the way. `end` receives the flight
   /// there, in scenes with media.
-  Spectrum passed_to_edge(const Anchor& from, LightWay::End from_end, const EdgePoint& point,
-                          const Flight& surroundings, bool through_emitters, std::uint32_t key,
-                          Flight* end) const;
+  Spectrum passed_to_edge(const RayOrigin& from, LightWay::End from_end, const EdgePoint& point,
+                          const RayState& surroundings, bool through_emitters, std::uint32_t key,
+                          RayState* end) const;
   /// The part of the light that passes from a place to an edge and from there to `to`, which is `end` or at infinity.
-  Spectrum through(const EdgePoint& point, const Anchor& from, LightWay::End from_end,
-                   const Flight& surroundings, bool through_emitters, const PathEnd& to, const Anchor* end,
-                   bool end_through_emitters);
+  Spectrum through(const EdgePoint& point, const RayOrigin& from, LightWay::End from_end,
+                   const RayState& surroundings, bool through_emitters, const PathEnd& to,
+                   const RayOrigin* end, bool end_through_emitters);
   /// Light of the lamp that arrives at the edge along -wo, over the density of its choice.
-  Spectrum lit(const EdgePoint& point, const LampEnd& lamp, Anchor& start, Vec3& wo, bool& infinite) const;
+  Spectrum lit(const EdgePoint& point, const LampEnd& lamp, RayOrigin& start, Vec3& wo, bool& infinite) const;
   bool arrive(const Place& from, const EdgePoint& point, const Vec3& d, bool through_emitters,
               Spectrum& value, AtEdge& out);
 

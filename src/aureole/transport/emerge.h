@@ -35,36 +35,42 @@ struct EmergenceRandom {
 bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
             const EmergenceRandom& random, const Spectrum& throughput, const Spectrum& ratio, Emergence& out);
 
+/// The factor of the path so far, per wavelength.
+template <class L, PathStart kStart>
+Spectrum throughput_of(const BasicPathDensity<L, kStart>& path) {
+  return L::magnitude(path.beta);
+}
+
 /// The direction from which a path seems to come where it emerges: outside of both normals alike.
 inline Vec3 out_of(const SurfacePoint& exit) { return normalize(exit.ng + exit.shading.n); }
 
 /// The same for a path of that density, whose vertex number `vertex` this is: `density` becomes that at the
-/// exit, and `flight` one that has come to it from outside.
+/// exit, and `state` that of a ray that has come to it from outside.
 template <class Density>
 bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w, SampleStream& samples,
-            int vertex, Density& density, Flight& flight, SurfacePoint& exit) {
+            int vertex, Density& density, RayState& state, SurfacePoint& exit) {
   const float* pairs = samples.directions(vertex);
   const EmergenceRandom random{get(samples, vertex, Choice::lobe), get(pairs, Pair::scatter),
                                key(samples, vertex)};
   Emergence e;
-  if (!emerge(scene, entry, w, random, density.beta.of(1.f), density.ratio, e)) return false;
-  density.extend(Weight(e.value), e.pdf, false);
+  if (!emerge(scene, entry, w, random, throughput_of(density), density.r_u, e)) return false;
+  density.extend(typename Density::Weight(e.value), e.pdf, false);
   density.survive(e.chosen);
-  flight.ray.d = -out_of(e.point);
+  state.ray.d = -out_of(e.point);
   exit = e.point;
   return true;
 }
 
 /// The same for path number `i` of a batch, whose entry is vertices[i] and was vertex number `vertex`: the exit
 /// takes the entry's place there and has a number of its own.
-template <Space kSpace, class Density>
-bool emerge(const Scene& scene, PerPath<BasicVertex<kSpace>>& vertices, int i, const Wavelengths& w,
-            SampleStream& samples, TransportMode mode, int& vertex, Density& density, Flight& flight) {
+template <Space kSpace, class L, class Density>
+bool emerge(const Scene& scene, PerPath<BasicVertex<kSpace, L>>& vertices, int i, const Wavelengths& w,
+            SampleStream& samples, TransportMode mode, int& vertex, Density& density, RayState& state) {
   SurfacePoint exit;
-  if (!emerge(scene, vertices[i].point(), w, samples, ++vertex, density, flight, exit)) return false;
-  auto& made = vertices.make(i, [&] { return BasicVertex<kSpace>(exit, -flight.ray.d, w, mode); });
+  if (!emerge(scene, vertices[i].point(), w, samples, ++vertex, density, state, exit)) return false;
+  auto& made = vertices.make(i, [&] { return BasicVertex<kSpace, L>(exit, -state.ray.d, w, mode); });
   ++vertex;
-  made.prepare(0, flight);
+  made.prepare(0, state.interiors);
   return true;
 }
 

@@ -20,6 +20,9 @@ struct PathLimits {
         max_scattering(int(p.get_int("max_scattering", -1, {-1, 1e9}))),
         hide_emitters(p.get_bool("hide_emitters", false)) {}
 
+  /// Direct light: two segments, or three around an edge that diffracts.
+  static PathLimits direct(bool hide_emitters) { return PathLimits(3, kLatestRoulette, -1, hide_emitters); }
+
   /// Upper bound of the survival probability of Russian roulette after `depth` scattering events: 0.95 in scenes without
   /// media. Paths in media of high albedo are long: a loss of 5 % at every vertex would make the few that survive hundreds of
   /// times as bright as the others. There the loss at the n-th event is 1/(2 n), clamped to [0.00005, 0.001], so that the
@@ -35,6 +38,10 @@ struct PathLimits {
   int roulette_depth;
   int max_scattering;  ///< most scattering events in media; -1: no limit
   bool hide_emitters;
+
+private:
+  PathLimits(int depth, int roulette, int scattering, bool hide)
+      : max_depth(depth), roulette_depth(roulette), max_scattering(scattering), hide_emitters(hide) {}
 };
 
 }  // namespace aureole

@@ -18,16 +18,16 @@
 #include <vector>
 
 #include "aureole/transport/batch.h"
-#include "aureole/transport/endpoints.h"
+#include "aureole/transport/next_event.h"
 #include "aureole/transport/vertex.h"
 
 namespace aureole {
 
-/// Throughput and densities of one of the two subpaths. The base's `light_ratio` is, of either, that of the
+/// Throughput and densities of one of the two subpaths. The base's `r_l` is, of either, that of the
 /// technique that connects the last vertex with the one before it.
-template <PathStart kStart>
-struct TwoWayDensity : BasicPathDensity<Weight, kStart> {
-  using Base = BasicPathDensity<Weight, kStart>;
+template <PathStart kStart, class L = Unpolarised>
+struct TwoWayDensity : BasicPathDensity<L, kStart> {
+  using Base = BasicPathDensity<L, kStart>;
 
   /// The sum over the techniques that connect nearer to the beginning, without the density of scattering from the
   /// last vertex back to the one before it.
@@ -35,8 +35,8 @@ struct TwoWayDensity : BasicPathDensity<Weight, kStart> {
 
   /// Goes on from a vertex: `reverse` is the density of scattering back (`Vertex::reverse_pdf`), `across` that
   /// of arriving here from ahead (`Vertex::density_across`).
-  void scatter(const Scatter& s, const Spectrum& reverse, const Spectrum& across) {
-    const Spectrum connections = s.delta ? reverse * earlier : reverse * earlier + this->light_ratio;
+  void scatter(const BasicScatter<L>& s, const Spectrum& reverse, const Spectrum& across) {
+    const Spectrum connections = s.delta ? reverse * earlier : reverse * earlier + this->r_l;
     earlier = min(min(connections, kMost) * across * (1 / s.pdf[0]), kMost);
     Base::extend(s.value, s.pdf, s.delta);
   }
@@ -49,24 +49,24 @@ struct TwoWayDensity : BasicPathDensity<Weight, kStart> {
   /// `is_connected`: a connection finds the next vertex, too.
   void leave_edge(float pdf, bool is_connected) {
     earlier = 0.f;
-    this->light_ratio = is_connected ? this->ratio * (1 / pdf) : Spectrum(0.f);
+    this->r_l = is_connected ? this->r_u * (1 / pdf) : Spectrum(0.f);
   }
   /// Arrives at a vertex. `spread` is the area across the ray per solid angle in which it left, the squared distance.
   void arrive(bool in_medium, const Spectrum& across, float spread) {
     if (in_medium) {
       // `pass` has divided by the hero's extinction, and has multiplied by that of each.
       earlier = safe_divide(earlier, across);
-      this->light_ratio *= spread;
+      this->r_l *= spread;
     } else {
       const float inverse = across[0] > 0 ? 1 / across[0] : 0.f;
       earlier *= inverse;
-      this->light_ratio *= spread * inverse;
+      this->r_l *= spread * inverse;
     }
   }
 
   /// All techniques that connect nearer to the beginning, `reverse` being the density of scattering back from the
   /// last vertex. To be multiplied by the density of the last vertex, found from ahead.
-  Spectrum others(const Spectrum& reverse) const { return reverse * earlier + this->light_ratio; }
+  Spectrum others(const Spectrum& reverse) const { return reverse * earlier + this->r_l; }
 
 private:
   /// Products of many densities stay finite.
@@ -97,16 +97,19 @@ struct Emission {
   }
 };
 
-using SensorSubpathDensity = TwoWayDensity<PathStart::sensor>;
-using LightSubpathDensity = TwoWayDensity<PathStart::emitter>;
+template <class L>
+using SensorSubpathDensity = TwoWayDensity<PathStart::sensor, L>;
+template <class L>
+using LightSubpathDensity = TwoWayDensity<PathStart::emitter, L>;
 
 /// A vertex of a light path, kept for connections.
+template <class L>
 struct LightVertex {
   template <class Make>
   explicit LightVertex(const Make& make) : vertex(make()) {}
 
-  Vertex vertex;
-  LightSubpathDensity density;
+  BasicVertex<Space::any, L> vertex;
+  LightSubpathDensity<L> density;
   int edges = 0;                          ///< segments from the light
   int in_media = 0;                       ///< vertices in media so far, this one included
   int count = 0;                          ///< number of vertices that `previous` leads to, this one included
@@ -114,29 +117,30 @@ struct LightVertex {
 };
 
 /// Storage of the vertices of a batch of light paths, made in place: earlier ones stay where they are.
+template <class L>
 class LightVertices {
 public:
   template <class Make>
-  Vertex& make(int path, const Make& make) {
+  BasicVertex<Space::any, L>& make(int path, const Make& make) {
     if (used_ % kChunk == 0 && used_ / kChunk == chunks_.size())
       chunks_.push_back(std::make_unique_for_overwrite<Room[]>(kChunk));
     Room& room = chunks_[used_ / kChunk][used_ % kChunk];
     ++used_;
-    return (present_[path] = new (room.bytes) LightVertex(make))->vertex;
+    return (present_[path] = new (room.bytes) LightVertex<L>(make))->vertex;
   }
-  Vertex& operator[](int path) { return present_[path]->vertex; }
+  BasicVertex<Space::any, L>& operator[](int path) { return present_[path]->vertex; }
   /// The present vertex of a path.
-  LightVertex& present(int path) { return *present_[path]; }
+  LightVertex<L>& present(int path) { return *present_[path]; }
 
 private:
-  static_assert(std::is_trivially_destructible_v<LightVertex>);
+  static_assert(std::is_trivially_destructible_v<LightVertex<L>>);
   static constexpr std::size_t kChunk = 64;
   struct Room {
-    alignas(LightVertex) std::byte bytes[sizeof(LightVertex)];
+    alignas(LightVertex<L>) std::byte bytes[sizeof(LightVertex<L>)];
   };
   std::vector<std::unique_ptr<Room[]>> chunks_;
   std::size_t used_ = 0;
-  LightVertex* present_[kBatch];
+  LightVertex<L>* present_[kBatch];
 };
 
 }  // namespace aureole

@@ -6,9 +6,8 @@
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/scene/surface.h"
 #include "aureole/spectrum/path_density.h"
-#include "aureole/transport/anchor.h"
 #include "aureole/transport/connection.h"
-#include "aureole/transport/flight.h"
+#include "aureole/transport/ray_origin.h"
 
 namespace aureole {
 
@@ -19,24 +18,31 @@ inline Space space_of(const Scene& scene) {
   return scene.has_media() || scene.edges() ? Space::any : Space::empty;
 }
 
-/// Value and density of scattering at a vertex for one given direction.
-struct Response {
-  Weight value;
-  Spectrum pdf;  ///< density of `scatter` for that direction [1/sr] per wavelength
+/// Value and pdf of scattering at a vertex for one given direction.
+template <class L>
+struct BasicResponse {
+  typename L::Weight value;
+  Spectrum pdf;  ///< of `scatter` for that direction [1/sr] per wavelength
 };
+using Response = BasicResponse<Unpolarised>;
 
 /// A direction sampled at a vertex.
-struct Scatter {
+template <class L>
+struct BasicScatter {
   Vec3 d;  ///< in the world, unit length
-  Weight value;
+  typename L::Weight value;
+  Spectrum
+      transmittance;  ///< where the path crosses the surface, over the probability of that; `value` is not set then
   Spectrum pdf;  ///< per wavelength: a density [1/sr], or where `delta` a probability (mass)
   bool delta;
-  float eta;  ///< index of the medium that d leads into over that of where the path comes from
+  float eta;  ///< index of refraction of the medium that d leads into over that of where the path comes from
 };
+using Scatter = BasicScatter<Unpolarised>;
 
 /// A point of a surface as a path sees it that comes from the direction `to_previous`, with the checks that
 /// keep light from leaking through a shading normal's wrong side. Made in place, since the context of its BSDF
 /// refers to its point.
+template <class L>
 class SurfaceVertex {
 public:
   SurfaceVertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
@@ -50,13 +56,13 @@ public:
   const SurfacePoint& point() const { return point_; }
   const Surface& surface() const { return *point_.surface; }
   /// Which shapes are around the surface decides the refractive index on its outside.
-  void set_surroundings(const InteriorList& inside) {
+  void set_exterior(const InteriorList& inside) {
     const Surface* other = inside.filling(&surface());
     if (other && other->bsdf->interior_index(context_.wavelengths, exterior_))
       context_.exterior_index = &exterior_;
   }
   const Light* light() const { return point_.surface->light; }
-  Anchor anchor() const { return Anchor::of(point_); }
+  RayOrigin origin() const { return RayOrigin::of(point_); }
 
   /// To be called before the functions below. `key` is for stochastic BSDFs.
   void prepare(std::uint32_t key) {
@@ -74,13 +80,12 @@ public:
   bool is_smooth() const { return has(surface().lobes, Lobe::diffuse | Lobe::glossy); }
 
   /// The value and density for a direction; false where nothing is scattered there.
-  bool respond(const Vec3& d, Response& out) const {
+  bool respond(const Vec3& d, BasicResponse<L>& out) const {
     const Vec3 wo = point_.shading.to_local(d);
     if (!is_consistent(wo, d)) return false;
     const BsdfEval e = surface().bsdf->eval_pdf(wi_, wo, context_);
     if (is_black(e.value)) return false;
-    out.value = Weight(e.value);
-    if (context_.mode == TransportMode::importance) out.value = out.value.scaled(correction(d));
+    out.value = lift(e.value, d);
     out.pdf = e.pdf;
     return true;
   }
@@ -97,7 +102,7 @@ public:
   /// of the solid angles of the two sides, d(d) / d(to_previous), so that either way of sampling the path has the
   /// density of one measure: masses of the two directions have the same spectral shape, and their scale, which all
   /// techniques share, cancels.
-  Spectrum reverse_pdf(const Scatter& s) const {
+  Spectrum reverse_pdf(const BasicScatter<L>& s) const {
     if (!s.delta) return reverse_pdf(s.d);
     if (s.eta == 1) return s.pdf;
     return s.pdf * std::abs(wi_.z / (s.eta * s.eta * dot(point_.shading.n, s.d)));
@@ -105,7 +110,7 @@ public:
 
   /// Samples a direction: `surface` where the path is scattered, `crossed` where it passes straight through
   /// as if there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
-  Event scatter(float u1, Vec2 u2, Scatter& out) const {
+  Event scatter(float u1, Vec2 u2, BasicScatter<L>& out) const {
     const std::optional<BsdfSample> s = surface().bsdf->sample(wi_, u1, u2, context_);
     if (!s || !(s->pdf[0] > 0)) return Event::blocked;
     const Vec3 d = point_.shading.to_world(s->wo);
@@ -116,12 +121,11 @@ public:
         return Event::entered;
       }
       out.d = -to_previous_;
-      out.value = Weight(s->value * (1 / s->pdf[0]));
+      out.transmittance = s->value * (1 / s->pdf[0]);
       return Event::crossed;
     }
     out.d = normalize(d);
-    out.value = Weight(s->value);
-    if (context_.mode == TransportMode::importance) out.value = out.value.scaled(correction(out.d));
+    out.value = lift(s->value, out.d);
     out.pdf = s->pdf;
     out.delta = s->is_delta();
     out.eta = s->eta;
@@ -129,14 +133,20 @@ public:
   }
 
 private:
-  [[gnu::noinline]] void enter(const BsdfSample& s, Scatter& out) const {
-    out.value = Weight(s.value);
+  [[gnu::noinline]] void enter(const BsdfSample& s, BasicScatter<L>& out) const {
+    out.value = typename L::Weight(s.value);
     // In importance mode light falls on the geometric surface, while the BSDF counts it on the shading one.
     if (context_.mode == TransportMode::importance)
       out.value = out.value.scaled(wi_side_ != 0 ? std::abs(wi_.z / wi_side_) : 0.f);
     out.pdf = s.pdf;
     out.delta = s.is_delta();
     out.eta = 1;
+  }
+
+  /// The BSDF's scalar value for the direction `d` as a map of light.
+  typename L::Weight lift(const Spectrum& value, const Vec3& d) const {
+    if (context_.mode == TransportMode::radiance) return L::lift(value, point_.p, -d, to_previous_);
+    return L::lift(value * correction(d), point_.p, -to_previous_, d);
   }
 
   /// Reflection (in the shading frame) must stay on the geometric side it came from, transmission must change
@@ -161,17 +171,18 @@ private:
 };
 
 /// A point of a medium as a path sees it that comes from the direction `to_previous`.
+template <class L>
 class MediumVertex {
 public:
-  MediumVertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w)
-      : point_(point), w_(w), to_previous_(to_previous) {}
+  MediumVertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
+      : point_(point), w_(w), to_previous_(to_previous), mode_(mode) {}
 
   const MediumPoint& point() const { return point_; }
 
-  bool respond(const Vec3& d, Response& out) const {
+  bool respond(const Vec3& d, BasicResponse<L>& out) const {
     const PhaseEval e = phase().eval_pdf(to_previous_, d, {w_, point_.p});
     if (is_black(e.value)) return false;
-    out.value = Weight(e.value);
+    out.value = lift(e.value, d);
     out.pdf = e.pdf;
     return true;
   }
@@ -182,11 +193,11 @@ public:
     point_.medium->eval(point_.p, d, w_, at);
     return at.sigma_t;
   }
-  Event scatter(float u1, Vec2 u2, Scatter& out) const {
+  Event scatter(float u1, Vec2 u2, BasicScatter<L>& out) const {
     const std::optional<PhaseSample> s = phase().sample(to_previous_, u1, u2, {w_, point_.p});
     if (!s || !(s->pdf[0] > 0)) return Event::blocked;
     out.d = s->wo;
-    out.value = Weight(s->value);
+    out.value = lift(s->value, s->wo);
     out.pdf = s->pdf;
     out.delta = false;
     out.eta = 1;
@@ -195,36 +206,41 @@ public:
 
 private:
   const PhaseFunction& phase() const { return point_.medium->phase(); }
+  typename L::Weight lift(const Spectrum& value, const Vec3& d) const {
+    return mode_ == TransportMode::radiance ? L::lift(value, point_.p, -d, to_previous_)
+                                            : L::lift(value, point_.p, -to_previous_, d);
+  }
 
   MediumPoint point_;
   const Wavelengths& w_;
   Vec3 to_previous_;
+  TransportMode mode_;
 };
 
 /// Either of the two. Made in place. Of a scene in `Space::empty` vertices are on surfaces, and none has a priority.
-template <Space kSpace>
+template <Space kSpace, class L = Unpolarised>
 class BasicVertex {
 public:
   static constexpr bool kMayBeInMedium = kSpace == Space::any;
 
-  BasicVertex(const Scene& scene, const RayTracer::Hit& hit, const Flight& flight, const Wavelengths& w,
+  BasicVertex(const Scene& scene, const RayTracer::Hit& hit, const Ray& ray, const Wavelengths& w,
               TransportMode mode)
-      : surface_(scene, hit, flight.ray, w, mode) {}
+      : surface_(scene, hit, ray, w, mode) {}
   BasicVertex(const SurfacePoint& point, const Vec3& to_previous, const Wavelengths& w, TransportMode mode)
       : surface_(point, to_previous, w, mode) {}
-  BasicVertex(const MediumPoint& point, const Vec3& to_previous,
-              const Wavelengths& w) requires(kMayBeInMedium)
-      : medium_(point, to_previous, w), in_medium_(true) {}
+  BasicVertex(const MediumPoint& point, const Vec3& to_previous, const Wavelengths& w,
+              TransportMode mode) requires(kMayBeInMedium)
+      : medium_(point, to_previous, w, mode), in_medium_(true) {}
 
   bool is_surface() const { return !in_medium(); }
   /// Of a vertex on a surface.
-  const SurfaceVertex& on_surface() const { return surface_; }
+  const SurfaceVertex<L>& on_surface() const { return surface_; }
   const SurfacePoint& point() const { return surface_.point(); }
   const Surface& surface() const { return surface_.surface(); }
 
   Vec3 p() const { return in_medium() ? medium_.point().p : surface_.point().p; }
-  Anchor anchor() const {
-    return in_medium() ? Anchor::in_space(medium_.point().p) : Anchor::of(surface_.point());
+  RayOrigin origin() const {
+    return in_medium() ? RayOrigin::in_space(medium_.point().p) : RayOrigin::of(surface_.point());
   }
   /// The light that shines from here, or null.
   const Light* light() const { return in_medium() ? nullptr : surface().light; }
@@ -238,30 +254,28 @@ public:
   bool needs_choice() const {
     return in_medium() ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
   }
-  /// Turns the flight that has ended here into that which leaves along `d`. `Scene::has_media` tells whether
-  /// more than the ray is needed.
-  void leave(const Vec3& d, bool has_media, Flight& flight) const {
-    if (has_media && !in_medium()) flight.pass(surface_.point(), flight.ray.d, d);
-    flight.ray = anchor().leave(d);
+  /// Turns the ray that has ended here into one that leaves along `d`. `has_media`: more than the ray is needed (`Scene::has_media`).
+  void leave(const Vec3& d, bool has_media, RayState& state) const {
+    if (has_media && !in_medium()) state.pass(surface_.point(), state.ray.d, d);
+    state.ray = origin().spawn(d);
   }
-
-  /// The flight that leaves along `d`, without its ray.
-  Flight surroundings(const Vec3& d, const Flight& flight) const {
-    Flight leaving = flight;
-    if (!in_medium()) leaving.pass(surface_.point(), flight.ray.d, d);
+  /// The state of a ray that leaves along `d`, without that ray; `state` has led here.
+  RayState leaving(const Vec3& d, const RayState& state) const {
+    RayState leaving = state;
+    if (!in_medium()) leaving.pass(surface_.point(), state.ray.d, d);
     return leaving;
   }
 
   /// To be called before the functions below, for a surface. `key` is for stochastic BSDFs.
-  void prepare(std::uint32_t key, const Flight& flight) {
+  void prepare(std::uint32_t key, const InteriorList& interiors) {
     surface_.prepare(key);
-    if (kSpace == Space::any && surface().priority != 0) surface_.set_surroundings(flight.inside);
+    if (kSpace == Space::any && surface().priority != 0) surface_.set_exterior(interiors);
   }
   /// The normal on the side that light may be scattered from; zero where that is all around. Choosing lights
   /// and directions, and their densities, all depend on it.
   Vec3 facing() const { return in_medium() ? Vec3{} : surface_.facing(); }
   /// The value and density for a direction; false where nothing is scattered there.
-  bool respond(const Vec3& d, Response& out) const {
+  bool respond(const Vec3& d, BasicResponse<L>& out) const {
     return in_medium() ? medium_.respond(d, out) : surface_.respond(d, out);
   }
   // For two-way methods, which compare the ways in which a path can be found:
@@ -271,7 +285,7 @@ public:
     return in_medium() ? medium_.reverse_pdf(d) : surface_.reverse_pdf(d);
   }
   /// The same for a direction that `scatter` has found.
-  Spectrum reverse_pdf(const Scatter& s) const {
+  Spectrum reverse_pdf(const BasicScatter<L>& s) const {
     return in_medium() ? medium_.reverse_pdf(s.d) : surface_.reverse_pdf(s);
   }
   /// Density of an arrival along d or -d in the measure of vertices, area or volume, per area across d: the cosine
@@ -282,7 +296,7 @@ public:
 
   /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes as if
   /// there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
-  Event scatter(float u1, Vec2 u2, Scatter& out) const {
+  Event scatter(float u1, Vec2 u2, BasicScatter<L>& out) const {
     return in_medium() ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
   }
 
@@ -290,8 +304,8 @@ private:
   bool in_medium() const { return kMayBeInMedium && in_medium_; }
 
   union {
-    SurfaceVertex surface_;
-    MediumVertex medium_;
+    SurfaceVertex<L> surface_;
+    MediumVertex<L> medium_;
   };
   bool in_medium_ = false;
 };

@@ -10,26 +10,30 @@
 // Null surfaces and interfaces between media are crossed within `arrive` and `scatter`: they are no vertices.
 //
 // `Kind` of a walk names its parts:
+//   L                    light and maps of light: Unpolarised (spectrum/weight.h)
 //   Space kSpace         the scenes that it is compiled for
 //   Density              throughput and pdfs: PathDensity, LightPathDensity, or TwoWayDensity of `bdpt`
 //   State                further state of a path
 //   Vertices             storage of the vertices of a batch, PerPath<Vertex> or one that keeps earlier vertices
 //   bool kEmerges        whether paths continue below surfaces with a BSSRDF
+//   bool kScattersInMedia   distance sampling in media; else paths pass media by their transmittance
 // `Self` may replace these functions (hooks); the ones here do nothing or what most integrators do:
 //   samples(i)                       the random numbers of the path
 //   emission(i, light, point, L)     the path has hit a light, or has left the scene where the light is at infinity (point null)
 //   emission_in_media(i)             receives the emission of media along the ray, or null
-//   before_flight(i, hit)            the ray is in a medium and was traced
-//   after_flight(i, p, chosen)       the path will be scattered in the medium at `p`
+//   before_distance(i, hit)          the ray is in a medium and was traced
+//   after_distance(i, p, chosen)     the path will be scattered in the medium at `p`
 //   at_vertex(i)                     the path has arrived at a vertex
 //   extend(i, scatter)               throughput and pdfs after scattering
 //   scattered(i, scatter)            the path was scattered
 //   follows_last(i)                  whether a light path samples a direction at its last vertex
-//   may_end_at_event(i)              whether the ray may be cut where the medium will scatter the path
+//   may_cut_ray(i)                   whether the ray may be cut where the medium will scatter the path
 //   connection_count(i)              upper bound of the number of connections of the vertex
 //   connect(i, k, connection)        makes the k-th one; false where there is none
 //   connected(i, k, connection, open)   receives its result
 //   has_technique(s, t)              whether paths of s vertices from the light and t from the sensor count
+//   edge_samples()                   number of estimates of light that reaches a vertex around an edge
+//   has_indirect_light()             whether such a vertex also has light by way of surfaces
 #pragma once
 
 #include <utility>
@@ -38,7 +42,7 @@
 #include "aureole/transport/driver.h"
 #include "aureole/transport/edge_walk.h"
 #include "aureole/transport/emerge.h"
-#include "aureole/transport/endpoints.h"
+#include "aureole/transport/next_event.h"
 #include "aureole/transport/path.h"
 #include "aureole/transport/path_limits.h"
 #include "aureole/transport/path_log.h"
@@ -51,8 +55,14 @@ class Walk {
 public:
   static constexpr bool kAny = Kind::kSpace == Space::any;
   static constexpr bool kFromSensor = Kind::Density::kBegin == PathStart::sensor;
+  /// Edges diffract light (transport/edge_walk.h).
+  static constexpr bool kDiffracts = kAny && std::is_same_v<typename Kind::L, Unpolarised>;
   static constexpr TransportMode kMode = kFromSensor ? TransportMode::radiance : TransportMode::importance;
-  using Vertex = BasicVertex<Kind::kSpace>;
+  using L = typename Kind::L;
+  using Vertex = BasicVertex<Kind::kSpace, L>;
+  using Response = BasicResponse<L>;
+  using Scatter = BasicScatter<L>;
+  using Connection = BasicConnection<L>;
   using Density = typename Kind::Density;
   struct State : WalkState<Kind::kSpace, Density>, Kind::State {};
 
@@ -60,7 +70,7 @@ public:
       : scene_(in.scene), limits_(in.limits), paths_(in.paths), log_(in.log), edges_(in.scene) {}
 
   // For the driver:
-  const Ray& ray(int i) const { return states_[i].flight.ray; }
+  const Ray& ray(int i) const { return states_[i].segment.ray; }
   const Wavelengths& wavelengths(int i) const { return paths_[size_t(i)].wavelengths; }
   bool needs_march() const {
     return !scene_.has_binary_visibility() || (!kFromSensor && limits_.hide_emitters);
@@ -76,7 +86,7 @@ public:
     self().connected(i, k, c, open);
   }
   void connect_edges(const PathList& vertices) {
-    if constexpr (kAny) edges_.connect(self(), vertices);
+    if constexpr (kDiffracts) edges_.connect(self(), vertices);
   }
 
   // For `EdgeWalk`:
@@ -97,7 +107,7 @@ public:
     return throughput;
   }
   /// Begins a path at an edge, which the sensor sees at `film` or a light irradiates; false where there is none.
-  bool begin_at_edge(int i, Vec2& film) requires kAny { return edges_.begin(self(), i, film); }
+  bool begin_at_edge(int i, Vec2& film) requires kDiffracts { return edges_.begin(self(), i, film); }
 
   void log_connection(const Connection& c, bool open, int vertex = 0) const {
     log_({.kind = PathEvent::Kind::connection,
@@ -106,13 +116,13 @@ public:
           .infinite = c.infinite,
           .vertex = vertex,
           .open = open,
-          .estimate = c.light});
+          .estimate = c.estimate()});
   }
   void log_emission(int i, const SurfacePoint* point, const Spectrum& estimate) const {
     log_({.kind = PathEvent::Kind::emission,
           .depth = states_[i].depth + 1,
           .p = point ? point->p : Vec3{},
-          .d = states_[i].flight.ray.d,
+          .d = states_[i].segment.ray.d,
           .infinite = !point,
           .estimate = estimate});
   }
@@ -121,35 +131,50 @@ public:
           .p = c.target,
           .d = c.d,
           .open = open,
-          .estimate = c.light,
+          .estimate = c.estimate(),
           .film = film});
   }
 
   // Hooks, see above:
   SampleStream& samples(int i) { return paths_[size_t(i)].samples; }
   Spectrum* emission_in_media(int) { return nullptr; }
-  EmissionSearch emission_search(int) { return {}; }
-  void before_flight(int, const RayTracer::Hit&) {}
-  void after_flight(int, const Vec3&, const Spectrum&) {}
+  EmissionSampling emission_sampling(int) { return {}; }
+  void before_distance(int, const RayTracer::Hit&) {}
+  void after_distance(int, const Vec3&, const Spectrum&) {}
   void at_vertex(int) {}
   void extend(int i, const Scatter& b) { states_[i].density.extend(b.value, b.pdf, b.delta); }
   void scattered(int, const Scatter&) {}
   bool follows_last(int) const { return false; }
-  bool may_end_at_event(int) const { return true; }
+  bool may_cut_ray(int) const { return true; }
   int connection_count(int) const { return 1; }
   bool has_technique(int, int) const { return true; }
+  int edge_samples() const { return 1; }
+  bool has_indirect_light() const { return true; }
 
 protected:
   Self& self() { return static_cast<Self&>(*this); }
   const Self& self() const { return static_cast<const Self&>(*this); }
   bool has_media() const { return kAny && scene_.has_media(); }
-  void go_on(int i, const Vertex& vertex, const Vec3& d) { vertex.leave(d, has_media(), states_[i].flight); }
+  /// The path goes on along `d`: `begins` a new segment at a vertex, else it has crossed a surface.
+  void go_on(int i, const Vertex& vertex, const Vec3& d, bool begins) {
+    Segment& segment = states_[i].segment;
+    vertex.leave(d, has_media(), segment);
+    if constexpr (kAny)
+      if (begins) segment.begin();
+  }
+  /// False for null surfaces without a light, which only lie within a segment.
+  static bool ends_segment(const Vertex& vertex) {
+    return vertex.light() || has(vertex.surface().lobes, Lobe::reflect | Lobe::transmit);
+  }
   /// Begins a walk from the sensor with the ray of the sample.
   void begin_at_sensor(int i) {
     State& s = states_[i];
-    s.flight.ray = paths_[size_t(i)].ray;
+    s.segment.ray = paths_[size_t(i)].ray;
     s.vertex = -1;
-    if constexpr (kAny) find_surroundings(scene_, nullptr, s.flight);
+    if constexpr (kAny) {
+      s.segment.begin();
+      find_interiors(scene_, nullptr, s.segment);
+    }
   }
   struct Emitted {
     LightChoice choice;
@@ -168,7 +193,8 @@ protected:
   typename Kind::Vertices vertices_;
 
 private:
-  Event fly(int i, float t_max);
+  Event sample_medium(int i, float t_max);
+  Event transmit(int i, float t_max);
   Event escape(int i);
   /// Logs the vertex that the path has arrived at.
   [[gnu::noinline, gnu::cold]] void log_vertex(int i, PathEvent::Kind kind, const Vec3& p,
@@ -179,10 +205,10 @@ private:
     log_({.kind = kind,
           .depth = s.depth + !kFromSensor,
           .p = p,
-          .d = s.flight.ray.d,
+          .d = s.segment.ray.d,
           .throughput = throughput,
           .point = point,
-          .in_medium = s.flight.medium});
+          .in_medium = s.segment.medium});
   }
 
   PathList below_;  ///< paths that were refracted into a surface with a BSSRDF
@@ -192,32 +218,36 @@ private:
 template <class Self, class Kind>
 Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
   State& s = states_[i];
-  if constexpr (kAny)
-    if (s.flight.medium) {
-      self().before_flight(i, hit);
-      const Event event = fly(i, hit ? hit.t : kInfinity);
+  if constexpr (kAny) {
+    const float t = hit ? hit.t : kInfinity;
+    if (s.segment.medium) {
+      self().before_distance(i, hit);
+      const Event event = Kind::kScattersInMedia ? sample_medium(i, t) : transmit(i, t);
       if (event != Event::crossed) return event;
     }
-  if constexpr (kAny)
-    if (hit || kFromSensor) edges_.attenuate(self(), i, hit ? hit.t : kInfinity);
+    s.segment.behind += t;
+  }
   if (!hit) return kFromSensor ? escape(i) : Event::escape;
   Path& path = paths_[size_t(i)];
-  Vertex& vertex = vertices_.make(i, [&] { return Vertex(scene_, hit, s.flight, path.wavelengths, kMode); });
-  if (kAny && s.flight.is_hidden(vertex.surface())) {
+  Vertex& vertex =
+      vertices_.make(i, [&] { return Vertex(scene_, hit, s.segment.ray, path.wavelengths, kMode); });
+  if (kAny && s.segment.is_inactive(vertex.surface())) {
     ++s.vertex;  // the ray behind has random numbers of its own
-    go_on(i, vertex, s.flight.ray.d);
+    go_on(i, vertex, s.segment.ray.d, false);
     return Event::crossed;
   }
+  if constexpr (kAny)
+    if (ends_segment(vertex)) edges_.attenuate(self(), i, s.segment.behind);
   if (log_.follows(i)) log_vertex(i, PathEvent::Kind::surface, vertex.p(), &vertex.point());
   if constexpr (kFromSensor) {
     if (const Light* light = vertex.light()) {
       if (limits_.hide_emitters && s.depth == 0) {
         s.vertex += has_media();  // the ray behind has random numbers of its own
-        go_on(i, vertex, s.flight.ray.d);
+        go_on(i, vertex, s.segment.ray.d, false);
         return Event::crossed;
       }
       self().emission(i, *light, &vertex.point(),
-                      light->eval(vertex.point(), -s.flight.ray.d, path.wavelengths));
+                      light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths));
     }
     s.last = !limits_.reaches(s.depth + 2);
     if (s.last && !vertex.surface().passable) {
@@ -229,7 +259,7 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
   if constexpr (kAny)
     if (!vertex.is_passable() && !edges_.arrive(self(), i, vertex.p())) return Event::blocked;
   s.pairs = self().samples(i).directions(++s.vertex);
-  vertex.prepare(vertex.surface().needs_choice ? key(self().samples(i), s.vertex) : 0, s.flight);
+  vertex.prepare(vertex.surface().needs_choice ? key(self().samples(i), s.vertex) : 0, s.segment.interiors);
   if constexpr (kAny) s.is_connected = false;
   self().at_vertex(i);
   return Event::surface;
@@ -237,41 +267,58 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
 
 /// Through the medium along the ray: `medium` where the path is scattered there, `crossed` where it arrives at the distance t_max.
 template <class Self, class Kind>
-[[gnu::noinline]] Event Walk<Self, Kind>::fly(int i, float t_max) {
+[[gnu::noinline]] Event Walk<Self, Kind>::sample_medium(int i, float t_max) {
   State& s = states_[i];
   Path& path = paths_[size_t(i)];
   Vec3 p;
   Spectrum chosen;
-  if (!aureole::fly(s.flight, t_max, path.wavelengths, self().samples(i), s.vertex, s.density,
-                    self().emission_in_media(i), p, self().emission_search(i), &chosen))
+  if (!sample_distance(s.segment, t_max, path.wavelengths, self().samples(i), s.vertex, s.density,
+                       self().emission_in_media(i), p, self().emission_sampling(i), chosen))
     return Event::crossed;
-  self().after_flight(i, p, chosen);
-  edges_.attenuate(self(), i, length(p - s.flight.ray.o));
+  self().after_distance(i, p, chosen);
+  edges_.attenuate(self(), i, s.segment.behind + length(p - s.segment.ray.o));
   if (log_.follows(i)) log_vertex(i, PathEvent::Kind::medium, p, nullptr);
   if (kFromSensor && s.depth == 0) path.result.alpha = 1;
-  if (!limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering || s.density.beta.is_black())
+  if (!limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering || !s.density.has_light())
     return Event::blocked;
   if (!edges_.arrive(self(), i, p)) return Event::blocked;
   ++s.in_media;
   s.last = s.is_connected = false;
   s.pairs = self().samples(i).directions(++s.vertex);
-  vertices_.make(i, [&] { return Vertex({p, s.flight.medium}, -s.flight.ray.d, path.wavelengths); });
+  vertices_.make(i, [&] { return Vertex({p, s.segment.medium}, -s.segment.ray.d, path.wavelengths, kMode); });
   self().at_vertex(i);
   return Event::medium;
+}
+
+/// Passes the medium along the ray by its transmittance, with its emission.
+template <class Self, class Kind>
+[[gnu::noinline]] Event Walk<Self, Kind>::transmit(int i, float t_max) {
+  State& s = states_[i];
+  Path& path = paths_[size_t(i)];
+  SegmentEmission emission;
+  const Transmittance light = transmittance(*s.segment.medium, s.segment.ray, t_max, path.wavelengths,
+                                            key(self().samples(i), s.vertex, Key::flight),
+                                            s.segment.medium->emits() ? &emission : nullptr);
+  if constexpr (kFromSensor)
+    if (!is_black(emission.radiance))
+      path.result.estimate += s.density.seen(emission.radiance) / path.wavelengths.pdf;
+  s.density.attenuate(light.value * light.roulette);
+  return Event::crossed;
 }
 
 template <class Self, class Kind>
 Event Walk<Self, Kind>::escape(int i) {
   State& s = states_[i];
   Path& path = paths_[size_t(i)];
-  if (log_.follows(i)) log_({.kind = PathEvent::Kind::escape, .depth = s.depth, .d = s.flight.ray.d});
+  if constexpr (kAny) edges_.attenuate(self(), i, kInfinity);
+  if (log_.follows(i)) log_({.kind = PathEvent::Kind::escape, .depth = s.depth, .d = s.segment.ray.d});
   if (s.depth == 0) {
     path.result.alpha = limits_.hide_emitters || scene_.infinite_emitters().empty() ? 0.f : 1.f;
     if (limits_.hide_emitters) return Event::escape;
   }
   if constexpr (kFromSensor)
     for (const Light* light : scene_.infinite_emitters())
-      self().emission(i, *light, nullptr, light->eval_escaped(s.flight.ray.d, path.wavelengths));
+      self().emission(i, *light, nullptr, light->eval_escaped(s.segment.ray.d, path.wavelengths));
   return Event::escape;
 }
 
@@ -282,7 +329,7 @@ template <class Self, class Kind>
   Path& path = paths_[size_t(i)];
   const Vertex& vertex = vertices_[i];
   float to_edge = 0;
-  if constexpr (kAny)
+  if constexpr (kDiffracts)
     if (edges_.is_left(self(), i, to_edge)) return edges_.leave_vertex(self(), i, to_edge);
   if constexpr (!kFromSensor) {
     s.last = !limits_.reaches(s.depth + 3);
@@ -292,9 +339,9 @@ template <class Self, class Kind>
   Scatter b;
   const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
   if (event == Event::crossed) {
-    s.density.attenuate(b.value);
+    s.density.attenuate(b.transmittance);
     if (kAny && to_edge > 0) s.density.survive(1 - to_edge);
-    go_on(i, vertex, b.d);
+    go_on(i, vertex, b.d, ends_segment(vertex));
     return true;
   }
   if (kFromSensor && s.depth == 0) path.result.alpha = 1;
@@ -302,11 +349,11 @@ template <class Self, class Kind>
   if constexpr (kFromSensor) {
     if (s.last) return false;
   } else {
-    if ((s.last && event != Event::entered && !b.delta) || b.value.is_black()) return false;
+    if ((s.last && event != Event::entered && !b.delta) || L::is_black(b.value)) return false;
   }
   if constexpr (kAny) {
     s.emission_counted = false;
-    edges_.scatter(self(), i, b);
+    edges_.scatter(self(), i, b.delta);
     self().extend(i, b);
     // Like Russian roulette, a choice that no MIS weight knows.
     if (to_edge > 0) s.density.survive(1 - to_edge);
@@ -320,13 +367,13 @@ template <class Self, class Kind>
     return false;
   }
   s.from = {vertex.p(), vertex.facing()};
-  go_on(i, vertex, b.d);
+  go_on(i, vertex, b.d, true);
   ++s.depth;
   if constexpr (kFromSensor) s.eta2 *= b.eta * b.eta;
   if (!survives(i)) return false;
   if constexpr (kAny)
-    if (s.flight.medium && self().may_end_at_event(i))
-      end_at_event(s.flight, path.wavelengths, get(self().samples(i), s.vertex, Choice::distance));
+    if (s.segment.medium && self().may_cut_ray(i))
+      cut_at_collision(s.segment, path.wavelengths, get(self().samples(i), s.vertex, Choice::distance));
   return true;
 }
 
@@ -345,7 +392,7 @@ bool Walk<Self, Kind>::survives(int i) {
   // The last ray can only find emission.
   bool finds_emission = true;
   if constexpr (kAny) finds_emission = !s.emission_counted;
-  return limits_.reaches(s.depth + 2) || (finds_emission && scene_.may_meet_emitter(s.flight.ray));
+  return limits_.reaches(s.depth + 2) || (finds_emission && scene_.may_meet_emitter(s.segment.ray));
 }
 
 /// Subsurface scattering adds no segment to the path: light that leaves at an exit counts as scattered by the surface.
@@ -355,7 +402,7 @@ PathList Walk<Self, Kind>::emerge() requires(Kind::kEmerges) {
   for (const int i : std::exchange(below_, {})) {
     State& s = states_[i];
     if (!aureole::emerge(scene_, vertices_, i, paths_[size_t(i)].wavelengths, self().samples(i), kMode,
-                         s.vertex, s.density, s.flight))
+                         s.vertex, s.density, s.segment))
       continue;
     if (log_.follows(i)) log_vertex(i, PathEvent::Kind::exit, vertices_[i].p(), &vertices_[i].point());
     s.pairs = self().samples(i).directions(s.vertex);
@@ -376,15 +423,16 @@ auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::
   if (!emitted || is_black(emitted->value)) return {};
   const float pdf = probability * choice->probability * emitted->pdf_position * emitted->pdf_direction;
   if (!(pdf > 0)) return {};
-  s.density.beta = Weight(emitted->value);
+  s.density.beta = L::emitted(emitted->value);
   s.density.survive(pdf);
   s.first_throughput = s.density.hero_symmetric_throughput();
-  s.flight.ray = Anchor::of(*emitted).leave(emitted->d);
-  find_surroundings(scene_, choice->light, s.flight);
+  s.segment.ray = RayOrigin::of(*emitted).spawn(emitted->d);
+  s.segment.begin();
+  find_interiors(scene_, choice->light, s.segment);
   if (log_.follows(i))
     log_({.kind = PathEvent::Kind::start,
-          .p = s.flight.ray.o,
-          .d = s.flight.ray.d,
+          .p = s.segment.ray.o,
+          .d = s.segment.ray.d,
           .light = choice->light,
           .part = choice->part});
   return Emitted{*choice, *emitted, pdf};

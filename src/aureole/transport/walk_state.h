@@ -5,7 +5,7 @@
 #include <span>
 
 #include "aureole/transport/edges.h"
-#include "aureole/transport/flight.h"
+#include "aureole/transport/medium_segment.h"
 #include "aureole/transport/path.h"
 #include "aureole/transport/path_limits.h"
 #include "aureole/transport/path_log.h"
@@ -35,7 +35,7 @@ struct WalkStateInEmptySpace {};
 
 template <Space kSpace, class Density>
 struct WalkState : std::conditional_t<kSpace == Space::any, WalkStateInSpace, WalkStateInEmptySpace> {
-  Flight flight;
+  Segment segment;  ///< with the present ray
   Density density;  ///< up to and including the direction of the present ray
   LightReference
       from;  ///< the vertex that the present ray has left, from which connections may have found what it hits

@@ -10,32 +10,44 @@
 namespace aureole::bdpt {
 
 /// Further state of a path from the sensor.
+template <class L>
 struct SensorState {
-  SensorSubpathDensity arrived;        ///< throughput and pdfs at the present vertex
-  const LightVertex* light = nullptr;  ///< the last vertex of the light path that it is connected with
-  const LightVertex* present_light;    ///< the vertex of the present connection
+  SensorSubpathDensity<L> arrived;        ///< throughput and pdfs at the present vertex
+  const LightVertex<L>* light = nullptr;  ///< the last vertex of the light path that it is connected with
+  const LightVertex<L>* present_light;    ///< the vertex of the present connection
 };
 
+template <class Light>
 struct SensorKind {
+  using L = Light;
   static constexpr Space kSpace = Space::any;
+  static constexpr bool kScattersInMedia = true;
   static constexpr bool kEmerges = false;  // `BidirectionalPathTracer::require_scene` refuses such scenes
-  using Density = SensorSubpathDensity;
-  using State = SensorState;
-  using Vertices = PerPath<aureole::Vertex>;
+  using Density = SensorSubpathDensity<L>;
+  using State = SensorState<L>;
+  using Vertices = PerPath<BasicVertex<Space::any, L>>;
 };
 
-class SensorWalk : public Walk<SensorWalk, SensorKind> {
+template <class L>
+class SensorWalk : public Walk<SensorWalk<L>, SensorKind<L>> {
+  using Base = Walk<SensorWalk<L>, SensorKind<L>>;
+  using Base::limits_, Base::log_, Base::scene_, Base::states_, Base::vertices_;
+  using typename Base::State, typename Base::Scatter, typename Base::Vertex;
+
 public:
-  SensorWalk(const WalkInput& in, const Techniques& techniques) : Walk(in), techniques_(techniques) {}
+  using Base::path, Base::wavelengths;
+  using typename Base::Connection;
+
+  SensorWalk(const WalkInput& in, const Techniques& techniques) : Base(in), techniques_(techniques) {}
 
   /// Begins a path with the ray of the sensor.
   void start(int i) {
-    begin_at_sensor(i);
-    states_[i].density.light_ratio = 1.f;  // `at_vertex` asks the sensor
+    this->begin_at_sensor(i);
+    states_[i].density.r_l = 1.f;  // `at_vertex` asks the sensor
   }
   /// Connects the path with the vertices of a light path, given its last one, or null.
-  void put_light(int i, const LightVertex* last) { states_[i].light = last; }
-  const LightVertex* last_light_vertex(int i) const { return states_[i].light; }
+  void put_light(int i, const LightVertex<L>* last) { states_[i].light = last; }
+  const LightVertex<L>* last_light_vertex(int i) const { return states_[i].light; }
 
   // Connections: k = 0 a light, k = 1, 2, ... the vertices of the light path, from its last one on.
   int connection_count(int i) {
@@ -49,29 +61,29 @@ public:
     return connect_with_vertex(i, *s.present_light, out);
   }
   void connected(int i, int k, const Connection& c, bool open) {
-    if (open) path(i).result.estimate += c.light;
-    if (log_.follows(i)) log_connection(c, open, k > 0 ? states_[i].present_light->edges : 0);
+    if (open) path(i).result.estimate += c.estimate();
+    if (log_.follows(i)) this->log_connection(c, open, k > 0 ? states_[i].present_light->edges : 0);
   }
   /// Whether paths that connect the present vertex with that one count.
-  bool may_connect(int i, const LightVertex& end) const {
+  bool may_connect(int i, const LightVertex<L>& end) const {
     const State& s = states_[i];
     return limits_.reaches(s.depth + 2 + end.edges) && techniques_.have(end.edges + 1, s.depth + 2) &&
            (limits_.max_scattering < 0 || s.in_media + end.in_media <= limits_.max_scattering);
   }
-  void weigh(const Spectrum& own, const Spectrum& other, const Wavelengths& w, Connection& out) const {
-    bdpt::weigh(scene_, own, techniques_.others(other), w, out);
+  void weigh(const Spectrum& own, const Spectrum& other, const Wavelengths& w, TestSegment& out) const {
+    out.weigh(scene_.has_media(), own, techniques_.others(other), w);
   }
 
   // Hooks of the walk:
   bool has_technique(int s, int t) const { return techniques_.have(s, t); }
-  const SensorSubpathDensity& vertex_density(int i) const { return states_[i].arrived; }
+  const SensorSubpathDensity<L>& vertex_density(int i) const { return states_[i].arrived; }
   Spectrum* emission_in_media(int i) {
     return techniques_.have(0, states_[i].depth + 2) ? &path(i).result.estimate : nullptr;
   }
   void at_vertex(int i) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
-    const Vec3 d = s.flight.ray.d;
+    const Vec3 d = s.segment.ray.d;
     float spread = length_squared(vertex.p() - s.from.p);
     if (s.depth == 0) {
       const auto seen = scene_.sensor().eval(vertex.p(), d, path(i).film);
@@ -87,22 +99,22 @@ public:
     s.density.scatter(b, vertex.reverse_pdf(b), vertex.density_across(b.d));
   }
   /// The path has hit a light: this is the technique without a light path.
-  void emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
+  void emission(int i, const aureole::Light& light, const SurfacePoint* point, const Spectrum& radiance) {
     const State& s = states_[i];
     if (s.emission_counted || is_black(radiance) || !techniques_.have(0, s.depth + 2)) return;
-    Spectrum all = s.density.ratio;
+    Spectrum all = s.density.r_u;
     // No connection finds what the sensor sees directly.
     if (s.depth > 0) {
-      const Vec3& d = s.flight.ray.d;
+      const Vec3& d = s.segment.ray.d;
       const std::size_t part = point ? light.part_of(*point) : 0;
       const float cosine = point ? std::abs(dot(point->ng, d)) : 1.f;
       all += techniques_.others(
-          s.density.light_ratio * light_density(scene_, s.from, light, part, point, d) +
+          s.density.r_l * light_density(scene_, s.from, light, part, point, d) +
           s.density.earlier * (emission_density(scene_, light, part, point, -d) * safe_inverse(cosine)));
     }
-    const Spectrum estimate = s.density.beta.of(radiance) / (wavelengths(i).pdf * sum(all));
+    const Spectrum estimate = s.density.seen(radiance) / (wavelengths(i).pdf * sum(all));
     path(i).result.estimate += estimate;
-    if (log_.follows(i)) log_emission(i, point, estimate);
+    if (log_.follows(i)) this->log_emission(i, point, estimate);
   }
 
 private:
@@ -112,69 +124,59 @@ private:
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     if (!is_connectable(i) || scene_.lights().empty() || !techniques_.have(1, s.depth + 2)) return false;
-    if (!vertex.is_surface() && !scene_.lights_reach(*s.flight.medium)) return false;
+    if (!vertex.is_surface() && !scene_.lights_reach(*s.segment.medium)) return false;
     Path& p = path(i);
-    const Vec3 facing = vertex.facing();
-    const auto choice = scene_.lights().choose(
-        vertex.p(), facing, scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light));
-    if (!choice || !(choice->probability > 0)) return false;
-    const auto direct = choice->light->sample_direct_facing(vertex.p(), facing, choice->part,
-                                                            get(s.pairs, Pair::connection), p.wavelengths);
-    if (!direct || !(direct->pdf > 0) || is_black(direct->radiance)) return false;
-    Response response;
-    if (!vertex.respond(direct->wo, response)) return false;
-
-    SurfacePoint emitting;
-    emitting.p = direct->p, emitting.ng = direct->ng;
-    // The pdf of a light path to the vertex, with its position on the light per solid angle as seen from here.
-    float emission = emission_density(scene_, *choice->light, choice->part,
-                                      choice->light->shape ? &emitting : nullptr, -direct->wo);
-    if (choice->light->shape)
-      emission *= safe_inverse(std::abs(dot(direct->ng, direct->wo)));
-    else if (!direct->infinite)
-      emission *= safe_inverse(length_squared(direct->p - vertex.p()));
-    Spectrum other =
-        s.arrived.others(vertex.reverse_pdf(direct->wo)) * vertex.density_across(direct->wo) * emission;
-    if (!direct->delta) other += s.arrived.ratio * response.pdf;
-    if (direct->infinite)
-      out.set(vertex.anchor().leave(direct->wo));
-    else
-      out.set(vertex.anchor(), direct->wo, Anchor::of(*direct));
-    out.light = s.arrived.beta.of(response.value.of(direct->radiance));
-    weigh(s.arrived.ratio * (choice->probability * direct->pdf), other, p.wavelengths, out);
-    begin_in_media(i, vertex, direct->wo, key(p.samples, s.vertex, Key::connection), out);
-    return true;
+    return connect_to_light(scene_, vertex, s.segment, s.arrived.beta,
+                            scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
+                            get(s.pairs, Pair::connection), p.wavelengths,
+                            key(p.samples, s.vertex, Key::connection), out,
+                            [&](const LightChoice& choice, const DirectSample& direct, const auto& response,
+                                Spectrum& own, Spectrum& other) {
+                              SurfacePoint emitting;
+                              emitting.p = direct.p, emitting.ng = direct.ng;
+                              // The pdf of a light path to the vertex, with its position on the light per solid angle as seen from here.
+                              const bool has_shape = choice.light->shape;
+                              float emission = emission_density(scene_, *choice.light, choice.part,
+                                                                has_shape ? &emitting : nullptr, -direct.wo);
+                              if (has_shape)
+                                emission *= safe_inverse(std::abs(dot(direct.ng, direct.wo)));
+                              else if (!direct.infinite)
+                                emission *= safe_inverse(length_squared(direct.p - vertex.p()));
+                              own = s.arrived.r_u * (choice.probability * direct.pdf);
+                              other = s.arrived.others(vertex.reverse_pdf(direct.wo)) *
+                                      vertex.density_across(direct.wo) * emission;
+                              if (!direct.delta) other += s.arrived.r_u * response.pdf;
+                              other = techniques_.others(other);
+                            });
   }
 
-  bool connect_with_vertex(int i, const LightVertex& end, Connection& out) {
+  bool connect_with_vertex(int i, const LightVertex<L>& end, Connection& out) {
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     if (!may_connect(i, end)) return false;
-    if (!vertex.is_surface() && !scene_.may_see(*s.flight.medium, end.vertex.p())) return false;
+    if (!vertex.is_surface() && !scene_.may_see(*s.segment.medium, end.vertex.p())) return false;
     const Vec3 to = end.vertex.p() - vertex.p();
     const float distance2 = length_squared(to);
     if (!(distance2 > 0)) return false;
     const Vec3 d = to * (1 / std::sqrt(distance2));
-    Response here, there;
+    typename Base::Response here, there;
     if (!vertex.respond(d, here) || !end.vertex.respond(-d, there)) return false;
     const float inverse = 1 / distance2;
-    const Spectrum from_here = s.arrived.ratio * here.pdf * end.vertex.density_across(d) *
+    const Spectrum from_here = s.arrived.r_u * here.pdf * end.vertex.density_across(d) *
                                end.density.others(end.vertex.reverse_pdf(-d)),
-                   from_there = end.density.ratio * there.pdf * vertex.density_across(d) *
+                   from_there = end.density.r_u * there.pdf * vertex.density_across(d) *
                                 s.arrived.others(vertex.reverse_pdf(d));
-    out.set(vertex.anchor(), d, end.vertex.anchor());
-    out.light = s.arrived.beta.of(here.value.of(there.value.after(end.density.beta).of(Spectrum(inverse))));
-    weigh(s.arrived.ratio * end.density.ratio, (from_here + from_there) * inverse, wavelengths(i), out);
-    begin_in_media(i, vertex, d,
+    out.set(vertex.origin(), d, end.vertex.origin());
+    out.near = s.arrived.beta.after(here.value);
+    out.far = L::scaled(there.value.of(end.density.beta), inverse);
+    weigh(s.arrived.r_u * end.density.r_u, (from_here + from_there) * inverse, wavelengths(i), out);
+    if (scene_.has_media())
+      out.begin_in(vertex.leaving(d, s.segment),
                    std::uint32_t(combine_bits(key(path(i).samples, s.vertex, Key::connection),
-                                              std::uint64_t(end.edges))),
-                   out);
+                                              std::uint64_t(end.edges))));
     return true;
   }
 
-  void begin_in_media(int i, const Vertex& vertex, const Vec3& d, std::uint32_t key, Connection& out) const {
-    if (scene_.has_media()) out.begin_in(vertex.surroundings(d, states_[i].flight), key);
-  }
   static float safe_inverse(float x) { return x > 0 ? 1 / x : 0.f; }
 
   const Techniques& techniques_;

@@ -33,15 +33,4 @@ struct Settings {
   Techniques techniques;
 };
 
-/// Completes a connection whose `light` is f over the pdf of the path, by the pdfs of this and of other techniques relative to that.
-inline void weigh(const Scene& scene, const Spectrum& own, const Spectrum& other, const Wavelengths& w,
-                  Connection& out) {
-  if (scene.has_media()) {
-    out.own = own, out.other = other;
-    out.light = out.light / w.pdf;
-  } else {
-    out.light = out.light / (w.pdf * sum(own + other));
-  }
-}
-
 }  // namespace aureole::bdpt

@@ -21,7 +21,7 @@ public:
 
   void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const final;
   Spectrum majorant(const Vec3& d, const Wavelengths& w) const final;
-  const MajorantGrid* majorants() const final { return grid_ ? &*grid_ : nullptr; }
+  Majorants majorants() const final { return grid_ ? Majorants(*grid_) : Majorants(); }
   const PhaseFunction& phase() const final { return *phase_; }
   bool emits() const final { return emission_ || temperature_; }
   bool is_uniform() const final;

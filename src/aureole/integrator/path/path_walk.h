@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+// The walk of `path`: from the sensor, with next-event estimation at every vertex and, in media, from positions along the ray that are sampled
+// about a light.
+#pragma once
+
+#include <optional>
+
+#include "aureole/transport/equiangular_connection.h"
+#include "aureole/transport/line_of_sight.h"
+#include "aureole/transport/walk.h"
+
+namespace aureole {
+
+/// Further state of a path in scenes of `Space::any`.
+template <class L>
+struct PathInSpace {
+  /// At a vertex in a medium: the pdf of sampling its position about a light, relative to the hero's pdf of the walk.
+  Spectrum r_equiangular;
+  Spectrum emission_share{1.f};                       ///< `EmissionSampling::share`
+  BasicPathDensity<L, PathStart::sensor> line_start;  ///< where the line of sight of `begin_line` has begun
+  std::optional<Equiangular> positions;               ///< along the present ray, sampled about a light
+};
+struct PathInEmptySpace {};
+
+template <Space kPathSpace, class Light = Unpolarised>
+struct PathKind {
+  using L = Light;
+  static constexpr Space kSpace = kPathSpace;
+  static constexpr bool kEmerges = true, kScattersInMedia = true;
+  using Density = BasicPathDensity<L, PathStart::sensor>;
+  using State = std::conditional_t<kSpace == Space::any, PathInSpace<L>, PathInEmptySpace>;
+  using Vertices = PerPath<BasicVertex<kSpace, L>>;
+};
+
+template <Space kSpace, class L = Unpolarised>
+class PathWalk : public Walk<PathWalk<kSpace, L>, PathKind<kSpace, L>> {
+  using Base = Walk<PathWalk<kSpace, L>, PathKind<kSpace, L>>;
+  using Base::has_media, Base::limits_, Base::log_, Base::scene_, Base::states_, Base::vertices_;
+  using typename Base::State, typename Base::Scatter, typename Base::Vertex;
+  static constexpr bool kAny = kSpace == Space::any;
+
+public:
+  using Base::path;
+  using typename Base::Connection;
+
+  explicit PathWalk(const WalkInput& in)
+      : Base(in),
+        media_(kAny ? connected_media(in.scene) : nullptr),
+        // MIS weights along a ray do not know the choice of an edge that diffracts.
+        samples_equiangular_(kAny && !in.scene.edges() && in.scene.lights().tree().can_be_connected()) {
+    if (has_media()) line_steps_.emplace(in.scene, *this);
+  }
+
+  void start(int i) { this->begin_at_sensor(i); }
+
+  // Next-event estimation: k = 0 a light, k = 1 a medium that emits.
+  int connection_count(int) const { return media_ ? 2 : 1; }
+  [[gnu::always_inline]] bool connect(int i, int k, Connection& out) {
+    if constexpr (kAny)
+      if (k == 1) return connect_to_emission(i, out);
+    const State& s = states_[i];
+    const Vertex& vertex = vertices_[i];
+    const Spectrum* r_equiangular = nullptr;
+    if constexpr (kAny)
+      if (!vertex.is_surface()) {
+        if (!scene_.lights_reach(*s.segment.medium)) return false;
+        r_equiangular = &s.r_equiangular;
+      }
+    if (s.last || !vertex.is_smooth() || scene_.lights().empty()) return false;
+    Path& p = path(i);
+    return connect_to_light(scene_, vertex, s.segment, s.density,
+                            scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
+                            get(s.pairs, Pair::connection), p.wavelengths, {},
+                            has_media() ? key(p.samples, s.vertex, Key::connection) : 0, out, r_equiangular);
+  }
+  void connected(int i, int, const Connection& c, bool open) {
+    if (open) path(i).result.estimate += c.estimate();
+    if (log_.follows(i)) this->log_connection(c, open);
+  }
+
+  // Hooks of the walk:
+  void emission(int i, const Light& light, const SurfacePoint* point, const Spectrum& radiance) {
+    const State& s = states_[i];
+    if (is_black(radiance)) return;
+    if constexpr (kAny)
+      if (s.emission_counted) return;
+    Path& p = path(i);
+    const Spectrum estimate =
+        s.density.has_light_ratio()
+            ? s.density.met(radiance, light_density(scene_, s.from, light, point, s.segment.ray.d),
+                            p.wavelengths)
+            : s.density.contribution(radiance, p.wavelengths);
+    p.result.estimate += estimate;
+    if (log_.follows(i)) this->log_emission(i, point, estimate);
+  }
+  Spectrum* emission_in_media(int i) {
+    return states_[i].emission_counted ? nullptr : &path(i).result.estimate;
+  }
+  EmissionSampling emission_sampling(int i) { return {media_, states_[i].from, states_[i].emission_share}; }
+  void before_distance(int i, const RayTracer::Hit& hit) {
+    begin_line(i, hit);
+    states_[i].positions = connect_segment(i, hit ? hit.t : kInfinity);
+  }
+  void after_distance(int i, const Vec3& p, const Spectrum& chosen) {
+    State& s = states_[i];
+    s.r_equiangular =
+        s.positions ? chosen * s.positions->pdf(dot(p - s.segment.ray.o, s.segment.ray.d)) : Spectrum(0.f);
+  }
+  void scattered(int i, const Scatter& b) {
+    if constexpr (kAny) {
+      State& s = states_[i];
+      s.emission_share = 1.f;
+      if (vertices_[i].is_surface()) return;
+      const Spectrum walked = s.density.r_l;
+      s.density.r_l += s.r_equiangular * (1 / b.pdf[0]);
+      if (media_) s.emission_share = safe_divide(walked, s.density.r_l);
+    }
+  }
+  bool may_cut_ray(int i) const {
+    return !const_cast<PathWalk*>(this)->vertices_[i].is_surface() && !may_sample_equiangular(states_[i]);
+  }
+
+  // For the driver:
+  void put_segments(BatchConnections<Connection>* room) requires kAny { segments_ = room; }
+  void finish_lines() requires kAny {
+    if (!lines_.empty()) follow(scene_, *line_steps_, lines_, RayTracer::Rays::incoherent);
+  }
+
+  // For lines of sight:
+  SegmentEmission emission(int i) const { return {.r_u = states_[i].line_start.r_u}; }
+  void see(int i, const Spectrum& light) {
+    Path& p = path(i);
+    p.result.estimate += states_[i].line_start.seen(light) / p.wavelengths.pdf;
+    if (log_.follows(i))
+      log_({.kind = PathEvent::Kind::other, .estimate = light, .text = "seen through media"});
+  }
+  void see(int i, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
+    if (!is_black(radiance)) see(i, radiance * (1 / sum(states_[i].line_start.r_u)));
+  }
+
+private:
+  // It makes another key of one.
+  static constexpr std::uint32_t kOther = 0x2545f491u;
+
+  bool connect_to_emission(int i, Connection& out) requires kAny {
+    const State& s = states_[i];
+    const Vertex& vertex = vertices_[i];
+    if (s.last || !vertex.is_smooth()) return false;
+    Path& p = path(i);
+    // The random numbers are those of the connection with a light: the two estimates add up.
+    return aureole::connect_to_emission(scene_, vertex, s.segment, s.density,
+                                        get(p.samples, s.vertex, Choice::light),
+                                        get(s.pairs, Pair::connection), p.wavelengths, {},
+                                        key(p.samples, s.vertex, Key::connection) ^ kOther, out);
+  }
+
+  /// Emission of lights behind media where next-event estimation cannot find it (from the sensor, after a mirror): a walk would be scattered
+  /// before it or not, while a line of sight takes the transmittance and has no such noise. It begins where the ray first comes into a
+  /// medium. Only towards lights with a shape: a sky is about as bright as the in-scattered light of the fog before it, so that the walk's
+  /// single choice between the two has less noise than their sum.
+  void begin_line(int i, const RayTracer::Hit& hit) {
+    State& s = states_[i];
+    if (s.emission_counted || s.density.has_light_ratio() || (limits_.hide_emitters && s.depth == 0)) return;
+    if (!scene_.may_meet_shining_shape(s.segment.ray)) return;
+    s.emission_counted = true;
+    s.line_start = s.density;
+    line_steps_->begin(i, s.segment, key(path(i).samples, s.vertex, Key::flight) ^ kOther);
+    if (line_steps_->arrive(i, hit) == Event::crossed) lines_.add(i, line_steps_->ray(i));
+  }
+
+  /// Whether positions along the present ray in its medium may be sampled about lights.
+  bool may_sample_equiangular(const State& s) const {
+    constexpr int kLatest = 8;  // after more scattering events the radiance is nearly uniform
+    return samples_equiangular_ && s.depth < kLatest && scene_.lights_reach(*s.segment.medium);
+  }
+
+  /// Connects a position along the ray, sampled about a light near it, wherever the walk itself will be scattered. Such positions are not
+  /// connected with emission of media, whose MIS weights do not count this technique (`emission_share`).
+  std::optional<Equiangular> connect_segment(int i, float t_max) {
+    const State& s = states_[i];
+    Path& p = path(i);
+    if (!may_sample_equiangular(s) || !limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering ||
+        !s.density.has_light())
+      return {};
+    // The random numbers are those of the next vertex: the two estimates add up.
+    const std::uint32_t random = key(p.samples, s.vertex + 1, Key::connection) ^ kOther;
+    const auto positions =
+        equiangular_positions(scene_, s.segment, t_max, p.wavelengths, KeyedRandom(random).next());
+    if (!positions) return {};
+    const float* pairs = p.samples.directions(s.vertex + 1);
+    if (connect_along(scene_, s.segment, s.density, *positions, get(p.samples, s.vertex, Choice::distance),
+                      get(p.samples, s.vertex + 1, Choice::light), get(pairs, Pair::connection),
+                      p.wavelengths, random + 1, segments_->of_path[i]))
+      segments_->rays.add(i, segments_->of_path[i].ray);
+    return positions;
+  }
+
+  const EmittingMedia* media_;      ///< that next-event estimation samples, or null
+  const bool samples_equiangular_;  ///< in media
+  BatchConnections<Connection>* segments_ = nullptr;
+  std::optional<LinesOfSight<PathWalk>> line_steps_;  ///< in scenes with media
+  BatchRays lines_;                                   ///< its rays
+};
+
+}  // namespace aureole

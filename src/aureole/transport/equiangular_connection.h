@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+// Equiangular sampling as a second technique of a segment in a medium: positions along it are sampled about a light near it, beside the
+// position where distance sampling scatters the path. Both techniques know the pivot of the other, a point of a light that is chosen for the
+// segment as a whole; what is connected from the position does not depend on it. So the balance heuristic compares the two pdfs along the
+// segment (docs/decisions.md).
+#pragma once
+
+#include <optional>
+
+#include "aureole/transport/equiangular.h"
+#include "aureole/transport/next_event.h"
+
+namespace aureole {
+
+/// Positions along the ray up to t_max about a light near it; nothing where distance sampling is as good: where media absorb most of the light
+/// before it gets there, or beyond the point of the ray nearest to the light. `u` chooses among lights.
+inline std::optional<Equiangular> equiangular_positions(const Scene& scene, const RayState& state,
+                                                        float t_max, const Wavelengths& w, float u) {
+  const LightTree& tree = scene.lights().tree();
+  const auto leaf = tree.choose_along(state.ray, t_max, u);
+  if (!leaf) return {};
+  const Bounds3& box = tree.leaf(*leaf).box;
+  const Equiangular positions(state.ray, t_max, box.center(), 0.5f * length(box.diagonal()));
+  constexpr float kNear = 1, kReach = 4;  // optical depths, by measurement (docs/decisions.md)
+  const float sigma = mean(state.medium->majorant(state.ray.d, w)) * state.medium->majorants().max_bound();
+  if (!positions.is_valid() || !(sigma * positions.distance() < kNear) ||
+      !(sigma * positions.nearest() < kReach))
+    return {};
+  return positions;
+}
+
+/// Samples such a position, by `u`, at the end of `path` and connects it with a light, as `connect_to_light` does.
+template <class L>
+bool connect_along(const Scene& scene, const RayState& state, BasicPathDensity<L, PathStart::sensor> path,
+                   const Equiangular& positions, float u, float u1, Vec2 u2, const Wavelengths& w,
+                   std::uint32_t key, BasicConnection<L>& out) {
+  const Medium& medium = *state.medium;
+  const float t = positions.sample(u);
+  const Vec3 p = state.ray.o + state.ray.d * t;
+  MediumCoefficients at;
+  medium.eval(p, state.ray.d, w, at);
+  if (is_black(at.sigma_s)) return false;
+  const Spectrum passed = transmittance_to(medium, state.ray, t, w, key);
+  const Spectrum r_equiangular = path.r_u * positions.pdf(t);
+  path.pass({passed * at.sigma_s, passed * at.sigma_t, 1.f});
+  const BasicVertex<Space::any, L> vertex({p, &medium}, -state.ray.d, w, TransportMode::radiance);
+  return connect_to_light(scene, vertex, state, path, u1, u2, w, {}, key + 1, out, &r_equiangular);
+}
+
+}  // namespace aureole

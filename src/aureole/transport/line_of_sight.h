@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lines of sight: straight rays through null surfaces and media, and the lights that they see.
+#pragma once
+
+#include "aureole/transport/driver.h"
+
+namespace aureole {
+
+/// Steps for `follow`. `Viewer` has
+///     const Wavelengths& wavelengths(int path);
+///     void lose(int path);                                as in driver.h
+///     void see(int path, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance);
+///                                                         for each light along the ray of direction d: its point (null if it is at
+///                                                         infinity), and the radiance that arrives
+///     SegmentEmission emission(int path);                 ratios of pdfs with which the ray finds emission of media
+///     void see(int path, const Spectrum& light);          emission of media that arrives, over the pdfs of finding it
+template <class Viewer>
+class LinesOfSight {
+public:
+  LinesOfSight(const Scene& scene, Viewer& viewer) : scene_(scene), viewer_(viewer) {}
+
+  /// `key` is for random numbers.
+  void begin(int path, const RayState& start, std::uint32_t key, bool through_emitters = false) {
+    TestSegment& line = lines_[path];
+    line.set(start.ray);
+    line.behind = 0;
+    line.through_emitters = through_emitters;
+    if (scene_.has_media()) line.begin_in(start, key);
+    keys_[path] = key;
+    line.passage = 1.f;
+  }
+  const Ray& ray(int path) const { return lines_[path].ray; }
+  void lose(int path) { viewer_.lose(path); }
+
+  Event arrive(int path, const RayTracer::Hit& hit) {
+    TestSegment& line = lines_[path];
+    const Wavelengths& w = viewer_.wavelengths(path);
+    const float t = hit ? hit.t : kInfinity;
+    if (line.medium) {
+      pass_medium(path, line, t, w);
+      line.passage *= line.transmitted;
+      line.transmitted = 1.f;
+      if (is_black(line.passage)) return Event::blocked;
+    }
+    line.behind += t;
+    if (!hit) {
+      for (const Light* light : scene_.infinite_emitters())
+        viewer_.see(path, *light, nullptr, line.d, arriving(path) * light->eval_escaped(line.d, w));
+      return Event::escape;
+    }
+    const SurfacePoint point = scene_.surface_point(hit, line.ray);
+    if (const Light* light = point.surface->light; light && !line.is_inactive(*point.surface))
+      viewer_.see(path, *light, &point, line.d, arriving(path) * light->eval(point, -line.d, w));
+    return cross(point, line, w);
+  }
+
+private:
+  /// What passes from the present hit to the origin of the line, by way of which edges diffract a part.
+  Spectrum arriving(int path) const {
+    const TestSegment& line = lines_[path];
+    return line.passage * diffraction_factor(scene_, {line.origin, line.d, line.behind},
+                                             viewer_.wavelengths(path), keys_[path]);
+  }
+  void pass_medium(int path, TestSegment& line, float t_max, const Wavelengths& w) {
+    if (!line.medium->emits()) return travel(line, t_max, w);
+    SegmentEmission emission = viewer_.emission(path);
+    const Spectrum before =
+        line.passage;  // `travel` multiplies it by the Russian roulette of the whole segment
+    travel(line, t_max, w, &emission);
+    viewer_.see(path, before * emission.radiance);
+  }
+
+  const Scene& scene_;
+  Viewer& viewer_;
+  TestSegment lines_[kBatch];
+  std::uint32_t keys_[kBatch];
+};
+
+}  // namespace aureole
