@@ -8,7 +8,7 @@
 namespace aureole {
 namespace {
 
-/// Blocks along a side: as many as leave several particles in each, but some even where they do not.
+/// Number of blocks along a side: many, but with several particles in each, and at least two for few fields.
 int blocks_along(size_t particles, size_t fields) {
   return std::clamp(int(std::sqrt(double(particles) / 6)), fields >= 4 ? 1 : 2,
                     fields >= 30  ? 1
