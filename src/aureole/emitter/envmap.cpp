@@ -232,7 +232,8 @@ AUREOLE_PLUGIN(
          {"scale", "float", "", "1", "factor of the radiance"},
          {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
          {"mis_compensation", "boolean", "", "false",
-          "light sampling samples only regions brighter than average (Karlik et al. 2019, \"MIS compensation\")"}},
+          "light sampling samples only regions brighter than average (Karlik et al. 2019, \"MIS "
+          "compensation\")"}},
         {R"(<emitter type="envmap"><string name="filename" value="sky.exr"/><float name="scale" value="2"/>
     <boolean name="mis_compensation" value="true"/><transform name="to_world"><rotate y="1" angle="90"/></transform></emitter>)"}});
 

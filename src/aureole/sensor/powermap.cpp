@@ -120,23 +120,24 @@ AUREOLE_PLUGIN(
     PowerMap, "sensor", "powermap",
     PluginDoc{
         .summary =
-            "A grid of receivers: each pixel of its film is a cell and holds the power that arrives there per area "
-            "[W/(m^2 nm) for a spectral film], averaged over the cell. The cells divide the square [-1, 1] x [-1, "
-            "1] of the plane z = 0 of `to_world`, x to the right and y up in the picture. As a child of a shape, "
-            "they divide the texture coordinates [0, 1] x [0, 1] of its surface instead, u to the right and v "
-            "down, like a picture on the shape. The plane is not a surface, and light passes it unchanged; it must "
-            "not coincide with surfaces. Delta emitters, such as `point`, count as well. The reconstruction "
-            "filter is a box. `path` traces rays from the cells; `ptracer` and, for a plane, `bdpt` connect light "
-            "paths to them. `ptracer` also records light from mirrors and beams that crosses a plane. `aureole "
-            "powermap` writes maps in dB.",
+            "A grid of receivers: each pixel of its film is a cell and holds the power that arrives there "
+            "per area [W/(m^2 nm) for a spectral film], averaged over the cell. The cells divide the "
+            "square [-1, 1] x [-1, 1] of the plane z = 0 of `to_world`, x to the right and y up in the "
+            "picture. As a child of a shape, they divide the texture coordinates [0, 1] x [0, 1] of its "
+            "surface instead, u to the right and v down, like a picture on the shape. The plane is not a "
+            "surface, and light passes it unchanged; it must not coincide with surfaces. Delta emitters, "
+            "such as `point`, count as well. The reconstruction filter is a box. `path` traces rays from "
+            "the cells; `ptracer` and, for a plane, `bdpt` connect light paths to them. `ptracer` also "
+            "records light from mirrors and beams that crosses a plane. `aureole powermap` writes maps in "
+            "dB.",
         .source = "",
         .parameters =
             {{"to_world", "transform", "", "identity",
               "position of the plane: the image of the square with corners (-1, -1, 0) and (1, 1, 0)"},
              {"measure", "string", "", "fluence",
-              "fluence: the fluence rate, equal response to all directions: the power per cross section of a "
-              "small isotropic receiver; irradiance: with the cosine, on the side of the plane's z axis or of "
-              "the shape's normal"}},
+              "fluence: the fluence rate, equal response to all directions: the power per cross section of "
+              "a small isotropic receiver; irradiance: with the cosine, on the side of the plane's z axis "
+              "or of the shape's normal"}},
         .examples = {R"(<sensor type="powermap">
     <transform name="to_world"><scale x="50" y="30"/><translate z="1.5"/></transform>
     <string name="measure" value="fluence"/>

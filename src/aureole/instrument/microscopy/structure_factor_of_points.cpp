@@ -155,7 +155,7 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
     if (weight[k] < 4) continue;
     out.q.push_back(where[k] / weight[k]);
     out.value.push_back(sum[k] / weight[k]);
-    // amplitude|^2 of a mode is exponentially distributed, so that its standard deviation equals its mean.
+    // |amplitude|^2 of a mode is exponentially distributed, so that its standard deviation equals its mean.
     out.error.push_back(sum[k] / weight[k] / std::sqrt(std::max(independent[k], 1.0)));
   }
   return out;
