@@ -146,7 +146,7 @@ std::function<int()> declare(CommandOptions& options) {
       .takes_each_time(1);
   options.add(
       "--thickness", o->thickness,
-      "thickness of the layer, \"20um\"; for relative palettes a number, in 1/S of the white (default: opaque)");
+      "layer thickness, \"20um\"; for relative palettes a number, in 1/S of the white (default: opaque)");
   options.add("--substrate", o->substrate, "inner reflectance of the substrate, for layers with a thickness")
       .between(0.0, 1.0)
       .shows_default();
