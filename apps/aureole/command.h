@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The subcommands of `aureole`. One is a file that declares its options and ends with AUREOLE_COMMAND(...);
-// no other file changes. The library that reads the command line is slow to compile: only command_line.cpp
-// includes it.
+// The subcommands of `aureole`. A subcommand is a file that declares its options and ends with
+// AUREOLE_COMMAND(...); no other file changes. The command line library is slow to compile, so only
+// command_line.cpp includes it.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@
 
 namespace aureole {
 
-/// An option or, where its name has no dash, a positional argument.
+/// An option or, if its name has no dash, a positional argument.
 class CommandOption {
 public:
-  /// Where the value goes; it is left as it is where the option is not given. A bool is a flag without a
-  /// value.
+  /// The variable that receives the value; it is unchanged if the option is not given. A bool is a flag
+  /// without a value.
   using Target = std::variant<bool*, int*, std::int64_t*, std::uint64_t*, double*, std::string*,
                               std::vector<double>*, std::vector<std::string>*>;
 
@@ -26,13 +26,13 @@ public:
       : names_(std::move(names)), help_(std::move(help)), target_(target) {}
 
   CommandOption& required() { return required_ = true, *this; }
-  /// The help shows the value that the target has now as the default.
+  /// Makes the help show the target's current value as the default.
   CommandOption& shows_default() { return shows_default_ = true, *this; }
-  /// The total number of values.
+  /// Sets the total number of values.
   CommandOption& takes(int values) { return values_ = values, *this; }
-  /// The number of values each time that the option is given.
+  /// Sets the number of values per use of the option.
   CommandOption& takes_each_time(int values) { return values_each_time_ = values, *this; }
-  /// The values may stand in one word.
+  /// Allows several values in one word, separated by `separator`.
   CommandOption& separated_by(char separator) { return separator_ = separator, *this; }
   CommandOption& between(double min, double max) { return min_ = min, max_ = max, *this; }
   CommandOption& one_of(std::vector<std::string> values) { return choices_ = std::move(values), *this; }
@@ -42,15 +42,15 @@ private:
   std::string names_, help_;
   Target target_;
   bool required_ = false, shows_default_ = false;
-  int values_ = 0, values_each_time_ = 0;  ///< 0: as the target's type says
+  int values_ = 0, values_each_time_ = 0;  ///< 0: determined by the target's type
   char separator_ = 0;
-  double min_ = 0, max_ = 0;  ///< equal: any number
+  double min_ = 0, max_ = 0;  ///< equal: no bounds
   std::vector<std::string> choices_;
 };
 
 class CommandOptions {
 public:
-  /// `names` is "-o,--output", or "scene" for a positional argument.
+  /// Adds an option; `names` is "-o,--output", or "scene" for a positional argument.
   template <class T>
   CommandOption& add(std::string names, T& target, std::string help) {
     return *options_.emplace_back(
@@ -63,25 +63,25 @@ private:
 };
 
 struct Command {
-  /// "pigment fit" is the command "fit" of the group "pigment", which is a command without `declare`.
+  /// "pigment fit" is the command "fit" of the group "pigment"; a group is a command without `declare`.
   std::string name, help;
-  /// Declares the options; returns the function that runs once they are read, whose value is the program's
-  /// exit code. It may throw Error: the program then prints it and returns 2.
+  /// Declares the options and returns the function that runs after they are read. Its return value is the
+  /// program's exit code. It may throw Error, which the program prints before it returns 2.
   std::function<std::function<int()>(CommandOptions&)> declare;
 };
 
-/// Those registered, sorted by name.
+/// All registered commands, sorted by name.
 std::vector<Command> commands();
 
 struct CommandRegistration {
   explicit CommandRegistration(Command command);
 };
 
-/// AUREOLE_COMMAND("info", "Say what a scene holds", declare_info);
+/// Registers a command: AUREOLE_COMMAND("info", "List the content of a scene", declare_info);
 #define AUREOLE_COMMAND(name, help, declare) \
   static const ::aureole::CommandRegistration aureole_command_registration({name, help, declare})
 
-/// Splits -D name=value options; throws Error for anything else.
+/// Splits options -D name=value; throws Error for any other form.
 std::vector<std::pair<std::string, std::string>> split_defines(const std::vector<std::string>& list);
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The command line: passes the options that the subcommands declare to CLI11.
+// The command line: passes the options declared by the subcommands to CLI11.
 #include "command_line.h"
 
 #include <CLI/CLI.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole compare: the difference of two pictures, and whether it exceeds their noise.
+// aureole compare: the difference of two pictures, tested against their noise.
 #include <fmt/format.h>
 
 #include "aureole/core/error.h"
@@ -53,7 +53,7 @@ std::function<int()> declare(CommandOptions& options) {
 }
 
 AUREOLE_COMMAND("compare",
-                "Compare two pictures: RMSE, relMSE, largest difference, z-test where variances are stored",
+                "Compare two pictures: RMSE, relMSE, largest difference, z-test if variances are stored",
                 declare);
 
 }  // namespace

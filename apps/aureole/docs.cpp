@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole docs: the reference of all plug-ins in Markdown, from their registrations.
+// aureole docs: prints the reference of all plug-ins in Markdown, from their registrations.
 #include <fmt/format.h>
 
 #include "aureole/plugin/registry.h"

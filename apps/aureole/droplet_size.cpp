@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole droplet-size: radius and area fraction of the clear openings (droplets, spores, powder) on a pane
-// from the rings around a lamp, in a photo or from angles that were read off one.
+// aureole droplet-size: radius and area fraction of clear circular scatterers (droplets, spores, powder) on a
+// pane, from the rings around a light source in a photo, or from angles read off a photo.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ double angle_deg(const std::string& option, std::string text) {
   return v;
 }
 
-/// R, G, B proportional to light, and the value from which on a pixel is clipped.
+/// Returns R, G, B proportional to radiance, and the value from which a pixel counts as clipped.
 Image linear_picture(const std::string& file, double& clip) {
   Image image = read_image(file);
   if (image.channel("R") < 0 || image.channel("G") < 0 || image.channel("B") < 0)
@@ -163,32 +163,33 @@ int droplet_size(const Options& o) {
 
 std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<Options>();
-  options.add("photo", o->photo, "picture with the lamp: EXR, or PNG, JPEG, TIFF (sRGB)");
+  options.add("photo", o->photo, "picture with the light source: EXR, or PNG, JPEG, TIFF (sRGB)");
   options.add("--pixel-angle", o->pixel_angle,
-              "angle of a pixel in the middle of the picture, such as 0.01deg");
+              "angle subtended by a pixel at the picture's centre, such as 0.01deg");
   options.add("--fov", o->fov, "horizontal field of view in degrees, instead of --pixel-angle");
-  options.add("--center", o->center, "x,y of the lamp in pixels (default: the brightest white spot)")
+  options.add("--center", o->center, "x,y of the source in pixels (default: the brightest white spot)")
       .separated_by(',')
       .takes(2);
-  options.add("--lamp", o->lamp, "CIE name, file of wavelengths and powers, or a wavelength").shows_default();
-  options.add("--lamp-angle", o->lamp_angle,
-              "diameter as which the lamp is seen, such as 0.15deg (default: a point)");
-  options.add("--lamp-distance", o->lamp_distance, "from the camera along its axis (default: far away)");
-  options.add("--pane-distance", o->pane_distance, "from the camera along its axis (default: at the camera)");
-  options.add("--substrate", o->substrate, "none, or thindielectric: the reflection of a pane is divided out")
+  options.add("--lamp", o->lamp, "spectrum: CIE name, file of wavelengths and powers, or wavelength")
       .shows_default();
-  options.add("--index", o->index, "refractive index of that pane").shows_default();
+  options.add("--lamp-angle", o->lamp_angle,
+              "angular diameter of the source, such as 0.15deg (default: a point)");
+  options.add("--lamp-distance", o->lamp_distance,
+              "distance of the source along the camera axis (default: infinite)");
+  options.add("--pane-distance", o->pane_distance, "distance of the pane along the camera axis (default: 0)");
+  options.add("--substrate", o->substrate, "none, or thindielectric: corrects for the reflection of a pane")
+      .shows_default();
+  options.add("--index", o->index, "index of refraction of that pane").shows_default();
   options.add("--inner", o->inner,
-              "angle from which on there is corona, not lamp (default: 5 pixels from its edge)");
-  options
-      .add("--azimuths", o->azimuths, "look only at these directions from the lamp, degrees, 0 right, 90 up")
+              "inner angle of the corona used in the fit (default: 5 pixels from the source's edge)");
+  options.add("--azimuths", o->azimuths, "use only these azimuths around the source, degrees, 0 right, 90 up")
       .takes(2);
-  options.add("--mask", o->masks, "leave out a disc of the picture, x y radius in pixels; may be repeated")
+  options.add("--mask", o->masks, "exclude a disc of the picture, x y radius in pixels; may be repeated")
       .takes_each_time(3);
   options.add("--angles", o->angles,
               "instead of a photo: angles of extrema, such as 2.79:max:G,4.2deg:min:G (colours R, G, B, Y)");
   options.add("--angle-error", o->angle_error, "standard error of those angles").shows_default();
-  options.add("--area-fraction", o->area_fraction, "do not fit it (with --angles)");
+  options.add("--area-fraction", o->area_fraction, "fixed area fraction (with --angles)");
   options.add("-o,--output", o->output, "JSON file of the result");
   options.add("--plot", o->plot, "SVG of the measured and the fitted profile");
   return [=] { return droplet_size(*o); };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole gallery: the figures of scenes/NAME/gallery.json as one page of pictures, plots and numbers.
+// aureole gallery: renders the figures of scenes/NAME/gallery.json into one page of pictures, plots and
+// numbers.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 
 std::atomic<bool> stop_requested{false};
 extern "C" void request_gallery_stop(int) {
-  // A second Ctrl-C ends the program at once.
+  // A second Ctrl-C ends the program immediately.
   if (stop_requested.exchange(true)) _exit(130);
 }
 
@@ -37,8 +38,8 @@ struct Arguments {
   bool again = false, quiet = false;
 };
 
-/// How much of the gallery is done, in samples for pictures that take as long as they need and in seconds for
-/// the others.
+/// Progress of the gallery, measured in samples for pictures without a time limit and in seconds for the
+/// others.
 class GalleryProgress {
 public:
   explicit GalleryProgress(bool quiet) : line_(!quiet && isatty(2)) {}
@@ -142,7 +143,7 @@ private:
     }
   }
 
-  /// All mistakes that can be found without building scenes are found before anything is rendered.
+  /// Reports all errors that can be found without building scenes, before anything is rendered.
   void check_scenes() {
     for (const GalleryFigure* f : chosen_)
       for_pictures(*f, [&](const GalleryPicture& p, const PictureTable&) { picture_key(p, size_); });
@@ -166,7 +167,7 @@ private:
 
   fs::path exr(const GalleryPicture& p) const { return folder_ / "exr" / (p.name + ".exr"); }
 
-  /// Whether a picture of these inputs exists in this size, or in full size where a preview is asked for.
+  /// Whether a picture with these inputs exists in this size or, if a preview is requested, in full size.
   bool is_done(const GalleryPicture& p, bool any_size) const {
     const auto at = results_.pictures.find(p.name);
     if (at == results_.pictures.end() || !fs::exists(exr(p)) || !fs::exists(folder_ / (p.name + ".png")))
@@ -196,14 +197,14 @@ private:
     });
   }
 
-  /// Returns how many pictures and plots were made.
+  /// Makes a figure; returns the number of pictures and plots made.
   int make(const GalleryFigure& f) {
     int made = 0;
     for_pictures(f, [&](const GalleryPicture& p, const PictureTable& t) {
       if (stop_requested) return;
       if (a_.again || !is_done(p, false)) made += render(f, p);
       if (stop_requested) return;
-      // The tone may have changed, and the reference with it the error.
+      // The tone may have changed, and the error if the reference has changed.
       const Image image = read_image(exr(p));
       write_png(folder_ / (p.name + ".png"), toned(image, p.tone));
       if (t.reference && &p != &*t.reference)
@@ -286,13 +287,13 @@ int gallery(const Arguments& a) {
 
 std::function<int()> declare(CommandOptions& options) {
   auto a = std::make_shared<Arguments>();
-  options.add("name", a->name, "folder of scenes, such as corona").required();
+  options.add("name", a->name, "name of a folder of scenes, such as corona").required();
   options.add("--size", a->size, "preview (minutes) or full (an hour)").shows_default();
   options.add("-o,--output", a->output, "folder of the page (default: gallery-NAME)");
   options.add("--only", a->only, "figures, separated by commas, such as fig08,fig09").separated_by(',');
-  options.add("--scenes", a->scenes, "where the folder of scenes is").shows_default();
+  options.add("--scenes", a->scenes, "parent of that folder").shows_default();
   options.add("--threads", a->threads, "number of threads (default: all cores)");
-  options.add("--again", a->again, "render also what is done already");
+  options.add("--again", a->again, "also render figures that are already done");
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return gallery(*a); };
 }

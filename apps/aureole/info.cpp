@@ -15,7 +15,8 @@
 namespace aureole {
 namespace {
 
-/// The BSDFs of the scene's surfaces that made tables, in the scene's order, and the memory of all, those that are shared once.
+/// Prints the BSDFs of the scene's surfaces that made tables, in the scene's order, and the total memory;
+/// shared tables are counted once.
 void print_tables(const Scene& scene) {
   std::set<const void*> seen, counted;
   std::vector<std::pair<const Object*, TableHolder::Tables>> found;
@@ -88,7 +89,7 @@ std::function<int()> declare(CommandOptions& options) {
   return [=] { return info(*file, *defines); };
 }
 
-AUREOLE_COMMAND("info", "Say what a scene holds", declare);
+AUREOLE_COMMAND("info", "List the content of a scene", declare);
 
 }  // namespace
 }  // namespace aureole

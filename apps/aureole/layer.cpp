@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole layer: optical data of a sheet, a pane or a layer of a scene: how much light it transmits and
-// reflects, directly and diffusely, by wavelength and as seen by the CIE observer; its haze; its losses.
-// Measured from the BSDF's own samples, so that it works for any BSDF.
+// aureole layer: optical data of a sheet, a pane or a layer of a scene: direct and diffuse transmission and
+// reflection, by wavelength and for the CIE observer; haze; losses. Measured with the BSDF's own samples, so
+// that it works for any BSDF.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ struct LayerOptions {
   int samples = 1 << 16;
 };
 
-/// The BSDF with that id, or of the shape with that id.
+/// Returns the BSDF with that id, or the BSDF of the shape with that id.
 std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& file, const std::string& id) {
   std::shared_ptr<const Bsdf> found;
   std::vector<std::string> known;
@@ -60,7 +60,7 @@ std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& fil
                                 (all.empty() ? "; none of this scene has an id" : "; there are " + all));
 }
 
-/// X, Y, Z of the lamp times a spectral fraction, relative to the lamp's Y.
+/// X, Y, Z of the illuminant times a spectral fraction, relative to the illuminant's Y.
 std::array<double, 3> tristimulus(const std::vector<LightBudget>& rows, const SampledSpectrum& lamp,
                                   const SpectralGrid& grid,
                                   const std::function<double(const LightBudget&)>& fraction) {
@@ -189,22 +189,24 @@ std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<LayerOptions>();
   options.add("target", o->target, "scene.xml#id: id of a BSDF or a shape").required();
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value");
-  options.add("--angle", o->angle, "of the light to the normal in degrees, beyond 90 from below (default 0)")
+  options.add("--angle", o->angle, "angle of incidence in degrees, above 90 from below (default 0)")
       .between(0.0, 180.0);
-  options.add("--azimuth", o->azimuth, "of the light in degrees from the u axis");
-  options.add("--step", o->step, "nm between wavelengths, at most (default 20)").between(0.01, 1e9);
-  options.add("--illuminant", o->illuminant, "lamp of the CIE figures (default D65)");
-  options.add("--haze-angle", o->haze_angle, "degrees beyond which light counts as haze (default 2.5)")
+  options.add("--azimuth", o->azimuth, "azimuth of the incident light in degrees from the u axis");
+  options.add("--step", o->step, "largest step between wavelengths in nm (default 20)").between(0.01, 1e9);
+  options.add("--illuminant", o->illuminant, "illuminant of the CIE values (default D65)");
+  options
+      .add("--haze-angle", o->haze_angle, "angle in degrees above which light counts as haze (default 2.5)")
       .between(0.01, 90.0);
-  options.add("--samples", o->samples, "per wavelength (default 65536)").between(64, 1 << 26);
+  options.add("--samples", o->samples, "samples per wavelength (default 65536)").between(64, 1 << 26);
   options.add("--at", o->at, "u,v of the point on the surface, for textured layers (default 0.5,0.5)")
       .separated_by(',')
       .takes(2);
-  options.add("--json", o->json, "also write the figures to this file");
+  options.add("--json", o->json, "also write the results to this file");
   return [o] { return layer(*o); };
 }
 
-AUREOLE_COMMAND("layer", "Say what a BSDF transmits, reflects and scatters, by wavelength and in CIE terms",
+AUREOLE_COMMAND("layer",
+                "Transmission, reflection and haze of a BSDF, by wavelength and for the CIE observer",
                 declare);
 
 }  // namespace

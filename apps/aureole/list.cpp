@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole list: the plug-ins there are.
+// aureole list: lists the available plug-ins.
 #include <fmt/format.h>
 
 #include "aureole/core/error.h"
@@ -29,11 +29,11 @@ int list(const std::string& kind) {
 
 std::function<int()> declare(CommandOptions& options) {
   auto kind = std::make_shared<std::string>();
-  options.add("kind", *kind, "bsdf, emitter, film, ...");
+  options.add("kind", *kind, "family of plug-ins: bsdf, emitter, film, ...");
   return [=] { return list(*kind); };
 }
 
-AUREOLE_COMMAND("list", "List the plug-ins, of one kind or all", declare);
+AUREOLE_COMMAND("list", "List the plug-ins of one family or of all", declare);
 
 }  // namespace
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole medium: what a medium of a scene absorbs and scatters, by wavelength, and how it looks.
+// aureole medium: absorption and scattering of a medium of a scene, by wavelength, and its colour.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ struct MediumOptions {
   double step = 25;
 };
 
-/// The medium with that id; without an id, the only one of the scene.
+/// Returns the medium with that id; without an id, the only medium of the scene.
 MediumPtr find_medium(const Scene& scene, const std::string& file, const std::string& id) {
   std::vector<MediumPtr> all;
   const auto offer = [&](const ObjectPtr& o) {
@@ -70,7 +70,7 @@ std::string length_text(double metres) {
   return fmt::format("{:.4g} nm", metres * 1e9);
 }
 
-/// Coordinates of CIE 1931, and the colour of a screen.
+/// CIE 1931 chromaticity coordinates and an sRGB colour.
 std::string colour_text(const std::array<double, 3>& c) {
   const double sum = c[0] + c[1] + c[2];
   if (!(sum > 1e-6)) return "black";
@@ -87,7 +87,7 @@ std::string colour_text(const std::array<double, 3>& c) {
 
 std::string phase_plot(const Medium& medium, const std::string& target, const Vec3& p, const Vec3& d) {
   const SpectralGrid& grid = medium.properties().context().grid;
-  // Blue, green and red where the scene has them.
+  // Blue, green and red if the scene covers them.
   std::vector<std::pair<double, const char*>> lines{{450, "#2050c0"}, {550, "#208030"}, {650, "#c03020"}};
   if (grid.min_nm > 450 || grid.max_nm < 650)
     for (std::size_t i = 0; i < 3; ++i)
@@ -167,20 +167,20 @@ std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<MediumOptions>();
   options.add("target", o->target, "scene.xml#id: id of a medium; without one, the only medium").required();
   options.add("-D,--define", o->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
-  options.add("--step", o->step, "nm between wavelengths, at most (default 25)").between(0.01, 1e9);
-  options.add("--length", o->length, "of the way through the medium").shows_default();
-  options.add("--at", o->at, "x,y,z of the point, for media that vary (default 0,0,0)")
+  options.add("--step", o->step, "largest step between wavelengths in nm (default 25)").between(0.01, 1e9);
+  options.add("--length", o->length, "path length through the medium").shows_default();
+  options.add("--at", o->at, "x,y,z of the point, for spatially varying media (default 0,0,0)")
       .separated_by(',')
       .takes(3);
   options.add("--along", o->along, "x,y,z of the light's direction, for oriented particles (default 0,0,1)")
       .separated_by(',')
       .takes(3);
   options.add("--plot", o->plot, "write the phase function over the scattering angle to this SVG file");
-  options.add("--json", o->json, "also write the figures to this file");
+  options.add("--json", o->json, "also write the results to this file");
   return [o] { return medium(*o); };
 }
 
-AUREOLE_COMMAND("medium", "Say what a medium absorbs and scatters, by wavelength, and its colour", declare);
+AUREOLE_COMMAND("medium", "Absorption and scattering of a medium by wavelength, and its colour", declare);
 
 }  // namespace
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole merge: parts of a picture rendered apart become one.
+// aureole merge: combines separately rendered parts of a picture.
 #include <fmt/format.h>
 
 #include "aureole/core/error.h"
@@ -10,7 +10,7 @@
 namespace aureole {
 namespace {
 
-/// For a file that is not there, which may be the name of a picture or that with ".state" after it.
+/// Hint for a missing file, whose name may be a picture's or that name with ".state" appended.
 std::string where_state_is(const std::filesystem::path& given) {
   std::filesystem::path picture = given;
   if (picture.extension() == ".state") picture.replace_extension();
@@ -66,7 +66,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("states", *files, "state files").required();
   options.add("-o,--output", *output, "output .exr").required();
   auto tonemap = std::make_shared<std::string>();
-  options.add("--tonemap", *tonemap, "as that of \"aureole render\"");
+  options.add("--tonemap", *tonemap, "tone mapping of the PNG, see \"aureole render\"");
   return [=] { return merge(*files, *output, *tonemap); };
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole microstructure: scatterers found in microscope pictures, their statistics and a material made of
-// them.
+// aureole microstructure: finds scatterers in microscope pictures, and writes their statistics and a material
+// made of them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -150,28 +150,29 @@ std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<Options>();
   options.add("images", o->images, "fields of view of one sample: PNG, TIFF, ...").required();
   options.add("-o,--output", o->output, "folder to write; replaced if it holds an earlier result").required();
-  options.add("--pixel-size", o->pixel_size, "side of a pixel, such as 0.2um (default: what the TIFF says)");
+  options.add("--pixel-size", o->pixel_size, "side of a pixel, such as 0.2um (default: the TIFF's metadata)");
   options.add("--polarity", o->polarity, "auto, dark or bright particles").shows_default();
   options
       .add("--background", o->background,
-           "uneven light: auto (smooth levels of particles and ground), morphology, none")
+           "uneven illumination: auto (smooth levels of particles and ground), morphology, none")
       .shows_default();
   options.add("--background-scale", o->background_scale,
-              "pixels, larger than particles (default: by their size)");
+              "in pixels, larger than particles (default: by their size)");
   options.add("--denoise", o->denoise, "auto, none, gaussian or median").shows_default();
   options.add("--smooth", o->smooth, "standard deviation of the Gaussian, pixels (default: by the noise)");
-  options.add("--fill-holes", o->fill_holes, "particles with a middle like the ground are whole");
-  options.add("--min-radius", o->min_radius, "smaller ones are dirt, pixels").shows_default();
-  options.add("--mask", o->masks, "image whose black pixels are left out; one, or one for each image")
+  options.add("--fill-holes", o->fill_holes, "fill particles whose centre looks like the ground");
+  options.add("--min-radius", o->min_radius, "in pixels; smaller regions are dirt").shows_default();
+  options.add("--mask", o->masks, "image whose black pixels are excluded; one, or one per image")
       .takes_each_time(1);
-  options.add("--exclude", o->excludes, "x,y,width,height in pixels to leave out; may be repeated")
+  options.add("--exclude", o->excludes, "excluded rectangle x,y,width,height in pixels; may be repeated")
       .takes_each_time(1);
   options.add("--correlation-radius", o->correlation_radius,
               "half the smallest distance of two centres (default: from the pair correlation)");
-  options.add("--encoding", o->encoding, "linear (grey values are light) or srgb").shows_default();
-  options.add("--no-overlays", o->no_overlays, "do not write pictures of what was found");
-  options.add("--resamples", o->resamples, "of the bootstrap").shows_default();
-  options.add("--seed", o->seed, "of the bootstrap").shows_default();
+  options.add("--encoding", o->encoding, "linear (grey values are proportional to light) or srgb")
+      .shows_default();
+  options.add("--no-overlays", o->no_overlays, "do not write pictures of the particles found");
+  options.add("--resamples", o->resamples, "number of bootstrap resamples").shows_default();
+  options.add("--seed", o->seed, "seed of the bootstrap").shows_default();
   return [=] { return microstructure(*o); };
 }
 

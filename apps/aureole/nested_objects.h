@@ -7,7 +7,8 @@
 
 namespace aureole {
 
-/// Calls `visit` for all objects among the parameters and nested in those.
+/// Calls `visit` for all objects among the parameters and, recursively, among the parameters of these
+/// objects.
 inline void visit_nested(const Properties& properties, const std::function<void(const ObjectPtr&)>& visit) {
   for (const auto& e : properties.entries())
     if (const auto* nested = std::get_if<ObjectPtr>(&e.value); nested && *nested) {

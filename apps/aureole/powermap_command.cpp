@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole powermap: the power that arrives on a plane or a shape, in the units of radio.
+// aureole powermap: the power received on a plane or a shape, in the units of radio engineering.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ struct Arguments {
   bool quiet = false;
 };
 
-/// "28 GHz" for waves longer than .1 mm, else nanometres.
+/// Text such as "28 GHz" for wavelengths above 0.1 mm, else in nanometres.
 std::string band_text(const PowerMap& map) {
   const double ghz = 299792458.0 / map.wavelength_m * 1e-9;
   return ghz < 3000 ? fmt::format("{:.4g} GHz", ghz) : fmt::format("{:.5g} nm", map.wavelength_m * 1e9);
@@ -64,11 +64,11 @@ Image as_image(const std::vector<PowerMap>& maps) {
   return image;
 }
 
-/// A line about a map: medians over the cells where something arrives, and the noise there.
+/// Prints one line about a map: medians over the cells that receive power, and their noise.
 void print_map(const PowerMap& map) {
   std::vector<std::size_t> lit;
   const std::vector<double> relative = map.relative_db();
-  std::vector<std::size_t> compared;  // with free space
+  std::vector<std::size_t> compared;  // cells with finite relative power
   for (std::size_t i = 0; i < map.density.size(); ++i) {
     if (!(map.density[i] > 0)) continue;
     lit.push_back(i);
@@ -97,7 +97,7 @@ void print_map(const PowerMap& map) {
   fmt::print("\n");
 }
 
-/// The end of the colours that an option gives.
+/// Returns the colour limit that an option gives.
 std::optional<double> end_of_colours(const char* option, const std::vector<double>& given) {
   if (given.empty()) return {};
   if (!(std::abs(given[0]) <= DecibelScale::kWidest))
@@ -156,7 +156,7 @@ int powermap(const Arguments& a) {
     fmt::print(stderr, "note: {} samples were invalid and left out\n", job.state().invalid_samples);
 
   const std::vector<PowerMap> maps = power_maps(*loaded.scene, job.state().picture(), power);
-  // The map comes before its picture: whatever is wrong with that, the map is kept.
+  // The map is written before its picture, so that it is kept if the picture fails.
   ExrAttributes attributes;
   attributes.strings = {{"aureole.scene", loaded.file.filename().string()},
                         {"aureole.integrator", loaded.integrator->properties().type()},
@@ -187,22 +187,25 @@ int powermap(const Arguments& a) {
 std::function<int()> declare(CommandOptions& options) {
   auto a = std::make_shared<Arguments>();
   options.add("scene", a->scene, "scene file whose sensor is a powermap").required();
-  options.add("-o,--output", a->output, "output .exr (default: beside the scene); the .png is beside it");
+  options.add("-o,--output", a->output,
+              "output .exr (default: beside the scene), with a .png of the same name");
   options.add("-D,--define", a->defines, "set a $name of the scene: -D name=value").takes_each_time(1);
   options.add("--spp", a->spp, "samples per cell (default: the scene's sample_count)");
   options.add("--seed", a->seed, "seed of the samples (default: the scene's)");
   options.add("--threads", a->threads, "threads (default: all cores); the map does not depend on it");
   options.add("--time", a->time_s, "stop after this many seconds, on whole sample blocks");
   options.add("--replicates", a->replicates,
-              "that many independent maps; stores their mean and its standard error in dB");
+              "number of independent maps; stores their mean and its standard error in dB");
   options.add("--integrator", a->integrator, "replace the scene's integrator: ptracer, path, bdpt");
   options.add(
       "--power", a->power,
-      "power of all emitters together in the band, \"2W\", \"500mW\" or \"33dBm\" (default: the scene's)");
-  options.add("--show", a->show, "what the PNG shows (default: dBm with --power, else relative)")
+      "total power of all emitters in the band, \"2W\", \"500mW\" or \"33dBm\" (default: the scene's)");
+  options.add("--show", a->show, "quantity of the PNG (default: dBm with --power, else relative)")
       .one_of({"relative", "dBm"});
-  options.add("--min-db", a->min_db, "lower end of the PNG's colours [dB] (default: by the values)").takes(1);
-  options.add("--max-db", a->max_db, "upper end of the PNG's colours [dB], 1000 above the lower one at most")
+  options.add("--min-db", a->min_db, "lower limit of the PNG's colours [dB] (default: by the values)")
+      .takes(1);
+  options
+      .add("--max-db", a->max_db, "upper limit of the PNG's colours [dB], at most 1000 above the lower one")
       .takes(1);
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return powermap(*a); };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Runs before every other initialiser, compiled for the oldest x86-64: a processor without AVX2 gets a
-// sentence, not a crash.
+// Runs before all other initialisers and is compiled for the oldest x86-64, so that a processor without AVX2
+// gets an error message instead of a crash.
 #include <unistd.h>
 
 namespace {

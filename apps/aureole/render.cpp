@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole render: a scene file becomes a picture.
+// aureole render: renders a scene file to a picture.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -23,7 +23,7 @@ namespace {
 
 std::atomic<bool> stop_requested{false};
 extern "C" void request_stop(int) {
-  // A second Ctrl-C ends the program at once.
+  // A second Ctrl-C ends the program immediately.
   if (stop_requested.exchange(true)) _exit(130);
 }
 
@@ -45,7 +45,7 @@ struct Arguments {
   bool resume = false, restart = false, preview = false, quiet = false;
 };
 
-/// "A:B" as two integers.
+/// Parses "A:B" to two integers.
 std::pair<std::int64_t, std::int64_t> parse_pair(const std::string& text, char separator,
                                                  const char* option) {
   const size_t at = text.find(separator);
@@ -83,7 +83,7 @@ private:
   bool shown_;
 };
 
-/// Refreshes the PNG every few seconds while a job runs.
+/// Updates the PNG every few seconds while a job runs.
 class Preview {
 public:
   Preview(const RenderJob& job, std::filesystem::path output, const std::optional<Tone>& tone)
@@ -114,7 +114,8 @@ private:
   std::thread thread_;
 };
 
-/// Traces samples [begin, end) of a pixel again, as the job does; prints the events of each if there are few.
+/// Traces samples [begin, end) of a pixel again, as the job does, and prints the events of each if there are
+/// few.
 template <class Use>
 void replay_samples(const RenderJob& job, int x, int y, std::int64_t begin, std::int64_t end,
                     const char* name, const Use& use) {
@@ -189,7 +190,7 @@ void check_numbers(const Arguments& a) {
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
 }
 
-/// Throws Error where the pictures of a job can't be written; replaying a pixel writes none.
+/// Throws Error if the pictures of a job cannot be written. Replaying a pixel writes none.
 void require_output(const Arguments& a, const std::filesystem::path& output) {
   for (const char* extension : {".exr", ".hdr", ".rgbe", ".pfm"})
     if (output.extension() == extension) {
@@ -229,7 +230,8 @@ void print_notes(const LoadedScene& loaded) {
       fmt::print(stderr, "note: {}: {}\n", part.element->where().str(), remark);
 }
 
-/// Continues an earlier job's samples if requested. Throws Error if they exist and it is not.
+/// Continues an earlier job's samples if requested. Throws Error if a checkpoint exists and neither --resume
+/// nor --restart is given.
 void take_up(const Arguments& a, const std::filesystem::path& state_file, RenderJob& job) {
   const bool exists = std::filesystem::exists(state_file);
   if (!a.resume && !a.restart && exists)
@@ -281,7 +283,7 @@ void print_speed(const RenderState& state) {
              state.seconds, rate * mean / std::max(1e-9, state.seconds) * 1e-6);
 }
 
-/// Says how the job ended; returns the exit code.
+/// Prints how the job ended and returns the exit code.
 int report(const Arguments& a, const std::filesystem::path& output, const RenderJob& job,
            RenderJob::Outcome outcome) {
   if (!job.checkpoint_problem().empty())
@@ -309,7 +311,7 @@ int report(const Arguments& a, const std::filesystem::path& output, const Render
 
 int render(const Arguments& a) {
   check_numbers(a);
-  // Output files that cannot be written are reported before a large scene is read.
+  // Unwritable output files are reported before a large scene is read.
   std::filesystem::path output = a.output;
   if (!output.empty()) require_output(a, output);
   RenderOptions options = render_options(a);
@@ -353,25 +355,25 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--threads", a->threads, "threads (default: all cores); the picture does not depend on it");
   options.add("--time", a->time_s, "stop after this many seconds, on whole sample blocks");
   options.add("--samples", a->samples,
-              "render only samples A:B of the picture, to be merged; A a multiple of 16");
+              "render only samples A:B of the picture, for merging; A must be a multiple of 16");
   options.add("--replicates", a->replicates,
-              "render R independently scrambled pictures; store their mean and its variance");
+              "number of independently scrambled pictures; stores their mean and its variance");
   options.add("--sampler", a->sampler, "replace the scene's sampler: sobol, independent");
   options
       .add("--adaptive", a->adaptive,
-           "more samples where noise is, at most --spp on average: for absolute, display or relative error")
+           "more samples in noisy pixels, at most --spp on average, for absolute, display or relative error")
       .one_of(adaptive_target_names());
   options.add("--integrator", a->integrator,
               "replace the scene's integrator: path, direct, ptracer, depth, ...");
   options.add("--checkpoint", a->checkpoint_s,
               "seconds between checkpoints (default 30); the first comes after 2");
-  options.add("--pixel", a->pixel, "replay one pixel, x,y, and print what happens");
+  options.add("--pixel", a->pixel, "replay one pixel, x,y, and print the events of its paths");
   options.add("--resume", a->resume, "continue from the checkpoint of the same command");
-  options.add("--restart", a->restart, "begin anew where a checkpoint of an earlier job is in the way");
+  options.add("--restart", a->restart, "discard the checkpoint of an earlier job and start again");
   options.add("--tonemap", a->tonemap,
-              "PNG of asinh(C y)/asinh(C), y the luminance times 2^E, for large ranges of brightness: "
-              "asinh:C:E (default: only highlights are compressed)");
-  options.add("--preview", a->preview, "refresh the PNG while rendering");
+              "asinh:C:E: tone-map the PNG by asinh(C y)/asinh(C), y the luminance times 2^E, for high "
+              "dynamic range (default: only highlights are compressed)");
+  options.add("--preview", a->preview, "update the PNG while rendering");
   options.add("-q,--quiet", a->quiet, "print errors only");
   return [a] { return render(*a); };
 }

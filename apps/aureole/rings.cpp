@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole rings: the corona of one lamp in a picture, measured, beside its prediction by quadrature from the
-// lamp's spectrum, the size of the scatterers and the places of camera, pane and lamp. The prediction is
-//     L(v) = integral over the lamp and over wavelengths of S(lambda) xyz(lambda) (1/lambda^2) J(k |(w -
-//     v)_xy|) dw,
-// v from the camera to a point of the pane, w from there to a point of the lamp, J of
+// aureole rings: measures the corona of a light source in a picture and compares it with a prediction by
+// quadrature. Inputs are the spectrum of the source, the size of the scatterers and the positions of camera,
+// pane and source. The prediction is
+//     L(v) = integral over the source and over wavelengths of
+//            S(lambda) xyz(lambda) (1/lambda^2) J(k |(w - v)_xy|) dw,
+// with v from the camera to a point of the pane, w from there to a point of the source, and J of
 // `optics::ScattererLayer` (Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers",
-// 2025, equation 14); it uses no BSDF. Camera axis and pane are perpendicular. Factors that are smooth over
-// the corona (reflection of the pane) are left out.
+// 2025, equation 14). It uses no BSDF. The camera axis is perpendicular to the pane. Factors that are smooth
+// over the corona (reflection of the pane) are omitted.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,7 +34,7 @@ struct RingsOptions {
   std::string pane_distance = "0.5m", lamp_distance = "14m", lamp_diameter = "36mm";
   double area_fraction = 0.5, fov = 30, smooth = 0.25;
   std::vector<double> at, azimuths{0, 360};
-  std::vector<double> masks;  ///< x, y, radius in pixels of parts to leave out
+  std::vector<double> masks;  ///< x, y, radius in pixels of excluded discs
 };
 
 CoronaProfile measure(const PictureParts& parts, const Image& image, const PinholeCamera& camera,
@@ -59,7 +60,7 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
   const optics::ScattererLayer layer(a, correlation, o.area_fraction);
   const LampSpectrum spectrum = lamp_spectrum(o.illuminant);
 
-  // One sum over wavelengths serves all directions: it depends on s = |(w - v)_xy| alone.
+  // One sum over wavelengths serves all directions: it depends on s = |(w - v)_xy| only.
   constexpr int kTable = 4000;
   constexpr double kLargest = 0.2;
   std::vector<std::array<double, 3>> rgb(kTable + 1);
@@ -82,7 +83,7 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
       const Direction v = unit({lamp_direction.x + t * (c * right.x + s * up.x),
                                 lamp_direction.y + t * (c * right.y + s * up.y),
                                 lamp_direction.z + t * (c * right.z + s * up.z)});
-      // Only angles inside the picture.
+      // Uses only angles inside the picture.
       const double px = camera.center_x + v.x / v.z / camera.tangent_per_pixel;
       const double py = camera.center_y - v.y / v.z / camera.tangent_per_pixel;
       if (px < 0 || py < 0 || px >= width || py >= height) continue;
@@ -91,7 +92,7 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
       double sum[3] = {};
       for (int ring = 0; ring < kRings; ++ring)
         for (int spoke = 0; spoke < kSpokes; ++spoke) {
-          // Rings of equal area of the disc as which the lamp is seen.
+          // Rings of equal area of the source's disc.
           const double r = lamp_radius * std::sqrt((ring + 0.5) / kRings),
                        f = 2 * M_PI * (spoke + 0.5 * (ring % 2)) / kSpokes;
           const double e = r * std::cos(f), h = r * std::sin(f);
@@ -99,7 +100,7 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
                              lamp.y + e * right.y + h * up.y - on_pane.y,
                              lamp.z + e * right.z + h * up.z - on_pane.z};
           const Direction w = unit(to);
-          // 1/d^2: the solid angle of the lamp from here; w.z: the cosine at the pane.
+          // 1/d^2 for the solid angle of the source from here; w.z for the cosine at the pane.
           const double weight = w.z / dot(to, to) / (kRings * kSpokes);
           const double x = std::min(std::hypot(w.x - v.x, w.y - v.y) / kLargest, 1.0) * kTable;
           const int k = std::min(int(x), kTable - 1);
@@ -158,23 +159,25 @@ int rings(const RingsOptions& o) {
 
 std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<RingsOptions>();
-  options.add("picture", o->picture, "EXR with the channels R, G, B; the lamp must not be clipped")
+  options.add("picture", o->picture, "EXR with the channels R, G, B; the source must not be clipped")
       .required();
-  options.add("--at", o->at, "pixel of the lamp, x y (default: the brightest white one)").takes(2);
-  options
-      .add("--azimuths", o->azimuths, "look only at these directions from the lamp, degrees, 0 right, 90 up")
+  options.add("--at", o->at, "pixel of the source, x y (default: the brightest white one)").takes(2);
+  options.add("--azimuths", o->azimuths, "use only these azimuths around the source, degrees, 0 right, 90 up")
       .takes(2);
-  options.add("--mask", o->masks, "leave out a disc of the picture, x y radius in pixels; may be repeated")
+  options.add("--mask", o->masks, "exclude a disc of the picture, x y radius in pixels; may be repeated")
       .takes_each_time(3);
   options.add("--fov", o->fov, "horizontal field of view, degrees").shows_default();
-  options.add("--illuminant", o->illuminant, "CIE name of the lamp's spectrum").shows_default();
-  options.add("--radius", o->radius, "radius of the circles").shows_default();
-  options.add("--correlation-radius", o->correlation_radius, "of the hard discs (default: radius)");
-  options.add("--area-fraction", o->area_fraction, "covered by the hard discs").shows_default();
-  options.add("--pane-distance", o->pane_distance, "from the camera along its axis").shows_default();
-  options.add("--lamp-distance", o->lamp_distance, "from the camera along its axis").shows_default();
-  options.add("--lamp-diameter", o->lamp_diameter, "of a round lamp").shows_default();
-  options.add("--smooth", o->smooth, "half the width of the fit that finds extrema, degrees").shows_default();
+  options.add("--illuminant", o->illuminant, "CIE name of the source's spectrum").shows_default();
+  options.add("--radius", o->radius, "radius of the circular scatterers").shows_default();
+  options.add("--correlation-radius", o->correlation_radius, "radius of the hard discs (default: radius)");
+  options.add("--area-fraction", o->area_fraction, "fraction of the plane covered by the hard discs")
+      .shows_default();
+  options.add("--pane-distance", o->pane_distance, "distance of the pane along the camera axis")
+      .shows_default();
+  options.add("--lamp-distance", o->lamp_distance, "distance of the source along the camera axis")
+      .shows_default();
+  options.add("--lamp-diameter", o->lamp_diameter, "diameter of a circular source").shows_default();
+  options.add("--smooth", o->smooth, "half-width of the window of fits to extrema, degrees").shows_default();
   return [=] { return rings(*o); };
 }
 

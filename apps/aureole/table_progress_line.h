@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A line on the terminal while tables of a scene's objects are computed, with the time that is left.
+// A progress line on the terminal, with the remaining time, while tables of a scene's objects are computed.
 #pragma once
 
 #include <chrono>
@@ -8,10 +8,11 @@
 
 namespace aureole {
 
-/// "0:05" or "1:02:03".
+/// A time such as "0:05" or "1:02:03".
 std::string clock_text(double seconds);
 
-/// For `LoadOptions::progress`, while the scene is loaded. Shown on terminals only, from the second second on.
+/// A callback for `LoadOptions::progress` while a scene is loaded. It prints on terminals only, starting
+/// after one second.
 class TableProgressLine {
 public:
   explicit TableProgressLine(bool quiet);

@@ -26,7 +26,7 @@ using std::numbers::pi;
 
 constexpr const char* kColors[] = {"#2b5d8f", "#b0413e", "#3d8b40", "#8a6d1f"};
 
-/// Midpoint rule over [begin, end].
+/// Integrates over [begin, end] by the midpoint rule.
 Complex integrate(double begin, double end, int steps, const std::function<Complex(double)>& f) {
   Complex sum = 0;
   const double h = (end - begin) / steps;
@@ -44,10 +44,12 @@ PlotSeries line(const std::string& label, int color) {
 
 namespace {
 
-/// The square of the wave of an edge of length 1, at x along and y across it.
+/// Power |u|^2 of the field diffracted by an edge of length 1, at canonical coordinates x along and y
+/// perpendicular to the edge.
 using WavePower = std::function<double(double, double)>;
 
-/// Its integral over the plane without the lobe chi: rings, and beyond the last one a fall with 1/r^2.
+/// Integral of the power over the plane without the lobe chi: by rings, and with a 1/r^2 tail beyond the last
+/// one.
 double power_without_lobe(const WavePower& wave, double sigma) {
   const double first = 1e-3, last = 400;
   const int rings = 400;
@@ -55,7 +57,7 @@ double power_without_lobe(const WavePower& wave, double sigma) {
   double sum = 0, per_radius = 0;
   for (int i = 0; i < rings; ++i) {
     const double r = first * std::exp((i + 0.5) * step), left = -std::expm1(-r * r / (2 * sigma * sigma));
-    // A quarter of the ring: waves are even in both coordinates.
+    // A quarter of each ring, because fields are even in both coordinates.
     const int steps = 40 + int(4 * r);
     double mean = 0;
     for (int j = 0; j < steps; ++j) {
@@ -74,7 +76,7 @@ EdgeMap edge_wave_map(double a, double b, double extent, double inset) {
   const auto size = [a, b](double x, double y) {
     return std::abs(Complex((a - b) * optics::edge_alpha1(x, y), 0.5 * (a + b) * optics::edge_alpha2(x, y)));
   };
-  // The wave is the integral of the amplitude along the edge: here by quadrature.
+  // The reference is the integral of the amplitude along the edge, by quadrature.
   double worst = 0, most = 0;
   for (int i = 0; i < 12; ++i)
     for (int j = 0; j < 12; ++j) {
@@ -87,11 +89,11 @@ EdgeMap edge_wave_map(double a, double b, double extent, double inset) {
   std::string caption = fmt::format(
       "a = {:g}, b = {:g}; canonical coordinates to {:g}; off the integral along the edge by {:.1e} of its largest value",
       a, b, extent, worst / most);
-  // The pole at 0 would leave nothing to see.
+  // The pole at 0 would dominate the scale.
   const double top = size(0.08 * extent, 0.08 * extent) + size(0, 0.1 * extent);
   const auto shade = [=](double x, double y) { return std::sqrt(size(x, y) / top); };
   if (!(inset > 0)) return {[=](double u, double v) { return shade(extent * u, extent * v); }, caption};
-  // The published chi of an edge, of standard deviation sqrt(3).
+  // The published lobe chi of an edge has the standard deviation sqrt(3).
   const double sigma = std::numbers::sqrt3;
   const optics::EdgeConstants constants = optics::edge_constants(sigma);
   const double power = (a - b) * (a - b) * constants.alpha1 + 0.25 * (a + b) * (a + b) * constants.alpha2;
@@ -111,7 +113,7 @@ EdgeMap edge_wave_map(double a, double b, double extent, double inset) {
 }
 
 EdgeCurves edge_amplitude(double a, double b, double ratio) {
-  // Of an edge of length 1 in a beam of 1/ratio, the standard deviation of the amplitude.
+  // An edge of length 1 in a beam whose amplitude has the standard deviation 1/ratio.
   const auto gauss = [&](double t) { return std::exp(-0.5 * std::pow(ratio * t, 2)); };
   const double ends = gauss(0.5), from = a * ends, to = b * ends;
   PlotSeries series[] = {line("exact", 0), line("linear amplitude", 1), line("constant amplitude", 2)};
@@ -144,7 +146,7 @@ EdgeCurves edge_amplitude(double a, double b, double ratio) {
 }
 
 EdgeCurves edge_profile(double width, int pieces) {
-  const double half = 0.5 * width;  // in sigma of the intensity
+  const double half = 0.5 * width;  // in units of sigma of the intensity
   const auto amplitude = [](double x) { return std::exp(-0.25 * x * x); };
   const auto exact = [&](PlanePoint q) {
     const auto along = [&](double k) {
@@ -172,7 +174,7 @@ EdgeCurves edge_profile(double width, int pieces) {
   PlotSeries series[] = {line("exact", 0), line("linear amplitude", 1), line("constant amplitude", 2)};
   double error[2] = {}, sum = 0, tail[2] = {}, tail_sum = 0;
   for (int i = 0; i <= 240; ++i) {
-    // A circle of directions about the beam, as their figure 3: 90 degrees is across a side.
+    // A circle of directions around the beam, as in their figure 3; 90 degrees is perpendicular to a side.
     const double theta = pi * i / 240, radius = 4 * pi / width;
     const PlanePoint q{radius * std::cos(theta), radius * std::sin(theta)};
     const double values[] = {std::abs(exact(q)), std::abs(optics::edge_field(linear, q)),
@@ -201,8 +203,8 @@ EdgeCurves edge_profile(double width, int pieces) {
 
 namespace {
 
-/// The exact field of a plane wave at a wedge of metal, the electric field along its edge (Bowman, Senior & Uslenghi 1969, Electromagnetic and
-/// Acoustic Scattering by Simple Shapes, chapter 6).
+/// The exact field of a plane wave at a metallic wedge, with the electric field along the edge (Bowman,
+/// Senior & Uslenghi 1969, Electromagnetic and Acoustic Scattering by Simple Shapes, chapter 6).
 Complex wedge_series(double n, double k_rho, double phi, double phi_i) {
   Complex sum = 0;
   const int terms = int(n * (k_rho + 30 + 6 * std::cbrt(k_rho)));
@@ -241,12 +243,12 @@ EdgeMap wedge_map(double n, double phi_i, double wavelengths) {
     error.back() = ' ';
     error += "wavelengths from the edge";
   } else {
-    // Sommerfeld 1896: u = U(phi - phi') - U(phi + phi') with Fresnel's integrals.
+    // Sommerfeld 1896: u = U(phi - phi') - U(phi + phi'), with Fresnel integrals.
     double worst = 0;
     for (int i = 0; i < 400; ++i) {
       const double phi = 2 * pi * (i + 0.37) / 400, rho = 0.3 + 0.02 * i;
       const auto part = [&](double angle) {
-        const double v = 2 * std::sqrt(2 * rho) * std::cos(0.5 * angle);  // Fresnel's number, in wavelengths
+        const double v = 2 * std::sqrt(2 * rho) * std::cos(0.5 * angle);  // rho in wavelengths
         return std::polar(1.0, -k * rho * std::cos(angle)) * optics::knife_edge_field(v);
       };
       worst =
@@ -265,7 +267,8 @@ EdgeMap wedge_map(double n, double phi_i, double wavelengths) {
 
 namespace {
 
-/// UTD behind straight edges that run counter-clockwise about a hole: of each the light that fulfils Keller's condition on it. A plane wave comes along z.
+/// UTD field behind straight edges that run counter-clockwise around an aperture. Each edge contributes at
+/// the point that satisfies Keller's condition. A plane wave arrives along z.
 Complex utd_field(const std::vector<std::pair<PlanePoint, PlanePoint>>& edges, PlanePoint at, double z,
                   double k, bool is_lit) {
   Complex sum = is_lit ? std::polar(1.0, k * z) : Complex(0);
@@ -273,9 +276,11 @@ Complex utd_field(const std::vector<std::pair<PlanePoint, PlanePoint>>& edges, P
     const double size = std::hypot(b.x - a.x, b.y - a.y), ex = (b.x - a.x) / size, ey = (b.y - a.y) / size;
     const double along = (at.x - a.x) * ex + (at.y - a.y) * ey;
     if (along < 0 || along > size) continue;
-    const double across = (at.y - a.y) * ex - (at.x - a.x) * ey;  // positive over the hole, on the left
+    const double across = (at.y - a.y) * ex - (at.x - a.x) * ey;  // positive over the aperture, to the left
+                                                                  // of the edge
     const double s = std::hypot(across, z);
-    // Measured from the screen's lit side: the light comes from pi/2, straight on is 3 pi/2, the hole lies at pi.
+    // Measured from the screen's irradiated side: the wave arrives from pi/2, undeviated is 3 pi/2, the
+    // aperture is at pi.
     const double phi = 1.5 * pi - std::atan2(across, z);
     sum +=
         optics::Wedge(2).coefficient(k, s, 1, phi, 0.5 * pi, {0, 0}) / std::sqrt(s) * std::polar(1.0, k * s);
@@ -318,7 +323,7 @@ EdgeCurves opening_profile(const std::string& shape, double wavelengths, double 
     const double r = std::hypot(x, distance);
     const Complex exact = optics::rayleigh_sommerfeld(opening, optics::ScreenSource::plane_wave({0, 0, 1}),
                                                       {x, 0.013 * half, distance}, k);
-    // U = k/(2 pi i) exp(i k R)/R F; Rayleigh's integral has the factor z/r beside.
+    // U = k/(2 pi i) exp(i k R)/R F; the Rayleigh integral has the additional factor z/r.
     const double scale = std::pow(k / (2 * pi * r) * distance / r, 2);
     const PlanePoint q{k * sine, k * 0.013 * half / r};
     bool lit = x < half && shape == "square";
@@ -361,7 +366,8 @@ EdgeCurves slits_profile(const SlitsAndSolver& slits) {
     const double q = k * std::sin(degrees * pi / 180);
     return per_area * (q > 0 ? std::norm(optics::edge_field(edges, {q, 0})) : std::pow(region.area(), 2));
   };
-  // Far behind, Rayleigh and Sommerfeld's integral is Fraunhofer's and the cosine of the angle.
+  // In the far field, the Rayleigh-Sommerfeld integral is the Fraunhofer integral times the cosine of the
+  // angle.
   const auto integral = [&](double degrees) {
     const double t = degrees * pi / 180;
     return per_area * std::norm(std::cos(t) * optics::fraunhofer(opening, {k * std::sin(t), 0}));
@@ -377,7 +383,7 @@ EdgeCurves slits_profile(const SlitsAndSolver& slits) {
     series[2].x.push_back(t), series[2].y.push_back(std::max(integral(t), floor));
   }
   double errors[2] = {}, sum = 0, in_lobes = 0;
-  std::size_t outer = 0;  // the highest place beyond 25 degrees
+  std::size_t outer = 0;  // index of the highest intensity beyond 25 degrees
   for (std::size_t i = 0; i < solver.size(); ++i) {
     const double t = slits.step_degrees * double(i), model = waves(t);
     series[0].x.push_back(t), series[0].y.push_back(std::max(solver[i], floor));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Figures of diffraction by edges, each with its error against a computation that shares nothing with it. Counterparts of the figures in
-// the supplemental of Steinberg et al. 2024, "A Free-Space Diffraction BSDF".
+// Figures of diffraction by edges, each with its error against an independent computation. They are
+// counterparts of the figures in the supplemental of Steinberg et al. 2024, "A Free-Space Diffraction BSDF".
 #pragma once
 
 #include <functional>
@@ -18,24 +18,27 @@ struct EdgeCurves {
   std::string svg, caption;
 };
 
-/// Roots of the intensity of the wave of one edge of length 1 along x, whose amplitude goes from `a` to `b`, over canonical coordinates up
-/// to `extent`. Where `inset` is positive, a corner has them up to that with the 0th-order lobe removed.
+/// Magnitude |u| of the field diffracted by one edge of length 1 along x, whose amplitude varies linearly
+/// from `a` to `b`, over canonical coordinates up to `extent`. If `inset` is positive, a corner shows |u| up
+/// to `inset` with the 0th-order lobe removed.
 EdgeMap edge_wave_map(double a, double b, double extent, double inset);
-/// One edge in a beam: an amplitude linear from `a` to `b` times a Gaussian, `ratio` the length of the edge over the Gaussian's standard
-/// deviation; its exact wave and those of the linear amplitude with the same ends and of its mean.
+/// One edge in a beam. The amplitude is linear from `a` to `b` times a Gaussian; `ratio` is the length of the
+/// edge over the Gaussian's standard deviation. Shows the exact field, and the fields of the linear amplitude
+/// between the same values and of the mean amplitude.
 EdgeCurves edge_amplitude(double a, double b, double ratio);
-/// A square of `width` sigma in a Gaussian beam: its exact field, that of edge waves with linear amplitudes in `pieces` to a side, and
-/// with one amplitude to a side.
+/// A square of `width` sigma in a Gaussian beam: its exact field, the sum of edge fields with linear
+/// amplitudes in `pieces` per side, and the sum with one constant amplitude per side.
 EdgeCurves edge_profile(double width, int pieces);
-/// The intensity around a wedge of metal, n pi outside of it, `wavelengths` across, by UTD; a half plane's error is against Sommerfeld's solution
-/// by Fresnel's integrals, that of another wedge against the exact series.
+/// The intensity around a metallic wedge with exterior angle n pi, over `wavelengths` wavelengths, by UTD.
+/// The error of a half-plane is against Sommerfeld's solution by Fresnel integrals, the error of another
+/// wedge against the exact series.
 EdgeMap wedge_map(double n, double phi_i, double wavelengths);
-/// Behind an opening ("square", "ring" of 32 pieces, "slits") at the Fresnel number `fresnel`: edge waves, UTD, and the integrals of Fraunhofer and
-/// of Rayleigh and Sommerfeld.
+/// The intensity behind an aperture ("square", "ring" of 32 edges, "slits") at the Fresnel number `fresnel`:
+/// edge fields, UTD, and the Fraunhofer and Rayleigh-Sommerfeld integrals.
 EdgeCurves opening_profile(const std::string& shape, double wavelengths, double fresnel);
 
-/// Lengths in metres. `solver`: intensities in the plane across the slits, from straight on in steps of `step_degrees` [m^2/sr], for an
-/// irradiance of 1.
+/// Lengths are in metres. `solver`: intensities [m^2/sr] in the plane perpendicular to the slits, from
+/// undeviated in steps of `step_degrees`, for an irradiance of 1.
 struct SlitsAndSolver {
   double wavelength, width, height, apart, step_degrees;
   std::vector<double> solver;

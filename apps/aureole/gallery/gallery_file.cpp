@@ -25,7 +25,7 @@ SourceLocation place(const std::string& file, const std::string& text, std::size
   return where;
 }
 
-/// A JSON file with the line of every value, recorded in the library's parser call-backs.
+/// A JSON file with the line of every value, recorded in the parser's callbacks.
 class JsonFile {
 public:
   explicit JsonFile(const std::filesystem::path& path) : name_(path.string()) {
@@ -52,7 +52,7 @@ public:
   }
 
 private:
-  /// Counts the lines read so far.
+  /// An input iterator that counts the lines read so far.
   struct Reader {
     using iterator_category = std::input_iterator_tag;
     using value_type = char;
@@ -82,7 +82,7 @@ private:
     std::string here = levels_.empty() ? "" : levels_.back().path + "/";
     if (!levels_.empty())
       here += levels_.back().index >= 0 ? std::to_string(levels_.back().index++) : levels_.back().key;
-    // At a string the parser has reached the closing quote, so that only the line is exact.
+    // At a string the parser has already reached the closing quote, so that only the line is exact.
     offsets_[here] = offset_;
     if (event != Event::value) levels_.push_back({here, "", event == Event::array_start ? 0 : -1});
   }
@@ -98,7 +98,7 @@ private:
   std::map<std::string, std::size_t> offsets_;
 };
 
-/// One object of the file; asking for a member says what it must be, and `finish` that there are no others.
+/// One object of the file. Reading a member checks its type; `finish` reports unknown members.
 class Members {
 public:
   Members(const JsonFile& file, const Json& value, std::string pointer)
@@ -148,7 +148,7 @@ public:
   std::vector<Members> list_if(const std::string& name) {
     return has(name) ? list(name) : std::vector<Members>{};
   }
-  /// Members with names chosen in the file.
+  /// Reads members with arbitrary names.
   Defines defines(const std::string& name) {
     Defines out;
     if (!has(name)) return out;
@@ -215,7 +215,7 @@ std::vector<Axis> read_axes(Members& m, const std::string& name) {
   return axes;
 }
 
-/// The values at position `i` of nested axes.
+/// Adds the values at position `i` of nested axes.
 void add_defines(Defines& out, const std::vector<Axis>& axes, std::size_t i) {
   for (std::size_t k = axes.size(); k-- > 0; i /= axes[k].size())
     for (const auto& d : axes[k][i % axes[k].size()].defines) out.push_back(d);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Gallery`: the figures of a gallery.json, checked; every mistake in the file is an error with its line.
+// `Gallery`: the validated figures of a gallery.json; every mistake in the file is an error with its line.
 #pragma once
 
 #include <array>
@@ -20,15 +20,15 @@ using Defines = std::vector<std::pair<std::string, std::string>>;
 enum GallerySize { kPreviewSize, kFullSize };
 inline const char* name_of(GallerySize size) { return size == kFullSize ? "full" : "preview"; }
 
-/// How much work a picture gets: samples per pixel, or seconds.
+/// The effort of a picture: samples per pixel, or seconds.
 struct PictureEffort {
   int width = 0, height = 0;
   std::int64_t samples = 0;
-  double seconds = 0;  ///< instead of samples where above 0
+  double seconds = 0;  ///< replaces `samples` if positive
 };
 
 struct GalleryPicture {
-  std::string name;  ///< of its files, without extension
+  std::string name;  ///< file name without extension
   std::filesystem::path scene;
   Defines defines;
   std::array<PictureEffort, 2> effort;
@@ -41,12 +41,12 @@ struct AxisValue {
 };
 using Axis = std::vector<AxisValue>;
 
-/// Pictures of one scene in a table; its axes are nested, the outer one first.
+/// Pictures of one scene in a table with nested axes, the outer one first.
 struct PictureTable {
   std::string caption;
   std::vector<Axis> rows, columns;
   std::vector<GalleryPicture> pictures;     ///< row by row
-  std::optional<GalleryPicture> reference;  ///< what the errors of the pictures are relative to
+  std::optional<GalleryPicture> reference;  ///< reference of the pictures' errors
 
   static std::size_t count(const std::vector<Axis>& axes);
 };
@@ -67,7 +67,7 @@ struct Gallery {
   std::vector<GalleryFigure> figures;
 };
 
-/// Reads `folder`/gallery.json; scenes are found beside it. Throws Error or ErrorList.
+/// Reads `folder`/gallery.json; scenes are in the same folder. Throws Error or ErrorList.
 Gallery read_gallery(const std::filesystem::path& folder);
 
 }  // namespace aureole

@@ -133,7 +133,7 @@ private:
   }
 
   static std::string label(const std::vector<Axis>& axes, std::size_t i, bool first_of_block) {
-    // The inner axis is named everywhere, the outer ones where they change.
+    // The inner axis is labelled everywhere, the outer ones where they change.
     std::string text = axes.back()[i % axes.back().size()].label;
     if (axes.size() > 1 && first_of_block) {
       std::string outer;

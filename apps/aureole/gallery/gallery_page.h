@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results of a gallery so far (results.json) and the page that shows them.
+// Results of a gallery so far (results.json), and the page that shows them.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@ struct PictureResult {
   GallerySize size = kPreviewSize;
   std::int64_t samples = 0;
   double seconds = 0, load_seconds = 0;
-  std::optional<double> relative_rmse;  ///< to the reference of its table
+  std::optional<double> relative_rmse;  ///< relative to the reference of its table
 };
 
 struct PlotRecord {
@@ -28,18 +28,18 @@ struct PlotRecord {
   PlotResult plot;
 };
 
-/// By name; pictures and plots without an entry are not done.
+/// Results by name; pictures and plots without an entry are not done.
 struct GalleryResults {
   std::map<std::string, PictureResult> pictures;
   std::map<std::string, PlotRecord> plots;
 
-  /// Empty if there is no such file or it is of another version: then everything is rendered again.
+  /// Loads the file; empty if it is missing or of another version, so that everything is rendered again.
   static GalleryResults load(const std::filesystem::path& file);
   void save(const std::filesystem::path& file) const;
 };
 
-/// The whole page, one string without references to anything but the files beside it. `command` is how it was
-/// made.
+/// The whole page as one string, which refers only to files in its folder. `command` is the command line that
+/// made it.
 std::string gallery_page(const Gallery& gallery, const GalleryResults& results, const std::string& command);
 
 }  // namespace aureole

@@ -13,26 +13,26 @@
 
 namespace aureole {
 
-/// Changes with everything that a picture of this size depends on but the tone: version, content of the scene
-/// and of its files, defines, samples. Throws ErrorList where the scene cannot be read.
+/// A key of everything on which the picture in this size depends, except the tone: version, content of the
+/// scene and of its files, defines, samples. Throws ErrorList if the scene cannot be read.
 std::string picture_key(const GalleryPicture& picture, GallerySize size);
 
 struct RenderedPicture {
   Image image;
-  bool complete = false;  ///< false: stopped
+  bool complete = false;  ///< false: interrupted
   std::int64_t samples = 0;
   std::uint64_t invalid_samples = 0;
   double seconds = 0, load_seconds = 0;
 };
 
-/// Goes on from `state`, which a run that was stopped left there; for the caller to remove once the picture
-/// is safe. `report` and `tables` are told how far it is.
+/// Renders a picture, continuing from the state file `state` of an interrupted run. The caller removes the
+/// file after the picture is written. `report` and `tables` are called with the progress.
 RenderedPicture render_picture(const GalleryPicture& picture, GallerySize size, int threads,
                                const std::filesystem::path& state, const std::atomic<bool>& stop,
                                const std::function<void(const Progress&)>& report,
                                const TableProgress& tables);
 
-/// The `aureole render` command that makes the same picture.
+/// The equivalent `aureole render` command.
 std::string render_command(const GalleryPicture& picture, GallerySize size);
 
 }  // namespace aureole

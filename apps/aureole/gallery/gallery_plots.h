@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plots of galleries, computed from `optics` without rendering.
+// The plots of galleries, computed with `optics` without rendering.
 #pragma once
 
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace aureole {
 
-/// A file of a plot, beside the page.
+/// A file of a plot, in the page's folder.
 struct PlotFile {
   std::string file, caption;
 };
@@ -21,10 +21,10 @@ struct PlotResult {
   std::vector<PlotFile> files;
 };
 
-/// Throws Error where the kind or its parameters are wrong.
+/// Throws Error if the kind or its parameters are invalid.
 void check_plot(const GalleryPlot& plot);
 
-/// Writes the plot's files, named after it, into `folder`. Returns nothing if it was stopped.
+/// Writes the plot's files, named after it, into `folder`. Returns nothing if interrupted.
 std::optional<PlotResult> make_plot(const GalleryPlot& plot, GallerySize size,
                                     const std::filesystem::path& folder, const std::atomic<bool>& stop);
 

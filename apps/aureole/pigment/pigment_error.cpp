@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole pigment error: how far Kubelka and Munk's two fluxes are from transport.
+// aureole pigment error: the error of Kubelka and Munk's two-flux theory against radiative transfer.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -90,22 +90,22 @@ int error_map(const ErrorOptions& o) {
 
 std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<ErrorOptions>();
-  options.add("--albedo", o->albedo, "scattering over extinction, separated by commas").shows_default();
-  options.add("--thickness", o->thickness, "in 1/(sigma_s (1 - g)), separated by commas").shows_default();
-  options.add("--g", o->g, "mean cosines of the scattering, separated by commas").shows_default();
-  options.add("--index", o->index, "of the binder; 1 is no interface").between(1.0, 10.0).shows_default();
-  options.add("--substrate", o->substrate, "reflectance of what the layer lies on")
-      .between(0.0, 1.0)
+  options.add("--albedo", o->albedo, "single-scattering albedos, separated by commas").shows_default();
+  options.add("--thickness", o->thickness, "thicknesses in 1/(sigma_s (1 - g)), separated by commas")
       .shows_default();
-  options.add("--convention", o->convention, "by which K and S come from transport")
+  options.add("--g", o->g, "mean cosines of the scattering angle, separated by commas").shows_default();
+  options.add("--index", o->index, "index of refraction of the binder; 1: no interface")
+      .between(1.0, 10.0)
+      .shows_default();
+  options.add("--substrate", o->substrate, "reflectance of the substrate").between(0.0, 1.0).shows_default();
+  options.add("--convention", o->convention, "relation of K and S to the transport coefficients")
       .one_of(pigment::convention_names())
       .shows_default();
   options.add("--json", o->json, "write the map to this file");
   return [o] { return error_map(*o); };
 }
 
-AUREOLE_COMMAND("pigment error", "How far Kubelka and Munk are from transport, by albedo, thickness and g",
-                declare);
+AUREOLE_COMMAND("pigment error", "Error of Kubelka and Munk's theory, by albedo, thickness and g", declare);
 
 }  // namespace
 }  // namespace aureole

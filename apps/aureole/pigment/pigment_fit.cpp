@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole pigment fit: K and S of paints from measured samples, and how far to believe them.
+// aureole pigment fit: K and S of paints from measured samples, with diagnostics.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,7 +37,7 @@ struct Errors {
   }
 };
 
-/// Median of error/|value|, or nothing where errors are not known.
+/// Median of error/|value|, or "-" if errors are unknown.
 std::string relative_error(const std::vector<double>& values, const std::vector<double>& errors) {
   if (errors.empty()) return "-";
   std::vector<double> ratios;
@@ -48,8 +48,9 @@ std::string relative_error(const std::vector<double>& values, const std::vector<
   return fmt::format("{:.2g} %", 100 * ratios[ratios.size() / 2]);
 }
 
-/// A quantity of every paint over the wavelength, on a logarithmic axis. `value` gets K and S. Lines have the paints'
-/// colours with .3 of their K, so that dark paints differ, and .8 of R, so that white shows on the page.
+/// Plots a quantity of every paint over the wavelength, on a logarithmic axis. `value` is computed from K and
+/// S. Lines have the paints' colours with 0.3 of their K, so that dark paints differ, and 0.8 of R, so that
+/// white is visible on the page.
 template <class Value>
 std::string plot_of(const pigment::Palette& palette, const pigment::Observation& lamp,
                     const std::string& file, const std::string& name, const std::string& unit,
@@ -80,7 +81,7 @@ void write_plots(const FitOptions& o, const pigment::Palette& palette, const pig
   write(o.plot_s, "S", unit, [](double, double s) { return s; });
 }
 
-/// Differences in the order of their size, over the share of them that is no larger.
+/// Cumulative distribution of the differences: each difference over the fraction of them that is no larger.
 PlotSeries differences_line(std::vector<double> differences, const std::string& label,
                             const std::string& colour) {
   std::sort(differences.begin(), differences.end());
@@ -192,9 +193,9 @@ std::function<int()> declare(CommandOptions& options) {
       .add("samples", o->samples,
            "table of measured samples (.csv or .json), or kimera: 13 acrylics, by miciwan, CC BY 4.0")
       .required();
-  options.add("--white", o->white, "the paint that tints are made with").shows_default();
+  options.add("--white", o->white, "name of the white paint of the tints").shows_default();
   o->surface.declare(options, "the measurements");
-  options.add("--illuminant", o->illuminant, "lamp of the colour differences").shows_default();
+  options.add("--illuminant", o->illuminant, "illuminant of the colour differences").shows_default();
   options.add("-o,--output", o->output, "write the palette to this file, comma-separated");
   options.add("--json", o->json, "also write palette and report to this file");
   options.add("--plot", o->plot, "write K/S of all paints to this SVG file");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole pigment hide: how well a paint covers what is below it.
+// aureole pigment hide: hiding power of a paint.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -97,17 +97,14 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--white", o->white, "inner reflectance of the white substrate")
       .between(0.0, 1.0)
       .shows_default();
-  options.add("--ratio", o->ratio, "contrast ratio that counts as hidden")
-      .between(0.01, 0.9999)
-      .shows_default();
-  o->surface.declare(options, "the result, in place of the palette's own");
-  options.add("--step", o->step, "nm between the rows that are printed").between(0.01, 1e9).shows_default();
+  options.add("--ratio", o->ratio, "contrast ratio of a hiding layer").between(0.01, 0.9999).shows_default();
+  o->surface.declare(options, "the result, instead of the palette's interface");
+  options.add("--step", o->step, "step between printed wavelengths in nm").between(0.01, 1e9).shows_default();
   options.add("--plot", o->plot, "write the contrast ratio by thickness to this SVG file");
   return [o] { return hide(*o); };
 }
 
-AUREOLE_COMMAND("pigment hide", "Hiding power of a paint: contrast ratio and the thickness that covers",
-                declare);
+AUREOLE_COMMAND("pigment hide", "Hiding power of a paint: contrast ratio and hiding thickness", declare);
 
 }  // namespace
 }  // namespace aureole

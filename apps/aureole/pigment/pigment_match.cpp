@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole pigment match: recipes for a colour, and how they look under other lamps.
+// aureole pigment match: recipes for a colour, and their differences under other illuminants.
 #include <fmt/format.h>
 
 #include <chrono>
@@ -25,7 +25,7 @@ struct MatchOptions {
   SurfaceOptions surface;
 };
 
-/// "white=0.5" in a list of bounds.
+/// Parses bounds such as "white=0.5".
 void set_bounds(const pigment::Palette& palette, const std::vector<std::string>& texts,
                 const std::string& option, std::vector<double>& bounds) {
   for (const std::string& text : texts) {
@@ -132,21 +132,25 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("palette", o->palette, "palette.csv as `aureole pigment fit` writes it, or kimera").required();
   options.add("target", o->target, "#rrggbb, \"lab(50, 20, -10)\", a colour name of HTML, or FILE#SAMPLE")
       .required();
-  options.add("-n,--paints", o->paints, "of a recipe, at most").between(1, 6).shows_default();
-  options.add("--solutions", o->solutions, "to print, at most").between(1, 1000).shows_default();
-  options.add("--illuminant", o->illuminant, "lamp under which colours shall match").shows_default();
-  options.add("--others", o->others, "lamps of the report on metamerism (default A,F11)").separated_by(',');
-  options.add("--least", o->least, "PAINT=SHARE: no recipe has less of it").takes_each_time(1);
-  options.add("--most", o->most, "PAINT=SHARE: no recipe has more of it").takes_each_time(1);
-  options.add("--only", o->only, "use this paint, and no others but those named in the same way")
+  options.add("-n,--paints", o->paints, "largest number of paints of a recipe").between(1, 6).shows_default();
+  options.add("--solutions", o->solutions, "largest number of recipes to print")
+      .between(1, 1000)
+      .shows_default();
+  options.add("--illuminant", o->illuminant, "illuminant under which colours are matched").shows_default();
+  options.add("--others", o->others, "illuminants of the report on metamerism (default A,F11)")
+      .separated_by(',');
+  options.add("--least", o->least, "PAINT=FRACTION: lower bound of a paint in all recipes")
+      .takes_each_time(1);
+  options.add("--most", o->most, "PAINT=FRACTION: upper bound of a paint in all recipes").takes_each_time(1);
+  options.add("--only", o->only, "use only the paints given by this option; may be repeated")
       .takes_each_time(1);
   options.add(
       "--thickness", o->thickness,
-      "of the layer, \"20um\"; for relative palettes a number, in 1/S of the white (default: opaque)");
-  options.add("--substrate", o->substrate, "inner reflectance of what a layer with a thickness lies on")
+      "layer thickness, \"20um\"; for relative palettes a number, in 1/S of the white (default: opaque)");
+  options.add("--substrate", o->substrate, "inner reflectance of the substrate, for layers with a thickness")
       .between(0.0, 1.0)
       .shows_default();
-  o->surface.declare(options, "the result, in place of the palette's own");
+  o->surface.declare(options, "the result, instead of the palette's interface");
   options.add("--json", o->json, "also write the solutions to this file");
   options.add("--plot", o->plot, "write the reflectances of five solutions to this SVG file");
   return [o] { return match(*o); };

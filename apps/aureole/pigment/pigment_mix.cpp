@@ -23,7 +23,7 @@ struct MixOptions {
   SurfaceOptions surface;
 };
 
-/// Mixtures of the recipe with the first paint's share from all to nothing, in equal steps.
+/// Mixtures of the recipe in which the first paint's fraction varies from one to zero in equal steps.
 std::vector<std::vector<double>> ladder_of(const pigment::Palette& palette,
                                            const std::vector<double>& fractions, int steps) {
   const std::size_t first = std::size_t(
@@ -92,12 +92,14 @@ int mix(const MixOptions& o) {
 std::function<int()> declare(CommandOptions& options) {
   auto o = std::make_shared<MixOptions>();
   o->layer.declare(options);
-  options.add("--substrate", o->substrate, "inner reflectance of what a layer with a thickness lies on")
+  options.add("--substrate", o->substrate, "inner reflectance of the substrate, for layers with a thickness")
       .between(0.0, 1.0)
       .shows_default();
-  o->surface.declare(options, "the result, in place of the palette's own");
-  options.add("--step", o->step, "nm between the rows that are printed").between(0.01, 1e9).shows_default();
-  options.add("--ladder", o->ladder, "also that many steps from the recipe's first paint to the rest of it")
+  o->surface.declare(options, "the result, instead of the palette's interface");
+  options.add("--step", o->step, "step between printed wavelengths in nm").between(0.01, 1e9).shows_default();
+  options
+      .add("--ladder", o->ladder,
+           "also print that many mixtures, from the first paint alone to the others alone")
       .between(1, 1000);
   options.add("--plot", o->plot, "write the reflectance, with the ladder, to this SVG file");
   return [o] { return mix(*o); };

@@ -16,16 +16,17 @@ namespace aureole {
 void SurfaceOptions::declare(CommandOptions& options, const std::string& whose) {
   options
       .add("--geometry", geometry,
-           "how the interface to air is lit and seen in " + whose + ": diffuse, d8 (sphere), 45_0, or none")
+           "measurement geometry of the interface to air in " + whose +
+               ": diffuse, d8 (sphere), 45_0, or none")
       .one_of({"none", "diffuse", "d8", "45_0"});
-  options.add("--specular", specular, "light that the interface reflects: included or excluded")
+  options.add("--specular", specular, "specular reflection of the interface: included or excluded")
       .one_of({"included", "excluded"})
       .shows_default();
-  options.add("--index", index, "of the binder").between(1.0, 4.0).shows_default();
+  options.add("--index", index, "index of refraction of the binder").between(1.0, 4.0).shows_default();
   options.add("--alpha", alpha, "roughness of the interface (GGX), with --geometry diffuse")
       .between(0.0, 1.0);
-  options.add("--k1", k1, "Saunderson's reflectance from outside, with --k2 in place of --geometry");
-  options.add("--k2", k2, "Saunderson's reflectance from within");
+  options.add("--k1", k1, "Saunderson's reflectance from outside, with --k2 instead of --geometry");
+  options.add("--k2", k2, "Saunderson's reflectance from inside");
 }
 
 pigment::Surface SurfaceOptions::surface() const {
@@ -55,9 +56,9 @@ void LayerOfPaint::declare(CommandOptions& options) {
   options.add("recipe", recipe, "paints and parts by mass, \"red: 1 + white: 3\", or per cent").required();
   options.add("--volume", by_volume, "the parts are by volume; the palette needs densities");
   options.add("--thickness", thickness,
-              "of the layer, \"20um\"; for relative palettes a number, in 1/S of the white");
-  options.add("--illuminant", illuminant, "lamp of the colours").shows_default();
-  options.add("--json", json, "also write the figures to this file");
+              "thickness of the layer, \"20um\"; for relative palettes a number, in 1/S of the white");
+  options.add("--illuminant", illuminant, "illuminant of the colours").shows_default();
+  options.add("--json", json, "also write the results to this file");
 }
 
 pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Options and tables that the commands `aureole pigment ...` share.
+// Options and tables shared by the commands `aureole pigment ...`.
 #pragma once
 
 #include <string>
@@ -12,19 +12,19 @@
 
 namespace aureole {
 
-/// The interface between binder and air: an index and how it is seen, or Saunderson's k1 and k2.
+/// The interface between binder and air: an index and a measurement geometry, or Saunderson's k1 and k2.
 struct SurfaceOptions {
   std::string geometry, specular = "excluded";
   double index = 1.5, alpha = 0, k1 = -1, k2 = -1;
 
-  /// `whose`: what they are said of in the help, "the measurements".
+  /// Declares the options; `whose` completes the help text, for example "the measurements".
   void declare(CommandOptions& options, const std::string& whose);
   bool given() const { return !geometry.empty() || k1 >= 0 || k2 >= 0; }
-  /// Throws Error where k1 and k2 are half given, or do not go with the rest.
+  /// Throws Error if only one of k1 and k2 is given, or if they are combined with the other options.
   pigment::Surface surface() const;
 };
 
-/// A layer of paint: a recipe, a thickness and what it lies on.
+/// A layer of paint: a recipe, a thickness and a substrate.
 struct LayerOfPaint {
   std::string palette = "kimera", recipe, thickness, illuminant = "D65", json;
   bool by_volume = false;
@@ -32,18 +32,18 @@ struct LayerOfPaint {
   void declare(CommandOptions& options);
 };
 
-/// Reads the palette, tells how many negative values count as zero, and puts another interface where one is
-/// given.
+/// Reads the palette, reports the number of negative values that are set to zero, and replaces the interface
+/// if one is given.
 pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface);
 
-/// "20um" in metres for a palette per metre; a plain number, in units of 1/S of the white, for a relative
-/// one; empty: infinite.
+/// Parses "20um" to metres for a palette per metre, or a plain number in units of 1/S of the white for a
+/// relative one; empty: infinite.
 double thickness_for(const pigment::Palette& palette, const std::string& text);
 
-/// "L* 53.24  a* 80.09  b* 67.20  #ff0000".
+/// Text such as "L* 53.24  a* 80.09  b* 67.20  #ff0000".
 std::string colour_text(const pigment::Observation& lamp, const std::vector<double>& reflectance);
 
-/// A line over the wavelengths, of a colour.
+/// A line over the wavelengths, with a given colour.
 PlotSeries spectrum_line(const std::vector<double>& nm, const std::vector<double>& values,
                          const std::string& label, const std::string& colour);
 

@@ -62,7 +62,7 @@ ErrorList::ErrorList(std::vector<std::string> errors) : Error(joined(errors)), e
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates) {
   const std::string wanted = lower(name);
   std::string best;
-  // A third of the length may differ: enough for slips, too little to suggest an unrelated word.
+  // A third of the letters may differ: enough for typing errors, but unrelated words are not suggested.
   size_t best_distance = std::max<size_t>(2, wanted.size() / 3) + 1;
   for (const auto& c : candidates) {
     const std::string candidate = lower(c);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors that know where they come from. Wrong input is an `Error` with a location in a file where there is
-// one; `Diagnostics` collects all of them so that a user sees every problem of a scene at once.
+// Errors with source locations. Wrong input is an `Error`, with a location in a file if there is one.
+// `Diagnostics` collects errors, so that a user sees all problems of a scene at once.
 #pragma once
 
 #include <stdexcept>
@@ -11,17 +11,17 @@
 
 namespace aureole {
 
-/// A place in a text file. `line` and `column` count from 1; 0 means unknown.
+/// A position in a text file. `line` and `column` count from 1; 0 means unknown.
 struct SourceLocation {
   std::string file;
   int line = 0;
   int column = 0;
 
-  /// "file:line:column", without the parts that are unknown.
+  /// "file:line:column", without unknown parts.
   std::string str() const;
 };
 
-/// A fault in the user's input. Caught by the applications, which print it and exit with code 2.
+/// An error in the user's input. The applications catch it, print it and exit with code 2.
 class Error : public std::runtime_error {
 public:
   explicit Error(const std::string& message) : std::runtime_error(message), message_(message) {}
@@ -49,17 +49,17 @@ public:
   const std::vector<std::string>& errors() const { return errors_; }
   const std::vector<std::string>& notes() const { return notes_; }
 
-  /// Throws one `ErrorList` with everything collected, if there is any error.
+  /// Throws one `ErrorList` with all collected errors, if there are any.
   void throw_if_errors() const;
 
 private:
   void add_once(std::vector<std::string>& list, const SourceLocation& where, const std::string& message);
 
   std::vector<std::string> errors_, notes_;
-  std::unordered_set<std::string> known_;  ///< of both: a scene may have 100,000 problems
+  std::unordered_set<std::string> known_;  ///< of both lists: a scene may have 100,000 problems
 };
 
-/// Several errors at once; `what()` joins them by newlines.
+/// Several errors in one exception; `what()` joins them by newlines.
 class ErrorList : public Error {
 public:
   explicit ErrorList(std::vector<std::string> errors);
@@ -69,7 +69,8 @@ private:
   std::vector<std::string> errors_;
 };
 
-/// The candidate nearest to `name` in edit distance (case-insensitive), or an empty string if none is near.
+/// The candidate nearest to `name` in edit distance (case-insensitive), or an empty string if none is
+/// similar.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 /// `"; did you mean \"x\"?"` for the nearest candidate, or an empty string.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Layout: "OpenEXR File Layout" (openexr.com): magic, version and flags, then per part attributes of name,
-// type, size, value; an empty name ends a header, an empty header ends those of a multi-part file.
+// Layout: "OpenEXR File Layout" (openexr.com): magic number, version and flags, then per part attributes of
+// name, type, size, value. An empty name ends a header; an empty header ends the headers of a multi-part
+// file.
 #include "aureole/core/exr_header.h"
 
 #include <cstdint>
@@ -15,7 +16,7 @@ namespace aureole::codec {
 namespace {
 
 constexpr std::uint32_t kDeep = 0x800, kMultiPart = 0x1000;
-/// No compression in the format packs tighter than this for whole images.
+/// Upper bound of the compression ratio of whole images over all compression methods of the format.
 constexpr double kMostRatio = 20000;
 
 class Cursor {
@@ -43,12 +44,12 @@ private:
   Bytes bytes_;
 };
 
-/// Bytes of one pixel from the list of channels.
+/// Returns the bytes of one pixel from the list of channels.
 double pixel_bytes(Bytes list) {
   double sum = 0;
   for (Cursor c(list); !c.text().empty();) {
     const std::int32_t type = c.integer();
-    c.take(12);  // linearity and sampling
+    c.take(12);  // skips linearity and sampling
     sum += type == 1 ? 2 : 4;
   }
   return sum;

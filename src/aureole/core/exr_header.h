@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A check of the header of an EXR file before a library allocates memory by it.
+// Checks the header of an EXR file before a library allocates memory based on it.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,9 @@
 
 namespace aureole::codec {
 
-/// Walks over the attributes of all headers of the file; throws Error where one does not fit into the file,
-/// where a data window exceeds `max_pixels`, or where no file of this size can hold the pixels or tiles
-/// promised.
+/// Checks the attributes of all headers of the file. Throws Error if one does not fit into the file, if a
+/// data window exceeds `max_pixels`, or if a file of this size cannot contain the stated number of pixels or
+/// tiles.
 void check_exr_header(std::span<const unsigned char> bytes, std::size_t max_pixels);
 
 }  // namespace aureole::codec

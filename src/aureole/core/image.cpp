@@ -58,7 +58,7 @@ Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) 
   return codec::read_hdr_tga_bmp(b, max_pixels);
 }
 
-/// Writes the bytes that `encode` returns; its errors get the file's name.
+/// Writes the bytes that `encode` returns, and adds the file's name to its errors.
 template <class Encode>
 void write_encoded(const std::filesystem::path& file, const Encode& encode) {
   try {
@@ -69,7 +69,7 @@ void write_encoded(const std::filesystem::path& file, const Encode& encode) {
   }
 }
 
-/// Writes all of `bytes`, through to the disc.
+/// Writes all of `bytes` and flushes them to the disc.
 bool write_all(int descriptor, std::span<const char> bytes) {
   while (!bytes.empty()) {
     const ssize_t n = ::write(descriptor, bytes.data(), std::min(bytes.size(), std::size_t(1) << 30));
@@ -77,7 +77,7 @@ bool write_all(int descriptor, std::span<const char> bytes) {
     if (n <= 0) return false;
     bytes = bytes.subspan(std::size_t(n));
   }
-  return ::fsync(descriptor) == 0 || errno == EINVAL;  // pipes have nothing to flush
+  return ::fsync(descriptor) == 0 || errno == EINVAL;  // pipes cannot be flushed
 }
 
 }  // namespace
@@ -132,7 +132,7 @@ void write_file_atomically(const std::filesystem::path& file, std::span<const ch
   const auto system_failure = [&](const char* what) {
     fail(file, std::string(what) + ": " + std::strerror(errno));
   };
-  // A link is followed, so that it stays one; a device or pipe cannot be replaced.
+  // A symbolic link is followed, so that it stays a link. A device or pipe cannot be replaced by renaming.
   const fs::path target = fs::is_symlink(file, code) ? fs::weakly_canonical(file, code) : file;
   if (fs::is_directory(target, code)) fail(file, "is a directory");
   if (fs::exists(target, code) && !fs::is_regular_file(target, code)) {
@@ -146,7 +146,7 @@ void write_file_atomically(const std::filesystem::path& file, std::span<const ch
   static std::atomic<unsigned> counter{0};
   fs::path beside;
   int d = -1;
-  // A killed job with the same process number, as containers have them, may have left its file.
+  // A killed job with the same process id, which is common in containers, may have left its temporary file.
   for (int attempt = 0; attempt < 1000 && d < 0 && (attempt == 0 || errno == EEXIST); ++attempt) {
     beside = target;
     beside += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One function per image format, used by image.cpp alone. They read from memory and throw Error without the
+// One function per image format, used only by image.cpp. They read from memory and throw Error without the
 // file's name.
 #pragma once
 
@@ -12,15 +12,15 @@ namespace aureole::codec {
 
 using Bytes = std::span<const unsigned char>;
 
-/// Throws Error unless width x height is positive, at most max_pixels, and at most `most_per_byte` pixels for
-/// every byte of the file: a damaged header must not ask for memory that no file of this size can fill.
+/// Throws Error unless width x height is positive, at most max_pixels, and at most `most_per_byte` pixels per
+/// byte of the file. So a damaged header cannot cause an allocation that no file of this size can fill.
 void check_size(long long width, long long height, std::size_t max_pixels, std::size_t file_bytes,
                 double most_per_byte);
 
 /// Channel names of one to four channels: Y; Y, A; R, G, B; R, G, B, A.
 std::vector<std::string> channel_names(int count);
 
-/// An image of the given size whose pixels come from `value(i)` over all of height x width x channels.
+/// Makes an image whose values are `value(i)`, with i over all of height x width x channels.
 template <class Value>
 Image make_image(int width, int height, int channels, bool srgb_encoded, const Value& value) {
   Image image;
@@ -37,12 +37,12 @@ Image read_png(Bytes bytes, std::size_t max_pixels);
 Image read_jpeg(Bytes bytes, std::size_t max_pixels);
 Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels);
 Image read_pfm(Bytes bytes, std::size_t max_pixels);
-/// HDR, TGA or BMP; TGA has no signature, so that anything unknown ends here.
+/// Reads HDR, TGA or BMP. TGA has no signature, so files of unknown format are read here, too.
 Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels);
 
 std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttributes& attributes);
 std::vector<char> encode_png(const Image& image);
-/// Take images of exactly R, G, B or Y.
+/// Encode images whose channels are exactly R, G, B or Y.
 std::vector<char> encode_hdr(const Image& image);
 std::vector<char> encode_pfm(const Image& image);
 

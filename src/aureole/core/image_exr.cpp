@@ -72,7 +72,7 @@ void read_attributes(const Imf::Header& header, ExrAttributes& out) {
 }  // namespace
 
 Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) try {
-  // The library allocates memory by the header alone: the header is checked first.
+  // The library allocates memory based on the header alone, so the header is checked first.
   check_exr_header(bytes, max_pixels);
   MemoryInput stream(bytes);
   Imf::InputFile file(stream, 0);
@@ -112,13 +112,13 @@ std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttrib
   for (const auto& [name, value] : attributes.integers) header.insert(name, Imf::IntAttribute(value));
   for (const auto& [name, value] : attributes.floats) header.insert(name, Imf::FloatAttribute(value));
   if (image.channel("R") >= 0 && image.channel("G") >= 0 && image.channel("B") >= 0)
-    Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709 with D65, as sRGB
+    Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709 with D65, like sRGB
 
   const bool as_half = pixel == ExrPixel::half;
   std::vector<half> halves;
   if (as_half) {
     halves.reserve(image.pixels.size());
-    // Out of range becomes the largest half, not infinity.
+    // Finite values out of range become the largest half instead of infinity.
     for (const float v : image.pixels)
       halves.emplace_back(std::isfinite(v) ? std::clamp(v, -65504.f, 65504.f) : v);
   }
@@ -137,7 +137,7 @@ std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttrib
     Imf::OutputFile file(stream, header, 0);
     file.setFrameBuffer(frame);
     file.writePixels(image.height);
-  }  // the line table is written here
+  }  // the table of line offsets is written here
   return std::move(stream.bytes);
 } catch (const Error&) {
   throw;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writes Radiance's RGBE pictures: three mantissas of 8 bits with a common exponent (Ward 1991, "Real
-// pixels"), run-length encoded line by line.
+// Writes Radiance's RGBE pictures: three 8-bit mantissas with a common exponent (Ward 1991, "Real pixels"),
+// run-length encoded line by line.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,7 +14,7 @@ namespace {
 
 using Rgbe = std::array<unsigned char, 4>;
 
-/// Rounded to nearest, for readers that take a mantissa as it stands, as most do (Radiance's own adds a
+/// Rounds mantissas to nearest, for readers that use them directly, as most do (Radiance itself adds one
 /// half).
 Rgbe to_rgbe(float r, float g, float b) {
   const float c[3] = {std::max(r, 0.f), std::max(g, 0.f), std::max(b, 0.f)};
@@ -30,8 +30,8 @@ Rgbe to_rgbe(float r, float g, float b) {
   return e;
 }
 
-/// A line of one component: runs of more than two equal bytes as (128 + length, byte), the rest as (length,
-/// bytes).
+/// Run-length encodes a line of one component: runs of more than two equal bytes become (128 + length, byte),
+/// other bytes (length, bytes).
 void append_runs(std::vector<char>& out, const std::vector<unsigned char>& line) {
   const auto run_at = [&](std::size_t i) {
     std::size_t end = i + 1;

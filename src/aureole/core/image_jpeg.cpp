@@ -2,7 +2,7 @@
 #include <csetjmp>
 #include <cstdio>
 #include <cstring>
-// jpeglib.h needs size_t and FILE first.
+// jpeglib.h requires size_t and FILE to be declared before it.
 #include <jerror.h>
 #include <jpeglib.h>
 
@@ -13,8 +13,8 @@ namespace aureole::codec {
 
 namespace {
 
-/// libjpeg reports errors by longjmp: functions that call setjmp keep no objects with destructors of their
-/// own.
+/// State of libjpeg's callbacks. libjpeg reports errors by longjmp, so functions that call setjmp have no
+/// local objects with destructors.
 struct JpegState {
   jpeg_decompress_struct jpeg{};
   jpeg_error_mgr errors{};
@@ -29,7 +29,8 @@ void on_error(j_common_ptr jpeg) {
   std::longjmp(state->jump, 1);
 }
 
-/// Most warnings are harmless; these mean that pixels are missing, which libjpeg fills with grey.
+/// Treats warnings about missing pixels, which libjpeg fills with grey, as errors. Other warnings are
+/// harmless.
 void on_message(j_common_ptr jpeg, int level) {
   if (level >= 0) return;
   const int code = jpeg->err->msg_code;
@@ -75,7 +76,7 @@ Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
   };
   check(read_header(s, bytes));
   const int width = int(s.jpeg.image_width), height = int(s.jpeg.image_height);
-  // A block of 64 pixels takes a bit at the very least.
+  // A block of 64 pixels takes at least one bit.
   check_size(width, height, max_pixels, bytes.size(), 8 * 64);
   const int components = s.jpeg.out_color_space == JCS_GRAYSCALE ? 1
                          : s.jpeg.out_color_space == JCS_CMYK    ? 4
@@ -85,7 +86,7 @@ Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
   const auto* v = s.data.data();
   if (components != 4)
     return make_image(width, height, components, true, [&](std::size_t i) { return float(v[i]) / 255; });
-  // Files with four inks store them inverted, as Adobe's programs do.
+  // Four-ink (CMYK) files store inverted values, as Adobe's programs do.
   return make_image(width, height, 3, true, [&](std::size_t i) {
     const unsigned char* pixel = v + i / 3 * 4;
     return float(pixel[i % 3]) * float(pixel[3]) / (255.f * 255.f);

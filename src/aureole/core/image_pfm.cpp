@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Portable float maps: "PF" (RGB) or "Pf" (grey), width, height, a scale whose sign says the byte order
+// Portable float maps: "PF" (RGB) or "Pf" (grey), width, height, a scale whose sign encodes the byte order
 // (negative: little-endian), then 32-bit floats, the bottom row first.
 #include <algorithm>
 #include <bit>
@@ -17,7 +17,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Words of a header that are separated by white space; one such character ends the last.
+/// Words of a header, separated by white space; a single white-space character ends the last word.
 class Words {
 public:
   explicit Words(Bytes bytes) : text_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}

@@ -14,8 +14,8 @@ namespace aureole::codec {
 
 namespace {
 
-/// The state of libpng's callbacks. libpng reports errors by longjmp: functions that call setjmp keep no
-/// objects with destructors of their own.
+/// State of libpng's callbacks. libpng reports errors by longjmp, so functions that call setjmp have no local
+/// objects with destructors.
 struct PngState {
   Bytes input;
   std::size_t position = 0;
@@ -59,7 +59,7 @@ bool read_header(PngState& s) {
   png_set_read_fn(s.png, &s, on_read);
   png_read_info(s.png, s.info);
   s.width = int(png_get_image_width(s.png, s.info)), s.height = int(png_get_image_height(s.png, s.info));
-  png_set_expand(s.png);  // palette to RGB, few bits to 8, transparency to alpha
+  png_set_expand(s.png);  // converts palettes to RGB, fewer bits to 8, transparency to alpha
   if (png_get_bit_depth(s.png, s.info) == 16) png_set_swap(s.png), s.bits = 16;
   png_set_interlace_handling(s.png);
   png_read_update_info(s.png, s.info);
@@ -109,7 +109,7 @@ Image read_png(Bytes bytes, std::size_t max_pixels) {
   s.info = png_create_info_struct(s.png);
   if (!s.info) throw Error("libpng cannot be started");
   if (!read_header(s)) throw Error(std::string("damaged PNG: ") + s.message);
-  // A byte of deflated data gives at most 1032 bytes, a byte at most 8 pixels.
+  // A byte of deflated data expands to at most 1032 bytes, each with at most 8 pixels.
   check_size(s.width, s.height, max_pixels, bytes.size(), 1032 * 8);
   point_rows(s, png_get_rowbytes(s.png, s.info));
   if (!read_rows(s)) throw Error(std::string("damaged PNG: ") + s.message);
@@ -139,7 +139,7 @@ std::vector<char> encode_png(const Image& image) {
   point_rows(s, std::size_t(s.width) * s.channels);
   for (std::size_t i = 0; i < s.data.size(); ++i) {
     const float v = image.pixels[i];
-    s.data[i] = v >= 0 ? static_cast<unsigned char>(std::min(v, 1.f) * 255 + 0.5f) : 0;  // NaN is 0
+    s.data[i] = v >= 0 ? static_cast<unsigned char>(std::min(v, 1.f) * 255 + 0.5f) : 0;  // NaN becomes 0
   }
   if (!write_rows(s)) throw Error(std::string("the PNG cannot be made: ") + s.message);
   return std::move(s.output);

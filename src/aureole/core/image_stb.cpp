@@ -11,7 +11,7 @@
 namespace aureole::codec {
 namespace {
 
-/// Memory that stb_image holds, so that an exception can pass through it.
+/// Memory allocated by stb_image, freed when an exception passes through it.
 class Blocks {
 public:
   ~Blocks() {
@@ -35,7 +35,7 @@ private:
   }
   std::unordered_set<void*> live_;
 };
-/// The memory that stb_image holds for this thread.
+/// The current memory of stb_image in this thread.
 thread_local Blocks* blocks = nullptr;
 
 }  // namespace
@@ -65,12 +65,12 @@ namespace aureole::codec {
 
 namespace {
 
-/// Feeds stb_image and throws when it asks for bytes beyond the end: it takes them as zeros and calls that a
-/// success, or loops.
+/// Provides data to stb_image and throws when it reads beyond the end. stb_image itself would treat missing
+/// bytes as zeros and report success, or loop forever.
 struct Feed {
   Bytes bytes;
   std::size_t position = 0;
-  const char* buffer = nullptr;  ///< stb_image's own; refilling it may come up short, anything else may not
+  const char* buffer = nullptr;  ///< stb_image's own buffer; only reads into it may be short
 
   static int read(void* user, char* to, int wanted) {
     auto& f = *static_cast<Feed*>(user);
@@ -113,7 +113,7 @@ Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels) {
     // Too short even for a header.
     throw Error(kUnknown);
   }
-  // Run lengths go up to 128.
+  // Run lengths are at most 128.
   check_size(width, height, max_pixels, bytes.size(), 128);
 
   const bool hdr = stbi_is_hdr_from_callbacks(&kCallbacks, &test);

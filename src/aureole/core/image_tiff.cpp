@@ -64,8 +64,7 @@ float sample_value(const unsigned char* at, const Layout& l) {
   }
 }
 
-/// Reads strips or tiles of the plain kinds: gray or RGB of 8, 16, 32 or 64 bits, samples together or in
-/// planes.
+/// Reads strips or tiles of the simple types: grey or RGB of 8, 16, 32 or 64 bits, interleaved or planar.
 Image read_plain(TIFF* tiff, const Layout& l, bool encoded) {
   const int channels = std::min<int>(l.samples, 4);
   Image image = make_image(int(l.width), int(l.height), channels, encoded, [](std::size_t) { return 0.f; });
@@ -100,7 +99,7 @@ Image read_plain(TIFF* tiff, const Layout& l, bool encoded) {
   return image;
 }
 
-/// Everything else (palettes, few bits, white-is-zero, inks, YCbCr) through libtiff's own conversion to 8-bit
+/// Reads all other types (palettes, fewer bits, white-is-zero, inks, YCbCr) by libtiff's conversion to 8-bit
 /// RGBA.
 Image read_converted(TIFF* tiff, const Layout& l) {
   char why[1024] = "";
@@ -112,7 +111,7 @@ Image read_converted(TIFF* tiff, const Layout& l) {
                     [&](std::size_t i) { return float(rgba[i / 4] >> (8 * (i % 4)) & 255) / 255; });
 }
 
-/// Resolution tags and description as attributes of their TIFF names, where the file has them.
+/// Reads the resolution tags and the description into attributes with their TIFF names, if present.
 void read_attributes(TIFF* tiff, ExrAttributes& attributes) {
   const char* description = nullptr;
   if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description) && description)
@@ -128,7 +127,7 @@ void read_attributes(TIFF* tiff, ExrAttributes& attributes) {
 }  // namespace
 
 Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) {
-  // Messages would go to stderr; the error below says enough.
+  // libtiff would print messages to stderr; the error below is sufficient.
   static const bool quiet = (TIFFSetErrorHandler(nullptr), TIFFSetWarningHandler(nullptr), true);
   (void)quiet;
   Memory memory{bytes};
@@ -146,7 +145,7 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLEFORMAT, &l.format);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_PLANARCONFIG, &l.planar);
   TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &l.photometric);
-  // No scheme in use packs more than some thousands to one.
+  // No compression in use exceeds a ratio of some thousands.
   check_size(l.width, l.height, max_pixels, bytes.size(), 20000);
   const bool real = l.format == SAMPLEFORMAT_IEEEFP;
   const bool known_bits =

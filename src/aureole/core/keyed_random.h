@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// `KeyedRandom`: numbers for decisions that need any number of them (docs/conventions.md, "Random numbers").
+// `KeyedRandom`: random numbers for decisions that need an unlimited number of them (docs/conventions.md,
+// "Random numbers").
 #pragma once
 
 #include "aureole/core/random.h"
 
 namespace aureole {
 
-/// Numbers in [0, 1) from a key.
+/// A sequence of numbers in [0, 1) determined by a key.
 class KeyedRandom {
 public:
   explicit KeyedRandom(std::uint32_t key) : state_(mix_bits(key + 0x9e3779b97f4a7c15u)) {}

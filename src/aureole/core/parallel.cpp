@@ -21,7 +21,8 @@ void run_workers(int threads, const std::function<void(int)>& worker) { run_std_
 
 namespace {
 
-/// A child of a fork has none of oneTBB's threads, and what they held when it was made: it takes its own.
+/// A forked child process has none of oneTBB's threads, but inherits state that refers to them. So it uses
+/// std::thread.
 std::atomic<bool> is_forked{false};
 [[maybe_unused]] const int registered = pthread_atfork(nullptr, nullptr, [] { is_forked = true; });
 
@@ -30,7 +31,7 @@ std::atomic<bool> is_forked{false};
 void run_workers(int threads, const std::function<void(int)>& worker) {
   if (is_forked) return run_std_threads(threads, worker);
   run_guarded(worker, [&](const Worker& guarded) {
-    // More threads than cores are allowed on request: the determinism tests use them.
+    // More threads than cores are allowed on request; the determinism tests use them.
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                               size_t(std::max(threads, default_thread_count())));
     tbb::task_arena arena(threads);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The thread backend: oneTBB, or std::thread in builds for ThreadSanitizer (uninstrumented TBB hides races).
+// The threading backend: oneTBB, or std::thread in builds for ThreadSanitizer (uninstrumented TBB would hide
+// races).
 #pragma once
 
 #include <cstddef>
@@ -9,13 +10,13 @@
 
 namespace aureole {
 
-/// Calls `worker(i)` for i in [0, threads), concurrently where the machine can, and returns when all have
-/// returned. Workers share work through state of their own (an atomic counter); each must be able to finish
-/// it alone. The first exception is rethrown.
+/// Calls `worker(i)` for i in [0, threads), concurrently if possible, and returns when all calls have
+/// returned. Workers share work through state of their own (an atomic counter). Each must be able to finish
+/// all work alone. The first exception is rethrown.
 void run_workers(int threads, const std::function<void(int)>& worker);
 
-/// The `ParallelFor` of the renderer, on all cores: calls `body(begin, end)` for ranges of `grain` or fewer
-/// that make up [0, n). Ranges must not depend on one another.
+/// The `ParallelFor` of the renderer, on all cores: calls `body(begin, end)` for ranges of at most `grain`
+/// that partition [0, n). Ranges must be independent of each other.
 void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body,
                 std::size_t grain = 1 << 14);
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a computation that can use several threads is given them: its caller hands it a `ParallelFor`, so that
-// it depends on no library of threads. The renderer hands over `for_ranges` (core/parallel.h), which runs on
-// oneTBB.
+// `ParallelFor`: the interface by which callers provide threads to a computation, so that it does not depend
+// on a threading library. The renderer passes `for_ranges` (core/parallel.h), which uses oneTBB.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +8,17 @@
 
 namespace aureole {
 
-/// `parallel_for(n, body, grain)` calls `body(begin, end)` for ranges that make up [0, n), in any order and
-/// on any threads, and returns when all calls have returned. The first exception is rethrown. A range shorter
-/// than `grain` is not worth a thread. Ranges must not depend on one another: then results are the same, bit
-/// by bit, whoever computes them.
+/// `parallel_for(n, body, grain)` calls `body(begin, end)` for ranges that partition [0, n), in any order and
+/// on any threads, and returns when all calls have returned. The first exception is rethrown. Ranges shorter
+/// than `grain` are not worth a thread. Ranges must be independent of each other; results are then the same
+/// bit for bit with any threads.
 using ParallelFor = std::function<void(
     std::size_t n, const std::function<void(std::size_t, std::size_t)>& body, std::size_t grain)>;
 
-/// A `ParallelFor` that stays on the calling thread.
+/// A `ParallelFor` that uses only the calling thread.
 void serial_for(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body, std::size_t grain);
 
-/// A `ParallelFor` on `threads` threads of the standard library, which each call starts anew; 0: one for each
+/// A `ParallelFor` with `threads` threads of the standard library, started anew by each call; 0: one per
 /// core.
 ParallelFor std_thread_for(int threads = 0);
 

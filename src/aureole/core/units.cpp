@@ -27,7 +27,7 @@ constexpr Unit kLengths[] = {{"nm", 1e-9}, {"um", 1e-6}, {"µm", 1e-6}, {"μm", 
                              {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1},     {"km", 1e3}};
 constexpr Unit kFrequencies[] = {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}, {"THz", 1e12}};
 
-/// The number at the start of `text` and the text that follows it.
+/// Returns the number at the start of `text` and the remaining text.
 std::pair<double, std::string_view> split(std::string_view text) {
   text = trimmed(text);
   std::string_view digits = text;

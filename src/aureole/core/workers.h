@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Common parts of the two backends of threads, core/parallel.h and core/parallel_for.h.
+// Common code of both threading backends, core/parallel.h and core/parallel_for.h.
 #pragma once
 
 #include <cstddef>
@@ -9,19 +9,19 @@ namespace aureole {
 
 using Worker = std::function<void(int)>;
 
-/// Number of cores, at least 1: the number of threads a job uses when none is asked for.
+/// Number of cores, at least 1: the default number of threads of a job.
 int default_thread_count();
 
-/// Calls `start(guarded)`, which calls `guarded(i)` from several threads and waits for them. Exceptions of
-/// `worker` do not leave the threads: the first one is rethrown here.
+/// Calls `start(guarded)`, which must call `guarded(i)` from several threads and wait for them. Exceptions of
+/// `worker` are caught in the threads, and the first one is rethrown here.
 void run_guarded(const Worker& worker, const std::function<void(const Worker& guarded)>& start);
 
-/// Calls `worker(i)` for i in [0, threads), each on a thread of its own, and returns when all have returned.
-/// The first exception is rethrown.
+/// Calls `worker(i)` for i in [0, threads), each on its own thread, and returns when all have returned. The
+/// first exception is rethrown.
 void run_std_threads(int threads, const Worker& worker);
 
-/// Hands out [0, n) in ranges of `grain` or fewer to as many workers as are of use, at most `most_threads`,
-/// which `run(threads, worker)` starts.
+/// Distributes ranges of at most `grain` that partition [0, n) to as many workers as useful, at most
+/// `most_threads`. The workers are started by `run(threads, worker)`.
 void share_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body, std::size_t grain,
                   int most_threads, const std::function<void(int, const Worker&)>& run);
 

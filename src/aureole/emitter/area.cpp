@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A shape that shines from its front, the side of its geometric normal.
+// A surface that emits from its front, the side of its geometric normal.
 #include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
@@ -84,7 +84,8 @@ public:
   }
 
 private:
-  /// Fills everything but the radiance; false where the surface faces away or `wo` is behind `facing`.
+  /// Fills everything but the radiance. Returns false if the surface faces away or `wo` points behind
+  /// `facing`.
   static bool set_position(const PositionSample& s, const Vec3& reference, const Vec3& facing,
                            std::optional<DirectSample>& result) {
     const Vec3 wo = normalize(s.p - reference);
@@ -108,8 +109,7 @@ AUREOLE_PLUGIN(
     AreaEmitter, "emitter", "area",
     PluginDoc{
         .summary =
-            "Makes the shape it is a child of shine with the same radiance into all directions of its front "
-            "side.",
+            "Area light: its parent shape emits the same radiance into all directions from its front side.",
         .source = "",
         .parameters = {{"radiance", "spectrum", "W/(m^2 sr nm), any common scale", "1",
                         "emitted spectral radiance; may be a texture"}},

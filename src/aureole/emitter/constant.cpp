@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same radiance from every direction at infinity.
+// An environment of constant radiance: the same from every direction at infinity.
 #include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"

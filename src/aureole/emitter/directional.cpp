@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parallel light from infinity, such as sunlight without the width of the sun.
+// Parallel light from infinity, such as sunlight without the angular size of the sun.
 #include "aureole/emitter/light.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -63,8 +63,8 @@ AUREOLE_PLUGIN(
         "Parallel light from infinity over the whole scene.",
         "",
         {{"irradiance", "spectrum", "W/(m^2 nm), any common scale", "1",
-          "spectral irradiance of a surface across the light"},
-         {"direction", "vector", "", "0, 0, 1", "into which the light travels"},
+          "spectral irradiance of a surface perpendicular to the light"},
+         {"direction", "vector", "", "0, 0, 1", "direction in which the light travels"},
          {"to_world", "transform", "", "identity", "instead of direction: the light travels along its +z"}},
         {R"(<emitter type="directional"><vector name="direction" value="1, 0, -2"/><rgb name="irradiance" value="3, 3, 2.5"/></emitter>)",
          R"(<emitter type="directional"><transform name="to_world"><lookat origin="0, 0, 5" target="1, 2, 0" up="0, 0, 1"/></transform></emitter>)"}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A shape that emits along its normals only. Connections from scene points have probability zero, so that
-// this light is found by light tracing alone.
+// A shape that emits along its normals only. The probability to sample its directions by next-event
+// estimation is zero, so that only light tracing finds this light.
 #include "aureole/emitter/light.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/area_sampler.h"
@@ -56,7 +56,8 @@ public:
 
   EmissionBounds emission_bounds(const Light& light, std::size_t part) const override {
     const auto [axis, cosine] = light.area->patch_normals(part);
-    // The cone of emission is empty; `focus` 0 keeps light selection from choosing it for a point.
+    // The cone of emission has zero solid angle; `focus` 0 keeps light selection from choosing it for a
+    // point.
     return {light.area->patch_bounds(part),
             axis,
             cosine,
@@ -73,13 +74,12 @@ AUREOLE_PLUGIN(
     DirectionalAreaEmitter, "emitter", "directionalarea",
     PluginDoc{
         .summary =
-            "Makes the shape it is a child of shine along its normals only: a rectangle sends a parallel "
-            "beam. Light "
-            "tracing (`ptracer`, `bdpt`) finds this light; `path` and `direct` cannot.",
+            "Its parent shape emits along its normals only: a rectangle emits a parallel beam. Light tracing "
+            "(`ptracer`, `bdpt`) finds this light; `path` and `direct` cannot.",
         .source = "",
-        .parameters = {{"radiance", "spectrum", "W/(m^2 nm), any common scale", "1",
-                        "spectral exitance, the power that leaves per area (the name is Mitsuba's); may be a "
-                        "texture"}},
+        .parameters =
+            {{"radiance", "spectrum", "W/(m^2 nm), any common scale", "1",
+              "spectral exitance, the emitted power per area (the name is Mitsuba's); may be a texture"}},
         .examples = {R"(<emitter type="directionalarea"><rgb name="radiance" value="4, 5, 6"/></emitter>)"},
         .needs_shape = true});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Defaults of the emitter interface: an emitter that is not on a shape and not at infinity.
+// Defaults of the emitter interface: an emitter that is neither on a shape nor at infinity.
 #include "aureole/emitter/emitter.h"
 
 #include "aureole/emitter/light.h"
@@ -39,11 +39,12 @@ RayDensity density_from_infinity(const Light& light, float direction) {
 
 AUREOLE_FAMILY(FamilyInfo{
     .name = "emitter",
-    .parameters = {{"medium", "medium", "", "that within the surfaces around it",
-                    "what the emitter is in; needed only where no surface bounds that medium"},
-                   {"sampling_weight", "float", "", "1",
-                    "factor of the probability with which light sampling chooses this emitter; 0: never, so "
-                    "that it is only seen where rays meet it by chance"}},
+    .parameters =
+        {{"medium", "medium", "", "the medium inside the surfaces around it",
+          "medium around the emitter; needed only if no surface bounds that medium"},
+         {"sampling_weight", "float", "", "1",
+          "factor of the probability that light sampling chooses this emitter; 0: never, so that only "
+          "rays that hit it by chance find it"}},
     .hangs_on_shapes = true,
     .is_reusable = true});
 

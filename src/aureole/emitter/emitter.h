@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The emitter family. An emitter holds the emission model; its position in the scene is in a `Light`
-// (light.h), which is passed to its methods. A light is divided into parts (patches of a shape, or one)
-// between which the light selection chooses.
+// The emitter family. An emitter is a model of emission; its position in the scene is stored in a `Light`
+// (light.h), which is passed to its methods. A light has one or several parts (patches of a shape); light
+// selection chooses a part.
 #pragma once
 
 #include <optional>
@@ -15,106 +15,109 @@ namespace aureole {
 
 struct Light;
 
-/// A direction towards an emitter, from `Emitter::sample_direct`.
+/// A direction towards an emitter, sampled by `Emitter::sample_direct`.
 struct DirectSample {
   Vec3 wo;            ///< unit direction from the reference point towards the emitter
-  Vec3 p;             ///< where the connection ends; for an emitter at infinity a point beyond the scene
+  Vec3 p;             ///< the other endpoint of the segment; for an emitter at infinity a point beyond the
+                      ///< scene
   Vec3 p_error;       ///< zero for points that lie on no surface
   Vec3 ng;            ///< zero for points that lie on no surface
-  Spectrum radiance;  ///< arriving along -wo; of a delta emitter the factor of the delta (irradiance)
-  float pdf = 0;      ///< density [1/sr], or 1 (a mass) where `delta`
+  Spectrum radiance;  ///< arriving along -wo; for a delta emitter the factor of the delta function
+                      ///< (irradiance)
+  float pdf = 0;      ///< pdf [1/sr], or 1 (a probability mass) if `delta`
   bool delta = false;
   bool infinite = false;
 };
 
-/// A ray of light that leaves an emitter, from `Emitter::sample_ray`.
+/// A ray of light that leaves an emitter, sampled by `Emitter::sample_ray`.
 struct EmittedRay {
-  Vec3 p;        ///< where it starts; for an emitter at infinity a point outside the scene
+  Vec3 p;        ///< its origin; for an emitter at infinity a point outside the scene
   Vec3 p_error;  ///< zero for points that lie on no surface
   Vec3 ng;       ///< zero for points that lie on no surface
   Vec3 d;        ///< unit direction of travel
-  /// Radiance times |cos| at a surface, or, where the direction is a delta, its exitance; of a point the
-  /// intensity; of a beam from infinity the radiance, or, where the direction is a delta, the irradiance on a
-  /// plane across it.
+  /// From a surface: radiance times |cos|, or the exitance if the direction is a delta. From a point: the
+  /// intensity. From infinity: the radiance, or, if the direction is a delta, the irradiance on a plane
+  /// perpendicular to it.
   Spectrum value;
-  float pdf_position = 0;   ///< density [1/m^2], or a mass where `delta_position`
-  float pdf_direction = 0;  ///< density [1/sr], or a mass where `delta_direction`
+  float pdf_position = 0;   ///< pdf [1/m^2], or a probability mass if `delta_position`
+  float pdf_direction = 0;  ///< pdf [1/sr], or a probability mass if `delta_direction`
   bool delta_position = false, delta_direction = false;
 };
 
-/// The densities of `sample_ray`, or masses where the ray has those.
+/// The pdfs of `Emitter::sample_ray`, or probability masses for delta positions and directions.
 struct RayDensity {
   float position = 0, direction = 0;
 };
 
-/// How much light a part may send somewhere, for light selection (Conty Estevez & Kulla 2018, "Importance
-/// sampling of many lights with adaptive tree splitting").
+/// Bounds of the emission of a part, for light selection (Conty Estevez & Kulla 2018, "Importance sampling of
+/// many lights with adaptive tree splitting").
 struct EmissionBounds {
   Bounds3 box;
   Vec3 axis{0, 0, 1};
-  float cos_normals = -1;  ///< cosine of the half-angle of the cone of normals around axis
-  float cos_emission = 0;  ///< cosine of the further angle into which it shines (0 for a surface)
-  float power = 1;         ///< fraction of the emitter's power that this part sends
-  /// pi times the largest intensity over the power: 1 of a Lambertian surface, 1/4 of a point, 0 for emission
-  /// that `sample_direct` never finds.
+  float cos_normals = -1;  ///< cosine of the half-angle of the cone of normals around `axis`
+  float cos_emission = 0;  ///< cosine of the largest angle between a normal and an emitted direction (0 for a
+                           ///< surface)
+  float power = 1;         ///< fraction of the emitter's power that this part emits
+  /// pi times the largest intensity over the power: 1 for a Lambertian surface, 1/4 for a point, 0 for
+  /// emission that `sample_direct` never finds.
   float focus = 1;
 };
 
 class Emitter : public Object {
 public:
   static constexpr const char* kFamily = "an emitter";
-  /// Reads what every emitter has: sampling_weight and medium.
+  /// Reads the parameters of every emitter: sampling_weight and medium.
   explicit Emitter(const Properties& properties);
 
-  /// Factor of the probability with which light sampling chooses this emitter.
+  /// Factor of the probability that light sampling chooses this emitter.
   float sampling_weight() const { return sampling_weight_; }
-  /// The medium that it is in, where the scene states one; null: the surfaces around it tell.
+  /// The medium around the emitter, if the scene states one; null: it follows from the surfaces around it.
   const Medium* medium() const { return medium_.get(); }
 
-  /// Whether it emits from the surface of its parent shape; other emitters cannot be children of shapes.
+  /// Whether it emits from the surface of its parent shape. Other emitters cannot be children of shapes.
   bool sits_on_shape() const;
   virtual bool is_infinite() const { return false; }
-  /// Shines from one point or into one direction, so that no ray meets it by chance.
+  /// Whether it emits from a single point or into a single direction, so that no ray can hit it by chance.
   virtual bool is_delta() const { return false; }
   virtual std::size_t part_count(const Light&) const { return 1; }
   virtual std::size_t part_of(const Light&, const SurfacePoint&) const { return 0; }
 
-  /// Radiance that leaves the surface `point` along the unit direction `w`.
+  /// Emitted radiance at the surface `point` in the unit direction `w`.
   virtual Spectrum eval(const SurfacePoint& point, const Vec3& w, const Wavelengths& wavelengths) const;
-  /// Radiance arriving from infinity against the direction `d` of a ray that left the scene.
+  /// Radiance from infinity along a ray of direction `d` that left the scene, that is, arriving along -d.
   virtual Spectrum eval_escaped(const Vec3& d, const Wavelengths& wavelengths) const;
 
   virtual std::optional<DirectSample> sample_direct(const Light& light, const Vec3& reference,
                                                     std::size_t part, Vec2 u,
                                                     const Wavelengths& wavelengths) const = 0;
-  /// The same for a surface that scatters only light from the side of its unit normal `facing` (zero: from
-  /// all): may return nothing where wo is on the other side, and an emitter at infinity may follow the
-  /// cosine.
+  /// Samples a direction for a receiver that scatters only light from the side of its unit normal `facing`
+  /// (zero: from all sides). It may return nothing if wo is on the other side; an emitter at infinity may
+  /// sample the cosine too.
   virtual std::optional<DirectSample> sample_direct_facing(const Light& light, const Vec3& reference,
                                                            const Vec3& /*facing*/, std::size_t part, Vec2 u,
                                                            const Wavelengths& wavelengths) const {
     return sample_direct(light, reference, part, u, wavelengths);
   }
-  /// Solid-angle density with which sample_direct of the part that `point` lies on chooses it from `reference`; 0
-  /// for delta emitters. Of the point `p` and `ng` are needed only.
+  /// Solid-angle pdf [1/sr] with which sample_direct, for the part that contains `point`, samples it from
+  /// `reference`; 0 for delta emitters. Only `p` and `ng` of the point are needed.
   virtual float pdf_direct(const Light& light, const Vec3& reference, std::size_t part,
                            const SurfacePoint& point) const;
-  /// Density with which sample_direct_facing with the same `facing` (zero: sample_direct) chooses a direction
-  /// that left the scene.
+  /// Solid-angle pdf [1/sr] with which sample_direct_facing with this `facing` (zero: sample_direct) samples
+  /// the direction `d` of a ray that left the scene.
   virtual float pdf_direct_escaped(const Vec3& reference, const Vec3& facing, const Vec3& d) const;
 
-  /// A ray of light that leaves the part, for light tracing; `position` and `direction` are two points of [0,
-  /// 1)^2.
+  /// Samples a ray of light that leaves the part, for light tracing. `position` and `direction` are two
+  /// points of [0, 1)^2.
   virtual std::optional<EmittedRay> sample_ray(const Light& light, std::size_t part, Vec2 position,
                                                Vec2 direction, const Wavelengths& wavelengths) const = 0;
 
-  /// The densities with which sample_ray of a part chooses a ray of light of direction `d`: from `point` of
-  /// that part, of which `p` and `ng` are needed only, or, that being null, of an emitter that sits on no shape.
-  /// Of a delta direction it is the mass of its own direction.
+  /// The pdfs with which sample_ray of a part samples a ray of direction `d` from `point` of that part, of
+  /// which only `p` and `ng` are needed. `point` is null for an emitter that is not on a shape. For a delta
+  /// direction, d is taken to be that direction and the result is its mass.
   virtual RayDensity pdf_ray(const Light& light, std::size_t part, const SurfacePoint* point,
                              const Vec3& d) const = 0;
 
-  /// Power of a part per wavelength on the scene's grid (arbitrary but common scale for all emitters: W/nm).
+  /// Power spectrum of the light on the scene's grid, in W/nm or another scale common to all emitters.
   virtual SampledSpectrum power_spectrum(const Light& light) const = 0;
   virtual EmissionBounds emission_bounds(const Light& light, std::size_t part) const = 0;
 
@@ -123,10 +126,10 @@ private:
   MediumPtr medium_;
 };
 
-/// The beam that enters a scene from infinity along `d`: starts on a disc across it, before the scene's
+/// The ray of light from infinity along `d`. It starts on a disc perpendicular to it, outside the scene's
 /// bounding sphere. `position` chooses the point of the disc.
 EmittedRay ray_from_infinity(const Light& light, const Vec3& d, Vec2 position);
-/// Its density, `direction` being that of d.
+/// The pdfs of `ray_from_infinity`; `direction` is the pdf of `d`.
 RayDensity density_from_infinity(const Light& light, float direction);
 
 using EmitterPtr = std::shared_ptr<const Emitter>;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Environment map in latitude-longitude projection, importance-sampled. Geometry as Mitsuba's: local +y is
-// up, u = 0 looks along local -z and grows towards +x; texels are centred in azimuth, the first and last rows
-// are the poles. Light sampling follows the product of the map's luminance and the cosine at the receiver.
+// Environment map in latitude-longitude projection, importance-sampled. Its geometry is Mitsuba's: local +y
+// is up; u = 0 is the direction local -z, and u grows towards +x. Texels are centred in azimuth; the first
+// and last rows are the poles. Light sampling follows the product of the map's luminance and the cosine at
+// the receiver.
 #include <cmath>
 
 #include "aureole/core/image.h"
@@ -62,7 +63,8 @@ public:
   }
 
   SampledSpectrum power_spectrum(const Light& light) const override {
-    // The mean colour's spectrum stands for the mean of the texels' spectra: only used to choose densities.
+    // The spectrum of the mean colour approximates the mean of the texels' spectra: only used to choose
+    // densities.
     const UnboundedRgb mean = upsample_unbounded(mean_[0], mean_[1], mean_[2]);
     std::vector<float> nodes(d65_.nodes().begin(), d65_.nodes().end());
     for (size_t i = 0; i < nodes.size(); ++i)
@@ -86,7 +88,7 @@ private:
     const float sine = theta.y;
     if (!(pdf > 0) || !(sine > 0)) return {};
     const Vec3 wo = frame_.to_world({phi.y * sine, theta.x, -phi.x * sine});
-    // Blocks of the map that the horizon crosses.
+    // Happens in blocks of the map that the receiver's horizon crosses.
     if (dot(wo, facing) < 0) return {};
     DirectSample s;
     s.wo = wo;
@@ -136,9 +138,9 @@ private:
     build_distribution(luminance);
   }
 
-  /// One cell per bilinear patch between texel centres would sit across the seam; cells no larger than texels
-  /// are used instead, each weighted by the mean over a lattice that holds its corners, so that it is never
-  /// zero where the interpolant is positive.
+  /// Cells are no larger than texels; the bilinear patches between texel centres would cross the seam. Each
+  /// cell's weight is its mean over a lattice that includes its corners, so that it is never zero where the
+  /// interpolant is positive.
   void build_distribution(const std::vector<float>& luminance) {
     const auto lum = [&](float u, float v) {
       const float x = u * float(width_) - 0.5f, y = v * float(height_ - 1);
@@ -167,7 +169,7 @@ private:
         weights[size_t(y) * size_t(columns) + size_t(x)] = sum;
         mean += double(sum) * sine, area += sine;
       }
-    // MIS compensation (Karlik et al. 2019): light sampling leaves dim parts to BSDF sampling. Emitted rays
+    // MIS compensation (Karlik et al. 2019): light sampling leaves dim regions to BSDF sampling. Emitted rays
     // have no second technique, so that their density is not compensated.
     const float offset = float(mean / area);
     bool any = false;
@@ -189,7 +191,7 @@ private:
   }
 
   Spectrum eval_uv(Vec2 uv, const Wavelengths& w) const {
-    // NaN is 0 here.
+    // NaN becomes 0.
     const float x = (uv.x > 0 ? uv.x : 0) * float(width_) - 0.5f,
                 y = (uv.y > 0 ? uv.y : 0) * float(height_ - 1);
     const int x0 = int(std::floor(x)), y0 = std::clamp(int(y), 0, height_ - 2);
@@ -201,8 +203,8 @@ private:
     const UpsampledColor *a = &at(x0, y0), *b = &at(x0 + 1, y0), *c = &at(x0, y0 + 1),
                          *d = &at(x0 + 1, y0 + 1);
     const float wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wd = fx * fy;
-    // Shapes and scales are interpolated apart, as Mitsuba does: products would darken steep edges less, but
-    // pictures would differ.
+    // Shapes and scales are interpolated separately, as in Mitsuba. Interpolating products would darken steep
+    // edges less, but pictures would differ from Mitsuba's.
     const Spectrum nm = UpsampledColor::model_range(w.nm);
     const Spectrum shape = a->shape(nm) * wa + b->shape(nm) * wb + c->shape(nm) * wc + d->shape(nm) * wd;
     const float scale = a->scale * wa + b->scale * wb + c->scale * wc + d->scale * wd;
@@ -214,7 +216,8 @@ private:
   bool mis_compensation_;
   int width_ = 0, height_ = 0;
   std::vector<UpsampledColor> texels_;
-  LatLongDistribution distribution_, everything_;  ///< the second only where the first is compensated
+  LatLongDistribution distribution_, everything_;  ///< the second one is only used if the first is
+                                                   ///< compensated
   SampledSpectrum d65_;
 };
 
@@ -229,7 +232,8 @@ AUREOLE_PLUGIN(
          {"scale", "float", "", "1", "factor of the radiance"},
          {"to_world", "transform", "", "identity", "rotation of the map, whose local +y is up"},
          {"mis_compensation", "boolean", "", "false",
-          "sample only what is brighter than average (Karlik et al. 2019, \"MIS compensation\")"}},
+          "light sampling samples only regions brighter than average (Karlik et al. 2019, \"MIS "
+          "compensation\")"}},
         {R"(<emitter type="envmap"><string name="filename" value="sky.exr"/><float name="scale" value="2"/>
     <boolean name="mis_compensation" value="true"/><transform name="to_world"><rotate y="1" angle="90"/></transform></emitter>)"}});
 

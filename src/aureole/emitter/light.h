@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Light`: an emitter in its place.
+// `Light`: an emitter together with its position in the scene.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@ namespace aureole {
 class AreaSampler;
 class Shape;
 
-/// An emitter together with the scene data that its methods need: shape, area sampler, bounds. The member
-/// functions forward to the emitter with these data. The scene owns everything pointed to.
+/// An emitter with the scene data that its methods need: shape, area sampler, bounds. The member functions
+/// pass these data to the emitter. The scene owns everything pointed to.
 struct Light {
   const Emitter* emitter = nullptr;
-  // Set for an emitter on a shape; else null and zero.
+  // Set for an emitter on a shape; otherwise null and zero.
   const Shape* shape = nullptr;
   const AreaSampler* area = nullptr;
   double surface_area = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A point that shines with the same intensity into all directions.
+// An isotropic point light: equal intensity in all directions.
 #include "aureole/emitter/light.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
@@ -71,8 +71,9 @@ AUREOLE_PLUGIN(
         "Isotropic point light.",
         "",
         {{"intensity", "spectrum", "W/(sr nm), any common scale", "1", "spectral radiant intensity"},
-         {"position", "vector", "scene units", "0, 0, 0", "where it is"},
-         {"to_world", "transform", "", "identity", "instead of position: where it puts the origin"}},
+         {"position", "vector", "scene units", "0, 0, 0", "position of the light"},
+         {"to_world", "transform", "", "identity",
+          "instead of position: the position is the transformed origin"}},
         {R"(<emitter type="point"><point name="position" value="0, 5, 0"/><rgb name="intensity" value="10"/></emitter>)",
          R"(<emitter type="point"><transform name="to_world"><translate y="5"/></transform></emitter>)"}});
 

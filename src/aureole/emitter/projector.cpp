@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A projector: the reciprocal of a pinhole camera, which throws a picture. Its radiometry is Mitsuba's: a
-// value of one makes a white diffuse screen at z = 1 as bright as radiance one, so that the screen receives
+// A projector of pictures: the reciprocal of a pinhole camera. Its radiometry is Mitsuba's: a value of one
+// makes a white diffuse screen at z = 1 as bright as radiance one, so that the screen receives the irradiance
 // pi.
 #include <cmath>
 
@@ -78,7 +78,7 @@ public:
   }
 
   EmissionBounds emission_bounds(const Light&, std::size_t) const override {
-    // Wider than the picture by a rounding error of the tree's arithmetic.
+    // The bound exceeds the picture's half-diagonal by the rounding error of the light tree's arithmetic.
     const double corner = std::atan(std::hypot(half_width_, half_height_));
     return {{placement_.origin, placement_.origin},
             placement_.axes.n,
@@ -89,22 +89,23 @@ public:
   }
 
 private:
-  /// The place in the picture for a direction; false outside of it.
+  /// Computes the position in the picture of a direction; returns false outside the picture.
   bool project(const Vec3& local, Vec2& uv) const {
     if (!(local.z > 0)) return false;
     uv = {0.5f - 0.5f * local.x / (local.z * half_width_), 0.5f - 0.5f * local.y / (local.z * half_height_)};
     return uv.x >= 0 && uv.x <= 1 && uv.y >= 0 && uv.y <= 1;
   }
 
-  /// Irradiance of the plane z = 1.
+  /// Irradiance of the plane z = 1 at `uv`.
   Spectrum at(Vec2 uv, const Wavelengths& w) const {
     SurfacePoint point;
     point.uv = uv;
     return irradiance_->eval(point, w) * (kPi * scale_);
   }
 
-  /// Cells of a picture's texels, up to 256 x 256; each has the mean of a lattice of its points, plus a small
-  /// part of the picture's mean, so that texels between lattice points are never missed.
+  /// Builds the sampling density: cells of the picture's texels, up to 256 x 256. Each has the mean of a
+  /// lattice of points in it, plus a small fraction of the picture's mean, so that texels between lattice
+  /// points are never missed.
   void build_distribution(int width, int height) {
     constexpr int kMost = 256, kOfPattern = 64;
     const bool picture = width > 1 || height > 1;
@@ -136,35 +137,34 @@ private:
 
   Placement placement_;
   TexturePtr irradiance_;
-  float scale_, half_width_, half_height_;  ///< half the picture's size at z = 1
+  float scale_, half_width_, half_height_;  ///< half the picture's width and height at z = 1
   double area_;                             ///< of the picture at z = 1
   Piecewise2D distribution_;
 };
 
-AUREOLE_PLUGIN(ProjectorEmitter, "emitter", "projector",
-               PluginDoc{
-                   "Throws a picture as `perspective` sees one: from a point along the local +z, the "
-                   "picture's left on local "
-                   "+x. A plane across the axis is lit evenly by an even picture. A white diffuse screen at "
-                   "distance 1 looks "
-                   "like the picture: it receives pi times `irradiance` (as in Mitsuba).",
-                   "",
-                   {{"irradiance", "texture", "W/(m^2 nm), any common scale", "1",
-                     "the picture, whose width and height in pixels give the shape of "
-                     "what is lit; without pixels a square"},
-                    {"scale", "float", "", "1", "factor"},
-                    {"fov", "float", "degrees", "from focal_length",
-                     "width of the picture as an angle along fov_axis"},
-                    {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
-                    {"focal_length", "string", "mm", "50mm",
-                     "instead of fov: of a 35 mm camera with the same diagonal angle"},
-                    {"to_world", "transform", "", "identity", "projector to world; must not scale"}},
-                   {R"(<emitter type="projector">
+AUREOLE_PLUGIN(
+    ProjectorEmitter, "emitter", "projector",
+    PluginDoc{
+        "Projects a picture from a point along the local +z axis, with the geometry of the camera "
+        "`perspective`: the left of the picture is at local +x. A uniform picture irradiates a plane "
+        "perpendicular to the axis uniformly. A white diffuse screen at distance 1 looks like the "
+        "picture: it receives pi times `irradiance` (as in Mitsuba).",
+        "",
+        {{"irradiance", "texture", "W/(m^2 nm), any common scale", "1",
+          "the picture; its width and height in pixels give the aspect of the projected rectangle, a square "
+          "for a texture without pixels"},
+         {"scale", "float", "", "1", "factor of the irradiance"},
+         {"fov", "float", "degrees", "from focal_length", "field of view of the picture along fov_axis"},
+         {"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"},
+         {"focal_length", "string", "mm", "50mm",
+          "instead of fov: focal length of a 35 mm camera with the same diagonal field of view"},
+         {"to_world", "transform", "", "identity", "projector to world; must not scale"}},
+        {R"(<emitter type="projector">
     <texture name="irradiance" type="d65"><texture type="bitmap"><string name="filename" value="slide.png"/></texture></texture>
     <float name="fov" value="30"/> <string name="fov_axis" value="larger"/> <float name="scale" value="20"/>
     <transform name="to_world"><lookat origin="0, 1, 4" target="0, 1, 0" up="0, 1, 0"/></transform>
 </emitter>)",
-                    R"(<emitter type="projector"><string name="focal_length" value="35mm"/></emitter>)"}});
+         R"(<emitter type="projector"><string name="focal_length" value="35mm"/></emitter>)"}});
 
 }  // namespace
 }  // namespace aureole

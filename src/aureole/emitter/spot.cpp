@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A spot light: a point whose intensity falls linearly with the angle between the beam and the cutoff.
+// A spot light: a point whose intensity falls linearly with the angle between the beam width and the cutoff.
 #include <cmath>
 
 #include "aureole/emitter/directions/emitter_placement.h"
@@ -11,7 +11,7 @@
 namespace aureole {
 namespace {
 
-/// 1 - cos without the cancellation that narrow cones suffer from.
+/// 1 - cos(angle) without the cancellation at small angles.
 double one_minus_cosine(double angle) {
   const double s = std::sin(0.5 * angle);
   return 2 * s * s;
@@ -37,7 +37,7 @@ public:
     cutoff_ = cutoff_degrees * M_PI / 180, beam_ = beam_degrees * M_PI / 180;
     cutoff_one_minus_cosine_ = float(one_minus_cosine(cutoff_));
     beam_one_minus_cosine_ = float(one_minus_cosine(beam_));
-    // A cone so narrow that floats do not hold it would divide by zero.
+    // A cone too narrow for float precision would divide by zero.
     if (!(cutoff_one_minus_cosine_ > 1e-14f)) throw p.error("cutoff_angle", "is too narrow");
     inverse_transition_ = cutoff_ > beam_ ? float(1 / (cutoff_ - beam_)) : 0;
     inverse_tangent_ = float(1 / std::tan(cutoff_));
@@ -88,8 +88,8 @@ public:
   }
 
   EmissionBounds emission_bounds(const Light&, std::size_t) const override {
-    // Wider than the light by a rounding error of the tree's arithmetic. Past 90 degrees the cone of normals
-    // opens, because the tree takes the cosine of the angle that is left for a factor.
+    // The bound exceeds the cone by the rounding error of the light tree's arithmetic. Beyond 90 degrees, the
+    // cone of normals opens as well, because the tree takes the cosine of the remaining angle for a factor.
     const double edge = std::min(M_PI, cutoff_ + 2e-3);
     const bool wide = edge >= M_PI / 2;
     return {{placement_.origin, placement_.origin},
@@ -101,7 +101,7 @@ public:
   }
 
 private:
-  /// Of a unit vector in the local frame; 0 outside the cutoff.
+  /// Falloff in the direction of a unit vector in the local frame; 0 outside the cutoff.
   float falloff(const Vec3& local) const {
     const float x = local.z > 0 ? (local.x * local.x + local.y * local.y) / (1 + local.z) : 1 - local.z;
     if (x <= beam_one_minus_cosine_) return 1;
@@ -110,7 +110,8 @@ private:
     return std::max((float(cutoff_) - angle) * inverse_transition_, 0.f);
   }
 
-  /// The picture fills the square around the cone's cut with the plane z = 1.
+  /// Texture coordinates: the picture fills the square around the circle in which the cutoff cone cuts the
+  /// plane z = 1.
   Vec2 uv(const Vec3& local) const {
     const float k = 0.5f * inverse_tangent_ / local.z;
     return {0.5f + k * local.x, 0.5f + k * local.y};
@@ -124,7 +125,7 @@ private:
     return i * texture_->eval(point, w);
   }
 
-  /// Integral of the falloff over directions.
+  /// Integral of the falloff over directions [sr].
   double solid_angle() const {
     if (inverse_transition_ == 0) return 2 * M_PI * one_minus_cosine(cutoff_);
     // (sin c - sin b) / (c - b) = cos((c + b)/2) sinc((c - b)/2), subtracted from 1 without cancellation.
@@ -133,7 +134,7 @@ private:
     return 2 * M_PI * (one_minus_cosine(middle) + std::cos(middle) * sinc_deficit);
   }
 
-  /// The picture's mean, weighted by the falloff.
+  /// The mean spectrum of the picture, weighted by the falloff.
   SampledSpectrum texture_mean() const {
     const SpectralGrid& grid = properties().context().grid;
     std::vector<float> nodes(std::size_t(grid.cells) + 1);
@@ -169,19 +170,20 @@ private:
 AUREOLE_PLUGIN(
     SpotEmitter, "emitter", "spot",
     PluginDoc{
-        "Spot light: a point that shines with full intensity inside a beam around its local +z and linearly "
-        "less "
-        "with the angle up to a cutoff. A picture may be projected.",
+        "Spot light: a point with full intensity inside a beam around its local +z axis. Outside, the "
+        "intensity falls linearly with the angle, up to the cutoff. A picture may be projected.",
         "",
         {{"intensity", "spectrum", "W/(sr nm), any common scale", "1",
           "spectral radiant intensity in the beam"},
-         {"cutoff_angle", "float", "degrees", "20", "half-angle of the cone beyond which it is dark"},
+         {"cutoff_angle", "float", "degrees", "20",
+          "half-angle of the cone beyond which the intensity is zero"},
          {"beam_width", "float", "degrees", "3/4 of cutoff_angle",
           "half-angle of the cone of full intensity"},
          {"texture", "texture", "", "none",
-          "picture that multiplies the intensity; its square lies around the cutoff's "
-          "circle, u along +x"},
-         {"to_world", "transform", "", "identity", "puts the origin in its place and +z along the beam"}},
+          "picture that multiplies the intensity; it fills the square around the cutoff's circle, u along "
+          "+x"},
+         {"to_world", "transform", "", "identity",
+          "light to world: moves the origin to the light and turns +z along the beam"}},
         {R"(<emitter type="spot">
     <transform name="to_world"><lookat origin="0, 4, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
     <rgb name="intensity" value="60, 50, 40"/> <float name="cutoff_angle" value="35"/> <float name="beam_width" value="10"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The clear sky and the sun of Hosek & Wilkie around the scene.
+// A clear sky with the sun by Hosek & Wilkie, as the environment of the scene.
 #include <chrono>
 #include <cmath>
 
@@ -21,7 +21,7 @@ using optics::SkyModel;
 std::array<double, SkyModel::kChannels> albedo(const Properties& p) {
   const TexturePtr texture = get_texture(p, "albedo", 0.3, SpectrumRole::reflectance);
   if (!texture->is_constant()) throw p.error("albedo", "expected a spectrum, not a texture");
-  // Outside the sensor's range, where spectra are not known, the value at its end.
+  // Outside the sensor's range, where spectra are unknown, the value at its limit is used.
   const SpectralGrid& grid = p.context().grid;
   std::array<double, SkyModel::kChannels> result;
   for (std::size_t c = 0; c < result.size(); ++c) {
@@ -31,8 +31,8 @@ std::array<double, SkyModel::kChannels> albedo(const Properties& p) {
   return result;
 }
 
-/// In local coordinates, from date, time and place. Mitsuba's axes: azimuth, which runs from north by east,
-/// is turned from -x towards -y.
+/// Direction to the sun in local coordinates, from date, time and position. Axes are Mitsuba's: azimuth,
+/// which runs from north by east, is turned from -x towards -y.
 Vec3 sun_by_date(const Properties& p) {
   using namespace std::chrono;
   const auto number = [&](const char* name, std::int64_t fallback, Range range) {
@@ -45,7 +45,7 @@ Vec3 sun_by_date(const Properties& p) {
   const double hour = p.get_float("hour", 15, {0, 24}) + p.get_float("minute", 0, {0, 60}) / 60 +
                       p.get_float("second", 0, {0, 60}) / 3600 - p.get_float("timezone", 9, {-15, 15});
   const double midnight =
-      double(sys_days(date).time_since_epoch().count()) - 10957.5;  // from noon of 1.1.2000
+      double(sys_days(date).time_since_epoch().count()) - 10957.5;  // days since noon of 2000-01-01
   const auto s =
       optics::solar_position(midnight + hour / 24, hour, p.get_float("latitude", 35.6894, {-90, 90}),
                              p.get_float("longitude", 139.6917, {-180, 360}));
@@ -102,7 +102,7 @@ public:
     bool in_disc = true;
     if (u.x < sky_share_) {
       u.x = std::min(u.x / sky_share_, kOneMinusEpsilon);
-      float ignored;  // `density` adds the sun's
+      float ignored;  // `density` includes the sun's
       const Vec2 uv = distribution_.sample(u, &ignored);
       const Vec2 around = cos_sin_2pi(uv.x);
       const float sine = std::sqrt((1 - uv.y) * (1 + uv.y));
@@ -115,7 +115,7 @@ public:
     }
     DirectSample s;
     s.wo = normalize(axes_.to_world(local));
-    // Whether the direction lies in the disc is not asked again: rounding might answer otherwise.
+    // `in_disc` is kept: a second test whether the direction is in the disc could differ by rounding.
     s.radiance = radiance(local, in_disc, w);
     s.pdf = density(local, in_disc);
     s.infinite = true;
@@ -160,7 +160,7 @@ private:
   }
 
   Channels sky(const Vec3& local) const {
-    // Of two unit vectors the angle between, exact where they are nearly parallel.
+    // The angle between two unit vectors, accurate for nearly parallel ones.
     const float gamma = 2 * std::atan2(length(local - sun_), length(local + sun_));
     const float root = std::sqrt(std::min(local.z, 1.f));
     const Channels far = horizon_.at(root), near = glow_.at(std::sqrt(gamma * kInvPi));
@@ -192,7 +192,7 @@ private:
     return sky_share_ * of_sky + (in_disc ? (1 - sky_share_) * uniform_cone_pdf(sun_one_minus_cosine_) : 0);
   }
 
-  /// Tables of the disc and its integral. A sun of another size than the real one has the same power.
+  /// Builds tables of the disc and its integral. A sun of another size than the real one has the same power.
   void build_sun(double half) {
     const double real_half = 0.5 * SkyModel::kSunDiameter, elevation = std::asin(double(sun_.z));
     const auto one_minus_cosine = [](double a) { return 2 * std::sin(0.5 * a) * std::sin(0.5 * a); };
@@ -208,8 +208,8 @@ private:
       limb_ = std::make_unique<ChannelTable>(
           128, [](std::size_t c, double x) { return SkyModel::limb_darkening(c, x); });
     }
-    // Rings and spokes of equal solid angle over the disc, or over the real sun's, whose mean is then used
-    // for the whole disc.
+    // Rings and spokes of equal solid angle over the disc, or over the real sun's disc, whose mean is then
+    // used for the whole disc.
     const double over = complex_sun_ ? half : real_half;
     constexpr int kRings = 100, kSpokes = 64;
     Integral sum{};
@@ -231,12 +231,13 @@ private:
     }
   }
 
-  /// Density of the sky's light over azimuth and cosine: cells with their mean radiance over the sensor's
-  /// range, plus a small part of the whole sky's mean for features between a cell's nine points.
+  /// Builds the density of sky light over azimuth and cosine. Cells have their mean radiance over the
+  /// sensor's range, plus a small fraction of the whole sky's mean, for features between the nine points of a
+  /// cell.
   void build_distribution() {
     constexpr int kColumns = 180, kRows = 90;
     const SpectralGrid& grid = properties().context().grid;
-    std::array<double, SkyModel::kChannels> share{};  // of the channel in a mean over the range
+    std::array<double, SkyModel::kChannels> share{};  // weight of each channel in a mean over the range
     for (int i = 0; i <= grid.cells; ++i) {
       const double p = (grid.node(i) - SkyModel::wavelength_nm(0)) / 40, cell = std::floor(p);
       for (const double c : {cell, cell + 1})
@@ -269,7 +270,8 @@ private:
     double of_sky = 0, of_sun = 0;
     for (std::size_t c = 0; c < share.size(); ++c)
       of_sky += share[c] * sky_integral_[c], of_sun += share[c] * sun_integral_[c];
-    // Sun and sky are each chosen often enough: points in the shade see the sky alone.
+    // Sun and sky are each chosen with a probability of at least 0.25: points in the shadow receive sky light
+    // only.
     sky_share_ = of_sun == 0   ? 1.f
                  : of_sky == 0 ? 0.f
                                : float(std::clamp(of_sky / (of_sky + of_sun), 0.25, 0.75));
@@ -279,7 +281,7 @@ private:
   Vec3 sun_;  ///< direction, local
   SkyModel model_;
   ChannelTable horizon_,
-      glow_;  ///< over the roots of cosine and of angle to the sun: fine near horizon and sun
+      glow_;  ///< over the square roots of cosine and of angle to the sun: fine near horizon and sun
   Channels zenith_gain_;
   float sky_scale_, sun_scale_;
   bool complex_sun_;
@@ -298,32 +300,30 @@ private:
 AUREOLE_PLUGIN(
     SunskyEmitter, "emitter", "sunsky",
     PluginDoc{
-        "A clear sky with its sun, around the scene. Local +z is up; `to_world` turns it where the "
-        "scene has another "
-        "axis up. Radiance is in W/(m^2 sr nm), as measured; the model knows 320 to 720 nm, beyond "
-        "there is no "
-        "light, and none comes from below the horizon.",
+        "A clear sky with its sun, as the environment of the scene. Local +z is up; `to_world` turns it if "
+        "another axis of the scene is up. Radiance is absolute, in W/(m^2 sr nm). The model covers 320 to "
+        "720 nm; there is no light at other wavelengths or from below the horizon.",
         "L. Hosek, A. Wilkie, An analytic model for full spectral sky-dome radiance, ACM TOG 31(4), "
-        "2012; Adding a "
-        "solar-radiance function to the Hosek-Wilkie skylight model, IEEE CG&A 33(3), 2013",
+        "2012; Adding a solar-radiance function to the Hosek-Wilkie skylight model, IEEE CG&A 33(3), 2013",
         {{"turbidity", "float", "", "3", "haze: 1 is pure air, 3 a clear day, 10 a hazy one"},
-         {"albedo", "spectrum", "", "0.3", "of the ground, which lights the sky"},
-         {"sun_direction", "vector", "", "from date and place", "towards the sun, in the world"},
+         {"albedo", "spectrum", "", "0.3", "albedo of the ground, whose reflection brightens the sky"},
+         {"sun_direction", "vector", "", "from date and place",
+          "direction towards the sun, in world coordinates"},
          {"latitude", "float", "degrees", "35.6894", "north is positive"},
          {"longitude", "float", "degrees", "139.6917", "east is positive"},
-         {"timezone", "float", "h", "9", "what the clock shows is this much more than UT"},
+         {"timezone", "float", "h", "9", "local time minus UT"},
          {"year", "integer", "", "2010", "1900 to 2100"},
          {"month", "integer", "", "7", "1 to 12"},
          {"day", "integer", "", "10", "1 to 31"},
-         {"hour", "float", "h", "15", "on the clock; may have a fraction"},
-         {"minute", "float", "min", "0", "on the clock"},
-         {"second", "float", "s", "0", "on the clock"},
+         {"hour", "float", "h", "15", "local time; may have a fraction"},
+         {"minute", "float", "min", "0", "local time"},
+         {"second", "float", "s", "0", "local time"},
          {"sun_scale", "float", "", "1", "factor of the sun's light; 0: sky only"},
          {"sky_scale", "float", "", "1", "factor of the sky's light; 0: sun only"},
-         {"sun_aperture", "float", "degrees", "0.5358", "diameter of the sun, whose power stays the same"},
+         {"sun_aperture", "float", "degrees", "0.5358",
+          "angular diameter of the sun; its power does not depend on it"},
          {"complex_sun", "boolean", "", "false",
-          "a disc that is darker towards its rim and redder towards the horizon, instead of an "
-          "even one of the "
+          "a disc with limb darkening that is redder towards the horizon, instead of a uniform one of the "
           "same power"},
          {"to_world", "transform", "", "identity",
           "rotation; local +z is up, the azimuth of the sun by date runs from north at -x by east "

@@ -16,7 +16,7 @@ void Film::read_common(const Properties& p) {
   sample_border_ = p.get_bool("sample_border", false);
   if (p.find("compensate")) p.note("compensate", "sums are exact here: \"compensate\" has no effect");
   p.find("banner");
-  // The scene reader has already turned these two into the grid.
+  // The scene reader has already set the grid from these two.
   p.find("wavelength_min");
   p.find("wavelength_max");
   const auto filters = p.get_children<Filter>("rfilter");
@@ -62,10 +62,11 @@ AUREOLE_FAMILY(FamilyInfo{
     .parameters = {
         {"width", "integer", "pixels", "768", "width of the film"},
         {"height", "integer", "pixels", "576", "height of the film"},
-        {"crop_offset_x", "integer", "pixels", "0", "left edge of the rendered part"},
-        {"crop_offset_y", "integer", "pixels", "0", "top edge of the rendered part"},
-        {"crop_width", "integer", "pixels", "what is right of crop_offset_x", "width of the rendered part"},
-        {"crop_height", "integer", "pixels", "what is below crop_offset_y", "height of the rendered part"},
+        {"crop_offset_x", "integer", "pixels", "0", "left edge of the rendered region"},
+        {"crop_offset_y", "integer", "pixels", "0", "top edge of the rendered region"},
+        {"crop_width", "integer", "pixels", "the rest right of crop_offset_x",
+         "width of the rendered region"},
+        {"crop_height", "integer", "pixels", "the rest below crop_offset_y", "height of the rendered region"},
         {"sample_border", "boolean", "", "false",
          "also sample beyond the border, as far as the filter reaches"},
         {"rfilter", "rfilter", "", "gaussian", "reconstruction filter"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film family: the quantity that is measured at a pixel, and its form in a file.
+// The film family: the quantity measured at a pixel, and its storage in a file.
 #pragma once
 
 #include <string>
@@ -20,35 +20,37 @@ public:
 
   int width() const { return width_; }  ///< of the whole film, pixels
   int height() const { return height_; }
-  int crop_x() const { return crop_x_; }  ///< the part that is rendered
+  int crop_x() const { return crop_x_; }  ///< the rendered region
   int crop_y() const { return crop_y_; }
   int crop_width() const { return crop_width_; }
   int crop_height() const { return crop_height_; }
   bool sample_border() const { return sample_border_; }
   const Filter& filter() const { return *filter_; }
 
-  /// Numbers a sample is turned into; alpha is kept beside them.
+  /// Number of values measured per sample; alpha is stored besides.
   virtual int measured_channels() const = 0;
-  /// Adds up the responses to the estimated spectral radiance of one sample: `estimate` per wavelength is
-  /// L_i / (N p_lambda(lambda_i)) as PathDensity::contribution gives it. Writes measured_channels() numbers.
+  /// Measures one sample: sums the responses to its estimated spectral radiance. `estimate` per wavelength is
+  /// L_i / (N p_lambda(lambda_i)), as PathDensity::contribution returns it. Writes measured_channels()
+  /// values.
   virtual void measure(const Spectrum& estimate, const Wavelengths& wavelengths, float* out) const = 0;
-  /// Sum over channels of the magnitude of the response, on the scene's grid: p_lambda follows it.
+  /// Sum over channels of the magnitude of the response, on the scene's grid; p_lambda is chosen by it.
   virtual SampledSpectrum response() const = 0;
 
-  /// Names of the channels of the developed picture, alpha last where asked for.
+  /// Names of the channels of the developed picture, with alpha last if requested.
   virtual std::vector<std::string> channel_names() const = 0;
-  /// One pixel of the picture from mean measured values and alpha. Linear, so that variances of replicates
-  /// make sense.
+  /// Computes one pixel of the picture from mean measured values and alpha. It is linear, so that variances
+  /// of replicates are meaningful.
   virtual void develop(const double* measured, double alpha, float* out) const = 0;
-  /// Linear sRGB for a preview.
+  /// Computes linear sRGB for a preview.
   virtual void develop_rgb(const double* measured, float rgb[3]) const = 0;
   virtual ExrPixel pixel_type() const = 0;
-  /// The ending of the file where the user names none.
+  /// The file extension if the user names no file.
   virtual std::string file_extension() const { return ".exr"; }
 
-  /// Multiplies the responses of all channels, for the srf of a sensor.
+  /// Multiplies the responses of all channels by `factor`, the srf of a sensor.
   virtual void multiply_response(const SampledSpectrum& factor) = 0;
-  /// For a sensor whose pixels are measurements; `reason` is for a note where the scene states another filter.
+  /// Replaces the filter by a box, for a sensor whose pixels are measurements. `reason` is the note if the
+  /// scene states another filter.
   void use_box_filter(
       const std::string& reason =
           "it would weight what a sensor of one value sees by the place in its pixel: a box is used");
@@ -67,7 +69,7 @@ private:
   bool filter_is_default_ = false;
 };
 
-/// The response of every channel of the developed picture but alpha, on the scene's grid.
+/// The response of every channel of the developed picture except alpha, on the scene's grid.
 std::vector<SampledSpectrum> channel_responses(const Film& film, const SpectralGrid& grid);
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// High-dynamic-range film: measures CIE XYZ (or the mean spectral radiance of another band).
+// High-dynamic-range film: measures CIE XYZ, or the mean spectral radiance of another band.
 #include <algorithm>
 #include <cmath>
 
@@ -36,7 +36,7 @@ public:
     }
     const auto observer = observer_xyz(grid);
     response_.assign(observer.begin(), observer.end());
-    // In proportion to the range, so that narrow bands of visible light pass.
+    // The threshold is proportional to the range, so that narrow bands of visible light are accepted.
     constexpr SpectralGrid kVisible;
     const double share = std::min(1.0, (grid.max_nm - grid.min_nm) / (kVisible.max_nm - kVisible.min_nm));
     if (response_[1].integral() < 1e-3 * share)
@@ -103,7 +103,7 @@ private:
   bool alpha_ = false, uniform_ = false;
   ExrPixel pixel_;
   std::string extension_ = ".exr";
-  std::vector<SampledSpectrum> response_;  ///< of X, Y, Z, or of the band [1/nm]
+  std::vector<SampledSpectrum> response_;  ///< responses of X, Y, Z, or of the band [1/nm]
 };
 
 AUREOLE_PLUGIN(
@@ -115,12 +115,12 @@ AUREOLE_PLUGIN(
               "CIE 15:2018, section 7",
               {{"pixel_format", "string", "", "rgb", "rgb, rgba, xyz, xyza, luminance or luminance_alpha"},
                {"file_format", "string", "", "openexr",
-                "openexr; rgbe (Radiance .hdr, rgb only); pfm (rgb or luminance). The name given by -o "
-                "decides where there is one"},
+                "openexr; rgbe (Radiance .hdr, rgb only); pfm (rgb or luminance). The extension of a name "
+                "given by -o takes precedence"},
                {"wavelength_min", "wavelength", "nm", "360",
                 "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
                {"wavelength_max", "wavelength", "nm", "830", "longest wavelength"},
-               {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (the band's mean)"}},
+               {"response", "string", "", "cie1931", "cie1931 (XYZ) or uniform (mean over the band)"}},
               {R"(<film type="hdrfilm">
     <integer name="width" value="320"/> <integer name="height" value="240"/>
     <integer name="crop_offset_x" value="16"/> <integer name="crop_offset_y" value="16"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Film of many channels: one per named spectral response, or one per bin of wavelengths.
+// A film with many channels: one per named spectral response, or one per wavelength bin.
 #include <array>
 #include <cmath>
 
@@ -37,14 +37,14 @@ void solve(std::vector<double> a, size_t n, Rows& b) {
   }
 }
 
-/// The edges of bins, from either end.
+/// Returns the edges of the bins in increasing order; the scene may list them in either order.
 std::vector<double> bin_edges(const Properties& p) {
   std::vector<double> nm = get_wavelength_list(p, "bin_edges");
   if (nm.front() > nm.back()) std::reverse(nm.begin(), nm.end());
   return nm;
 }
 
-/// A response that does not say where it is defined may be so anywhere, and is looked at in the visible.
+/// A response without a stated range may be defined anywhere; it is evaluated over the visible range.
 constexpr SpectralGrid kVisible;
 
 WavelengthRange range_of(const SpectrumLiteral& spectrum) {
@@ -52,7 +52,7 @@ WavelengthRange range_of(const SpectrumLiteral& spectrum) {
   return {spectrum.nm.front(), spectrum.nm.back()};
 }
 
-/// Of a nested object that is not built yet.
+/// The wavelength range of a nested object that is not built yet.
 WavelengthRange range_of(const Properties& nested) {
   const PluginInfo* plugin = nested.plugin();
   if (!plugin || plugin->family != "texture") return {};
@@ -94,7 +94,7 @@ public:
     make_preview_of_bins();
   }
 
-  /// Where the responses, or else the bins, are defined.
+  /// The range in which the responses, or else the bins, are defined.
   static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
     WavelengthRange all;
     for (const Properties::Entry& e : p.entries()) {
@@ -121,7 +121,7 @@ public:
       if (const int bin = bins_.find(w.nm[i]); bin >= 0) out[bin] += estimate[i] * per_width_[size_t(bin)];
   }
 
-  /// Every channel has the same weight, so that narrow ones get their share of samples.
+  /// Every channel has the same weight, so that narrow ones get enough samples.
   SampledSpectrum response() const override {
     const SpectralGrid& grid = properties().context().grid;
     std::vector<float> nodes(size_t(grid.cells) + 1);
@@ -180,7 +180,7 @@ private:
                                       first, last, grid.min_nm, grid.max_nm));
   }
 
-  /// All spectra that no other parameter took.
+  /// Reads all spectra that no other parameter uses.
   void read_bands(const Properties& p) {
     p.find("(any name)");
     for (const Properties::Entry& e : p.entries()) {
@@ -206,14 +206,15 @@ private:
   static SampledSpectrum tabulate(const Properties& p, const Properties::Entry& e, const Texture* texture) {
     if (texture && texture->minimum() < 0) throw p.error(e.name, "a response must not be negative");
     if (texture) return texture->average();
-    // As any other spectrum, through a copy that may read the name.
+    // Other spectra are read through a copy of the properties that declares the name.
     Properties named(p.type(), p.id(), p.where(), p.shared_context());
     named.add(e.name, e.value, e.where);
     return get_texture(named, e.name, 0, SpectrumRole::unbounded)->average();
   }
 
-  /// The colour of the radiance that is a combination of the responses and would be measured as it is. Nearly
-  /// equal responses would amplify noise: their difference has little weight.
+  /// The preview colour is the colour of the radiance that is a combination of the responses and reproduces
+  /// the measured values. Differences of nearly equal responses would amplify noise, and so they get little
+  /// weight.
   void make_preview_of_bands() {
     const auto observer = observer_xyz(properties().context().grid);
     const size_t n = bands_.size();
@@ -232,7 +233,8 @@ private:
       for (size_t i = 0; i < n; ++i) row[i] = 1 / (double(bands_[i].integral) * double(n));
   }
 
-  /// The colour of the radiance that is constant in every bin; the mean where nothing is visible.
+  /// The preview colour is the colour of the radiance that is constant in every bin; the mean if no bin is
+  /// visible.
   void make_preview_of_bins() {
     const SpectralGrid& grid = properties().context().grid;
     const auto observer = observer_xyz(grid);
@@ -240,7 +242,7 @@ private:
     for (size_t c = 0; c < 3; ++c) {
       xyz_[c].resize(size_t(bins_.count()));
       const auto nodes = observer[c].nodes();
-      // Pieces small enough to lie in one bin nearly everywhere.
+      // Intervals so small that nearly all of them lie in one bin.
       const int per_cell = std::max(8, int(16.0 * bins_.count() / grid.cells));
       for (int cell = 0; cell < grid.cells; ++cell)
         for (int k = 0; k < per_cell; ++k) {
@@ -262,7 +264,7 @@ private:
   std::vector<float> per_width_;  ///< 1 / width of each bin [1/nm]
   std::vector<Band> bands_;
   bool is_visible_ = false;
-  Rows xyz_;  ///< from measured values to the preview's X, Y, Z, or grey where nothing is visible
+  Rows xyz_;  ///< maps measured values to the preview's X, Y, Z, or grey if no channel is visible
 };
 
 AUREOLE_PLUGIN(
@@ -270,21 +272,22 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "Spectral film, for any wavelengths. Either it has named responses: every <spectrum>, whatever its "
         "name, is one, and the channel of that name holds the integral of response times spectral radiance "
-        "over the wavelength in nm. Or it has `bins`: each channel holds the mean spectral radiance of an "
-        "interval of wavelengths, in the OpenEXR layout for spectral images (S0.550,00nm for the bin around "
+        "over the wavelength in nm. Or it has `bins`: each channel holds the mean spectral radiance of a "
+        "wavelength interval, in the OpenEXR layout for spectral images (S0.550,00nm for the bin around "
         "550 nm; units W/(m^2 sr nm)).",
         "Fichet, Pacanowski & Wilkie 2021, \"An OpenEXR layout for spectral images\"",
         {{"(any name)", "spectrum", "", "none", "a response, linear between its points; not negative"},
          {"bins", "integer", "", "none", "number of equal bins from wavelength_min to wavelength_max"},
          {"bin_edges", "string", "nm", "none",
-          "instead: the edges of adjoining bins, from either end; with units \"29GHz, 28GHz, 27GHz\""},
+          "instead of `bins`: the edges of contiguous bins, in increasing or decreasing order; with units "
+          "\"29GHz, 28GHz, 27GHz\""},
          {"preview", "boolean", "", "true",
-          "bins: also store their colour as R, G, B for viewers that know no spectra (their mean where "
-          "nothing is visible)"},
+          "bins: also store their colour as R, G, B for viewers without support of spectra (the mean if no "
+          "bin is visible)"},
          {"file_format", "string", "", "openexr", "openexr"},
-         {"wavelength_min", "wavelength", "nm", "that of the responses or edges, or 360",
+         {"wavelength_min", "wavelength", "nm", "minimum of the responses or edges, or 360",
           "shortest wavelength; a number in nm or \"300nm\", \"0.3um\", \"10GHz\""},
-         {"wavelength_max", "wavelength", "nm", "that of the responses or edges, or 830",
+         {"wavelength_max", "wavelength", "nm", "maximum of the responses or edges, or 830",
           "longest wavelength"}},
         {R"(<film type="specfilm">
     <integer name="width" value="320"/> <integer name="height" value="240"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Adjoining intervals of wavelengths, and the names of their channels in OpenEXR.
+// Contiguous wavelength bins, and the names of their channels in OpenEXR.
 #pragma once
 
 #include <fmt/format.h>
@@ -45,7 +45,8 @@ public:
   double upper(int bin) const { return edges_[std::size_t(bin) + 1]; }
   double width(int bin) const { return upper(bin) - lower(bin); }
 
-  /// The bin that holds a wavelength, or -1: a table leads to a bin that begins shortly before it.
+  /// The index of the bin that contains a wavelength, or -1. A table gives a bin that begins slightly below
+  /// it.
   int find(float nm) const {
     if (!(nm >= floats_.front() && nm <= floats_.back())) return -1;
     const auto g = std::min(std::size_t((nm - floats_.front()) * per_nm_), guide_.size() - 1);
@@ -55,8 +56,8 @@ public:
     return bin;
   }
 
-  /// "S0.550,00nm": the unpolarised radiance at the middle of each bin (Fichet, Pacanowski & Wilkie 2021, "An
-  /// OpenEXR layout for spectral images"), with as many digits as tell the bins apart.
+  /// Names such as "S0.550,00nm": the unpolarised radiance at the centre of each bin (Fichet, Pacanowski &
+  /// Wilkie 2021, "An OpenEXR layout for spectral images"), with enough digits to distinguish the bins.
   std::vector<std::string> channel_names() const {
     for (int digits = 2;; ++digits) {
       std::vector<std::string> names;
@@ -71,8 +72,8 @@ public:
 private:
   std::vector<double> edges_;
   std::vector<float> floats_;
-  std::vector<int> guide_;  ///< the bin at the start of each of equal pieces of the whole range
-  float per_nm_ = 0;        ///< pieces
+  std::vector<int> guide_;  ///< the bin at the start of each of equal intervals of the whole range
+  float per_nm_ = 0;        ///< intervals per nm
 };
 
 }  // namespace aureole

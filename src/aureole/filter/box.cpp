@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Box over one pixel: every sample counts for its own pixel only.
+// Box filter over one pixel: every sample contributes only to its own pixel.
 #include <cmath>
 
 #include "aureole/filter/filter.h"
@@ -16,7 +16,7 @@ public:
 };
 
 AUREOLE_PLUGIN(BoxFilter, "rfilter", "box",
-               PluginDoc{"Box over one pixel: every sample counts for its own pixel only.",
+               PluginDoc{"Box over one pixel: every sample contributes only to its own pixel.",
                          "",
                          {},
                          {R"(<rfilter type="box"/>)"}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reconstruction filter family: separable, symmetric kernels over pixels.
+// The reconstruction filter family: separable, symmetric kernels over the pixel grid.
 #pragma once
 
 #include <vector>
@@ -17,14 +17,15 @@ public:
   virtual float eval(float x) const = 0;  ///< not normalised; the film divides by the sum of weights
 };
 
-/// A filter tabulated finely over [0, radius], linearly interpolated (error below 1e-5 of the peak; a box is
-/// exact).
+/// A filter tabulated finely over [0, radius] and interpolated linearly (error below 1e-5 of the peak; a box
+/// is exact).
 class FilterTable {
 public:
-  static constexpr int kMaxReach = 65;  ///< pixels of the widest filter that a job takes, radius 32
+  static constexpr int kMaxReach = 65;  ///< width in pixels of the widest filter that a job accepts, radius
+                                        ///< 32
   explicit FilterTable(const Filter& filter);
   float radius() const { return radius_; }
-  /// Pixels beyond a sample's own that its support reaches, on each side.
+  /// Number of pixels on each side, besides the sample's own pixel, that the support reaches.
   int border() const { return border_; }
   bool is_box() const { return border_ == 0; }
   float eval(float x) const {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gaussian cut off after 4 standard deviations, shifted to reach zero there. The default.
+// Gaussian filter truncated at 4 standard deviations and shifted to be zero there. It is the default.
 #include <cmath>
 
 #include "aureole/filter/filter.h"
@@ -24,7 +24,7 @@ private:
 
 AUREOLE_PLUGIN(GaussianFilter, "rfilter", "gaussian",
                PluginDoc{
-                   "Gaussian cut off after 4 standard deviations, shifted to reach zero there. The default.",
+                   "Gaussian truncated at 4 standard deviations and shifted to be zero there. The default.",
                    "",
                    {{"stddev", "float", "pixels", "0.5", "standard deviation"}},
                    {R"(<rfilter type="gaussian"><float name="stddev" value="0.5"/></rfilter>)"}});

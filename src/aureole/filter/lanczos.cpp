@@ -27,7 +27,7 @@ private:
 AUREOLE_PLUGIN(LanczosFilter, "rfilter", "lanczos",
                PluginDoc{"Windowed sinc filter: sharp, with negative lobes.",
                          "Lanczos window (Duchon 1979, \"Lanczos filtering in one and two dimensions\").",
-                         {{"lobes", "integer", "", "3", "number of lobes, and half width in pixels"}},
+                         {{"lobes", "integer", "", "3", "number of lobes; also the half width in pixels"}},
                          {R"(<rfilter type="lanczos"><integer name="lobes" value="3"/></rfilter>)"}});
 
 }  // namespace

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shares of the light that falls on a surface: the instrument that measures direct and diffuse
-// transmission, reflection and haze (ASTM D1003: the part of the transmitted light that leaves more than 2.5
-// degrees from its regular direction), of any BSDF.
+// Measures the light budget of any BSDF: direct and diffuse transmission, reflection, and haze (ASTM D1003:
+// the fraction of transmitted light deviating more than 2.5 degrees from the regular direction).
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
 
 namespace aureole {
 
-/// Fractions of the light that arrives at one wavelength.
+/// Fractions of the light arriving at one wavelength.
 struct LightBudget {
   double nm = 0;
   double direct_transmission = 0, near_transmission = 0, far_transmission = 0;  ///< near: within the angle
@@ -21,11 +20,11 @@ struct LightBudget {
 struct LightBudgetSettings {
   double haze_angle_degrees = 2.5;
   int samples = 1 << 16;
-  Vec2 uv{0.5f, 0.5f};  ///< place on the surface
+  Vec2 uv{0.5f, 0.5f};  ///< texture coordinates of the point on the surface
 };
 
-/// Light that arrives from `wi` (outward, local frame). By samples of the BSDF at Sobol points: the error
-/// is a few 1e-4 for BSDFs that sample well.
+/// Measures light arriving from `wi` (outward, local frame) with samples of the BSDF at Sobol points. The
+/// error is a few 1e-4 for BSDFs with good importance sampling.
 LightBudget measure_light_budget(const Bsdf& bsdf, const Vec3& wi, double nm, const SpectralGrid& grid,
                                  const LightBudgetSettings& settings);
 

@@ -15,7 +15,7 @@ namespace {
 
 const SpectralGrid& grid_of(const Medium& medium) { return medium.properties().context().grid; }
 
-/// Up to 8 of the wavelengths from `first` on; the last one is repeated.
+/// The up to 8 wavelengths from index `first` on; the last one is repeated.
 Wavelengths group(const SpectralGrid& grid, std::span<const double> nm, std::size_t first) {
   return Wavelengths::at(
       grid, make_spectrum([&](int i) { return float(nm[std::min(first + std::size_t(i), nm.size() - 1)]); }));

@@ -23,7 +23,7 @@ const std::vector<PluginAlias> kAliases = {
 }  // namespace
 
 const PluginAlias* find_alias(std::string_view family, std::string_view name) {
-  // A plug-in of that very name, added later, needs no stand-in.
+  // A registered plug-in of this name takes precedence over a replacement.
   if (Registry::instance().find(family, name)) return nullptr;
   for (const PluginAlias& alias : kAliases)
     if (alias.family == family && alias.name == name) return &alias;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Plug-ins of Mitsuba that another plug-in stands in for, and other facts about Mitsuba's plug-in names.
+// Plug-ins of Mitsuba that are replaced by other plug-ins, and other facts about Mitsuba's plug-in names.
 #pragma once
 
 #include <string>
@@ -14,13 +14,13 @@ struct PluginAlias {
   std::string_view family, name;
   std::string_view replacement;
   std::string_view reason;                ///< for the note to the user
-  std::vector<std::string_view> ignored;  ///< parameters the replacement has no use for
+  std::vector<std::string_view> ignored;  ///< parameters that the replacement does not have
 };
 
-/// The stand-in for a plug-in that is not registered itself, or null.
+/// Returns the replacement of a plug-in that is not registered itself, or null.
 const PluginAlias* find_alias(std::string_view family, std::string_view name);
 
-/// The plug-in that a scene file means by `<family type="name">`, which may be a stand-in, or null.
+/// Returns the plug-in for `<family type="name">` in a scene file, possibly a replacement, or null.
 const PluginInfo* find_plugin(std::string_view family, std::string_view name);
 
 }  // namespace aureole

@@ -25,7 +25,7 @@ std::shared_ptr<const T> typed(const ObjectPtr& object) {
 void SceneAssembly::run(const Node& root, bool complete) {
   check_attributes(root, {}, {"version", "id", "name", "type"}, diagnostics_);
   for (const Node& child : root.children) add(child);
-  // A shape that could not be built may hold the sensor.
+  // A shape that could not be built may contain the sensor.
   if (!sensor_ && complete && !shape_failed_) diagnostics_.error(root.where, "the scene has no <sensor>");
 }
 
@@ -37,12 +37,12 @@ void SceneAssembly::add(const Node& child) {
     return;
   }
   if (child.tag == "alias") return;
-  if (child.tag == "given") {  // for references to it
+  if (child.tag == "given") {  // built because references may name it
     builder_.object(child);
     return;
   }
   const Node* node = builder_.target(child);
-  if (!node) return;  // a bad <ref>, reported
+  if (!node) return;  // an invalid <ref>, already reported
   const std::string family = object_family(*node);
   if (family.empty()) {
     diagnostics_.error(unknown_element(*node));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which of a scene's objects are its shapes, its lights, its sensor and its integrator.
+// Sorts the objects of a scene into shapes, lights, sensor and integrator.
 #pragma once
 
 #include <unordered_set>
@@ -10,13 +10,14 @@
 
 namespace aureole {
 
-/// Takes the children of <scene>, built in their order.
+/// Collects the children of <scene>, built in their order.
 class SceneAssembly {
 public:
   SceneAssembly(Builder& builder, const References& references, Diagnostics& diagnostics)
       : builder_(builder), references_(references), diagnostics_(diagnostics) {}
 
-  /// Builds the children of `root`. Missing objects are errors only if the file is `complete`.
+  /// Builds the children of `root`. Missing objects are errors only if the whole file could be read
+  /// (`complete`).
   void run(const Node& root, bool complete);
 
   SceneParts parts;  ///< without a context
@@ -25,9 +26,9 @@ public:
 private:
   void add(const Node& child);
   void keep(const Node& node, const std::string& family, const ObjectPtr& object);
-  /// The sensor that sits on a shape is one of the scene's.
+  /// Uses the sensor on a shape as the scene's sensor.
   void take_sensor(const Node& node, const Model& model);
-  /// Adds the model's surfaces, instances and lights to the parts of the scene.
+  /// Adds the model's surfaces, instances and lights to the scene.
   void append_parts(const Node& node, const Model& model);
 
   Builder& builder_;
@@ -35,7 +36,7 @@ private:
   Diagnostics& diagnostics_;
   const Node *sensor_ = nullptr, *integrator_ = nullptr;
   bool shape_failed_ = false;
-  std::unordered_set<const Object*> appended_;  ///< an element counts once, however often it is named
+  std::unordered_set<const Object*> appended_;  ///< an element is added once, however often it is referenced
 };
 
 }  // namespace aureole

@@ -11,7 +11,7 @@ namespace aureole {
 
 namespace {
 
-/// Reports the error at the element; a location inside a referenced file becomes part of the text.
+/// Reports the error at the element. A location inside a referenced file becomes part of the message.
 void report(const Node& node, const Error& e, Diagnostics& diagnostics) {
   if (const auto* list = dynamic_cast<const ErrorList*>(&e)) {
     for (const std::string& message : list->errors()) diagnostics.error(node.where, message);
@@ -19,10 +19,10 @@ void report(const Node& node, const Error& e, Diagnostics& diagnostics) {
   }
   const SourceLocation& where = e.where();
   bool in_scene = false;
-  // A location without a line is a whole file that a parameter names, such as the scene given as an image.
+  // A location without a line denotes a whole file named by a parameter, such as a scene given as an image.
   for (const SourceFile* f = node.file.get(); f && where.line > 0; f = f->included_by.get())
     in_scene |= f->shown == where.file;
-  for (const Node& child : node.children)  // an edit may have other locations (document.h)
+  for (const Node& child : node.children)  // an edited element may have another source (document.h)
     in_scene |= where.line > 0 && child.file->shown == where.file;
   if (in_scene)
     diagnostics.error(e);
@@ -49,11 +49,12 @@ ObjectPtr Builder::object(const Node& node) {
   const bool may_keep = pool_ && ObjectPool::keeps(object_family(*t));
   ObjectPtr object = may_keep ? pool_->find(keys_.of(*t)) : nullptr;
   if (object) {
-    for (const Node& child : t->children)  // children too, so that built() has all objects
+    for (const Node& child : t->children)  // builds the children as well, so that built() contains all
+                                           // objects
       if (!object_family(child).empty() || child.tag == "ref") this->object(child);
   } else {
     object = construct(*t);
-    // Of a scene with errors objects may lack their tables (`Properties::shared_model`).
+    // Objects of a scene with errors may lack their tables (`Properties::shared_model`).
     if (object && may_keep && !diagnostics_.has_errors()) pool_->add(keys_.of(*t), object);
   }
   return built_[t] = object;  // `slot` may be invalid by now: construct() adds children
@@ -108,7 +109,7 @@ ObjectPtr Builder::construct(const Node& node) {
     else
       good &= add_child(child, properties);
   }
-  // Without one of its children the constructor would report errors that only follow from that.
+  // If a child is missing, the constructor would report errors that are mere consequences.
   ObjectPtr object = good ? create(node, *plugin, properties) : nullptr;
   if (!object && plugin) report_unknown_parameters(node, *plugin);
   return object;
@@ -131,7 +132,7 @@ bool Builder::add_child(const Node& child, Properties& properties) {
   } else if (child.tag == "given") {
     if (ObjectPtr object = this->object(child)) value = std::move(object);
   } else if (child.tag == "alias") {
-    return true;  // References knows it
+    return true;  // handled by References
   } else if (is_property(child)) {
     value = property_value(child, diagnostics_);
   } else {
@@ -167,7 +168,7 @@ ObjectPtr Builder::create(const Node& node, const PluginInfo& plugin, const Prop
 }
 
 void Builder::report_unknown_parameters(const Node& node, const PluginInfo& plugin) {
-  // The constructor threw before it had read all parameters: only undocumented names are known to be wrong.
+  // The constructor threw before reading all parameters, so only undocumented names are known to be wrong.
   Properties unknown(plugin.name, node.get("id"), node.where, context_, &plugin);
   for (const Node& child : node.children) {
     const std::string name = child.get("name");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Last stage of loading: nodes -> objects. Each object is built once, when it is first needed, and shared by
-// every reference to it, so that a reference may come before what it refers to.
+// Last stage of loading: nodes -> objects. Each object is built once, on first use, and shared by every
+// reference to it, so that a reference may precede its target.
 #pragma once
 
 #include <map>
@@ -22,7 +22,7 @@ struct PluginAlias;
 
 class Builder : public SceneLookup, public TableListener {
 public:
-  /// `given` are the objects that <given key="..."/> stands for; `progress` is told of tables that take long;
+  /// `given` are the objects for <given key="..."/>. `progress` is called while slow tables are computed.
   /// `pool`, which may be null, holds the objects of an earlier build.
   Builder(const References& references, std::shared_ptr<const BuildContext> context, Diagnostics& diagnostics,
           const std::map<std::string, ObjectPtr>& given, TableProgress progress = {},
@@ -35,8 +35,8 @@ public:
         pool_(pool),
         keys_(references, given) {}
 
-  /// The object of an element or of a <ref> to it. Null where it could not be built; the reasons have been
-  /// reported, and only once for all references to it.
+  /// Returns the object of an element or of the target of a <ref>. Null if it could not be built; the reasons
+  /// are reported once for all references to it.
   ObjectPtr object(const Node& node);
 
   ObjectPtr find(std::string_view family, const std::string& id) override;
@@ -44,17 +44,17 @@ public:
   const std::vector<std::filesystem::path>& files() const { return files_; }
   const TableProgress& table_progress() const override { return progress_; }
 
-  /// The object built for each element so far.
+  /// The objects built so far, by element.
   const std::unordered_map<const Node*, ObjectPtr>& built() const { return built_; }
 
-  /// The element itself; for a <ref>, the element it refers to, or null if there is none.
+  /// Returns the element itself; for a <ref>, the element it refers to, or null if there is none.
   const Node* target(const Node& node) const { return references_.follow(node); }
 
 private:
   ObjectPtr construct(const Node& node);
   ObjectPtr given(const Node& node);
   const PluginInfo* plugin_of(const Node& node, const PluginAlias** alias);
-  /// Adds the parameter or child object; false if it has a problem.
+  /// Adds the parameter or child object; returns false if it has a problem.
   bool add_child(const Node& child, Properties& properties);
   ObjectPtr create(const Node& node, const PluginInfo& plugin, const Properties& properties);
   void report_unknown_parameters(const Node& node, const PluginInfo& plugin);
@@ -66,11 +66,11 @@ private:
   TableProgress progress_;
   ObjectPool* pool_;
   PoolKeys keys_;
-  std::unordered_map<const Node*, ObjectPtr> built_;  ///< null for failed ones
+  std::unordered_map<const Node*, ObjectPtr> built_;  ///< null if building failed
   std::vector<std::filesystem::path> files_;
 };
 
-/// `unknown element <bdsf>; did you mean "bsdf"?`
+/// An error such as: unknown element <bdsf>; did you mean "bsdf"?
 Error unknown_element(const Node& node);
 
 }  // namespace aureole

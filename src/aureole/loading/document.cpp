@@ -18,12 +18,12 @@ namespace aureole {
 
 namespace {
 
-/// Names of a node's children in paths: their own, or their family, numbered from the second on; "" for
-/// children that paths cannot name.
+/// Names of a node's children in paths: their own names, or their families, numbered from the second one.
+/// Empty for children that paths cannot name.
 std::vector<std::string> child_names(const Ids& ids, Node& node) {
   std::vector<std::string> names;
   std::unordered_set<std::string> taken;
-  std::unordered_map<std::string, int> last;  // number given to a name
+  std::unordered_map<std::string, int> last;  // number of uses of a name so far
   for (Node& child : node.children) {
     std::string name = child.get("name");
     Node* target = ids.follow(child);
@@ -51,7 +51,7 @@ void collect_paths(const Ids& ids, Node& node, const std::string& prefix, std::v
   }
 }
 
-/// Keys of the program's objects that <given> elements name.
+/// Collects the keys of the program's objects that <given> elements name.
 void collect_keys(const Node& node, std::set<std::string>& keys) {
   if (node.tag == "given") keys.insert(node.get("key"));
   for (const Node& child : node.children) collect_keys(child, keys);
@@ -75,7 +75,7 @@ void write_node(const Node& node, pugi::xml_node parent) {
   for (const Node& child : node.children) write_node(child, element);
 }
 
-/// The element of a change, from XML.
+/// Parses the new element of a change from XML.
 Node parse_element(const std::string& path, const std::string& text, ParsedScene& into,
                    Diagnostics& diagnostics) {
   const std::string shown = "[\"" + path + "\"]";
@@ -83,7 +83,7 @@ Node parse_element(const std::string& path, const std::string& text, ParsedScene
   if (parsed.root.children.size() != 1 && !diagnostics.has_errors())
     diagnostics.error({shown, 0, 0}, "expected one element");
   if (parsed.root.children.empty()) return {};
-  // Its files lie beside the scene.
+  // Relative file names in it refer to the scene's folder.
   const auto file = std::make_shared<SourceFile>();
   file->path = into.files.front()->path, file->shown = shown;
   set_file(parsed.root.children.front(), file);
@@ -94,9 +94,9 @@ Node parse_element(const std::string& path, const std::string& text, ParsedScene
 
 struct SceneDocument::Place {
   Node* owner = nullptr;
-  std::size_t child = 0;   ///< index, or the number of children for a parameter that is not written
-  std::string name;        ///< of the parameter
-  Node* target = nullptr;  ///< the child, references followed; null where not written
+  std::size_t child = 0;   ///< index, or the number of children if the parameter is not written
+  std::string name;        ///< name of the parameter
+  Node* target = nullptr;  ///< the child, references followed; null if not written
 };
 
 SceneDocument::SceneDocument(const std::filesystem::path& file, const LoadOptions& options)
@@ -154,7 +154,7 @@ SceneDocument::Place SceneDocument::place(const std::string& path) const {
   while (!rest.empty()) {
     Node& node = *at.target;
     const std::vector<std::string> names = child_names(ids, node);
-    // Names may contain points themselves: the longest match wins.
+    // Names may contain dots themselves: the longest match wins.
     std::size_t best = names.size();
     for (std::size_t i = 0; i < names.size(); ++i)
       if (starts(names[i]) && (best == names.size() || names[i].size() > names[best].size())) best = i;
@@ -220,7 +220,7 @@ std::string SceneDocument::xml() const {
 
 const LoadedScene& SceneDocument::edit(const std::vector<std::pair<std::string, std::string>>& changes,
                                        const std::map<std::string, ObjectPtr>& given) {
-  // Kept nodes must not move in memory, since objects are looked up by their address.
+  // Kept nodes must not move in memory, since objects are found by their address.
   Node before = std::move(parsed_->root);
   parsed_->root = before;
   const auto given_before = options_.given;

@@ -26,10 +26,10 @@ void append(std::string& out, std::uint32_t c) {
   }
 }
 
-/// Of units of 2 or 4 bytes. A unit that is cut off at the end is left out.
+/// Decodes units of 2 or 4 bytes. An incomplete unit at the end is ignored.
 std::string from_wide(std::string_view text, std::size_t bytes, bool big_endian) {
   std::string out;
-  std::uint32_t high = 0;  // the first half of a pair of UTF-16
+  std::uint32_t high = 0;  // the first half of a UTF-16 surrogate pair
   for (std::size_t at = 0; at + bytes <= text.size(); at += bytes) {
     std::uint32_t c = 0;
     for (std::size_t i = 0; i < bytes; ++i)
@@ -48,7 +48,7 @@ std::string from_wide(std::string_view text, std::size_t bytes, bool big_endian)
   return out;
 }
 
-/// Whether the declaration says <?xml ... encoding="iso-8859-1"?>, or latin1.
+/// Whether the XML declaration contains encoding="iso-8859-1" or latin1.
 bool declares_latin1(std::string_view text) {
   if (!text.starts_with("<?xml")) return false;
   std::string declaration(text.substr(0, text.find("?>")));
@@ -64,7 +64,7 @@ bool declares_latin1(std::string_view text) {
 
 std::string to_utf8(std::string text) {
   const std::string_view t = text;
-  // UTF-32 first: its little-endian mark begins with that of UTF-16.
+  // UTF-32 is tested first: its little-endian byte order mark begins with the mark of UTF-16.
   if (t.starts_with("\xff\xfe\0\0"sv) || t.starts_with("<\0\0\0"sv)) return from_wide(t, 4, false);
   if (t.starts_with("\0\0\xfe\xff"sv) || t.starts_with("\0\0\0<"sv)) return from_wide(t, 4, true);
   if (t.starts_with("\xff\xfe"sv) || t.starts_with("<\0"sv)) return from_wide(t, 2, false);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Encodings of XML files other than UTF-8. They are undone before the file is parsed, so that places in the
-// text stay known.
+// Converts XML files of other encodings to UTF-8 before they are parsed, so that positions in the text stay
+// known.
 #pragma once
 
 #include <string>
 
 namespace aureole {
 
-/// UTF-16, UTF-32 (by byte order mark, or by how "<" is written) and declared Latin-1 as UTF-8; anything else
-/// as it is, without a byte order mark.
+/// Converts UTF-16, UTF-32 (detected by the byte order mark or the encoding of "<") and declared Latin-1 to
+/// UTF-8. Other text is unchanged except that a byte order mark is removed.
 std::string to_utf8(std::string text);
 
 }  // namespace aureole

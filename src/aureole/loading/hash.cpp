@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hashes: of a scene's content, by which a checkpoint recognises the scene it belongs to, and of single
-// elements, by which objects are found again after a change.
+// Hashes of a scene's content, by which a checkpoint identifies its scene, and of single elements, by which
+// unchanged objects are found again after an edit.
 #include <algorithm>
 #include <bit>
 #include <cstring>
@@ -16,8 +16,8 @@ namespace aureole {
 
 namespace {
 
-/// FNV-1a over 64-bit words instead of bytes, for files of many megabytes, with a final mix because
-/// multiplication alone carries nothing from high to low bits.
+/// FNV-1a over 64-bit words instead of bytes, for files of many megabytes. A final mix follows, because
+/// multiplication propagates nothing from high to low bits.
 class Hash {
 public:
   void bytes(const char* data, std::size_t size) {
@@ -53,7 +53,7 @@ void add_node(const Node& node, const References& references, Hash& hash) {
             [](const Attribute* a, const Attribute* b) { return a->name < b->name; });
   for (const Attribute* a : sorted) {
     if (a->name == "version" || references.names_file(*a))
-      continue;  // a file counts by its content, wherever it lies
+      continue;  // a file is hashed by its content, not by its path
     hash.text(a->name);
     if (node.tag == "string")
       hash.text(a->value);
@@ -67,13 +67,13 @@ void add_node(const Node& node, const References& references, Hash& hash) {
   hash.text("/");
 }
 
-/// Of an element with all it refers to.
+/// Computes the key of an element with everything it refers to.
 class KeyMaker {
 public:
   KeyMaker(const References& references, const std::map<std::string, ObjectPtr>& given)
       : references_(references), given_(given) {}
 
-  /// Of what the element is made: without its name, and without ids.
+  /// Hash of an element's content, without its name and without ids.
   std::uint64_t content(const Node& node) {
     if (const Node* target = references_.follow(node); target && target != &node) return content(*target);
     if (const auto known = contents_.find(&node); known != contents_.end()) return known->second;
@@ -108,7 +108,7 @@ public:
         const Node* target = references_.follow(child);
         if (target && hangs_on_shape(*target)) continue;
       }
-      hash.text(child.get("name"));  // of a reference: the target's hash does not contain this name
+      hash.text(child.get("name"));  // the name of a reference is not part of its target's hash
       hash.number(key(child));
     }
     if (!without_children_of_shape) known_[&node] = hash.value();

@@ -18,13 +18,13 @@ namespace aureole {
 
 namespace {
 
-/// Objects may add notes for as long as they live, so that the messages must live as long as the context.
+/// Objects may add notes during their whole life, so diagnostics live as long as the context.
 struct OwnedContext {
   BuildContext context;
   Diagnostics diagnostics;
 };
 
-/// "mm" or "2.5mm" in metres.
+/// Returns a length unit such as "mm" or "2.5mm" in metres.
 double parse_length_unit(const Node& node) {
   if (node.tag != "string")
     throw Error(node.where, "length_unit needs a unit: write <string name=\"length_unit\" value=\"mm\"/>");
@@ -53,7 +53,7 @@ double length_unit(const Node& root, Diagnostics& diagnostics) {
   return unit;
 }
 
-/// Upgraded nodes and the state needed to build objects from them.
+/// Upgraded nodes, with the state needed to build objects from them.
 class Loading {
 public:
   Loading(ParsedScene& parsed, std::shared_ptr<OwnedContext> owned)
@@ -62,16 +62,16 @@ public:
     owned_->context.length_unit_m = length_unit(parsed.root, diagnostics());
   }
 
-  /// Calls `build` with a builder of objects for `grid`.
+  /// Calls `build` with a Builder whose spectra are tabulated on `grid`.
   template <class Build>
   void build(const SpectralGrid& grid, const LoadOptions& options, ObjectPool* pool, const Build& build) {
     owned_->context.grid = grid;
-    if (pool && !pool->empty()) stop_at_errors();  // a grid that errors made invalid would empty the pool
+    if (pool && !pool->empty()) stop_at_errors();  // an invalid grid, caused by errors, would empty the pool
     if (pool) pool->begin(owned_->context);
     Builder builder(references, context(), diagnostics(), options.given, options.progress, pool);
     owned_->context.models = pool ? pool->models() : std::make_shared<ModelCache>();
     {
-      // The context outlives the builder, also where the loading is given up.
+      // Resets the context's pointer to the builder, which ends first, also when loading is cancelled.
       struct Lookup {
         BuildContext& context;
         ~Lookup() { context.scene = nullptr; }
@@ -99,7 +99,7 @@ public:
   References references;
 };
 
-/// Parses text into upgraded nodes, ready for building.
+/// Parses text into upgraded nodes, ready for building objects.
 ParsedScene read_nodes(const std::filesystem::path& file, const std::optional<std::string>& text,
                        const LoadOptions& options, Diagnostics& diagnostics) {
   ParsedScene parsed = parse_scene(file, text, options.defines, diagnostics);
@@ -109,12 +109,13 @@ ParsedScene read_nodes(const std::filesystem::path& file, const std::optional<st
   return parsed;
 }
 
-/// The same for whole scenes.
+/// Parses text into the upgraded nodes of a whole scene, with the overrides of the command line.
 ParsedScene read_scene_nodes(const std::filesystem::path& file, const std::optional<std::string>& text,
                              const LoadOptions& options, Diagnostics& diagnostics) {
   ParsedScene parsed = read_nodes(file, text, options, diagnostics);
   if (parsed.complete)
-    apply_overrides(parsed.root, options, diagnostics);  // else what it looks for may be missing
+    apply_overrides(parsed.root, options, diagnostics);  // skipped if a file is missing: it may contain the
+                                                         // objects to override
   return parsed;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene file as a tree of plain nodes that remember where they were written. The stages of loading are
-// functions on this tree: parse -> upgrade -> override -> resolve -> build.
+// A scene file as a tree of plain nodes with source locations. The stages of loading are functions on this
+// tree: parse -> upgrade -> override -> resolve -> build.
 #pragma once
 
 #include <array>
@@ -17,10 +17,10 @@ namespace aureole {
 
 using SceneVersion = std::array<int, 3>;
 
-/// The main scene file or an included one.
+/// A source file: the main scene file or an included one.
 struct SourceFile {
   std::filesystem::path path;  ///< absolute
-  std::string shown;           ///< how messages call it: relative where the user's own path was
+  std::string shown;           ///< name in messages: relative if the user gave a relative path
   SceneVersion version{3, 0, 0};
   std::shared_ptr<const SourceFile> included_by;  ///< null for the main file
   SourceLocation included_at;
@@ -31,8 +31,8 @@ using SourceFilePtr = std::shared_ptr<const SourceFile>;
 
 struct Attribute {
   std::string name, value;
-  SourceLocation where;  ///< of the value
-  bool failed = false;   ///< an error about the value has been reported already
+  SourceLocation where;  ///< location of the value
+  bool failed = false;   ///< whether an error about the value has been reported
 };
 
 struct Node {
@@ -44,25 +44,25 @@ struct Node {
 
   const Attribute* find(std::string_view name) const;
   Attribute* find(std::string_view name);
-  /// The attribute's value, or an empty string.
+  /// Returns the attribute's value, or an empty string.
   std::string get(std::string_view name) const;
-  /// Changes an attribute or adds it at the node's location.
+  /// Changes an attribute, or adds it with the node's location.
   void set(std::string_view name, std::string value);
-  /// The child whose attribute `name` is `name`, or null.
+  /// Returns the child whose attribute "name" equals `name`, or null.
   Node* named_child(std::string_view name);
 };
 
-/// The plug-in family of an object element ("texture" for <spectrum type="...">), or an empty string for all
-/// others.
+/// Returns the plug-in family of an object element ("texture" for <spectrum type="...">), or an empty string
+/// for any other element.
 std::string object_family(const Node& node);
 
-/// True for <float>, <rgb>, <transform> and the other elements that give a parameter a value.
+/// Whether the node is a <float>, <rgb>, <transform> or another element that gives a parameter a value.
 bool is_property(const Node& node);
 
 /// All element names, for suggestions.
 std::vector<std::string> all_tags();
 
-/// Reports missing and unexpected attributes; false if a required one is missing.
+/// Reports missing and unexpected attributes; returns false if a required one is missing.
 bool check_attributes(const Node& node, std::initializer_list<std::string_view> required,
                       std::initializer_list<std::string_view> optional, Diagnostics& diagnostics);
 

@@ -10,7 +10,7 @@ namespace aureole {
 
 namespace {
 
-/// A number that changes when the file is modified, from its size and time.
+/// A number, made from size and time, that changes when the file is modified.
 std::uint64_t stamp(const std::filesystem::path& file) {
   std::error_code ignored;
   return std::uint64_t(std::filesystem::file_size(file, ignored)) * 0x9e3779b97f4a7c15u +
@@ -19,7 +19,7 @@ std::uint64_t stamp(const std::filesystem::path& file) {
 
 }  // namespace
 
-/// Geometry of one element.
+/// Provides the geometry of one element.
 class ObjectPool::Source final : public GeometrySource {
 public:
   Source(ObjectPool& pool, std::uint64_t key) : pool_(pool), key_(key) {}
@@ -109,7 +109,7 @@ void ObjectPool::trim() {
       if (sampler.use_count() == 1) sampler = nullptr;
     std::erase_if(e->materials, [](const auto& m) { return m.second.bsdf.use_count() <= 1; });
   }
-  // Dropping one object may release others of the pool: repeat until nothing changes.
+  // Releasing one object may release others of the pool: repeats until nothing changes.
   while (std::erase_if(objects_, [](const auto& e) { return e.second.use_count() == 1; }) > 0) {
   }
 }

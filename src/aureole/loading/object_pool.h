@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Objects of earlier builds of a scene that the next build may keep, found by what they were made from.
+// Objects of earlier builds of a scene, which the next build may reuse, keyed by a hash of their inputs.
 #pragma once
 
 #include <cstdint>
@@ -20,43 +20,43 @@ public:
   /// Hash of an element and of everything below it, including the files that it names.
   struct Key {
     std::uint64_t whole = 0;
-    std::uint64_t geometry = 0;  ///< of a shape: without its BSDF, emitter and sensor
+    std::uint64_t geometry = 0;  ///< for a shape: without its BSDF, emitter and sensor
   };
 
-  /// The tables of all builds.
+  /// Tables shared by all builds.
   const std::shared_ptr<ModelCache>& models() const { return models_; }
 
   /// Begins a build: marks all geometry as unused. Empties the pool if the spectral grid or the unit of
   /// length has changed.
   void begin(const BuildContext& context);
-  /// Whether objects of a family are kept whole. Of shapes only the geometry is kept (`geometry_source`).
+  /// Whether objects of a family are kept entirely. For shapes only the geometry is kept (`geometry_source`).
   static bool keeps(const std::string& family);
-  /// An object made from an equal element, or null.
+  /// Returns an object made from an equal element, or null.
   ObjectPtr find(const Key& key) const;
   void add(const Key& key, const ObjectPtr& object) { objects_.emplace(key.whole, object); }
-  /// A source that returns the kept geometry of the shape with that key, or makes and keeps it. Must not be
-  /// used after the next `begin`.
+  /// Returns a source of the kept geometry of the shape with that key; if there is none, it makes the
+  /// geometry and keeps it. It must not be used after the next `begin`.
   std::unique_ptr<GeometrySource> geometry_source(const Key& key);
   bool empty() const { return objects_.empty() && shapes_.empty(); }
-  /// Drops objects that nothing outside of the pool refers to.
+  /// Releases objects to which nothing outside the pool refers.
   void trim();
 
 private:
   class Source;
-  /// The BSDF made from a material, with that material and the state of its files.
+  /// The BSDF made from a material of an .mtl file, with that material and the state of its files.
   struct Material {
     MtlMaterial made_of;
     std::vector<std::uint64_t> files;
     BsdfPtr bsdf;
   };
-  /// Geometry of one element, with its parts and samplers. Used at most once per build, because two shapes of
-  /// a scene never share one geometry.
+  /// Geometry of one element, with its parts and samplers. It is used at most once per build, because two
+  /// shapes of a scene never share one geometry.
   struct Entry {
     std::uint64_t key = 0;
     std::vector<std::string> attributes;
-    ShapePtr shape;                                  ///< or null, where the mesh was divided into
-    std::shared_ptr<const MeshParts> parts;          ///< these
-    std::shared_ptr<const AreaSampler> samplers[2];  ///< by AreaUse
+    ShapePtr shape;                                  ///< the shape; null if the mesh was divided
+    std::shared_ptr<const MeshParts> parts;          ///< the parts of a divided mesh
+    std::shared_ptr<const AreaSampler> samplers[2];  ///< indexed by AreaUse
     std::unordered_map<std::string, Material> materials;
     bool taken = true;
 
@@ -71,15 +71,15 @@ private:
   double length_unit_m_ = 0;
 };
 
-/// Keys of the elements of one tree, which must not change meanwhile. Files count by path, size and time.
+/// Keys of the elements of one tree, which must not change meanwhile. Files are represented by path, size and
+/// time.
 class PoolKeys {
 public:
-  /// `given` has the objects of the program, by their keys.
+  /// `given` maps keys to the objects made by the program.
   PoolKeys(const References& references, const std::map<std::string, ObjectPtr>& given);
   ~PoolKeys();
   ObjectPool::Key of(const Node& node);
-  /// A hash of what an object is made of: of the element without its name and without ids, and of the settings
-  /// of the scene.
+  /// Hash of an object's inputs: of its element without its name and ids, and of the settings of the scene.
   std::uint64_t content_of(const Node& node, const BuildContext& context);
 
 private:

@@ -9,7 +9,7 @@ namespace aureole {
 
 namespace {
 
-/// Line and column pairs from the main file down to the place.
+/// Line and column pairs, from the main file through its includes down to the location.
 using Place = std::vector<int>;
 
 Place place_in(const SourceFile* file, int line, int column) {
@@ -19,7 +19,7 @@ Place place_in(const SourceFile* file, int line, int column) {
   return place;
 }
 
-/// The file that a message is about, or null; sets the line and the column.
+/// Returns the file that a message is about, or null; sets the line and the column.
 const SourceFile* read_place(const std::string& message, const std::vector<SourceFilePtr>& files, int& line,
                              int& column) {
   for (const SourceFilePtr& file : files) {

@@ -9,8 +9,8 @@
 
 namespace aureole {
 
-/// Sorts "file:line:column: text" messages by place, an included file at the place of its <include>, and
-/// appends to messages about included files where they are included. Messages without a place come last.
+/// Sorts messages "file:line:column: text" by location; an included file counts at its <include>. Messages
+/// about included files are extended by the location of the <include>. Messages without a location come last.
 std::vector<std::string> in_file_order(const std::vector<std::string>& messages,
                                        const std::vector<SourceFilePtr>& files);
 

@@ -10,15 +10,16 @@ namespace aureole {
 
 namespace {
 
-/// A node for an object that is not in the scene file: of the given plug-in, or of the family's default.
+/// Makes a node for an object that is not in the scene file: of the given plug-in, or of the family's
+/// default.
 Node synthetic(const Node& parent, const std::string& family, const std::string& type) {
   Node node{family, {}, {}, parent.where, parent.file};
   node.set("type", type.empty() ? Registry::instance().family(family)->fallback : type);
   return node;
 }
 
-/// The registered plug-in for a name from the command line, through aliases; null (reported) if there is
-/// none.
+/// Returns the registered plug-in for a name from the command line, following aliases; null (reported) if
+/// there is none.
 const PluginInfo* chosen_plugin(const std::string& family, const std::string& name,
                                 Diagnostics& diagnostics) {
   const PluginInfo* info = find_plugin(family, name);
@@ -78,7 +79,7 @@ Node* first_sensor(const Ids& ids) {
 }
 
 void apply_overrides(Node& root, const LoadOptions& options, Diagnostics& diagnostics) {
-  // Ids are looked up again after each insertion, since inserting a node may move its siblings in memory.
+  // Ids are looked up again after each insertion, since it may move sibling nodes in memory.
   if (!child_of_family(Ids(root), root, "integrator"))
     root.children.push_back(synthetic(root, "integrator", options.integrator));
   if (!options.integrator.empty())

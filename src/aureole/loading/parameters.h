@@ -13,17 +13,18 @@ namespace aureole {
 
 class Parameters {
 public:
-  /// Values given on the command line win over every <default>; of two for one name the last wins.
+  /// Values given on the command line override every <default>; of two values for one name, the last one
+  /// wins.
   explicit Parameters(const std::vector<std::pair<std::string, std::string>>& defines);
 
-  /// A <default> element; has no effect where the name has a value already.
+  /// Adds a <default> element; it has no effect if the name already has a value.
   void add_default(const std::string& name, const std::string& value);
 
   /// Replaces every $name by its value and \$ by $. A name ends where the identifier ends: with only `res`
   /// defined, `$resx` is undefined. Throws Error for undefined names.
   std::string substitute(std::string_view text, const SourceLocation& where);
 
-  /// Reports every command-line value that the scene did not use.
+  /// Reports every value from the command line that the scene does not use.
   void report_unused(const std::string& file, Diagnostics& diagnostics) const;
 
 private:
@@ -35,7 +36,7 @@ private:
   Parameter* longest_match(std::string_view text);
 
   std::vector<Parameter> parameters_;
-  std::size_t inserted_ = 0;  ///< characters of values so far
+  std::size_t inserted_ = 0;  ///< total characters of substituted values
 };
 
 }  // namespace aureole

@@ -17,12 +17,12 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Limits of nested elements and nested includes, since loading is recursive, and of the number of included
-/// files, which may double with every level: far above real scenes, and far below the size of stack and
-/// memory.
+/// files, which may double with every level. The limits are far above real scenes and far below the size of
+/// stack and memory.
 constexpr int kDeepestElement = 256, kDeepestInclude = 32, kMostIncludes = 1000;
 
-/// Turns places in the text that pugixml parses into lines and columns. pugixml works in place, so that its
-/// names and values point into `buffer`, while `original` keeps the line ends that it overwrites.
+/// Converts positions in the text that pugixml parses to lines and columns. pugixml parses in place, so that
+/// its names and values point into `buffer`, while `original` keeps the line ends that it overwrites.
 class LocatedText {
 public:
   LocatedText(std::string text, std::string file)
@@ -41,7 +41,7 @@ public:
     const std::size_t start = line_starts_[std::size_t(line - 1)];
     return {file_, int(line), 1 + int(characters_before(offset) - characters_before(start))};
   }
-  /// Unknown line for what is not in the text: the empty value of an attribute, for one.
+  /// Returns an unknown line for pointers outside the text, such as the empty value of an attribute.
   SourceLocation at(const char* p, std::size_t back = 0) const {
     if (p < buffer.data() || p > buffer.data() + buffer.size()) return {file_, 0, 0};
     return at(std::size_t(p - buffer.data()) - back);
@@ -60,7 +60,7 @@ private:
     return count;
   }
 
-  /// Characters are counted before each block of bytes, so that a place in a long line does not count all of it.
+  /// The number of characters before each block of bytes, so that a position in a long line is found quickly.
   static constexpr std::size_t kBlock = 64;
   std::string original_, file_;
   std::vector<std::size_t> line_starts_{0}, counts_;
@@ -92,7 +92,7 @@ public:
   Parser(Parameters& parameters, Diagnostics& diagnostics)
       : parameters_(parameters), diagnostics_(diagnostics) {}
 
-  /// Parses one file; false if it is no XML document.
+  /// Parses one file; returns false if it is not an XML document.
   bool parse(std::shared_ptr<SourceFile> file, std::string content, Node& root) {
     LocatedText text(to_utf8(std::move(content)), file->shown);
     scene.files.push_back(file);
@@ -117,7 +117,7 @@ public:
   ParsedScene scene;
 
 private:
-  /// The element without its children.
+  /// Returns the element without its children.
   Node shell(pugi::xml_node element, const LocatedText& text, const SourceFilePtr& file) {
     Node node{element.name(), {}, {}, text.at(element.name(), 1), file};
     for (const pugi::xml_attribute a : element.attributes()) {
@@ -186,7 +186,7 @@ private:
     file->included_at = node.where;
     std::ifstream stream(file->path, std::ios::binary);
     std::error_code ignored;
-    // A device or pipe may have no end.
+    // A device or pipe may be endless.
     if (file->path.empty() || !stream || !fs::is_regular_file(file->path, ignored)) {
       diagnostics_.error(name->where, "cannot read the included file \"" + name->value + "\"");
       scene.complete = false;
@@ -222,7 +222,7 @@ private:
     }
   }
 
-  /// The included file's path in the style of the including file's.
+  /// Returns the included file's path, relative or absolute like the including file's.
   static std::string shown_path(const std::string& name, const SourceFile& file, const SourceFile& from) {
     const fs::path beside = (fs::path(from.shown).parent_path() / name).lexically_normal();
     std::error_code ignored;
@@ -272,7 +272,7 @@ ParsedScene parse_scene(const fs::path& file, const std::optional<std::string>& 
   Parser parser(parameters, diagnostics);
   if (!parser.parse(source, std::move(content), parser.scene.root)) {
     parser.scene.complete = false;
-  } else if (parser.scene.complete) {  // a file that is missing may be the one that uses them
+  } else if (parser.scene.complete) {  // a missing file may be the one that uses them
     parameters.report_unused(source->shown, diagnostics);
   }
   return std::move(parser.scene);

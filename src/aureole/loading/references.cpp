@@ -10,13 +10,14 @@ namespace aureole {
 
 namespace {
 
-/// Nested elements and references in one path from the scene down: building them is recursive.
+/// Limit of nested elements and references on one path from the scene down: building them is recursive.
 constexpr std::size_t kDeepest = 512;
-/// References that are met when all those below an object are followed. A texture or BSDF that uses another
-/// one twice, which uses another one twice, ... would take forever to evaluate. Shapes may hold many.
+/// Limit of the references below an object, each followed and counted. Evaluating a texture or BSDF that uses
+/// another one twice, which uses another one twice, ... takes exponential time. Shapes are exempt, because
+/// they may contain many references.
 constexpr std::uint64_t kMostReferences = 10000;
 
-/// The attribute of a parameter of `object` that names a file, or null.
+/// Returns the attribute that names a file for a parameter of `object`, or null.
 Attribute* file_name(const PluginInfo* object, Node& parameter) {
   if (parameter.tag == "spectrum" && is_property(parameter)) return parameter.find("filename");
   const bool is_file = parameter.tag == "string" && object && object->names_file(parameter.get("name"));
@@ -95,7 +96,7 @@ public:
     link(scene_.root);
     std::vector<const Node*> path;
     find_cycles(scene_.root, path);
-    if (cut_all_) references_.targets_.clear();  // so that nobody follows them
+    if (cut_all_) references_.targets_.clear();  // cuts all references, so that no cycle is followed
   }
 
 private:
@@ -129,7 +130,8 @@ private:
         link(child);
         continue;
       }
-      // Elements inside of a reference, an error, are not linked: cycles are sought behind references, not in them.
+      // Elements inside a <ref> are errors and are not linked, because cycles are searched behind references
+      // only.
       if (!check_attributes(child, {"id"}, {"name"}, diagnostics_)) continue;
       if (!child.children.empty())
         diagnostics_.error(child.children.front().where, "<ref> can't contain other elements");
@@ -151,7 +153,7 @@ private:
     std::uint64_t references = 0;
   };
 
-  /// Depth-first over objects and references; a reference back into the current path is cut.
+  /// Traverses objects and references depth-first and cuts references that lead back into the current path.
   Extent find_cycles(const Node& node, std::vector<const Node*>& path) {
     if (const auto known = extents_.find(&node); known != extents_.end()) return known->second;
     path.push_back(&node);
@@ -163,7 +165,7 @@ private:
       const auto start = std::find(path.begin(), path.end(), &next);
       if (start != path.end()) {
         report_cycle(child, next, {start, path.end()});
-        // A cycle may close by nesting, too, where a reference led to the inside of an object.
+        // A cycle may also close by nesting, where a reference led to an object inside another one.
         if (refers)
           references_.targets_.erase(reference);
         else

@@ -13,28 +13,27 @@
 
 namespace aureole {
 
-/// The elements that the ids of a tree name: the one place where a <ref> is followed. Holds pointers into the
-/// tree, whose nodes must stay where they are.
+/// The elements by id, used wherever a <ref> is followed. Holds pointers into the tree, whose nodes must not
+/// move.
 class Ids {
 public:
-  /// An object and its parent; null for an unknown id.
+  /// An object and its parent; null pointers for an unknown id.
   struct Held {
     Node* node = nullptr;
     Node* parent = nullptr;
     std::size_t child = 0;  ///< index among the parent's children
   };
 
-  /// If an id is given twice, the first object counts.
+  /// If an id is given twice, the first object is used.
   explicit Ids(Node& root);
-  /// Reports ids that are given twice and, if the whole tree could be read (`complete`), aliases of unknown
-  /// ids.
+  /// Also reports duplicate ids and, if the whole tree could be read (`complete`), aliases of unknown ids.
   Ids(Node& root, bool complete, Diagnostics& diagnostics);
 
   Node& root() const { return *root_; }
   Held find(const std::string& id) const;
-  /// The node itself; for a <ref>, the node it refers to, or null.
+  /// Returns the node itself; for a <ref>, the node it refers to, or null.
   Node* follow(Node& node) const { return node.tag == "ref" ? find(node.get("id")).node : &node; }
-  /// `no object has the id "wal"; did you mean "wall"?`
+  /// An error such as: no object has the id "wal"; did you mean "wall"?
   Error unknown(const Attribute& id) const;
 
 private:
@@ -44,7 +43,7 @@ private:
 
   struct Entry {
     Held held;
-    SourceLocation place;  ///< of the object or the alias
+    SourceLocation place;  ///< location of the object or the alias
   };
   Node* root_;
   std::map<std::string, Entry> entries_;
@@ -55,28 +54,28 @@ private:
 class References {
 public:
   /// Makes file names absolute and finds the target of every reference. Reports duplicate ids, unknown ids,
-  /// circular references and files that do not exist.
+  /// circular references and missing files.
   References(ParsedScene& scene, Diagnostics& diagnostics);
 
-  /// The node itself; for a valid <ref>, its target; else null. References form no cycles.
+  /// Returns the node itself; for a valid <ref>, its target; else null. References form no cycles.
   const Node* follow(const Node& node) const;
-  /// Whether a <ref> inside another object leads to this one.
+  /// Whether a <ref> inside another object refers to this node.
   bool is_nested(const Node& node) const { return nested_.contains(&node); }
   /// Whether the value of an attribute is the name of a file.
   bool names_file(const Attribute& attribute) const { return file_attributes_.contains(&attribute); }
 
   Ids ids;
-  std::vector<std::filesystem::path> files;  ///< that the scene names, in order
+  std::vector<std::filesystem::path> files;  ///< files that the scene names, in order
 
 private:
   friend class Resolver;
-  std::unordered_map<const Node*, const Node*> targets_;  ///< of each good <ref>
+  std::unordered_map<const Node*, const Node*> targets_;  ///< target of each valid <ref>
   std::unordered_set<const Node*> nested_;
   std::unordered_set<const Attribute*> file_attributes_;
 };
 
-/// A number that changes with the content of the scene and of the referenced files, but not with comments,
-/// white space, places, or the sampler's sample_count and seed.
+/// A hash that changes with the content of the scene and of the referenced files, but not with comments,
+/// white space, file locations, or the sampler's sample_count and seed.
 std::uint64_t content_hash(const Node& root, const References& references);
 
 }  // namespace aureole

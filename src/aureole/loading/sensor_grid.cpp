@@ -13,11 +13,11 @@ namespace aureole {
 
 namespace {
 
-/// From hard gamma rays to waves of 1000 km; single precision ends not far beyond.
+/// Limits in nm: hard gamma rays to waves of 1000 km; single precision does not reach much further.
 constexpr double kShortest = 1e-6, kLongest = 1e15;
 
-/// The parameters of an object and of those below it before anything is built. Unreadable values are left
-/// out: they are reported when the object is built.
+/// Returns the parameters of an object and of those below it, before anything is built. Unreadable values are
+/// skipped, because they are reported when the object is built.
 Properties raw_parameters(const Node& object, const References& references) {
   const PluginInfo* plugin = find_plugin(object_family(object), object.get("type"));
   Properties raw(plugin ? plugin->name : object.get("type"), object.get("id"), object.where, nullptr, plugin);
@@ -35,7 +35,7 @@ Properties raw_parameters(const Node& object, const References& references) {
   return raw;
 }
 
-/// The range that the film's plug-in derives from its parameters; the visible range where it derives none.
+/// Returns the range that the film's plug-in derives from its parameters, or else the visible range.
 WavelengthRange range_of_film(const Node* film, const References& references) {
   const WavelengthRange visible{SpectralGrid().min_nm, SpectralGrid().max_nm};
   const PluginInfo* plugin = film ? find_plugin(object_family(*film), film->get("type")) : nullptr;
@@ -48,8 +48,8 @@ WavelengthRange range_of_film(const Node* film, const References& references) {
   }
 }
 
-/// The wavelength in nm that a film parameter gives; `fallback` where it is absent or can't be read, which is
-/// reported.
+/// Returns the wavelength in nm of a film parameter, or `fallback` if it is absent or cannot be read
+/// (reported).
 double wavelength(Node* film, std::string_view name, double fallback, Diagnostics& diagnostics) {
   Node* node = film ? film->named_child(name) : nullptr;
   Attribute* value = node ? node->find("value") : nullptr;

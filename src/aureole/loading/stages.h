@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The stages of loading one by one, for a scene that stays open (document.h) and for tests.
+// The single stages of loading, for scenes that stay open (document.h) and for tests.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@ namespace aureole {
 
 class ObjectPool;
 
-/// The objects of a scene file, which are not a scene yet.
+/// The objects of a scene file, before a scene is made from them.
 struct LoadedParts {
   SceneParts parts;
   ObjectPtr integrator;
@@ -25,22 +25,22 @@ struct LoadedParts {
   std::filesystem::path file;
 };
 
-/// The same with the object built for each node.
+/// LoadedParts, together with the object built for each node.
 struct OpenedParts : LoadedParts {
   std::unordered_map<const Node*, ObjectPtr> objects;
 };
 
-/// The nodes of a file or of `text`, upgraded, with the changes of `options`, the default objects that the
-/// scene does not state, and the notes so far. Throws ErrorList.
+/// Parses and upgrades the nodes of a file or of `text`, applies the changes of `options` and adds the
+/// default objects that the scene does not state. Adds to `notes`. Throws ErrorList.
 std::unique_ptr<ParsedScene> open_scene(const std::filesystem::path& file,
                                         const std::optional<std::string>& text, const LoadOptions& options,
                                         std::vector<std::string>& notes);
-/// Builds the objects, with those of `pool` where nothing has changed.
+/// Builds the objects, reusing objects of `pool` whose elements have not changed.
 OpenedParts build_opened(ParsedScene& parsed, const LoadOptions& options, ObjectPool& pool);
-/// Adds the default integrator where the scene states none.
+/// Adds the default integrator if the scene has none.
 void complete(ParsedScene& parsed);
 
-/// `load_scene` and `load_scene_from_string` up to the objects.
+/// Loads as `load_scene` and `load_scene_from_string` do, but stops before a scene is made from the objects.
 LoadedParts load_parts(const std::filesystem::path& file, const std::optional<std::string>& text,
                        const LoadOptions& options);
 /// The last stage: builds the scene, reusing unchanged acceleration structures of `previous`.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The steps of a <transform> element.
+// Parses the steps of a <transform> element.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ namespace {
 
 using Vec3d = std::array<double, 3>;
 
-/// x, y and z, or `value` with one or three numbers.
+/// Reads x, y and z, or `value` with one or three numbers.
 Vec3d read_axes(const Node& step, double fallback) {
   Vec3d v{fallback, fallback, fallback};
   if (const Attribute* value = step.find("value")) {
@@ -37,8 +37,8 @@ Vec3d read_triple(const Node& step, std::string_view name) {
   return {v[0], v[1], v[2]};
 }
 
-/// Mitsuba's choice of an up vector where the file gives none: the first tangent of Duff et al. (2017),
-/// "Building an orthonormal basis, revisited", so that such cameras roll the same way.
+/// Mitsuba's choice of an up vector if the file gives none: the first tangent of Duff et al. (2017),
+/// "Building an orthonormal basis, revisited". Such cameras then have the same roll angle as in Mitsuba.
 Vec3d any_up(const Vec3d& origin, const Vec3d& target) {
   Vec3d n{target[0] - origin[0], target[1] - origin[1], target[2] - origin[2]};
   const double length = std::hypot(n[0], n[1], n[2]);
@@ -78,7 +78,7 @@ Transform rotate(const Node& step) {
   return Transform::rotate(axis[0], axis[1], axis[2], parse_number(step.get("angle")));
 }
 
-/// One step, or the identity where attributes are missing (which is reported).
+/// Reads one step; the identity if attributes are missing (reported).
 Transform read_step(const Node& step, Diagnostics& diagnostics) {
   const auto has = [&](std::initializer_list<std::string_view> required,
                        std::initializer_list<std::string_view> optional) {

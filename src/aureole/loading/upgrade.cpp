@@ -14,7 +14,7 @@ namespace aureole {
 
 namespace {
 
-/// A parameter of Mitsuba 0.6 without effect here. An empty family matches every family.
+/// A parameter of Mitsuba 0.6 that has no effect here. An empty family matches every family.
 struct Dropped {
   std::string_view family, name;
   bool quietly = false;
@@ -65,7 +65,7 @@ void drop_parameters(Node& object, Diagnostics& diagnostics) {
   });
 }
 
-/// The only meaningful value of a bitmap's `gamma` is 1: the file holds linear numbers.
+/// Drops a bitmap's `gamma` of 1, its only supported value: the file contains linear values.
 void upgrade_bitmap(Node& bitmap, Diagnostics& diagnostics) {
   if (Node* gamma = bitmap.named_child("gamma"); gamma && !bitmap.named_child("raw")) {
     const std::string value = gamma->get("value");
@@ -96,7 +96,7 @@ void upgrade_ldrfilm(Node& film, Diagnostics& diagnostics) {
   });
 }
 
-/// uscale, vscale, uoffset, voffset -> to_uv = Scale * Translate, as Mitsuba 2 and later read them.
+/// Converts uscale, vscale, uoffset, voffset to to_uv = Scale * Translate, as Mitsuba 2 and later do.
 void upgrade_uv(Node& object) {
   Node translate, scale;
   translate.tag = "translate", scale.tag = "scale";
@@ -129,7 +129,7 @@ void upgrade_uv(Node& object) {
   object.children.push_back(std::move(transform));
 }
 
-/// <srgb> -> <rgb> with linear values. Colours that can't be read are left for the <rgb> reader to report.
+/// Converts <srgb> to <rgb> with linear values. Unreadable colours are left to the reader of <rgb> to report.
 void upgrade_srgb(Node& node) {
   node.tag = "rgb";
   Attribute* value = node.find("value");
@@ -144,7 +144,7 @@ void upgrade_srgb(Node& node) {
   }
 }
 
-/// <blackbody temperature="5000K" scale="2"/> -> the spectrum plug-in of that name.
+/// Converts <blackbody temperature="5000K" scale="2"/> to the spectrum plug-in of that name.
 void upgrade_blackbody(Node& node) {
   node.tag = "spectrum";
   Node parameters;
@@ -165,7 +165,8 @@ void upgrade_blackbody(Node& node) {
   node.set("type", "blackbody");
 }
 
-/// Metals are seen from vacuum here, which is what `extEta` almost always says.
+/// Drops the exterior index of conductors: conductors are always in vacuum here, which `extEta` almost always
+/// states.
 void drop_vacuum_around_conductor(Node& bsdf, Diagnostics& diagnostics) {
   std::erase_if(bsdf.children, [&](const Node& child) {
     const std::string value = child.get("value");
@@ -184,7 +185,7 @@ Node property(const Node& owner, std::string_view tag, std::string name, std::st
           owner.file};
 }
 
-/// The `sky`, `sun` and `sunsky` of 0.6: y is up, north is -z, and one `scale` serves for both.
+/// Converts `sky`, `sun` and `sunsky` of 0.6, where y is up, north is -z, and one `scale` applies to both.
 void upgrade_sky(Node& emitter, const std::string& type, Diagnostics& diagnostics) {
   if (type != "sunsky") {
     diagnostics.note(emitter.where, "emitter \"" + type + "\" is replaced by \"sunsky\" without its " +
@@ -201,7 +202,7 @@ void upgrade_sky(Node& emitter, const std::string& type, Diagnostics& diagnostic
     Attribute* value = radius->find("value");
     try {
       if (value && !value->failed) value->value = number_text(0.5358 * parse_number(value->value));
-    } catch (const Error&) {  // left for the reader of the parameter to report
+    } catch (const Error&) {  // left to the reader of the parameter to report
     }
   }
   std::string scale = "1";
@@ -227,7 +228,7 @@ void upgrade_sky(Node& emitter, const std::string& type, Diagnostics& diagnostic
   to_world.children.insert(to_world.children.begin(), std::move(axes));
 }
 
-/// Older exporters write "Rectangle" for "rectangle".
+/// Converts "Rectangle", which older exporters write, to "rectangle".
 void lower_type(Node& object, Diagnostics& diagnostics) {
   Attribute* type = object.find("type");
   const std::string family = object_family(object);
@@ -290,7 +291,7 @@ std::string snake_case(std::string_view name) {
 void upgrade(Node& node, Diagnostics& diagnostics) {
   for (Node& child : node.children) upgrade(child, diagnostics);
   lower_type(node, diagnostics);
-  // Ids that start with an underscore, which Mitsuba 2 renamed, are ordinary ids here.
+  // Ids with a leading underscore, which Mitsuba 2 renamed, need no conversion here.
   if (node.file && node.file->version < SceneVersion{2, 0, 0}) {
     upgrade_node(node, diagnostics);
     if (node.tag == "scene") upgrade_diffraction(node, diagnostics);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Second stage of loading: nodes from files of a version before 2.0.0 (Mitsuba 0.6) get today's names and
-// shapes.
+// Second stage of loading: renames and restructures nodes of files from before version 2.0.0 (Mitsuba 0.6) to
+// the current format.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace aureole {
 
-/// Upgrades `node` and everything below it. Every element that is dropped or replaced gives a note.
+/// Upgrades `node` and everything below it. Adds a note for every element that is dropped or replaced.
 void upgrade(Node& node, Diagnostics& diagnostics);
 
-/// "toWorld" -> "to_world", "intIOR" -> "int_ior": an underscore where lower case meets upper case, all in
-/// lower case.
+/// Converts "toWorld" to "to_world" and "intIOR" to "int_ior": inserts an underscore where lower case
+/// precedes upper case, then makes everything lower case.
 std::string snake_case(std::string_view camel_case);
 
 }  // namespace aureole

@@ -23,7 +23,7 @@ Node object(const Node& near, std::string_view type) {
   return node;
 }
 
-/// Nested BSDFs k, k + 1, ... with their weights: children of `parent`, a blendbsdf.
+/// Adds the nested BSDFs k, k + 1, ... with their weights as children of `parent`, a blendbsdf.
 void blend(Node& parent, std::vector<Node>& nested, const std::vector<double>& weights, std::size_t k) {
   const double rest = std::accumulate(weights.begin() + std::ptrdiff_t(k) + 1, weights.end(), 0.0);
   const double all = weights[k] + rest;
@@ -67,11 +67,11 @@ void upgrade_mixture(Node& mixture, Diagnostics& diagnostics) {
     diagnostics.note(mixture.where, "bsdf \"mixturebsdf\" is replaced by \"blendbsdf\"");
   } catch (const Error& e) {
     diagnostics.error(where.where, "parameter \"weights\": " + e.message());
-    mixture.set("type", "null");  // the error is reported: no further ones follow from it
+    mixture.set("type", "null");  // the error is reported; a null BSDF causes no further ones
   }
 }
 
-/// <texture type="scale"> with a number and a texture.
+/// Moves the number and the texture of a <texture type="scale"> into the bumpmap.
 void upgrade_bumpmap(Node& bumpmap) {
   for (Node& child : bumpmap.children) {
     if (child.tag != "texture" || child.get("type") != "scale" || bumpmap.named_child("scale")) continue;

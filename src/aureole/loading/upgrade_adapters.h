@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of upgrading that is about BSDFs that contain others.
+// Upgrades BSDFs that contain other BSDFs.
 #pragma once
 
 #include "aureole/loading/node.h"
 
 namespace aureole {
 
-/// `mixturebsdf` becomes a chain of `blendbsdf`, a `scale` texture in a `bumpmap` its parameter, and the
-/// texture of a `normalmap` gets its name. `bsdf` has today's parameter names already.
+/// Converts `mixturebsdf` to a chain of `blendbsdf`, and a `scale` texture in a `bumpmap` to its parameter;
+/// names the texture of a `normalmap`. `bsdf` must already have the current parameter names.
 void upgrade_adapter(Node& bsdf, Diagnostics& diagnostics);
 
 }  // namespace aureole

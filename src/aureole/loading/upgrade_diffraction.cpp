@@ -11,8 +11,9 @@
 namespace aureole {
 namespace {
 
-/// Half the width of the film's band over its wavelength: so narrow that all of it has one phase over the edges of a beam, which are 14 sigma
-/// apart at most, and one wavelength serves for all (optics/diffraction/edge_group.cpp), for sigma below some 50 wavelengths.
+/// Half the width of the film's band over its wavelength. The band is so narrow that the phase differs little
+/// over the edges of a beam, which are at most 14 sigma apart. One wavelength then represents the band for
+/// sigma below some 50 wavelengths (optics/diffraction/edge_group.cpp).
 constexpr double kHalfBand = 5e-6;
 
 void add(Node& owner, const Node& near, std::string_view tag, std::string name, std::string value) {
@@ -30,7 +31,7 @@ Node* child_with_tag(Node& node, std::string_view tag) {
   return found == node.children.end() ? nullptr : &*found;
 }
 
-/// In metres; an error where it is not one positive number.
+/// Returns the wavelength in metres; reports an error unless it is one positive number.
 std::optional<double> wavelength(Node& scene, const Node& given, Diagnostics& diagnostics) {
   const Attribute* value = given.find("value");
   if (!value || value->failed) return {};
@@ -50,7 +51,8 @@ std::optional<double> wavelength(Node& scene, const Node& given, Diagnostics& di
   }
 }
 
-/// Greys of reflectances and lamps are the same at all wavelengths; colours have no meaning there.
+/// Replaces grey colours of reflectances and lights by spectra that are constant at all wavelengths; other
+/// colours are undefined outside the visible.
 void make_grey(Node& node) {
   for (Node& child : node.children) make_grey(child);
   if (node.tag != "rgb") return;
@@ -63,7 +65,7 @@ void make_grey(Node& node) {
       return;
     node.tag = "spectrum";
     value->value = number_text(numbers[0]);
-  } catch (const Error&) {  // left for the reader of colours to report
+  } catch (const Error&) {  // left to the reader of colours to report
   }
 }
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of upgrading that is about scenes of Steinberg et al. 2024, "A Free-Space Diffraction BSDF".
+// Upgrades scenes of Steinberg et al. 2024, "A Free-Space Diffraction BSDF".
 #pragma once
 
 #include "aureole/loading/node.h"
 
 namespace aureole {
 
-/// Their program has the wavelength, in units of the scene, as a parameter `wavelengths` of the integrator `bdpt`: here it becomes the
-/// band of the film, and the integrator follows light around edges.
+/// Their program states the wavelength, in scene units, as the parameter `wavelengths` of the integrator
+/// `bdpt`. Here it becomes the wavelength range of the film, and diffraction is enabled in the integrator.
 void upgrade_diffraction(Node& scene, Diagnostics& diagnostics);
 
 }  // namespace aureole

@@ -71,8 +71,8 @@ Vec3 parse_vector(const Node& node, Diagnostics& diagnostics) {
   return {float(v[0]), float(v[1]), float(v[2])};
 }
 
-/// Adds a point of a spectrum; the wavelengths must increase.
-/// Wavelengths may increase or decrease, as those of increasing frequencies do.
+/// Adds a point of a spectrum. The wavelengths must be monotonic; they decrease if frequencies are listed in
+/// increasing order.
 void add_point(SpectrumLiteral& s, double nm, double value) {
   if (!(nm > 0)) throw Error("the wavelength " + number_text(nm) + " nm is not positive");
   const bool falls = s.nm.size() > 1 && s.nm[1] < s.nm[0];
@@ -83,7 +83,7 @@ void add_point(SpectrumLiteral& s, double nm, double value) {
   s.values.push_back(value);
 }
 
-/// Points that have all been added, by increasing wavelength.
+/// Sorts the points of a spectrum by increasing wavelength.
 void put_in_order(SpectrumLiteral& s) {
   if (s.nm.front() < s.nm.back()) return;
   std::reverse(s.nm.begin(), s.nm.end());
@@ -131,8 +131,8 @@ std::optional<Properties::Value> property_value(const Node& node, Diagnostics& d
   try {
     value = convert(node, own);
   } catch (const Error& e) {
-    // Errors without a location get the value's; an error in a spectrum file has its line, and the scene's
-    // location comes before it.
+    // Errors without a location get the location of the value. An error in a spectrum file has its own line;
+    // the location in the scene is put before it.
     const bool in_scene = !e.where().file.empty() && node.file && e.where().file == node.file->shown;
     const Attribute* text = node.find("value");
     const Attribute* file = node.find("filename");

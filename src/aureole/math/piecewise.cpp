@@ -8,7 +8,8 @@ namespace aureole {
 
 namespace {
 
-/// Fills n + 1 values from 0 to 1 and returns the sum of the weights. All zero: uniform.
+/// Fills the CDF of n + 1 values from 0 to 1 and returns the sum of the weights; uniform if all weights are
+/// zero.
 double accumulate(std::span<const float> weights, float* cdf) {
   const size_t n = weights.size();
   double total = 0, below = 0;
@@ -18,7 +19,8 @@ double accumulate(std::span<const float> weights, float* cdf) {
     below += total > 0 ? weights[i] / total : 1.0 / double(n);
     cdf[i + 1] = std::min(float(below), 1.f);
   }
-  // Cells of no weight at the end must not catch rounding: the last cell with weight ends at exactly 1.
+  // Rounding must not give trailing cells of weight 0 a probability: the last cell with a positive weight
+  // ends at exactly 1.
   for (size_t i = n; i > 0; --i) {
     cdf[i] = 1;
     if (!(total > 0) || weights[i - 1] > 0) break;
@@ -26,7 +28,7 @@ double accumulate(std::span<const float> weights, float* cdf) {
   return total;
 }
 
-/// For each of `guides` equal parts of [0, 1) the cell that holds its beginning.
+/// For each of `guides` equal intervals of [0, 1), stores the cell that contains the interval's beginning.
 void make_guide(const float* cdf, size_t n, size_t guides, std::uint32_t* guide) {
   size_t cell = 0;
   for (size_t k = 0; k < guides; ++k) {
@@ -37,7 +39,7 @@ void make_guide(const float* cdf, size_t n, size_t guides, std::uint32_t* guide)
 
 float invert(const float* cdf, size_t n, const std::uint32_t* guide, size_t guides, float u, float* pdf,
              size_t* cell) {
-  // The guide may be one cell late through rounding of u n: step back if so.
+  // Rounding of u n may make the guide one cell too high; the search steps back in that case.
   size_t i = guide[std::min(size_t(u * float(guides)), guides - 1)];
   while (i > 0 && cdf[i] > u) --i;
   while (i + 1 < n && cdf[i + 1] <= u) ++i;
@@ -45,7 +47,7 @@ float invert(const float* cdf, size_t n, const std::uint32_t* guide, size_t guid
   if (pdf) *pdf = mass * float(n);
   if (cell) *cell = i;
   const float within = mass > 0 ? std::min((u - cdf[i]) / mass, 1.f) : 0.5f;
-  return std::min((float(i) + within) / float(n), 0x1.fffffep-1f);  // the sum may be rounded up to n
+  return std::min((float(i) + within) / float(n), 0x1.fffffep-1f);  // the sum may round up to n
 }
 
 }  // namespace

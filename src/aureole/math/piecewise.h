@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Piecewise-constant distributions on [0, 1] and [0, 1]^2, with look-up tables that make the search short.
+// Piecewise constant distributions on [0, 1) and [0, 1)^2, with look-up tables that shorten the search.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,14 @@
 
 namespace aureole {
 
-/// Piecewise-constant density over n equal cells of [0, 1).
+/// Piecewise constant pdf over n equal cells of [0, 1).
 class Piecewise1D {
 public:
   Piecewise1D() = default;
-  /// Weights >= 0. All zero: uniform.
+  /// Weights >= 0; if all are zero, the distribution is uniform.
   explicit Piecewise1D(std::span<const float> weights);
 
-  /// A point in [0, 1) with its density; `cell` receives its cell.
+  /// Samples a point in [0, 1) and its pdf; `cell` receives the index of its cell.
   float sample(float u, float* pdf, std::size_t* cell = nullptr) const;
   float pdf(float x) const;
   double total() const { return total_; }  ///< sum of the weights
@@ -26,12 +26,12 @@ public:
 
 private:
   double total_ = 0;
-  std::vector<float> cdf_;            ///< n + 1, from 0 to 1
-  std::vector<std::uint32_t> guide_;  ///< first cell to look at for floor(u n)
+  std::vector<float> cdf_;            ///< n + 1 values from 0 to 1
+  std::vector<std::uint32_t> guide_;  ///< first cell to test, by floor(u n)
 };
 
-/// Piecewise-constant density over a grid of cells of [0, 1)^2: a marginal over rows and a conditional in
-/// each row.
+/// Piecewise constant pdf over a grid of cells of [0, 1)^2: a marginal distribution over rows and a
+/// conditional one in each row.
 class Piecewise2D {
 public:
   Piecewise2D() = default;
@@ -40,13 +40,13 @@ public:
   float pdf(Vec2 p) const;
 
 private:
-  /// Of the cells of a row one in four has an entry: the tables of a large map compete for the caches.
+  /// Only one in four cells of a row has an entry: the tables of large maps compete for cache memory.
   static constexpr int kCellsPerGuide = 4;
 
   Piecewise1D marginal_;
   int width_ = 0, height_ = 0, guides_ = 0;
-  std::vector<float> cdf_;            ///< width + 1 per row, from 0 to 1
-  std::vector<std::uint32_t> guide_;  ///< per row, for floor(u guides): the first cell to look at
+  std::vector<float> cdf_;            ///< width + 1 values per row, from 0 to 1
+  std::vector<std::uint32_t> guide_;  ///< per row, by floor(u guides): the first cell to test
 };
 
 }  // namespace aureole

@@ -110,7 +110,7 @@ Vec3 Transform::vector(const Vec3& v) const {
 }
 
 Vec3 Transform::normal(const Vec3& n) const {
-  // Rows of the cofactor matrix are det * (M^-1)^T; the sign of det keeps normals on their side of mirrored
+  // Rows of the cofactor matrix are det * (M^-1)^T. The sign of det keeps normals on their side of mirrored
   // meshes.
   const auto& m = m_;
   const double sign = determinant3() < 0 ? -1 : 1;

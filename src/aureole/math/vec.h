@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two- and three-component float vectors. Points, directions and normals share one type; names of
-// variables tell them apart.
+// Two- and three-component float vectors. Points, directions and normals have one type; variable names
+// distinguish them.
 #pragma once
 
 #include <algorithm>
@@ -57,7 +57,7 @@ inline bool is_finite(const Vec3& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
 
-/// Axis-aligned box; empty when constructed.
+/// Axis-aligned box, initially empty.
 struct Bounds3 {
   Vec3 lower{kInfinity, kInfinity, kInfinity};
   Vec3 upper{-kInfinity, -kInfinity, -kInfinity};
@@ -67,7 +67,7 @@ struct Bounds3 {
   Vec3 center() const { return 0.5f * (lower + upper); }
   Vec3 diagonal() const { return upper - lower; }
 };
-/// The squared distance of two boxes, 0 where they overlap.
+/// The squared distance of two boxes; 0 if they overlap.
 inline float squared_distance(const Bounds3& a, const Bounds3& b) {
   return length_squared(max(max(a.lower - b.upper, b.lower - a.upper), Vec3{}));
 }
@@ -76,14 +76,15 @@ inline float squared_distance(const Bounds3& a, const Bounds3& b) {
 struct Frame {
   Vec3 s{1, 0, 0}, t{0, 1, 0}, n{0, 0, 1};
 
-  /// Any frame around a unit normal (Duff et al. 2017, "Building an orthonormal basis, revisited").
+  /// Some frame around a unit normal (Duff et al. 2017, "Building an orthonormal basis, revisited").
   static Frame from_normal(const Vec3& n) {
     const float sign = std::copysign(1.f, n.z);
     const float a = -1.f / (sign + n.z);
     const float b = n.x * n.y * a;
     return {{1.f + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
   }
-  /// The frame around `n` whose s is `tangent` made perpendicular to n; any frame where that fails.
+  /// The frame around `n` whose s is `tangent` made perpendicular to n; if that is degenerate, some frame
+  /// around n.
   static Frame from_normal_tangent(const Vec3& n, const Vec3& tangent) {
     const Vec3 s = tangent - n * dot(n, tangent);
     const float l2 = length_squared(s);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Maps from the unit square to discs, spheres, cones and triangles that carry uniform points to the stated
-// density. Only polynomials and square roots: fast, and the same bits with every C library.
+// Maps from the unit square to discs, spheres, cones and triangles, with the stated pdfs for uniform points.
+// They use only polynomials and square roots, which are fast and give the same bits with every C library.
 #pragma once
 
 #include <algorithm>
@@ -10,10 +10,10 @@
 
 namespace aureole {
 
-/// The largest float below one; it keeps warped points off the boundary of their domain.
+/// The largest float below one; it keeps mapped points inside the boundary of their domain.
 inline constexpr float kOneMinusEpsilon = 0x1.fffffep-1f;
 
-/// Splits a random number u < p or u >= p into one in [0, 1) for the branch that it chose.
+/// Reuses the random number that chose a branch: maps u < p, or u >= p, to [0, 1).
 inline float remap_below(float u, float p) { return std::min(u / p, kOneMinusEpsilon); }
 inline float remap_above(float u, float p) { return std::min((u - p) / (1 - p), kOneMinusEpsilon); }
 
@@ -43,13 +43,13 @@ inline Vec2 cos_sin_2pi(float u) {
   }
 }
 
-/// A point of a disc with the polar radius it was made from, which has no rounding error.
+/// A point of the unit disc and its polar radius, which is free of rounding errors.
 struct DiscPoint {
   Vec2 p;
   float radius = 0;
 };
 
-/// The unit disc, area-preserving and with little distortion (Shirley & Chiu 1997, "A low distortion map
+/// Maps to the unit disc, area-preserving and with low distortion (Shirley & Chiu 1997, "A low distortion map
 /// between disk and square"). The radius stays below one.
 inline DiscPoint square_to_disc_concentric(Vec2 u) {
   const float a = 2 * u.x - 1, b = 2 * u.y - 1;
@@ -63,14 +63,14 @@ inline DiscPoint square_to_disc_concentric(Vec2 u) {
 }
 inline float square_to_disc_pdf() { return kInvPi; }
 
-/// The upper hemisphere with density cos(theta)/pi; z is always positive.
+/// Maps to the upper hemisphere with pdf cos(theta)/pi; z is always positive.
 inline Vec3 square_to_cosine_hemisphere(Vec2 u) {
   const DiscPoint d = square_to_disc_concentric(u);
   return {d.p.x, d.p.y, std::sqrt((1 - d.radius) * (1 + d.radius))};
 }
 inline float cosine_hemisphere_pdf(float cos_theta) { return std::max(cos_theta, 0.f) * kInvPi; }
 
-/// The unit sphere, density 1/(4 pi).
+/// Maps to the unit sphere with pdf 1/(4 pi).
 inline Vec3 square_to_uniform_sphere(Vec2 u) {
   const float z = 1 - 2 * u.x;
   const float r = 2 * std::sqrt(std::max(u.x * (1 - u.x), 0.f));
@@ -79,8 +79,8 @@ inline Vec3 square_to_uniform_sphere(Vec2 u) {
 }
 inline constexpr float uniform_sphere_pdf() { return 0.25f * kInvPi; }
 
-/// The cone around +z whose half-angle alpha has 1 - cos(alpha) = `one_minus_cos`, which keeps narrow cones
-/// exact.
+/// Maps uniformly to the cone around +z of half-angle alpha, given by `one_minus_cos` = 1 - cos(alpha), which
+/// keeps narrow cones exact.
 inline Vec3 square_to_uniform_cone(Vec2 u, float one_minus_cos) {
   const float x = u.x * one_minus_cos;  // 1 - cos(theta)
   const float r = std::sqrt(std::max(x * (2 - x), 0.f));
@@ -89,7 +89,7 @@ inline Vec3 square_to_uniform_cone(Vec2 u, float one_minus_cos) {
 }
 inline float uniform_cone_pdf(float one_minus_cos) { return 1 / (2 * kPi * one_minus_cos); }
 
-/// The upper hemisphere, density 1/(2 pi).
+/// Maps to the upper hemisphere with pdf 1/(2 pi).
 inline Vec3 square_to_uniform_hemisphere(Vec2 u) { return square_to_uniform_cone(u, 1); }
 inline constexpr float uniform_hemisphere_pdf() { return 0.5f * kInvPi; }
 

@@ -17,8 +17,7 @@ namespace {
 
 constexpr int kMostLines = 100000;
 
-/// The words of a line. Words stand apart by blanks or tabs; what stands in quotes is one, also where
-/// nothing stands in them.
+/// Splits a line into words, separated by blanks or tabs. Quoted text is one word, even if it is empty.
 TextRow words_of(const std::string& line, int number) {
   TextRow row{{}, number};
   for (std::size_t at = 0;;) {
@@ -41,7 +40,7 @@ TextRow words_of(const std::string& line, int number) {
   }
 }
 
-/// The wavelength that a field is named after, and whether its values are per cent by that name.
+/// The wavelength in a field's name, and whether the name implies per cent.
 struct SpectralField {
   double nm;
   bool percent;
@@ -65,10 +64,10 @@ std::optional<SpectralField> spectral(const std::string& name) {
   return SpectralField{nm, percent};
 }
 
-/// One table as it stands.
+/// One table of the file, unprocessed.
 struct Table {
-  std::map<std::string, TextRow> keywords;  ///< the line of each, its value second
-  int line = 0;                             ///< of its fields
+  std::map<std::string, TextRow> keywords;  ///< the line of each keyword; its value is the second cell
+  int line = 0;                             ///< line number of its fields
   std::vector<TextCell> fields;
   std::vector<int> field_lines;
   std::vector<TextRow> rows;
@@ -92,7 +91,8 @@ class Reader {
 public:
   explicit Reader(std::istream& text) : text_(text) {}
 
-  /// The next table, or nothing at the end of the text. Keywords hold until they are given again.
+  /// Returns the next table, or nothing at the end of the text. Keywords stay valid until they are given
+  /// again.
   std::optional<Table> next() {
     table_.fields.clear(), table_.field_lines.clear(), table_.rows.clear();
     while (const auto row = words()) {
@@ -145,7 +145,7 @@ private:
     while (const auto row = words()) {
       if (row->cells.size() == 1 && upper_case(row->cells.front().text) == "END_DATA") {
         check_count("NUMBER_OF_SETS", table_.rows.size(), "rows", begin.line);
-        // They are those of one table; other keywords hold for the next as well.
+        // These two apply to one table only; other keywords apply to the next one as well.
         table_.keywords.erase("NUMBER_OF_SETS"), table_.keywords.erase("NUMBER_OF_FIELDS");
         return;
       }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured samples in the text of ANSI CGATS.17 (ISO 28178): headings that are keywords, a list of fields, and rows of
-// data. Spectrophotometers and profiling programs write it.
+// Measured samples in the text format ANSI CGATS.17 (ISO 28178): header lines with keywords, a list of
+// fields, and rows of data. Spectrophotometers and profiling programs write it.
 #pragma once
 
 #include <iosfwd>
@@ -9,11 +9,11 @@
 
 namespace aureole::pigment {
 
-/// Reads the first table that has spectra. Its fields are wavelengths (SPECTRAL_NM400, SPECTRAL_400, SPEC_400,
-/// NM400, NM_400, R_400 or 400) and, beside them, those of `read_samples` in any case: PAINTS, which names the paint or
-/// the recipe (else SAMPLE_NAME, else SAMPLE_ID), SAMPLE_NAME or SAMPLE_ID, QUANTITY, BACKING, THICKNESS_UM. Other fields are
-/// skipped. Values are fractions, or per cent where SPECTRAL_NORM is 100, a field is called SPECTRAL_PCT400, or
-/// UNIT is "percent". Throws TextError.
+/// Reads the first table with spectra. Its fields are wavelengths (SPECTRAL_NM400, SPECTRAL_400, SPEC_400,
+/// NM400, NM_400, R_400 or 400) and the columns of `read_samples`, in any case: PAINTS, which names the paint
+/// or the recipe (else SAMPLE_NAME, else SAMPLE_ID), SAMPLE_NAME or SAMPLE_ID, QUANTITY, BACKING,
+/// THICKNESS_UM. Other fields are ignored. Values are fractions, or per cent if SPECTRAL_NORM is 100, if a
+/// field is named SPECTRAL_PCT400, or if UNIT is "percent". Throws TextError.
 SampleTable read_cgats(std::istream& text);
 
 }  // namespace aureole::pigment

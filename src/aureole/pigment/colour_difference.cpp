@@ -30,7 +30,7 @@ double chroma_factor(double chroma) {
   return std::sqrt(c7 / (c7 + 6103515625.0));
 }
 
-/// Half of the mean of two hues on the circle.
+/// Mean of two hue angles on the circle; their sum if one of the colours is grey.
 double mean_hue(double h1, double h2, bool grey) {
   if (grey) return h1 + h2;
   const double sum = h1 + h2;
@@ -52,7 +52,7 @@ Xyz xyz_of_lab(const Lab& lab, const Xyz& white) {
 }
 
 std::array<double, 3> ciede2000_components(const Lab& p, const Lab& q) {
-  // Names are those of Sharma, Wu and Dalal; angles in radians.
+  // Names as in Sharma, Wu and Dalal; angles in radians.
   const double g = 0.5 * (1 - chroma_factor((std::hypot(p.a, p.b) + std::hypot(q.a, q.b)) / 2));
   const double a1 = (1 + g) * p.a, a2 = (1 + g) * q.a;
   const double c1 = std::hypot(a1, p.b), c2 = std::hypot(a2, q.b);
@@ -71,7 +71,7 @@ std::array<double, 3> ciede2000_components(const Lab& p, const Lab& q) {
   const double l50 = (l - 50) * (l - 50);
   const double x = (q.l - p.l) / (1 + 0.015 * l50 / std::sqrt(20 + l50));
   const double y = (c2 - c1) / (1 + 0.045 * c), z = delta_h / (1 + 0.015 * c * t);
-  // y^2 + z^2 + rotation y z; the rotation is less than 2.
+  // Decomposes y^2 + z^2 + rotation y z into two squares; |rotation| is less than 2.
   return {x, y + 0.5 * rotation * z, z * std::sqrt(1 - 0.25 * rotation * rotation)};
 }
 

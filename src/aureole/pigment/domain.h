@@ -8,14 +8,14 @@
 
 namespace aureole::pigment {
 
-/// A number as it is read, in at most six digits.
+/// A number as text, with at most six significant digits.
 inline std::string number_text(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6);
   return {text, end.ptr};
 }
 
-/// Throws std::domain_error where `ok` is false: "<name> <rule>, got <value>".
+/// Throws std::domain_error "<name> <rule>, got <value>" unless `ok`.
 inline void require(bool ok, double value, const std::string& name, const char* rule) {
   if (!ok) throw std::domain_error(name + " " + rule + ", got " + number_text(value));
 }

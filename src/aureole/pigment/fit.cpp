@@ -22,18 +22,18 @@ double share_of(const Sample& sample, const std::string& paint) {
   return 0;
 }
 
-/// Samples that repeat one measurement.
+/// Samples that are repeats of one measurement.
 struct Group {
   std::vector<std::size_t> members;
 };
 
-/// Which groups speak of one paint.
+/// The groups of samples that contain information about one paint.
 struct Evidence {
   std::string paint;
   std::optional<std::size_t> opaque, film_r, film_t;
   std::vector<std::size_t> drawdowns, tints;
   FitMethod method = FitMethod::masstone;
-  std::vector<std::size_t> used;  ///< groups, those of the white left out
+  std::vector<std::size_t> used;  ///< groups used, except the white's
 };
 
 class Fitter {
@@ -49,7 +49,7 @@ public:
 
   const std::vector<Group>& groups() const { return groups_; }
 
-  /// The mean of each group, without one sample of it if there is one to leave out.
+  /// The mean of each group, without sample `left_out` if given.
   std::vector<Values> means(std::optional<std::size_t> left_out = {}) const {
     std::vector<Values> all;
     for (const Group& g : groups_) {
@@ -97,7 +97,7 @@ private:
   std::vector<Evidence> evidence_;
 };
 
-/// Each value must be possible under the interface, and each sample complete.
+/// Throws unless each value is possible under the interface and each sample is complete.
 void Fitter::check_samples() const {
   for (std::size_t s = 0; s < table_.samples.size(); ++s) {
     const Sample& sample = table_.samples[s];
@@ -124,7 +124,9 @@ void Fitter::check_samples() const {
         throw SampleError(s, -1, named + ": transmittance is that of a free film, backing none");
       continue;
     }
-    if (sample.backing == "none" && !sample.paints.empty()) continue;  // with its transmittance
+    if (sample.backing == "none" && !sample.paints.empty())
+      continue;  // checked together with its
+                 // transmittance
     for (std::size_t i = 0; i < sample.values.size(); ++i) try {
         const double inner = inner_reflectance(settings_.surface, sample.values[i]);
         if (sample.backing == "opaque" && !sample.paints.empty()) k_over_s(inner);
@@ -263,8 +265,8 @@ double Fitter::scattering_of_tints(const Evidence& e, const std::vector<Values>&
   if (e.tints.size() == 1)
     return scattering_of_tint(masstone, {share_of(first(e.tints[0]), e.paint), ratio(means, e.tints[0], i)},
                               white);
-  // Each tint is a linear equation for S. Its weight is that of an error of reflectance, d(K/S)/dR = -(1/R^2
-  // - 1)/2, and depends on S.
+  // Each tint is a linear equation for S. Its weight follows from the error of reflectance, d(K/S)/dR =
+  // -(1/R^2 - 1)/2, and depends on S.
   double s = white.s;
   for (int step = 0; step < 8; ++step) {
     double left = 0, right = 0;
@@ -299,7 +301,7 @@ Fit Fitter::solve(const std::vector<Values>& means) const {
     }
     return p;
   };
-  std::optional<Pigment> tinting;  // the white
+  std::optional<Pigment> tinting;  // the white paint
   for (const Evidence& e : evidence_) {
     FitReport report{.method = e.method};
     for (const std::size_t g : e.used)

@@ -15,7 +15,7 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// n^2 = a + sum b l^2/(l^2 - c) + d l^2, l in um.
+/// Dispersion formula n^2 = a + sum b l^2/(l^2 - c) + d l^2, with l in um.
 struct Formula {
   double a;
   std::array<std::array<double, 2>, 2> terms;
@@ -29,7 +29,7 @@ struct Formula {
   }
 };
 
-/// n^2 = a + b/(l^2 - c) + d/(l^2 - e), l in um.
+/// Dispersion formula n^2 = a + b/(l^2 - c) + d/(l^2 - e), with l in um.
 struct Poles {
   double a, b, c, d = 0, e = 0;
   double n(double um) const {
@@ -38,7 +38,7 @@ struct Poles {
   }
 };
 
-/// A wavelength in nm, and both indices.
+/// A wavelength in nm, and the ordinary and extraordinary complex indices.
 struct Row {
   double nm, n_o, k_o, n_e, k_e;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From grains to paint: particles of pigment in a binder, by what they are made of and how large they are.
+// Paint from its microstructure: pigment particles in a binder, given by material and size.
 #pragma once
 
 #include <span>
@@ -11,10 +11,10 @@
 
 namespace aureole::pigment {
 
-/// K and S, per metre, of grains in a binder (`optics::Suspension`: the binder is its host), by Mie's theory
-/// and a convention; `nm` increases. S of the convention `diffusion` is cut at 0, which no layer falls below.
-/// Grains of one ingredient do not see their neighbours unless it says `hard_spheres`: above some 5 % of the
-/// volume, crowding makes S smaller than this theory has it. Throws std::domain_error as `Suspension` does.
+/// K and S, per metre, of particles in a binder (`optics::Suspension`: the binder is its host), by Mie theory
+/// and a convention; `nm` must increase. For the convention `diffusion`, negative S is set to 0. Particles of
+/// an ingredient scatter independently unless it sets `hard_spheres`. Above some 5 % of the volume, crowding
+/// makes S smaller than in this model. Throws std::domain_error as `Suspension` does.
 Paint paint_of_grains(const optics::Suspension& suspension, std::span<const double> nm,
                       Convention convention = Convention::three_quarters,
                       const ParallelFor& parallel_for = serial_for);

@@ -22,8 +22,8 @@ Coefficients coefficients_of_transfer(LayerTransfer transfer, double thickness) 
   require(t > 0 && t <= 1, t, "transmittance", "must be in (0, 1]");
   require(absorbed >= -1e-14, r + t, "reflectance plus transmittance", "must not exceed 1");
   if (r == 0) return {-std::log(t) / thickness, 0};
-  // R_inf + 1/R_inf = p/R with p = 1 + R^2 - T^2. Differences are written by the absorbed fraction and its
-  // root, which both vanish for K -> 0, so that their quotients keep a limit:
+  // R_inf + 1/R_inf = p/R with p = 1 + R^2 - T^2. Differences are expressed by the absorbed fraction and its
+  // square root, which both vanish for K -> 0, so that their quotients have a limit:
   // p^2 - 4 R^2 = absorbed g^2, p - 2 R = absorbed (1 - R + T).
   const double root = std::sqrt(std::max(absorbed, 0.0)), rest = 1 - r + t;
   const double g = std::sqrt((1 + r - t) * (1 + r + t) * rest);
@@ -49,12 +49,13 @@ LayerTransfer transfer_of_drawdowns(Drawdown dark, Drawdown light) {
   require(
       light.reflectance > dark.reflectance, light.reflectance, "reflectance over the light substrate",
       "must exceed that over the dark one (a layer that hides both needs the opaque reflectance instead)");
-  // R = R0 + T^2 g/(1 - R0 g) for both: their products with g2 and g1 differ by a linear equation in R0.
+  // R = R0 + T^2 g/(1 - R0 g) holds for both drawdowns. The difference of both equations, times g2 and g1, is
+  // a linear equation for R0.
   const double r = (light.substrate * dark.reflectance - dark.substrate * light.reflectance) /
                    (light.substrate - dark.substrate +
                     light.substrate * dark.substrate * (dark.reflectance - light.reflectance));
   const double t2 = (light.reflectance - r) * (1 - r * light.substrate) / light.substrate;
-  if (!(r >= -1e-12 && t2 > 0))  // a layer that does not scatter has r = 0, but for rounding
+  if (!(r >= -1e-12 && t2 > 0))  // a layer that does not scatter has r = 0 except for rounding
     throw std::domain_error("no layer has reflectance " + number_text(dark.reflectance) + " over " +
                             number_text(dark.substrate) + " and " + number_text(light.reflectance) +
                             " over " + number_text(light.substrate));

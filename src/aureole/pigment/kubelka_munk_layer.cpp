@@ -24,9 +24,9 @@ double Coefficients::ratio() const { return s > 0 ? k / s : k > 0 ? kInfinity : 
 LayerTransfer layer(Coefficients c, double thickness) {
   check(c);
   require_not_negative(thickness, "thickness");
-  // With gamma = b S = sqrt(K (K + 2 S)), the attenuation of both fluxes far from the boundaries, e =
-  // exp(-gamma X) and q = (1 - e^2)/gamma, the textbook's hyperbolic functions divided by exp(gamma X) are
-  // bounded, and q is what stays finite where gamma -> 0.
+  // gamma = b S = sqrt(K (K + 2 S)) is the attenuation of both fluxes far from the boundaries. With e =
+  // exp(-gamma X), the textbook's hyperbolic functions divided by exp(gamma X) are bounded, and q = (1 -
+  // e^2)/gamma stays finite for gamma -> 0.
   const double gamma = std::sqrt(c.k * (c.k + 2 * c.s));
   if (gamma == 0) {
     if (c.s == 0) return {0, 1};
@@ -43,7 +43,7 @@ double reflectance_over(LayerTransfer layer, double substrate) {
   if (layer.transmittance == 0) return layer.reflectance;
   const double sum = layer.reflectance + layer.transmittance * layer.transmittance * substrate /
                                              (1 - layer.reflectance * substrate);
-  return std::min(sum, 1.0);  // rounding, over white;
+  return std::min(sum, 1.0);  // rounding errors over a white substrate
 }
 
 LayerTransfer stacked(LayerTransfer upper, LayerTransfer lower) {

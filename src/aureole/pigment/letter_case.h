@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Words that are compared without regard to case: keywords of files, names of materials.
+// Case conversion for comparing words regardless of case: keywords of files, names of materials.
 #pragma once
 
 #include <cctype>

@@ -12,19 +12,19 @@
 namespace aureole::pigment {
 namespace {
 
-constexpr double kNegligible = 1e-4;  ///< share of a paint that is no part of a recipe
+constexpr double kNegligible = 1e-4;  ///< fraction below which a paint is dropped from a recipe
 constexpr int kMostPaints = 6;
 using Triple = std::array<double, 3>;
 using Shares = std::array<double, kMostPaints>;
 
 double squared(const Triple& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
-/// The bounds of a problem, one entry for each pigment.
+/// The bounds of a problem, one entry per pigment.
 struct Bounds {
   std::vector<double> least, most;
 };
 
-/// Mixtures of some paints of a palette, for one thread.
+/// Mixtures of some paints of a palette, used by one thread.
 class Mixer {
 public:
   Mixer(const Palette& palette, const MatchSettings& settings, const Observation& lamp, const Lab& target)
@@ -55,10 +55,10 @@ public:
       reflectance_ = paint_reflectance(paint, settings_.thickness, settings_.substrate, palette_.surface);
       return reflectance_;
     }
-    // R_inf = S/(K + S + gamma) under the interface, with one root and one division: this loop is all the
-    // time there is.
+    // R_inf = S/(K + S + gamma) under the interface, with one root and one division: this loop takes nearly
+    // all of the time.
     const Surface& surface = palette_.surface;
-    constexpr double kTiny = 1e-300;  // 0/0 of a paint with neither K nor S
+    constexpr double kTiny = 1e-300;  // avoids 0/0 for a paint with K = S = 0
     for (std::size_t i = 0; i < n; ++i) {
       const double k = k_[i], s = s_[i];
       reflectance_[i] = surface.seen +
@@ -78,7 +78,7 @@ private:
   std::vector<double> k_, s_, reflectance_;
 };
 
-/// The nearest shares within their bounds that sum to one: all moved by the same amount, and cut.
+/// Projects fractions onto the bounds and the sum of one: all are shifted by an equal amount and clamped.
 Shares projected(const Shares& shares, const Mixer& mixer, const Bounds& bounds) {
   const std::size_t n = mixer.size();
   const auto moved = [&](double by) {
@@ -96,7 +96,7 @@ Shares projected(const Shares& shares, const Mixer& mixer, const Bounds& bounds)
   return moved(high);
 }
 
-/// Solves the n x n system a x = b, symmetric and positive by its damping, by elimination.
+/// Solves the n x n system a x = b by elimination; it is symmetric, and positive definite by its damping.
 void solve(std::array<Shares, kMostPaints>& a, Shares& b, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
@@ -110,8 +110,8 @@ void solve(std::array<Shares, kMostPaints>& a, Shares& b, std::size_t n) {
   }
 }
 
-/// Levenberg and Marquardt's method on the simplex: the largest share takes up what the others leave. A share
-/// that is at its bound and would cross it is kept there.
+/// Levenberg-Marquardt method on the simplex: the largest fraction is the remainder of the others. A fraction
+/// at its bound that would cross it is fixed.
 double descend(Mixer& mixer, const Bounds& bounds, Shares& shares) {
   const std::size_t n = mixer.size();
   Triple r = mixer.residual(shares);
@@ -148,8 +148,8 @@ double descend(Mixer& mixer, const Bounds& bounds, Shares& shares) {
       solve(normal, move, count);
       Shares next = shares;
       for (std::size_t i = 0; i < count; ++i) {
-        // A step may take nine tenths of a share at most: colour depends on shares of strong paints as their
-        // logarithm.
+        // A step may reduce a fraction by at most nine tenths, because colour depends on fractions of strong
+        // paints logarithmically.
         const double share = shares[free[i]],
                      to = std::max(share + move[i], share > kNegligible ? 0.1 * share : 0);
         next[free[i]] = to;
@@ -170,7 +170,7 @@ double descend(Mixer& mixer, const Bounds& bounds, Shares& shares) {
   return value;
 }
 
-/// The best shares of the chosen paints: a coarse grid of ratios, and descent from its three best points.
+/// The best fractions of the chosen paints: a coarse grid of ratios, and descents from its three best points.
 Shares best_shares(Mixer& mixer, const Bounds& bounds) {
   const std::size_t n = mixer.size();
   constexpr double kRatios[] = {0.02, 0.15, 1};
@@ -181,7 +181,7 @@ Shares best_shares(Mixer& mixer, const Bounds& bounds) {
     double largest = 0, sum = 0;
     for (std::size_t i = 0, rest = std::size_t(code); i < n; ++i, rest /= 3)
       shares[i] = kRatios[rest % 3], largest = std::max(largest, shares[i]), sum += shares[i];
-    if (largest < 1) continue;  // the same ratios come again, larger
+    if (largest < 1) continue;  // these ratios occur again with larger values
     for (std::size_t i = 0; i < n; ++i) shares[i] /= sum;
     shares = projected(shares, mixer, bounds);
     starts.emplace_back(squared(mixer.residual(shares)), shares);
@@ -277,7 +277,7 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
   std::vector<Match> matches;
   Mixer mixer(palette, settings, lamp, target.lab);
   for (std::size_t i = 0; i < sets.size(); ++i) {
-    // A paint that is not needed: a smaller set has this recipe.
+    // Skips a set with a paint that is not needed: a smaller set has this recipe.
     bool minimal = true;
     for (std::size_t p = 0; p < sets[i].size(); ++p)
       minimal = minimal && (found[i][p] >= kNegligible || bounds.least[sets[i][p]] > 0);

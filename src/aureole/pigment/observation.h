@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The colour of a measured reflectance for an observer under a lamp.
+// The colour of a measured reflectance for an observer under an illuminant.
 #pragma once
 
 #include <functional>
@@ -11,14 +11,14 @@
 
 namespace aureole::pigment {
 
-/// A lamp and an observer, as weights of a reflectance given at certain wavelengths. Between them it is taken
-/// to be straight, beyond them to keep its value.
+/// An illuminant and an observer, as weights of a reflectance given at certain wavelengths. The reflectance
+/// is linear between them and constant beyond them.
 class Observation {
 public:
-  /// Spectral power of the lamp, in any unit, and the observer's x-bar, y-bar, z-bar, as functions of the
-  /// wavelength in nm. They are summed every nanometre from 360 to 830 nm (CIE 15:2018, 7.1). Throws
-  /// std::domain_error where `nm` does not increase or leaves more than 2 % of the lamp's luminance outside
-  /// of its range.
+  /// `lamp` is the spectral power of the illuminant, in any unit, and `observer` is x-bar, y-bar, z-bar, as
+  /// functions of the wavelength in nm. They are summed every nanometre from 360 to 830 nm (CIE 15:2018,
+  /// 7.1). Throws std::domain_error if `nm` does not increase or if more than 2 % of the illuminant's
+  /// luminance is outside its range.
   Observation(std::string name, std::span<const double> nm, const std::function<double(double)>& lamp,
               const std::array<std::function<double(double)>, 3>& observer);
 

@@ -115,7 +115,8 @@ std::vector<double> paint_reflectance(const Paint& paint, double thickness, Subs
     throw std::domain_error("a substrate needs one reflectance, or one for each wavelength");
   std::vector<double> reflectance(paint.size());
   for (std::size_t i = 0; i < paint.size(); ++i) {
-    // Of an opaque layer by its ratio, and not by S -> infinity, so that a paint without scattering is black.
+    // The reflectance of an opaque layer is computed from K/S rather than by S -> infinity, so that a paint
+    // without scattering is black.
     const double inner = opaque ? (paint[i].s > 0 ? opaque_reflectance(paint[i].ratio()) : 0)
                                 : reflectance_over(layer(paint[i], thickness),
                                                    substrate.size() == 1 ? substrate[0] : substrate[i]);

@@ -17,7 +17,7 @@ std::string exact(double value) {
 
 std::string cell(const std::string& text) { return text.find(',') == text.npos ? text : "\"" + text + "\""; }
 
-/// A column of numbers of a pigment, and how its heading ends. Longer endings come first.
+/// A column of numbers of a pigment, and the suffix of its heading. Longer suffixes come first.
 struct Quantity {
   std::string_view ending;
   std::vector<double> Pigment::*of;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Palettes as comma-separated values, for spreadsheets and for other programs.
+// Palettes as comma-separated values, for spreadsheets and other programs.
 #pragma once
 
 #include <iosfwd>
@@ -9,13 +9,13 @@
 
 namespace aureole::pigment {
 
-/// One row for each wavelength; columns "nm" and, of each paint, "NAME K", "NAME S" and, if known, "NAME K
-/// error", "NAME S error". Lines before it, each a key and a value: "unit" ("relative" or "1/m"), "surface
-/// seen", "surface through", "surface k2" (saunderson.h), "density NAME". Numbers have as many digits as it
-/// takes to read them back unchanged.
+/// Writes one row per wavelength, with columns "nm" and, for each paint, "NAME K", "NAME S" and, if known,
+/// "NAME K error", "NAME S error". Lines before the table contain a key and a value: "unit" ("relative" or
+/// "1/m"), "surface seen", "surface through", "surface k2" (saunderson.h), "density NAME". Numbers have
+/// enough digits to be read back unchanged.
 std::string palette_text(const Palette& palette);
 
-/// Reads that, and checks it. Throws TextError.
+/// Reads the format of `palette_text` and checks the palette. Throws TextError.
 Palette read_palette(std::istream& text);
 
 }  // namespace aureole::pigment

@@ -8,18 +8,19 @@
 
 namespace aureole::pigment {
 
-/// A paint by name and its share of a mixture.
+/// A paint by name and its fraction of a mixture.
 struct Component {
   std::string name;
   double fraction = 1;
 };
 
-/// Names and amounts after a colon, joined by '+'; a single name needs no amount. Amounts are parts, divided
-/// by their sum, or all per cent ("30%"), and must then sum to 100. Throws std::domain_error that quotes the
-/// fault: an amount that is no number, missing, negative or zero, a name twice, per cent that do not sum.
+/// Parses names with amounts after a colon, joined by '+'; a single name needs no amount. Amounts are either
+/// parts, which are divided by their sum, or all in per cent ("30%") with a sum of 100. Throws
+/// std::domain_error that quotes the problem: an amount that is missing, negative, zero or not a number, a
+/// duplicate name, or percentages with a wrong sum.
 std::vector<Component> parse_recipe(std::string_view text);
 
-/// The same as text, shares in per cent with `digits` behind the point.
+/// The recipe as text, with fractions in per cent with `digits` decimals.
 std::string recipe_text(const std::vector<Component>& recipe, int digits = 2);
 
 }  // namespace aureole::pigment

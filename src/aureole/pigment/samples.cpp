@@ -10,7 +10,7 @@
 namespace aureole::pigment {
 namespace {
 
-/// Which column is which.
+/// The indices of the columns.
 struct Columns {
   std::optional<std::size_t> sample, paints, quantity, backing, thickness, unit;
   std::vector<std::size_t> values;

@@ -19,13 +19,13 @@ double counted(double reflected, Specular specular) { return specular == Specula
 double outer_mode(const Surface& s, double inner) { return s.through * inner / (1 - s.k2 * inner); }
 double inner_mode(const Surface& s, double outer) { return outer / (s.through + s.k2 * outer); }
 
-/// Smith's masking of Trowbridge and Reitz's facets, one direction.
+/// Smith's masking function of Trowbridge and Reitz's facets for one direction.
 double masking(double mu, double alpha) {
   return 2 * mu / (mu + std::sqrt(mu * mu + alpha * alpha * (1 - mu) * (1 + mu)));
 }
 
-/// Directional albedo of facets that reflect once. The measure of normals is that of D cos(theta_m), which t
-/// in (0, 1) spreads evenly: tan^2 theta_m = alpha^2 t/(1 - t).
+/// Directional albedo of facets with single reflection. The integration variable t in (0, 1), with tan^2
+/// theta_m = alpha^2 t/(1 - t), makes the measure D cos(theta_m) of normals uniform.
 double facet_albedo(double mu, double index, double alpha) {
   using Nodes = boost::math::quadrature::gauss<double, 40>;
   const double sine = std::sqrt((1 - mu) * (1 + mu)), shown = masking(mu, alpha);
@@ -78,8 +78,8 @@ Surface smooth_surface(double index, Geometry geometry, Specular specular) {
 double rough_diffuse_reflectance(double index, double alpha) {
   check_index(index);
   require_fraction(alpha, "alpha");
-  if (alpha < 1e-3) return optics::fresnel_diffuse_reflectance(index);  // facets all but parallel
-  // mu = m^2 gathers nodes near grazing, where the albedo changes fast.
+  if (alpha < 1e-3) return optics::fresnel_diffuse_reflectance(index);  // facets are nearly parallel
+  // mu = m^2 concentrates nodes near grazing directions, where the albedo varies fast.
   return boost::math::quadrature::gauss<double, 40>::integrate(
       [&](double m) { return 4 * m * m * m * facet_albedo(m * m, index, alpha); }, 0.0, 1.0);
 }
@@ -107,8 +107,8 @@ double inner_reflectance(const Surface& surface, double outer) {
 }
 
 LayerTransfer outer_transfer(const Surface& surface, LayerTransfer inner) {
-  // A sum and a difference of equal beams from both sides see an interface with a mirror each (R + T and R -
-  // T), which is Saunderson's one-sided problem.
+  // For the sum and the difference of equal beams from both sides, the layer acts as if it had a mirror (R +
+  // T and R - T), which is Saunderson's one-sided problem.
   const double even = outer_mode(surface, inner.reflectance + inner.transmittance);
   const double odd = outer_mode(surface, inner.reflectance - inner.transmittance);
   return {surface.seen + 0.5 * (even + odd), 0.5 * (even - odd)};

@@ -13,7 +13,9 @@ std::vector<TextRow> read_text_table(std::istream& text) {
   std::vector<TextRow> rows;
   std::string line;
   for (int number = 1; std::getline(text, line); ++number) {
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // spreadsheets begin with a mark
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF"))
+      line.erase(0, 3);  // byte order mark written by
+                         // spreadsheets
     if (number > 100000) throw TextError(number, 0, "the table has more than 100000 lines");
     const auto first = line.find_first_not_of(" \t\r,");
     if (first == line.npos || line[first] == '#') continue;

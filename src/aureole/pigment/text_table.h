@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Comma-separated values with the places of their cells.
+// Comma-separated values with the positions of their cells.
 #pragma once
 
 #include <iosfwd>
@@ -11,7 +11,7 @@
 namespace aureole::pigment {
 
 struct TextCell {
-  std::string text;  ///< without blanks around it, nor quotes
+  std::string text;  ///< without surrounding blanks and quotes
   int column = 0;    ///< from 1
 };
 
@@ -20,13 +20,13 @@ struct TextRow {
   int line = 0;  ///< from 1
 };
 
-/// All lines but empty ones and those that begin with '#'. A cell with a comma stands in double quotes.
-/// Throws TextError for a quote that does not end, and for more than 100,000 lines.
+/// Reads all lines except empty ones and lines that begin with '#'. A cell that contains a comma must be in
+/// double quotes. Throws TextError for an unterminated quote, and for more than 100,000 lines.
 std::vector<TextRow> read_text_table(std::istream& text);
 
-/// The text as a finite number, or nothing where it is none.
+/// Returns the text as a finite number, or nothing if it is not one.
 std::optional<double> finite_number(std::string_view text);
-/// The cell as a finite number; throws TextError that quotes it.
+/// Returns the cell as a finite number; throws TextError that quotes it.
 double number_of(const TextRow& row, std::size_t cell);
 
 }  // namespace aureole::pigment

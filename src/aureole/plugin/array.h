@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Array`: numbers that the program which builds a scene hands over instead of a file, such as the pixels of
-// a texture or the vertices of a mesh.
+// `Array`: numbers that the program which builds a scene passes in memory instead of a file, such as the
+// pixels of a texture or the vertices of a mesh.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ namespace aureole {
 class Array : public Object {
 public:
   static constexpr const char* kFamily = "an array";
-  /// Row-major values: as many as the product of `shape`.
+  /// Row-major values; their number is the product of the entries of `shape`.
   Array(std::vector<std::size_t> shape, std::vector<double> values)
       : Object(Properties("array", "", {}, nullptr)), shape_(std::move(shape)), values_(std::move(values)) {}
 

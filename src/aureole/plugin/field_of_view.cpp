@@ -26,7 +26,7 @@ double focal_length_mm(const Properties& p) {
 
 FieldOfView::FieldOfView(const Properties& p)
     : axis_(p.get_choice("fov_axis", "x", {"x", "y", "diagonal", "smaller", "larger"})),
-      // Both parameters are always read, so that both are checked and count as used.
+      // Both parameters are always read, so that both are checked and count as read.
       focal_length_mm_(focal_length_mm(p)),
       degrees_(p.get_float("fov", -1, {1e-4, 179.9999})) {
   if (p.has("fov") && p.has("focal_length"))

@@ -10,17 +10,17 @@ class Properties;
 
 class FieldOfView {
 public:
-  /// Reads `fov` about `fov_axis`, or `focal_length` (50mm where neither is given) by the diagonal of 35 mm
-  /// film.
+  /// Reads `fov` along `fov_axis`, or `focal_length` (50mm if neither is given), which refers to the diagonal
+  /// of 35 mm film.
   explicit FieldOfView(const Properties& properties);
 
-  /// tan(half the horizontal field of view) of a picture whose width is `aspect` times its height.
+  /// Returns tan(half the horizontal field of view) of a picture whose width is `aspect` times its height.
   double tangent_of_half_width(double aspect) const;
 
 private:
   std::string axis_;
   double focal_length_mm_;
-  double degrees_;  ///< negative where the focal length counts
+  double degrees_;  ///< negative if the focal length is used
 };
 
 }  // namespace aureole

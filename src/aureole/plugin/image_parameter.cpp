@@ -52,7 +52,7 @@ ParameterDoc image_file_doc(const std::string& meaning) {
 
 ParameterDoc image_data_doc() {
   return {"data", "array", "", "none",
-          "instead of filename, from Python: linear numbers, height x width [x 1, 3 or 4]"};
+          "instead of filename, from Python: an array of linear values, height x width [x 1, 3 or 4]"};
 }
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of a plug-in: the file `filename`, or the numbers `data` that a program gives.
+// The picture of a plug-in: the file `filename`, or the numbers `data` that a program passes in memory.
 #pragma once
 
 #include <limits>
@@ -14,15 +14,16 @@ class Properties;
 
 struct ImageParameter {
   Image image;
-  std::string name;  ///< of the parameter it came from, for errors about its content
+  std::string name;  ///< name of the parameter that gave the picture, for errors about its content
 };
 
-/// Throws located Errors: neither or both given, a file that cannot be read, more than `max_pixels`, an array
-/// of another shape than height x width [x 1, 3 or 4].
+/// Reads the picture. Throws an Error located at the parameter if neither or both are given, if the file
+/// cannot be read, for more than `max_pixels`, or for an array whose shape is not height x width [x 1, 3 or
+/// 4].
 ImageParameter read_image_parameter(const Properties& properties, std::size_t max_pixels = std::size_t(1)
                                                                                            << 30);
 
-/// The rows of the parameter table.
+/// Rows of the parameter table for `filename` and `data`.
 ParameterDoc image_file_doc(const std::string& meaning);
 ParameterDoc image_data_doc();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ModelCache`: tables that take seconds to compute, found by what they are made of, so that equal objects share
-// them, those of one scene and those of its next versions.
+// `ModelCache`: a cache of tables that take seconds to compute, keyed by a hash of their inputs. Equal
+// objects share tables, both within a scene and with later versions of the scene.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ namespace aureole {
 
 class ModelCache {
 public:
-  /// The model of type T made from `content`, a hash of everything that it depends on, or else the one that
-  /// `make` returns. It lives for as long as somebody uses it.
+  /// Returns the cached model of type T with the key `content`, a hash of everything it depends on, or else
+  /// the result of `make`. A model is released with its last user.
   template <class T, class Make>
   std::shared_ptr<const T> get(std::uint64_t content, Make&& make) {
     std::erase_if(models_, [](const auto& entry) { return entry.second.expired(); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Object`: the base class of all plug-ins. It keeps the Properties that made it.
+// `Object`: the base class of all plug-ins. It keeps the Properties from which it was made.
 #pragma once
 
 #include <memory>

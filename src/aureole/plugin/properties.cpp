@@ -244,7 +244,7 @@ ObjectPtr Properties::make(const std::function<ObjectPtr(const Properties&)>& cr
   try {
     object = create(*this);
   } catch (const Error& e) {
-    // An error at a parameter that had a problem already follows from that problem.
+    // An error at a parameter that already has an error is a consequence of that one.
     const auto says_same = [&](const Error& known) {
       return known.where().line > 0 && known.where().str() == e.where().str();
     };
@@ -255,7 +255,7 @@ ObjectPtr Properties::make(const std::function<ObjectPtr(const Properties&)>& cr
     if (std::none_of(making_.problems.begin(), making_.problems.end(), says_same))
       making_.problems.push_back(e);
   } catch (const std::exception&) {
-    // A constructor that went on with a fallback may fail for that alone.
+    // A constructor that continued with a fallback value may fail for that reason alone.
     if (making_.problems.empty()) {
       making_.now = false;
       throw;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Properties`: the named, typed and located parameters that a plug-in is made from. Reading a parameter
-// checks its type and range, marks it as used, and throws an `Error` that names the place in the scene file.
+// `Properties`: the named, typed and located parameters from which a plug-in is made. Reading a parameter
+// checks its type and range, marks it as used, and throws an `Error` that names the position in the scene
+// file.
 #pragma once
 
 #include <cstdint>
@@ -25,26 +26,26 @@ namespace aureole {
 
 struct PluginInfo;
 
-/// Access to other objects of the scene for an object being built.
+/// Gives an object under construction access to the other objects of the scene.
 class SceneLookup {
 public:
   virtual ~SceneLookup() = default;
-  /// The object of a family ("bsdf") with that id, built if need be; null where there is none.
+  /// Returns the object with that id of a family ("bsdf"), building it if necessary; null if there is none.
   virtual ObjectPtr find(std::string_view family, const std::string& id) = 0;
-  /// Declares a file that no parameter names: its content becomes part of the scene's hash.
+  /// Declares a file that no parameter names, so that its content becomes part of the scene's hash.
   virtual void add_file(const std::filesystem::path& file) = 0;
 };
 
-/// Settings of a scene that its objects are built with.
+/// Settings of a scene with which its objects are built.
 struct BuildContext {
-  SpectralGrid grid;                   ///< wavelengths of the sensor
+  SpectralGrid grid;                   ///< wavelength grid of the sensor
   double length_unit_m = 1.0;          ///< metres per scene unit
   Diagnostics* diagnostics = nullptr;  ///< receives notes; may be null
-  SceneLookup* scene = nullptr;        ///< null outside of a scene, and once it is built
+  SceneLookup* scene = nullptr;        ///< null outside of a scene and after it is built
   std::shared_ptr<ModelCache> models;  ///< tables that equal objects share; null: nothing is shared
 };
 
-/// A spectrum as written in a scene file; the parameter that it is given for decides its meaning
+/// A spectrum as written in a scene file. The parameter for which it is given decides its meaning
 /// (reflectance, emission).
 struct SpectrumLiteral {
   enum class Kind { value, rgb, points } kind = Kind::value;
@@ -53,7 +54,7 @@ struct SpectrumLiteral {
   std::vector<double> nm, values;  ///< Kind::points, nm increasing
 };
 
-/// A closed or half-open interval that a number must lie in.
+/// A closed or half-open interval that must contain a number.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();
   double max = std::numeric_limits<double>::infinity();
@@ -84,20 +85,21 @@ public:
   const BuildContext& context() const { return *context_; }
   const std::shared_ptr<const BuildContext>& shared_context() const { return context_; }
   const PluginInfo* plugin() const { return plugin_; }
-  /// A hash of all that is written for the object but its name and id; 0: unknown.
+  /// Sets a hash of everything written for the object except its name and id; 0: unknown.
   void set_content(std::uint64_t hash) { content_ = hash; }
 
-  /// Of a shape: names of the attributes that textures on it show, sorted. Its reader keeps no others.
+  /// For a shape: sorted names of the attributes that textures on it use. The shape's reader keeps only
+  /// these.
   const std::vector<std::string>& shown_attributes() const { return shown_attributes_; }
   void set_shown_attributes(std::vector<std::string> names) { shown_attributes_ = std::move(names); }
 
-  /// Adds a parameter; throws Error at `where` if the name is taken.
+  /// Adds a parameter. Throws Error at `where` if the name is taken.
   void add(std::string name, Value value, SourceLocation where);
   const std::vector<Entry>& entries() const { return entries_; }
 
-  /// True if present; does not mark it as used.
+  /// Whether the parameter is present; does not mark it as used.
   bool has(std::string_view name) const;
-  /// The entry, marked as used, or null. For readers of several types (textures).
+  /// Returns the entry and marks it as used, or null; for readers that accept several types (textures).
   const Entry* find(std::string_view name) const;
 
   // Typed readers. The two-argument forms have a default; the one-argument forms require the parameter.
@@ -107,26 +109,26 @@ public:
   double get_float(std::string_view name, Range range) const;
   std::string get_string(std::string_view name, const std::string& fallback) const;
   std::string get_string(std::string_view name) const;
-  /// One of `allowed`, else an error that lists them.
+  /// Returns one of `allowed`; otherwise throws an Error that lists them.
   std::string get_choice(std::string_view name, const std::string& fallback,
                          const std::vector<std::string>& allowed) const;
   Vec3 get_vec3(std::string_view name, const Vec3& fallback) const;
-  /// Identity where absent; a singular transform is an error.
+  /// Returns the identity if absent; a singular transform is an Error.
   Transform get_transform(std::string_view name) const;
-  /// A physical length in metres. In the file a string with a unit ("5um") is required; a plain number is an
-  /// error that says so.
+  /// A physical length in metres. The file must give a string with a unit ("5um"); for a plain number an
+  /// Error asks for the unit.
   double get_length_m(std::string_view name, double fallback_m, Range range = Range::positive()) const;
-  /// An existing, readable file, absolute (the scene reader has made it so).
+  /// The absolute path (the scene reader resolves it) of an existing, readable file.
   std::filesystem::path get_file(std::string_view name) const;
 
-  /// The object given under `name`, or null. Of the wrong family: an error.
+  /// Returns the object given under `name`, or null. An object of the wrong family is an Error.
   template <class T>
   std::shared_ptr<T> get_object(std::string_view name) const {
     const Entry* e = find(name);
     return e ? cast<T>(*e) : nullptr;
   }
-  /// All child objects of family T, in order, whatever their names, that no other reader took.
-  /// `documented_name` is the row of the parameter table that describes them.
+  /// Returns all child objects of family T, in order and whatever their names, that no other reader has
+  /// taken. `documented_name` is the row of the parameter table that describes them.
   template <class T>
   std::vector<std::shared_ptr<T>> get_children(std::string_view documented_name) const {
     require_documented(documented_name);
@@ -138,14 +140,15 @@ public:
     return found;
   }
 
-  /// An error located at the parameter, or at the object if the parameter is absent.
+  /// An Error located at the parameter, or at the object if the parameter is absent.
   [[nodiscard]] Error error(std::string_view name, const std::string& message) const;
-  /// A message to the user about a parameter that is accepted but has no effect here.
+  /// Emits a note to the user about a parameter that is accepted but has no effect here.
   void note(std::string_view name, const std::string& message) const;
 
-  /// Tables that take long to compute and depend on the parameters of the object, the wavelengths and the unit
-  /// of length alone: those of an equal object, or else what `make` returns, a std::shared_ptr<const T>. Null
-  /// where the scene is known to have errors: nothing will be rendered, and the user need not wait for tables.
+  /// Returns tables that take long to compute and depend only on the parameters of the object, the
+  /// wavelengths and the unit of length. They are shared with equal objects, or else made by `make`, which
+  /// returns a std::shared_ptr<const T>. Null if the scene is known to have errors: nothing will be rendered,
+  /// so that the user need not wait for tables.
   template <class T, class Make>
   std::shared_ptr<const T> shared_model(Make&& make) const {
     if (!making_.problems.empty() || (context_->diagnostics && context_->diagnostics->has_errors()))
@@ -157,14 +160,15 @@ public:
     return model;
   }
 
-  /// Records that values of the parameter, which are known only later (those of a mesh attribute), must not
-  /// exceed `maximum`. Shared by all copies of these properties.
+  /// Records that values of the parameter which are known only later, such as the values of a mesh attribute,
+  /// must not exceed `maximum`. All copies of these properties share the record.
   void expect_at_most(std::string_view name, double maximum) const;
-  /// That maximum; infinite where there is none.
+  /// The recorded maximum; infinite if there is none.
   double most_expected(std::string_view name) const;
 
-  /// The value of `read`; `fallback` where it throws an Error while a plug-in is being made (`make`). Then the
-  /// constructor goes on, so that all problems of an object are found at once, and the object is not made.
+  /// Returns the value of `read`, or `fallback` if `read` throws an Error while a plug-in is being made
+  /// (`make`). The constructor then continues, so that all problems of an object are found at once, and the
+  /// object is discarded.
   template <class T, class Read>
   T tolerate(T fallback, Read&& read) const {
     if (!making_.now) return read();
@@ -175,20 +179,20 @@ public:
       return fallback;
     }
   }
-  /// Calls `create`, the constructor of a plug-in. Throws the first of the problems with the parameters;
-  /// `further_problems` has the others.
+  /// Calls `create`, the constructor of a plug-in. Throws the first problem with the parameters;
+  /// `further_problems` returns the others.
   ObjectPtr make(const std::function<ObjectPtr(const Properties&)>& create) const;
   const std::vector<Error>& further_problems() const { return making_.problems; }
 
-  /// Marks as read every parameter that was read of `part`, a copy of some of these parameters, for
-  /// `report_unused` and `queried`. Takes its problems, too.
+  /// Marks as read every parameter that was read from `part`, a copy of some of these parameters, for
+  /// `report_unused` and `queried`. Also takes over its problems.
   void take_reads(const Properties& part) const;
-  /// Marks all parameters as read: for an object that was kept and not built again.
+  /// Marks all parameters as read, for an object that is reused and not built again.
   void mark_all_read() const;
 
-  /// Reports every entry that nothing read as an error with a suggestion.
+  /// Reports every unread entry as an error, with a suggestion.
   void report_unused(Diagnostics& diagnostics) const;
-  /// Names of documented parameters asked for so far, present or not (for the documentation test).
+  /// Names of the documented parameters queried so far, present or not (for the documentation test).
   const std::vector<std::string>& queried() const { return queried_; }
 
 private:
@@ -211,7 +215,7 @@ private:
   std::vector<Entry> entries_;
   std::vector<std::string> shown_attributes_;
   mutable std::vector<std::string> queried_;
-  /// Of the constructor that is running with these parameters. A copy is used by no constructor yet.
+  /// State of the constructor that is running with these parameters. A copy starts with an empty state.
   struct Making {
     bool now = false;
     std::vector<Error> problems;

@@ -8,8 +8,7 @@ namespace aureole {
 
 namespace {
 
-/// Parameters of one distribution that another one does not look at are
-/// mistakes.
+/// Throws an Error if a parameter is given that the distribution does not use.
 void refuse(const Properties& p, const std::string& distribution, std::initializer_list<const char*> names) {
   for (const char* name : names)
     if (p.has(name)) throw p.error(name, "has no meaning for the distribution \"" + distribution + "\"");
@@ -46,16 +45,18 @@ optics::RadiusDistribution read_radii(const Properties& p) {
 std::vector<ParameterDoc> radius_docs() {
   return {
       {"radius", "length", "", "required",
-       "radius of the spheres, such as 5um: of a log-normal distribution the median, of gamma the effective "
-       "radius <r^3>/<r^2>, of modified_gamma the most frequent one"},
+       "radius of the spheres, such as 5um. log_normal: the median; gamma: the effective radius <r^3>/<r^2>; "
+       "modified_gamma: the mode"},
       {"distribution", "string", "", "log_normal",
-       "of the radii: log_normal, gamma (Hansen 1971) or modified_gamma (Deirmendjian 1969)"},
+       "distribution of the radii: log_normal, gamma (Hansen 1971) or modified_gamma (Deirmendjian 1969)"},
       {"size_spread", "float", "", "0",
        "log_normal: standard deviation of ln(radius), up to 1.5; 0: one radius"},
-      {"weighting", "string", "", "number", "log_normal: of the number of particles or of their volume"},
-      {"effective_variance", "float", "", "0.1", "gamma: below 0.5"},
-      {"alpha", "float", "", "6", "modified_gamma: the number grows as radius^alpha for small ones"},
-      {"gamma", "float", "", "1", "modified_gamma: and falls as exp(-(alpha/gamma) (radius/mode)^gamma)"}};
+      {"weighting", "string", "", "number",
+       "log_normal: number or volume: the quantity whose distribution over the radius is log-normal"},
+      {"effective_variance", "float", "", "0.1", "gamma: effective variance, below 0.5"},
+      {"alpha", "float", "", "6", "modified_gamma: the number grows as radius^alpha at small radii"},
+      {"gamma", "float", "", "1",
+       "modified_gamma: the number falls as exp(-(alpha/gamma) (radius/mode)^gamma) at large radii"}};
 }
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The radii of particles, as parameters of plug-ins give them.
+// The radius distribution of particles, as parameters of plug-ins.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace aureole {
 
-/// The distribution that the rows of `radius_docs` describe, in metres. Errors
-/// are located at a parameter.
+/// Returns the distribution, in metres, of the parameters that `radius_docs` describes. Errors are located at
+/// a parameter.
 optics::RadiusDistribution read_radii(const Properties& properties);
 
 std::vector<ParameterDoc> radius_docs();

@@ -44,7 +44,7 @@ Registry& Registry::instance() {
   return registry;
 }
 
-// The linker decides whether a family registers before its plug-ins.
+// A family may register before or after its plug-ins; the order is the linker's.
 void Registry::add(FamilyInfo info) {
   if (family(info.name)) throw std::logic_error("family registered twice: " + info.name);
   for (PluginInfo& plugin : plugins_)

@@ -5,12 +5,12 @@
 
 namespace aureole {
 
-/// Implemented by plug-ins that compute large tables when they are loaded, so that their size can be printed.
+/// Implemented by plug-ins that compute large tables when they are loaded, so that the size can be printed.
 class TableHolder {
 public:
   virtual ~TableHolder() = default;
   struct Tables {
-    const void* identity = nullptr;  ///< the same for objects that share them; null where they were not made
+    const void* identity = nullptr;  ///< equal for objects that share tables; null if tables were not made
     std::size_t bytes = 0;
   };
   virtual Tables tables() const = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How those who wait for a scene learn that tables of one of its objects take long (phase functions of large
-// spheres take a minute), and how they give up waiting.
+// Progress reports while a scene computes slow tables (phase functions of large spheres take a minute), and
+// cancellation of that computation.
 #pragma once
 
 #include <functional>
@@ -10,19 +10,21 @@
 
 namespace aureole {
 
-/// `object` says whose tables they are; `part` of them, 0 to 1, is done, by estimate. Called from the threads that
-/// compute them, several at once. What it throws ends the computation and the loading, as it is if it is derived from
-/// no std::exception (those become errors of the object).
+/// Callback: the fraction `part`, 0 to 1 (an estimate), of the tables of `object` is computed. Called
+/// concurrently from the threads that compute them. An exception that it throws ends the computation and the
+/// loading. To pass through unchanged it must not derive from std::exception, which would become an error of
+/// the object.
 using TableProgress = std::function<void(const std::string& object, double part)>;
 
-/// Implemented by the scene of objects that are being built (`BuildContext::scene`), where somebody listens.
+/// Implemented by the scene under construction (`BuildContext::scene`) if somebody requested progress
+/// reports.
 class TableListener {
 public:
   virtual ~TableListener() = default;
   virtual const TableProgress& table_progress() const = 0;
 };
 
-/// For a computation of tables of the object with these properties; null where nobody listens.
+/// Returns the progress callback for tables of the object with these properties; null if nobody listens.
 std::function<void(double part)> progress_of(const Properties& properties);
 
 }  // namespace aureole

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a sample of a pixel begins: its random numbers, its place on the film, its wavelengths and its ray. The
-// same for every kind of rendering.
+// The start of a pixel sample: its random numbers, film position, wavelengths and ray. All kinds of rendering
+// begin samples here.
 #pragma once
 
 #include "aureole/core/random.h"
@@ -9,13 +9,14 @@
 
 namespace aureole {
 
-/// The samplers' key of a pixel of the film.
+/// The key of a film pixel for the samplers.
 inline std::uint64_t pixel_key(std::uint64_t seed, int replicate, int x, int y) {
   const std::uint64_t pixel = std::uint64_t(std::uint32_t(y)) << 32 | std::uint32_t(x);
   return combine_bits(combine_bits(seed, std::uint64_t(replicate)), pixel);
 }
 
-/// Sample `index` of the pixel (x, y) of the film. `samples` is left where the path begins.
+/// Begins sample `index` of the pixel (x, y) of the film. On return `samples` stands at the first dimension
+/// of the path.
 inline SensorRay begin_camera_sample(const Scene& scene, std::uint64_t key, int x, int y, std::int64_t index,
                                      SampleStream& samples, Wavelengths& wavelengths, Vec2& position) {
   const PlacedSensor& sensor = scene.sensor();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The film's memory: sums in 128-bit fixed point, whose addition is exact and needs no order, so that a
-// picture is the same bit for bit whoever adds its parts in whatever order.
+// The film's memory: sums in 128-bit fixed point. Their addition is exact and independent of order, so that a
+// picture is the same bit for bit, whatever the threads, parts and merges that make it.
 #pragma once
 
 #include <bit>
@@ -12,10 +12,11 @@ namespace aureole {
 
 using Fixed = __int128;  ///< units of 2^-64
 
-/// Largest magnitude that `to_fixed` takes: in units of 2^-64 eight such numbers overflow 128 bits, but real
-/// values are many orders of magnitude smaller.
+/// Largest magnitude that `to_fixed` accepts. Eight such numbers in units of 2^-64 overflow 128 bits, but
+/// real values are many orders of magnitude smaller.
 inline constexpr float kFixedLimit = 0x1p60f;
-/// Rounded towards zero. Shifts the mantissa: the conversion of the language is a call, several times slower.
+/// Rounds towards zero. It shifts the mantissa, because the built-in conversion is a call, several times
+/// slower.
 inline Fixed to_fixed(float x) {
   const std::uint32_t bits = std::bit_cast<std::uint32_t>(x);
   const int exponent = int(bits >> 23 & 0xff);
@@ -28,7 +29,7 @@ inline Fixed to_fixed(float x) {
 }
 inline double from_fixed(Fixed x) { return double(x) * 0x1p-64; }
 
-/// Per pixel: the film's measured channels, then alpha, then the sum of filter weights.
+/// The sums per pixel: the film's measured channels, then alpha, then the sum of filter weights.
 class FilmBuffer {
 public:
   FilmBuffer() = default;
@@ -47,7 +48,7 @@ public:
   std::vector<Fixed>& data() { return data_; }
   const std::vector<Fixed>& data() const { return data_; }
 
-  /// Adds a block of float sums whose top left pixel is (x0, y0); pixels outside the film are left out.
+  /// Adds a block of float sums whose top left pixel is (x0, y0); pixels outside the film are ignored.
   void add(int x0, int y0, int block_width, int block_height, const float* sums) {
     for (int y = 0; y < block_height; ++y) {
       if (y0 + y < 0 || y0 + y >= height_) continue;
@@ -65,7 +66,7 @@ public:
     for (std::size_t i = 0; i < data_.size(); ++i) data_[i] += b.data_[i];
   }
 
-  /// Weighted means of the measured channels and of alpha of one pixel; zeros where no sample counted.
+  /// Weighted means of the measured channels and of alpha of one pixel; zero if the sum of weights is zero.
   void mean(int x, int y, double* measured, double* alpha) const {
     const Fixed* p = pixel(x, y);
     const double w = from_fixed(p[channels_ + 1]);
@@ -74,7 +75,8 @@ public:
     *alpha = from_fixed(p[channels_]) * inverse;
   }
 
-  /// Adds the weighted means of the measured channels of one pixel, which may be fewer than the caller has.
+  /// Adds to `measured` the weighted means of one pixel's channels, of which this film may have fewer than
+  /// `measured`.
   void add_means(int x, int y, double* measured) const {
     const Fixed* p = pixel(x, y);
     const double w = from_fixed(p[channels_ + 1]);

@@ -12,7 +12,7 @@ namespace aureole {
 
 struct RenderJob::Lock {
   std::mutex mutex;
-  std::shared_mutex splats;  ///< locked after `mutex`; shared by threads that add splats
+  std::shared_mutex splats;  ///< locked after `mutex`; threads that add splats hold it as readers
 };
 
 namespace {
@@ -66,8 +66,8 @@ void RenderJob::render_unit(std::int64_t unit, UnitResult& result) {
                                                  result.sums.data());
     count_as_done(unit, result.invalid);
     if (in_pilot && --pilot_tiles_left_ == 0) pilot_.reset();
-    // The unit is marked as done before its splats are added. Readers of the state hold both locks, so that
-    // they wait until all splats that have been announced are added.
+    // The unit is marked as done before its splats are added. Code that reads the state holds both locks, so
+    // that it waits until the splats of all units marked as done are added.
     if (splats) adding.lock();
   }
   if (splats) splats->add(result.splats, state_.splat_film(size_t(result.replicate)));
@@ -99,7 +99,7 @@ void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
                        adaptive_target(state_.identity.adaptive));
   const std::lock_guard guard(lock_->mutex);
   state_.density = std::move(density);
-  // Its samples are those of the first units, which are the tiles of replicate 0.
+  // The pilot's samples belong to the first units, which are the tiles of replicate 0.
   if (state_.begin == 0)
     pilot_tiles_left_ =
         std::count(state_.done.begin(), state_.done.begin() + state_.tiles(), std::uint8_t(0));
@@ -121,7 +121,7 @@ void RenderJob::finish(RenderState& state) const {
 RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
                                   const std::function<void(const Progress&)>& report) {
   const double start = now_s(), spent_before = state_.seconds;
-  // The first comes early: a job that is killed in its first half minute must not begin anew.
+  // The first checkpoint comes early, so that a job killed in its first half minute loses little.
   double last_checkpoint = start,
          until_checkpoint = std::min(kFirstCheckpoint_s, options_.checkpoint_interval_s);
   const std::int64_t units = state_.units(), done_at_start = state_.units_done();
@@ -129,7 +129,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
       double(state_.identity.width) * state_.identity.height * kSampleBlock / double(state_.tiles());
   const int threads = options_.threads > 0 ? options_.threads : default_thread_count();
 
-  // Tiles of the pilot count as units, though they have fewer samples.
+  // Tiles of the pilot count as units, although they have fewer samples.
   const bool with_pilot =
       state_.identity.adaptive != "none" && state_.density.empty() && done_at_start < units;
   const std::int64_t all_units = units + (with_pilot ? state_.tiles() : 0);
@@ -183,8 +183,8 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
   if (options_.time_limit_s <= 0) {
     run_workers(threads, work);
   } else {
-    // With a time limit all threads meet after each block, so that the picture ends on whole blocks that
-    // every pixel has.
+    // With a time limit, all threads synchronise after each block, so that the picture ends with whole blocks
+    // that every pixel has.
     const std::int64_t per_block = state_.units_per_block();
     for (std::int64_t begin = 0; begin < units && !stop && !out_of_time; begin += per_block) {
       const std::int64_t finished_before = finished;
@@ -218,7 +218,7 @@ void RenderJob::checkpoint(double seconds) {
     wrote_state_ = true;
     checkpoint_problem_.clear();
   } catch (const std::exception& e) {
-    // A full disc must not cost the picture: it is kept in memory, and the next checkpoint tries again.
+    // A full disc must not lose the picture: it stays in memory, and the next checkpoint tries again.
     checkpoint_problem_ = e.what();
   }
 }

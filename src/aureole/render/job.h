@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rendering job: work units of tile x sample block over threads, with progress, checkpoints, interruption
-// and resumption.
+// A rendering job: work units, each a tile x sample block, on several threads, with progress, checkpoints,
+// interruption and resumption.
 #pragma once
 
 #include <atomic>
@@ -31,44 +31,44 @@ public:
   /// Throws Error as `planned_state` does.
   RenderJob(const LoadedScene& loaded, const RenderOptions& options);
 
-  /// Continues from a saved state. Throws Error where it belongs to another picture.
+  /// Continues from a saved state. Throws Error if the state belongs to another picture.
   void resume(RenderState state);
 
   enum class Outcome { finished, interrupted, time_limit };
-  /// Removes the state file of a finished job, if this job or the one it continues wrote it and it is not to
-  /// be kept: called after the pictures are safe.
+  /// Removes the state file of a finished job, unless it is to be kept, if this job or the one it continues
+  /// wrote it. Call it after the pictures are written.
   void remove_state() const;
   /// Error message of the last checkpoint, or an empty string.
   const std::string& checkpoint_problem() const { return checkpoint_problem_; }
 
-  /// Renders all units that are not done. `stop` may be set by a signal handler. `report` is called from one
+  /// Renders all units that are not done. A signal handler may set `stop`. `report` is called from one
   /// thread, a few times a second.
   Outcome run(const std::atomic<bool>& stop, const std::function<void(const Progress&)>& report = {});
 
   const RenderState& state() const { return state_; }
-  /// A consistent copy while `run` is going on (previews).
+  /// Returns a consistent copy of the state while `run` is active (for previews).
   RenderState snapshot() const;
-  /// The first few invalid samples met.
+  /// The first few invalid samples found.
   const std::vector<InvalidSample>& invalid_samples() const { return invalid_; }
 
   const Integrator& integrator() const { return *integrator_; }
-  /// Traces a sample of a pixel again, in the batch that the job traces it in, and logs its events. Pixel
+  /// Traces a sample of a pixel again, in the same batch as the job does, and logs its events. Pixel
   /// coordinates are the film's.
   ReplayedSample replay(int x, int y, std::int64_t sample, int replicate, const PathLog& log) const;
-  /// The same for a block of samples [first, last), at most kBatch, without a log.
+  /// Traces a block of samples [first, last) of a pixel again, at most kBatch, without a log.
   std::vector<ReplayedSample> replay_block(int x, int y, std::int64_t first, std::int64_t last,
                                            int replicate) const;
 
 private:
-  /// Sets the densities of adaptive sampling; leaves them where `stop` ends it. `report` is called from one
-  /// thread with the tiles traced, at last with all of them.
+  /// Computes the densities of adaptive sampling; leaves them unset if `stop` interrupts it. `report` is
+  /// called from one thread with the number of tiles traced, last with all of them.
   void find_densities(int threads, const std::atomic<bool>& stop,
                       const std::function<void(std::int64_t)>& report);
   void render_unit(std::int64_t unit, UnitResult& result);
   /// Marks a unit as done. `lock_` must be held.
   void count_as_done(std::int64_t unit, const std::vector<InvalidSample>& invalid);
   void checkpoint(double seconds);
-  /// The state with weights of splats updated for the units done. Both locks must be held.
+  /// Updates the splat weights of the state to the units done. Both locks must be held.
   void finish(RenderState& state) const;
 
   std::shared_ptr<const Scene> scene_;
@@ -76,7 +76,7 @@ private:
   RenderOptions options_;
   std::shared_ptr<const UnitRenderer> renderer_;
   RenderState state_;
-  std::shared_ptr<const Pilot> pilot_;  ///< while units that hold its samples are to be rendered
+  std::shared_ptr<const Pilot> pilot_;  ///< until the units that contain its samples are rendered
   std::atomic<std::int64_t> pilot_tiles_left_{0};
   bool wrote_state_ = false;
   std::string checkpoint_problem_;

@@ -18,7 +18,7 @@ bool has_channel(const std::vector<std::string>& names, const char* name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// R, G, B or Y alone.
+/// Returns the colour channels only: R, G, B, or else Y.
 Image colors_of(const Image& picture) {
   Image image{picture.width, picture.height, {"Y"}, {}, false};
   if (has_channel(picture.channels, "R")) image.channels = {"R", "G", "B"};
@@ -64,7 +64,7 @@ void write_picture(const RenderState& s, const Image& picture, const std::filesy
   const bool single = s.development.half && s.identity.replicates == 1;
   if (s.development.names.end() != std::find_if(s.development.names.begin(), s.development.names.end(),
                                                 [](const auto& name) { return name.starts_with("S0."); })) {
-    // Attributes required by the OpenEXR layout for spectral images, which has no unit per nm.
+    // Attributes required by the OpenEXR layout for spectral images, which defines no unit per nm.
     a.strings["spectralLayoutVersion"] = "1.0";
     a.strings["emissiveUnits"] = "W.m^-2.sr^-1";
   }
@@ -96,8 +96,8 @@ void require_writable(const std::filesystem::path& file) {
     throw Error("cannot write " + file.string() + ": there is no folder " + folder.string());
   if (std::filesystem::is_directory(file, ignored))
     throw Error("cannot write " + file.string() + ": it is a folder");
-  // Files are replaced by renaming, so the folder must be writable; access() says yes to root on read-only
-  // media, so try.
+  // Files are replaced by renaming, so the folder must be writable. access() returns success for root even on
+  // read-only media, so a file is created to test it.
   const std::filesystem::path probe = folder / fmt::format(".aureole-write-test-{}", getpid());
   std::FILE* f = std::fopen(probe.c_str(), "wb");
   if (!f)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Writing a job's pictures: EXR with its origin in the header, and a PNG to look at.
+// Writes a job's pictures: EXR with metadata in the header, and a PNG for display.
 #pragma once
 
 #include <filesystem>
@@ -10,23 +10,24 @@
 
 namespace aureole {
 
-/// Throws Error where a file of this name cannot hold the picture: .exr holds everything, .hdr (or .rgbe) and
+/// Throws Error if a file of this name cannot hold the picture. EXR holds everything; .hdr (or .rgbe) and
 /// .pfm hold R, G, B or Y.
 void require_format(const Development& development, int replicates, const std::filesystem::path& file);
 
-/// Writes `file` (EXR: scene, hash, seed, samples, version, wall time in the header; HDR or PFM by its
-/// extension) and a PNG of the same name beside it, tone-mapped by `tone` or by `display_picture`.
+/// Writes `file` and a PNG of the same name beside it. EXR headers contain scene, hash, seed, samples,
+/// version and wall time; the extension selects HDR or PFM. The PNG is tone-mapped by `tone`, or by
+/// `display_picture` without one.
 void write_pictures(const RenderState& state, const std::filesystem::path& file,
                     const std::optional<Tone>& tone = {});
 
-/// The same for a picture that was made of the state before, without the PNG.
+/// Writes `picture`, which was developed from `state`, with the state's metadata and without a PNG.
 void write_picture(const RenderState& state, const Image& picture, const std::filesystem::path& file);
 
-/// Only the PNG.
+/// Writes only the PNG.
 void write_preview(const RenderState& state, const std::filesystem::path& exr_file,
                    const std::optional<Tone>& tone = {});
 
-/// Throws Error if a file of this name could not be written: asked before hours are spent on its content.
+/// Throws Error if a file of this name cannot be written. Call it before spending hours on its content.
 void require_writable(const std::filesystem::path& file);
 
 }  // namespace aureole

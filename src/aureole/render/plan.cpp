@@ -33,16 +33,16 @@ void require_range(const Film& film, const RenderOptions& options, std::int64_t 
   if (options.replicates < 1) throw Error("there must be at least one replicate");
   if (2 * FilterTable(film.filter()).border() + 1 > FilterTable::kMaxReach)
     throw Error(film.filter().properties().where(), "the reconstruction filter is wider than 65 pixels");
-  // The samplers' index has 32 bits.
+  // The samplers' index is a 32-bit number.
   if (end > std::int64_t(1) << 32)
     throw Error(fmt::format("samples {}:{}: at most 2^32 samples per pixel", options.begin, end));
 }
 
-/// Adaptive sampling as requested by the options or the sampler, if the integrator and the sample range allow
-/// it.
+/// Returns the target of adaptive sampling that the options or the sampler request, `none` if the range has
+/// less than a block of samples. Throws Error if the integrator does not support it.
 AdaptiveTarget adaptive_of(const Scene& scene, const Integrator& integrator, const RenderOptions& options,
                            std::int64_t end) {
-  // With less than a block of samples the pilot would be more than half of the work.
+  // With less than a block of samples, the pilot would be more than half of the work.
   if (end - options.begin < kSampleBlock) return AdaptiveTarget::none;
   const AdaptiveTarget adaptive = options.adaptive.value_or(scene.sensor().sampler().adaptive());
   if (adaptive == AdaptiveTarget::none) return adaptive;
@@ -61,7 +61,7 @@ AdaptiveTarget adaptive_of(const Scene& scene, const Integrator& integrator, con
 
 void require_memory(const Film& film, const PictureIdentity& id, const RenderOptions& options,
                     std::int64_t end) {
-  // The state exists twice while it is saved or shown; each work unit needs a byte for its flag.
+  // The state exists twice while it is saved or displayed. Each work unit needs one byte for its flag.
   const double units = double(id.width / kTileSize + 2) * (id.height / kTileSize + 2) * id.replicates *
                        double((end - options.begin) / kSampleBlock + 1);
   const double sampled = double(id.width + 2 * id.border) * (id.height + 2 * id.border);

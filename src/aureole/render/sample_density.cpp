@@ -8,15 +8,15 @@ namespace aureole {
 
 namespace {
 
-constexpr int kReach = 3;  ///< of the window, on each side
-/// Squared errors of stratified samples fall as n^-1.5, about: sum(variance n^-1.5) is least for n in
-/// proportion to variance^(1 / 2.5). Measured on two scenes, docs/decisions.md.
+constexpr int kReach = 3;  ///< half-width of the window [pixels]
+/// Squared errors of stratified samples fall approximately as n^-1.5. So sum(variance n^-1.5) is least for n
+/// proportional to variance^(1 / 2.5). Measured on two scenes, docs/decisions.md.
 constexpr double kPower = 0.4;
-constexpr int kStepsPerOctave = 16;  ///< noise is sorted into classes of this width
+constexpr int kStepsPerOctave = 16;  ///< noise is sorted into logarithmic classes of this width
 constexpr int kClasses =
-    32 * kStepsPerOctave;  ///< below the noisiest pixel; the last class has all lower noise
+    32 * kStepsPerOctave;  ///< classes below the noisiest pixel; the last one contains all lower noise
 
-/// Averages over the pixels around each one, in windows that end at the borders of the picture.
+/// Averages over the neighbours of each pixel, in windows clipped to the picture.
 std::vector<double> around(int width, int height, std::span<const PixelNoise> pixels,
                            float PixelNoise::*value) {
   const auto at = [width](int x, int y) { return size_t(y) * size_t(width) + size_t(x); };
@@ -43,7 +43,7 @@ std::vector<double> around(int width, int height, std::span<const PixelNoise> pi
   return result;
 }
 
-/// The density of a class when the noisiest class has 2^(top / kStepsPerOctave).
+/// Exponent of the density of a class, given that the noisiest class has density 2^(top / kStepsPerOctave).
 int exponent_of(int noise_class, int top) {
   const int e = int(std::floor(double(top - noise_class) / kStepsPerOctave + 0.5));
   return std::clamp(e, kMinDensityExponent, kMaxDensityExponent);
@@ -57,7 +57,7 @@ std::vector<std::int8_t> sample_densities(int width, int height, std::span<const
   const std::vector<double> mean = around(width, height, pixels, &PixelNoise::mean);
   double picture_mean = 0;
   for (double m : mean) picture_mean += std::abs(m) / double(mean.size());
-  // A share of the mean brightness is added, so that nearly black pixels do not dominate.
+  // A fraction of the mean brightness is added, so that nearly black pixels do not dominate.
   const double dark = 0.1 * picture_mean;
   double most = 0;
   for (size_t i = 0; i < noise.size(); ++i) {
@@ -84,7 +84,7 @@ std::vector<std::int8_t> sample_densities(int width, int height, std::span<const
       if (count[size_t(c)]) sum += double(count[size_t(c)]) * std::ldexp(1.0, exponent_of(c, top));
     return sum;
   };
-  // The largest multiple that the samples allow.
+  // Bisection for the largest factor of the densities that the number of samples allows.
   int enough = kMinDensityExponent * kStepsPerOctave - 1,
       too_many = kClasses + kMaxDensityExponent * kStepsPerOctave;
   while (too_many - enough > 1) {

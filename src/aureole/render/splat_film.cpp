@@ -9,13 +9,13 @@ namespace aureole {
 
 namespace {
 
-/// Integrals of the filter over the positions of samples, [-outside, size + outside], for the pixels of a row
-/// of `size`.
+/// Integrals of the filter of each pixel of a row of `size` over the positions of samples, [-outside, size +
+/// outside].
 std::vector<float> filter_integrals(const FilterTable& filter, int size, int outside) {
-  // With a box filter a job adds each sample to its own pixel only: all weights are 1.
+  // With a box filter, each sample is added to its own pixel only, with weight 1.
   if (filter.is_box()) return std::vector<float>(size_t(size), 1.f);
   const auto integral = [&](double from, double to) {
-    constexpr int kSteps = 8192;  // midpoint rule: the table is straight between fewer nodes
+    constexpr int kSteps = 8192;  // midpoint rule: the table is linear between fewer nodes
     double sum = 0;
     for (int i = 0; i < kSteps; ++i) sum += filter.eval(float(from + (to - from) * (i + 0.5) / kSteps));
     return sum * (to - from) / kSteps;
@@ -37,7 +37,7 @@ SplatFilm::SplatFilm(const Film& film, const FilterTable& filter, bool may_be_ne
     : film_(&film), filter_(filter), may_be_negative_(may_be_negative) {
   const int outside = film.sample_border() ? filter.border() : 0;
   area_ = FilmPart::of(film, 0, 1);
-  // Bands are at least as high as the filter, so that a splat reaches at most two.
+  // Bands are at least as high as the filter, so that a splat reaches at most two of them.
   band_height_ = std::max(16, 2 * filter.border() + 1);
   band_locks_ = std::make_unique<std::mutex[]>(size_t(film.crop_height() / band_height_ + 1));
   sample_area_ = (area_.upper.x - area_.lower.x) * (area_.upper.y - area_.lower.y);
@@ -82,7 +82,8 @@ void SplatFilm::sort_into_bands(SplatList& list) const {
                      std::clamp(y + border, 0, height - 1) / band_height_);
   };
   const size_t count = size_t((height - 1) / band_height_ + 1), splats = list.positions.size();
-  // Counting sort: the counts become ends, and filling from the back makes them beginnings.
+  // Counting sort: the prefix sums are the bands' ends; filling backwards turns them into the bands'
+  // beginnings.
   list.band_begin.assign(count + 1, 0);
   for (size_t i = 0; i < splats; ++i) {
     const auto [first, last] = bands_of(i);
@@ -100,7 +101,7 @@ void SplatFilm::add(const SplatList& list, FilmBuffer& film) const {
   const int channels = film.measured_channels(), border = filter_.border();
   const size_t bands = list.band_begin.size() - 1;
   for (size_t k = 0; k < bands; ++k) {
-    // Units begin with different bands, so that threads do not queue.
+    // Units start with different bands, so that threads do not wait for each other.
     const size_t band = (k + list.in_band.size()) % bands;
     if (list.band_begin[band] == list.band_begin[band + 1]) continue;
     const int band_y0 = int(band) * band_height_, band_y1 = std::min(band_y0 + band_height_, film.height());
@@ -122,7 +123,7 @@ void SplatFilm::add(const SplatList& list, FilmBuffer& film) const {
     };
     const std::lock_guard guard(band_locks_[band]);
     for (size_t i = list.band_begin[band], end = list.band_begin[band + 1]; i < end; ++i) {
-      // Splats fall anywhere on a film larger than the caches.
+      // Splats are at random positions of a film larger than the caches.
       if (i + 2 < end) prefetch(reach(list.positions[list.in_band[i + 2]]));
       const size_t splat = list.in_band[i];
       const Vec2 s = list.positions[splat];
@@ -154,8 +155,8 @@ void SplatFilm::set_weights(RenderState& state) const {
     const int channels = film.measured_channels();
     for (int y = 0; y < film.height(); ++y)
       for (int x = 0; x < film.width(); ++x) {
-        // An integer multiple in fixed point, so that weights of parts of a picture add up exactly to the
-        // whole's.
+        // An integer multiple in fixed point, so that the weights of partial pictures add up exactly to the
+        // whole picture's.
         const Fixed weight = Fixed(paths[r]) * to_fixed(weights_x_[size_t(x)] * weights_y_[size_t(y)]);
         Fixed* p = film.pixel(x, y);
         p[channels] = p[channels + 1] = weight;

@@ -18,7 +18,7 @@ constexpr std::size_t kMagicSize = sizeof kMagic - 1;
 
 std::uint64_t checksum(const char* p, std::size_t n) {
   std::uint64_t h = 0xcbf29ce484222325u;
-  // Eight bytes a step: a checkpoint of a large film must not wait for a byte-wise hash.
+  // Hashes eight bytes per step: checkpoints of large films must not wait for a byte-wise hash.
   for (; n >= 8; p += 8, n -= 8) {
     std::uint64_t word;
     std::memcpy(&word, p, 8);
@@ -218,7 +218,7 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     d.half = j.at("half");
     const std::int64_t begin = j.at("begin"), end = j.at("end");
     const std::size_t density_size = j.at("density_size");
-    // Nothing is allocated before it is known to be in the file.
+    // Sizes are checked before memory is allocated for them.
     const auto within = [](double x, double least, double most) { return x >= least && x <= most; };
     if (!within(id.width, 1, 1 << 20) || !within(id.height, 1, 1 << 20) || !within(id.border, 0, 64) ||
         !within(id.measured_channels, 1, 1 << 20) || !within(id.replicates, 1, 1 << 30) ||
@@ -271,7 +271,7 @@ Image RenderState::picture() const {
     for (std::size_t c = 0; c < n; ++c) image.channels.push_back("variance." + development.names[c]);
   image.pixels.resize(std::size_t(image.width) * image.height * image.channels.size());
   std::vector<double> measured(std::size_t(identity.measured_channels)), sum(n);
-  // A film of a thousand bins has a thousand rows with one factor each.
+  // Only the nonzero range of each row is used: a film of a thousand bins has rows with one factor each.
   std::vector<std::pair<std::size_t, std::size_t>> nonzero;
   for (const auto& row : development.rows) {
     std::size_t begin = 0, end = row.size();

@@ -16,29 +16,29 @@ namespace aureole {
 inline constexpr int kTileSize = 16;     ///< pixels
 inline constexpr int kSampleBlock = 16;  ///< samples of a work unit, aligned
 
-/// Which picture a state belongs to. Two states can be merged or resumed only where all of this agrees.
+/// Identifies the picture of a state. Two states can be merged or resumed only if all of this agrees.
 struct PictureIdentity {
   std::string scene, version, sampler, integrator;
   std::string adaptive = "none";
   std::uint64_t scene_hash = 0, seed = 0;
   int wavelengths = 0;
   int width = 0, height = 0, border = 0, measured_channels = 0, replicates = 1;
-  /// Number of channels of splats that have a film apart from the pixels' own light; 0 without splats.
+  /// Number of channels of splats that have a film apart from the pixels' own samples; 0 without splats.
   int splat_channels = 0;
 
-  /// Names of the first difference, or an empty string.
+  /// Describes the first difference, or returns an empty string.
   std::string difference(const PictureIdentity& other) const;
 };
 
-/// How measured values become the channels of a picture: linear, so that it fits in a state file.
+/// The linear map from measured values to the channels of a picture, stored in state files.
 struct Development {
-  std::vector<std::string> names;            ///< channels, "A" last where alpha is stored
+  std::vector<std::string> names;            ///< channels, with "A" last if alpha is stored
   std::vector<std::vector<float>> rows;      ///< per channel: factors of the measured channels
   std::vector<std::vector<float>> rgb_rows;  ///< linear sRGB for previews
   bool half = true;
 };
 
-/// Invalid radiance estimate of one sample, numbered among those of its pixel, for --pixel to replay.
+/// An invalid radiance estimate of one sample, with its index in its pixel, for --pixel to replay.
 struct InvalidSample {
   int x, y, replicate;
   std::int64_t sample;
@@ -58,19 +58,19 @@ public:
 
   PictureIdentity identity;
   Development development;
-  std::int64_t begin = 0, end = 0;  ///< samples asked for; `begin` is a multiple of kSampleBlock
+  std::int64_t begin = 0, end = 0;  ///< requested samples; `begin` is a multiple of kSampleBlock
   std::vector<FilmBuffer> films;    ///< one per replicate
-  /// Splats by paths whose own light is on their pixels, one per replicate. They add to the first channels of
-  /// `films`, but are divided by the number of paths.
+  /// Splats of paths whose own radiance belongs to their pixels, one film per replicate. Splats add to the
+  /// first channels of `films`, but are divided by the number of paths.
   std::vector<FilmBuffer> splats;
   std::vector<std::uint8_t> done;  ///< per unit
-  /// Of adaptive sampling, per pixel with those of the border, row by row: log2 of the samples per sample of
-  /// the picture. Empty where all pixels take as many, and until the pilot is done.
+  /// For adaptive sampling: log2 of each pixel's samples per sample of the picture, row by row, border
+  /// included. Empty if all pixels have equally many samples, and until the pilot is done.
   std::vector<std::int8_t> density;
   std::uint64_t invalid_samples = 0;
   double seconds = 0;  ///< wall time spent
 
-  /// Pixels that have samples: with those of the border.
+  /// Width of the sampled area [pixels], border included.
   int sampled_width() const { return identity.width + 2 * identity.border; }
   int sampled_height() const { return identity.height + 2 * identity.border; }
   int tiles_x() const { return (sampled_width() + kTileSize - 1) / kTileSize; }
@@ -80,40 +80,41 @@ public:
   std::int64_t units_per_block() const { return tiles() * identity.replicates; }
   std::int64_t units() const { return blocks() * units_per_block(); }
   std::int64_t units_done() const;
-  /// The film that holds the splats of a replicate, whether with other light or not.
+  /// The film that holds the splats of a replicate, with or without other light.
   FilmBuffer& splat_film(std::size_t replicate) { return (splats.empty() ? films : splats)[replicate]; }
   /// Means of the measured channels, and of alpha, of one pixel.
   void mean(std::size_t replicate, int x, int y, double* measured, double* alpha) const;
   std::size_t sampled_pixels() const { return std::size_t(sampled_width()) * std::size_t(sampled_height()); }
-  /// The place of one among them, row by row.
+  /// Index of a sampled pixel, row by row.
   std::size_t pixel_index(int x, int y) const {
     return std::size_t(y + identity.border) * std::size_t(sampled_width()) + std::size_t(x + identity.border);
   }
   int density_exponent(int x, int y) const { return density.empty() ? 0 : density[pixel_index(x, y)]; }
-  /// Units are ordered by sample block, then replicate, then tile, so that early pictures are whole.
+  /// Units are ordered by sample block, then replicate, then tile, so that early pictures are complete.
   WorkUnit unit(std::int64_t index) const;
-  /// Samples that every pixel has, by its density where they are adaptive; partly done blocks do not count.
+  /// Number of samples that every pixel has, before scaling by its density if adaptive; blocks partly done do
+  /// not count.
   std::int64_t samples_everywhere() const;
 
-  /// Changes the samples asked for, keeping the units done. Throws Error where a block done was cut short at
-  /// the old end.
+  /// Changes the requested samples and keeps the units done. Throws Error if a finished block was cut short
+  /// at the old end.
   void set_range(std::int64_t new_begin, std::int64_t new_end);
 
-  /// Adds the units of another state. Throws Error for another picture, overlapping units, or a gap-making
-  /// cut block.
+  /// Adds the units of another state. Throws Error for another picture, overlapping units, or a cut block
+  /// that would leave a gap.
   void merge(const RenderState& other);
 
-  void save(const std::filesystem::path& file) const;          ///< atomic
+  void save(const std::filesystem::path& file) const;          ///< writes atomically
   static RenderState load(const std::filesystem::path& file);  ///< throws Error: missing, truncated, corrupt
 
-  /// The mean over replicates and, with two replicates or more, the variance of that mean ("variance.R",
-  /// ...).
+  /// Returns the mean over replicates and, with two replicates or more, the variance of that mean
+  /// ("variance.R", ...).
   Image picture() const;
-  /// The same in linear sRGB, however many channels the film has.
+  /// Returns the mean in linear sRGB, for any number of film channels.
   Image rgb_picture() const;
 };
 
-/// Linear sRGB for display: highlights above 0.8 are compressed, nothing else is changed, then encoded.
+/// Linear sRGB encoded for display; highlights above 0.8 are compressed, nothing else is changed.
 Image display_picture(Image rgb);
 
 /// Memory of a state in bytes.

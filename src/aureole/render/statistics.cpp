@@ -39,7 +39,7 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
   std::vector<double> zs;
   c.z_map.width = a.width, c.z_map.height = a.height, c.z_map.channels = {"Z"};
   c.z_map.pixels.assign(size_t(a.width) * size_t(a.height), 0.f);
-  // A small channel of a saturated colour is a difference of large numbers, and as rounded as they are.
+  // A small channel of a saturated colour is a difference of large numbers and has their rounding error.
   const int rgb[3] = {b.channel("R"), b.channel("G"), b.channel("B")};
   const auto largest = [&](int x, int y, int channel) {
     float m = 0;

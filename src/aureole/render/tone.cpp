@@ -50,7 +50,7 @@ Image toned(const Image& picture, const Tone& tone) {
         continue;
       }
       const double target = std::min(1.0, b > 0 ? std::asinh(b * luminance) / std::asinh(b) : luminance);
-      // Desaturates colours outside of the display's gamut, keeping hue and brightness.
+      // Desaturates colours outside the display's gamut, keeping hue and brightness.
       double keep = 1;
       for (double& v : c) {
         v *= target / luminance;

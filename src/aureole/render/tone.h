@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tone mapping of pictures with a large range of brightness.
+// Tone mapping of pictures with a high dynamic range.
 #pragma once
 
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace aureole {
 
-/// asinh(compression y)/asinh(compression) of the luminance y times 2^exposure; white is y = 1, and compression 0
-/// leaves y as it is. The hue is kept.
+/// Maps the luminance y times 2^exposure to asinh(compression y)/asinh(compression). White is y = 1, and
+/// compression 0 leaves y unchanged. The hue is kept.
 struct Tone {
   double exposure = 0;  ///< [stops]
   double compression = 0;
 
-  /// "asinh", "asinh:100" or "asinh:100:-2": compression (50 without) and exposure. Throws Error.
+  /// Parses "asinh", "asinh:100" or "asinh:100:-2": compression (default 50) and exposure. Throws Error.
   static Tone parse(const std::string& text);
 };
 
-/// Linear sRGB (channels R, G, B, or one grey channel) for display, encoded. Colours outside of the display's gamut
-/// lose saturation, not hue.
+/// Tone-maps linear sRGB (channels R, G, B, or one grey channel) and encodes it for display. Colours outside
+/// the display's gamut lose saturation, not hue.
 Image toned(const Image& picture, const Tone& tone);
 
 }  // namespace aureole

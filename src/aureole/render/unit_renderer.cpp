@@ -11,16 +11,17 @@ namespace aureole {
 
 namespace {
 
-/// Beyond, samples of the pilot are traced again rather than kept.
+/// Above this size, samples of the pilot are traced again instead of being kept.
 constexpr double kMostPilotBytes = double(512 << 20);
 
 }  // namespace
 
-/// Adds samples to the pixels that the filter reaches from them. The numbers of a row of pixels follow each other, so that a sample's
-/// own repeat along the row: it is added as vectors, whatever the number of channels.
+/// Adds samples to the pixels in reach of the filter. Values of a row of pixels are contiguous, and so are
+/// copies of a sample's values for that row. They are added as vectors, whatever the number of channels.
 class UnitRenderer::SampleSpread {
 public:
-  /// Behind the last number of a row up to so many are written, too, as they are.
+  /// Vector width in floats. Up to this many floats behind the last value of a row are rewritten with
+  /// unchanged values.
   static constexpr int kTogether = 8;
 
   SampleSpread(const FilterTable& filter, int channels)
@@ -31,7 +32,8 @@ public:
         weights_(size_t(length_ + padded(channels + 2))),
         values_(weights_.size()) {}
 
-  /// `corner` is the first of the pixels that are reached: its channels, alpha and the weight; `row` numbers on lies the next row.
+  /// Adds sample `s`. `corner` is the first pixel in reach: its channels, alpha and weight; `row` is the
+  /// distance of rows in floats.
   void add(const Sample& s, const float* values, float* corner, size_t row) {
     const int border = filter_.border(), stride = channels_ + 2, length = length_;
     const bool is_box = filter_.is_box();
@@ -41,7 +43,7 @@ public:
     numbers[channels_] = s.alpha, numbers[channels_ + 1] = 1;
     for (int k = -border, at = 0; k <= border; ++k, at += stride) {
       const float weight = is_box ? 1.f : filter_.eval(float(s.id.x + k) + 0.5f - s.position.x);
-      // Lanes behind the numbers of one pixel belong to the next, written later, or are 0.
+      // Lanes behind the values of one pixel belong to the next one and are overwritten later, or are 0.
       for (int c = 0; c < stride; c += kTogether) {
         put(weights + at + c, weight - Lanes{});  // the weight in all lanes
         put(repeated + at + c, get(numbers + c));
@@ -66,23 +68,22 @@ private:
   static void put(float* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
 
   const FilterTable& filter_;
-  const int channels_, length_;  ///< numbers of a row that a sample reaches
-  std::vector<float> numbers_;   ///< of the sample, padded with zeros
+  const int channels_, length_;  ///< number of floats of a row in reach of a sample
+  std::vector<float> numbers_;   ///< values of the sample, padded with zeros
   std::vector<float> weights_, values_;
 };
 
-/// Samples in the order in which they count; their paths are followed together, be they of one pixel or of
-/// several.
+/// Collects samples in their order and traces their paths together, whether of one pixel or of several.
 class UnitRenderer::Batch {
 public:
-  /// `splats` receives those of valid samples; it may be null where paths leave none. `log` tells of one
-  /// path.
+  /// `splats` receives the splats of valid samples; it may be null if paths make none. `log` records the
+  /// events of one path.
   Batch(const UnitRenderer& renderer, SplatList* splats, const BatchLog& log = {})
       : renderer_(renderer), splats_(splats), log_(log), measured_(size_t(renderer.channels_ * kPaths), 0.f) {
     for (int i = 0; i < kPaths; ++i) paths_[i].aovs = values(i) + renderer.scene_->film().measured_channels();
   }
 
-  /// Appends a sample to be traced. A full batch is traced at once, and `use(sample, measured)` is called for
+  /// Appends a sample to be traced. A full batch is traced at once; `use(sample, measured)` is called for
   /// each of its samples in order.
   template <class Use>
   void add(const SampleId& id, std::uint64_t key, const Use& use) {
@@ -97,7 +98,7 @@ public:
     e.sample.position = positions_[i] - Vec2{float(film.crop_x()), float(film.crop_y())};
     if (path_count_ == kPaths || count_ == kEntries) finish(use);
   }
-  /// Appends a sample of the pilot.
+  /// Appends a sample that the pilot has traced.
   template <class Use>
   void add_traced(const SampleId& id, const float* record, const Use& use) {
     const float* rest = record + renderer_.channels_;
@@ -128,7 +129,7 @@ private:
   static constexpr int kPaths = kBatch, kEntries = 4 * kPaths;
   struct Entry {
     Sample sample;
-    int path;  ///< -1: traced before
+    int path;  ///< -1: traced by the pilot
     const float* values;
   };
   float* values(int path) { return &measured_[size_t(path * renderer_.channels_)]; }
@@ -147,8 +148,8 @@ private:
   SplatList* splats_;
   const BatchLog log_;
   Path paths_[kPaths];
-  Vec2 positions_[kPaths];  ///< on the film
-  float weights_[kPaths];   ///< of the sensor
+  Vec2 positions_[kPaths];  ///< film position
+  float weights_[kPaths];   ///< weight of the sensor's ray
   std::vector<Splat> found_;
   Entry entries_[kEntries];
   std::vector<float> measured_;
@@ -172,7 +173,7 @@ std::uint64_t UnitRenderer::key_of(int x, int y, int replicate) const {
 }
 
 bool UnitRenderer::measure(const Path& path, float sensor_weight, float* measured) const {
-  // Waves of edges that cancel bring negative light.
+  // Diffracted fields that interfere destructively give negative estimates.
   if (!(scene_->edges() ? is_finite(path.result.estimate) : is_valid_radiance(path.result.estimate)))
     return false;
   scene_->film().measure(path.result.estimate * sensor_weight, path.wavelengths, measured);
@@ -211,7 +212,8 @@ void UnitRenderer::trace(const RenderState& layout, std::int64_t index, const Pi
       const std::uint64_t key = key_of(x, y, u.replicate);
       const int density = layout.density_exponent(x, y);
       const std::int64_t first = samples_up_to(u.first, density), last = samples_up_to(u.last, density);
-      // All pixels weigh the same, whatever their density: else the filter would favour the dense ones.
+      // All pixels have the same weight, whatever their density. Otherwise the filter would favour dense
+      // pixels.
       const float weight = float(u.last - u.first) / float(last - first);
       std::int64_t i = first;
       if (pilot && !pilot->samples.empty() && u.replicate == 0) {
@@ -227,7 +229,7 @@ void UnitRenderer::trace(const RenderState& layout, std::int64_t index, const Pi
 
 double UnitRenderer::kept_numbers(double pixels, int measured_channels, std::int64_t begin) {
   const double numbers = pixels * kPilotSamples * double(record_size(measured_channels));
-  // A part that begins later has none of them.
+  // A partial rendering that begins later contains no sample of the pilot.
   return begin == 0 && numbers * sizeof(float) <= kMostPilotBytes ? numbers : 0;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work units: all samples of a tile and a block. A sample's own radiance belongs to its pixel, and the
-// reconstruction filter gives it to those around, too; its splats may fall anywhere on the film.
+// Work units: all samples of a tile and a sample block. A sample's own radiance is added to the pixels around
+// it by the reconstruction filter; its splats may lie anywhere on the film.
 #pragma once
 
 #include <cstdint>
@@ -19,55 +19,55 @@ namespace aureole {
 struct UnitResult {
   int replicate = 0;
   int x0 = 0, y0 = 0, width = 0, height = 0;  ///< the pixels reached, relative to the crop's corner
-  /// As FilmBuffer::add takes them, and a few numbers that pad the end; empty where paths belong to no pixel.
+  /// The block for FilmBuffer::add, followed by some padding; empty if paths belong to no pixel.
   std::vector<float> sums;
   SplatList splats;
   std::vector<InvalidSample> invalid;  ///< relative to the crop's corner
 };
 
-/// One sample of a pixel, traced again.
+/// One sample of a pixel, traced again for inspection.
 struct ReplayedSample {
-  bool valid = false;           ///< no number of it is NaN, infinite, negative or too large
-  std::vector<float> measured;  ///< values for its pixel; empty where paths belong to no pixel
-  std::vector<float> splatted;  ///< the film's channels of each of its splats, one after another
+  bool valid = false;           ///< no value is NaN, infinite, negative or too large
+  std::vector<float> measured;  ///< values for its pixel; empty if paths belong to no pixel
+  std::vector<float> splatted;  ///< the film's channels of all its splats, concatenated
 };
 
-/// The first kPilotSamples of each pixel of replicate 0.
+/// The first kPilotSamples samples of each pixel of replicate 0.
 struct Pilot {
-  std::vector<PixelNoise> noise;  ///< of all pixels with those of the border, row by row
-  /// Their numbers, so that they need not be traced again; empty where they would need too much memory.
+  std::vector<PixelNoise> noise;  ///< for all pixels, border included, row by row
+  /// The sample values, so that they need not be traced again; empty if they would need too much memory.
   std::vector<float> samples;
 };
 
 class UnitRenderer {
 public:
-  /// `measured_channels` are those of the film and then those of the integrator.
+  /// `measured_channels` is the number of the film's channels plus the integrator's.
   UnitRenderer(const Scene& scene, const Integrator& integrator, const FilterTable& filter,
                std::uint64_t seed, int measured_channels);
 
-  /// Traces the paths of a unit of `layout`, but for those of `pilot`, which may be null: the numbers are the
-  /// same bit for bit.
+  /// Traces the paths of a unit of `layout`, except samples that are stored in `pilot` (which may be null).
+  /// The result is the same bit for bit with and without `pilot`.
   void trace(const RenderState& layout, std::int64_t unit, const Pilot* pilot, UnitResult& result) const;
-  /// Room for the pilot of all pixels.
+  /// Allocates the pilot of all pixels.
   Pilot make_pilot(const RenderState& layout) const;
-  /// Bytes of that room for a picture whose samples start at `begin`.
+  /// Bytes of that memory for a picture whose samples start at `begin`.
   static double pilot_bytes(double pixels, int measured_channels, std::int64_t begin);
   /// Traces the pilot of the pixels of a tile.
   void trace_pilot(const RenderState& layout, std::int64_t tile, Pilot& pilot) const;
-  /// Traces the samples [first, last) of a pixel together, at most kBatch, and logs the events of
-  /// one of them. Pixel coordinates are relative to the crop's corner.
+  /// Traces the samples [first, last) of a pixel together, at most kBatch, and logs the events of sample
+  /// `logged`. Pixel coordinates are relative to the crop's corner.
   std::vector<ReplayedSample> replay(int x, int y, std::int64_t first, std::int64_t last, int replicate,
                                      const PathLog& log, std::int64_t logged) const;
 
-  /// Where the splats go; null where paths leave none.
+  /// The film of the splats; null if paths make none.
   const SplatFilm* splat_film() const { return splat_film_ ? &*splat_film_ : nullptr; }
 
 private:
-  /// Which sample of which pixel, relative to the crop's corner.
+  /// Identifies a sample of a pixel; coordinates are relative to the crop's corner.
   struct SampleId {
     int x, y;
     std::int64_t index;
-    float weight;  ///< on the film, beside the filter's
+    float weight;  ///< its weight on the film, besides the filter's
   };
   struct Sample {
     SampleId id;
@@ -79,14 +79,14 @@ private:
   class SampleSpread;
 
   std::uint64_t key_of(int x, int y, int replicate) const;
-  /// `measured` receives the numbers of the film; those of the integrator are there already. Returns whether
+  /// Writes the film's values to `measured`, which already contains the integrator's values. Returns whether
   /// all are valid.
   bool measure(const Path& path, float sensor_weight, float* measured) const;
-  /// Numbers of the pilot that are kept.
+  /// Count of floats of the pilot that are kept in memory.
   static double kept_numbers(double pixels, int measured_channels, std::int64_t begin);
-  /// Numbers of a sample of the pilot.
+  /// Count of floats of one sample of the pilot.
   static size_t record_size(int measured_channels) { return size_t(measured_channels) + 4; }
-  /// Those of a pixel's first sample.
+  /// Index of the record of a pixel's first sample.
   size_t pilot_record(const RenderState& layout, int x, int y) const;
 
   const Scene* scene_;
@@ -94,7 +94,7 @@ private:
   FilterTable filter_;
   std::uint64_t seed_;
   int channels_;
-  bool keeps_pixels_;  ///< a path's radiance belongs to its pixel
+  bool keeps_pixels_;  ///< whether a path's radiance belongs to its pixel
   std::optional<SplatFilm> splat_film_;
 };
 

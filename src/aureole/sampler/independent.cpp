@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Independent uniform random numbers, counter-based. May change: the hash, never its statistics.
+// Independent uniform random numbers, counter-based. The hash may change, but not its statistics.
 #include "aureole/core/random.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sampler/sampler.h"

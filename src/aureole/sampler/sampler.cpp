@@ -36,13 +36,13 @@ AUREOLE_FAMILY(FamilyInfo{
     .fallback = "sobol",
     .parameters =
         {{"sample_count", "integer", "", "4", "samples per pixel"},
-         {"seed", "integer", "", "0", "chooses another independent set of samples"},
+         {"seed", "integer", "", "0", "selects an independent set of samples"},
          {"adaptive", "string", "", "none",
-          "none; absolute, display or relative: pixels take half to 4 times as many samples, more where "
-          "noise is, at most `sample_count` on average, so that squared errors of the picture are small, in "
-          "units of 1, of the square root of the brightness (as seen on a display) or of the brightness. The "
-          "first 8 samples of all pixels find the noise. With fewer than 16 samples per pixel it has no "
-          "effect"}},
+          "none; absolute, display or relative: noisy pixels get more samples, each half to 4 times "
+          "`sample_count`, which is the upper bound of their average. This minimises the squared errors of "
+          "the picture in units of 1, of the square root of the brightness (as perceived on a display) or of "
+          "the brightness. The noise is estimated from the first 8 samples of all pixels. No effect with "
+          "fewer than 16 samples per pixel"}},
     .parameters_are_of_render = true});
 
 }  // namespace aureole

@@ -14,14 +14,15 @@
 
 namespace aureole {
 
-/// The error that adaptive sampling minimises, as a sum of squares over the pixels: `absolute`, the
-/// difference itself; `display`, the difference divided by the square root of the pixel's brightness, about
-/// as an error is seen on a display; `relative`, divided by the brightness. A tenth of the picture's mean is
-/// added to the brightness, so that black pixels count little. `none`: all pixels take as many samples.
+/// The error whose sum of squares over the pixels adaptive sampling minimises. `absolute`: the difference
+/// itself; `display`: the difference divided by the square root of the pixel's brightness, approximately as
+/// perceived on a display; `relative`: the difference divided by the brightness. A tenth of the picture's
+/// mean is added to the brightness, so that black pixels do not dominate. `none`: all pixels have equally
+/// many samples.
 enum class AdaptiveTarget { none, absolute, display, relative };
-/// Their names, in order.
+/// The targets' names, in order.
 const std::vector<std::string>& adaptive_target_names();
-/// Throws Error for another name.
+/// Returns the target of that name; throws Error for an unknown name.
 AdaptiveTarget adaptive_target(const std::string& name);
 std::string name_of(AdaptiveTarget error);
 
@@ -31,7 +32,8 @@ public:
   static constexpr int kBlock = 8;  ///< dimensions computed together
   using Object::Object;
 
-  /// The 8 coordinates `8 block ... 8 block + 7` of a sample. `pixel_key` is random per seed and pixel.
+  /// Computes the 8 coordinates `8 block ... 8 block + 7` of a sample. `pixel_key` is random per seed and
+  /// pixel.
   virtual void block(std::uint64_t pixel_key, std::uint32_t sample, int block, float out[kBlock]) const = 0;
 
   std::int64_t sample_count() const { return sample_count_; }
@@ -47,14 +49,14 @@ private:
   AdaptiveTarget adaptive_ = AdaptiveTarget::none;
 };
 
-/// The coordinates of one sample of one pixel, by dimension. Holds the block of dimensions used last.
+/// The coordinates of one sample of one pixel, by dimension. Caches the blocks of dimensions used last.
 class SampleStream {
 public:
   SampleStream() = default;
   SampleStream(const Sampler& sampler, std::uint64_t pixel_key, std::uint32_t sample)
       : sampler_(&sampler), pixel_key_(pixel_key), sample_(sample) {}
 
-  /// The stream of a second path of the same sample, with the same dimensions: that from the emitters of a two-way
+  /// The stream of a second path of this sample, with the same dimensions: the light path of a bidirectional
   /// method.
   SampleStream of_second_path() const {
     SampleStream s(*sampler_, mix_bits(pixel_key_), sample_);
@@ -62,7 +64,7 @@ public:
     return s;
   }
 
-  /// Dimensions are counted from here on: those before are the camera's.
+  /// Sets the number of dimensions that the camera uses; later dimension numbers count from there.
   void set_first(int dimension) { first_ = dimension; }
 
   float get1(int dimension) { return *values_from(dimension); }
@@ -70,22 +72,21 @@ public:
     const float x = get1(dimension);
     return {x, get1(dimension + 1)};
   }
-  /// The two pairs of `direction(vertex, ...)`, which the stream holds until another vertex's are asked for.
-  /// Dimensions must begin where the camera's end.
+  /// The two pairs of `direction(vertex, ...)`, valid until the pairs of another vertex are requested.
+  /// Requires the offset of `set_first` to be the camera's dimensions.
   const float* directions(int vertex) { return values_from(direction(vertex, 0)); }
 
-  // The order of dimensions was chosen by measurement (docs/performance.md): the first block of 8 has the
-  // place on the film, the set of wavelengths, the directions of the first vertex (or the lens), and last the
-  // hero.
+  // The order of dimensions was chosen by measurement (docs/performance.md). The first block of 8 contains
+  // the film position, the set of wavelengths, the directions of the first vertex (or the lens), and last the
+  // hero wavelength.
   static constexpr int kFilm = 0, kWavelengthSet = 2, kLens = 3, kHero = 7;
   static constexpr int camera_dimensions(bool lens) { return lens ? 11 : 3; }
 
   // A vertex of a path needs two pairs for directions, which profit from low dimensions, and up to four
-  // single numbers for choices, many of which are never asked for. So choices have dimensions apart from
-  // directions.
-  static constexpr int kChoices = 128;  ///< where choices begin; both repeat after twice as many
-  static constexpr int kVertices = 28;  ///< that fit
-  /// After the camera's dimensions; vertices from the second on begin a block or its half.
+  // single numbers for choices, many of which are never used. So choices have separate dimensions.
+  static constexpr int kChoices = 128;  ///< first dimension of choices; both repeat after twice as many
+  static constexpr int kVertices = 28;  ///< number of vertices before dimensions repeat
+  /// Dimensions follow the camera's; vertices from the second on start at a block or half a block.
   static constexpr int direction(int vertex, int pair) {
     const int round = vertex < kVertices ? 0 : vertex / kVertices, v = vertex - round * kVertices;
     return round * 2 * kChoices + 4 * v + (v > 0) + 2 * pair;
@@ -93,7 +94,7 @@ public:
   static constexpr int choice(int vertex, int k) {
     return vertex / kVertices * 2 * kChoices + kChoices + 1 + vertex % kVertices * 4 + k;
   }
-  /// A key for stochastic models, a function of (pixel, sample, dimension).
+  /// A random key for stochastic models, a function of (pixel, sample, dimension).
   std::uint32_t key(int dimension) const {
     std::uint32_t x =
         std::uint32_t(pixel_key_) + 0x9e3779b9u * sample_ + 0x85ebca6bu * std::uint32_t(dimension);
@@ -103,7 +104,7 @@ public:
   }
 
 private:
-  /// The number of a dimension and those that follow it in its block.
+  /// The values of a dimension and of those after it in its block.
   const float* values_from(int dimension) {
     const unsigned d = unsigned(dimension + first_), wanted = d / Sampler::kBlock;
     Slot& slot = slots_[d / kChoices & 1];
@@ -120,7 +121,7 @@ private:
     alignas(32) float values[Sampler::kBlock];
     int block = -1;
   };
-  Slot slots_[2];  ///< of directions and of choices
+  Slot slots_[2];  ///< one for directions, one for choices
 };
 
 }  // namespace aureole

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sobol points with one true dimension per decision, Owen-scrambled by hash per pixel and dimension. May
-// change: the number of dimensions, the scrambling hash.
+// Sobol points with a separate dimension per decision, Owen-scrambled by a hash per pixel and dimension. The
+// number of dimensions and the scrambling hash may change.
 #ifdef __AVX2__
 #include <immintrin.h>
 #endif
@@ -34,11 +34,11 @@ constexpr std::uint32_t reverse_bits(std::uint32_t x) {
   return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
 }
 
-/// The numbers of 8 dimensions.
+/// The values of 8 dimensions.
 using Block = std::uint32_t __attribute__((vector_size(32)));
 
-/// Generator matrices, for 8 dimensions at a time, bit-reversed because the scrambling works on reversed
-/// bits.
+/// Generator matrices, for 8 dimensions at a time. They are bit-reversed, because the scrambling works on
+/// reversed bits.
 struct Matrices {
   Block column[kDimensions / 8][32];
 
@@ -71,7 +71,7 @@ const Matrices& matrices() {
 
 Block reverse_bits(Block x) {
 #ifdef __AVX2__
-  // The bytes of each number, then the bits of each byte by a table of its halves.
+  // Reverses the bytes of each number, then the bits of each byte by a table for its halves.
   const __m256i bytes =
       _mm256_shuffle_epi8((__m256i)x, _mm256_setr_epi8(3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12,
                                                        3, 2, 1, 0, 7, 6, 5, 4, 11, 10, 9, 8, 15, 14, 13, 12));
@@ -88,7 +88,7 @@ Block reverse_bits(Block x) {
 #endif
 }
 
-/// A hash whose every output bit depends only on input bits at or below it: on reversed bits, a nested
+/// A hash whose output bits depend only on input bits at or below them. On reversed bits this is a nested
 /// uniform (Owen) scramble (Laine & Karras 2011, "Stratified sampling for stochastic transparency"; constants
 /// of N. Vegdahl, 2021). For one number or a block.
 template <class T>
@@ -107,9 +107,9 @@ public:
 
   void block(std::uint64_t pixel_key, std::uint32_t sample, int block, float out[kBlock]) const override {
     constexpr int kBlocks = kDimensions / kBlock;
-    // Beyond the table its dimensions are used again, with the sample index shuffled per repetition (Burley
-    // 2020, "Practical hash-based Owen scrambling"): without the shuffle the repeated dimensions would be
-    // correlated with the first ones and the error would stop falling.
+    // Beyond the table, its dimensions are reused, with the sample index shuffled per repetition (Burley
+    // 2020, "Practical hash-based Owen scrambling"). Without the shuffle, repeated dimensions would be
+    // correlated with the first ones, and the error would stop decreasing.
     const int repetition = block / kBlocks;
     std::uint32_t index = sample;
     if (repetition > 0)
@@ -119,7 +119,7 @@ public:
     Block x{};
     for (; index; index &= index - 1) x ^= columns[__builtin_ctz(index)];
     const std::uint32_t key = std::uint32_t(pixel_key) ^ std::uint32_t(pixel_key >> 32);
-    // A 32-bit finaliser (C. Wellons' "lowbias32").
+    // A 32-bit hash finaliser (C. Wellons' "lowbias32").
     Block seed = key + 0x9e3779b9u * (std::uint32_t(block * kBlock + 1) + Block{0, 1, 2, 3, 4, 5, 6, 7});
     seed ^= seed >> 16;
     seed *= 0x21f0aaadu;
@@ -140,8 +140,8 @@ private:
 AUREOLE_PLUGIN(
     SobolSampler, "sampler", "sobol",
     PluginDoc{
-        "Sobol points, Owen-scrambled per pixel and dimension: the default. Any number of samples works; "
-        "powers of two have the lowest error.",
+        "Sobol points, Owen-scrambled per pixel and dimension: the default. Any number of samples is "
+        "possible; powers of two give the lowest error.",
         "Directions: Joe & Kuo 2008. Scrambling: Owen 1995, by hash as in Laine & Karras 2011 and Burley "
         "2020.",
         {},

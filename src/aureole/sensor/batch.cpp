@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Several sensors side by side on one film.
+// Several sensors that share one film, side by side.
 #include <algorithm>
 
 #include "aureole/plugin/registry.h"
@@ -53,7 +53,7 @@ public:
     return at.members[part_at(film.x * per_pixel_)].sample_ray(film, lens);
   }
 
-  /// Chooses one of the sensors at random; lens.x is then rescaled to choose its point.
+  /// Chooses one of the sensors at random; lens.x is then rescaled to choose the point of its aperture.
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2 lens) const override {
     const float scaled = lens.x * float(members_.size());
@@ -73,7 +73,7 @@ public:
                        [](const Member& m) { return m.sensor->counts_crossings(); });
   }
 
-  /// Where it is not known where the ray is seen: the response of the first sensor that sees it.
+  /// If the film position is unknown: the response of the first sensor that records the ray.
   std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
                                      std::optional<Vec2> seen) const override {
     const std::size_t first = seen ? part_at(seen->x * per_pixel_) : 0,
@@ -87,11 +87,11 @@ public:
   }
 
 private:
-  /// A sensor, with the surface that it measures on, if it sits on a shape.
+  /// A sensor and, if it sits on a shape, the surface on which it measures.
   struct Member {
     std::shared_ptr<const Sensor> sensor;
     std::shared_ptr<const ShapeArea> area;
-    std::shared_ptr<const Model> model;  ///< which the surface is a part of
+    std::shared_ptr<const Model> model;  ///< the model that contains the surface
   };
 
   void add(const ObjectPtr& child) {
@@ -117,12 +117,11 @@ AUREOLE_PLUGIN(
     BatchSensor, "sensor", "batch",
     PluginDoc{
         "Renders several sensors at once, side by side in equal parts of one film. The film, sampler and "
-        "response of the batch are used, those of its "
-        "sensors are not; fields of view refer to the parts.",
+        "response of the batch replace the ones of its sensors; fields of view refer to the parts.",
         "",
         {{"sensor", "sensor or shape", "", "required",
-          "as many as divide the film's width; shapes with an irradiancemeter, as a <ref> where they "
-          "are parts of the scene"}},
+          "the sensors, whose number must divide the film's width; also shapes with an irradiancemeter, as a "
+          "<ref> if they belong to the scene"}},
         {R"(<sensor type="batch">
     <sensor type="perspective">
         <transform name="to_world"><lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform>

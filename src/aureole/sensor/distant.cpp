@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The radiance that leaves a scene, or a part of it, into one direction.
+// The radiance that leaves a scene, or a region of it, in one direction.
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/placed_sensor.h"
@@ -37,7 +37,7 @@ public:
   }
 
   void fit(PlacedSensor& at) const override {
-    at.scene_radius *= 1 + 1e-5f;  // objects that touch the sphere are inside
+    at.scene_radius *= 1 + 1e-5f;  // includes objects that touch the sphere
   }
 
   bool uses_lens() const override { return target_ != Target::point; }
@@ -56,7 +56,7 @@ public:
     return {{start(placed, at), direction_, kInfinity}};
   }
 
-  /// Through a target the sensor sees a line, or the scene behind a shape, which light does not find.
+  /// Only without a target: rays through a target form a line, or start at a shape, which light cannot reach.
   std::optional<SensorConnection> sample_direct(const PlacedSensor& placed, const Vec3& reference,
                                                 Vec2) const override {
     if (target_ != Target::scene) return {};
@@ -86,8 +86,8 @@ public:
 private:
   enum class Target { scene, point, shape };
 
-  /// Where the ray through `at` begins: on the plane that touches the scene's bounding sphere, which leaves
-  /// the whole scene ahead, or ray_offset before the target.
+  /// Origin of the ray through `at`: on the plane that touches the scene's bounding sphere, so that the whole
+  /// scene lies ahead, or `ray_offset` before the target.
   Vec3 start(const PlacedSensor& placed, const Vec3& at) const {
     const float along = dot(at - placed.scene_center, direction_);
     if (offset_ < 0) return at - direction_ * std::max(along + placed.scene_radius, 0.f);
@@ -96,26 +96,27 @@ private:
 
   Target target_ = Target::scene;
   Vec3 direction_, point_;
-  std::shared_ptr<const Model> model_;  ///< which the target's surface is a part of
+  std::shared_ptr<const Model> model_;  ///< the model that contains the target's surface
   std::unique_ptr<const ShapeArea> surface_;
-  float offset_ = -1;  ///< < 0: outside of the scene
+  float offset_ = -1;  ///< negative: rays start outside the scene
 };
 
 AUREOLE_PLUGIN(
     DistantSensor, "sensor", "distant",
     PluginDoc{
-        "Measures the radiance that leaves the scene into one direction, as from infinity, averaged over "
-        "the cross section of the scene's bounding sphere, or over a target. A ray that meets nothing "
-        "sees the environment. Its film has one pixel.",
+        "Measures the radiance that leaves the scene in one direction, as from infinity, averaged over "
+        "the cross section of the scene's bounding sphere, or over a target. A ray that hits nothing "
+        "measures the environment. Its film has one pixel.",
         "",
-        {{"direction", "vector", "", "to_world's z axis", "into which the sensor looks"},
-         {"to_world", "transform", "", "identity", "instead of direction; looks along its z axis"},
+        {{"direction", "vector", "", "to_world's z axis", "viewing direction of the sensor"},
+         {"to_world", "transform", "", "identity",
+          "instead of direction: the viewing direction is its z axis"},
          {"target", "point or shape", "scene units", "the scene",
-          "what the rays go through: a point, or points uniform over a shape, which is not itself a "
-          "part of the scene"},
-         {"ray_offset", "float", "scene units", "from outside of the scene",
-          "distance before the target (else before the scene's middle) at which rays begin"},
-         {"flip_directions", "boolean", "", "false", "looks the other way"}},
+          "a point through which all rays pass, or a shape through which they pass at uniformly distributed "
+          "points; the shape itself is not part of the scene"},
+         {"ray_offset", "float", "scene units", "from outside the scene",
+          "distance of the ray origins before the target (without a target: before the centre of the scene)"},
+         {"flip_directions", "boolean", "", "false", "reverses the viewing direction"}},
         {R"(<sensor type="distant">
     <vector name="direction" x="0" y="-1" z="0.3"/>
     <shape name="target" type="rectangle"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The irradiance on a shape.
+// The irradiance on a shape, averaged over its surface.
 #include <algorithm>
 #include <cmath>
 
@@ -27,7 +27,7 @@ public:
 
   bool uses_lens() const override { return true; }
 
-  /// The place within the pixel chooses the point.
+  /// The position within the pixel chooses the point of the surface.
   std::optional<Receiver> receiver(const PlacedSensor& at, Vec2 film) const override {
     return receiver_at(at, {film.x - std::floor(film.x), film.y - std::floor(film.y)});
   }
@@ -39,7 +39,7 @@ public:
 
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2 lens) const override {
-    // The place within the pixel says which point it is; it may not round up to the next pixel.
+    // The position within the pixel encodes the point of the surface; it must not round up to the next pixel.
     const Vec2 film{std::min(at.part.left + lens.x, std::nextafter(at.part.left + 1, 0.f)), lens.y};
     const auto place = receiver(at, film);
     if (!place) return {};

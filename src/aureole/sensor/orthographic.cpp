@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parallel projection.
+// A camera with parallel projection.
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/projection.h"
 
@@ -32,7 +32,7 @@ public:
     at.pixels_per_area = 1 / std::abs(dot(cross(pixel_x, pixel_y), direction_));
   }
 
-  /// The direction is fixed: a point is seen at one place of the film, from all distances alike.
+  /// The ray direction is fixed: a point has one film position, whatever its distance.
   std::optional<SensorConnection> sample_direct(const PlacedSensor& at, const Vec3& reference,
                                                 Vec2) const override {
     const Vec3 q = to_camera_.point(reference);
@@ -70,7 +70,7 @@ AUREOLE_PLUGIN(
         "to_world makes it larger.",
         "",
         camera_parameters({{"to_world", "transform", "", "identity",
-                            "camera to world; its x and y scale the part that is seen"},
+                            "camera to world; its x and y scale set the size of the visible area"},
                            {"focus_distance", "float", "scene units", "none", "accepted without effect"}}),
         {R"(<sensor type="orthographic">
     <transform name="to_world">

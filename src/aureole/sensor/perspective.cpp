@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pinhole camera.
+// A pinhole camera.
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/projection.h"
 
@@ -16,7 +16,7 @@ public:
 };
 
 AUREOLE_PLUGIN(PerspectiveSensor, "sensor", "perspective",
-               PluginDoc{"Pinhole camera that looks along its local +z axis.",
+               PluginDoc{"Pinhole camera whose optical axis is its local +z axis.",
                          "",
                          lens_camera_parameters({{"focus_distance", "float", "scene units", "none",
                                                   "accepted without effect"}}),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `PlacedSensor`: a sensor in its place.
+// `PlacedSensor`: a sensor together with its position in the scene.
 #pragma once
 
 #include <memory>
@@ -9,24 +9,25 @@
 
 namespace aureole {
 
-/// A sensor together with the scene and film data that its methods need. The member functions forward to the
-/// sensor with these data.
+/// A sensor with the scene and film data that its methods need. The member functions pass these data to the
+/// sensor.
 struct PlacedSensor {
   const Sensor* sensor = nullptr;
-  std::shared_ptr<const ShapeArea> area;  ///< of the shape that it sits on, or null
+  std::shared_ptr<const ShapeArea> area;  ///< the shape on which the sensor sits, or null
   /// The scene's bounding sphere.
   Vec3 scene_center;
   float scene_radius = 1;
   FilmPart part;
 
-  // A camera's projection onto its part of the film (`Sensor::fit`).
-  Vec2 film_center;           ///< where its axis meets the film [pixels]
-  float pixel_size = 1;       ///< of the picture plane at distance 1, or of a parallel projection
-  float pixels_per_area = 1;  ///< of film over the area across the rays, of a parallel projection
+  // A camera's projection onto its part of the film, set by `Sensor::fit`.
+  Vec2 film_center;           ///< where the optical axis intersects the film [pixels]
+  float pixel_size = 1;       ///< pixel width on the picture plane at distance 1, or of a parallel projection
+  float pixels_per_area = 1;  ///< film area over the area perpendicular to the rays, for a parallel
+                              ///< projection
 
-  std::vector<PlacedSensor> members;  ///< of a batch
+  std::vector<PlacedSensor> members;  ///< the sensors of a batch
 
-  /// Of a sensor that has a film of its own.
+  /// Places a sensor that has its own film.
   static PlacedSensor of(const Sensor& sensor, std::shared_ptr<const ShapeArea> area,
                          const Vec3& scene_center, float scene_radius);
 
@@ -43,7 +44,7 @@ struct PlacedSensor {
   std::optional<Receiver> receiver(Vec2 film_position) const {
     return sensor->receiver(*this, film_position);
   }
-  /// Calls f with each `Sensor::crossing` of the ray: of a batch one for each of its sensors, at most.
+  /// Calls f with each `Sensor::crossing` of the ray; a batch has at most one for each of its sensors.
   template <class F>
   void for_crossings(const Ray& light, const F& f) const {
     if (const auto crossing = sensor->crossing(*this, light)) f(*crossing);

@@ -32,7 +32,7 @@ public:
     if (properties().has("to_world"))
       throw properties().error(
           "to_world", "a power map on a shape measures on the surface of that: leave \"to_world\" out");
-    // Somewhere on a grid that is finer than most gaps between the charts of an atlas.
+    // Tests points of a grid finer than most gaps between the charts of a texture atlas.
     constexpr int kSide = 64;
     for (int i = 0; i < kSide * kSide; ++i)
       if (area.point_at_uv({(float(i % kSide) + 0.5f) / kSide, (float(i / kSide) + 0.5f) / kSide})) return;
@@ -65,7 +65,7 @@ public:
     return place->connect(reference, film, at.part.sample_area());
   }
 
-  /// Of a plane: a line may meet the surface of a shape at several places.
+  /// Only for a plane: a line may intersect the surface of a shape more than once.
   std::optional<SensorResponse> eval(const PlacedSensor& at, const Vec3& p, const Vec3& d,
                                      std::optional<Vec2>) const override {
     const auto place = place_on_plane(at, {p, -d, kInfinity});
@@ -95,7 +95,7 @@ private:
     Vec2 film;
     float t;
   };
-  /// Where a ray meets the plane; nothing beside the map, and on a shape.
+  /// The intersection of a ray with the plane; nothing outside the map, and for a map on a shape.
   std::optional<Place> place_on_plane(const PlacedSensor& at, const Ray& ray) const {
     if (at.area) return {};
     const float t = dot(corner_ - ray.o, normal_) / dot(ray.d, normal_);
@@ -109,8 +109,9 @@ private:
   float pixels_per_area(const PlacedSensor& at) const { return at.part.width * at.part.height / area_; }
 
   Receiver::Measure measure_;
-  Vec3 corner_, right_, down_;  ///< of the picture: its upper left corner and its sides
-  Vec3 per_right_, per_down_;   ///< dual to these: the picture's coordinates of a point of the plane
+  Vec3 corner_, right_, down_;  ///< the picture's upper left corner and its sides, in the world
+  Vec3 per_right_, per_down_;   ///< dual vectors of the sides: give the picture's coordinates of a point of
+                                ///< the plane
   Vec3 normal_;
   float area_;
 };
@@ -119,22 +120,24 @@ AUREOLE_PLUGIN(
     PowerMap, "sensor", "powermap",
     PluginDoc{
         .summary =
-            "A grid of receivers: each pixel of its film is a cell, and holds what arrives there per area "
-            "[W/(m^2 nm) for a spectral film], averaged over the cell. The cells divide the square [-1, 1] x [-1, "
-            "1] of the plane z = 0 of `to_world`, x to the right and y up in the picture; or, as a child of a "
-            "shape, the texture coordinates [0, 1] x [0, 1] of its surface, u to the right and v down, as in a "
-            "picture that is put on the shape. The plane is no surface: light passes it; keep it off "
-            "surfaces that lie in it. Emitters that no ray meets, such as `point`, count, too. The "
-            "reconstruction filter is a box. `path` finds light by rays from the cells; `ptracer` and, of a plane, "
-            "`bdpt` connect paths of light with them, and `ptracer` counts light from mirrors and beams where it passes a plane; `aureole powermap` writes maps in dB.",
+            "A grid of receivers: each pixel of its film is a cell and holds the power that arrives there "
+            "per area [W/(m^2 nm) for a spectral film], averaged over the cell. The cells divide the "
+            "square [-1, 1] x [-1, 1] of the plane z = 0 of `to_world`, x to the right and y up in the "
+            "picture. As a child of a shape, they divide the texture coordinates [0, 1] x [0, 1] of its "
+            "surface instead, u to the right and v down, like a picture on the shape. The plane is not a "
+            "surface, and light passes it unchanged; it must not coincide with surfaces. Delta emitters, "
+            "such as `point`, count as well. The reconstruction filter is a box. `path` traces rays from "
+            "the cells; `ptracer` and, for a plane, `bdpt` connect light paths to them. `ptracer` also "
+            "records light from mirrors and beams that crosses a plane. `aureole powermap` writes maps in "
+            "dB.",
         .source = "",
         .parameters =
             {{"to_world", "transform", "", "identity",
-              "where the plane is, by the square with corners (-1, -1, 0) and (1, 1, 0)"},
+              "position of the plane: the image of the square with corners (-1, -1, 0) and (1, 1, 0)"},
              {"measure", "string", "", "fluence",
-              "fluence: from all directions alike, the power per cross section of a small isotropic "
-              "receiver; irradiance: on the side of the plane's z axis or of the shape's normal, with "
-              "the cosine"}},
+              "fluence: the fluence rate, equal response to all directions: the power per cross section of "
+              "a small isotropic receiver; irradiance: with the cosine, on the side of the plane's z axis "
+              "or of the shape's normal"}},
         .examples = {R"(<sensor type="powermap">
     <transform name="to_world"><scale x="50" y="30"/><translate z="1.5"/></transform>
     <string name="measure" value="fluence"/>

@@ -10,7 +10,7 @@
 namespace aureole {
 
 ClipPlanes::ClipPlanes(const Properties& p) {
-  // Their squares stay within the range of float.
+  // The squares of both distances stay within the range of float.
   near = float(std::clamp(p.get_float("near_clip", 1e-2, Range::positive()), 1e-12, 1e12));
   far = float(std::clamp(p.get_float("far_clip", 1e4, Range::positive()), 1e-12, 1e18));
   if (far <= near) throw p.error("far_clip", "must be larger than near_clip");
@@ -38,7 +38,7 @@ void LensCamera::set_lens(double aperture_radius, double focus_distance) {
 
 void LensCamera::fit(PlacedSensor& at) const {
   const double width = at.part.width, height = at.part.height;
-  // The tangent of the angle that a pixel at the centre covers.
+  // The tangent of the angle subtended by a pixel at the centre.
   at.pixel_size = float(2 * field_of_view_.tangent_of_half_width(width / height) / width);
   at.film_center = {float(at.part.left + width * (0.5 - principal_point_offset_[0])),
                     float(height * (0.5 - principal_point_offset_[1]))};
@@ -49,12 +49,13 @@ Vec2 LensCamera::aperture_point(Vec2 lens) const {
 }
 
 SensorRay LensCamera::sample_ray(const PlacedSensor& at, Vec2 film, Vec2 lens) const {
-  // The rays of a point of the film meet in the plane in focus, where the one through the centre does.
+  // All rays of a film point intersect the plane of focus at one point, found from the ray through the
+  // aperture's centre.
   const Vec2 a = aperture_point(lens);
   const Vec3 v{(at.film_center.x - film.x) * at.pixel_size - a.x * inverse_focus_,
                (at.film_center.y - film.y) * at.pixel_size - a.y * inverse_focus_, 1};
   const Vec3 d = normalize(axes_[0] * v.x + axes_[1] * v.y + axes_[2]);
-  // Distances between the planes along the ray: its direction goes 1 / |v| of itself along z.
+  // Distances along the ray between the planes: each unit along the ray is 1 / |v| along z.
   const float slope = length(v), to_near = clip_.near * slope, to_far = clip_.far * slope;
   const Vec3 from = aperture_radius_ > 0 ? to_world_.point({a.x, a.y, 0}) : origin_;
   return {{from + d * to_near, d, to_far - to_near}};
@@ -69,8 +70,8 @@ std::optional<SensorConnection> LensCamera::sample_direct(const PlacedSensor& at
   const Vec2 film{at.film_center.x - (v.x + a.x * inverse_focus_) / at.pixel_size,
                   at.film_center.y - (v.y + a.y * inverse_focus_) / at.pixel_size};
   if (!at.part.samples(film)) return {};
-  // A solid angle covers 1 / cos^3 of film at unit distance, and 1 / r^2 = cos^2 / z^2 of it is seen.
-  // Aperture points have the same density as for the film's own rays, so that it cancels.
+  // A unit solid angle covers 1 / cos^3 of film at unit distance; a unit area at distance r subtends 1 / r^2
+  // = cos^2 / z^2. Aperture points have the same pdf as for the film's own rays, so that it cancels.
   const Vec3 w = to_world_.vector(v), start = to_world_.point({a.x, a.y, 0}) + w * clip_.near;
   return SensorConnection{-normalize(w), start, film,
                           length(v) / (at.pixel_size * at.pixel_size * q.z * q.z)};
@@ -83,7 +84,7 @@ std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec
   const Vec3 q = to_camera_.point(p);
   const Vec2 v{local.x / local.z, local.y / local.z};
   Vec2 a{q.x - v.x * q.z, q.y - v.y * q.z};
-  // Passes through the pinhole to within the rounding of the coordinates.
+  // Passes through the pinhole to within the rounding error of the coordinates.
   const float rounding = 1e-5f * (length(origin_) + length(q));
   const float reach = std::max(aperture_radius_, rounding), r2 = aperture_radius_ * aperture_radius_;
   if (dot(a, a) > reach * reach) return {};
@@ -93,7 +94,7 @@ std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec
                    at.film_center.y - (v.y + a.y * inverse_focus_) / at.pixel_size};
   if (!at.part.samples(response.film)) return {};
   response.pdf_position = aperture_radius_ > 0 ? 1 / (kPi * r2) : 1;
-  // A solid angle covers 1 / cos^3 of the plane at unit distance.
+  // A unit solid angle covers 1 / cos^3 of the plane at unit distance.
   const float inverse_cosine = length(local) / local.z, pixel = at.pixel_size;
   response.pdf_direction =
       inverse_cosine * inverse_cosine * inverse_cosine / (pixel * pixel * at.part.sample_area());
@@ -103,8 +104,10 @@ std::optional<SensorResponse> LensCamera::eval(const PlacedSensor& at, const Vec
 }
 
 std::vector<ParameterDoc> camera_parameters(std::vector<ParameterDoc> own) {
-  own.push_back({"near_clip", "float", "scene units", "0.01", "nothing nearer is seen"});
-  own.push_back({"far_clip", "float", "scene units", "10000", "nothing farther is seen"});
+  own.push_back({"near_clip", "float", "scene units", "0.01",
+                 "distance of the near clip plane: nothing nearer is visible"});
+  own.push_back({"far_clip", "float", "scene units", "10000",
+                 "distance of the far clip plane: nothing farther is visible"});
   return own;
 }
 
@@ -113,7 +116,7 @@ std::vector<ParameterDoc> lens_camera_parameters(std::vector<ParameterDoc> own) 
   own.push_back({"fov", "float", "degrees", "from focal_length", "field of view along fov_axis"});
   own.push_back({"fov_axis", "string", "", "x", "x, y, diagonal, smaller or larger"});
   own.push_back({"focal_length", "string", "mm", "50mm",
-                 "instead of fov: of a 35 mm camera with the same diagonal angle"});
+                 "instead of fov: focal length of a 35 mm camera with the same diagonal field of view"});
   own.push_back({"principal_point_offset_x", "float", "film widths", "0", "shifts the centre of projection"});
   own.push_back(
       {"principal_point_offset_y", "float", "film heights", "0", "shifts the centre of projection"});

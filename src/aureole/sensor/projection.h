@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Projection shared by the cameras: clip planes, and a thin lens; a pinhole is a lens with an aperture of
+// The projection shared by cameras: clip planes and a thin lens. A pinhole is a lens with an aperture of
 // radius 0.
 #pragma once
 
@@ -11,14 +11,14 @@
 
 namespace aureole {
 
-/// Nothing before `near` or behind `far`, in camera space, is seen.
+/// Only geometry between `near` and `far` along the camera's z axis is visible.
 struct ClipPlanes {
   float near = 1e-2f, far = 1e4f;
   explicit ClipPlanes(const Properties& properties);
 };
 
-/// A camera with a circular aperture around the origin of camera space. It looks along local +z; local +x
-/// points left and +y up in the picture, as in Mitsuba.
+/// A camera with a circular aperture around the origin of camera space. Its optical axis is local +z; local
+/// +x points left and +y up in the picture, as in Mitsuba.
 class LensCamera : public Sensor {
 public:
   SensorRay sample_ray(const PlacedSensor& at, Vec2 film_position, Vec2 lens) const override;
@@ -35,7 +35,7 @@ protected:
   void set_lens(double aperture_radius, double focus_distance);
 
 private:
-  /// A point of the aperture, in its plane z = 0.
+  /// Returns a point of the aperture, in the plane z = 0 of camera space.
   Vec2 aperture_point(Vec2 lens) const;
 
   Transform to_world_, to_camera_;
@@ -44,12 +44,13 @@ private:
   float aperture_radius_ = 0;
   float inverse_focus_ = 0;  ///< 1 / distance of the plane in focus; unused for a pinhole
   FieldOfView field_of_view_;
-  double principal_point_offset_[2];  ///< in widths and heights of the picture
+  double principal_point_offset_[2];  ///< fractions of the picture's width and height
 };
 
-/// `own` followed by the rows of the parameter table that cameras share: near_clip and far_clip.
+/// Appends to `own` the rows of the parameter table that all cameras share: near_clip and far_clip.
 std::vector<ParameterDoc> camera_parameters(std::vector<ParameterDoc> own);
-/// The same for a LensCamera: to_world, the field of view and the centre of projection before them.
+/// Appends to `own` the rows for a LensCamera: to_world, field of view, centre of projection, and those of
+/// `camera_parameters`.
 std::vector<ParameterDoc> lens_camera_parameters(std::vector<ParameterDoc> own);
 
 }  // namespace aureole

@@ -28,14 +28,15 @@ private:
 
 AUREOLE_PLUGIN(
     RadianceMeter, "sensor", "radiancemeter",
-    PluginDoc{"Measures the radiance along one ray: a camera whose field of view is zero. Its film has one "
-              "pixel.",
-              "",
-              {{"to_world", "transform", "", "identity", "the ray starts at its origin, along its z axis"},
-               {"origin", "point", "scene units", "0, 0, 0",
-                "instead of to_world, with direction: where the ray starts"},
-               {"direction", "vector", "", "0, 0, 1", "where it goes"}},
-              {R"(<sensor type="radiancemeter">
+    PluginDoc{
+        "Measures the radiance along one ray: a camera whose field of view is zero. Its film has one "
+        "pixel.",
+        "",
+        {{"to_world", "transform", "", "identity", "the ray has its origin and the direction of its z axis"},
+         {"origin", "point", "scene units", "0, 0, 0",
+          "instead of to_world, together with direction: origin of the ray"},
+         {"direction", "vector", "", "0, 0, 1", "direction of the ray"}},
+        {R"(<sensor type="radiancemeter">
     <point name="origin" x="0" y="2" z="-5"/>
     <vector name="direction" x="0" y="-0.5" z="1"/>
     <film type="hdrfilm"><integer name="width" value="1"/><integer name="height" value="1"/></film>

@@ -7,7 +7,7 @@ namespace aureole {
 
 namespace {
 
-/// The only child of family T, or the family's default with `parameters`.
+/// Returns the only child of family T, or the family's default plug-in with `parameters`.
 template <class T>
 std::shared_ptr<T> child_or_default(const Properties& p, const char* family,
                                     const NamedValues& parameters = {}) {
@@ -61,7 +61,8 @@ void Sensor::read_common(const Properties& p, Measures measures) {
 Vec3 Sensor::unit_direction(const Properties& p, std::string_view name, const Vec3& v) {
   const float largest = max_component(abs(v));
   if (!(largest > 0)) throw p.error(name, "must not be zero");
-  return normalize(v * (1 / std::max(largest, 1e-37f)));  // the squares of large and small ones leave float
+  return normalize(v * (1 / std::max(largest, 1e-37f)));  // the squares of very large and small ones exceed
+                                                          // the range of float
 }
 
 void Sensor::check_shape(const ShapeArea&) const {
@@ -94,10 +95,10 @@ PlacedSensor PlacedSensor::of(const Sensor& sensor, std::shared_ptr<const ShapeA
 
 AUREOLE_FAMILY(FamilyInfo{
     .name = "sensor",
-    .parameters = {{"film", "film", "", "hdrfilm", "what is measured and stored"},
+    .parameters = {{"film", "film", "", "hdrfilm", "the measured quantity and its storage"},
                    {"sampler", "sampler", "", "sobol", "sample points"},
-                   {"medium", "medium", "", "that within the surfaces around it",
-                    "what the sensor is in; needed only where no surface bounds that medium"},
+                   {"medium", "medium", "", "the medium inside the surfaces around it",
+                    "medium around the sensor; needed only if no surface bounds that medium"},
                    {"srf", "spectrum", "", "1", "spectral response that multiplies the film's"},
                    {"shutter_open", "float", "s", "0", "accepted without effect"},
                    {"shutter_close", "float", "s", "0", "accepted without effect"}},

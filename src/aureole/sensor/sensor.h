@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sensor family: which rays reach a point of the film. A sensor holds the measurement model; scene and
+// The sensor family: a sensor maps points of the film to rays. It is a model of the measurement; scene and
 // film data are in a `PlacedSensor` (placed_sensor.h), which is passed to its methods.
 #pragma once
 
@@ -21,71 +21,72 @@ struct SensorRay {
   float weight = 1;  ///< factor of the radiance along the ray
 };
 
-/// A point of the aperture as seen from a point of the scene.
+/// A connection from a point of the scene to a point of the aperture.
 struct SensorConnection {
   Vec3 wo;    ///< unit direction from the reference point towards the aperture
-  Vec3 p;     ///< where the ray of Sensor::sample_ray starts: the segment up to here must be free
-  Vec2 film;  ///< where the light would fall, as in Sensor::sample_ray
-  /// Area of film [pixels^2] per area across `wo` at the reference point [1/m^2], over the density of the
-  /// choice of p: radiance leaving the reference point times |cos| there times this is what falls on the film
-  /// per area [m^2] of surface.
+  Vec3 p;     ///< origin of the ray of Sensor::sample_ray; the segment up to here must be unoccluded
+  Vec2 film;  ///< film position of the light, as in Sensor::sample_ray
+  /// Area of film [pixels^2] per area perpendicular to `wo` at the reference point [1/m^2], over the pdf of
+  /// p. Radiance leaving the reference point, times |cos| there, times importance is the contribution to the
+  /// film per area [m^2] of surface.
   float importance = 0;
 };
 
 /// The response of a sensor to a given ray: the inverse of Sensor::sample_ray.
 struct SensorResponse {
-  Vec2 film;         ///< where the ray is seen
-  float weight = 1;  ///< factor of the radiance along it
-  // Densities with which sample_ray chooses the ray for uniform positions on its part of the film and on the
-  // lens.
-  float pdf_position = 0;   ///< of the point of the aperture [1/m^2], or a mass where that is one point
-  float pdf_direction = 0;  ///< [1/sr], or a mass where that is one direction
-  /// Of the rays from that point of the aperture, or of those of that one direction: the density with which they
-  /// pass the given point, per area across the ray [1/m^2].
+  Vec2 film;         ///< film position of the ray
+  float weight = 1;  ///< factor of the radiance along the ray
+  // Pdfs with which sample_ray samples the ray, for uniform positions on the sensor's part of the film and on
+  // the lens.
+  float pdf_position = 0;   ///< pdf of the point of the aperture [1/m^2], or a probability mass for a single
+                            ///< point
+  float pdf_direction = 0;  ///< [1/sr], or a probability mass for a single direction
+  /// Pdf with which rays pass the given point, per area perpendicular to the ray [1/m^2]: rays from that
+  /// point of the aperture, or rays of the single direction.
   float pdf_across = 0;
 };
 
-/// A point at which a sensor measures the light that arrives from all directions, or from those of a half-space.
+/// A point at which a sensor measures light arriving from all directions or from a half-space.
 struct Receiver {
-  /// The irradiance, on the side of the normal; or the fluence rate, which does not ask where light comes from.
+  /// Irradiance, on the side of the normal; or fluence rate, which is independent of direction.
   enum class Measure { irradiance, fluence };
 
   Vec3 p;
   Vec3 p_error;  ///< bound of the rounding error of p; zero for a point that lies on no surface
   Vec3 ng;       ///< unit normal
   Measure measure = Measure::fluence;
-  float weight = 1;  ///< factor of its response, where places are not chosen as they count
+  float weight = 1;  ///< factor of the response, to correct the pdf of the receiver's position
 
-  /// Factor of the radiance that arrives against the unit direction `d`.
+  /// Factor of the radiance that arrives from the unit direction `d`.
   float response(const Vec3& d) const;
   /// The integral of the response over all directions.
   float total() const;
-  /// The density of `sample_ray` [1/sr]: the response over its integral, without the weight of either.
+  /// The pdf of `sample_ray` [1/sr]: the response over its integral, without `weight`.
   float pdf(const Vec3& d) const;
-  /// The side from which it measures: its normal, or zero.
+  /// The normal of the half-space that is measured, or zero for all directions.
   Vec3 facing() const { return measure == Measure::irradiance ? ng : Vec3{}; }
 
-  /// A ray in proportion to the response; its weight is `total`.
+  /// Samples a ray in proportion to the response; the weight of the ray is `total`.
   SensorRay sample_ray(Vec2 u) const;
-  /// As `Sensor::sample_direct` for the receiver at `film`, which had been chosen uniformly from `film_area`
-  /// [pixels^2]. Nothing where it does not measure light from there.
+  /// As `Sensor::sample_direct` for the receiver at `film`, sampled uniformly from `film_area` [pixels^2].
+  /// Returns nothing if the receiver does not measure light from `reference`.
   std::optional<SensorConnection> connect(const Vec3& reference, Vec2 film, float film_area) const;
 };
 
-/// Where light on its way passes the receivers of a sensor.
+/// An intersection of a ray of light with the receivers of a sensor.
 struct SensorCrossing {
   Vec3 p;
   Vec2 film;  ///< as in Sensor::sample_ray
-  /// Area of film [pixels^2] per area of the receivers' plane [1/m^2] times response over |cos|: the power of the
-  /// ray times this is what falls on the film.
+  /// Area of film [pixels^2] per area of the receivers' plane [1/m^2] times response over |cos|. The power of
+  /// the ray times importance is the contribution to the film.
   float importance;
 };
 
-/// The part of a film that a sensor fills: all of it, but for the sensors of a batch. In pixels from the
-/// film's top left corner.
+/// The part of a film that a sensor fills, in pixels from the film's top left corner: the whole film, except
+/// for the sensors of a batch.
 struct FilmPart {
   float left = 0, width = 1, height = 1;
-  Vec2 lower, upper;  ///< of the places where rays start: the crop and, with sample_border, its border
+  Vec2 lower, upper;  ///< bounds of the ray positions: the crop and, with sample_border, its border
 
   static FilmPart of(const Film& film, int index, int count);
   float sample_area() const { return (upper.x - lower.x) * (upper.y - lower.y); }  ///< [pixels^2]
@@ -97,61 +98,62 @@ public:
   static constexpr const char* kFamily = "a sensor";
   using Object::Object;
 
-  /// The ray seen at `film_position` (pixels from the film's top left corner, not the crop's); `lens` chooses
-  /// a point of the aperture.
+  /// The ray of `film_position` (pixels from the film's top left corner, not the crop's). `lens` chooses a
+  /// point of the aperture.
   virtual SensorRay sample_ray(const PlacedSensor& at, Vec2 film_position, Vec2 lens) const = 0;
-  /// Whether sample_ray looks at `lens`: two dimensions of the sampler.
+  /// Whether sample_ray uses `lens`: two dimensions of the sampler.
   virtual bool uses_lens() const { return false; }
-  /// Where on the film a point of the scene is seen, for light tracing; nothing where it is not seen, or by a
-  /// sensor that light cannot be connected to.
+  /// Connects a point of the scene to the sensor, for light tracing. Returns nothing if the point is not
+  /// visible on the film, or if light cannot be connected to this sensor.
   virtual std::optional<SensorConnection> sample_direct(const PlacedSensor& /*at*/, const Vec3& /*reference*/,
                                                         Vec2 /*lens*/) const {
     return {};
   }
 
   /// The response to a ray through `p` of direction `d` (away from the sensor, as in sample_ray), whether or
-  /// not p lies between the clip planes. `seen` is where on the film it is seen, as given to sample_ray or found by
-  /// sample_direct: a line may meet the surface that a meter sits on at several places, so that a meter answers only
-  /// where this is given, and a batch then asks the sensor that this is of. Nothing if the ray is not seen, or if
-  /// light cannot be connected to the sensor. Sensors with parallel rays ignore `d`.
+  /// not p is between the clip planes. `seen` is its film position if known, as given to sample_ray or found
+  /// by sample_direct. Meters need it, because a line may intersect their surface more than once; a batch
+  /// uses it to select the sensor. Returns nothing if the ray does not reach the film, or if light cannot be
+  /// connected to the sensor. Sensors with parallel rays ignore `d`.
   virtual std::optional<SensorResponse> eval(const PlacedSensor& /*at*/, const Vec3& /*p*/, const Vec3& /*d*/,
                                              std::optional<Vec2> /*seen*/) const {
     return {};
   }
 
-  /// Where the rays of a place on the film begin, of a sensor that measures at points. Light of an emitter that no
-  /// ray meets arrives there, too (`Integrator::estimate`). Nothing for others.
+  /// For a sensor that measures at points: the origin of the rays of a film position. Light from delta
+  /// emitters, which no ray hits, arrives there as well (`Integrator::estimate`). Nothing for other sensors.
   virtual std::optional<Receiver> receiver(const PlacedSensor& /*at*/, Vec2 /*film*/) const { return {}; }
 
-  /// Where the ray of light, whose direction has unit length, passes receivers; nothing where it does not. It
-  /// finds light that nothing can be connected with: that from a mirror. Of a batch, those of its sensors.
+  /// The intersection of a ray of light, of unit direction, with the receivers; nothing if it misses them. It
+  /// finds light for which no connection is possible, such as light from a mirror. For a batch, see
+  /// `PlacedSensor::for_crossings`.
   virtual std::optional<SensorCrossing> crossing(const PlacedSensor& /*at*/, const Ray& /*light*/) const {
     return {};
   }
   virtual bool counts_crossings() const { return false; }
 
-  /// Throws Error where the sensor cannot measure on that surface, on which it sits.
+  /// Throws Error if the sensor cannot measure on the surface of its parent shape.
   virtual void check_shape(const ShapeArea& area) const;
-  /// Throws Error where it cannot fill that part of a batch's film instead of a film of its own.
+  /// Throws Error if the sensor cannot fill that part of a batch's film instead of its own film.
   virtual void check_in_batch(const FilmPart& part) const;
-  /// Fills the derived members of the record. Throws Error if the sensor cannot be used there.
+  /// Fills the derived members of the record. Throws Error if the sensor cannot be used with them.
   virtual void fit(PlacedSensor& /*at*/) const {}
 
-  /// The medium that it is in, where the scene states one; null: the surfaces around it tell.
+  /// The medium around the sensor, if the scene states one; null: it follows from the surfaces around it.
   const Medium* medium() const { return medium_.get(); }
   const Film& film() const { return *film_; }
   const Sampler& sampler() const { return *sampler_; }
-  /// It measures one number, not a picture.
+  /// Whether it measures one number instead of a picture.
   bool is_meter() const { return measures_ == Measures::value; }
 
 protected:
   enum class Measures { picture, value };
-  /// Reads what every sensor has: film (default: hdrfilm), sampler (default: sobol), medium, srf and shutter times.
-  /// The film of a meter has one pixel and no reconstruction filter, which would weight its samples by their
-  /// place.
+  /// Reads the parameters of every sensor: film (default: hdrfilm), sampler (default: sobol), medium, srf and
+  /// shutter times. A meter's film must have one pixel and no reconstruction filter, which would weight
+  /// samples by their position in the pixel.
   void read_common(const Properties& properties, Measures measures = Measures::picture);
 
-  /// The unit vector along v, the value of a parameter. Throws Error for zero.
+  /// The unit vector along v, the value of the parameter `name`. Throws Error for a zero vector.
   static Vec3 unit_direction(const Properties& properties, std::string_view name, const Vec3& v);
 
   const std::shared_ptr<Film>& shared_film() const { return film_; }

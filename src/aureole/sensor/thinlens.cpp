@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Camera with a thin lens: points outside of the plane in focus are blurred.
+// A camera with a thin lens: points outside the plane of focus are blurred.
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/projection.h"
 
@@ -18,15 +18,15 @@ AUREOLE_PLUGIN(
     ThinLensSensor, "sensor", "thinlens",
     PluginDoc{
         "Perspective camera with a thin lens behind a circular aperture. A point at distance z along the "
-        "axis makes a disc of radius aperture_radius |1/z - 1/focus_distance| as a tangent, that is "
-        "times the picture's width / (2 tan(fov/2)) in pixels. The brightness is that of the pinhole "
-        "camera: it does not grow with the aperture.",
+        "axis is imaged as a disc of radius aperture_radius |1/z - 1/focus_distance| as a tangent; times "
+        "the picture's width / (2 tan(fov/2)) this is the radius in pixels. The brightness equals the "
+        "pinhole camera's: it does not grow with the aperture.",
         "Potmesil & Chakravarty 1981, \"A lens and aperture camera model for synthetic image "
         "generation\"",
         lens_camera_parameters({{"aperture_radius", "float", "scene units", "required",
                                  "radius of the aperture"},
                                 {"focus_distance", "float", "scene units", "far_clip",
-                                 "distance of the plane in focus, along the axis"}}),
+                                 "distance of the plane of focus, along the axis"}}),
         {R"(<sensor type="thinlens">
     <transform name="to_world"><lookat origin="0, 0, -5" target="0, 0, 0" up="0, 1, 0"/></transform>
     <float name="aperture_radius" value="0.1"/>

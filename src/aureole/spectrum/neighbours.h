@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Look-ups in a row of a table over wavelengths, for the linear interpolation between its nodes.
+// Look-ups in a row of a table over wavelengths, for linear interpolation between its nodes.
 #pragma once
 
 #ifdef __AVX2__
@@ -12,7 +12,7 @@
 
 namespace aureole {
 
-/// table[at[j]] and table[at[j] + 1] for each wavelength j, each pair by one load.
+/// The table's values at the nodes at[j] and at[j] + 1 for each wavelength j; each pair is read by one load.
 struct Neighbours {
   Spectrum first, second;
   Neighbours(const float* table, const int (&at)[kWavelengths]) {
@@ -33,7 +33,7 @@ struct Neighbours {
 #endif
     for (int j = 0; j < kWavelengths; ++j) first[j] = table[at[j]], second[j] = table[at[j] + 1];
   }
-  /// Between this row and `other`.
+  /// Interpolates linearly between this row (t = 0) and `other` (t = 1).
   void mix(const Neighbours& other, float t) {
     first = lerp(first, other.first, t), second = lerp(second, other.second, t);
   }

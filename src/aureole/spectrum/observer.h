@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The CIE 1931 observer and illuminant D65 on a scene's grid, and XYZ to linear sRGB.
+// The CIE 1931 observer and illuminant D65 on a scene's spectral grid, and the matrix from XYZ to linear
+// sRGB.
 #pragma once
 
 #include <array>
@@ -12,10 +13,10 @@ namespace aureole {
 /// that a flat spectrum of radiance 1 has Y = 1.
 std::array<SampledSpectrum, 3> observer_xyz(const SpectralGrid& grid);
 
-/// D65 with luminance `scale`, that is `scale` times the luminance of a flat spectrum of one.
+/// Illuminant D65 scaled to a luminance `scale` times that of a flat spectrum of value 1.
 SampledSpectrum d65_spectrum(const SpectralGrid& grid, double scale);
 
-/// XYZ to linear sRGB (IEC 61966-2-1, D65 white).
+/// Converts XYZ to linear sRGB (IEC 61966-2-1, D65 white).
 void xyz_to_srgb(const double* xyz, float rgb[3]);
 
 }  // namespace aureole

@@ -11,8 +11,8 @@
 namespace aureole {
 namespace detail {
 
-/// Sellmeier: n^2 = 1 + a + sum_j b_j l^2 / (l^2 - c_j), c_j in um^2. Cauchy: n = a + b_0/l^2 + b_1/l^4. l in
-/// um.
+/// Sellmeier: n^2 = 1 + a + sum_j b_j l^2 / (l^2 - c_j). Cauchy: n = a + b_0/l^2 + b_1/l^4. The wavelength l
+/// is in um, c_j in um^2.
 struct DispersionFormula {
   std::string_view name;
   enum Kind { kSellmeier, kCauchy } kind;
@@ -66,7 +66,7 @@ constexpr auto kSellmeier = DispersionFormula::kSellmeier;
 constexpr auto kCauchy = DispersionFormula::kCauchy;
 
 // clang-format off
-/// The ranges are those for which the sources give the formulas.
+/// The ranges in nm are those that the sources state for the formulas.
 constexpr DispersionFormula kFormulas[] = {
     {"water", kSellmeier, 182, 1129, 0,
      {{{5.684027565e-1, 5.101829712e-3}, {1.726177391e-1, 1.821153936e-2}, {2.086189578e-2, 2.620722293e-2},
@@ -112,9 +112,8 @@ struct Constant {
   double n;
 };
 
-/// Mitsuba 3's named indices (include/mitsuba/render/ior.h). Air stays a constant even with dispersion: it
-/// varies by 8e-6 over the visible, and a dispersive outside would make every constant-index glass dispersive
-/// for nothing.
+/// Mitsuba 3's named indices (include/mitsuba/render/ior.h). Air is constant even with dispersion. It varies
+/// by 8e-6 over the visible, and a dispersive exterior would make every constant-index glass dispersive.
 constexpr Constant kConstants[] = {
     {"vacuum", 1.0},      {"helium", 1.000036},        {"hydrogen", 1.000132},
     {"air", 1.000277},    {"carbon dioxide", 1.00045}, {"water", 1.3330},
@@ -126,7 +125,8 @@ constexpr Constant kConstants[] = {
     {"pet", 1.5750},      {"diamond", 2.419},
 };
 
-/// Other names, and Mitsuba's where its name and the formula's differ.
+/// Alternative names, and pairs of names where Mitsuba's constant and the dispersion formula are named
+/// differently.
 struct Alias {
   std::string_view name, constant, formula;
 };

@@ -16,29 +16,29 @@ struct DispersionFormula;
 struct MetalRecord;
 }  // namespace detail
 
-/// A refractive index n + i k, k >= 0 for absorption, as a function of the wavelength in vacuum. (Most
-/// dielectric measurements are relative to air and use the wavelength in air; the difference, 3e-4, is too
-/// small to see in a picture.)
+/// A complex refractive index n + i k, with k >= 0 for absorption, as a function of the vacuum wavelength.
+/// (Most dielectric measurements are relative to air and use the wavelength in air. The difference, 3e-4, is
+/// too small to see in a picture.)
 class RefractiveIndex {
 public:
-  /// The same index at every wavelength.
+  /// An index that does not depend on the wavelength.
   explicit RefractiveIndex(std::complex<double> constant) : constant_(constant) {}
   explicit RefractiveIndex(const detail::DispersionFormula& formula) : formula_(&formula) {}
   explicit RefractiveIndex(const detail::MetalRecord& table) : table_(&table) {}
 
-  /// n + i k at a wavelength in nm, which is clamped to [min_nm(), max_nm()] first: a dispersion formula is
-  /// wrong, and can be singular, beyond its range. Tables are interpolated linearly in n and in k. Never
-  /// throws.
+  /// Returns n + i k at a vacuum wavelength in nm. The wavelength is first clamped to [min_nm(), max_nm()],
+  /// because a dispersion formula is wrong, and can be singular, outside its range. Tables are interpolated
+  /// linearly in n and in k. Never throws.
   std::complex<double> at(double lambda_nm) const;
 
   /// Whether the index depends on the wavelength (a constant one refracts all wavelengths alike).
   bool is_dispersive() const { return formula_ != nullptr || table_ != nullptr; }
 
-  /// The range, in nm, over which the data hold; [0, infinity] for a constant.
+  /// The range in nm over which the data are valid; [0, infinity] for a constant.
   double min_nm() const;
   double max_nm() const;
 
-  /// Where the numbers come from.
+  /// The publication or data set of the numbers.
   std::string_view source() const;
 
 private:
@@ -47,15 +47,15 @@ private:
   const detail::MetalRecord* table_ = nullptr;
 };
 
-/// The index of the material `name`, ignoring case, or nothing if it is unknown. Known are Mitsuba 3's scalar
-/// indices ("bk7", "water", "fused quartz", ...), more dielectrics with dispersion ("sapphire",
+/// Returns the index of the material `name`, ignoring case, or nothing if it is unknown. Names: Mitsuba 3's
+/// scalar indices ("bk7", "water", "fused quartz", ...), further dielectrics with dispersion ("sapphire",
 /// "polystyrene", "sf11", ...) and Mitsuba 3's conductors ("Au", "Cu_palik", ...; its "none", a perfect
-/// mirror, is not an index). With `dispersion` a dispersion formula is used where there is one. Without it
-/// the answer for a dielectric is a constant: Mitsuba's where Mitsuba has the name, otherwise the formula at
-/// 589.3 nm (sodium D); metals stay tables. Note that Mitsuba's "bk7" is 1.5046 where the glass has 1.5167.
+/// mirror, is not an index). With `dispersion`, a dispersion formula is used where there is one. Without it,
+/// a dielectric has a constant index: Mitsuba's value for Mitsuba's names, else the formula at 589.3 nm
+/// (sodium D). Metals are always tables. Mitsuba's "bk7" is 1.5046, while the glass has 1.5167.
 std::optional<RefractiveIndex> find_refractive_index(std::string_view name, bool dispersion = true);
 
-/// All names, aliases included, in a fixed order: constants, dispersion formulas, metals; each name once.
+/// All names including aliases, each once, in a fixed order: constants, dispersion formulas, metals.
 std::vector<std::string> refractive_index_names();
 
 }  // namespace aureole

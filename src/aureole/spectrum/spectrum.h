@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `Spectrum`: one float per wavelength of a path. kWavelengths is a compile-time constant chosen by
-// measurement (docs/decisions.md); 8 floats are one AVX2 register.
+// measurement (docs/decisions.md); 8 floats fill one AVX2 register.
 #pragma once
 
 #ifdef __AVX__
@@ -23,8 +23,7 @@ static_assert(kWavelengths == 4 || kWavelengths == 8, "a path carries 4 or 8 wav
 using SpectrumVector = float __attribute__((vector_size(sizeof(float) * kWavelengths)));
 using SpectrumMask = int __attribute__((vector_size(sizeof(int) * kWavelengths)));
 
-/// Values at the N wavelengths of a path; index 0 is the hero, the wavelength that directions are sampled
-/// from.
+/// Values at the N wavelengths of a path. Index 0 is the hero wavelength, from which directions are sampled.
 struct Spectrum {
   SpectrumVector v;
 
@@ -62,7 +61,7 @@ inline Spectrum safe_divide(const Spectrum& a, const Spectrum& b) {
   const SpectrumMask positive = b.v > Spectrum(0.f).v;
   return select(positive, a / select(positive, b, 1.f), 0.f);
 }
-/// Spectrum of f(i) for i in [0, N).
+/// The Spectrum of values f(i), i in [0, N).
 template <class F>
 inline Spectrum make_spectrum(F&& f) {
   Spectrum r;
@@ -71,7 +70,7 @@ inline Spectrum make_spectrum(F&& f) {
 }
 
 namespace detail {
-/// Combines all values pairwise: a chain of N dependent operations would take longer.
+/// Reduces the values pairwise: a chain of N dependent operations would take longer.
 template <class F>
 inline float reduce(const Spectrum& a, F&& f) {
   float x[kWavelengths];
@@ -92,7 +91,7 @@ inline float max_component(const Spectrum& a) {
 inline float min_component(const Spectrum& a) {
   return detail::reduce(a, [](float x, float y) { return x < y ? x : y; });
 }
-/// True where a mask (-1 or 0 per wavelength) is set anywhere.
+/// Whether a mask (-1 or 0 per wavelength) is set for at least one wavelength.
 inline bool any(const SpectrumMask& m) {
 #ifdef __AVX__
   if constexpr (kWavelengths == 8)
@@ -105,13 +104,13 @@ inline bool any(const SpectrumMask& m) {
   return all != 0;
 }
 inline bool is_black(const Spectrum& a) { return !any(a.v != Spectrum(0.f).v); }
-/// True where every value is a finite number >= 0, as a radiance must be.
+/// Whether every value is finite and >= 0, as a radiance must be.
 inline bool is_valid_radiance(const Spectrum& a) {
   const SpectrumMask ok = (a.v >= 0) & (a.v <= std::numeric_limits<float>::max());
   return !any(~ok);
 }
 
-/// True where every value is finite.
+/// Whether every value is finite.
 inline bool is_finite(const Spectrum& a) {
   const SpectrumMask ok = abs(a).v <= std::numeric_limits<float>::max();
   return !any(~ok);

@@ -18,7 +18,7 @@ struct IlluminantRecord {
 #include "aureole/spectrum/data/cie_1931_observer.inc"
 #include "aureole/spectrum/data/illuminants.inc"
 
-/// 300, 305, ... 830 nm: every illuminant's wavelengths are a part of it.
+/// Wavelengths 300, 305, ... 830 nm: every illuminant uses a subrange of them.
 constexpr auto kTabulatedNm = [] {
   std::array<double, 107> nm{};
   for (std::size_t i = 0; i < nm.size(); ++i) nm[i] = 300.0 + kIlluminantStep * static_cast<double>(i);

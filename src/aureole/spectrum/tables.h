@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tabulated colorimetric data of the CIE: the 1931 observer and the illuminants. Double precision;
+// Tabulated colorimetric data of the CIE: the 1931 observer and the illuminants, in double precision, with
 // wavelengths in nm.
 #pragma once
 
@@ -12,7 +12,8 @@
 
 namespace aureole {
 
-/// A piecewise linear spectrum, zero outside its table. Does not own its numbers; the wavelengths increase.
+/// A piecewise linear spectrum, zero outside its table. It does not own its numbers. The wavelengths
+/// increase.
 struct TabulatedSpectrum {
   std::span<const double> wavelengths_nm;
   std::span<const double> values;
@@ -32,25 +33,26 @@ const Observer& cie_1931_observer();
 /// The integral of y-bar over wavelength, trapezoidal over the 1 nm table: 106.856915 nm.
 double cie_y_integral();
 
-/// The integrals of spectrum times x-bar, y-bar, z-bar, trapezoidal over the observer's 1 nm table, in the
-/// spectrum's unit times nm. Not normalised: divide by `cie_y_integral()`, or multiply by 683.002 lm/W for
-/// photometric units.
+/// Returns the integrals of the spectrum times x-bar, y-bar, z-bar, in the spectrum's unit times nm, by the
+/// trapezoidal rule over the observer's 1 nm table. They are not normalised: divide by `cie_y_integral()`, or
+/// multiply by 683.002 lm/W for photometric units.
 std::array<double, 3> cie_tristimulus(const TabulatedSpectrum& spectrum);
 
-/// The CIE illuminant `name`, or nothing if there is none. Case is ignored; F1 ... F12 and F3.1 ... F3.15
-/// mean FL1 and so on. The values are the published relative ones every 5 nm; scales differ (A and the D
-/// series are 100 at 560 nm, lamps are not). A and the D series reach 300-830 nm, E 360-830 nm, the others
-/// end at 780 nm. Sources, table by table, stand in data/illuminants.inc: CIE 15:2004 and CIE 015:2018.
+/// Returns the CIE illuminant `name`, or nothing if there is none. Case is ignored; F1 ... F12 and F3.1 ...
+/// F3.15 mean FL1 and so on. Values are the published relative ones every 5 nm, with different scales: A and
+/// the D series are 100 at 560 nm, the fluorescent lamps are not. Ranges: A and the D series 300-830 nm, E
+/// 360-830 nm, the others up to 780 nm. Sources of the tables, CIE 15:2004 and CIE 015:2018, are given in
+/// data/illuminants.inc.
 std::optional<TabulatedSpectrum> find_illuminant(std::string_view name);
 
-/// All names that `find_illuminant` knows, aliases left out, in a fixed order.
+/// All names that `find_illuminant` accepts, without aliases, in a fixed order.
 std::vector<std::string> illuminant_names();
 
 /// The factor that scales the D65 of `find_illuminant` to a luminance of one: integral of y-bar / integral of
 /// (D65 y-bar), 1/98.890. An emitter of linear sRGB (1, 1, 1) times this D65 is then the white (1, 1, 1) of a
-/// sensor whose Y is divided by `cie_y_integral()`. Mitsuba 3 scales its `d65` spectrum in this way, too, but
-/// takes the integral of y-bar as 106.7503 nm in both places: its factor is 1/98.997, the image of such
-/// emitters the same, while spectra given in absolute numbers come out 0.1 % brighter there.
+/// sensor whose Y is divided by `cie_y_integral()`. Mitsuba 3 scales its `d65` spectrum likewise, but takes
+/// the integral of y-bar as 106.7503 nm in both places, so that its factor is 1/98.997. Pictures of such
+/// emitters agree; spectra given in absolute numbers come out 0.1 % brighter in Mitsuba.
 double d65_whitepoint_normalization();
 
 }  // namespace aureole

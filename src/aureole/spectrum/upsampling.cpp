@@ -13,12 +13,12 @@ extern const char aureole_upsampling_table_end[];
 namespace aureole {
 namespace {
 
-/// Header: "AURU", then the resolution N as uint32. Then coefficients [l][k][j][i][3]: l is the index of the
-/// largest component z; k, i and j stand for z and for the next two components (cyclically) divided by z, all
-/// of them warped. This is the paper's layout with two changes that cut the largest round-trip error at N =
-/// 48 from Delta E 2.1 to 0.17: the ratios are warped like z, by a function with a cheap inverse; and the
-/// coefficients are multiplied by sqrt(z), because those of dark colours of one chromaticity grow about as
-/// 1/sqrt(z). All of it in the machine's byte order: written and read by the same build.
+/// Header: "AURU", then the resolution N as uint32. Coefficients [l][k][j][i][3] follow. l is the index of
+/// the largest component z. k, i and j index z and the next two components (cyclically) divided by z, all of
+/// them warped. This is the paper's layout with two changes that cut the largest round-trip error at N = 48
+/// from Delta E 2.1 to 0.17. First, the ratios are warped like z, by a function with a cheap inverse. Second,
+/// coefficients are multiplied by sqrt(z), because coefficients of dark colours of one chromaticity grow
+/// about as 1/sqrt(z). Byte order is the machine's: the table is written and read by the same build.
 struct Table {
   int resolution = 0;
   const float* coefficients = nullptr;
@@ -42,7 +42,7 @@ float unwarped(float v, float z) {
   return a / (a + b);
 }
 
-/// 0 for NaN, too.
+/// Clamps v to [0, most]; NaN becomes 0.
 float clamped(float v, float most) { return v > 0.f ? std::min(v, most) : 0.f; }
 
 }  // namespace

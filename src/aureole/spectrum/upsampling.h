@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Smooth spectra from sRGB colours: W. Jakob and J. Hanika, "A Low-Dimensional Function Space for Efficient
+// Smooth spectra of sRGB colours: W. Jakob and J. Hanika, "A Low-Dimensional Function Space for Efficient
 // Spectral Upsampling", Computer Graphics Forum 38(2), 2019. Colours are linear sRGB under illuminant D65.
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace aureole {
 
-/// A reflectance s(l) = 1/2 + x / (2 sqrt(1 + x^2)), x = c0 l^2 + c1 l + c2, l the wavelength in nm (eq. 3
-/// and 4 of the paper), in [0, 1]. Outside 360-830 nm it goes on with its value at the end.
+/// A reflectance in [0, 1]: s(l) = 1/2 + x / (2 sqrt(1 + x^2)), x = c0 l^2 + c1 l + c2, with the wavelength l
+/// in nm (eq. 3 and 4 of the paper). Outside 360-830 nm it keeps the value at the limit.
 struct SigmoidPolynomial {
   static constexpr float kMinNm = 360.f, kMaxNm = 830.f;
 
@@ -19,8 +19,8 @@ struct SigmoidPolynomial {
 
   float c0 = 0, c1 = 0, c2 = -kSaturated;
 
-  /// s at a wavelength in nm. Branch-free. The tail is computed without cancellation: dark colours keep their
-  /// digits.
+  /// s at a wavelength in nm, branch-free. The tail is computed without cancellation, so that dark colours
+  /// keep their relative precision.
   float at(float lambda_nm) const {
     const float l = std::min(std::max(lambda_nm, kMinNm), kMaxNm);
     const float x = (c0 * l + c1) * l + c2;
@@ -31,13 +31,13 @@ struct SigmoidPolynomial {
 };
 
 /// The reflectance of a linear sRGB colour, from a table (`upsampling_table.S`). Components outside [0, 1]
-/// and NaN are clamped. Greys, black and white are exact: constant spectra. For other colours the way back to
-/// sRGB ends within Delta E 0.25 (mean 0.03) and 3e-3 in a component (the figures of
-/// tests/spectrum/upsampling_test.cpp). `fit_srgb` is exact to Delta E 2e-3 but some 500 times slower (20
-/// us): right for single colours, such as those of a scene file.
+/// and NaN are clamped. Greys, black and white are exact: constant spectra. Other colours return to sRGB
+/// within Delta E 0.25 (mean 0.03) and 3e-3 in a component (tests/spectrum/upsampling_test.cpp). `fit_srgb`
+/// is exact to Delta E 2e-3 but some 500 times slower (20 us); it suits single colours, such as those of a
+/// scene file.
 SigmoidPolynomial upsample_srgb(float r, float g, float b);
 
-/// A spectrum scale * polynomial that may exceed one.
+/// A spectrum scale * polynomial, which may exceed one.
 struct UnboundedRgb {
   SigmoidPolynomial polynomial;
   float scale = 0;
@@ -45,9 +45,9 @@ struct UnboundedRgb {
   float at(float lambda_nm) const { return scale * polynomial.at(lambda_nm); }
 };
 
-/// The spectrum of an unbounded colour, such as an emitter's (which is multiplied by D65 besides): the colour
-/// is divided by scale = 2 max(r, g, b), so that its largest component becomes 1/2, where spectra are smooth.
-/// Mitsuba 3 does the same. Negative components and NaN count as 0; black has scale 0.
+/// The spectrum of an unbounded colour, such as that of an emitter (which also multiplies it by D65). The
+/// colour is divided by scale = 2 max(r, g, b), so that its largest component becomes 1/2, where spectra are
+/// smooth. Mitsuba 3 does the same. Negative components and NaN count as 0; black has scale 0.
 UnboundedRgb upsample_unbounded(float r, float g, float b);
 
 }  // namespace aureole

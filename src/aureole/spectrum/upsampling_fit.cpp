@@ -14,8 +14,8 @@ using Mat3 = std::array<Triple, 3>;
 constexpr double kCentre = 595.0, kHalfWidth = 235.0;  // nm: 360-830
 constexpr std::size_t kSize = 471;
 
-/// Beyond |x| of this order spectra change by less than 1e-8: larger coefficients only make float evaluation
-/// worse.
+/// Limit of |coefficient|: spectra change by less than 1e-8 beyond |x| of this order, and float evaluation
+/// gets worse.
 constexpr double kMaxCoefficient = 5000.0;
 
 Triple multiply(const Mat3& m, const Triple& v) {
@@ -35,8 +35,7 @@ Triple solve(const Mat3& m, const Triple& v) {
   return {det(v, b, c) / d, det(a, v, c) / d, det(a, b, v) / d};
 }
 
-/// The observer times D65, per nm, and the matrices of sRGB, all relative to the white: X, Y, Z of the white
-/// are 1.
+/// The observer times D65, per nm, and the matrices of sRGB, all relative to the white, whose X, Y, Z are 1.
 struct Colorimetry {
   struct Node {
     double t;
@@ -96,7 +95,7 @@ struct Lab {
     lab = combine(f);
   }
 
-  /// L*, a*, b* without the -16 of L*, which differences and derivatives do not see.
+  /// L*, a*, b* without the -16 of L*, which cancels in differences and derivatives.
   static Triple combine(const Triple& f) {
     return {116.0 * f[1], 500.0 * (f[0] - f[1]), 200.0 * (f[1] - f[2])};
   }
@@ -105,8 +104,8 @@ struct Lab {
 double squared(const Triple& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
 /// Tristimulus values of a spectrum relative to the white, and their derivatives: jacobian[i][j] = d xyz_i /
-/// d c_j. Nearly all of the time of a fit: the roots and quotients of all nodes first, several at once, then the sums, those of a spectrum
-/// and of its three derivatives side by side.
+/// d c_j. A fit spends nearly all of its time here. So the roots and quotients of all nodes come first,
+/// several at once, then the sums over the spectrum and its three derivatives side by side.
 void integrate(const Triple& c, Triple& xyz, Mat3& jacobian) {
   using Two = double __attribute__((vector_size(16)));
   const Colorimetry& colours = colorimetry();
@@ -132,7 +131,7 @@ void integrate(const Triple& c, Triple& xyz, Mat3& jacobian) {
   }
 }
 
-/// An x whose constant spectrum is the grey v.
+/// The constant argument x whose spectrum is the grey v.
 double grey_argument(double v) {
   const double spread = v * (1.0 - v);
   if (!(spread > 0)) return v > 0.5 ? SigmoidPolynomial::kSaturated : -SigmoidPolynomial::kSaturated;
@@ -213,7 +212,7 @@ SigmoidPolynomial fit_srgb(const Rgb& linear_rgb) {
   for (int i = 0; i < 3; ++i)
     rgb[i] = linear_rgb[i] > 0 ? std::min(linear_rgb[i], 1.0) : 0.0;  // NaN becomes 0
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return {0, 0, static_cast<float>(grey_argument(rgb[0]))};
-  // From the grey of the same mean towards the colour, in ever more steps if need be.
+  // Continuation from the grey of equal mean towards the colour, with more steps if a fit has not converged.
   const double mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
   FitCoefficients best;
   double best_error = 1e30;

@@ -11,8 +11,8 @@ namespace aureole {
 
 using Rgb = std::array<double, 3>;
 
-/// A sigmoid polynomial in t = (l - 595 nm) / 235 nm, in [-1, 1] over the visible: x = c[0] + c[1] t + c[2]
-/// t^2. In these the optimisation is well conditioned.
+/// A sigmoid polynomial in the normalised wavelength t = (l - 595 nm) / 235 nm, in [-1, 1] over 360-830 nm: x
+/// = c[0] + c[1] t + c[2] t^2. The optimisation is well conditioned in these coefficients.
 struct FitCoefficients {
   std::array<double, 3> c{};
 
@@ -23,14 +23,14 @@ struct FitCoefficients {
 /// CIELAB difference. Returns the remaining difference (CIE 1976 Delta E). The nearer the start, the faster.
 double refine_fit(const Rgb& linear_rgb, FitCoefficients& start);
 
-/// The spectrum of a linear sRGB colour, clamped to [0, 1]. Greys are exact constants, as `upsample_srgb`'s.
-/// Its colour is within Delta E 2e-3 of the one asked for (rounding of the coefficients to float). Takes
-/// about 20 us.
+/// The spectrum of a linear sRGB colour, clamped to [0, 1]. Greys are exact constants, as in `upsample_srgb`.
+/// The spectrum's colour is within Delta E 2e-3 of the given one (rounding of the coefficients to float).
+/// Takes about 20 us.
 SigmoidPolynomial fit_srgb(const Rgb& linear_rgb);
 
-/// The linear sRGB colour of a reflectance under D65, the trapezoidal sum at 1 nm. The matrix has the sRGB
-/// primaries (IEC 61966-2-1) and, as white, the chromaticity of the D65 table, so that the reflectance 1 is
-/// exactly (1, 1, 1).
+/// The linear sRGB colour of a reflectance under D65, by the trapezoidal rule at 1 nm. The matrix has the
+/// sRGB primaries (IEC 61966-2-1) and, as white, the chromaticity of the D65 table, so that the reflectance 1
+/// is exactly (1, 1, 1).
 Rgb srgb_of_reflectance(const SigmoidPolynomial& spectrum);
 
 /// CIE 1976 colour difference of two linear sRGB colours under the same white.

@@ -3,8 +3,8 @@
 
 namespace aureole {
 
-/// The largest value of a spectrum that a scene may state. Values are floats, and become infinite in sums and
-/// products of larger ones.
+/// The largest value of a spectrum that a scene may state. Sums and products of larger floats become
+/// infinite.
 inline constexpr double kLargestSpectrumValue = 1e37;
 
 }  // namespace aureole

@@ -11,9 +11,10 @@ namespace aureole {
 
 namespace {
 
-/// Convolved with a Gaussian of standard deviation `nm`; the ends continue beyond the range.
+/// The spectrum convolved with a Gaussian of standard deviation `nm`; beyond the range it keeps the value at
+/// the limit.
 SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
-  // A wider kernel would give a constant all the same, and take long.
+  // A wider kernel would take long and give a constant as well.
   nm = std::min(nm, s.grid().max_nm - s.grid().min_nm);
   const int reach = int(std::ceil(3.5 * nm / s.grid().step()));
   std::vector<double> kernel(size_t(reach) + 1);
@@ -24,7 +25,7 @@ SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
     total += kernel[size_t(k)] * (k == 0 ? 1 : 2);
   }
   const int n = int(s.nodes().size());
-  std::vector<double> nodes(size_t(n + 2 * reach));  // from `reach` before the first one on
+  std::vector<double> nodes(size_t(n + 2 * reach));  // begins `reach` nodes before the grid
   for (int i = 0; i < n + 2 * reach; ++i)
     nodes[size_t(i)] = double(s.nodes()[size_t(std::clamp(i - reach, 0, n - 1))]);
   std::vector<double> sums(static_cast<size_t>(n));
@@ -37,7 +38,7 @@ SampledSpectrum smoothed(const SampledSpectrum& s, double nm) {
   return {s.grid(), std::move(result)};
 }
 
-/// Mean of the spectra that are not black, each scaled to unit integral, with these weights.
+/// Weighted mean of the spectra that are not black, each scaled to unit integral.
 SampledSpectrum normalized_mean(std::span<const SampledSpectrum> spectra, std::span<const double> weights) {
   std::vector<float> nodes(spectra[0].nodes().size());
   for (size_t k = 0; k < spectra.size(); ++k) {
@@ -49,7 +50,7 @@ SampledSpectrum normalized_mean(std::span<const SampledSpectrum> spectra, std::s
   return {spectra[0].grid(), std::move(nodes)};
 }
 
-/// The light that strongly coloured surfaces, a red, a blue and a green one, reflect.
+/// The light reflected by strongly coloured surfaces: a red, a blue and a green one.
 std::array<SampledSpectrum, 3> reflected(const SampledSpectrum& light) {
   const auto step = [](double x) { return 1 / (1 + std::exp(-x)); };
   const auto times = [&](auto&& reflectance) {
@@ -60,16 +61,17 @@ std::array<SampledSpectrum, 3> reflected(const SampledSpectrum& light) {
           times([&](double nm) { return std::exp(-0.5 * (nm - 530) * (nm - 530) / 900); })};
 }
 
-/// As seen through the film's response: integral 1 or, of a light without, black.
+/// The light divided by `strength`, the integral of light times response; black where that is zero.
 SampledSpectrum of_unit_strength(const SampledSpectrum& light, double strength) {
   std::vector<float> nodes(light.nodes().begin(), light.nodes().end());
-  // Wavelengths that the film hardly sees may be stronger by any factor than those that it sees.
+  // Limits the values, which may be arbitrarily large at wavelengths where the film's response is nearly
+  // zero.
   for (float& x : nodes) x = strength > 0 ? float(std::min(1e18, double(x) / strength)) : 0.f;
   return {light.grid(), std::move(nodes)};
 }
 
-/// The sets of wavelengths of one density, and what a light of 1 per nm at one of the wavelengths adds to the
-/// estimate of each channel.
+/// The sets of wavelengths that one density generates. `factors_` are the contributions of a light of 1 per
+/// nm at each wavelength to the estimate of each channel.
 class Sets {
 public:
   Sets(const WavelengthDistribution& distribution, std::span<const SampledSpectrum> channels)
@@ -106,15 +108,15 @@ private:
   static constexpr int kCount = 256;
   std::vector<Wavelengths> wavelengths_;
   size_t channels_;
-  std::vector<Spectrum> factors_;  ///< of all channels for each set
-  std::vector<Spectrum> values_;   ///< room for those of one light
+  std::vector<Spectrum> factors_;  ///< per set, for all channels
+  std::vector<Spectrum> values_;   ///< temporary storage: a light at the wavelengths of each set
 };
 
-/// Of more different lights than this, those that are most alike are judged together; of more channels, only all
-/// lights together.
+/// With more than kLights different lights, the most similar ones are merged; with more than kChannels
+/// channels, only the sum of all lights is used.
 constexpr size_t kLights = 16, kChannels = 8;
 
-/// Of two lights of unit strength, 0 where they are alike to 2 where they have no wavelength in common.
+/// Distance of two lights of unit strength: 0 if they are equal, 2 if their spectra do not overlap.
 double difference(const SampledSpectrum& a, const SampledSpectrum& b) {
   double sum = 0, whole = 0;
   for (size_t i = 0; i < a.nodes().size(); ++i) {
@@ -124,18 +126,20 @@ double difference(const SampledSpectrum& a, const SampledSpectrum& b) {
   return whole > 0 ? 2 * sum / whole : 0;
 }
 
-/// Lights of unit strength that differ from each other, or several of them.
+/// A light of unit strength, or the sum of several similar ones.
 struct LightKind {
   SampledSpectrum light;
   double count = 1;
-  std::vector<SampledSpectrum> seen = {};  ///< what the film sees of each of them, of the first few
+  std::vector<SampledSpectrum> seen = {};  ///< product of response and light, for the first few lights of
+                                           ///< this kind
 };
 
-/// Adds a light to those that differ from it as the film sees them, or to some of them where there are many.
+/// Adds a light unless a similar one is known; if there are kLights kinds already, adds it to the nearest
+/// one.
 void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& light,
                       const SampledSpectrum& response) {
   constexpr double kAlike = 1e-3, kNothingInCommon = 2;
-  constexpr size_t kMostCompared = 8;  // of one kind
+  constexpr size_t kMostCompared = 8;  // per kind
   const SampledSpectrum seen = product(response, light);
   LightKind* nearest = nullptr;
   double least = kNothingInCommon;
@@ -143,7 +147,7 @@ void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& ligh
     double d = kNothingInCommon;
     for (const SampledSpectrum& known : kind.seen) d = std::min(d, difference(known, seen));
     if (d < kAlike) return;
-    // Of those that have nothing in common with it, the one with the fewest others.
+    // Among kinds that do not overlap with the light, takes the one with the fewest lights.
     if (!nearest || d < least || (d == least && kind.count < nearest->count)) nearest = &kind, least = d;
   }
   if (kinds.size() < kLights) {
@@ -157,8 +161,8 @@ void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& ligh
   nearest->count += 1;
 }
 
-/// The densities best for single wavelengths: the film's response mixed with its product with all light, or
-/// with each light.
+/// The densities that are best for single wavelengths: the film's response mixed with its product with the
+/// sum of all lights, and with its mean product with the single lights.
 std::vector<SampledSpectrum> sharp_densities(const SampledSpectrum& response, const SampledSpectrum& all,
                                              std::span<const LightKind> lights) {
   const SampledSpectrum by_power[2] = {response, product(response, all)};
@@ -176,7 +180,7 @@ std::vector<SampledSpectrum> sharp_densities(const SampledSpectrum& response, co
   return sharp;
 }
 
-/// Densities that are mixtures, of which the one with the least variance is kept.
+/// Evaluates mixtures of densities and keeps the one with the least variance.
 class Contest {
 public:
   Contest(const SpectralGrid& grid, std::span<const SampledSpectrum> channels, bool with_surfaces,
@@ -193,7 +197,8 @@ public:
     std::vector<SampledSpectrum> densities;
     std::vector<float> weights;
   };
-  /// Whether this one is better than all before it: has less than `part` of the least variance so far.
+  /// Returns whether the variance of this mixture is below `part` times the least variance so far; if so,
+  /// keeps it.
   bool judge(const Mixture& mixture, double part = 1) {
     WavelengthDistribution distribution(grid_, mixture.densities, mixture.weights);
     Sets sets(distribution, channels_);
@@ -213,7 +218,7 @@ public:
   WavelengthDistribution take_best() { return std::move(*best_); }
 
 private:
-  /// A light and what surfaces leave of it.
+  /// A light and its reflections from coloured surfaces.
   struct Judged {
     LightKind kind;
     std::vector<SampledSpectrum> reflected;
@@ -226,8 +231,8 @@ private:
   double least_ = 0;
 };
 
-/// Gives single lights more than their equal shares, as long as that helps: a line needs one wavelength of each
-/// set, and with several lights an equal share may be less than that.
+/// Raises or lowers the weights of single lights as long as that reduces the variance. A spectral line needs
+/// one wavelength of each set; with several lights, equal weights may give it less than that.
 void share_out(Contest& contest, const SampledSpectrum& response, std::span<const LightKind> lights) {
   constexpr double kWorthwhile = 0.995;
   Contest::Mixture trial = contest.best_mixture();

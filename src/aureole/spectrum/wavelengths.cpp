@@ -11,7 +11,7 @@ namespace aureole {
 SpectralGrid SpectralGrid::over(double min_nm, double max_nm) {
   if (!(min_nm > 0) || !(max_nm > min_nm) || !std::isfinite(max_nm))
     throw Error("a wavelength range must be 0 < min < max");
-  // Wide ranges get wider cells and narrow ones (a laser line) still enough cells to show a shape.
+  // Wide ranges get wider cells; narrow ranges (a laser line) still get enough cells to resolve a shape.
   const double width = max_nm - min_nm;
   return {min_nm, max_nm, int(std::clamp(std::ceil(width), 64.0, 2000.0))};
 }
@@ -20,7 +20,7 @@ Wavelengths Wavelengths::at(const SpectralGrid& grid, const Spectrum& nm, float 
   Wavelengths w;
   w.nm = nm;
   w.pdf = pdf_per_nm;
-  // Minimum and step in two floats each: the fraction keeps its digits over up to 2000 cells.
+  // Minimum and step as two floats each, so that the fraction stays precise over up to 2000 cells.
   const float minimum = float(grid.min_nm), step = float(grid.step()), inverse = float(1 / grid.step());
   const Spectrum from_first = (nm - minimum) - float(grid.min_nm - minimum);
   const Spectrum inside = min(max(from_first * inverse, 0.f), float(grid.cells - 1));
@@ -43,11 +43,11 @@ SampledSpectrum SampledSpectrum::constant(const SpectralGrid& grid, float value)
 
 SampledSpectrum SampledSpectrum::from_points(const SpectralGrid& grid, std::span<const double> nm,
                                              std::span<const double> values) {
-  std::vector<double> moments(grid.cells + 1, 0.0);  // integral(s hat_i), in units of a cell
+  std::vector<double> moments(grid.cells + 1, 0.0);  // integral(s hat_i) in units of a cell
   const double h = grid.step();
   for (size_t k = 0; k + 1 < nm.size(); ++k) {
-    // Clip the piece to the grid, then integrate it cell by cell: s and hat are linear there, so Simpson is
-    // exact.
+    // Clips the interval to the grid, then integrates it cell by cell. Both s and the hat are linear there,
+    // so that Simpson's rule is exact.
     const double a = std::max(nm[k], grid.min_nm), b = std::min(nm[k + 1], grid.max_nm);
     if (!(b > a)) continue;
     const double slope = (values[k + 1] - values[k]) / (nm[k + 1] - nm[k]);

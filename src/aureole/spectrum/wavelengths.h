@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The wavelengths of a path, the grid on which every spectrum of a scene is tabulated, and the density from
-// which wavelengths are drawn.
+// The wavelengths of a path, the grid on which every spectrum of a scene is tabulated, and the pdf from which
+// wavelengths are drawn.
 #pragma once
 
 #ifdef __AVX2__
@@ -19,20 +19,22 @@
 
 namespace aureole {
 
-/// Equidistant nodes over the range a sensor sees, in nm. Every tabulated spectrum of a scene has one value
-/// per node, so a look-up is an index that a path computes once (`Wavelengths::cell`), not a search.
+/// Equidistant nodes over the wavelength range of a sensor, in nm. Every tabulated spectrum of a scene has
+/// one value per node. So a look-up is an index that a path computes once (`Wavelengths::cell`), not a
+/// search.
 struct SpectralGrid {
   double min_nm = 360, max_nm = 830;
   int cells = 470;  ///< nodes - 1
 
-  /// The grid over [min_nm, max_nm]: 1 nm cells up to 2000 of them, then wider ones.
+  /// The grid over [min_nm, max_nm]: cells of 1 nm where 64 to 2000 of them suffice, else 64 narrower or 2000
+  /// wider cells.
   static SpectralGrid over(double min_nm, double max_nm);
   double step() const { return (max_nm - min_nm) / cells; }
   double node(int i) const { return min_nm + step() * i; }
   bool operator==(const SpectralGrid&) const = default;
 };
 
-/// An interval of wavelengths; at first the empty one.
+/// An interval of wavelengths, initially empty.
 struct WavelengthRange {
   double min_nm = std::numeric_limits<double>::infinity(), max_nm = 0;
 
@@ -40,16 +42,16 @@ struct WavelengthRange {
   void extend(const WavelengthRange& r) {
     min_nm = std::min(min_nm, r.min_nm), max_nm = std::max(max_nm, r.max_nm);
   }
-  /// It holds more than one wavelength, all of them positive.
+  /// Whether the interval holds more than one wavelength and all of them are positive.
   bool is_proper() const { return min_nm > 0 && min_nm < max_nm; }
 };
 
-/// The N wavelengths of a path with their densities p_lambda [1/nm]; index 0 is the hero.
+/// The N wavelengths of a path with their pdfs p_lambda [1/nm]; index 0 is the hero.
 struct Wavelengths {
   Spectrum nm;
   Spectrum pdf;
-  SpectrumMask cell{};  ///< grid cell that holds each wavelength
-  Spectrum fraction;    ///< position within it, in [0, 1]
+  SpectrumMask cell{};  ///< index of the grid cell that contains each wavelength
+  Spectrum fraction;    ///< position within the cell, in [0, 1]
 
   /// Wavelengths given directly (tests, instruments); pdf is set to `pdf_per_nm`.
   static Wavelengths at(const SpectralGrid& grid, const Spectrum& nm, float pdf_per_nm = 1);
@@ -63,20 +65,21 @@ public:
 
   static SampledSpectrum constant(const SpectralGrid& grid, float value);
 
-  /// Tabulates the piecewise-linear function through (nm, value), zero outside [nm.front(), nm.back()], so
-  /// that its integral over the grid's range is kept: a line narrower than a cell keeps its power. Node
-  /// values are hat-weighted means, integral(s hat_i) / integral(hat_i), which also leaves linear pieces
-  /// unchanged (at the two ends, whose hats are halves, a slope counts a third of a cell inside).
+  /// Tabulates the piecewise linear function through (nm, value), zero outside [nm.front(), nm.back()]. Its
+  /// integral over the grid's range is kept, so that a line narrower than a cell keeps its power. Node values
+  /// are hat-weighted means, integral(s hat_i) / integral(hat_i). They leave linear functions unchanged,
+  /// except at the first and last node: their hats are one-sided, so that they return the value a third of a
+  /// cell inside.
   static SampledSpectrum from_points(const SpectralGrid& grid, std::span<const double> nm,
                                      std::span<const double> values);
 
-  /// Tabulates a smooth function of the wavelength in nm by its node values.
+  /// Tabulates a smooth function of the wavelength in nm by its values at the nodes.
   static SampledSpectrum from_function(const SpectralGrid& grid, const std::function<double(double)>& f);
 
   Spectrum eval(const Wavelengths& w) const {
 #ifdef __AVX2__
     if constexpr (kWavelengths == 8) {
-      // Both nodes of a cell in one load: cheaper than gathering each.
+      // Loads both nodes of a cell at once, which is cheaper than gathering each.
       const float* const table = table_.data();
       const auto nodes_of = [&](int i) {
         long long two;
@@ -111,26 +114,26 @@ private:
   std::vector<float> table_;
 };
 
-/// Node by node; both on one grid.
+/// The product node by node; both spectra are on one grid.
 SampledSpectrum product(const SampledSpectrum& a, const SampledSpectrum& b);
-/// Sum over the nodes of the product times the step, in double: the response of a film to a light, however
-/// strong.
+/// Sum over the nodes of the product of both spectra, times the step [nm], in double precision so that strong
+/// lights do not overflow: the response of a film to a light.
 double overlap(const SampledSpectrum& a, const SampledSpectrum& b);
 
-/// p_lambda: a piecewise-constant density over the grid's range, given by a table of its inverse CDF, which
-/// is piecewise linear in u. It is positive over the whole range.
+/// p_lambda: a piecewise constant pdf over the grid's range, given by a table of its inverse CDF, which is
+/// piecewise linear in u. It is positive over the whole range.
 class WavelengthDistribution {
 public:
   /// Density proportional to the mixture of `densities` (node values on the grid, each normalised to unit
-  /// integral first; all-zero ones are left out), with a uniform part of 2 % so that no wavelength is missed.
+  /// integral first; all-zero ones are skipped), with a uniform part of 2 % so that no wavelength is missed.
   WavelengthDistribution(const SpectralGrid& grid, std::span<const SampledSpectrum> densities,
                          std::span<const float> weights);
 
-  /// N wavelengths lambda_j = CDF^-1(frac(u + j/N)) (Wilkie et al. 2014, "Hero wavelength spectral
+  /// Returns N wavelengths lambda_j = CDF^-1(frac(u + j/N)) (Wilkie et al. 2014, "Hero wavelength spectral
   /// sampling").
   Wavelengths sample(float u) const;
-  /// The same with u = (k + offset) / N, k = floor(N hero). The set of wavelengths depends on `offset` alone,
-  /// which repeats N times over u: a sequence that is stratified in `offset` is stratified in the set; one
+  /// Samples with u = (k + offset) / N, k = floor(N hero). The set of wavelengths depends on `offset` alone,
+  /// which repeats N times over u. A sequence that is stratified in `offset` is stratified in the set; one
   /// that is stratified in u is not.
   Wavelengths sample(float offset, float hero) const {
     const int k = int(hero * kWavelengths);
@@ -142,8 +145,9 @@ public:
 private:
   static constexpr int kPieces = 2048;
   SpectralGrid grid_;
-  std::vector<float> inverse_cdf_;  ///< kPieces + 1 wavelengths
-  /// Of the kPieces; not from the wavelengths, whose rounding may make a narrow piece empty.
+  std::vector<float> inverse_cdf_;  ///< kPieces + 1 wavelengths [nm]
+  /// Density of each of the kPieces intervals. It is not computed from the wavelengths, whose rounding may
+  /// make a narrow interval empty.
   std::vector<float> density_;
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A picture as a texture. Colours become spectra texel by texel, and spectra are interpolated: upsampling is
-// not linear, so that interpolated colours would give other spectra. The first row of the picture is at v =
-// 0.
+// A picture as a texture. Colours are upsampled to spectra texel by texel, and spectra are interpolated.
+// Upsampling is not linear, so that interpolated colours would give other spectra. The first row of the
+// picture is at v = 0.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,7 +23,7 @@ enum class Wrap { repeat, mirror, clamp };
 float luminance(const Vec3& rgb) { return 0.212671f * rgb.x + 0.715160f * rgb.y + 0.072169f * rgb.z; }
 
 /// The luminance under D65 of an upsampled colour, of which only the spectrum is stored. Sixteen wavelengths,
-/// each with the weight of the observer around it, find that of any colour in [0, 1] to .005.
+/// each with the observer's weight around it, give the luminance of any colour in [0, 1] to within 0.005.
 class LuminanceRule {
 public:
   LuminanceRule() {
@@ -81,7 +81,7 @@ public:
     return lookup(point, [&](std::size_t i) { return number(i); });
   }
   Vec2 gradient(const SurfacePoint& point) const override {
-    if (nearest_) return {};  // almost everywhere
+    if (nearest_) return {};  // zero almost everywhere
     const Vec2 uv = to_uv_(point.uv);
     const Axis x = axis(uv.x, width_), y = axis(uv.y, height_);
     const std::size_t row0 = std::size_t(y.i0) * width_, row1 = std::size_t(y.i1) * width_;
@@ -96,11 +96,11 @@ public:
   }
   bool has_rgb() const override { return !rgbs_.empty(); }
 
-  /// Over all texels (of very large pictures, over kMeanTexels of them).
+  /// Mean over all texels, or over kMeanTexels of them for very large pictures.
   SampledSpectrum average(const Shape*) const override {
     const std::size_t count = std::size_t(width_) * height_, used = std::min(count, kMeanTexels);
     const auto texel = [&](std::size_t i) {
-      // Multiples of the golden ratio are spread evenly whatever the width.
+      // Multiples of the golden ratio are distributed evenly for any picture width.
       const double x = double(i) * 0.6180339887498949;
       return used == count ? i : std::min(std::size_t((x - std::floor(x)) * double(count)), count - 1);
     };
@@ -130,13 +130,14 @@ public:
 private:
   static constexpr std::size_t kMeanTexels = std::size_t(1) << 18;
 
-  /// Two neighbouring texels along one axis, the weight of the second, and its derivative by the coordinate.
+  /// Two neighbouring texels along one axis, the weight of the second one, and its derivative by the
+  /// coordinate.
   struct Axis {
     int i0, i1;
     float t, slope;
   };
   Axis axis(float u, int size) const {
-    // Wrapped before it is scaled: coordinates of any size, NaN included, stay inside the picture.
+    // Wrapped before scaling, so that coordinates of any size, NaN included, stay inside the picture.
     float slope = float(size);
     if (wrap_ == Wrap::repeat)
       u -= std::floor(u);
@@ -156,7 +157,7 @@ private:
     return {std::min(i0, size - 1), i1, p - base, slope};
   }
 
-  /// `value(i)` of the texels, interpolated at the point.
+  /// Interpolates `value(i)` of the texels at the point.
   template <class Value>
   std::invoke_result_t<Value, std::size_t> lookup(const SurfacePoint& point, const Value& value) const {
     const Vec2 uv = to_uv_(point.uv);
@@ -169,7 +170,7 @@ private:
     return a * (1 - y.t) + b * y.t;
   }
 
-  /// A texel as a number.
+  /// The value of a texel as one number.
   float number(std::size_t i) const {
     if (!greys_.empty()) return greys_[i];
     if (!rgbs_.empty()) return luminance(rgbs_[i]);
@@ -216,7 +217,7 @@ private:
     };
     bool grey = !color;
     if (color && !raw) {
-      // Masks are often stored in colour. Grey texels need no spectrum.
+      // Masks are often stored as colour images; grey texels need no spectrum.
       grey = true;
       for (std::size_t i = 0; grey && i < count; ++i) {
         const int px = int(i % std::size_t(width_)), py = int(i / std::size_t(width_));
@@ -231,7 +232,7 @@ private:
         extend(greys_[i], greys_[i]);
       });
     } else if (raw) {
-      // Raw colours have no spectrum; as a number they are their luminance.
+      // Raw colours have no spectrum; their scalar value is the luminance.
       rgbs_.resize(count);
       each_texel([&](std::size_t i, int px, int py) {
         rgbs_[i] = {value(px, py, r), value(px, py, g), value(px, py, b)};
@@ -252,7 +253,7 @@ private:
   bool nearest_ = false;
   Wrap wrap_ = Wrap::repeat;
   int width_ = 0, height_ = 0;
-  // One of the three is not empty.
+  // Exactly one of the three is not empty.
   std::vector<UpsampledColor> colors_;
   std::vector<float> greys_;
   std::vector<Vec3> rgbs_;
@@ -262,24 +263,24 @@ private:
 AUREOLE_PLUGIN(Bitmap, "texture", "bitmap",
                PluginDoc{
                    "A picture. 8- and 16-bit formats are decoded from sRGB, colours are upsampled to spectra "
-                   "and the spectra of neighbouring texels interpolated; grey pictures are the same at every "
-                   "wavelength. The first row is at v = 0. Components over one are scaled down for the "
-                   "upsampling and their spectrum up again (Mitsuba clamps them); as a reflectance they are "
-                   "an error.",
+                   "and the spectra of neighbouring texels are interpolated. Grey pictures have equal values "
+                   "at all wavelengths. The first row is at v = 0. Colours with components above one are "
+                   "scaled down for the upsampling, and their spectra are scaled back (Mitsuba clamps "
+                   "them); in a reflectance they are an error.",
                    "W. Jakob, J. Hanika, A low-dimensional function space for efficient spectral upsampling, "
                    "Computer Graphics Forum 38(2), 2019",
                    {image_file_doc("EXR, PNG, JPEG, TIFF, HDR, TGA or BMP with channels R, G, B or Y"),
                     image_data_doc(),
                     {"filter_type", "string", "", "bilinear", "bilinear, or nearest for no interpolation"},
                     {"wrap_mode", "string", "", "repeat",
-                     "outside uv in [0, 1]: repeat, mirror, or clamp to the edge"},
+                     "values outside uv in [0, 1]: repeat, mirror, or clamp to the edge"},
                     {"raw", "boolean", "", "false",
-                     "take the numbers as they are, for heights, opacities and normals: no decoding, and "
-                     "colours stand for their luminance at every wavelength"},
-                    {"to_uv", "transform", "", "identity", "applied to uv first"},
+                     "use values unchanged, for heights, opacities and normals: no decoding, and the "
+                     "spectrum of a colour is its luminance at every wavelength"},
+                    {"to_uv", "transform", "", "identity", "transform of uv before the look-up"},
                     {"format", "string", "", "auto",
-                     "accepted for Mitsuba's sake (auto, variant, float16, uint8), has no effect"},
-                    {"accel", "boolean", "", "true", "accepted for Mitsuba's sake, has no effect"}},
+                     "accepted for compatibility with Mitsuba (auto, variant, float16, uint8), no effect"},
+                    {"accel", "boolean", "", "true", "accepted for compatibility with Mitsuba, no effect"}},
                    {R"(<texture type="bitmap">
     <string name="filename" value="texture.png"/>
     <string name="wrap_mode" value="mirror"/>

@@ -26,8 +26,8 @@ public:
 
 AUREOLE_PLUGIN(
     Blackbody, "texture", "blackbody",
-    PluginDoc{"The radiance of a black body in W/(m^2 sr nm). It is a physical quantity, of the order of "
-              "10^4 for an incandescent lamp, so that other emitters of the scene need the same units.",
+    PluginDoc{"The radiance of a black body in W/(m^2 sr nm). It is an absolute quantity, of the order of "
+              "10^4 for an incandescent lamp, so that other emitters of the scene must use the same units.",
               "M. Planck, Annalen der Physik 309, 1901",
               {{"temperature", "float", "K", "required", "temperature of the black body"},
                {"wavelength_min", "float", "nm", "0", "the spectrum is zero below this wavelength"},

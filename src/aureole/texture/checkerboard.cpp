@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two textures in squares of half a unit of uv.
+// Two textures in alternating squares of half a unit of uv.
 #include <cmath>
 
 #include "aureole/plugin/registry.h"
@@ -11,7 +11,7 @@ namespace {
 
 class Checkerboard final : public Texture {
 public:
-  /// Whether its colours are reflectances or emissions follows from the place where the texture is used.
+  /// The use of the texture decides whether its colours are reflectances or emissions.
   explicit Checkerboard(const Properties& properties, SpectrumRole role = SpectrumRole::unbounded)
       : Texture(properties),
         role_(role),
@@ -51,13 +51,13 @@ private:
 
 AUREOLE_PLUGIN(Checkerboard, "texture", "checkerboard",
                PluginDoc{
-                   "Two colours or textures in alternating squares, two by two per unit of uv. Numbers and "
-                   "colours mean what the texture is used for, a reflectance or an emission.",
+                   "Two colours or textures in alternating squares, two by two per unit of uv. The use of "
+                   "the texture decides whether numbers and colours are reflectances or emissions.",
                    "",
                    {{"color0", "texture", "", "0.4", "the squares at uv = (0, 0) and (0.5, 0.5)"},
                     {"color1", "texture", "", "0.2", "the other squares"},
                     {"to_uv", "transform", "", "identity",
-                     "applied to uv first; scale it up for smaller squares"}},
+                     "transform of uv before the look-up; larger scales give smaller squares"}},
                    {R"(<texture type="checkerboard">
     <rgb name="color0" value="0.1, 0.1, 0.1"/>
     <rgb name="color1" value="0.5, 0.5, 0.5"/>

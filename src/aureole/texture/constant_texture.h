@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ConstantTexture`: one spectrum everywhere, and the helpers of the spectrum plug-ins that make it.
+// `ConstantTexture`: one spectrum everywhere, with helpers of the spectrum plug-ins that make it.
 #pragma once
 
 #include <string>
@@ -30,14 +30,14 @@ private:
 };
 
 /// The spectrum of a linear sRGB colour, not multiplied by an illuminant. A colour in [0, 1] is the
-/// reflectance of that colour; a brighter one, and any `emission`, is scaled to a largest component of 1/2
-/// for the upsampling, and its spectrum up again, as Mitsuba does.
+/// reflectance of that colour. A brighter colour, or any colour with `emission`, is scaled to a largest
+/// component of 1/2 for the upsampling, and its spectrum is scaled back, as in Mitsuba.
 SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], bool emission);
 
-/// The colour given as `<rgb>` under `name`; without `unbounded`, components over one are errors.
+/// The colour given as `<rgb>` under `name`; without `unbounded`, components above one are errors.
 SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, bool unbounded);
 
-/// The numbers in a string such as "0.1, 0.2 0.3" under `name`, at least two, none negative.
+/// The numbers in a string such as "0.1, 0.2 0.3" under `name`: at least two, none negative.
 std::vector<double> get_numbers(const Properties& properties, std::string_view name);
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// CIE illuminant D65, alone or times a colour or another texture.
+// CIE illuminant D65, alone or multiplied by a colour or another texture.
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
 #include "aureole/texture/constant_texture.h"
@@ -49,14 +49,14 @@ private:
 
 AUREOLE_PLUGIN(D65, "texture", "d65",
                PluginDoc{"CIE standard illuminant D65, average daylight, with the luminance of a flat "
-                         "spectrum of one. It is what a plain number or an rgb colour means for an emitter; "
-                         "with a nested texture it makes an emitter of a picture.",
+                         "spectrum of value one. Plain numbers and rgb colours of emitters multiply this "
+                         "spectrum. A nested texture turns a picture into an emission.",
                          "CIE 15:2004, Colorimetry",
                          {{"scale", "float", "", "1", "factor"},
                           {"color", "rgb", "", "1, 1, 1",
-                           "linear sRGB colour that the illuminant is multiplied by; may exceed one"},
+                           "linear sRGB colour that multiplies the illuminant; may exceed one"},
                           {"texture", "texture", "", "none",
-                           "a nested texture that the illuminant is multiplied by, under any name"}},
+                           "a nested texture, under any name, that multiplies the illuminant"}},
                          {R"(<spectrum type="d65">
     <float name="scale" value="3"/>
     <rgb name="color" value="2, 1.4, 0.6"/>

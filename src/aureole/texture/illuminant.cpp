@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The illuminants and lamps of the CIE, by name.
+// The CIE's illuminants and representative light sources, by name.
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/tables.h"
 #include "aureole/texture/constant_texture.h"
@@ -29,10 +29,10 @@ public:
 AUREOLE_PLUGIN(
     Illuminant, "texture", "illuminant",
     PluginDoc{
-        "The relative spectrum of a CIE illuminant or lamp, scaled to the luminance of a flat spectrum of "
-        "one (integral of S y-bar = integral of y-bar over the CIE 1931 observer), so that changing the "
-        "illuminant changes colours and not the exposure. Known are A, B, C, D50 ... D75, E, the fluorescent "
-        "lamps FL1 ... and the other lamps of the CIE's tables.",
+        "The relative spectrum of a CIE illuminant, scaled to the luminance of a flat spectrum of value one "
+        "(integral of S y-bar = integral of y-bar over the CIE 1931 observer). So changing the illuminant "
+        "changes colours and not the exposure. Names: A, B, C, D50 ... D75, E, the fluorescent lamps FL1 "
+        "... and the other light sources of the CIE's tables.",
         "CIE 15:2004 and CIE 015:2018, Colorimetry",
         {{"name", "string", "", "required", "name of the illuminant; case is ignored"},
          {"scale", "float", "", "1", "factor"}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A spectrum given at wavelengths of any spacing.
+// A spectrum given by values at arbitrary wavelengths.
 #include <algorithm>
 
 #include "aureole/plugin/number_list.h"
@@ -15,7 +15,7 @@ SampledSpectrum tabulate_irregular(const Properties& properties) {
   if (nm.size() != values.size())
     throw properties.error("values", "there are " + std::to_string(nm.size()) + " wavelengths but " +
                                          std::to_string(values.size()) + " values");
-  if (nm.front() > nm.back()) {  // frequencies that increase
+  if (nm.front() > nm.back()) {  // for example, increasing frequencies
     std::reverse(nm.begin(), nm.end());
     std::reverse(values.begin(), values.end());
   }
@@ -39,11 +39,11 @@ AUREOLE_PLUGIN(
     Irregular, "texture", "irregular",
     PluginDoc{
         "A spectrum given by wavelengths and values, linear between them and zero outside. Its integral is "
-        "kept even where it has lines narrower than the renderer's wavelength grid.",
+        "preserved, even for lines narrower than the renderer's wavelength grid.",
         "",
         {{"wavelengths", "string", "nm", "required",
           "two or more wavelengths in increasing or decreasing order; with units \"26GHz, 29GHz\""},
-         {"values", "string", "", "required", "as many numbers"}},
+         {"values", "string", "", "required", "the value at each wavelength"}},
         {R"(<spectrum type="irregular">
     <string name="wavelengths" value="400, 520, 700"/>
     <string name="values" value="0.1, 0.3, 0.2"/>

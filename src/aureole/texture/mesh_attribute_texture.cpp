@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shows an attribute of the mesh that it is on, such as the colours of its vertices.
+// A texture that shows an attribute of its mesh, such as vertex colours.
 #include <algorithm>
 
 #include "aureole/plugin/registry.h"
@@ -33,7 +33,7 @@ public:
     mean.scale(scale_);
     return mean;
   }
-  // The range of a reflectance: the mesh, and with it the range of the attribute, is not known yet.
+  // The range of a reflectance, because the mesh and the range of its attribute are not known yet.
   float maximum() const override { return std::min(scale_, 1.f); }
   float minimum() const override { return 0; }
 
@@ -58,9 +58,9 @@ private:
 AUREOLE_PLUGIN(MeshAttributeTexture, "texture", "mesh_attribute",
                PluginDoc{
                    "An attribute of the mesh it is on: `vertex_...` is interpolated over the triangles, "
-                   "`face_...` is constant on each face. Attributes of one component are the same at every "
-                   "wavelength; those of three are colours, upsampled to spectra, which are interpolated. "
-                   "`ply` says which attributes a file has.",
+                   "`face_...` is constant on each face. Attributes with one component have equal values "
+                   "at all wavelengths. Attributes with three components are colours, upsampled to "
+                   "spectra, which are interpolated. The shape `ply` documents the attributes of a file.",
                    "",
                    {{"name", "string", "", "required", "the attribute, such as vertex_color or face_color"},
                     {"scale", "float", "", "1", "multiplies the values"}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One or three numbers that are no colour, the same everywhere.
+// One number, or three that are not a colour, constant over the surface.
 #include <algorithm>
 
 #include "aureole/plugin/registry.h"
@@ -42,12 +42,13 @@ private:
 
 AUREOLE_PLUGIN(
     RawConstant, "texture", "rawconstant",
-    PluginDoc{"One number, or three that are no colour, such as a normal for `normalmap`. Read as a "
-              "spectrum or a number, three count as their luminance.",
-              "",
-              {{"value", "float or vector", "", "required", "the number or the three numbers"}},
-              {R"(<texture type="rawconstant"><float name="value" value="0.4"/></texture>)",
-               R"(<texture type="rawconstant"><vector name="value" value="0.5, 0.6, 0.9"/></texture>)"}});
+    PluginDoc{
+        "One number, or three that are not a colour, such as a normal for `normalmap`. Where a spectrum "
+        "or a single number is needed, three numbers are replaced by their luminance.",
+        "",
+        {{"value", "float or vector", "", "required", "the number or the three numbers"}},
+        {R"(<texture type="rawconstant"><float name="value" value="0.4"/></texture>)",
+         R"(<texture type="rawconstant"><vector name="value" value="0.5, 0.6, 0.9"/></texture>)"}});
 
 }  // namespace
 }  // namespace aureole

@@ -32,8 +32,8 @@ AUREOLE_PLUGIN(
               "",
               {{"values", "string", "", "required", "two or more numbers, separated by commas or spaces"},
                {"wavelength_min", "wavelength", "nm", "required",
-                "of the first value; a number in nm or \"1cm\", \"29GHz\""},
-               {"wavelength_max", "wavelength", "nm", "required", "of the last value"}},
+                "wavelength of the first value; a number in nm or \"1cm\", \"29GHz\""},
+               {"wavelength_max", "wavelength", "nm", "required", "wavelength of the last value"}},
               {R"(<spectrum type="regular">
     <float name="wavelength_min" value="400"/>
     <float name="wavelength_max" value="700"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The smooth spectrum of a colour.
+// The smooth reflectance spectrum of a colour.
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/constant_texture.h"
 
@@ -24,8 +24,8 @@ AUREOLE_PLUGIN(
         "Computer Graphics Forum 38(2), 2019",
         {{"color", "rgb", "", "required", "linear sRGB components in [0, 1]"},
          {"unbounded", "boolean", "", "false",
-          "accept components over one: the colour is scaled down, its spectrum up again (Mitsuba clamps "
-          "the colour instead)"}},
+          "accept components above one: the colour is scaled down and its spectrum is scaled back (Mitsuba "
+          "clamps the colour instead)"}},
         {R"(<spectrum type="srgb">
     <rgb name="color" value="0.8, 0.3, 0.1"/>
 </spectrum>)",

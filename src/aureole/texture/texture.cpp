@@ -15,7 +15,7 @@ namespace aureole {
 
 namespace {
 
-/// Rounding errors of tabulation and of image formats may pass a bound by this much.
+/// Tolerance of bounds for rounding errors of tabulation and of image formats.
 constexpr float kTolerance = 1e-5f;
 
 std::string text(double v) {
@@ -60,7 +60,7 @@ SampledSpectrum tabulate(const Properties& properties, std::string_view name, co
   const SpectralGrid& grid = properties.context().grid;
   switch (literal.kind) {
     case SpectrumLiteral::Kind::value:
-      // Unlike a plain number, a spectrum of one value is flat for emitters, too.
+      // Unlike a plain number, a spectrum with a single value is flat for emitters as well.
       check_number(properties, name, literal.value, role);
       return SampledSpectrum::constant(grid, float(literal.value));
     case SpectrumLiteral::Kind::rgb:
@@ -118,9 +118,8 @@ SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], b
   const double largest = std::max({rgb[0], rgb[1], rgb[2]});
   if (largest <= 0) return SampledSpectrum::constant(grid, 0);
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return SampledSpectrum::constant(grid, float(largest));
-  // Scaled so that the largest component is 1/2: there the spectra of the upsampling are smooth. A
-  // reflectance must stay as it is: another spectrum of the same colour (a metamer) would look different
-  // under coloured light.
+  // Scaled so that the largest component is 1/2, where upsampled spectra are smooth. A reflectance must not
+  // be scaled: another spectrum of the same colour (a metamer) would look different under coloured light.
   const double scale = !emission && largest <= 1 ? 1 : 2 * largest;
   const SigmoidPolynomial p = fit_srgb({rgb[0] / scale, rgb[1] / scale, rgb[2] / scale});
   return SampledSpectrum::from_function(grid, [&](double nm) { return scale * p.at(float(nm)); });

@@ -12,8 +12,9 @@
 
 namespace aureole {
 
-/// The quantity that rgb or a number stands for, as in Mitsuba's spectral mode: a reflectance in [0, 1], an
-/// unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has luminance 1).
+/// The quantity that an rgb colour or a number denotes, as in Mitsuba's spectral mode: a reflectance in [0,
+/// 1], an unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has
+/// luminance 1).
 enum class SpectrumRole { reflectance, unbounded, emission };
 
 class Texture : public Object {
@@ -23,50 +24,50 @@ public:
 
   /// Value at the path's wavelengths.
   virtual Spectrum eval(const SurfacePoint& point, const Wavelengths& wavelengths) const = 0;
-  /// The value as one number, for quantities without wavelength (opacities, weights, heights): of a colour
-  /// the luminance where the texture knows it, else the mean over the sensor's range.
+  /// The value as one number, for quantities that do not depend on wavelength (opacities, weights, heights):
+  /// the luminance of a colour if the texture stores it, else the mean over the sensor's range.
   virtual float eval_scalar(const SurfacePoint& point) const;
-  /// d eval_scalar / d(u, v), for textures that have it.
+  /// The gradient of eval_scalar by (u, v), for textures that have one.
   virtual Vec2 gradient(const SurfacePoint& point) const;
   virtual bool has_gradient() const { return is_constant(); }
-  /// The three numbers of a picture that holds no colours, for textures that have them (normal maps).
+  /// The three numbers of a picture that does not contain colours (normal maps), for textures that have them.
   virtual Vec3 eval_rgb(const SurfacePoint& point) const;
   virtual bool has_rgb() const { return false; }
-  /// The mean over the surface (over uv in [0, 1]^2), tabulated on the scene's grid. Of an attribute of a
-  /// mesh it is known where the shape is.
+  /// The mean over the surface (over uv in [0, 1]^2), tabulated on the scene's grid. For a mesh attribute, it
+  /// is only known if the shape is given.
   virtual SampledSpectrum average(const Shape* shape = nullptr) const = 0;
-  /// True where the value does not depend on the point.
+  /// Whether the value does not depend on the point.
   virtual bool is_constant() const { return false; }
   /// Largest value over the surface and all wavelengths, for range checks.
   virtual float maximum() const = 0;
   /// Smallest value over the surface and all wavelengths.
   virtual float minimum() const = 0;
-  /// The texture where its numbers and colours mean that quantity; null: it is the same for all.
+  /// The texture with its numbers and colours interpreted in that role; null if the role makes no difference.
   virtual std::shared_ptr<const Texture> in_role(SpectrumRole) const { return nullptr; }
-  /// Columns and rows of a picture, for emitters that project it.
+  /// Columns and rows of a picture, for emitters that project the texture.
   virtual std::pair<int, int> resolution() const { return {1, 1}; }
 };
 using TexturePtr = std::shared_ptr<const Texture>;
 
-/// A texture that shows an attribute of the mesh it is on: `Shape::attribute` has the values.
+/// A texture whose values are an attribute of the mesh it is on, see `Shape::attribute`.
 class AttributeTexture : public Texture {
 public:
   using Texture::Texture;
   virtual const AttributeName& attribute_name() const = 0;
-  /// Throws Error where these values cannot be shown, or exceed `most` where it is used.
+  /// Throws Error if the attribute cannot be used as a texture, or if it exceeds `most`.
   virtual void check(const MeshAttribute& attribute, double most) const = 0;
 };
 
-/// The texture, spectrum or number given under `name`; `fallback` where absent. A reflectance outside [0, 1]
-/// and any negative value are errors located at the parameter.
+/// Returns the texture, spectrum or number given under `name`, or `fallback` if absent. A reflectance outside
+/// [0, 1] and any negative value are errors located at the parameter.
 TexturePtr get_texture(const Properties& properties, std::string_view name, double fallback,
                        SpectrumRole role);
 
-/// The texture given under `name`, or null where absent.
+/// Returns the texture given under `name`, or null if absent.
 TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role);
 
-/// A texture or number in [0, 1] to be read with `eval_scalar`: an opacity or a weight. Without a fallback it
-/// is required.
+/// Returns a texture or number in [0, 1] for `eval_scalar`, such as an opacity or a weight. It is required if
+/// there is no fallback.
 TexturePtr get_fraction(const Properties& properties, std::string_view name, std::optional<double> fallback);
 
 }  // namespace aureole

@@ -23,12 +23,12 @@ public:
 AUREOLE_PLUGIN(
     Uniform, "texture", "uniform",
     PluginDoc{
-        "The same value at every wavelength. For an emitter this is an equal-energy spectrum, whereas a "
-        "plain number there means D65.",
+        "One value at all wavelengths. For an emitter this is an equal-energy spectrum, whereas a plain "
+        "number multiplies D65.",
         "",
         {{"value", "float", "", "required", "the value"},
-         {"wavelength_min", "float", "nm", "none", "accepted for Mitsuba's sake, has no effect"},
-         {"wavelength_max", "float", "nm", "none", "accepted for Mitsuba's sake, has no effect"}},
+         {"wavelength_min", "float", "nm", "none", "accepted for compatibility with Mitsuba, no effect"},
+         {"wavelength_max", "float", "nm", "none", "accepted for compatibility with Mitsuba, no effect"}},
         {R"(<spectrum type="uniform">
     <float name="value" value="0.1"/>
     <float name="wavelength_min" value="400"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two rows of a `to_uv` transform that act on texture coordinates, in single precision for the inner
+// The two rows of a `to_uv` transform that apply to texture coordinates, in single precision for the inner
 // loop.
 #pragma once
 
@@ -18,7 +18,7 @@ public:
   Vec2 operator()(Vec2 uv) const {
     return {du_.x * uv.x + dv_.x * uv.y + offset_.x, du_.y * uv.x + dv_.y * uv.y + offset_.y};
   }
-  /// The gradient by uv of a function whose gradient by the transformed coordinates is `g`.
+  /// Gradient by uv of a function whose gradient by the transformed coordinates is `g`.
   Vec2 gradient(Vec2 g) const { return {dot(du_, g), dot(dv_, g)}; }
 
 private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A volume where a surface cuts it.
+// A solid texture: the values of a volume at the points of a surface.
 #include <algorithm>
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace {
 
 class VolumeTexture final : public Texture {
 public:
-  /// The role of its numbers and colours follows from the place where the texture is used.
+  /// The use of the texture decides whether its numbers and colours are reflectances or emissions.
   explicit VolumeTexture(const Properties& p, SpectrumRole role = SpectrumRole::unbounded)
       : Texture(p), role_(role), volume_(get_optional_volume(p, "volume", role)) {
     if (!volume_) throw p.error("volume", "needs the parameter \"volume\"");
@@ -37,8 +37,8 @@ private:
   VolumePtr volume_;
 };
 
-/// The mean over a lattice in the box around the shape or, without one, around the data. A part of the maximum
-/// stands for what lies between its points: a light is not to be missed.
+/// The mean over a lattice in the box around the shape or, without a shape, around the data. A fraction of
+/// the maximum is added for values between its points, so that emission there is not missed.
 SampledSpectrum VolumeTexture::average(const Shape* shape) const {
   constexpr int kPoints = 6;
   constexpr float kBetween = 0.01f;
@@ -69,10 +69,10 @@ SampledSpectrum VolumeTexture::average(const Shape* shape) const {
 
 AUREOLE_PLUGIN(
     VolumeTexture, "texture", "volume",
-    PluginDoc{"A `volume` seen on a surface: its value at the place of each point. Numbers and colours mean "
-              "what the texture is used for, a reflectance or an emission.",
+    PluginDoc{"A solid texture: the value of a `volume` at each point of a surface. The use of the texture "
+              "decides whether numbers and colours are reflectances or emissions.",
               "",
-              {{"volume", "volume", "", "required", "such as a `gridvolume`"}},
+              {{"volume", "volume", "", "required", "the volume, such as a `gridvolume`"}},
               {R"(<texture type="volume">
     <volume type="gridvolume" name="volume">
         <string name="filename" value="smoke.vol"/>

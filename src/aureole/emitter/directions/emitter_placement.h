@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where an emitter's own coordinates lie in the world.
+// The position and orientation of an emitter's local coordinates in the world.
 #pragma once
 
 #include "aureole/math/vec.h"
@@ -12,11 +12,11 @@ class Properties;
 struct Placement {
   Vec3 origin;
   Frame axes;
-  double scale = 1;  ///< length of the axes before they were made unit vectors
+  double scale = 1;  ///< length of the axes before normalisation
 };
 
-/// From `to_world`. It may move, turn, mirror and scale; shearing and stretching, which would change solid
-/// angles, are errors.
+/// Returns the placement given by `to_world`. It may move, turn, mirror and scale. Shearing and non-uniform
+/// scaling, which would change solid angles, are errors.
 Placement get_placement(const Properties& properties);
 
 }  // namespace aureole

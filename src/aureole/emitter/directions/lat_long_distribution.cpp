@@ -14,19 +14,20 @@ namespace aureole {
 
 namespace {
 
-/// A cell's mass against the clamped cosine is estimated as mass (m + sqrt(m^2 + kSpread s^2)) / 2, m and s^2
-/// the mean and variance of the cosine. With kSpread = 1 that is the least upper bound for these moments
-/// (Scarf 1958, "A min-max solution of an inventory problem"); 3/4 makes it exact for cosines that are
-/// uniform about the horizon, and leaves at least 3/4 of the truth anywhere: nothing is starved.
+/// A cell's mass against the clamped cosine is estimated as mass (m + sqrt(m^2 + kSpread s^2)) / 2, where m
+/// and s^2 are the mean and variance of the cosine. For kSpread = 1 this is the least upper bound for these
+/// moments (Scarf 1958, "A min-max solution of an inventory problem"). With 3/4 it is exact for cosines that
+/// are uniform about the horizon, and never below 3/4 of the true value, so that no cell is undersampled
+/// much.
 constexpr double kSpread = 0.75;
-/// Added to the variance, more than rounding could take away, so that it is positive in every direction.
+/// Added to the variance to keep it positive in every direction; larger than the rounding error.
 constexpr double kLeastVariance = 1e-6;
 
-/// The first and the last level split a cell into two rows of four columns, the second into two columns of
-/// four rows.
+/// The first and the last level split a cell into two rows of four columns; the second one splits it into two
+/// columns of four rows.
 constexpr int kLevels = 3;
 
-/// Which child a block lies in on each level, and the node that holds the child.
+/// The child that contains a block on each level, and the node of that child.
 struct Path {
   int child[kLevels];
   std::size_t node[kLevels];
@@ -44,8 +45,8 @@ Path path_to(int column, int row) {
   return p;
 }
 
-/// CDF of n values, of which at least one is positive. Positive values too small for float are raised so that
-/// each keeps a positive share.
+/// Fills the CDF of n values, of which at least one is positive. Positive values too small for float are
+/// raised, so that each keeps a positive probability.
 template <class Weight>
 void accumulate(int n, float* cdf, Weight&& weight) {
   double sum = 0, total = 0, below = 0;
@@ -56,8 +57,8 @@ void accumulate(int n, float* cdf, Weight&& weight) {
     below += raised(i);
     cdf[i] = std::min(float(below / total), 1.f);
   }
-  // Rounding must not give trailing cells without weight a share: the CDF reaches exactly 1 at the last cell
-  // with weight.
+  // Rounding must not give trailing cells of weight 0 a probability: the CDF reaches exactly 1 at the last
+  // cell with a positive weight.
   for (int i = n - 1; i >= 0; --i) {
     cdf[i] = 1;
     if (weight(i) > 0) break;
@@ -67,7 +68,7 @@ void accumulate(int n, float* cdf, Weight&& weight) {
 using Octet = float __attribute__((vector_size(32)));
 const float* values(const Octet& a) { return reinterpret_cast<const float*>(&a); }
 
-/// Exclusive prefix sums of each half. Zeros leave the sum unchanged.
+/// Exclusive prefix sums of each half of four.
 Octet sums_before(Octet e) {
   const auto shifted = []<int bytes>(Octet v) {
     return Octet(_mm256_castsi256_ps(_mm256_slli_si256(_mm256_castps_si256(__m256(v)), bytes)));
@@ -77,16 +78,16 @@ Octet sums_before(Octet e) {
   return e + shifted.operator()<8>(e);
 }
 
-/// Index of the first CDF entry above u. Rescales u to [0, 1) within that entry and multiplies `pdf` by its
-/// density.
+/// Returns the index of the first CDF entry above u. Rescales u to [0, 1) within that entry and multiplies
+/// `pdf` by its density.
 int invert(const float* cdf, int n, float& u, float& pdf) {
   int i = 0, left = n;
   while (left > 4 * 8) {
     const int half = left / 2;
-    i += half & -int(cdf[i + half - 1] <= u);  // not a branch, which nobody could predict
+    i += half & -int(cdf[i + half - 1] <= u);  // branch-free, because the outcome is unpredictable
     left -= half;
   }
-  // The rest are counted, eight at once; the last counts as beyond.
+  // Counts the remaining entries, eight at once; entries after the last are above any u.
   const Octet target = u - Octet{};
   const float* from = cdf + i;
   for (int k = 0; k < left; k += 8) {
@@ -115,7 +116,7 @@ struct Trigonometric {
 
 }  // namespace
 
-/// A normal and the products of its components, for quadratic forms.
+/// A receiver's normal and the products of its components, for quadratic forms.
 struct LatLongDistribution::Receiver {
   Vec3 n;
   float products[kCovariances];
@@ -126,7 +127,7 @@ struct LatLongDistribution::Receiver {
         products{n.x * n.x, n.y * n.y, n.z * n.z, 2 * n.x * n.y, 2 * n.y * n.z, 2 * n.x * n.z},
         all_sides(facing == Vec3{}) {}
 
-  /// Estimated masses of the eight parts, times a common factor.
+  /// Estimated masses of the eight children, times a common factor.
   Octet estimates(const Node& node) const {
     if (all_sides) return node.mass;
     const Octet m = node.mean[0] * n.x + node.mean[1] * n.y + node.mean[2] * n.z;
@@ -136,7 +137,7 @@ struct LatLongDistribution::Receiver {
     const Octet zero{}, s = a + b + c, square = m * m + s;
     Octet root;
     for (int i = 0; i < 8; ++i) root[i] = std::sqrt(square[i]);
-    // m + root, without cancellation where m < 0.
+    // Computes m + root, without cancellation if m < 0.
     const Octet above = root + (m < zero ? -m : m);
     return node.mass * (m < zero ? s / above : above);
   }
@@ -146,8 +147,8 @@ Vec2 LatLongDistribution::sample(const Vec3& facing, Vec2 u, float* pdf) const {
   const Receiver receiver(facing);
   int column = 0, row = 0;
   float p = 1;
-  // Chooses a part of a node, by table rather than by branches that nobody could predict. u < 1 keeps x below
-  // the sums, so that no part without mass is found.
+  // Chooses a child of a node, by table rather than by unpredictable branches. u < 1 keeps x below the sums,
+  // so that no child of mass 0 is chosen.
   const auto choose = [&](const Node& node, float& major, float& minor, int& of_major, int& of_minor) {
     const Octet estimates = receiver.estimates(node), before = sums_before(estimates);
     const float *e = values(estimates), *begin = values(before);
@@ -178,7 +179,7 @@ Vec2 LatLongDistribution::sample(const Vec3& facing, Vec2 u, float* pdf) const {
 }
 
 float LatLongDistribution::pdf(const Vec3& facing, Vec2 uv) const {
-  // NaN is 0 here.
+  // NaN becomes 0.
   const float x = std::min(std::max(0.f, uv.x), kOneMinusEpsilon) * kBlockColumns,
               y = std::min(std::max(0.f, uv.y), kOneMinusEpsilon) * kBlockRows;
   const int column = int(x), row = int(y);
@@ -199,7 +200,7 @@ float LatLongDistribution::pdf(const Vec3& facing, Vec2 uv) const {
          density(cdf + block_height_ + j * block_width_, block_width_, i);
 }
 
-/// Sums over part of the map of the weights, and of weights times directions and their products.
+/// Sums over a region of the map: of the weights, and of weights times directions and their products.
 struct LatLongDistribution::Moments {
   double mass = 0, d[3] = {}, dd[kCovariances] = {};
 
@@ -251,7 +252,7 @@ void LatLongDistribution::build_nodes(std::span<const float> weights, const Fram
   std::vector<Trigonometric> azimuth;
   for (int x = 0; x < columns; ++x)
     azimuth.emplace_back(2 * M_PI * x / columns, 2 * M_PI * (x + 1) / columns);
-  // The parts of all nodes: eight for each.
+  // The children of all nodes: eight for each.
   std::vector<Moments> parts(8 * (1 + 8 + 64));
   for (int y = 0; y < rows; ++y) {
     const Trigonometric t(M_PI * y / rows, M_PI * (y + 1) / rows);
@@ -280,7 +281,7 @@ void LatLongDistribution::build_nodes(std::span<const float> weights, const Fram
 void LatLongDistribution::build_blocks(std::span<const float> weights) {
   const std::size_t columns = std::size_t(block_width_) * kBlockColumns;
   const std::size_t size = std::size_t(block_height_ * (1 + block_width_));
-  cdf_.resize(size * kBlockColumns * kBlockRows + 8);  // the last search reads beyond its end
+  cdf_.resize(size * kBlockColumns * kBlockRows + 8);  // padded: the last search reads beyond its entries
   std::vector<double> sums(std::size_t(block_height_), 0.0);
   for (int row = 0; row < kBlockRows; ++row)
     for (int column = 0; column < kBlockColumns; ++column) {

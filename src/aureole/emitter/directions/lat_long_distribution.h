@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Directions in proportion to a latitude-longitude map times the cosine with a receiving normal, with their
-// density in closed form. The map is divided into 32 x 16 blocks. A block is found by hierarchical warping
-// (Clarberg et al. 2005, "Wavelet importance sampling") over three levels of eight cells, whose integrals
-// against the clamped cosine of the very normal are estimated from the cells' directional moments; inside a
-// block the map alone is followed.
+// Samples directions in proportion to a latitude-longitude map times the cosine with a receiving normal, with
+// a pdf in closed form. The map is divided into 32 x 16 blocks. A block is found by hierarchical warping
+// (Clarberg et al. 2005, "Wavelet importance sampling") over three levels of eight cells. Their integrals
+// against the clamped cosine of the actual normal are estimated from the cells' directional moments. Inside a
+// block, sampling follows the map alone.
 #pragma once
 
 #include <span>
@@ -16,25 +16,28 @@ namespace aureole {
 
 class LatLongDistribution {
 public:
-  /// The map has this many blocks, and a multiple of them in cells.
+  /// Number of blocks; the numbers of cells of the map are multiples of them.
   static constexpr int kBlockColumns = 32, kBlockRows = 16;
 
   LatLongDistribution() = default;
-  /// Weights >= 0 of equal cells of uv (which include the sine of the polar angle), row by row; `columns` and
-  /// `rows` are multiples of the numbers of blocks. u = 0 looks along local -z and grows towards +x, v = 0 is
-  /// +y; `frame` takes local directions to the world. All zero: uniform.
+  /// `weights` >= 0 of equal cells of uv, which include the sine of the polar angle, row by row. `columns`
+  /// and `rows` are multiples of the numbers of blocks. u = 0 is the direction local -z, and u grows towards
+  /// +x; v = 0 is +y. `frame` transforms local directions to the world. If all weights are zero, sampling is
+  /// uniform.
   LatLongDistribution(std::span<const float> weights, int columns, int rows, const Frame& frame);
 
-  /// A point of the map for a surface with the normal `facing` (zero: light counts from all sides alike), and
-  /// its density over uv. Directions below the horizon do occur, near it. Density 0: there is nothing.
+  /// Samples a point of the map for a surface with the normal `facing` (zero: all sides count equally), and
+  /// its pdf over uv. Directions slightly below the receiver's horizon can occur. A pdf of 0 means that
+  /// nothing was sampled.
   Vec2 sample(const Vec3& facing, Vec2 u, float* pdf) const;
-  /// Density over uv, positive for every `facing` wherever the weight is.
+  /// Pdf over uv, positive for every `facing` wherever the weight is positive.
   float pdf(const Vec3& facing, Vec2 uv) const;
 
 private:
   using Octet = float __attribute__((vector_size(32)));
   static constexpr int kCovariances = 6;  ///< xx, yy, zz, xy, yz, xz
-  /// The eight parts of a cell: their masses, and the mean and scaled covariance of world directions in each.
+  /// The eight children of a cell: their masses, and the mean and scaled covariance of the world directions
+  /// in each.
   struct Node {
     Octet mass, mean[3], covariance[kCovariances];
   };
@@ -46,7 +49,7 @@ private:
 
   int block_width_ = 0, block_height_ = 0;  ///< in cells
   std::vector<Node> nodes_;                 ///< 1 + 8 + 64
-  /// Per block: for its rows, then for the cells of each row, the share that lies before their end.
+  /// Per block: the CDF of its rows, then the CDF of the cells of each row.
   std::vector<float> cdf_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The sky model's numbers at its 11 wavelengths, tabulated over one variable each, so that a look-up needs no
+// The sky model's values at its 11 wavelengths, each tabulated over one variable, so that a look-up needs no
 // exponential.
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace aureole {
 
-/// One number per channel of the model, padded to whole vectors.
+/// One value per channel of the model, padded to whole vectors.
 struct Channels {
   float v[12] = {};
 };
 
-/// A function of [0, 1] for all channels at once.
+/// A function on [0, 1] for all channels at once, tabulated.
 class ChannelTable {
 public:
   template <class F>  // double(channel, x)
@@ -38,7 +38,7 @@ private:
   std::vector<Channels> rows_;
 };
 
-/// Linear between the channels, zero beyond them.
+/// Interpolates linearly between the channels; zero outside their range.
 inline Spectrum at_wavelengths(const Channels& c, const Wavelengths& w) {
   constexpr int kLast = optics::SkyModel::kChannels - 1;
   return make_spectrum([&](int j) {

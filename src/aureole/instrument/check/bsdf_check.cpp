@@ -18,7 +18,7 @@ std::shared_ptr<const Shape> make_square(const Properties& like) {
   return std::dynamic_pointer_cast<const Shape>(plugin->create(properties));
 }
 
-/// A BSDF at a point of a square whose shading frame is that of the world.
+/// A BSDF at a point of a square whose shading frame equals the world frame.
 class BsdfFunction final : public ScatteringFunction {
 public:
   BsdfFunction(const Bsdf& bsdf, const CheckOptions& options)
@@ -63,7 +63,7 @@ private:
   BsdfContext context(CheckQuery query) const { return {wavelengths(query.hero), point_, query.mode, 0}; }
 
   const Bsdf& bsdf_;
-  const ArrayBsdf* arrays_;  // null: it has no methods for arrays
+  const ArrayBsdf* arrays_;  // null: the BSDF has no array methods
   std::shared_ptr<const Shape> shape_;
   SurfacePoint point_;
 };

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The outcome of a check of a scattering function: one finding per thing that was tested, and the numbers
-// behind them.
+// The result of a check of a scattering function: one finding per test, and the data behind the findings.
 #pragma once
 
 #include <array>
@@ -13,23 +12,23 @@
 
 namespace aureole {
 
-/// Each rule has a file of its own in this folder, named after it.
+/// The rules. Each is implemented in a file of this folder, named after it.
 enum class CheckRule {
-  sample,            ///< `sample` returns the value and density of `eval_pdf`
-  chi_square,        ///< samples follow the density
-  delta_lobes,       ///< delta lobes occur as often as their mass says
-  density_integral,  ///< densities, masses and failures add up to one
-  energy,            ///< no energy is gained, and none lost where the options say so
-  sample_energy,     ///< samples carry the energy that `eval` has
-  black,             ///< from below, where that is asked for
-  wavelengths,       ///< rotating which wavelength is the hero rotates values and densities
+  sample,            ///< `sample` returns the value and pdf of `eval_pdf`
+  chi_square,        ///< samples follow the pdf
+  delta_lobes,       ///< frequencies of delta lobes agree with their probability masses
+  density_integral,  ///< pdfs, masses and failures sum to one
+  energy,            ///< no energy is gained, and none is lost if the options exclude it
+  sample_energy,     ///< the mean sample weight equals the energy of `eval`
+  black,             ///< nothing is scattered from below, if the options require it
+  wavelengths,       ///< choosing another hero permutes values and pdfs accordingly
   modes,             ///< importance mode is radiance mode with the directions exchanged
   reciprocity,
-  finite,  ///< valid numbers everywhere, at grazing and at the ends of the random numbers, too
+  finite,  ///< valid numbers everywhere, also at grazing incidence and for extreme random numbers
 };
 const char* name_of(CheckRule rule);
 
-/// One thing that was tested, for one direction and hero where it depends on them.
+/// The result of one test, for one direction and hero wavelength if it depends on them.
 struct CheckFinding {
   CheckRule rule = CheckRule::sample;
   Vec3 wi = {};   ///< zero: many directions
@@ -37,17 +36,18 @@ struct CheckFinding {
   /// The measured number: chi-square, frequency, integral, energy, or else the largest relative deviation.
   double figure = 0;
   double expected = 0;
-  double p_value = -1;  ///< of a statistical test; else negative
-  double limit = 0;     ///< least p-value, or else the largest difference between figure and expectation
+  double p_value = -1;  ///< of a statistical test; otherwise negative
+  double limit = 0;     ///< smallest accepted p-value, or else the largest accepted difference from
+                        ///< `expected`
   bool passed = true;
-  std::string message = {};  ///< a sentence, where it did not pass
+  std::string message = {};  ///< a sentence, if it failed
 };
 
 struct CheckResult {
   struct Energy {
     Vec3 wi;
     std::array<double, kWavelengths> nm{}, energy{};
-    bool bounded = true;  ///< `largest_energy` is its bound
+    bool bounded = true;  ///< whether `largest_energy` applies
   };
   struct Bin {
     Vec3 center;
@@ -59,10 +59,10 @@ struct CheckResult {
     int hero = 0;
     std::size_t samples = 0;
     double p_value = 1, chi_square = 0;
-    std::size_t pools = 0;  ///< bins of the test, made of these bins
+    std::size_t pools = 0;  ///< number of pooled bins of the test
     std::vector<Bin> bins;
   };
-  /// f / n_o^2 in radiance mode for light that arrives from wo, and the same with the directions exchanged.
+  /// f / n_o^2 in radiance mode for light arriving from wo, and the value with exchanged directions.
   struct Pair {
     Vec3 wi, wo;
     double nm = 0, forward = 0, backward = 0;
@@ -72,14 +72,14 @@ struct CheckResult {
   std::vector<Energy> energies;
   std::vector<Histogram> histograms;
   std::vector<Pair> pairs;
-  double level = 0;  ///< least p-value of a single test
+  double level = 0;  ///< smallest accepted p-value of a single test
   std::size_t statistical_tests = 0;
   double smallest_p = 1, largest_energy = 0, smallest_energy = 1, largest_mass_error = 0;
-  double largest_failure = 0;  ///< part of the samples that had no direction, at most
-  bool black_below = false;    ///< as found
+  double largest_failure = 0;  ///< largest fraction of samples without a direction
+  bool black_below = false;    ///< as measured
 
   bool passed() const;
-  std::vector<std::string> problems() const;  ///< sentences; empty where all is well
+  std::vector<std::string> problems() const;  ///< sentences; empty if all tests passed
 };
 
 }  // namespace aureole

@@ -26,7 +26,7 @@ CheckRun::CheckRun(const ScatteringFunction& function, const CheckOptions& optio
   if (options.samples < 1000) throw Error(sentence("samples: expected at least 1000, got ", options.samples));
   result_.level = sidak_level(options.significance,
                               options.family_size * std::size_t(kIncidences * kHeroes * kTestsPerRun));
-  // Quadrature takes about as many calls as the samples.
+  // Quadrature needs about as many calls as sampling.
   expected_calls_ = double(options.samples) * 2.2 * kIncidences * kHeroes +
                     double(options.samples) * 1.1 * 2 * double(options.energy_angles.size()) + 1e5;
   find_indices();
@@ -96,7 +96,7 @@ void CheckRun::sample(std::span<const Vec3> wi, std::span<const float> u1, std::
   });
 }
 
-/// Many stratified choices, the ends among them, which find lobes of any small mass.
+/// Many stratified random numbers including the extreme ones, which find delta lobes of any small mass.
 std::vector<MaybeSample> CheckRun::stratified_samples(const Vec3& wi, CheckQuery query) {
   SeededRandom random(options_.seed + 77);
   std::vector<float> u1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One check in progress: the function that the rules ask, and the findings that they leave.
+// A check in progress: the function under test, and the findings so far.
 #pragma once
 
 #include <array>
@@ -19,16 +19,16 @@ namespace aureole::check {
 
 using MaybeSample = std::optional<BsdfSample>;
 
-constexpr float kAngles[] = {20.f, 60.f, 85.f};  ///< of wi, each from above and from below
+constexpr float kAngles[] = {20.f, 60.f, 85.f};  ///< of wi, each from above and from below [degrees]
 constexpr int kIncidences = 6;
-constexpr int kHeroes = 2;  ///< for the tests that need many samples
+constexpr int kHeroes = 2;  ///< hero wavelengths of the tests that need many samples
 
-/// Unit vector at an angle from the normal (or its opposite), with an azimuth that depends on it.
+/// Unit vector at an angle from the normal (or its opposite), with an azimuth that depends on the angle.
 Vec3 direction_at(double degrees, bool below);
 
 class CheckRun {
 public:
-  /// Throws Error where the options make no sense.
+  /// Throws Error if the options are invalid.
   CheckRun(const ScatteringFunction& function, const CheckOptions& options);
 
   const ScatteringFunction& function() const { return function_; }
@@ -40,11 +40,11 @@ public:
   CheckQuery query(int hero) const { return {hero, options_.mode}; }
   /// Wavelength number `hero` [nm].
   float nm(int hero) const { return function_.wavelengths(hero).nm[0]; }
-  /// The refractive index on the side of w at wavelength number `hero`.
+  /// The index of refraction on the side of w at wavelength number `hero`.
   double index(const Vec3& w, int hero) const;
 
   void add(CheckFinding finding);
-  /// Adds a finding that did not pass, with a message of the parts.
+  /// Adds a failed finding whose message is the concatenation of `parts`.
   template <class... Parts>
   void fail(CheckFinding finding, const Parts&... parts) {
     finding.passed = false;
@@ -52,7 +52,7 @@ public:
     add(std::move(finding));
   }
 
-  // The function's methods, called in parts between which `options().progress` is told about them.
+  // The function's methods, called in chunks; `options().progress` is called in between.
   void eval_pdf(std::span<const Vec3> wi, std::span<const Vec3> wo, CheckQuery query,
                 std::vector<BsdfEval>& found);
   void eval(std::span<const Vec3> wi, std::span<const Vec3> wo, CheckQuery query,
@@ -60,8 +60,8 @@ public:
   void sample(std::span<const Vec3> wi, std::span<const float> u1, std::span<const Vec2> u2, CheckQuery query,
               std::vector<MaybeSample>& found);
 
-  /// Calls `use(samples)` for `count` random samples (null where there is none), in parts; stops when it
-  /// returns false.
+  /// Calls `use(samples)` with `count` random samples, in chunks; a sample without a direction is null. Stops
+  /// if `use` returns false.
   template <class F>
   void draw(const Vec3& wi, CheckQuery query, std::size_t count, SeededRandom& random, F&& use) {
     const std::vector<Vec3> same(std::min(count, kAtOnce), wi);
@@ -75,17 +75,18 @@ public:
     }
   }
 
-  /// The delta lobes that many stratified choices find.
+  /// The delta lobes found by many stratified random numbers.
   std::vector<DeltaLobe> delta_lobes(const Vec3& wi, CheckQuery query);
 
-  /// Tells `progress` that all is done, and hands the result over.
+  /// Reports completion to `progress` and returns the result.
   CheckResult finish();
 
 private:
-  /// Directions in one call of a function that takes many: arrays of Python's for them, with a row for each wavelength, stay in the
-  /// cache and come from memory that is there, where larger ones are mapped anew for each operation.
+  /// Directions per call of a function that takes arrays. The Python arrays for them, with a row for each
+  /// wavelength, then stay in the cache and reuse memory; larger arrays would be mapped anew for each
+  /// operation.
   static constexpr std::size_t kAtOnce = 512;
-  static constexpr std::size_t kBetweenLooks = 4096;  ///< calls between two looks at `progress`
+  static constexpr std::size_t kBetweenLooks = 4096;  ///< number of calls between two calls of `progress`
 
   template <class F>
   void in_parts(std::size_t count, F&& f);
@@ -95,11 +96,11 @@ private:
   const ScatteringFunction& function_;
   const CheckOptions& options_;
   CheckResult result_;
-  std::array<double, kWavelengths> ratios_{};  // of the indices, read from samples
+  std::array<double, kWavelengths> ratios_{};  // ratios of the indices of refraction, taken from samples
   std::size_t failures_ = 0;
   double calls_ = 0, expected_calls_ = 1;
-  std::size_t calls_since_ = 0;       // the last time that `progress` was told
-  std::vector<MaybeSample> samples_;  // kept from call to call
+  std::size_t calls_since_ = 0;       // calls since the last call of `progress`
+  std::vector<MaybeSample> samples_;  // reused between calls
 };
 
 }  // namespace aureole::check

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Delta lobes as sampling finds them.
+// Delta lobes, found by sampling.
 #pragma once
 
 #include <cstddef>
@@ -16,11 +16,11 @@ struct DeltaLobe {
   std::size_t count = 0;  ///< samples
 };
 
-/// Blends may have several delta lobes in one direction, of which each is drawn and reported alone: a lobe is
-/// its kind, direction, mass and value.
+/// Whether the sample belongs to the lobe. A lobe is identified by type, direction, mass and value, because
+/// blends may have several delta lobes in one direction, each sampled separately.
 bool is_same(const DeltaLobe& lobe, const BsdfSample& sample);
 
-/// Counts a delta sample for its lobe, which is added where it is new.
+/// Counts a delta sample for its lobe, and adds the lobe if it is new.
 void gather(std::vector<DeltaLobe>& lobes, const BsdfSample& sample);
 
 }  // namespace aureole::check

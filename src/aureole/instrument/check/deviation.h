@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Comparisons of numbers that are meant to be equal, and sentences about those that are not.
+// Comparisons of numbers that should be equal, and messages about differences.
 #pragma once
 
 #include <algorithm>
@@ -12,18 +12,19 @@
 
 namespace aureole::check {
 
-/// How far a and b are apart, relative to the larger one and beyond an absolute slack; NaN if one is.
+/// Relative difference of a and b beyond an absolute tolerance, relative to the larger one; NaN if one is
+/// NaN.
 inline double deviation(double a, double b, double absolute) {
   const double beyond = std::abs(a - b) - absolute;
   return beyond <= 0 ? 0 : beyond / std::max(std::abs(a), std::abs(b));
 }
-/// Whether the deviation a is worse than b; NaN is the worst.
+/// Whether deviation a is worse than b; NaN is the worst.
 inline bool is_worse(double a, double b) { return !std::isnan(b) && !(a <= b); }
 inline bool are_close(double a, double b, double relative, double absolute) {
   return deviation(a, b, absolute) <= relative;
 }
 
-/// The first component that is negative, infinite or NaN.
+/// Returns the first component that is negative, infinite or NaN, or else component 0.
 inline float invalid_in(const Spectrum& s) {
   for (int j = 0; j < kWavelengths; ++j)
     if (!(s[j] >= 0 && std::isfinite(s[j]))) return s[j];
@@ -35,7 +36,7 @@ inline std::string to_text(const Vec3& v) {
   text << "(" << v.x << ", " << v.y << ", " << v.z << ")";
   return text.str();
 }
-/// Texts and numbers, one after the other.
+/// Concatenates texts and numbers.
 template <class... Parts>
 std::string sentence(const Parts&... parts) {
   std::ostringstream text;

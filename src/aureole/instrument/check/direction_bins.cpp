@@ -15,7 +15,7 @@ constexpr double kWeights[4] = {0.3478548451374538, 0.6521451548625461, 0.652145
 
 }  // namespace
 
-// Faces +x, -x, +y, -y, +z, -z. On the side faces b is z, so that the horizon falls on edges of bins.
+// Faces +x, -x, +y, -y, +z, -z. On the side faces, b is z, so that the horizon coincides with edges of bins.
 Vec3 DirectionBins::direction(int face, double a, double b) {
   const double s = face % 2 ? -1 : 1;
   const double n = 1 / std::sqrt(1 + a * a + b * b);
@@ -44,7 +44,7 @@ DirectionBins::DirectionBins(const Function& f, const Options& options)
           },
           options) {}
 
-// Level by level, so that the function is asked for many directions at once.
+// Divides level by level, so that the function is evaluated for many directions at once.
 DirectionBins::DirectionBins(const ArrayFunction& f, const Options& options) : nodes_(6) {
   std::vector<Pending> level;
   for (int face = 0; face < 6; ++face) level.push_back({face, {face, -1, -1, 2}, {}, {}});

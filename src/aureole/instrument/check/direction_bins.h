@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bins over all directions that follow a density: a quadtree on each face of a cube, refined where the
-// density has mass or structure. The density's mass per bin comes from Gauss-Legendre quadrature. For
-// densities with jumps, which quadrature resolves slowly, see direction_grid.h.
+// Bins of directions adapted to a pdf: a quadtree on each face of a cube, refined where the pdf has mass or
+// structure. The mass of each bin is computed by Gauss-Legendre quadrature. For pdfs with discontinuities,
+// for which quadrature converges slowly, see direction_grid.h.
 #pragma once
 
 #include <array>
@@ -17,36 +17,37 @@ namespace aureole {
 
 class DirectionBins {
 public:
-  /// A density and a further function that is integrated along with it.
+  /// A pdf and a second function that is integrated together with it.
   struct Value {
     double density = 0;
     Spectrum other;
   };
   using Function = std::function<Value(const Vec3&)>;
-  /// The same for many directions at once.
+  /// A function evaluated for many directions at once.
   using ArrayFunction = std::function<void(std::span<const Vec3>, std::span<Value>)>;
 
   struct Options {
-    double largest_mass = 1.0 / 256;  ///< bins with more are divided
-    double tolerance = 1e-6;          ///< of a bin's integrals, absolute
+    double largest_mass = 1.0 / 256;  ///< bins with more mass are divided
+    double tolerance = 1e-6;          ///< absolute tolerance of a bin's integrals
     int least_depth = 3, greatest_depth = 15;
-    std::vector<Vec3> focus;          ///< near these directions bins are divided down to `focus_angle`
+    std::vector<Vec3> focus;          ///< bins near these directions are divided down to `focus_angle`
     double focus_angle = 0.02;        ///< [rad]
-    std::vector<Vec3> pilot;          ///< samples that show where narrow lobes are; not those that are tested
-    std::size_t most_bins = 4000000;  ///< a function without any smoothness would be divided for ever
+    std::vector<Vec3> pilot;          ///< samples that locate narrow lobes; different from the tested samples
+    std::size_t most_bins = 4000000;  ///< limit, as a function without any smoothness would be divided
+                                      ///< without end
   };
 
   struct Bin {
     Vec3 center;
     double mass = 0;
     std::array<double, kWavelengths> other{};
-    double size = 0;  ///< edge on the cube's face, in radians roughly
+    double size = 0;  ///< edge on the cube's face, approximately in radians
   };
 
   DirectionBins(const ArrayFunction& f, const Options& options);
   DirectionBins(const Function& f, const Options& options);
 
-  /// In the order of the tree, so that neighbours are close together.
+  /// In the order of the tree, so that neighbouring bins are close together.
   const std::vector<Bin>& bins() const { return bins_; }
   std::vector<double> masses() const;
   std::size_t find(const Vec3& direction) const;
@@ -66,7 +67,7 @@ private:
     double mass = 0;
     std::array<double, kWavelengths> other{};
   };
-  /// A node that may be divided yet, with the samples in it.
+  /// A node that may still be divided, with the samples in it.
   struct Pending {
     int node;
     Cell cell;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pairs of directions with the values that the rules about exchanged directions compare.
+// Pairs of directions with the values compared by the rules on exchanged directions.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace aureole::check {
 
-/// Values include the cosine of the second direction.
+/// Pairs of directions and their values, which include the cosine of the second direction.
 struct DirectionPairs {
   std::vector<Vec3> wi, wo;
   std::vector<Spectrum> forward;   ///< f(wi, wo) in radiance mode
@@ -16,8 +16,8 @@ struct DirectionPairs {
   std::vector<Spectrum> adjoint;   ///< f(wi, wo) in importance mode
 };
 
-/// Pairs over both spheres, every second one with a sampled direction where there is one. Pairs that graze a
-/// surface, where a quotient of cosines says nothing, are left out.
+/// Makes pairs of directions over both hemispheres; every second pair has a sampled direction if there is
+/// one. Pairs at grazing angles are excluded, because a quotient of cosines is inaccurate there.
 DirectionPairs make_direction_pairs(CheckRun& run);
 
 }  // namespace aureole::check

@@ -14,7 +14,7 @@ std::array<double, kWavelengths> check_energy(CheckRun& run, const Vec3& wi, int
   CheckFinding finding{CheckRule::energy, wi};
   finding.expected = options.largest_energy;
   finding.limit = options.tolerance;
-  // A function that is not reciprocal conserves energy in one mode.
+  // A non-reciprocal function conserves energy in one mode only.
   e.bounded = options.reciprocal || options.mode == TransportMode::radiance;
   double worst = -1;
   for (int j = 0; j < kWavelengths; ++j) {

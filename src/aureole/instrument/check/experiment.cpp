@@ -9,10 +9,11 @@ namespace aureole::check {
 
 namespace {
 
-/// More delta lobes than any function has: its directions scatter, but call themselves delta.
+/// More delta lobes than any valid function has: the function marks a continuum of directions as delta.
 constexpr std::size_t kTooManyDeltas = 1000;
 
-/// Where samples fall, into the options of the bins. False where samples are wrong.
+/// Draws pilot samples and stores their directions in the options of the bins. Returns false if samples are
+/// invalid.
 bool draw_pilot(CheckRun& run, const Vec3& wi, int hero, SeededRandom& random,
                 DirectionBins::Options& bin_options) {
   bin_options.pilot.reserve(run.options().samples / 8);
@@ -34,7 +35,7 @@ bool draw_pilot(CheckRun& run, const Vec3& wi, int hero, SeededRandom& random,
   return true;
 }
 
-/// Adds the delta lobes that random samples did not meet.
+/// Adds the delta lobes that random samples did not find.
 void add_missed_deltas(CheckRun& run, Experiment& e) {
   for (const DeltaLobe& l : run.delta_lobes(e.wi, run.query(e.hero)))
     if (std::none_of(e.deltas.begin(), e.deltas.end(), [&](const DeltaLobe& d) {
@@ -67,7 +68,7 @@ std::optional<DirectionBins> make_bins(CheckRun& run, const Vec3& wi, int hero, 
             values[i] = {e.pdf[0], e.value};
             continue;
           }
-          // Zero instead, so that one bad place does not hide everything else.
+          // Replaced by zero, so that one invalid value does not hide all other findings.
           if (finite.figure++ == 0) finite.message = invalid_eval(e, wi, wo[i]);
         }
       },

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many samples for one direction and one hero, sorted into bins that follow the density: the data that the
-// statistical rules judge.
+// Many samples for one direction and one hero wavelength, sorted into bins adapted to the pdf: the data for
+// the statistical rules.
 #pragma once
 
 #include <optional>
@@ -16,19 +16,19 @@ struct Experiment {
   Vec3 wi;
   int hero;
   double nm;
-  std::string where;  ///< the direction and the hero, for messages
+  std::string where;  ///< the direction and the hero wavelength, for messages
   DirectionBins bins;
   std::vector<std::size_t> counts;  ///< samples in each bin
-  std::vector<DeltaLobe> deltas;    ///< with their samples; lobes that were not met have none
+  std::vector<DeltaLobe> deltas;    ///< with their sample counts, which may be zero
   std::size_t smooth = 0, none = 0;
-  double weight = 0, weight2 = 0;  ///< sums of value/density at the hero, and of its square
+  double weight = 0, weight2 = 0;  ///< sums of value/pdf at the hero wavelength, and of its square
 };
 
-/// Bins that follow the density for wi, refined where pilot samples fall; the bins' further integrals are
-/// those of the values. Leaves findings of the rules `sample` and `finite`; nothing where samples are wrong.
+/// Bins adapted to the pdf for wi, refined at pilot samples; the second function of the bins is the value.
+/// Adds findings of the rules `sample` and `finite`; returns nothing if samples are invalid.
 std::optional<DirectionBins> make_bins(CheckRun& run, const Vec3& wi, int hero, SeededRandom& random);
 
-/// Nothing where samples are wrong, after a finding that says so.
+/// Returns nothing if samples are invalid, after adding a finding.
 std::optional<Experiment> make_experiment(CheckRun& run, const Vec3& wi, int hero);
 
 }  // namespace aureole::check

@@ -10,7 +10,7 @@ namespace {
 
 constexpr float kUnitEdges[] = {0.f, 0.5f, kOneMinusEpsilon};
 
-/// Around the normal and its opposite, half way, and ever closer to the horizon.
+/// Directions at the normal and its opposite, at 60 degrees, and ever closer to the horizon.
 std::vector<Vec3> extreme_directions() {
   std::vector<Vec3> directions;
   for (const float z : {1.f, 0.5f, 1e-3f, 1e-7f, 1e-20f, 0.f})

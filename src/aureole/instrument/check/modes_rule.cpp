@@ -16,7 +16,7 @@ void check_modes_of_deltas(CheckRun& run, const Vec3& wi) {
   if (importance.size() != radiance.size())
     return run.fail(finding, "the modes have different delta lobes for wi = ", to_text(wi));
   for (std::size_t k = 0; k < importance.size(); ++k) {
-    // Light of a null lobe does not enter another medium.
+    // Light of a null lobe stays in the same medium.
     const bool null = has(importance[k].lobe, Lobe::null);
     const double ratio = null ? 1 : run.index(wi, 0) / run.index(importance[k].wo, 0);
     const double d = deviation(radiance[k].value[0], importance[k].value[0] * ratio * ratio, 1e-6);

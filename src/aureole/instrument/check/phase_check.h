@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rules of scattering functions (scattering_check.h), applied to a phase function.
+// Applies the checks of scattering functions (scattering_check.h) to a phase function.
 #pragma once
 
 #include "aureole/instrument/check/check_options.h"
@@ -8,10 +8,10 @@
 
 namespace aureole {
 
-/// The options `lossless` and `black_below` do not matter: all light that a phase function takes goes
-/// somewhere, from whatever side. Reciprocity is that of value times the area shown to wi. `p` is the point
-/// of a medium that varies in space. Throws Error where the options make no sense, and whatever `progress`
-/// throws.
+/// Checks a phase function. The options `lossless` and `black_below` are ignored, because a phase function
+/// scatters all light, from every side. Reciprocity applies to the value times the projected area for wi. `p`
+/// is the point in a spatially varying medium. Throws Error if the options are invalid, and passes on
+/// exceptions of `progress`.
 CheckResult check_phase(const PhaseFunction& phase, const CheckOptions& options, const Vec3& p = {});
 
 }  // namespace aureole

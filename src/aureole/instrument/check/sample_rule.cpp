@@ -8,7 +8,8 @@ namespace aureole::check {
 
 namespace {
 
-/// A sample by itself: unit direction, valid numbers, a lobe that the function has and that goes to its side.
+/// Checks one sample: a unit direction, valid numbers, and a lobe that the function has and that fits the
+/// direction's side.
 SampleFault judge_alone(const CheckRun& run, const Vec3& wi, const BsdfSample& s) {
   const auto where = [&] { return " for wi = " + to_text(wi) + ", wo = " + to_text(s.wo); };
   if (!is_finite(s.wo)) return {"sample returns a direction that is not finite" + where(), CheckRule::finite};

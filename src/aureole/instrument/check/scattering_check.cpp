@@ -11,7 +11,7 @@ namespace {
 
 using namespace check;
 
-/// The rules about many samples, for one direction and hero.
+/// Applies the rules that need many samples, for one direction and hero wavelength.
 void check_samples(CheckRun& run, const Vec3& wi, int hero, bool below) {
   const CheckOptions& options = run.options();
   const std::optional<Experiment> made = make_experiment(run, wi, hero);
@@ -31,7 +31,7 @@ void check_samples(CheckRun& run, const Vec3& wi, int hero, bool below) {
   check_sample_energy(run, e, check_energy(run, wi, hero, e.bins)[0]);
 }
 
-/// Energy alone, for the angles between those of the samples.
+/// Checks only the energy, for the further angles of `energy_angles`.
 void check_energy_between(CheckRun& run, const Vec3& wi, bool below) {
   const CheckOptions& options = run.options();
   if (below && (options.black_below || run.result().black_below)) return;

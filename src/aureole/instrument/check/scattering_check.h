@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rules that every BSDF and phase function has to follow, checked by numbers: samples follow the density
-// (chi-square), densities add up to one, no energy is gained, reciprocity, wavelengths that agree about each
-// other, finite values at grazing and at the ends of the random numbers.
+// Numerical checks that every BSDF and phase function should pass: samples follow the pdf (chi-square), pdfs
+// integrate to one, no energy is gained, reciprocity, consistency between wavelengths, and finite values at
+// grazing incidence and for extreme random numbers.
 #pragma once
 
 #include "aureole/instrument/check/check_options.h"
@@ -10,7 +10,7 @@
 
 namespace aureole {
 
-/// Throws Error where the options make no sense, and whatever `progress` throws.
+/// Throws Error if the options are invalid, and passes on exceptions of `progress`.
 CheckResult check_scattering(const ScatteringFunction& function, const CheckOptions& options);
 
 }  // namespace aureole

@@ -56,7 +56,7 @@ ChiSquareResult chi_square_test(std::span<const double> masses, std::span<const 
     pools.back().expected += last.expected;
     pools.back().found += last.found;
   }
-  // Samples elsewhere (other lobes, or none) are one more pool, where it is more than an error of quadrature.
+  // Samples elsewhere (other lobes, or none) form one more pool, if it is larger than the quadrature error.
   const double outside = n * (1 - mass);
   if (outside >= least_expected || inside < trials)
     pools.push_back({std::max(outside, 1e-3), double(trials - inside)});

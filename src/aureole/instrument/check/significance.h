@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Significance tests of samples.
+// Statistical significance tests of samples.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,19 @@
 
 namespace aureole {
 
-/// The level of each of `tests` tests that together are wrong with probability `family` (Sidak 1967).
+/// The significance level of each of `tests` tests for a family-wise error rate of `family` (Sidak 1967).
 double sidak_level(double family, std::size_t tests);
 
 /// P(X >= statistic) for a chi-square distribution.
 double chi_square_p_value(double statistic, std::size_t degrees_of_freedom);
 
-/// Two-sided, exact: how unusual are `count` successes of `trials` at `probability`.
+/// Exact two-sided p-value of `count` successes in `trials` at `probability`.
 double binomial_p_value(std::size_t count, std::size_t trials, double probability);
 
-/// Two-sided, of a standard normal.
+/// Two-sided p-value of a standard normal variable.
 double normal_p_value(double z);
 
-/// Independent uniform numbers in [0, 1), all a function of the seed.
+/// Independent uniform numbers in [0, 1), determined by the seed.
 class SeededRandom {
 public:
   explicit SeededRandom(std::uint64_t seed) : seed_(seed) {}
@@ -41,17 +41,16 @@ struct ChiSquareResult {
   std::size_t bins = 0;
 };
 
-/// Tests `counts[bin]` of `trials` samples against the bins' masses; the mass that is missing to 1 lies
-/// elsewhere. Bins that follow one another are pooled until at least `least_expected` samples are expected in
-/// each.
+/// Tests the `counts` of `trials` samples against the bins' masses. The mass missing to 1 is outside the
+/// bins. Consecutive bins are pooled until at least `least_expected` samples are expected in each pool.
 ChiSquareResult chi_square_test(std::span<const double> masses, std::span<const std::size_t> counts,
                                 std::size_t trials, double least_expected = 5);
 
-/// The same for masses that are known only to a relative standard error. Bins with fewer than
-/// `least_expected` samples are pooled, wherever they lie; their pool is tested where more than
-/// `least_rest` samples are expected in it.
+/// Like `chi_square_test`, for masses known only to a relative standard error. Bins with fewer than
+/// `least_expected` samples are pooled, wherever they are. Their pool is tested if more than `least_rest`
+/// samples are expected in it.
 struct CoarseChiSquareResult : ChiSquareResult {
-  double rest_expected = 0, rest_found = 0;  ///< of the pool of small bins
+  double rest_expected = 0, rest_found = 0;  ///< in the pool of small bins
   bool tests_rest = false;
 };
 CoarseChiSquareResult coarse_chi_square_test(std::span<const double> masses,

@@ -8,7 +8,7 @@ namespace aureole::check {
 
 namespace {
 
-/// Directions over the sphere, every second one replaced by a sample where there is one.
+/// Directions over the sphere, every second one replaced by a sampled direction if there is one.
 std::vector<Vec3> directions_to_compare(CheckRun& run, const Vec3& wi, std::size_t count) {
   SeededRandom random(run.options().seed + 5);
   std::vector<Vec3> wo;
@@ -25,7 +25,7 @@ std::vector<Vec3> directions_to_compare(CheckRun& run, const Vec3& wi, std::size
   return wo;
 }
 
-/// Values and densities of directions. False after a finding that did not pass.
+/// Compares values and pdfs of directions. Returns false after adding a failed finding.
 bool compare_values(CheckRun& run, const Vec3& wi, CheckFinding& finding) {
   constexpr std::size_t kDirections = 100;
   const std::vector<Vec3> wo = directions_to_compare(run, wi, kDirections), same(kDirections, wi);
@@ -53,8 +53,8 @@ bool compare_values(CheckRun& run, const Vec3& wi, CheckFinding& finding) {
   return true;
 }
 
-/// Delta lobes: the mass given for wavelength j is the probability with which j, as hero, would go there.
-/// False after a finding that did not pass.
+/// Compares delta lobes: the mass given for wavelength j is the probability that j, as hero, is scattered in
+/// that direction. Returns false after adding a failed finding.
 bool compare_deltas(CheckRun& run, const Vec3& wi, CheckFinding& finding) {
   const std::vector<DeltaLobe> mirrors = run.delta_lobes(wi, run.query(0));
   for (int j = 1; j < kWavelengths && !mirrors.empty(); ++j) {

@@ -79,7 +79,8 @@ double CoronaProfile::extremum(int c, double from, bool maximum, double window) 
 }
 
 std::array<double, 2> brightest_spot(const Image& image) {
-  // The middle of the pixels near the brightest white one that have a good part of its brightness.
+  // The centroid of the pixels near the brightest white pixel whose brightness is a large fraction of its
+  // brightness.
   const auto white = [&image](int i, int j) {
     const auto value = [&](const char* name) { return image.at(i, j, size_t(image.channel(name))); };
     return std::min({value("R"), value("G"), value("B")});
@@ -146,7 +147,7 @@ std::array<double, 3> corona_colour(const LampSpectrum& lamp,
         xyz[2] += response(observer.z) * j;
   }
   float out[3];
-  // Scaled so that single precision is far from its limits.
+  // Scaled to keep single precision away from its limits.
   for (double& v : xyz) v *= 1e12;
   xyz_to_srgb(xyz, out);
   return {out[0], out[1], out[2]};

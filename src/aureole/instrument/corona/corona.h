@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The corona of one lamp in a picture: the directions of pixels, the profile around the lamp, and colours of
-// light diffracted by a given angle. Camera axis and pane of scatterers are perpendicular.
+// The corona around a light source in a picture: the directions of pixels, the profile around the source, and
+// colours of light diffracted by a given angle. The camera's axis is perpendicular to the pane of scatterers.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ Direction cross(Direction a, Direction b);
 double length(Direction v);
 double dot(Direction a, Direction b);
 
-/// The camera at the origin looks along +z, x to the right and y up in the picture.
+/// A camera at the origin that looks along +z, with x to the right and y up in the picture.
 struct PinholeCamera {
   double tangent_per_pixel, center_x, center_y;
   Direction direction(double x, double y) const {
@@ -29,10 +29,10 @@ struct PinholeCamera {
   }
 };
 
-/// Angle from the lamp in degrees and azimuth around it, 0 to the right and 90 upwards.
+/// Angle from the light source in degrees, and azimuth around it in degrees: 0 to the right, 90 upwards.
 std::pair<double, double> polar_about(Direction lamp, Direction v);
 
-/// The pixels that count: azimuths from ... to in degrees, discs (x, y, radius in pixels) left out.
+/// The pixels to be used: azimuths `from` ... `to` in degrees, without discs (x, y, radius in pixels).
 struct PictureParts {
   double from = 0, to = 360;
   std::vector<double> discs;
@@ -40,7 +40,7 @@ struct PictureParts {
   bool is_masked(double x, double y) const;
 };
 
-/// Angles from the lamp's centre, in degrees: R, G, B means over the azimuths that count.
+/// Profile over the angle from the source's centre [degrees]: means of R, G, B over the selected azimuths.
 struct CoronaProfile {
   static constexpr double kStep = 0.04, kEnd = 7;
   static constexpr int kBins = int(kEnd / kStep);
@@ -48,25 +48,26 @@ struct CoronaProfile {
   std::vector<double> weight = std::vector<double>(kBins);
 
   void add(double degrees, const double rgb[3], double w);
-  /// The parabola through the bins within `window` degrees of x, by least squares: its value and slope at x.
+  /// Fits a parabola to the bins within `window` degrees of x, by least squares; returns its value and slope
+  /// at x.
   std::array<double, 2> fit(int c, double x, double window) const;
-  /// The first extremum beyond `from`: where the slope changes its sign to negative (a maximum) or positive.
-  /// Negative if none.
+  /// Returns the first extremum beyond `from`, where the slope becomes negative (a maximum) or positive (a
+  /// minimum). Negative if there is none.
   double extremum(int c, double from, bool maximum, double window) const;
 };
 
-/// Centre of the brightest white spot, pixels.
+/// Centre of the brightest white spot [pixels].
 std::array<double, 2> brightest_spot(const Image& image);
 
-/// Power of a lamp at wavelengths in nm; any scale.
+/// Relative power of a light source at wavelengths in nm.
 struct LampSpectrum {
   std::vector<double> nm, power;
 };
-/// A CIE illuminant, a text file of two columns (nm, power) or one wavelength such as "589nm". Every 1 nm of
-/// the observer. Throws Error.
+/// Reads a spectrum: a CIE illuminant, a text file of two columns (nm, power) or one wavelength such as
+/// "589nm". It is sampled every 1 nm over the observer's range. Throws Error.
 LampSpectrum lamp_spectrum(const std::string& name);
 
-/// Linear sRGB of sum over wavelengths of power xyz `intensity`(2 pi/lambda)/lambda^2, in metres.
+/// Linear sRGB of the sum over wavelengths (in metres) of power xyz `intensity`(2 pi/lambda)/lambda^2.
 std::array<double, 3> corona_colour(const LampSpectrum& lamp, const std::function<double(double)>& intensity);
 
 }  // namespace aureole

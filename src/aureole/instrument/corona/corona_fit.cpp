@@ -14,7 +14,7 @@ namespace {
 constexpr double kFirstRing = 2.548;  // u of the first maximum at area fraction 1/2
 constexpr double kMiddleWavelength = 550e-9;
 
-/// Weighted linear least squares of one colour by a few functions.
+/// Weighted linear least squares fit of one colour by a few functions.
 struct Linear {
   cv::Mat coefficients;
   double misfit = 0;
@@ -31,7 +31,7 @@ Linear solve(const std::vector<std::vector<double>>& columns, const std::vector<
     }
   cv::completeSymm(m, true);
   Linear out;
-  // Columns of very different size: scaled to unit diagonal.
+  // Columns differ greatly in size, so they are scaled to unit diagonal.
   cv::Mat scale(n, 1, CV_64F);
   for (int a = 0; a < n; ++a) scale.at<double>(a) = 1 / std::sqrt(std::max(m.at<double>(a, a), 1e-300));
   cv::Mat scaled = m.mul(scale * scale.t()), x;
@@ -58,7 +58,7 @@ public:
       }
       std::nth_element(sd.begin(), sd.begin() + long(n / 2), sd.end());
       range_[c] = most - least;
-      // No ring is known better than a thousandth of the range, nor much better than the others.
+      // The error of a ring is at least 0.1 % of the range and half the median error.
       const double floor = std::hypot(0.5 * sd[n / 2], 1e-3 * range_[c]);
       for (size_t i = 0; i < n; ++i) {
         const double e = std::hypot(p.sd[i][c], floor);
@@ -68,7 +68,7 @@ public:
     }
   }
 
-  /// Misfit at these parameters; `out` gets the model's values.
+  /// Misfit for these parameters; `out` receives the model's values.
   double misfit(double radius, double fraction, std::vector<std::array<double, 3>>* out = nullptr) {
     model_.set(radius, fraction);
     const size_t n = p_.s.size();
@@ -81,7 +81,7 @@ public:
       for (size_t i = 0; i < n; ++i) columns[0][i] = shape[i][c], columns[1][i] = 1, columns[2][i] = p_.s[i];
       Linear l = solve(columns, y_[c], weight_[c]);
       factor_[c] = l.coefficients.at<double>(0);
-      // A colour that the lamp hardly has may come out of the conversion negative; the factor never is.
+      // The linear fit of a colour that the source hardly has may be negative; the factor must not be.
       if (factor_[c] < 0) {
         factor_[c] = 0;
         l = solve({columns[1], columns[2]}, y_[c], weight_[c]);
@@ -97,7 +97,7 @@ public:
     return sum;
   }
 
-  /// Misfit of smooth light without rings: a cubic for each colour.
+  /// Misfit of smooth light without rings: a cubic polynomial for each colour.
   double smooth_misfit() const {
     double sum = 0;
     for (size_t c = 0; c < 3; ++c) {
@@ -109,7 +109,7 @@ public:
     return sum;
   }
 
-  /// Weights by residuals (Huber, 1964), so that bright objects on some rings count less.
+  /// Reweights by residuals (Huber, 1964), so that bright objects on some rings count less.
   void reweight(const std::vector<std::array<double, 3>>& model) {
     for (size_t c = 0; c < 3; ++c) {
       std::vector<double> r;
@@ -132,8 +132,8 @@ private:
   std::array<double, 3> range_{}, factor_{};
 };
 
-/// Covariance of all unknowns, (X^T W X)^-1 times the mean square of the residuals, times the number of
-/// neighbouring residuals that are correlated.
+/// Covariance of all unknowns: (X^T W X)^-1 times the mean square of the residuals, times the number of
+/// correlated neighbouring residuals.
 void Fitter::errors(CoronaFit& fit) {
   const size_t n = p_.s.size();
   const double hr = 1e-3 * fit.radius, hf = fit.area_fraction > 0.6 ? -2e-3 : 2e-3;
@@ -186,7 +186,7 @@ CoronaFit fit_corona(const ScatteredProfile& p, CoronaModel& model) {
     if (!(fitter.range(c) > 0))
       throw Error("no ring is visible: a colour of the picture is constant around the lamp");
 
-  // The first maximum or the first minimum lies inside the picture.
+  // Assumes that the first maximum or the first minimum is inside the picture.
   const double first = kFirstRing * kMiddleWavelength / (2 * M_PI);
   const double least = first / (0.8 * p.s.back()), most = 2.5 * first / p.s.front();
   std::vector<std::array<double, 3>> candidates;
@@ -216,7 +216,7 @@ CoronaFit fit_corona(const ScatteredProfile& p, CoronaModel& model) {
     fit.radius = std::exp(x[0]), fit.area_fraction = x[1];
   }
   best = fitter.misfit(fit.radius, fit.area_fraction, &fit.model);
-  // Rings must explain at least half of the residual of smooth light, and more than chance would.
+  // Rings must explain at least half of the residual of smooth light, and more than noise could by chance.
   const double smooth = fitter.smooth_misfit(),
                per_ring = best / std::max(1.0, 3.0 * double(p.s.size()) - 11);
   if (!(best < 0.5 * smooth && smooth - best > 30 * per_ring))

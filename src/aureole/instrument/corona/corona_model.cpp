@@ -12,8 +12,8 @@ namespace {
 constexpr double kStepU = 0.02;
 constexpr int kTableU = 10000, kTableS = 1500;
 
-/// Mean and its standard error without outliers (other lamps): more than five deviations from the
-/// median, as the median deviation has them.
+/// Mean and its standard error without outliers (other light sources), which are farther than five standard
+/// deviations from the median. The deviation is estimated from the median absolute deviation.
 std::pair<double, double> clipped_mean(std::vector<double>& v) {
   const auto median = [](std::vector<double>& x) {
     std::nth_element(x.begin(), x.begin() + long(x.size() / 2), x.end());
@@ -42,8 +42,8 @@ CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur
                    f = 2 * M_PI * (spoke + 0.5 * (ring % 2)) / kSpokes;
       disc_.push_back({r * std::cos(f), r * std::sin(f)});
     }
-  // Spectra are sums over wavelengths 5 nm apart, each with the power between it and the next; the blur of
-  // that is a hundredth of a ring. Single lines stay where they are.
+  // Spectra are summed over wavelengths 5 nm apart, each with the power up to the next one. The resulting
+  // blur is a hundredth of a ring. Single lines keep their wavelength.
   for (size_t i = 0; i < lamp.nm.size();) {
     double power = 0, moment = 0;
     size_t k = i;
@@ -64,7 +64,7 @@ CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur
 void CoronaModel::tabulate(double area_fraction, double largest_u) {
   if (area_fraction != tabulated_) g_.clear();
   tabulated_ = area_fraction;
-  // Most fits look at a small part of all u that the table could hold.
+  // Most fits use a small part of the table's range of u.
   const size_t needed = size_t(std::min(largest_u / kStepU, double(kTableU))) + 2;
   while (waves_.size() < needed) waves_.emplace_back(double(waves_.size()) * kStepU);
   while (g_.size() < needed) {
@@ -163,7 +163,7 @@ ScatteredProfile scattered_profile(const Image& image, const PinholeCamera& came
   for (Bin& b : bin) {
     const size_t n = b.value[0].size();
     most = std::max(most, n);
-    // Rings of which the picture shows only corners depend on the objects that happen to be there.
+    // Rings visible only in the corners of the picture are too sensitive to single objects in them.
     if (n < 8 || b.clipped || 4 * n < most) continue;
     std::array<double, 3> mean, sd;
     for (size_t c = 0; c < 3; ++c) std::tie(mean[c], sd[c]) = clipped_mean(b.value[c]);

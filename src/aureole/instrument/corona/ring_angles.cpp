@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Radius and area fraction from angles of rings that somebody has read off a picture.
+// Radius and area fraction from ring angles that a user has read off a picture.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,7 +23,7 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return out;
 }
 
-/// Places s of the extrema of one colour, from the centre outwards.
+/// Positions s of the extrema of one colour, from the centre outwards.
 std::vector<double> extrema(CoronaModel& model, int colour, bool maximum, double end) {
   constexpr int kSteps = 1200;
   const auto value = [&](int i) {
@@ -79,7 +79,7 @@ CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectru
   for (const RingAngle& r : rings) largest = std::max(largest, std::sin(r.angle_deg * kDegree));
   CoronaModel model(lamp, 2 * largest, 0);
   const double error = error_deg * kDegree;
-  // Differences of s over the error; an extremum that the model lacks counts as far away.
+  // Differences of s over the error; a missing extremum of the model counts as a large difference.
   const auto residuals = [&](double radius, double fraction) {
     model.set(radius, fraction);
     std::vector<double> out, found[4][2];
@@ -128,7 +128,7 @@ CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectru
     if (std::abs(r0[i]) > 5 && std::abs(r0[i]) * error > 0.1 * rings[i].angle_deg * kDegree)
       throw Error(
           "--angles: no radius has extrema at these angles; check their order, kind (max, min) and colour");
-  // (X^T X)^-1 times the larger of the given error and that of the residuals.
+  // (X^T X)^-1 times the larger of the squares of the given error and of the residuals' error.
   const double hr = 2e-3, hf = fit.area_fraction > 0.6 ? -0.01 : 0.01;
   const auto r1 = residuals(fit.radius * (1 + hr), fit.area_fraction);
   const auto r2 = residuals(fit.radius, fit.area_fraction + (fit.fraction_fixed ? 0 : hf));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The minimum of a function of few variables without derivatives (Nelder & Mead, "A simplex method for
-// function minimization", 1965), with the usual coefficients 1, 2, 1/2, 1/2.
+// Minimises a function of few variables without derivatives (Nelder & Mead, "A simplex method for function
+// minimization", 1965), with the usual coefficients 1, 2, 1/2, 1/2.
 #pragma once
 
 #include <algorithm>

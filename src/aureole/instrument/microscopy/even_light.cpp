@@ -8,7 +8,7 @@
 namespace aureole {
 namespace {
 
-/// Weighted least squares of value by 1, x, y, x^2, xy, y^2 over the field, x and y in [-1, 1].
+/// Weighted least squares fit of a value by 1, x, y, x^2, xy, y^2 over the field, with x and y in [-1, 1].
 class Polynomial {
 public:
   static constexpr int kTerms = 6;
@@ -25,7 +25,7 @@ public:
   }
   bool is_empty() const { return !(sum_ > 0); }
   void solve() {
-    // A little ridge regularisation: a class seen in one corner alone determines no curvature.
+    // Weak ridge regularisation, since a class present in one corner only determines no curvature.
     cv::Matx<double, kTerms, kTerms> m = matrix_ * (1 / sum_);
     for (int a = 1; a < kTerms; ++a) m(a, a) += 1e-6;
     cv::Matx<double, kTerms, 1> x;
@@ -54,7 +54,7 @@ void average(cv::Mat& m, double sigma) {
   cv::GaussianBlur(m, m, cv::Size(0, 0), sigma, sigma, cv::BORDER_ISOLATED | cv::BORDER_CONSTANT);
 }
 
-/// One surface through the pixels of `grey` where `core` is not 0.
+/// Fits one surface to the pixels of `grey` where `core` is not 0.
 cv::Mat surface(const cv::Mat& grey, const cv::Mat& core, double scale) {
   const int w = grey.cols, h = grey.rows;
   Polynomial p(w, h);
@@ -63,7 +63,7 @@ cv::Mat surface(const cv::Mat& grey, const cv::Mat& core, double scale) {
       if (core.at<std::uint8_t>(y, x)) p.add(x, y, grey.at<float>(y, x), 1);
   if (p.is_empty()) return {};
   p.solve();
-  // The residual of the polynomial, at a resolution of an eighth of the scale.
+  // The residual of the polynomial, at a resolution of 1/8 of the scale.
   const double step = std::max(1.0, scale / 8);
   const int cw = std::max(1, int(w / step)), ch = std::max(1, int(h / step));
   cv::Mat sum(ch, cw, CV_32F, cv::Scalar(0)), weight(ch, cw, CV_32F, cv::Scalar(0));
@@ -77,7 +77,7 @@ cv::Mat surface(const cv::Mat& grey, const cv::Mat& core, double scale) {
   average(sum, scale / step), average(weight, scale / step);
   double most = 0;
   cv::minMaxLoc(weight, nullptr, &most);
-  // Where hardly any pixel of the class is near, the polynomial alone.
+  // Where hardly any pixel of the class is near, only the polynomial counts.
   cv::Mat rest, denominator = weight + 0.02 * most;
   cv::divide(sum, denominator, rest);
   cv::resize(rest, rest, grey.size(), 0, 0, cv::INTER_LINEAR);
@@ -98,7 +98,7 @@ cv::Mat first_threshold(const cv::Mat& smooth, const cv::Mat& seen) {
     for (int x = 0; x < smooth.cols; ++x)
       if (seen.at<std::uint8_t>(y, x)) {
         const double a = low.at<float>(y, x), b = high.at<float>(y, x);
-        // Neighbourhoods without contrast hold one class only: they give no threshold.
+        // Neighbourhoods without contrast contain one class only and determine no threshold.
         p.add(x, y, 0.5 * (a + b), (b - a) * (b - a));
       }
   cv::Mat threshold(smooth.size(), CV_32F, cv::Scalar(0));
@@ -115,7 +115,7 @@ Levels fit_levels(const cv::Mat& grey, const cv::Mat& bright_class, const cv::Ma
   const double enough = std::max(100.0, 5e-4 * double(grey.total()));
   for (const bool bright : {false, true}) {
     cv::Mat mine = bright ? (bright_class != 0) : (bright_class == 0), distance;
-    // The border of the field is no edge of a class.
+    // The border of the field is not an edge of a class.
     cv::copyMakeBorder(mine, mine, 1, 1, 1, 1, cv::BORDER_CONSTANT, cv::Scalar(255));
     cv::distanceTransform(mine, distance, cv::DIST_L2, 5);
     distance = distance(cv::Rect(1, 1, grey.cols, grey.rows));

@@ -8,7 +8,8 @@
 namespace aureole {
 namespace {
 
-/// Blocks along a side: as many as leave several particles in each, but some even where they do not.
+/// Number of blocks along a side: many, but with several particles in each, and at least 2 for fewer than 4
+/// fields.
 int blocks_along(size_t particles, size_t fields) {
   return std::clamp(int(std::sqrt(double(particles) / 6)), fields >= 4 ? 1 : 2,
                     fields >= 30  ? 1

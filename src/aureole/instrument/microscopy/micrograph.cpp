@@ -12,7 +12,7 @@
 namespace aureole {
 namespace {
 
-constexpr double kLargestPixel = 20e-6;  // 1270 dpi: finer than the tags that scanners and cameras invent
+constexpr double kLargestPixel = 20e-6;  // 1270 dpi: coarser values are default tags of scanners and cameras
 
 double square(double x, double y) {
   if (!(x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y)))
@@ -23,7 +23,7 @@ double square(double x, double y) {
   return x;
 }
 
-/// OME-XML: PhysicalSizeX in PhysicalSizeXUnit, by default micrometres.
+/// Reads OME-XML: PhysicalSizeX in PhysicalSizeXUnit, by default micrometres.
 double ome_pixel_size(const std::string& text) {
   pugi::xml_document document;
   if (!document.load_buffer(text.data(), text.size())) return 0;
@@ -38,7 +38,7 @@ double ome_pixel_size(const std::string& text) {
   return square(x, pixels.attribute("PhysicalSizeY") ? size("PhysicalSizeY", "PhysicalSizeYUnit") : x);
 }
 
-/// The unit of a line "unit=micron" of ImageJ's description in metres; 0 where there is none.
+/// Returns the unit of a line "unit=micron" of ImageJ's description in metres; 0 if there is none.
 double imagej_unit(const std::string& text) {
   const size_t at = text.find("\nunit=");
   if (at == std::string::npos) return 0;
@@ -49,7 +49,7 @@ double imagej_unit(const std::string& text) {
   return parse_length_m("1" + unit);
 }
 
-/// Leaves out the pixels that are black in `file`.
+/// Excludes the pixels that are black in `file`.
 void apply_mask(Micrograph& m, const std::filesystem::path& file) {
   const Image mask = read_image(file);
   const auto fail = [&](const std::string& what) { throw Error({file.string(), 0, 0}, what); };

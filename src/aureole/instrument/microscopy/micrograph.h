@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One field of view of a microscope: grey values, the size of a pixel, and which pixels count.
+// One field of view of a microscope: grey values, the pixel size, and a mask of usable pixels.
 #pragma once
 
 #include <array>
@@ -16,26 +16,26 @@ struct Micrograph {
   std::string name;
   int width = 0, height = 0;
   std::vector<float> grey;
-  std::vector<std::uint8_t> seen;  ///< 1 where a pixel counts; empty if all do
+  std::vector<std::uint8_t> seen;  ///< 1 for usable pixels; empty if all are usable
   double pixel_m = 0;
 };
 
 struct MicrographOptions {
   double pixel_m = 0;          ///< 0: from the file's metadata
-  bool srgb = false;           ///< values are encoded by the sRGB curve; otherwise proportional to the light
-  std::filesystem::path mask;  ///< black pixels are left out; empty: none
-  std::vector<std::array<int, 4>> exclude;  ///< rectangles to leave out: x, y, width, height in pixels
+  bool srgb = false;           ///< values are sRGB-encoded; otherwise they are proportional to the light
+  std::filesystem::path mask;  ///< black pixels are excluded; empty: none
+  std::vector<std::array<int, 4>> exclude;  ///< excluded rectangles: x, y, width, height in pixels
 };
 
-/// Smallest side of a field, pixels.
+/// Smallest allowed side of a field [pixels].
 inline constexpr int kSmallestField = 32;
 
 /// Throws Error located in the file.
 Micrograph read_micrograph(const std::filesystem::path& file, const MicrographOptions& options);
 
-/// Size of a pixel in metres from a TIFF's metadata: OME's PhysicalSizeX, ImageJ's unit with
-/// XResolution, or XResolution per inch or centimetre. 0 where there are none, or where the resolution is
-/// that of a printer or a screen (pixels above 20 um). Throws Error where pixels are not square or the text
+/// Returns the pixel size in metres from a TIFF's metadata: OME's PhysicalSizeX, ImageJ's unit with
+/// XResolution, or XResolution per inch or centimetre. Returns 0 if there is none, or if the resolution is a
+/// printer's or a screen's (pixels above 20 um). Throws Error if pixels are not square or the metadata
 /// contradicts itself.
 double pixel_size_m(const ExrAttributes& attributes);
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How fields are pooled. Sizes: particles that are seen whole, each divided by the area in which it would be
-// (Miles-Lantuejoul), so that large ones, which the frame cuts more often, count as much as they should.
-// Positions: centres at least the largest reach away from the frame, where no centre is missed or displaced.
-// Covered part: all particles, cut ones included. Intervals: bootstrap of square blocks of the fields.
+// Pools the statistics of fields. Sizes: each uncut particle is weighted by the inverse area in which it
+// would be uncut (Miles-Lantuejoul), because the frame cuts large particles more often. Positions: only
+// centres at least the largest reach away from the frame are used, because none of these is missing or
+// displaced. Covered area: all particles, including cut ones. Confidence intervals: bootstrap of square
+// blocks of the fields.
 #include "aureole/instrument/microscopy/microstructure.h"
 
 #include <fmt/format.h>
@@ -73,7 +74,7 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   }
   for (double& w : m.weights) w /= density;
 
-  // Centres are complete where every particle would be seen whole.
+  // Centres are complete where every particle would be uncut.
   std::vector<double> reach;
   for (const Particle& p : m.particles)
     if (!p.cut) reach.push_back(p.reach * m.fields[size_t(p.field)].pixel_m);
@@ -138,7 +139,8 @@ Microstructure analyse_microstructure(size_t count, const std::function<Microgra
   if (blocks < 2) m.notes.push_back("too few particles for intervals: they are left empty");
   m.shape_fraction = estimate(
       whole_sample.covered, [](const BlockSample& s) { return s.covered; }, 1);
-  // The bootstrap knows the relative error of the density away from the frame; it is taken for that of all.
+  // The bootstrap gives the relative error of the density away from the frame, which is used for the density
+  // of all.
   const double relative = density / whole_sample.density;
   m.density = estimate(density, [&](const BlockSample& s) { return s.density * relative; });
   const auto radius_of = [&](const BlockSample& s) { return m.correlation_radius_given ? a : 0.5 * s.onset; };

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The statistics of scatterers in one or several fields of view, with confidence intervals: the parameters of
-// a layer of correlated scatterers. Lengths in metres.
+// a layer of correlated scatterers. Lengths are in metres.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace aureole {
 struct MicrostructureOptions {
   SegmentationOptions segmentation;
   double correlation_radius_m = 0;  ///< 0: estimated
-  int resamples = 300;              ///< of the bootstrap
+  int resamples = 300;              ///< number of bootstrap resamples
   std::uint64_t seed = 1;
 };
 
@@ -42,23 +42,25 @@ inline constexpr double kQuantiles[] = {0.05, 0.25, 0.5, 0.75, 0.95};
 struct Microstructure {
   std::vector<FieldReport> fields;
   std::vector<Particle> particles;  ///< in pixels of their fields
-  std::vector<double> weights;      ///< of particles in size statistics; 0 for cut ones; they sum to 1
+  std::vector<double> weights;      ///< weights of particles in size statistics, normalised to 1; 0 for cut
+                                    ///< particles
 
-  Estimate shape_fraction;      ///< Fr, covered part of the plane
+  Estimate shape_fraction;      ///< Fr, the covered fraction of the plane
   Estimate area_fraction;       ///< Fa = density pi correlation_radius^2
   Estimate density;             ///< per m^2
-  Estimate correlation_radius;  ///< without interval where given
+  Estimate correlation_radius;  ///< without confidence interval if given
   bool correlation_radius_given = false;
   Estimate mean_radius, deviation, log_deviation;
-  std::vector<Estimate> quantiles;  ///< of kQuantiles
+  std::vector<Estimate> quantiles;  ///< at kQuantiles
   double onset_width = 0;           ///< of g(r), relative to the smallest distance
 
   bool round = true;
   double circularity = 1, aspect = 1, alignment = 0;  ///< medians; |mean of exp(2i angle)|
-  int symmetry = 0;                                   ///< strongest harmonic of outlines that are not round
-  /// Degrees from x counter-clockwise, y up, from mean_outline's place to that of aligned particles.
+  int symmetry = 0;                                   ///< strongest harmonic of non-circular outlines
+  /// Rotation [degrees counter-clockwise from x, y up] from mean_outline to the orientation of aligned
+  /// particles.
   double orientation = 0;
-  Outline mean_outline, typical_outline;  ///< about their centroids, metres, y up; the mean one with its
+  Outline mean_outline, typical_outline;  ///< about their centroids [m], y up; the mean outline has its
                                           ///< strongest harmonic's maximum on the x axis
 
   struct Curve {
@@ -67,20 +69,21 @@ struct Microstructure {
   Curve pair_correlation;  ///< x: r/correlation_radius
   Curve structure_factor;  ///< x: u = q correlation_radius
 
-  int blocks = 0;  ///< of the bootstrap
+  int blocks = 0;  ///< number of bootstrap blocks
   std::vector<std::string> notes;
 };
 
-/// Called with each field, its segmentation and its particles, in order: for pictures to check by eye.
+/// Called with each field, its segmentation and its particles, in order, to draw pictures for visual
+/// inspection.
 using FieldVisitor =
     std::function<void(const Micrograph&, const Segmentation&, const std::vector<Particle>&)>;
 
-/// Reads one field after the other with `read(i)`, i < count. Throws Error where fewer than three particles
-/// are seen whole.
+/// Reads one field after the other with `read(i)`, i < count. Throws Error if fewer than three particles are
+/// uncut.
 Microstructure analyse_microstructure(size_t count, const std::function<Micrograph(size_t)>& read,
                                       const MicrostructureOptions& options, const FieldVisitor& visit);
 
-/// Shape class, mean outline and typical outline of the particles that are whole and touch no other.
+/// Sets shape class, mean outline and typical outline from the particles that are uncut and touch no other.
 void classify_shapes(Microstructure& m);
 
 }  // namespace aureole

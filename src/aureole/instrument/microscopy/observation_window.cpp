@@ -20,7 +20,8 @@ ObservationWindow::ObservationWindow(int width, int height, const std::vector<st
   most_ = 0;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      // The distance counts steps to the next pixel outside, whose edge is half a pixel nearer.
+      // The distance transform counts to the next pixel centre outside; that pixel's edge is half a pixel
+      // nearer.
       const float d = std::max(distance.at<float>(y + 1, x + 1) - 0.5f, 0.f);
       free_[size_t(y) * width + x] = d;
       most_ = std::max(most_, double(d));
@@ -41,7 +42,7 @@ double ObservationWindow::free(double x, double y) const {
 
 double ObservationWindow::area(double reach) const {
   if (free_.empty()) return std::max(width_ - 2 * reach, 0.0) * std::max(height_ - 2 * reach, 0.0);
-  // Free distances are odd multiples of 1/2: linear between the areas of the two next ones.
+  // Free distances are odd multiples of 1/2; areas are interpolated linearly between them.
   const double at = std::max(2 * reach - 1, 0.0) / 2;
   const size_t i = size_t(at), a = 2 * i + 1, b = a + 2;
   const auto from = [&](size_t k) { return k < area_from_.size() ? area_from_[k] : 0.0; };

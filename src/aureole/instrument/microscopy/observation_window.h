@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The part of the plane that a field of view shows, as estimators need it. Lengths in
-// pixels; pixel (i, j) covers [i, i + 1] x [j, j + 1].
+// The region of the plane covered by a field of view, as estimators need it. Lengths are in pixels; pixel (i,
+// j) covers [i, i + 1] x [j, j + 1].
 #pragma once
 
 #include <cstdint>
@@ -10,51 +10,51 @@ namespace aureole {
 
 class ObservationWindow {
 public:
-  /// `seen` is 1 where a pixel counts, or empty where all do.
+  /// `seen` is 1 for usable pixels, or empty if all are usable.
   ObservationWindow(int width, int height, const std::vector<std::uint8_t>& seen);
 
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// Half the side of the largest square about (x, y) that lies inside the window; 0 outside.
+  /// Half the side of the largest square centred at (x, y) that fits into the window; 0 outside.
   double free(double x, double y) const;
-  /// Area of the places where a square of half side `reach` fits: the window eroded by it. Divided by that
-  /// of the window it is the probability that a shape in such a square is seen whole (Lantuejoul,
+  /// Area of the window eroded by a square of half side `reach`. Divided by the window's area, it is the
+  /// probability that a shape in such a square is uncut: the Miles-Lantuejoul correction (Lantuejoul,
   /// "Computation of the histograms of the number of edges and neighbours of cells in a tessellation", 1978;
-  /// Serra, Image Analysis and Mathematical Morphology, 1982, chapter VIII: the Miles-Lantuejoul correction).
+  /// Serra, Image Analysis and Mathematical Morphology, 1982, chapter VIII).
   double area(double reach = 0) const;
   double largest_reach() const { return most_; }
 
-  /// The window eroded by `reach` as a raster of its free distances, row by row, of at most `side` cells
-  /// along its longer side. 0 outside.
+  /// The window eroded by `reach` as a raster of free distances, row by row, with at most `side` cells along
+  /// its longer side. 0 outside.
   struct Raster {
     int width, height;
     double cell_x, cell_y;      ///< pixels
-    std::vector<float> free;    ///< mean over the cell of the free distance left beyond `reach`
-    std::vector<float> inside;  ///< part of the cell that is inside
+    std::vector<float> free;    ///< mean over the cell of the free distance beyond `reach`
+    std::vector<float> inside;  ///< fraction of the cell that is inside
   };
   Raster raster(double reach, int side) const;
 
 private:
   int width_, height_;
   double most_;
-  std::vector<float> free_;        ///< of pixel centres; empty without a mask
-  std::vector<double> area_from_;  ///< pixels whose free distance is at least i/2
+  std::vector<float> free_;        ///< at pixel centres; empty without a mask
+  std::vector<double> area_from_;  ///< number of pixels whose free distance is at least i/2
 };
 
-/// Area common to the window eroded by `reach` and itself shifted by (dx, dy): its set covariance, the
-/// weight of translation edge correction (Ohser & Stoyan, 1981; Illian et al., Statistical Analysis and
-/// Modelling of Spatial Point Patterns, 2008, section 4.2).
+/// Area of the intersection of the window eroded by `reach` and itself shifted by (dx, dy): its set
+/// covariance, the weight of translation edge correction (Ohser & Stoyan, 1981; Illian et al., Statistical
+/// Analysis and Modelling of Spatial Point Patterns, 2008, section 4.2).
 class SetCovariance {
 public:
   SetCovariance(const ObservationWindow& window, double reach, bool masked);
   double operator()(double dx, double dy) const;
 
 private:
-  double width_, height_;  ///< of a rectangle
+  double width_, height_;  ///< for a window without a mask, a rectangle
   int columns_ = 0, rows_ = 0;
   double cell_x_ = 1, cell_y_ = 1;
-  std::vector<float> table_;  ///< periodic, of twice the window's size
+  std::vector<float> table_;  ///< periodic, twice the window's size
 };
 
 }  // namespace aureole

@@ -14,11 +14,12 @@ struct Sums {
   bool touching = false;
 };
 
-/// Marching squares over pixel centres of one particle's coverage, linked to closed loops; the longest is
-/// its outline. `value(x, y)` is 0 beyond the rectangle.
+/// Marching squares over the pixel centres of one particle's coverage, linked to closed loops; the longest
+/// loop is the outline. `value(x, y)` must be 0 outside the rectangle.
 template <class Value>
 Outline level_half(int left, int right, int top, int bottom, const Value& value) {
-  // Points lie on edges between neighbouring centres: (x, y, 0) to the right of a centre, (x, y, 1) below.
+  // Vertices are on edges between neighbouring centres: (x, y, 0) to the right of a centre, (x, y, 1) below
+  // it.
   using Edge = std::array<int, 3>;
   std::map<Edge, Edge> next;
   const auto link = [&](const Edge& a, const Edge& b) { next[a] = b; };
@@ -28,7 +29,7 @@ Outline level_half(int left, int right, int top, int bottom, const Value& value)
                  d = value(x, y + 1) > 0.5f;
       const Edge up{x, y, 0}, right_edge{x + 1, y, 1}, down{x, y + 1, 0}, left_edge{x, y, 1};
       const int code = a + 2 * b + 4 * c + 8 * d;
-      // The inside is on the left of the way, seen with y up.
+      // The inside is on the left of the direction of travel, if y is up.
       switch (code) {
         case 1:
           link(left_edge, up);
@@ -95,7 +96,8 @@ Outline level_half(int left, int right, int top, int bottom, const Value& value)
   return best;
 }
 
-/// The outline with its points averaged over neighbours within `sigma`, so that noise does not lengthen it.
+/// The outline with its points averaged over neighbours within `sigma`, so that noise does not lengthen the
+/// perimeter.
 Outline smoothed(const Outline& outline, double sigma) {
   const size_t n = outline.size();
   std::vector<double> at(n + 1, 0);
@@ -144,7 +146,7 @@ std::vector<Particle> measure_particles(const Segmentation& s, const Observation
       const int l = s.labels[i];
       if (l == 0) continue;
       Sums& m = sums[size_t(l)];
-      // Deep inside a particle grey values are its texture, not its edge.
+      // Deep inside a particle, grey values show its texture, not its edge.
       const double v = s.depth[i] > s.band + 1 ? 1.0 : double(s.coverage[i]);
       m.area += v, m.x += v * (x + 0.5), m.y += v * (y + 0.5);
       m.xx += v * (x + 0.5) * (x + 0.5), m.xy += v * (x + 0.5) * (y + 0.5), m.yy += v * (y + 0.5) * (y + 0.5);
@@ -169,7 +171,7 @@ std::vector<Particle> measure_particles(const Segmentation& s, const Observation
     p.x = m.x / m.area, p.y = m.y / m.area;
     const double xx = m.xx / m.area - p.x * p.x, yy = m.yy / m.area - p.y * p.y,
                  xy = m.xy / m.area - p.x * p.y;
-    // Blur and pixels add the same to both moments.
+    // Blur and pixel size add the same amount to both moments.
     const double blur2 = s.blur * s.blur + 1.0 / 12;
     const double half = 0.5 * (xx + yy) - blur2, difference = std::hypot(0.5 * (xx - yy), xy);
     p.aspect = half > difference ? std::sqrt((half + difference) / std::max(half - difference, 1e-3)) : 1;

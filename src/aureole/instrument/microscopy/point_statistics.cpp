@@ -12,7 +12,7 @@
 namespace aureole {
 namespace {
 
-/// Points by square cells, for neighbours within one cell's side.
+/// Points sorted into square cells, to find neighbours within one cell's side.
 class Cells {
 public:
   Cells(const PointField& f, double side) : f_(f), side_(side) {
@@ -71,7 +71,7 @@ Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, cons
   double far = 0, near = 0, pairs = 0, exposure = 0;
   for (size_t i = 0; i < r.size(); ++i) pairs += count[i], exposure += g[i] * r[i];
   const double per_radius = exposure > 0 ? pairs / exposure : 0;  // pairs of a bin = per_radius r g(r)
-  // Poisson errors; a bin without pairs counts as one with a single pair.
+  // Poisson errors; an empty bin has the error of a single pair.
   std::vector<double> weight;
   for (size_t i = 0; i < r.size(); ++i)
     weight.push_back(per_radius * r[i] * per_radius * r[i] / (count[i] + 1));
@@ -96,8 +96,8 @@ Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, cons
     near = determinant > 1e-9 * a * c ? (a * v - b * u) / determinant : 0;
     far = a > 0 ? (u - near * b) / a : 0;
     if (far < 0 && c > 0) far = 0, near = v / c;
-    // Weak priors, for where pairs are few: edges are as wide as the spread of radii, g(r) decays within some
-    // tenth of the distance (0.15 to 0.3 for hard discs).
+    // Weak priors for few pairs: the width of the step is near the spread of radii, and g(r) decays within
+    // some tenths of the distance (0.15 to 0.3 for hard discs).
     const auto prior = [](double log_ratio) { return log_ratio * log_ratio / 0.5; };
     return yy - far * u - near * v + prior(p[1] - std::log(expected_width)) +
            prior(p[2] - std::log(0.25 * guess));
@@ -118,7 +118,7 @@ Onset fit_onset(const std::vector<double>& r, const std::vector<double>& g, cons
 std::vector<double> nearest_distances(const PointField& f) {
   std::vector<double> out;
   if (f.x.size() < 2) return out;
-  // Cells of about four points; where they hold no neighbour, all points are asked.
+  // Cells of about four points; if they contain no neighbour, all points are searched.
   const Cells cells(f, std::max(2 * std::sqrt(f.area / double(f.x.size())), 1e-9));
   for (size_t i = 0; i < f.x.size(); ++i) {
     double least = std::numeric_limits<double>::infinity();

@@ -27,7 +27,7 @@ SizeMoments sizes_of(std::vector<std::pair<double, double>> radius_weight) {
   s.log_deviation = std::sqrt(s.log_deviation / sum * unbiased);
   std::sort(radius_weight.begin(), radius_weight.end());
   for (size_t q = 0; q < std::size(kQuantiles); ++q) {
-    // Linear between the middles of the steps.
+    // Interpolates linearly between the centres of the steps.
     double before = 0, last_at = 0, last_r = radius_weight.front().first;
     s.quantiles[q] = radius_weight.back().first;
     for (const auto& [r, w] : radius_weight) {
@@ -52,7 +52,7 @@ BlockEstimator::BlockEstimator(const Microstructure& m, const std::vector<Block>
   std::sort(nearest.begin(), nearest.end());
   if (nearest.empty()) return;
   smallest_ = nearest.front();
-  // A few false neighbours (particles divided by mistake) must not set the scale.
+  // A few false neighbours (particles divided by mistake) must not determine the scale.
   guess_ = nearest[nearest.size() / 20];
   expected_width_ = std::clamp(std::sqrt(2.0) * radius_deviation, 0.004 * guess_, 0.25 * guess_);
   onset_pairs_ = count_pairs(points, 1.6 * guess_ / kOnsetBins, kOnsetBins);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The estimates from a set of blocks, all of them or a resample of the bootstrap. For microstructure.cpp
-// alone.
+// Estimates from a set of blocks: all blocks or a resample of the bootstrap. Used by microstructure.cpp only.
 #pragma once
 
 #include <iterator>
@@ -15,10 +14,10 @@ namespace aureole {
 struct SizeMoments {
   double mean = 0, deviation = 0, log_deviation = 0, quantiles[std::size(kQuantiles)] = {};
 };
-/// Of pairs of radius and weight.
+/// Size moments of pairs of radius and weight.
 SizeMoments sizes_of(std::vector<std::pair<double, double>> radius_weight);
 
-/// Everything that the bootstrap repeats, as one list of numbers.
+/// All quantities that the bootstrap repeats.
 struct BlockSample {
   double covered, density, onset;
   SizeMoments sizes;
@@ -27,12 +26,12 @@ struct BlockSample {
 
 class BlockEstimator {
 public:
-  /// `radius_deviation` is about the error of a distance of two centres at contact.
+  /// `radius_deviation` approximates the error of the distance of two centres at contact.
   BlockEstimator(const Microstructure& m, const std::vector<Block>& blocks,
                  const std::vector<PointField>& points, double radius_deviation);
   bool has_pairs() const { return guess_ > 0; }
   bool fits_onset() const { return fits_; }
-  /// g(r) in `bins` bins of `width`; from here on samples contain it.
+  /// Sets up g(r) in `bins` bins of `width`, which all later samples contain.
   void set_pairs(double width, int bins) { pairs_ = count_pairs(points_, width, bins); }
   Onset onset(const std::vector<int>& draw) const;
   BlockSample sample(const std::vector<int>& draw) const;
@@ -50,7 +49,7 @@ private:
   std::vector<double> distance_;
 };
 
-/// Standard deviation over resamples, without outliers of the fit: half the 16 to 84 % range.
+/// Standard deviation over resamples, robust against outliers of the fit: half the 16 to 84 % range.
 double spread(std::vector<double> v);
 
 }  // namespace aureole

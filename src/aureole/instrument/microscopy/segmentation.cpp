@@ -18,8 +18,8 @@ T median(std::vector<T> v) {
   return v[v.size() / 2];
 }
 
-/// Standard deviation of white noise, from the residual of locally plane values (Immerkaer, "Fast noise
-/// variance estimation", 1996), by the median, which edges do not reach.
+/// Standard deviation of white noise, from the residual of locally planar values (Immerkaer, "Fast noise
+/// variance estimation", 1996). The median makes it robust against edges.
 double noise_level(const cv::Mat& grey, const cv::Mat& seen) {
   const cv::Matx33f kernel(1, -2, 1, -2, 4, -2, 1, -2, 1);
   cv::Mat rest;
@@ -31,7 +31,7 @@ double noise_level(const cv::Mat& grey, const cv::Mat& seen) {
   return median(std::move(values)) / 0.6745 / 6;
 }
 
-/// Single pixels far from all around them, as of hot pixels.
+/// Whether single pixels differ greatly from all their neighbours, as hot pixels do.
 bool has_impulses(const cv::Mat& grey, const cv::Mat& median3, double noise, double contrast) {
   const double far = std::max(6 * noise, 0.25 * contrast);
   cv::Mat difference;
@@ -47,8 +47,8 @@ double blurred(const cv::Mat& from, cv::Mat& to, double sigma) {
   return sigma;
 }
 
-/// (convex - concave)/(convex + concave) length of the level 1/2, seen from the bright side: the sign of the
-/// divergence of the unit gradient where the values are near 1/2.
+/// Returns (convex - concave)/(convex + concave) length of the level 1/2, as seen from the bright side. The
+/// sign is that of the divergence of the unit gradient at values near 1/2.
 double convexity(const cv::Mat& coverage, const cv::Mat& seen) {
   cv::Mat s, gx, gy;
   blurred(coverage, s, 1.5);
@@ -68,7 +68,7 @@ double convexity(const cv::Mat& coverage, const cv::Mat& seen) {
   return total > 0 ? sum / total : 0;
 }
 
-/// Standard deviation of the blur of edges that are sharp in truth, from their slope.
+/// Standard deviation of the blur of edges, from their slope, assuming that the actual edges are sharp.
 double edge_blur(const cv::Mat& smooth, const cv::Mat& seen, double sigma) {
   cv::Mat gx, gy;
   cv::Sobel(smooth, gx, CV_32F, 1, 0, 3, 0.125), cv::Sobel(smooth, gy, CV_32F, 0, 1, 3, 0.125);
@@ -79,7 +79,7 @@ double edge_blur(const cv::Mat& smooth, const cv::Mat& seen, double sigma) {
         slopes.push_back(std::hypot(gx.at<float>(y, x), gy.at<float>(y, x)));
   const double slope = median(std::move(slopes));
   if (!(slope > 0)) return 1;
-  // Sobel's operator smooths as well: about 0.7 pixels.
+  // Sobel's operator adds about 0.7 pixels of smoothing.
   const double total = 1 / (slope * std::sqrt(2 * M_PI));
   return std::sqrt(std::max(total * total - sigma * sigma - 0.5, 0.0));
 }
@@ -91,7 +91,7 @@ cv::Mat normalised(const cv::Mat& grey, const Levels& levels, double least) {
 }
 
 void fill_holes(cv::Mat& inside) {
-  // Ground that does not reach the frame, as long as it is smaller than the particle around it.
+  // Ground regions that do not reach the frame and are smaller than the particle around them.
   cv::Mat ground = (inside == 0), labels, stats, centres;
   const int n = cv::connectedComponentsWithStats(ground, labels, stats, centres, 4);
   std::vector<char> fill(size_t(n), 0);
@@ -112,8 +112,8 @@ cv::Mat depth_of(const cv::Mat& inside) {
   return depth;
 }
 
-/// Half the width of a typical particle: the 99 % quantile of depth, which is cheap and close to the median
-/// over all pixels of the greatest depth near them.
+/// Half the width of a typical particle: the 99 % quantile of depth. It is cheap and close to the median over
+/// all pixels of the greatest depth near them.
 double typical_radius(const cv::Mat& inside) {
   const cv::Mat depth = depth_of(inside);
   std::vector<float> d;
@@ -133,12 +133,12 @@ std::vector<float> to_vector(const cv::Mat& m) {
   return std::vector<float>(m.ptr<float>(), m.ptr<float>() + m.total());
 }
 
-/// A micrograph on its way to particles.
+/// Intermediate pictures on the path from a micrograph to particles.
 struct Pictures {
-  cv::Mat grey, seen;  ///< as taken, without hot pixels; 255 where there is a picture
-  double span = 0;     ///< between its 0.5 % and 99.5 % quantiles
+  cv::Mat grey, seen;  ///< without hot pixels; 255 for usable pixels
+  double span = 0;     ///< difference of its 0.5 % and 99.5 % quantiles
   double noise = 0;    ///< standard deviation of the grey values
-  double sigma = 0;    ///< of the Gaussian that smooths them [pixels]
+  double sigma = 0;    ///< of the smoothing Gaussian [pixels]
   cv::Mat smooth;      ///< smoothed grey; after `even_out` its coverage
   cv::Mat coverage;    ///< 1 in the brighter class, 0 in the other; after `orient` 1 in particles
 };
@@ -150,7 +150,7 @@ Pictures read_pictures(const Micrograph& field, const SegmentationOptions& o) {
   p.seen = cv::Mat(h, w, CV_8U, cv::Scalar(255));
   if (!field.seen.empty())
     for (size_t i = 0; i < field.seen.size(); ++i) p.seen.data[i] = field.seen[i] ? 255 : 0;
-  // Unseen pixels must not raise or lower anything around them.
+  // Excluded pixels must not affect their neighbours.
   const cv::Scalar mean = cv::mean(p.grey, p.seen);
   p.grey.setTo(mean, p.seen == 0);
 
@@ -167,8 +167,8 @@ Pictures read_pictures(const Micrograph& field, const SegmentationOptions& o) {
       (o.denoise == Denoise::automatic && has_impulses(p.grey, median3, p.noise, p.span)))
     p.grey = median3, p.noise *= 0.4;
 
-  // The noise of the picture that is thresholded, relative to the contrast, should be below 0.06: the outline
-  // is then that of the particles.
+  // The noise of the thresholded picture, relative to the contrast, should be below 0.06, so that outlines
+  // follow the particles and not the noise.
   p.sigma = o.smooth;
   if (o.denoise == Denoise::none)
     p.sigma = 0;
@@ -178,14 +178,14 @@ Pictures read_pictures(const Micrograph& field, const SegmentationOptions& o) {
   return p;
 }
 
-/// Fits the levels of both classes, which vary over the field, and divides them out. Levels and classes
-/// depend on one another: four rounds. Sets `contrast`, `blur` and `noise` of the result.
+/// Fits the levels of both classes, which vary over the field, and normalises by them. Levels and classes
+/// depend on each other, and so four iterations are made. Sets `contrast`, `blur` and `noise` of the result.
 void even_out(Pictures& p, const Micrograph& field, const SegmentationOptions& o, Segmentation& out) {
   cv::Mat bright = p.smooth > first_threshold(p.smooth, p.seen);
   double scale = o.background_scale;
   for (int pass = 0; pass < 4; ++pass) {
-    // Either class may turn out to be the particles; the smaller typical width is that of both for dense
-    // layers, and of the particles for thin ones.
+    // Either class may turn out to be the particles. The smaller typical width represents both classes in
+    // dense layers, and the particles in sparse ones.
     if (o.background_scale == 0)
       scale = std::clamp(8 * std::min(typical_radius(bright), typical_radius(~bright)), 24.0,
                          0.5 * std::max(field.width, field.height));
@@ -207,12 +207,12 @@ void even_out(Pictures& p, const Micrograph& field, const SegmentationOptions& o
     if (pass == 3) p.smooth = s;
   }
   out.noise = p.noise / out.contrast;
-  // The two levels of mere noise are closer together than a few of its standard deviations.
+  // The two fitted levels of pure noise differ by less than a few of its standard deviations.
   if (out.contrast < 6 * p.noise / (2 * std::sqrt(M_PI) * std::max(p.sigma, 0.5)) + 1e-6)
     fail(field, "has no contrast above its noise: no particles found");
 }
 
-/// Decides which class the particles are; 1 is inside from here on.
+/// Decides which class the particles are; from here on 1 means inside a particle.
 void orient(Pictures& p, const Micrograph& field, const SegmentationOptions& o, Segmentation& out) {
   const double convex = convexity(p.coverage, p.seen);
   out.polarity_score = std::abs(convex);
@@ -224,7 +224,8 @@ void orient(Pictures& p, const Micrograph& field, const SegmentationOptions& o, 
   p.smooth = 1 - p.smooth;
 }
 
-/// Fills holes, leaves out unseen pixels and clips glints. Returns the depth of every pixel in its particle.
+/// Fills holes, removes excluded pixels and clips bright reflections. Returns the depth of every pixel in its
+/// particle.
 cv::Mat clean(Pictures& p, const SegmentationOptions& o, double noise) {
   cv::Mat inside = p.smooth > 0.5;
   if (o.fill_holes) {
@@ -238,13 +239,13 @@ cv::Mat clean(Pictures& p, const SegmentationOptions& o, double noise) {
   cv::Mat depth = depth_of(inside);
   depth.setTo(0, p.seen == 0);
   p.coverage.setTo(0, p.seen == 0), p.smooth.setTo(0, p.seen == 0);
-  // Noise around 0 and 1 cancels in sums; a halo or a glint is neither particle nor ground.
+  // Noise around 0 and 1 averages out in sums; halos and bright reflections are clipped.
   const double beyond = std::max(4 * noise, 0.02);
   p.coverage = cv::min(cv::max(p.coverage, -beyond), 1 + beyond);
   return depth;
 }
 
-/// Divides particles that touch, and numbers those that are large enough from 1 on.
+/// Divides touching particles, and numbers sufficiently large ones starting at 1.
 std::vector<int> number_particles(const SegmentationOptions& o, Segmentation& out) {
   const int w = out.width, h = out.height;
   int count = 0;
@@ -267,7 +268,7 @@ std::vector<int> number_particles(const SegmentationOptions& o, Segmentation& ou
   return labels;
 }
 
-/// Pixels just outside belong to the nearest particle: they hold the rest of its blurred edge.
+/// Assigns pixels just outside to the nearest particle: they contain the rest of its blurred edge.
 void add_bands(std::vector<int>& labels, const cv::Mat& seen, int band) {
   cv::Mat outside(seen.rows, seen.cols, CV_8U), nearest, distance;
   for (size_t i = 0; i < labels.size(); ++i) outside.data[i] = labels[i] ? 0 : 255;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether particles are round, and the mean outline of those that are not: outlines as r(angle) about the
-// centroid, turned so that their strongest common harmonic agrees, and averaged.
+// Classifies particles as circular or not, and computes the mean outline of non-circular ones: outlines as
+// r(angle) about the centroid, rotated so that their strongest common harmonic agrees, then averaged.
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -11,8 +11,8 @@ namespace aureole {
 namespace {
 
 constexpr int kAngles = 90, kLastHarmonic = 8;
-// Discs of a few pixels radius and 10 % noise have 0.96 and 1.06; a hexagon has 0.907, an ellipse with axes
-// 1.2 : 1 has 0.975 and 1.2.
+// Discs with a radius of a few pixels and 10 % noise have 0.96 and 1.06. A hexagon has circularity 0.907; an
+// ellipse with axes 1.2 : 1 has 0.975 and 1.2.
 constexpr double kRoundCircularity = 0.935, kRoundAspect = 1.13;
 
 double median(std::vector<double> v) {
@@ -20,8 +20,8 @@ double median(std::vector<double> v) {
   return v[v.size() / 2];
 }
 
-/// Distances to the outline from its centroid, y up, relative to sqrt(area/pi); empty where the outline does
-/// not wind around it.
+/// Distances of the outline from its centroid by angle, y up, relative to sqrt(area/pi); empty if the outline
+/// does not enclose the centroid.
 std::vector<double> polar(const Particle& p) {
   std::vector<double> r(kAngles, 0);
   const size_t n = p.outline.size();
@@ -88,7 +88,7 @@ void classify_shapes(Microstructure& m) {
       phases += std::polar(1.0, -std::arg(strongest));
       const double turn = std::arg(strongest) / m.symmetry * kAngles / (2 * M_PI);
       for (int k = 0; k < kAngles; ++k) {
-        // r(angle) has its harmonic's maximum at -arg/m of the transform.
+        // The maximum of the harmonic of r(angle) is at -arg/m of its Fourier coefficient.
         const double at = k - turn, low = std::floor(at);
         const auto value = [&](double i) { return r[size_t((int(i) % kAngles + kAngles) % kAngles)]; };
         mean[size_t(k)] +=
@@ -104,7 +104,7 @@ void classify_shapes(Microstructure& m) {
       m.mean_outline.push_back({scale * mean[size_t(k)] * std::cos(2 * M_PI * k / kAngles),
                                 scale * mean[size_t(k)] * std::sin(2 * M_PI * k / kAngles)});
   }
-  // The typical outline: nearest to the medians of area, circularity and aspect.
+  // The typical outline is the one nearest to the medians of area, circularity and aspect.
   const Particle* typical = nullptr;
   double least = INFINITY;
   for (size_t i = 0; i < free.size(); ++i) {

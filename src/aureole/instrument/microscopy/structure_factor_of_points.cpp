@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// S(q) of points in a finite window. The taper keeps the window's own transform narrow; the mean density's
-// part of the sum is subtracted, so that the rest is that of the fluctuations (Illian et al., Statistical
-// Analysis and Modelling of Spatial Point Patterns, 2008, section 4.6.4).
+// S(q) of points in a finite window. The taper keeps the transform of the window narrow. The contribution of
+// the mean density is subtracted, so that only the fluctuations remain (Illian et al., Statistical Analysis
+// and Modelling of Spatial Point Patterns, 2008, section 4.6.4).
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -17,8 +17,8 @@ struct Mode {
   int kx, ky, ring;
 };
 
-/// Vectors of half the plane (S is even), sorted by ring; at most `most` evenly picked ones of a ring, which
-/// are `part` of all of it.
+/// Vectors of a half-plane (S is even), sorted by ring. At most `most` evenly selected ones per ring are
+/// used; they are the fraction `part` of the ring.
 std::vector<Mode> choose_modes(double qx, double qy, double step, int rings, size_t most, double least,
                                std::vector<double>& part) {
   std::vector<std::vector<Mode>> by_ring(static_cast<size_t>(rings));
@@ -41,7 +41,7 @@ std::vector<Mode> choose_modes(double qx, double qy, double step, int rings, siz
   return modes;
 }
 
-/// Transform of the taper at the window's own periods: element (kx, ky) of the returned function.
+/// Transform of the taper at the window's periods: element (kx, ky) of the returned matrix.
 cv::Mat taper_transform(const PointField& f) {
   const cv::Mat taper(f.rows, f.columns, CV_32F, const_cast<float*>(f.taper.data()));
   cv::Mat out;
@@ -49,8 +49,8 @@ cv::Mat taper_transform(const PointField& f) {
   return out * (f.cell_x * f.cell_y);
 }
 
-/// Sum over points of taper exp(-i q.r) for all modes. exp(-i k q x) is tabulated per point and k, so that a
-/// mode costs a multiplication per point.
+/// Sum over points of taper exp(-i q.r) for all modes. exp(-i k q x) is tabulated per point and k, so that
+/// each mode costs one multiplication per point.
 std::vector<std::complex<double>> amplitudes(const PointField& f, const std::vector<double>& taper,
                                              const std::vector<Mode>& modes, double qx, double qy) {
   constexpr size_t kChunk = 2048, kLanes = 8;
@@ -106,7 +106,7 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
     if (!(w2 > 0) || f.x.size() < 3) continue;
     const double width = f.columns * f.cell_x, height = f.rows * f.cell_y;
     const double qx = 2 * M_PI / width, qy = 2 * M_PI / height;
-    // Neighbouring vectors share the taper's width: so many of them count as one.
+    // Neighbouring vectors within the taper's width are correlated: `shared` of them count as one.
     const double shared = w4 * double(f.taper.size()) / (w2 * w2);
 
     std::vector<double> taper(f.x.size());
@@ -136,14 +136,14 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
       std::complex<double> rest = amplitude[m];
       const auto [kx, ky, ring] = modes[m];
       if (2 * kx < f.columns && 2 * std::abs(ky) < f.rows) {
-        // Cells are sampled in their middles.
+        // Cells are sampled at their centres.
         const auto t = transform.at<cv::Vec2f>(ky < 0 ? ky + f.rows : ky, kx);
         const auto shift = std::polar(density, -0.5 * (kx * qx * f.cell_x + ky * qy * f.cell_y));
         rest -= shift * std::complex<double>(t[0], t[1]);
       }
       power[m] = std::norm(rest) / sum2;
     }
-    // Fields count by their number of points: each has the same relative error per vector.
+    // Fields are weighted by their number of points, because the relative error per vector is equal.
     for (size_t m = 0; m < modes.size(); ++m) {
       const size_t ring = size_t(modes[m].ring);
       sum[ring] += power[m], weight[ring] += 1, independent[ring] += 1 / std::max(shared * part[ring], 1.0);
@@ -155,7 +155,7 @@ RingMeans structure_factor_of(const std::vector<PointField>& fields, double step
     if (weight[k] < 4) continue;
     out.q.push_back(where[k] / weight[k]);
     out.value.push_back(sum[k] / weight[k]);
-    // |amplitude|^2 of a mode is exponentially distributed: its deviation is its mean.
+    // |amplitude|^2 of a mode is exponentially distributed, so that its standard deviation equals its mean.
     out.error.push_back(sum[k] / weight[k] / std::sqrt(std::max(independent[k], 1.0)));
   }
   return out;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Particles that touch are divided along the watersheds of the distance from their outline (Vincent & Soille,
-// "Watersheds in digital spaces", 1991), flooded from the deepest pixels up; shallow basins merge on the way.
+// Divides touching particles along the watersheds of the distance from their outline (Vincent & Soille,
+// "Watersheds in digital spaces", 1991). Flooding starts at the deepest pixels; shallow basins are merged.
 #include <algorithm>
 #include <cstdint>
 
@@ -9,8 +9,8 @@
 namespace aureole {
 namespace {
 
-constexpr float kLeastHeight = 0.75f;  // pixels: the steps of a digital outline
-constexpr float kLeastPart = 0.25f;    // two equal discs that touch have a neck of half their radius or less
+constexpr float kLeastHeight = 0.75f;  // [pixels]: the steps of a digital outline
+constexpr float kLeastPart = 0.25f;    // two equal touching discs have a neck of at most half their radius
 
 class Basins {
 public:
@@ -22,7 +22,7 @@ public:
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  /// Whether the pass at height `pass` divides them.
+  /// Whether the pass at height `pass` separates the basins.
   bool are_two(int a, int b, float pass) const {
     const float lower = std::min(peak_[a], peak_[b]);
     return lower - pass > std::max(kLeastHeight, kLeastPart * lower);
@@ -38,7 +38,7 @@ private:
   std::vector<float> peak_;
 };
 
-/// Pixels of positive depth, deepest first; equal ones in order of their place.
+/// Pixels of positive depth, deepest first; pixels of equal depth by index.
 std::vector<std::uint32_t> by_depth(const std::vector<float>& depth) {
   constexpr float kSteps = 32;
   float most = 0;

@@ -18,14 +18,15 @@
 namespace aureole {
 namespace {
 
-/// The name of an element without the prefix of its namespace, which every program chooses for itself.
+/// Returns the name of an element without its namespace prefix, which differs between programs.
 std::string_view local_name(const pugi::xml_node& node) {
   const std::string_view name = node.name();
   const auto colon = name.find(':');
   return colon == name.npos ? name : name.substr(colon + 1);
 }
 
-/// Those that do not lie in another of that name. Without recursion, so that no nesting is too deep.
+/// Returns the descendants of that name that are not inside another one of that name. Not recursive, so that
+/// any depth of nesting is safe.
 std::vector<pugi::xml_node> descendants(const pugi::xml_node& top, std::string_view name) {
   std::vector<pugi::xml_node> found;
   for (pugi::xml_node node = top.first_child(); node;) {
@@ -50,7 +51,7 @@ public:
     text_.assign(std::istreambuf_iterator<char>(stream), {});
     for (std::size_t i = 0; i < text_.size(); ++i)
       if (text_[i] == '\n') line_ends_.push_back(std::ptrdiff_t(i));
-    // Ends of lines stay as they are, so that places in an element are places in the file.
+    // Line ends are kept, so that offsets in an element are offsets in the file.
     const pugi::xml_parse_result result = document_.load_buffer(
         text_.data(), text_.size(), pugi::parse_default & ~pugi::parse_eol, pugi::encoding_utf8);
     if (!result) fail(result.offset, std::string("not well-formed: ") + result.description());
@@ -71,7 +72,8 @@ private:
     throw Error({file_, line, column}, message);
   }
   [[noreturn]] void fail(const pugi::xml_node& node, const std::string& message) const {
-    fail(std::max<std::ptrdiff_t>(node.offset_debug() - 1, 0), message);  // it points behind the bracket
+    fail(std::max<std::ptrdiff_t>(node.offset_debug() - 1, 0), message);  // offset_debug points behind the
+                                                                          // bracket
   }
   std::pair<int, int> place(std::ptrdiff_t offset) const {
     const auto end = std::lower_bound(line_ends_.begin(), line_ends_.end(), offset);
@@ -87,7 +89,7 @@ private:
     return *value;
   }
 
-  /// An attribute of the spectrum, or of the wavelength range of its colour specification.
+  /// Returns an attribute of the spectrum, or else of the wavelength range of its colour specification.
   std::optional<double> range_value(const pugi::xml_node& spectrum, const char* name) const {
     if (const auto a = spectrum.attribute(name)) return number(spectrum, a.value(), name);
     const auto range = ranges_.find(spectrum.attribute("ColorSpecification").value());
@@ -151,7 +153,7 @@ private:
   }
 
   void read_values(const pugi::xml_node& spectrum, pigment::Sample& s) const {
-    // A comment within the numbers parts their text.
+    // A comment within the numbers splits their text into several nodes.
     for (const pugi::xml_node& text : spectrum.children()) {
       if (text.type() != pugi::node_pcdata && text.type() != pugi::node_cdata)
         fail(text, fmt::format("expected numbers, got the element {}", text.name()));
@@ -162,7 +164,7 @@ private:
 
   void read_numbers(const pugi::xml_node& text, pigment::Sample& s) const {
     const std::string all = text.value();
-    const std::ptrdiff_t begin = text.offset_debug();  // of the text in the file
+    const std::ptrdiff_t begin = text.offset_debug();  // offset of the text in the file
     for (std::size_t at = 0; (at = all.find_first_not_of(" \t\r\n", at)) != all.npos;) {
       const std::size_t end = std::min(all.find_first_of(" \t\r\n", at), all.size());
       const std::string word = all.substr(at, end - at);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured samples in the Color Exchange Format, version 3 (ISO 17972-1), an XML that spectrophotometers and ink
-// formulation programs write.
+// Measured samples in the Color Exchange Format, version 3 (ISO 17972-1), an XML format written by
+// spectrophotometers and ink formulation programs.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace aureole {
 
-/// Reads all objects with a reflectance or a transmittance spectrum. An object's name is the paint, or its
-/// recipe ("red: 1 + white: 3"). The tags PAINTS, SAMPLE, BACKING and THICKNESS_UM, in any case, say more, as the columns of
-/// a table do (pigment/samples.h). Throws Error with the line and column.
+/// Reads all objects with a reflectance or transmittance spectrum. An object's name is the paint or its
+/// recipe ("red: 1 + white: 3"). The tags PAINTS, SAMPLE, BACKING and THICKNESS_UM, in any case, have the
+/// meaning of the columns of a table (pigment/samples.h). Throws Error with line and column.
 pigment::SampleTable read_cxf_file(const std::string& file);
 
 }  // namespace aureole

@@ -19,14 +19,14 @@ namespace {
 using pigment::Lab;
 using pigment::Xyz;
 
-/// HTML 4.01, section 6.5.
+/// Colour names of HTML 4.01, section 6.5.
 constexpr std::pair<const char*, const char*> kNames[] = {
     {"black", "#000000"},  {"silver", "#c0c0c0"}, {"gray", "#808080"},   {"white", "#ffffff"},
     {"maroon", "#800000"}, {"red", "#ff0000"},    {"purple", "#800080"}, {"fuchsia", "#ff00ff"},
     {"green", "#008000"},  {"lime", "#00ff00"},   {"olive", "#808000"},  {"yellow", "#ffff00"},
     {"navy", "#000080"},   {"blue", "#0000ff"},   {"teal", "#008080"},   {"aqua", "#00ffff"}};
 
-/// Linear sRGB to XYZ, the inverse of `xyz_to_srgb`, by Cramer's rule.
+/// Converts linear sRGB to XYZ, the inverse of `xyz_to_srgb`, by Cramer's rule.
 Xyz xyz_of_srgb(const Xyz& rgb) {
   double m[3][3];
   for (int j = 0; j < 3; ++j) {
@@ -52,7 +52,7 @@ Xyz xyz_of_srgb(const Xyz& rgb) {
   return xyz;
 }
 
-/// XYZ of "#rrggbb" with Y = 1 for white; nothing where it is none.
+/// Returns the XYZ of "#rrggbb", with Y = 1 for white, or nothing if the text has another form.
 std::optional<Xyz> hex_colour(const std::string& text) {
   if (text.size() != 7 || text[0] != '#' || text.find_first_not_of("0123456789abcdefABCDEF", 1) != text.npos)
     return {};
@@ -62,7 +62,7 @@ std::optional<Xyz> hex_colour(const std::string& text) {
   return xyz_of_srgb(rgb);
 }
 
-/// The mean reflectance of the samples of that name, where both know it.
+/// Returns the mean reflectance of the samples of that name at the wavelengths common to file and palette.
 ColourTarget measured_target(const std::string& file, const std::string& name,
                              const pigment::Palette& palette, const std::string& illuminant) {
   const pigment::SampleTable table = read_sample_file(file);

@@ -23,7 +23,7 @@ std::ifstream opened(const std::string& file) {
   return stream;
 }
 
-/// A value of a JSON document and its path, "samples[3].values[12]", for errors.
+/// A value of a JSON document and its path, such as "samples[3].values[12]", for errors.
 class Item {
 public:
   Item(const std::string& file, const json& value, std::string path)
@@ -89,7 +89,7 @@ std::vector<pigment::Component> paints_of(const Item& item) {
   }
 }
 
-/// A factor of the numbers.
+/// Returns the factor that converts the numbers to fractions.
 double unit_of(const Item& item) {
   const std::string unit = item.has("unit") ? item.at("unit").text() : "fraction";
   if (unit != "fraction" && unit != "percent")
@@ -120,7 +120,7 @@ pigment::SampleTable sample_document(const Item& document) {
   return table;
 }
 
-/// The layout of github.com/miciwan/PaintMixing: an array of wavelengths and samples, in per cent.
+/// Reads the layout of github.com/miciwan/PaintMixing: an array of wavelengths and samples, in per cent.
 pigment::SampleTable paint_mixing(const Item& document) {
   pigment::SampleTable table;
   for (const Item& item : document.items()) {
@@ -142,13 +142,13 @@ pigment::SampleTable read_json_samples(const std::string& file) {
     std::ifstream stream = opened(file);
     document = json::parse(stream);
   } catch (const json::parse_error& e) {
-    throw Error({file, 0, 0}, e.what());  // it says line and column
+    throw Error({file, 0, 0}, e.what());  // the message contains line and column
   }
   const Item item(file, document, "");
   return item.is_array() ? paint_mixing(item) : sample_document(item);
 }
 
-/// Calls f() and gives faults of the table a place in its file.
+/// Calls f() and adds the location in the file to errors about the table.
 template <class F>
 auto located(const std::string& file, const pigment::SampleTable& table, F&& f) {
   try {
@@ -167,7 +167,8 @@ auto located(const std::string& file, const pigment::SampleTable& table, F&& f) 
   }
 }
 
-/// By the ending, else by how the text begins. CGATS has many endings: .txt, .cgats, .ti3, .sp, .it8.
+/// Detects the format by the extension, or else by the beginning of the text. CGATS has many extensions:
+/// .txt, .cgats, .ti3, .sp, .it8.
 std::string kind_of(const std::string& file) {
   const std::string ending = pigment::lower_case(file.substr(std::min(file.rfind('.'), file.size())));
   if (ending == ".json") return "json";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Files of measured paints and of palettes. What is wrong in one is an Error with the file and the line and
-// column, or the key.
+// Files of measured paints and of palettes. Problems are Errors with the file and either line and column or
+// the JSON path.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,26 +12,27 @@
 
 namespace aureole {
 
-/// Reads measured samples: comma-separated values (pigment/samples.h); CGATS (pigment/cgats_text.h), by the ending
-/// .cgats or by the word BEGIN_DATA_FORMAT; CxF (cxf_file.h), by the ending .cxf or since it begins with '<'; or JSON where the name
-/// ends with .json:
+/// Reads measured samples, in one of these formats: comma-separated values (pigment/samples.h); CGATS
+/// (pigment/cgats_text.h), with the extension .cgats or containing the word BEGIN_DATA_FORMAT; CxF
+/// (cxf_file.h), with the extension .cxf or beginning with '<'; or, with the extension .json, JSON of the
+/// form
 ///     {"unit": "fraction" or "percent", "wavelengths_nm": [...],
-///      "samples": [{"sample": ..., "paints": {"red": 0.1, "white": 0.9}, "quantity": "R", "backing": "opaque",
-///                   "thickness_um": 20, "values": [...]}, ...]}
-/// where `paints` may also be a recipe as text, and all but `paints` and `values` may be missing; or the
-/// array of the repository PaintMixing (wavelengths, then samples in per cent). `kimera` is the table of the
-/// library.
+///      "samples": [{"sample": ..., "paints": {"red": 0.1, "white": 0.9}, "quantity": "R",
+///                   "backing": "opaque", "thickness_um": 20, "values": [...]}, ...]}
+/// where `paints` may also be a recipe as text, and all but `paints` and `values` are optional. JSON may also
+/// be the array of the repository PaintMixing (wavelengths, then samples in per cent). The name `kimera`
+/// reads the built-in table of the library.
 pigment::SampleTable read_sample_file(const std::string& file);
 
-/// `pigment::fit`, with errors located in the file.
+/// Calls `pigment::fit`, with errors located in the file.
 pigment::Fit fit_file(const std::string& file, const pigment::SampleTable& table,
                       const pigment::FitSettings& settings);
 
-/// The paints of a recipe that are in it.
+/// Returns the paints with a positive fraction in a recipe.
 std::vector<pigment::Component> components_of(const pigment::Palette& palette,
                                               const std::vector<double>& fractions);
 
-/// A palette's pigments with K, S and their errors.
+/// A palette's pigments with K, S and their errors, as JSON.
 nlohmann::json palette_json(const pigment::Palette& palette);
 
 }  // namespace aureole

@@ -44,7 +44,8 @@ void DecibelScale::set_ends(std::optional<double> min, std::optional<double> max
 
 namespace {
 
-/// The median of the finite values around each cell, that of 3 x 3: lines of equal value would else be those of the noise.
+/// The median of the finite values among the 3 x 3 cells around each cell; without it, contours would follow
+/// the noise.
 std::vector<double> without_outliers(const std::vector<double>& values, int width, int height) {
   std::vector<double> result(values.size());
   for (int y = 0; y < height; ++y)
@@ -63,7 +64,7 @@ std::vector<double> without_outliers(const std::vector<double>& values, int widt
   return result;
 }
 
-/// Lines of equal value between the centres of cells, by marching squares; `zoom` pixels per cell.
+/// Draws contour lines between the centres of cells, by marching squares; `zoom` is in pixels per cell.
 void draw_contours(cv::Mat& picture, const std::vector<double>& values, int width, int height, int zoom,
                    double level) {
   constexpr int kFine = 16;  // sixteenths of a pixel
@@ -92,7 +93,7 @@ void draw_contours(cv::Mat& picture, const std::vector<double>& values, int widt
 }  // namespace
 
 Image decibel_picture(const std::vector<double>& values, int width, int height, const DecibelScale& scale) {
-  // Contours are drawn level by level.
+  // Bounds the number of contours, which are drawn one by one.
   if (!(scale.max_db > scale.min_db && scale.max_db - scale.min_db <= DecibelScale::kWidest &&
         std::abs(scale.max_db) < 1e6))
     throw Error(fmt::format("no colours from {} to {} dB: they rise, by {} dB at most", scale.min_db,

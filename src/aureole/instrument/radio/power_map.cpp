@@ -15,7 +15,7 @@ namespace aureole {
 
 namespace {
 
-/// Whether a channel is a bin of a spectral film, not its preview.
+/// Whether a channel is a bin of a spectral film, as opposed to its preview.
 bool is_bin(const std::string& channel) { return channel.starts_with("S0."); }
 
 std::vector<double> decibels(const std::vector<double>& values, const auto& reference) {
@@ -30,14 +30,15 @@ std::vector<double> decibels(const std::vector<double>& values, const auto& refe
   return db;
 }
 
-/// The film's measurement of the light that would arrive at the cells in empty space, per channel of the film.
+/// The film's measurement of the light that would arrive at the cells in free space, per channel of the film.
 std::vector<double> free_space(const Scene& scene, int samples) {
   const PlacedSensor& sensor = scene.sensor();
   const Film& film = sensor.film();
   const int width = film.crop_width(), height = film.crop_height(), channels = film.measured_channels();
   std::vector<double> sums(std::size_t(width) * std::size_t(height) * std::size_t(channels));
   const int side = std::max(1, int(std::lround(std::sqrt(samples))));
-  // Lamps that connections reach surely are summed up, which has no noise, where they are few; others are chosen from.
+  // A few delta emitters are summed, which has no noise; with more of them, or other emitters, samples are
+  // taken.
   constexpr std::size_t kMostSummed = 64;
   std::vector<const Light*> summed;
   for (const Light& light : scene.emitters())
@@ -58,7 +59,7 @@ std::vector<double> free_space(const Scene& scene, int samples) {
         const Vec2 place{float(x + film.crop_x()) + (float(k % side) + 0.5f) / float(side),
                          float(y) + float(film.crop_y()) + (float(k / side) + 0.5f) / float(side)};
         const auto receiver = sensor.receiver(place);
-        // A lattice of wavelengths over the places of a cell.
+        // A lattice of wavelengths over the positions in a cell.
         const Wavelengths w = scene.wavelengths().sample((float(k) + 0.5f) / float(side * side), next());
         if (!receiver) continue;
         const auto add = [&](const Light& light, std::size_t part, Vec2 u, float probability) {
@@ -87,14 +88,14 @@ std::vector<double> free_space(const Scene& scene, int samples) {
   return sums;
 }
 
-/// A channel of the film that a map is made of.
+/// A channel of the film for which a map is made.
 struct Band {
   std::size_t channel;
-  double min_nm, max_nm, mean_nm;  ///< where it responds
-  double power, seen;              ///< of all emitters, and as the channel weights it
+  double min_nm, max_nm, mean_nm;  ///< range and mean of its response
+  double power, seen;              ///< power of all emitters: total, and weighted by the channel's response
 };
 
-/// Throws Error where no emitter shines into one of them.
+/// Throws Error if no emitter has power in one of the bands.
 std::vector<Band> bands(const Scene& scene) {
   const Film& film = scene.sensor().film();
   const SpectralGrid& grid = scene.wavelengths().grid();

@@ -36,7 +36,7 @@ Image overlay(const Micrograph& field, const Segmentation& s, const std::vector<
     cv::line(picture, c - cv::Point(2, 0), c + cv::Point(2, 0), cv::Scalar(230, 0, 60));
     cv::line(picture, c - cv::Point(0, 2), c + cv::Point(0, 2), cv::Scalar(230, 0, 60));
   }
-  // Cut particles have no closed outline: their boundary pixels.
+  // Cut particles have no closed outline; their boundary pixels are drawn instead.
   std::vector<char> cut(size_t(s.count) + 1, 1);
   for (const Particle& p : particles)
     if (!p.cut)

@@ -14,8 +14,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kLargestFraction = 0.7;  // of correlated_scatterers
-constexpr double kLeastSpread = 0.02;     // relative deviation of radii that a picture can tell from none
+constexpr double kLargestFraction = 0.7;  // upper bound of `correlated_scatterers`
+constexpr double kLeastSpread = 0.02;     // smallest relative deviation of radii that a picture can resolve
 
 Json json(const Estimate& e, double unit = 1) {
   return {{"value", e.value / unit}, {"low", e.low / unit}, {"high", e.high / unit}};
@@ -98,10 +98,10 @@ std::string particle_table(const Microstructure& m) {
 
 struct Bin {
   double size = 0, count = 0;
-  double middle = 0;  ///< of the bin
+  double middle = 0;  ///< centre of the bin
 };
 
-/// Whole particles by radius/mean radius.
+/// Histogram of uncut particles by radius/mean radius.
 std::vector<Bin> size_bins(const Microstructure& m, double* width = nullptr) {
   std::vector<Bin> all;
   double least = INFINITY, most = 0;
@@ -152,7 +152,8 @@ std::string scene_snippet(const Microstructure& m) {
   double largest = 1;
   if (spread)
     for (const Bin& b : size_bins(m)) largest = std::max(largest, b.size);
-  // Scatterers must fit into discs of the correlation radius. Radii that round to equal are equal.
+  // Scatterers must fit into discs of the correlation radius. Radii that are equal within rounding are made
+  // equal.
   double fraction = m.area_fraction.value, radius = r;
   std::string remark;
   if (!spread && r > a && r < 1.03 * a) radius = a;
@@ -163,7 +164,7 @@ std::string scene_snippet(const Microstructure& m) {
   }
   const bool fits = reach * largest <= a;
   if (!fits && spread) {
-    // Small ones lie closer together than large ones: each has a disc of its own size.
+    // Small particles are closer together than large ones: each gets a disc proportional to its own size.
     fraction = m.shape_fraction.value * (reach / r) * (reach / r);
     remark =
         "\n     Sizes differ by more than the correlation radius leaves room for: they are packed together.";

@@ -35,7 +35,7 @@ Axes fit_axes(const Plot& plot) {
   return a;
 }
 
-/// The plot of the logarithms; values without one take the place of the least that has.
+/// The plot of the logarithms; values without a logarithm are replaced by the least value that has one.
 Plot logarithms(Plot plot) {
   double least = INFINITY;
   for (const PlotSeries& s : plot.series)
@@ -107,7 +107,7 @@ void add_series(std::string& out, const PlotSeries& s, const Axes& a) {
     }
 }
 
-/// Width beside the axes for the names of many lines, which would hide lines within; 0 for few.
+/// Width beside the axes for a legend of many lines, which would hide lines if inside; 0 for few lines.
 int legend_width(const Plot& plot) {
   constexpr int kMostWithin = 4;
   const auto named = std::count_if(plot.series.begin(), plot.series.end(),
@@ -115,7 +115,7 @@ int legend_width(const Plot& plot) {
   return named > kMostWithin ? 160 : 0;
 }
 
-/// `width`: of the whole picture.
+/// Adds the legend; `width` is the whole picture's width.
 void add_legend(std::string& out, const Plot& plot, int width) {
   const double x = width - kRight - 12;
   double y = kTop + 8;
