@@ -13,7 +13,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-PAGES = ["CONTRIBUTING.md", "docs/architecture.md", "docs/decisions.md"]
+PAGES = ["CONTRIBUTING.md", "docs/architecture.md", "docs/decisions/*.md"]  # patterns
 BASES = ["", "src", "src/aureole", "build"]  # where a path may begin
 PLACEHOLDER = re.compile(r"\S*<[\w ]+>\S*|\S*\bNAME\b\S*|\bA:B\b")
 STYLES = {"PascalCase", "snake_case", "kLikeThis"}  # names of styles, written in them
@@ -118,11 +118,12 @@ def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
     tree = Tree(root)
     problems = []
-    for page in PAGES:
+    pages = sorted(str(p.relative_to(root)) for pattern in PAGES for p in root.glob(pattern))
+    for page in pages:
         text = (root / page).read_text(encoding="utf-8")
         problems += check_names(tree, page, text)
         problems += check_blocks(tree, page, text)
-    print("\n".join(problems) if problems else f"{len(PAGES)} pages agree with the source")
+    print("\n".join(problems) if problems else f"{len(pages)} pages agree with the source")
     return 1 if problems else 0
 
 

@@ -26,7 +26,7 @@ struct PathLimits {
   /// The largest probability of surviving roulette, after so many scattering events. Paths in media that hardly
   /// absorb are long: a loss of 5 % at every vertex would make the few that survive hundreds of times as bright as
   /// the others. A loss of 1/(2 n) at the n-th, between the 500th and the 10,000th, lets their weights grow as the root
-  /// of n; before and after it is constant, .001 and .00005 (docs/decisions.md).
+  /// of n; before and after it is constant, .001 and .00005 (docs/decisions/0099-long-path-roulette.md).
   static float most_survival(const Scene& scene, int scattered) {
     return scene.has_media() ? 1 - std::clamp(0.5f / float(scattered + 1), 5e-5f, 1e-3f) : 0.95f;
   }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kReach = 3;  ///< of the window, on each side
 /// Squared errors of stratified samples fall as n^-1.5, about: sum(variance n^-1.5) is least for n in
-/// proportion to variance^(1 / 2.5). Measured on two scenes, docs/decisions.md.
+/// proportion to variance^(1 / 2.5). Measured on two scenes, docs/decisions/0043-adaptive-densities.md.
 constexpr double kPower = 0.4;
 constexpr int kStepsPerOctave = 16;  ///< noise is sorted into classes of this width
 constexpr int kClasses =

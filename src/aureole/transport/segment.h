@@ -2,7 +2,7 @@
 // Places in a medium along a flight that are chosen by a light near it, beside the place where the flight is
 // scattered. Both ways of choosing a place know the pivot of the other, a point of a light that is chosen for
 // the flight as a whole; what is connected from the place does not depend on it. So the balance heuristic
-// compares the two densities along the flight (docs/decisions.md).
+// compares the two densities along the flight (docs/decisions/0065-equiangular-sampling.md).
 #pragma once
 
 #include <optional>
@@ -22,7 +22,7 @@ inline std::optional<Equiangular> places_by_light(const Scene& scene, const Flig
   if (!leaf) return {};
   const Bounds3& box = tree.leaf(*leaf).box;
   const Equiangular places(flight.ray, t_max, box.center(), 0.5f * length(box.diagonal()));
-  constexpr float kNear = 1, kReach = 4;  // optical depths, by measurement (docs/decisions.md)
+  constexpr float kNear = 1, kReach = 4;  // optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md)
   const MajorantGrid* grid = flight.medium->majorants();
   const float sigma = mean(flight.medium->majorant(flight.ray.d, w)) * (grid ? grid->maximum() : 1.f);
   if (!places.is_valid() || !(sigma * places.distance() < kNear) || !(sigma * places.nearest() < kReach))
