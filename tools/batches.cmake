@@ -26,7 +26,7 @@ function(aureole_batches result name root most)
   set(${result} ${batches} PARENT_SCOPE)
 endfunction()
 
-# The same for commands, tests and bindings, of any folders, whose unnamed namespaces are put into a namespace of each file, since their functions have
+# Batches of commands, tests and bindings, of any folders, whose unnamed namespaces are put into a namespace of each file, since their functions have
 # the same names everywhere (tools/batch_sources.py).
 function(aureole_separated_batches result name root most)
   if(NOT AUREOLE_BATCHES)

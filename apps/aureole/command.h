@@ -70,7 +70,7 @@ struct Command {
   std::function<std::function<int()>(CommandOptions&)> declare;
 };
 
-/// Those registered, sorted by name.
+/// The registered commands, sorted by name.
 std::vector<Command> commands();
 
 struct CommandRegistration {

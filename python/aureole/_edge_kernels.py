@@ -159,7 +159,7 @@ def straight_edge_power(cosine: npt.ArrayLike, k: npt.ArrayLike, sigma: npt.Arra
 
 def straight_edge_corrections(across: npt.ArrayLike, along: npt.ArrayLike, k: npt.ArrayLike, sigma: npt.ArrayLike, *,
                               shown: npt.ArrayLike = 1.0, weight: npt.ArrayLike = 1.0) -> Reals:
-    """What `straight_edge_kernels` has more than `mean_edge_kernel` has on an endless straight edge, times `weight`.
+    """Excess of `straight_edge_kernels` over `mean_edge_kernel` on an endless straight edge, times `weight`.
 
     Pictures add it to the mean kernel near corners and other edges, with the weight of `straight_edge_weights`.
 

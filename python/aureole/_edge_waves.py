@@ -47,7 +47,7 @@ class EdgeWaves:
     amplitudes : array_like of real or complex numbers
         Amplitude of the light at both ends, shape (n, 2), linear between; or one number for all.
     zeroth_order : {'beam', 'edge', 'none'}
-        Which light straight ahead is removed. 'beam': the power is multiplied by 1 - chi(q), chi a Gaussian of standard
+        How the undiffracted beam is removed. 'beam': the power is multiplied by 1 - chi(q), chi a Gaussian of standard
         deviation `sigma` (1/(2 s) for a Gaussian beam whose intensity has the standard deviation s), so that results do
         not depend on how edges are cut. 'edge': chi of sqrt(3)/length for each edge, as published. 'none': nothing.
     sigma : float, optional
@@ -202,7 +202,7 @@ def amplitude_moments(corners: npt.ArrayLike, values: npt.ArrayLike) -> Amplitud
 
 
 def zeroth_order_power(corners: npt.ArrayLike, values: npt.ArrayLike, sigma: float) -> float:
-    """Power in the light straight ahead, by the height and the curvature of its peak.
+    """Power in the undiffracted beam, by the height and the curvature of its peak.
 
     The peak is taken for a Gaussian, 2 pi |F(0)|^2/(4 pi^2) det(H + 1/sigma^2)^(-1/2), H the curvature of -ln |F|^2.
 

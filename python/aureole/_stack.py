@@ -198,7 +198,7 @@ class PlaneStack:
 
     @property
     def shape(self) -> Tuple[int, ...]:
-        """Of all results, before the axes of directions or positions."""
+        """The shape of all results, before the axes of directions or positions."""
         return self._shape
 
     @property

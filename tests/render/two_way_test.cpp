@@ -93,7 +93,7 @@ TEST(TwoWayTechniques, EachFindsWhatTheOthersFind) {
   }
 }
 
-// The same for an irradiance meter on the floor, whose place a connection chooses on the surface.
+// Single techniques for an irradiance meter on the floor, whose point a connection samples on the surface.
 TEST(TwoWayTechniques, EachFindsWhatAMeterMeasures) {
   const auto only = [](int s, int t) {
     const std::string text = fmt::format(

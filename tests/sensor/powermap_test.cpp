@@ -154,7 +154,7 @@ TEST(PowerMap, EachMapOfABatchSeesTheMirror) {
   const std::string mirror =
       "<shape type='rectangle'><transform name='to_world'><scale value='100'/><translate z='-1'/></transform>"
       "<bsdf type='conductor'/></shape>";
-  // The same map two times: all mirrored light passes both.
+  // One map two times: all mirrored light passes both.
   const auto one = [](const char* id) {
     return "<sensor type='powermap' id='" + std::string(id) +
            "'><transform name='to_world'><scale x='3' y='2'/></transform></sensor>";

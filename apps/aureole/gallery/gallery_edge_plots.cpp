@@ -111,7 +111,7 @@ EdgeMap edge_wave_map(double a, double b, double extent, double inset) {
 }
 
 EdgeCurves edge_amplitude(double a, double b, double ratio) {
-  // Of an edge of length 1 in a beam of 1/ratio, the standard deviation of the amplitude.
+  // An edge of length 1 in a beam whose amplitude has the standard deviation 1/ratio.
   const auto gauss = [&](double t) { return std::exp(-0.5 * std::pow(ratio * t, 2)); };
   const double ends = gauss(0.5), from = a * ends, to = b * ends;
   PlotSeries series[] = {line("exact", 0), line("linear amplitude", 1), line("constant amplitude", 2)};
