@@ -13,7 +13,7 @@ TSAN_TESTS ?= ^(Determinism|RenderState|FilmBuffer|EditedSceneByHand)
 SEED ?= $(shell tools/with_fuzz_seed.sh)
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build program demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes words lint install wheel clean
+.PHONY: deps build program demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes words lint lint-all install wheel clean
 
 deps:
 	@tools/install_deps.sh
@@ -77,8 +77,13 @@ includes:
 words:
 	@tools/check_words.py --root . $(WORDS_ARGS)
 
-lint: build
-	@command -v clang-tidy > /dev/null || { echo "lint needs clang-tidy: apt-get install clang-tidy"; exit 1; }
+# clang-tidy, ruff and shellcheck on files that differ from LINT_BASE (default: main); a tool that is not installed is passed over.
+lint:
+	@tools/lint_changed.sh $(LINT_BASE)
+
+# clang-tidy on all sources of the library and the programs.
+lint-all: build
+	@command -v clang-tidy > /dev/null || { echo "lint-all needs clang-tidy: apt-get install clang-tidy"; exit 1; }
 	@cmake --preset $(PRESET) -B build/lint -DAUREOLE_BATCHES=OFF > /dev/null
 	@git ls-files 'src/*.cpp' 'apps/*.cpp' | xargs -P $(JOBS) -n 4 clang-tidy -p build/lint --quiet
 

@@ -6,6 +6,7 @@
 - A walk through a file shows all of it: between `<!-- walk FILE -->` and `<!-- end of walk -->` the blocks of C++, one after
   the other, are that file but for blank lines.
 - A block of C++ under `<!-- from FILE -->` stands in that file, but for indentation.
+- CITATION.cff states the version of src/aureole/core/version.h.
 
 Prints every difference with its page and line."""
 import re
@@ -17,7 +18,7 @@ PAGES = ["CONTRIBUTING.md", "docs/architecture.md", "docs/decisions/*.md"]  # pa
 BASES = ["", "src", "src/aureole", "build"]  # where a path may begin
 PLACEHOLDER = re.compile(r"\S*<[\w ]+>\S*|\S*\bNAME\b\S*|\bA:B\b")
 STYLES = {"PascalCase", "snake_case", "kLikeThis"}  # names of styles, written in them
-TEXTS = {".h", ".cpp", ".inc", ".S", ".py", ".pyi", ".sh", ".txt", ".toml", ".json", ".xml", ".ipynb", ".yml", ".yaml", ""}
+TEXTS = {".h", ".cpp", ".inc", ".S", ".bib", ".py", ".pyi", ".sh", ".txt", ".toml", ".json", ".xml", ".ipynb", ".yml", ".yaml", ""}
 
 
 def lines_of(text):
@@ -123,6 +124,9 @@ def main():
         text = (root / page).read_text(encoding="utf-8")
         problems += check_names(tree, page, text)
         problems += check_blocks(tree, page, text)
+    version = re.search(r'kVersion = "([^"]+)"', (root / "src/aureole/core/version.h").read_text(encoding="utf-8"))[1]
+    if f"\nversion: {version}\n" not in (root / "CITATION.cff").read_text(encoding="utf-8"):
+        problems.append(f"CITATION.cff: the version is not {version}")
     print("\n".join(problems) if problems else f"{len(pages)} pages agree with the source")
     return 1 if problems else 0
 
