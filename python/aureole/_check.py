@@ -77,7 +77,7 @@ class CheckRecord:
     def severity(self) -> float:
         """How near to failing, or how far beyond: above 1 where the record failed."""
         if self.p_value is not None:
-            # In decades, so that .02 and 1e-300 can be told apart.
+            # In decades, so that 0.02 and 1e-300 can be told apart.
             return float(np.log(max(self.p_value, 1e-300)) / np.log(self.limit))
         if np.isnan(self.figure):
             return float("inf")

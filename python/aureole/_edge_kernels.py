@@ -66,7 +66,7 @@ def mean_edge_powers(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, k: npt
     Returns
     -------
     numpy.ndarray
-        In units of length. A closed form but for a quadrature along the edges, right within some .2 % in beams of 25 wavelengths and
+        In units of length. A closed form but for a quadrature along the edges, right within some 0.2 % in beams of 25 wavelengths and
         2.5 % in beams of 5 (docs/optics.md).
 
     Examples

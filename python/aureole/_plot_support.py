@@ -45,7 +45,7 @@ def colour_of(wavelength: npt.ArrayLike) -> Array:
     linear = np.maximum(linear, 0)
     peak = linear.max(-1, keepdims=True)
     pure = linear / np.where(peak > 0, peak, 1)
-    # Visibility of the colour to the eye; above .9 between 410 and 690 nm.
+    # Visibility of the colour to the eye; above 0.9 between 410 and 690 nm.
     seen = 1 - np.exp(-peak / 0.02)
     return spectrum.srgb_encode(np.clip(0.85 * (pure * seen + 0.12 * (1 - seen)), 0, 1))
 

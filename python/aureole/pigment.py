@@ -159,7 +159,7 @@ def two_flux_error(albedo: npt.ArrayLike, thickness: npt.ArrayLike, g: npt.Array
     thickness : array_like
         In transport lengths, 1/(sigma_s (1 - g)), in [1e-6, 1e6].
     g : array_like
-        Mean cosine of Henyey and Greenstein's phase function, in [-.99, .99].
+        Mean cosine of Henyey and Greenstein's phase function, in [-0.99, 0.99].
     index : float
         Of the layer, in [1, 10]; 1 is no interface. Kubelka and Munk get Saunderson's for it.
     substrate : float
