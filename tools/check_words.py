@@ -4,7 +4,7 @@
 
 - Comments of C++, Python, shell, CMake and make do not begin with an opening that has no noun of its own (OPENINGS),
   and hold no word or phrase that only this project would understand (PHRASES).
-- Pages in `docs` have one sentence a line and numbers with a leading zero.
+- Pages in `docs` have one sentence a line, numbers with a leading zero, and none of these phrases.
 
 Prints each finding with file and line and fails if there is any. PATH restricts the check to files and folders; a path
 inside an excluded one is checked when it is named. With --count, prints the number of findings of each folder instead."""
@@ -182,6 +182,10 @@ def check_page(text):
             previous = ""
             continue
         plain = plain_text(stripped)
+        for pattern, term in PHRASES:
+            m = pattern.search(plain)
+            if m:
+                yield number, f"\"{m[0]}\": write of {term}"
         if sentences_end_inside(plain):
             yield number, "more than one sentence on a line"
         begins = re.match(r"(?:[-*+]|\d+\.)\s", stripped)
