@@ -59,6 +59,12 @@ PHRASES = [
     (r"\bremarks?\b|\bremarked\b", "note; warning"),
     (r"\bhow (?:seldom|much is lent)\b", "probability"),
     (r"\bweight that is left\b|\bwhat is left of the (?:path|weight)\b", "path throughput"),
+    (r"\bat a place\b", "at a point, surface, vertex"),
+    (r"\bwhat of (?:the|its|it|a|an|that|this|their)\b", "the fraction, the part of"),
+    (r"\bwhat is (?:met|seen)\b", "the hit; the visible"),
+    (r"\bopen ways?\b", "unoccluded segment"),
+    (r"\brays? (?:that )?meets?\b|\bmeets? (?:a|the|no|any) (?:rays?|surface|lamps?|light|scene|face|edge|shape|sphere|box|triangle)s?\b",
+     "hit, intersect"),
     (r"\bsurfaces? with a priority\b", "nested dielectric, priority"),
 ]
 PHRASES = [(re.compile(pattern, re.IGNORECASE), term) for pattern, term in PHRASES]

@@ -85,7 +85,7 @@ class EmitterSample:
     valid : ndarray of bool, shape (...)
         False where the emitter sends nothing to the reference.
     is_delta : bool
-        The emitter is a point or shines into one direction, which no ray meets by chance.
+        The emitter is a point or shines into one direction, which no ray hits by chance.
     """
 
     wo: FloatArray

@@ -407,7 +407,7 @@ TEST(EdgeLedger, WaysFarFromEdgesLendNothing) {
 }
 
 /// The mean irradiance that light has from within on a sphere around an obstacle, in even light: 1 without losses. Light that passes 3 sigma
-/// beside the obstacle goes on for as much before it meets the sphere.
+/// beside the obstacle goes on for as much before it hits the sphere.
 Picture around(const std::string& obstacle, const char* reflectance, const char* integrator,
                bool diffraction) {
   return render(std::string(R"(<string name="length_unit" value="20um"/><integrator type=")") + integrator +

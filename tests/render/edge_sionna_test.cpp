@@ -77,9 +77,9 @@ double by_uniform_theory(const Row& r, double n, optics::WedgeFaces faces) {
 /// Powers of a cell, direct light included.
 struct Cell {
   double direct = 0;
-  double fields = 0;  ///< sionna-rt, paths added with their phases
-  double soft = 0;    ///< sionna-rt, powers of paths added
-  double hard = 0;    ///< for hard polarisation: by `Wedge`, since that of sionna-rt has wrong signs
+  double fields = 0;       ///< sionna-rt, paths added with their phases
+  double soft = 0;         ///< sionna-rt, powers of paths added
+  double hard = 0;         ///< for hard polarisation: by `Wedge`, since that of sionna-rt has wrong signs
   double half_planes = 0;  ///< black half planes in place of wedges, of edges that throw a shadow
   double turn = 0, fresnel_number = 0;  ///< about the edge that sends most
   double strongest = -1;

@@ -38,7 +38,7 @@ std::string sheet(double x, double y, double half_x, double half_y, double z, do
 }
 Wavelengths wavelengths_of(const Scene& scene) { return Wavelengths::at(scene.parts().context->grid, 500.f); }
 
-/// The edge at a place of the xy-plane, with the place on it; nothing where no edge is there.
+/// The edge at a point of the xy-plane, with the position on it; nothing where no edge is there.
 std::optional<EdgePoint> place_at(const Scene& scene, float x, float y) {
   for (const MeshEdge& edge : scene.edges()->index().edges()) {
     Vec3 p{x, y, edge.a.z};

@@ -22,7 +22,7 @@ inline std::optional<Equiangular> places_by_light(const Scene& scene, const Flig
   if (!leaf) return {};
   const Bounds3& box = tree.leaf(*leaf).box;
   const Equiangular places(flight.ray, t_max, box.center(), 0.5f * length(box.diagonal()));
-  constexpr float kNear = 1, kReach = 4;  // optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md)
+  constexpr float kNear = 1, kReach = 4;  // optical depths, by measurement (docs/decisions/0065-*.md)
   const MajorantGrid* grid = flight.medium->majorants();
   const float sigma = mean(flight.medium->majorant(flight.ray.d, w)) * (grid ? grid->maximum() : 1.f);
   if (!places.is_valid() || !(sigma * places.distance() < kNear) || !(sigma * places.nearest() < kReach))
