@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Sources that are compiled together. Most of the time of a small source goes into what it includes and into templates that its
+# Sources that are compiled together. Most of the time of a small source goes into its includes and into templates that its
 # neighbours instantiate, too; one compilation of several of them takes about half (docs/decisions/0123-source-batches.md). An edit compiles
 # its whole batch again: who works on the code may turn batches off. Names in unnamed namespaces must then differ among the sources
 # of a folder of the library; functions of one name and different parameters become overloads of each other.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole layer: optical data of a sheet, a pane or a layer of a scene: how much light it transmits and
-// reflects, directly and diffusely, by wavelength and as seen by the CIE observer; its haze; its losses.
+// aureole layer: optical data of a sheet, a pane or a layer of a scene: transmittance and reflectance,
+// direct and diffuse, by wavelength and as seen by the CIE observer; its haze; its losses.
 // Measured from the BSDF's own samples, so that it works for any BSDF.
 #include <fmt/format.h>
 

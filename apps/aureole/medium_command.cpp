@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole medium: what a medium of a scene absorbs and scatters, by wavelength, and how it looks.
+// aureole medium: absorption and scattering of a medium of a scene, by wavelength, and how it looks.
 #include <fmt/format.h>
 
 #include <algorithm>

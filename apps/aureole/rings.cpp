@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // aureole rings: the corona of one lamp in a picture, measured, beside its prediction by quadrature from the
-// lamp's spectrum, the size of the scatterers and the places of camera, pane and lamp. The prediction is
+// lamp's spectrum, the size of the scatterers and the positions of camera, pane and lamp. The prediction is
 //     L(v) = integral over the lamp and over wavelengths of S(lambda) xyz(lambda) (1/lambda^2) J(k |(w -
 //     v)_xy|) dw,
 // v from the camera to a point of the pane, w from there to a point of the lamp, J of

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A line on the terminal while tables of a scene's objects are computed, with the time that is left.
+// A line on the terminal while tables of a scene's objects are computed, with the remaining time.
 #pragma once
 
 #include <chrono>

@@ -189,7 +189,7 @@ def straight_edge_power_correction(cosine: npt.ArrayLike, sigma: npt.ArrayLike) 
 
 def straight_edge_weights(place: npt.ArrayLike, before: npt.ArrayLike, after: npt.ArrayLike, others: npt.ArrayLike,
                           sigma: npt.ArrayLike) -> Reals:
-    """How much of the coherent light about a place on an edge is that of the edge's straight line alone.
+    """The fraction of the coherent light about a point on an edge that belongs to the edge's straight line alone.
 
     Parameters
     ----------

@@ -36,7 +36,7 @@ class AmplitudeMoments(NamedTuple):
 
 
 class EdgeWaves:
-    """The far field of a lit region as a sum of waves from its edges.
+    """The far field of an irradiated region as a sum of waves from its edges.
 
     Lengths are in any one unit, wave vectors q in rad per that unit: 2 pi/wavelength times the change of direction.
 
@@ -89,7 +89,7 @@ class EdgeWaves:
     @classmethod
     def polygon(cls, vertices: npt.ArrayLike, amplitude: complex = 1.0, *, zeroth_order: str = "beam",
                 sigma: Optional[float] = None) -> EdgeWaves:
-        """The edges of a closed polygon, vertices counter-clockwise, lit evenly."""
+        """The edges of a closed polygon, vertices counter-clockwise, evenly irradiated."""
         ring, even = _ring("vertices", vertices), complex_numbers("amplitude", amplitude)
         if even.ndim:
             raise Error(f"amplitude: expected one number, got an array of shape {even.shape}")
@@ -281,7 +281,7 @@ def interfering_power(edges: npt.ArrayLike, amplitudes: npt.ArrayLike = 1.0, *, 
 
 
 def mean_edge_sigma(edges: npt.ArrayLike, amplitudes: npt.ArrayLike = 1.0) -> float:
-    """Standard deviation that stands for the chi of all edges where each has its own: sqrt(3) over their mean length, weighted by
+    """Standard deviation that replaces the chi of all edges where each has its own: sqrt(3) over their mean length, weighted by
     the power of each alone (Steinberg et al. 2024, B.15); edges and amplitudes as in `EdgeWaves`, the result in rad per unit of length.
 
     Examples

@@ -39,7 +39,7 @@ def axes_for(ax: Any, *, polar: bool = False) -> Any:
 
 def colour_of(wavelength: npt.ArrayLike) -> Array:
     """sRGB colours (..., 3) of light of single wavelengths in nm, as near as a screen comes to them (all lie outside of
-    sRGB); the ends of the visible fade to grey, which stands for the invisible."""
+    sRGB); the ends of the visible fade to grey, which represents the invisible."""
     nm = np.asarray(wavelength, np.float64)
     linear = spectrum.xyz_to_srgb(spectrum.observer(nm))
     linear = np.maximum(linear, 0)

@@ -238,7 +238,7 @@ class PlaneStack:
         cosine, from_below
             The light, as in `fluxes`. Of beams the light that was not scattered, a delta, is left out.
         layer : int, optional
-            Within this layer, else what leaves the stack, above it for positive cosines.
+            Within this layer, else the light that leaves the stack, above it for positive cosines.
         depth : array_like
             In that layer, from its top, in its unit of length.
 

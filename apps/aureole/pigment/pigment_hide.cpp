@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole pigment hide: how well a paint covers what is below it.
+// aureole pigment hide: how well a paint hides its substrate.
 #include <fmt/format.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// aureole pigment match: recipes for a colour, and how they look under other lamps.
+// aureole pigment match: recipes for a colour, and their colour differences under other illuminants.
 #include <fmt/format.h>
 
 #include <chrono>
