@@ -5,7 +5,7 @@ PRESET ?= release
 PYTHON ?= python3
 BIN = build/$(PRESET)/bin/aureole
 DEMO_OUT ?= out/condensation
-# Adaptive samples: a better picture in .6 of the time of 256 equal ones. The lamps are 10^5 times as bright
+# Adaptive samples: a better picture in 0.6 of the time of 256 equal ones. The lamps are 10^5 times as bright
 # as the street.
 DEMO_ARGS ?= --spp 160 --adaptive display --tonemap asinh:12:-1
 N ?= 10000
@@ -13,7 +13,7 @@ TSAN_TESTS ?= ^(Determinism|RenderState|FilmBuffer|EditedSceneByHand)
 SEED ?= $(shell tools/with_fuzz_seed.sh)
 export CCACHE_MAXSIZE ?= 2G
 
-.PHONY: deps build program demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes lint install wheel clean
+.PHONY: deps build program demo test test-asan test-tsan fuzz bench bench-peers docs format format-check includes words lint lint-all install wheel clean
 
 deps:
 	@tools/install_deps.sh
@@ -73,8 +73,17 @@ format-check: deps
 includes:
 	@tools/check_includes.py .
 
-lint: build
-	@command -v clang-tidy > /dev/null || { echo "lint needs clang-tidy: apt-get install clang-tidy"; exit 1; }
+# make words WORDS_ARGS=--count; WORDS_ARGS="src/aureole/bsdf docs/media.md" checks these alone.
+words:
+	@tools/check_words.py --root . $(WORDS_ARGS)
+
+# clang-tidy, ruff and shellcheck on files that differ from LINT_BASE (default: main); a tool that is not installed is passed over.
+lint:
+	@tools/lint_changed.sh $(LINT_BASE)
+
+# clang-tidy on all sources of the library and the programs.
+lint-all: build
+	@command -v clang-tidy > /dev/null || { echo "lint-all needs clang-tidy: apt-get install clang-tidy"; exit 1; }
 	@cmake --preset $(PRESET) -B build/lint -DAUREOLE_BATCHES=OFF > /dev/null
 	@git ls-files 'src/*.cpp' 'apps/*.cpp' | xargs -P $(JOBS) -n 4 clang-tidy -p build/lint --quiet
 

@@ -259,7 +259,7 @@ void bench_wavelengths(benchmark::State& state) {
 
 ModelPart build_part(const std::string& xml) { return build<Model>(xml)->parts().at(0); }
 
-/// A room with 27 spheres or cubes: rays start inside it and meet something.
+/// A room with 27 spheres or cubes: rays start inside it and hit a surface.
 std::vector<ModelPart> room_of(const std::string& type) {
   std::vector<ModelPart> shapes;
   shapes.push_back(build_part(

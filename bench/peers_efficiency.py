@@ -55,7 +55,7 @@ class Contender:
 
 
 def find_scenes(a, folder):
-    """Those of Mitsuba's scenes that are there, and says which are missing; and bench/scenes, with grids in a folder."""
+    """The scenes of Mitsuba that are there (says which are missing), and bench/scenes, with grids in a folder."""
     shared = Path(os.environ.get("AUREOLE_SHARED") or ROOT / ".." / "shared").resolve()
     h, w = a.height, (a.height * 683 + 256) // 512  # matpreview.xml is 683 x 512
     all_scenes = (Scene("cbox", shared / "data/mitsuba/scenes/cbox/cbox-spectral.xml", (("res", str(h)),), h, h),

@@ -39,7 +39,7 @@ def spectrum(text):
 
 
 def dictionary(mi, element, defines):
-    """The dict of an object for mi.load_dict. Objects without a name are called by their place."""
+    """The dict of an object for mi.load_dict. Objects without a name are named after their position."""
     made = {"type": element.get("type", element.tag)}
     for i, child in enumerate(element):
         name, value = child.get("name", f"{child.tag}{i}"), child.get("value", "")

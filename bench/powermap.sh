@@ -12,7 +12,7 @@ depth=${DEPTH:-6}
 python3 bench/powermap/make_city.py $folder --triangles "${TRIANGLES:-1000000}" --frequency 10GHz
 map() { "$aureole" powermap $folder/city.xml -o "$folder/$1.exr" -D cells="${CELLS:-512}" --integrator "${INTEGRATOR:-ptracer}" "${@:2}"; }
 time map city -D depth="$depth" --spp "${SPP:-16}" --replicates 4 "$@"
-# Which cells see the lamp, by how: without diffraction, and by one diffraction alone.
+# Cells that light reaches without diffraction, and by one diffraction alone.
 map plain -D depth="$depth" -D diffraction=false --spp "${SPP:-16}" --replicates 4
 map once -D depth=2 --spp "${SPP:-16}" --replicates 4
 PYTHONPATH=build/release/python "${PYTHON:-python3}" bench/powermap/cells.py $folder/city.exr --plain $folder/plain.exr --once $folder/once.exr

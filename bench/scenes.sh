@@ -7,7 +7,7 @@ cbox_spectral=$shared/data/mitsuba/scenes/cbox/cbox-spectral.xml
 matpreview=$shared/data/mitsuba/scenes/matpreview/matpreview.xml
 demo=$root/scenes/condensation/condensation.xml
 
-# True where a scene exists; else says what is missing.
+# True where a scene exists; else prints its name as missing.
 have() {
   [[ -f $2 ]] && return
   echo "$1: skipped, there is no $2 (set AUREOLE_SHARED to the folder that holds data/mitsuba/scenes)"

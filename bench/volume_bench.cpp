@@ -61,7 +61,7 @@ void grid(benchmark::State& state, int channels) {
 void grey_grid(benchmark::State& state) { grid(state, 1); }
 void color_grid(benchmark::State& state) { grid(state, 3); }
 
-/// The same interpolation in an array with a border of one voxel, in the order of the axes.
+/// Trilinear interpolation in an array with a border of one voxel, in the order of the axes.
 void plain_array(benchmark::State& state) {
   const int n = int(state.range(0));
   const std::ptrdiff_t sy = n + 2, sz = sy * (n + 2);

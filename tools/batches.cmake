@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Sources that are compiled together. Most of the time of a small source goes into what it includes and into templates that its
-# neighbours instantiate, too; one compilation of several of them takes about half (docs/performance.md, "Building"). An edit compiles
+# Sources that are compiled together. Most of the time of a small source goes into its includes and into templates that its
+# neighbours instantiate, too; one compilation of several of them takes about half (docs/decisions/0123-source-batches.md). An edit compiles
 # its whole batch again: who works on the code may turn batches off. Names in unnamed namespaces must then differ among the sources
 # of a folder of the library; functions of one name and different parameters become overloads of each other.
 option(AUREOLE_BATCHES "Compile several sources of a folder at once" ON)
@@ -26,7 +26,7 @@ function(aureole_batches result name root most)
   set(${result} ${batches} PARENT_SCOPE)
 endfunction()
 
-# The same for commands, tests and bindings, of any folders, whose unnamed namespaces are put into a namespace of each file, since their functions have
+# Batches of commands, tests and bindings, of any folders, whose unnamed namespaces are put into a namespace of each file, since their functions have
 # the same names everywhere (tools/batch_sources.py).
 function(aureole_separated_batches result name root most)
   if(NOT AUREOLE_BATCHES)

@@ -6,6 +6,8 @@
 - A walk through a file shows all of it: between `<!-- walk FILE -->` and `<!-- end of walk -->` the blocks of C++, one after
   the other, are that file but for blank lines.
 - A block of C++ under `<!-- from FILE -->` stands in that file, but for indentation.
+- Each record of docs/decisions has a row in its README with its number, title, date and status.
+- CITATION.cff states the version of src/aureole/core/version.h.
 
 Prints every difference with its page and line."""
 import re
@@ -13,11 +15,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-PAGES = ["CONTRIBUTING.md", "docs/architecture.md", "docs/decisions.md"]
+PAGES = ["CONTRIBUTING.md", "docs/architecture.md", "docs/decisions/*.md"]  # patterns
 BASES = ["", "src", "src/aureole", "build"]  # where a path may begin
 PLACEHOLDER = re.compile(r"\S*<[\w ]+>\S*|\S*\bNAME\b\S*|\bA:B\b")
 STYLES = {"PascalCase", "snake_case", "kLikeThis"}  # names of styles, written in them
-TEXTS = {".h", ".cpp", ".inc", ".S", ".py", ".pyi", ".sh", ".txt", ".toml", ".json", ".xml", ".ipynb", ".yml", ".yaml", ""}
+TEXTS = {".h", ".cpp", ".inc", ".S", ".bib", ".py", ".pyi", ".sh", ".txt", ".toml", ".json", ".xml", ".ipynb", ".yml", ".yaml", ""}
 
 
 def lines_of(text):
@@ -114,15 +116,36 @@ def check_blocks(tree, page, text):
             yield f"{page}:{text[:m.start()].count(chr(10)) + 1}: this block does not stand in {m[1]}"
 
 
+def check_records(root):
+    folder = root / "docs/decisions"
+    index = (folder / "README.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^(\| \[\d{4}\]\(([^)]+)\) .*)$", index, flags=re.MULTILINE))
+    rows = {name: row.replace("\\|", "|") for row, name in rows.items()}
+    for record in sorted(folder.glob("[0-9]*.md")):
+        text = record.read_text(encoding="utf-8")
+        m = re.match(r"# (\d{4}): (.+)\n\n\*\*Date:\*\* (.+)\n\n\*\*Status:\*\* (.+)\n", text)
+        if not m or m[1] != record.name[:4]:
+            yield f"docs/decisions/{record.name}: the head is not number, title, date and status"
+        elif not rows.pop(record.name, "").startswith(f"| [{m[1]}]({record.name}) | {m[2]} | {m[3]} | {m[4]} |"):
+            yield f"docs/decisions/README.md: the row of {m[1]} is missing or has another title, date or status"
+    for name in rows:
+        yield f"docs/decisions/README.md: there is no {name}"
+
+
 def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else ".").resolve()
     tree = Tree(root)
     problems = []
-    for page in PAGES:
+    pages = sorted(str(p.relative_to(root)) for pattern in PAGES for p in root.glob(pattern))
+    for page in pages:
         text = (root / page).read_text(encoding="utf-8")
         problems += check_names(tree, page, text)
         problems += check_blocks(tree, page, text)
-    print("\n".join(problems) if problems else f"{len(PAGES)} pages agree with the source")
+    problems += check_records(root)
+    version = re.search(r'kVersion = "([^"]+)"', (root / "src/aureole/core/version.h").read_text(encoding="utf-8"))[1]
+    if f"\nversion: {version}\n" not in (root / "CITATION.cff").read_text(encoding="utf-8"):
+        problems.append(f"CITATION.cff: the version is not {version}")
+    print("\n".join(problems) if problems else f"{len(pages)} pages agree with the source")
     return 1 if problems else 0
 
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Checks that includes run one way: core <- math <- spectrum <- optics <- plugin <- families <- scene <- transport <-
 integrator <- loading <- render, instrument <- apps <- python.
-Plug-ins may include the interfaces of other families, not their plug-ins. Prints every arrow that points the wrong way, and files that
+Plug-ins may include the interfaces of other families, not their plug-ins. Prints every include against that order, and files that
 have the name of another one: a name says which file is meant, in an error, a list of open files or a talk."""
 import os
 import re

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# install_deps.sh [program]: installs from Debian's packages what is missing: for the program alone, or also for the tests, the benchmarks
+# install_deps.sh [program]: installs the missing Debian packages: for the program alone, or also for the tests, the benchmarks
 # and the Python module, whose virtual environment .venv it makes. Does nothing, quickly, where all is there.
 set -euo pipefail
 packages=(g++ cmake ninja-build pkg-config ccache python3

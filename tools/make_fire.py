@@ -20,7 +20,7 @@ ALBEDO_SOOT, ALBEDO_SMOKE = 0.23, 0.9  # of young soot; of the smoke of damp woo
 
 
 def flame(rng, at):
-    """How much of a flame there is, in [0, 1]; 1 in the middle of its foot."""
+    """Density of the flame, in [0, 1]; 1 in the middle of its foot."""
     x, y, z = at
     rise = np.clip(y, 0, 1)
     moved = at + 0.22 * np.stack([turbulence(rng, at * np.array([1, 0.6, 1]).reshape(3, 1, 1, 1), 3, 3) for _ in range(3)]) * rise

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Writes scenes/milk/glass.ply and filling.ply: a tumbler and what it is filled with, as closed surfaces of revolution about the
+"""Writes scenes/milk/glass.ply and filling.ply: a tumbler and its filling, as closed surfaces of revolution about the
 z axis, in cm, with normals. The filling reaches to the middle of the wall: where the two overlap the glass, which has the higher
 priority, fills the space. Needs the standard library only."""
 import math

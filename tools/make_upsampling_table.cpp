@@ -26,7 +26,7 @@ constexpr int kDefaultResolution = 48;
 /// node is near the x of its neighbours. White itself never reaches the table.
 constexpr double kWhite = 0.99985;
 
-/// Stands for black, where the coefficients are infinite but their products with the square root are not.
+/// Represents black, where the coefficients are infinite but their products with the square root are not.
 constexpr double kDarkest = 1e-5;
 
 /// The nodes of every axis are dense near 0 and 1, where the coefficients change fastest.

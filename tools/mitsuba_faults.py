@@ -53,7 +53,7 @@ def blend():
 
 
 def rotation():
-    # Of a rectangle turned by 60 degrees about y the width is halved and the height stays: it covers the view above .9.
+    # The width of a rectangle turned by 60 degrees about y is halved and the height stays: it covers the view above 0.9.
     view = camera(256).replace('"0, 0, 5"', '"0, 2, 5"').replace('target="0, 0, 0"', 'target="0, 2, 0"')
     return ('<integrator type="path"/>' + view + SKY + '<shape type="rectangle"><transform name="to_world"><rotate y="2" '
             f'angle="60"/></transform>{BLACK}</shape>'), 1

@@ -5,7 +5,7 @@
     bench/powermap/cells.py map.exr --plain plain.exr --once once.exr
 
 `plain.exr` is the map without diffraction at the same depth, `once.exr` that of one diffraction and nothing else (depth=2). Cells that are dark in the first and
-lit in the second get their light around one edge; further bounces and edges may add to it. Prints their number, and the median and the worst
+irradiated in the second get their light around one edge; further bounces and edges may add to it. Prints their number, and the median and the worst
 tenth of their errors, beside those of all cells that are lit.
 """
 

@@ -102,7 +102,7 @@ def polygon(vertices: npt.ArrayLike, holes: Sequence[npt.ArrayLike] = (), *, cen
     Parameters
     ----------
     vertices : array_like, shape (n, 2)
-        Corners in m, either way round. The edges must not touch or cross.
+        Corners in m, in either order. The edges must not touch or cross.
     holes : sequence of array_like, shape (k, 2)
         Parts inside that are not open; they must not overlap.
     centroid : bool
@@ -148,7 +148,7 @@ def mask(open: npt.ArrayLike, pixel_size: float, *, centroid: bool = True) -> Ap
     ----------
     open : array_like, shape (rows, columns)
         Transmittance of square pixels in [0, 1], or booleans; rows from the top (largest y) downwards. At most 2^25
-        pixels. The border that is 0 does not count; what is still wider or higher than 1024 is averaged over squares of
+        pixels. The border that is 0 does not count; a picture that is still wider or higher than 1024 is averaged over squares of
         pixels.
     pixel_size : float
         Side of a pixel in m; the shape may reach 1 nm to 1 m.

@@ -18,7 +18,7 @@ def real(name: str, value: Any, *, minimum: Optional[float] = None, maximum: Opt
     Parameters
     ----------
     name : str
-        What the function calls the argument.
+        The function's name for the argument.
     value : array_like
         Numbers; booleans, complex numbers, strings and objects are a TypeError.
     minimum, maximum : float, optional

@@ -77,7 +77,7 @@ class CheckRecord:
     def severity(self) -> float:
         """How near to failing, or how far beyond: above 1 where the record failed."""
         if self.p_value is not None:
-            # In decades, so that .02 and 1e-300 can be told apart.
+            # In decades, so that 0.02 and 1e-300 can be told apart.
             return float(np.log(max(self.p_value, 1e-300)) / np.log(self.limit))
         if np.isnan(self.figure):
             return float("inf")
@@ -88,7 +88,7 @@ class CheckRecord:
 
 @dataclass(frozen=True, eq=False)
 class Histogram:
-    """Samples counted in bins over the sphere, beside what the density says.
+    """Samples counted in bins over the sphere, beside the expected numbers by the pdf.
 
     Attributes
     ----------
@@ -293,8 +293,8 @@ def check(bsdf: Any, *, lossless: Optional[bool] = None, reciprocal: bool = True
     reciprocal : bool
         False: reciprocity is not tested, for models that are known to lack it.
     samples : int, optional
-        For each direction and each of two wavelengths; at least 1000. Fewer are faster and see less. None: 300,000, or
-        30,000 for what is written in Python.
+        For each direction and each of two wavelengths; at least 1000. Fewer are faster and find less. None: 300,000, or
+        30,000 for a BSDF written in Python.
     significance : float
         Probability that a right BSDF fails in one of the statistical tests; shared among them (Sidak).
     wavelengths : (float, float) or None

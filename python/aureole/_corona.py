@@ -73,7 +73,7 @@ def radiance(bsdf: Any, x: Array, y: Array, wavelengths: Array) -> Array:
     layer and square to it."""
     angle = np.radians(np.hypot(x, y))
     along = -np.sinc(angle / np.pi) * math.pi / 180
-    # From the layer to the eye, opposite to where it looks; from the layer to the lamp.
+    # From the layer to the eye, opposite to its direction of view; from the layer to the lamp.
     wi = np.stack([along * x, along * y, np.cos(angle)], -1)
     values = bsdf.eval(wi[..., None, :], np.array([0.0, 0.0, -1.0]), wavelengths)
     return np.asarray(values, np.float64)
@@ -96,7 +96,7 @@ def lamp_colours(lamp: Any, wavelengths: Array) -> Tuple[Array, Array]:
     if at.ndim != 1 or at.size < 2 or np.any(np.diff(at) <= 0) or power.shape != at.shape:
         raise Error("lamp: expected increasing wavelengths and as many powers, "
                     f"got shapes {at.shape} and {power.shape}")
-    # The lamp's own wavelengths, too: it may have lines.
+    # The light's own wavelengths, too: its spectrum may have lines.
     inside = at[(at > wavelengths[0]) & (at < wavelengths[-1])]
     both = np.unique(np.concatenate([wavelengths, inside]))
     if both.size > 2000:
@@ -139,8 +139,8 @@ def disc(half: int, radius: float) -> Array:
 
 
 def display(linear: Array) -> Array:
-    """sRGB for the screen of linear values. What it cannot show is mixed with grey of the same luminance, as little as
-    is needed: hues stay, and what is too bright becomes white by way of paler colours."""
+    """sRGB for the screen of linear values. Colours outside of its gamut are mixed with grey of the same luminance, as little as
+    is needed: hues stay, and colours that are too bright become white by way of paler colours."""
     grey = np.clip(linear @ np.array([0.2126, 0.7152, 0.0722]), 0, 1)[..., None]
     away = linear - grey
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -400,7 +400,7 @@ def pair_correlation(positions: npt.ArrayLike, box: npt.ArrayLike, *, r_max: Opt
     freedom = len(number) - 2
     error = np.sqrt(len(number) / freedom * (influence**2).sum(axis=0))
     reach = _student(freedom) * error
-    empty = 3.69 / (0.5 * expected * area)  # exp(-3.69) = .025
+    empty = 3.69 / (0.5 * expected * area)  # exp(-3.69) = 0.025
     high = np.where(g > 0, g + reach, empty)
     return PairCorrelation(0.5 * (bounds[1:] + bounds[:-1]), g, error, np.maximum(g - reach, 0.0), high)
 

@@ -17,7 +17,7 @@ from ._arrays import real, scalar, shown
 from ._errors import Error, Problem, SceneError
 
 _NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
-#: Entries that say what a dict is instead of being a parameter.
+#: Entries that state the kind of a dict instead of being a parameter.
 _SPECIAL = ("type", "id", "family")
 _SPECTRUM_TYPES = ("rgb", "spectrum")
 _ENTITIES = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"})
@@ -252,7 +252,7 @@ class Writer:
                          f"expected a number or (wavelength in nm, value) pairs, got shape {numbers.shape}")
 
     def family(self, kind: str, value: Mapping[str, Any], place: str, expected: Optional[str]) -> Optional[str]:
-        """The family of a plug-in of that name; names that several families have are decided by what is expected."""
+        """The family of a plug-in of that name; names that several families have are decided by the expected family."""
         given = value.get("family")
         if given is not None:
             if isinstance(given, str) and given in families():
@@ -410,7 +410,7 @@ def scene_text(scene: Mapping[str, Any]) -> SceneText:
 
 
 def object_text(description: Mapping[str, Any], family: Optional[str] = None) -> SceneText:
-    """The text of a scene that holds one object and what it refers to."""
+    """The text of a scene that holds one object and the objects to which it refers."""
     writer = Writer()
     writer.line("the dict", '<scene version="3.0.0">')
     writer.mapping("", description, "the dict", family)

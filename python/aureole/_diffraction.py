@@ -210,7 +210,7 @@ def rayleigh_sommerfeld(points: npt.ArrayLike, k: float, *, radius: Optional[flo
 def kirchhoff(points: npt.ArrayLike, k: float, *, radius: Optional[float] = None, inner_radius: float = 0.0,
               polygons: Optional[Sequence[npt.ArrayLike]] = None, direction: Optional[npt.ArrayLike] = None,
               source: Optional[npt.ArrayLike] = None) -> Complexes:
-    """The same by Kirchhoff's integral (Goodman 2017, 3.4). Arguments as in `rayleigh_sommerfeld`."""
+    """The diffracted field by Kirchhoff's integral (Goodman 2017, 3.4). Arguments as in `rayleigh_sommerfeld`."""
     return _integral("kirchhoff", "points", points, 3, k, radius, inner_radius, polygons, direction, source)
 
 

@@ -66,7 +66,7 @@ def mean_edge_powers(edges: npt.ArrayLike, index: int, at: npt.ArrayLike, k: npt
     Returns
     -------
     numpy.ndarray
-        In units of length. A closed form but for a quadrature along the edges, right within some .2 % in beams of 25 wavelengths and
+        In units of length. A closed form but for a quadrature along the edges, right within some 0.2 % in beams of 25 wavelengths and
         2.5 % in beams of 5 (docs/optics.md).
 
     Examples
@@ -159,7 +159,7 @@ def straight_edge_power(cosine: npt.ArrayLike, k: npt.ArrayLike, sigma: npt.Arra
 
 def straight_edge_corrections(across: npt.ArrayLike, along: npt.ArrayLike, k: npt.ArrayLike, sigma: npt.ArrayLike, *,
                               shown: npt.ArrayLike = 1.0, weight: npt.ArrayLike = 1.0) -> Reals:
-    """What `straight_edge_kernels` has more than `mean_edge_kernel` has on an endless straight edge, times `weight`.
+    """Excess of `straight_edge_kernels` over `mean_edge_kernel` on an endless straight edge, times `weight`.
 
     Pictures add it to the mean kernel near corners and other edges, with the weight of `straight_edge_weights`.
 
@@ -189,7 +189,7 @@ def straight_edge_power_correction(cosine: npt.ArrayLike, sigma: npt.ArrayLike) 
 
 def straight_edge_weights(place: npt.ArrayLike, before: npt.ArrayLike, after: npt.ArrayLike, others: npt.ArrayLike,
                           sigma: npt.ArrayLike) -> Reals:
-    """How much of the coherent light about a place on an edge is that of the edge's straight line alone.
+    """The fraction of the coherent light about a point on an edge that belongs to the edge's straight line alone.
 
     Parameters
     ----------

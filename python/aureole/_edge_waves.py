@@ -36,7 +36,7 @@ class AmplitudeMoments(NamedTuple):
 
 
 class EdgeWaves:
-    """The far field of a lit region as a sum of waves from its edges.
+    """The far field of an irradiated region as a sum of waves from its edges.
 
     Lengths are in any one unit, wave vectors q in rad per that unit: 2 pi/wavelength times the change of direction.
 
@@ -47,7 +47,7 @@ class EdgeWaves:
     amplitudes : array_like of real or complex numbers
         Amplitude of the light at both ends, shape (n, 2), linear between; or one number for all.
     zeroth_order : {'beam', 'edge', 'none'}
-        Which light straight ahead is removed. 'beam': the power is multiplied by 1 - chi(q), chi a Gaussian of standard
+        How the undiffracted beam is removed. 'beam': the power is multiplied by 1 - chi(q), chi a Gaussian of standard
         deviation `sigma` (1/(2 s) for a Gaussian beam whose intensity has the standard deviation s), so that results do
         not depend on how edges are cut. 'edge': chi of sqrt(3)/length for each edge, as published. 'none': nothing.
     sigma : float, optional
@@ -89,7 +89,7 @@ class EdgeWaves:
     @classmethod
     def polygon(cls, vertices: npt.ArrayLike, amplitude: complex = 1.0, *, zeroth_order: str = "beam",
                 sigma: Optional[float] = None) -> EdgeWaves:
-        """The edges of a closed polygon, vertices counter-clockwise, lit evenly."""
+        """The edges of a closed polygon, vertices counter-clockwise, evenly irradiated."""
         ring, even = _ring("vertices", vertices), complex_numbers("amplitude", amplitude)
         if even.ndim:
             raise Error(f"amplitude: expected one number, got an array of shape {even.shape}")
@@ -202,7 +202,7 @@ def amplitude_moments(corners: npt.ArrayLike, values: npt.ArrayLike) -> Amplitud
 
 
 def zeroth_order_power(corners: npt.ArrayLike, values: npt.ArrayLike, sigma: float) -> float:
-    """Power in the light straight ahead, by the height and the curvature of its peak.
+    """Power in the undiffracted beam, by the height and the curvature of its peak.
 
     The peak is taken for a Gaussian, 2 pi |F(0)|^2/(4 pi^2) det(H + 1/sigma^2)^(-1/2), H the curvature of -ln |F|^2.
 
@@ -281,7 +281,7 @@ def interfering_power(edges: npt.ArrayLike, amplitudes: npt.ArrayLike = 1.0, *, 
 
 
 def mean_edge_sigma(edges: npt.ArrayLike, amplitudes: npt.ArrayLike = 1.0) -> float:
-    """Standard deviation that stands for the chi of all edges where each has its own: sqrt(3) over their mean length, weighted by
+    """Standard deviation that replaces the chi of all edges where each has its own: sqrt(3) over their mean length, weighted by
     the power of each alone (Steinberg et al. 2024, B.15); edges and amplitudes as in `EdgeWaves`, the result in rad per unit of length.
 
     Examples

@@ -10,7 +10,7 @@ _PLACE = re.compile(r"(?P<file>.+?):(?P<line>\d+):(?:(?P<column>\d+):)? (?P<mess
 
 
 class Error(ValueError):
-    """Wrong input. The message names the argument or the place in a file, and what was expected."""
+    """Wrong input. The message names the argument or the position in a file, and the expected value."""
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,11 @@ class Problem:
     Attributes
     ----------
     message : str
-        What is wrong, with the nearest valid name where there is one.
+        The problem, with the nearest valid name where there is one.
     file : str
         The file, or the path of the entry in a scene made from dicts; empty where unknown.
     line, column : int
-        The place in the file, from 1; 0 where unknown.
+        The position in the file, from 1; 0 where unknown.
     """
 
     message: str

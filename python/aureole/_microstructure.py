@@ -114,10 +114,10 @@ class Microstructure:
     overlays : list of Image
         The pictures with outlines (green whole, orange cut) and centres.
     fields : list of dict
-        What is known of each picture: pixel_size, seen (area in m^2), whole, cut, too_small, bright, noise, blur (in
+        Properties of each picture: pixel_size, seen (area in m^2), whole, cut, too_small, bright, noise, blur (in
         pixels).
     notes : list of str
-        What is doubtful.
+        Doubts about the result.
     scene_text : str
         The material as a scene file; files that it names are those of `save`.
     """
@@ -247,7 +247,7 @@ def microstructure(images: Any, pixel_size: "Union[float, str, None]" = None, *,
                    denoise: str = "auto", smooth: float = 0, fill_holes: bool = False, min_radius: float = 2,
                    correlation_radius: "Union[float, str, None]" = None, encoding: str = "linear",
                    resamples: int = 300, seed: int = 1, overlays: bool = True) -> Microstructure:
-    """Finds the scatterers in pictures of one sample and measures what a layer of them needs.
+    """Finds the scatterers in pictures of one sample and measures the parameters of a layer of them.
 
     Light that is uneven is evened out, particles that touch are divided, those that the frame cuts are accounted for.
     See "From pictures to a material" in the documentation for the rules.

@@ -83,9 +83,9 @@ class EmitterSample:
     distance : ndarray of float64, shape (...)
         How far the emitter is, in scene units; inf for one at infinity.
     valid : ndarray of bool, shape (...)
-        False where the emitter sends nothing to the reference.
+        False where no light of the emitter reaches the reference.
     is_delta : bool
-        The emitter is a point or shines into one direction, which no ray meets by chance.
+        The emitter is a point or shines into one direction, which no ray hits by chance.
     """
 
     wo: FloatArray

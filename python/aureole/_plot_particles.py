@@ -34,7 +34,7 @@ def efficiency(m: complex, radius: Optional[npt.ArrayLike] = None, *, wavelength
     wavelength : float
         In vacuum, in nm.
     medium : float
-        Index of what is around the spheres.
+        Index of the medium around the spheres.
     x : array_like, shape (n,)
         Instead of `radius`, `wavelength` and `medium`: size parameters, which become the axis.
     quantity : {"qext", "qsca", "qabs"}, or several of them

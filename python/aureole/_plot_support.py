@@ -39,13 +39,13 @@ def axes_for(ax: Any, *, polar: bool = False) -> Any:
 
 def colour_of(wavelength: npt.ArrayLike) -> Array:
     """sRGB colours (..., 3) of light of single wavelengths in nm, as near as a screen comes to them (all lie outside of
-    sRGB); the ends of the visible fade to grey, which stands for the invisible."""
+    sRGB); the ends of the visible fade to grey, which represents the invisible."""
     nm = np.asarray(wavelength, np.float64)
     linear = spectrum.xyz_to_srgb(spectrum.observer(nm))
     linear = np.maximum(linear, 0)
     peak = linear.max(-1, keepdims=True)
     pure = linear / np.where(peak > 0, peak, 1)
-    # Visibility of the colour to the eye; above .9 between 410 and 690 nm.
+    # Visibility of the colour to the eye; above 0.9 between 410 and 690 nm.
     seen = 1 - np.exp(-peak / 0.02)
     return spectrum.srgb_encode(np.clip(0.85 * (pure * seen + 0.12 * (1 - seen)), 0, 1))
 

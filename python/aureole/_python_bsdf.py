@@ -30,7 +30,7 @@ class PythonBsdf:
     Attributes
     ----------
     lobes : tuple of str
-        What the lobes do: diffuse, glossy or delta, and reflect or transmit. A BSDF without "transmit" is black where wi and wo are on
+        Kinds of the lobes: diffuse, glossy or delta, and reflect or transmit. A BSDF without "transmit" is black where wi and wo are on
         different sides, whatever its methods say of that.
     needs_tangent : bool
         Values change when the surface is turned about its normal.
@@ -124,7 +124,7 @@ class Adapter:
         return getattr(self.target, method)(*arguments, **{k: further[k] for k in self._extra[method]})
 
     def _numbers(self, method: str, what: str, value: Any, n: int) -> FloatArray:
-        """n finite numbers >= 0; one number stands for all."""
+        """n finite numbers >= 0; one number is taken for all."""
         array = real(f"{self.name}.{method}: {what}", value, minimum=0)
         if array.shape != (n,):
             if array.shape != () and array.shape != (1,):

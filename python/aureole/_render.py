@@ -25,7 +25,7 @@ def render(scene: Scene, spp: Optional[int] = None, *, seed: Optional[int] = Non
            start: Optional[Image] = None) -> Image:
     """Renders a picture: the same bits as the command line's for the same scene, samples and seed.
 
-    Ctrl-C stops the render and returns what is done (`Image.complete` is then False, and an `InterruptedWarning` is
+    Ctrl-C stops the render and returns the unfinished picture (`Image.complete` is then False, and an `InterruptedWarning` is
     given); a second one raises KeyboardInterrupt. Other Python threads run meanwhile.
 
     Parameters

@@ -28,7 +28,7 @@ class Scene:
 
     Made by `load_file`, `load_string` or `load_dict`. A path is a chain of names joined by points: the id of an object
     (or its name or family, where it has no id), then names of parameters and nested objects. References are followed:
-    what they refer to changes for all who refer to it. After a change meshes, their acceleration structure, textures and
+    a change of their object holds for all that refer to it. After a change meshes, their acceleration structure, textures and
     materials that it does not touch are kept. A render goes on with the scene as it was when it
     began, whatever changes meanwhile.
 
@@ -278,7 +278,7 @@ def load_string(text: str, *, path: "str | os.PathLike[str] | None" = None, inte
     ----------
     text : str
     path : path-like, optional
-        The file that the text is taken for: other files are looked for beside it. By default in the working folder.
+        The file that the text is taken for: other files are searched for beside it. By default in the working folder.
     integrator, sampler, **defines
         As for `load_file`.
 

@@ -198,7 +198,7 @@ class PlaneStack:
 
     @property
     def shape(self) -> Tuple[int, ...]:
-        """Of all results, before the axes of directions or positions."""
+        """The shape of all results, before the axes of directions or positions."""
         return self._shape
 
     @property
@@ -238,7 +238,7 @@ class PlaneStack:
         cosine, from_below
             The light, as in `fluxes`. Of beams the light that was not scattered, a delta, is left out.
         layer : int, optional
-            Within this layer, else what leaves the stack, above it for positive cosines.
+            Within this layer, else the light that leaves the stack, above it for positive cosines.
         depth : array_like
             In that layer, from its top, in its unit of length.
 

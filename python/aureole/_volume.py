@@ -34,7 +34,7 @@ def write_vol(path: Union[str, "os.PathLike[str]"], values: npt.ArrayLike,
     path : str or path
         The file.
     values : array_like, depth x height x width, or x 1, 3 or 6
-        The value at `values[z, y, x]` is that of the voxel's centre, at ((x + .5)/width, (y + .5)/height,
+        The value at `values[z, y, x]` is that of the voxel's centre, at ((x + 0.5)/width, (y + 0.5)/height,
         (z + .5)/depth) of the box. Three numbers are a linear sRGB colour.
     box : two points
         Lowest and highest corner of the box that the voxels fill. `gridvolume` uses it with `use_grid_bbox`.

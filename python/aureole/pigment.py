@@ -62,7 +62,7 @@ def layer(k: npt.ArrayLike, s: npt.ArrayLike, thickness: npt.ArrayLike) -> Layer
 
 def coefficients(reflectance: npt.ArrayLike, transmittance: npt.ArrayLike,
                  thickness: npt.ArrayLike) -> Tuple[Reals, Reals]:
-    """K and S of a layer from what it reflects and transmits: the inverse of `layer`."""
+    """K and S of a layer from its reflectance and transmittance: the inverse of `layer`."""
     shape, (r, t, x) = broadcast(reflectance=real("reflectance", reflectance, minimum=0, maximum=1),
                                  transmittance=real("transmittance", transmittance, positive=True, maximum=1),
                                  thickness=real("thickness", thickness, positive=True))
@@ -117,7 +117,7 @@ def surface(geometry: str = "diffuse", *, index: float = 1.5, specular: str = "e
     Parameters
     ----------
     geometry : str
-        "diffuse" (lit and seen from everywhere), "d8" (a sphere instrument) or "45_0".
+        "diffuse" (irradiated and viewed from all directions), "d8" (a sphere instrument) or "45_0".
     index : float
         Of the binder, at least 1.
     specular : str
@@ -140,7 +140,7 @@ def saunderson(k1: float, k2: float, *, specular: str = "included") -> Surface:
 
 
 class TwoFluxError(NamedTuple):
-    """R and L* of layers by transport, and by how much Kubelka and Munk's are more; NaN where their S is negative."""
+    """R and L* of layers by transport, and the excess of Kubelka and Munk's over them; NaN where their S is negative."""
 
     reflectance: Reals
     error: Reals
@@ -159,7 +159,7 @@ def two_flux_error(albedo: npt.ArrayLike, thickness: npt.ArrayLike, g: npt.Array
     thickness : array_like
         In transport lengths, 1/(sigma_s (1 - g)), in [1e-6, 1e6].
     g : array_like
-        Mean cosine of Henyey and Greenstein's phase function, in [-.99, .99].
+        Mean cosine of Henyey and Greenstein's phase function, in [-0.99, 0.99].
     index : float
         Of the layer, in [1, 10]; 1 is no interface. Kubelka and Munk get Saunderson's for it.
     substrate : float
@@ -254,7 +254,7 @@ class Paint:
 
 @dataclass(frozen=True)
 class Match:
-    """A recipe: shares by mass, CIEDE2000 to the target under the lamp and under others, rms of R, and the reflectance."""
+    """A recipe: shares by mass, CIEDE2000 to the target under the illuminant and under others, rms of R, and the reflectance."""
 
     recipe: Dict[str, float]
     difference: float

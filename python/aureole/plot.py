@@ -241,7 +241,7 @@ def corona(bsdf: Any = None, *, radius: Any = None, area_fraction: Optional[floa
            correlation: Optional[str] = None, scatterer: Optional[str] = None, lamp: Any = "D65",
            lamp_diameter: float = 0.5, field: Optional[float] = None, exposure: float = 0, resolution: int = 301,
            wavelengths: npt.ArrayLike = _VISIBLE, ax: "Optional[Axes]" = None) -> "Axes":
-    """The corona of a lamp behind a layer of scatterers, in true colours.
+    """The corona of a light behind a layer of scatterers, in true colours.
 
     The lamp is far away and the layer square to the line of sight. Directions are those of the picture; light that
     passes the layer without being diffracted, the lamp itself, is not shown.

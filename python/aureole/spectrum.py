@@ -78,7 +78,7 @@ def illuminants() -> List[str]:
 
 
 def illuminant(name: str, wavelength: npt.ArrayLike, *, normalize: str = "luminance", outside: str = "error") -> Reals:
-    """A CIE illuminant or lamp.
+    """A CIE illuminant.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ class Argument {
 public:
   /// Vectors have `components` numbers; 0: plain numbers. Throws TypeError and Error.
   Argument(const char* name, nb::handle value, int components = 0);
-  /// The same; where the handle is null (see `optional`) it is `constant`.
+  /// An argument as above; `constant` where the handle is null (see `optional`).
   Argument(const char* name, nb::handle value, const std::array<double, 3>& constant, int components);
   ~Argument();
   Argument(const Argument&) = delete;
@@ -106,7 +106,7 @@ public:
   /// Calls `use(const Row&)` for all elements.
   template <class F>
   void for_rows(F&& use) const;
-  /// The same elements in parts of about `size` or more, in order, whose sizes are multiples of `multiple`
+  /// These elements in parts of about `size` or more, in order, whose sizes are multiples of `multiple`
   /// where only one axis is left.
   std::vector<Broadcast> parts(Py_ssize_t size, Py_ssize_t multiple) const;
 

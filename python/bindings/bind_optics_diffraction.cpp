@@ -177,7 +177,7 @@ auto of_each_real(const char* name, const F& f) {
   };
 }
 
-/// The same for functions of several numbers, which are rows of `arguments`.
+/// Applies a function of several numbers, which are rows of `arguments`.
 template <int kColumns, class F>
 auto of_each_row(const char* name, const F& f) {
   return [name, f](const Reals& arguments, const Array<double>& result) {

@@ -78,7 +78,7 @@ private:
         const Unlocked unlocked;
         lock.lock();
       }
-      // Only code that runs amid a change in the same thread sees this, such as __del__.
+      // Only code that runs during a change in the same thread sees this, such as __del__.
       if (scene.changing_) throw Error("the scene is being changed: it can't be used until that is done");
     }
     std::unique_lock<std::recursive_mutex> lock;

@@ -201,7 +201,7 @@ void for_typed_places(const PlaceArguments& in, const Broadcast<4>& part, const 
 }
 
 /// Calls `f(a, b, uv, wavelengths) -> Spectrum` and writes its values to `out`. Elements one after another
-/// that share their directions and place go to one call. Large arrays are shared out to all cores: each part
+/// that share their directions and place go to one call. Large arrays are divided among all cores: each part
 /// has a copy of `f`.
 template <class F>
 void for_places(const PlaceArguments& in, const WavelengthRange& range, double* out, const F& f) {

@@ -45,7 +45,7 @@ public:
 bool is_leaving();
 
 /// Python's lock, held by work that calls what a program gave it, such as a BSDF written in Python. What that calls of
-/// this module must come back even where the program ends: the work, for which `leave` waits, cannot stop amid it.
+/// this module must come back even where the program ends: the work, for which `leave` waits, cannot stop within it.
 class Callback {
 public:
   Callback();

@@ -275,7 +275,7 @@ private:
   double delta_;
 };
 
-/// The same for arrays alone.
+/// A faulty BSDF for arrays alone.
 class FaultyArray final : public Bsdf, public ArrayBsdf {
 public:
   FaultyArray(const Properties& p) : Bsdf(p), one_(p) {}

@@ -61,7 +61,7 @@ inline double albedo(const Bsdf& bsdf, const Vec3& wi, int n = 360) {
   return sum * (kPiDouble / 2 / n) * (kPiDouble / n);
 }
 
-/// The same by stratified samples, for narrow lobes and grazing angles.
+/// The albedo by stratified samples, for narrow lobes and grazing angles.
 inline double sampled_albedo(const Bsdf& bsdf, const Vec3& wi, int n = 512) {
   const Setting s;
   double sum = 0;

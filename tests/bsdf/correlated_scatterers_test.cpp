@@ -208,7 +208,7 @@ TEST(CorrelatedScatterers, Reciprocity) {
         for (int j = 0; j < kWavelengths; ++j) {
           const double a = f[j] / std::abs(wo.z) / (ni * ni), b = g[j] / std::abs(wi.z) / (no * no);
           EXPECT_NEAR(a, b, 2e-3 * (a + b) + 2e-6);
-          // The same light, from wi to wo, found in either mode.
+          // Either mode finds equal light from wi to wo.
           const double d = h[j] / std::abs(wo.z), e = g[j] / std::abs(wi.z);
           EXPECT_NEAR(d, e, 2e-3 * (d + e) + 2e-6);
         }

@@ -69,7 +69,7 @@ const BsdfCases kSpheres("correlated_spheres",
 
 constexpr double kPiD = std::numbers::pi;
 
-/// Of a sensor so narrow that nodes of wavelength do not matter.
+/// The wavelength [nm] of a sensor so narrow that nodes of wavelength do not matter.
 constexpr double kNm = 550;
 std::shared_ptr<Bsdf> at_550(const std::string& xml) {
   return testing::build<Bsdf>(xml, testing::make_context(kNm - 0.01, kNm + 0.01));
@@ -125,7 +125,7 @@ TEST(CorrelatedSpheres, ValueIsTheFormula) {
 }
 
 TEST(CorrelatedSpheres, BetweenNodesOfWavelength) {
-  // The same over the whole visible range, off the nodes, within the forward lobes.
+  // Forward lobes over the whole visible range, off the nodes.
   const auto bsdf = testing::build<Bsdf>(spheres("5um", 0.3, 1.33));
   const SpectralGrid grid;
   const SurfacePoint point;
@@ -205,7 +205,7 @@ TEST(CorrelatedSpheres, EnergyAtAllAngles) {
       EXPECT_NEAR(reflected, c.reflectance(), 2e-3) << l.radius_nm << " " << degrees;
       EXPECT_NEAR(transmitted, c.transmittance(), 2e-3) << l.radius_nm << " " << degrees;
       if (l.k == 0) {
-        // Of the points by which h is balanced; the peaks of dense layers are sharp.
+        // The tolerance is that of the points by which h is balanced; the peaks of dense layers are sharp.
         EXPECT_NEAR(diffuse + reflected + transmitted, 1, l.area_fraction > 0.6 ? 1.5e-3 : 1e-3)
             << l.radius_nm << " " << l.area_fraction << " " << degrees;
       }

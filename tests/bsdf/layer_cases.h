@@ -47,8 +47,8 @@ struct LayerCase {
     return layers.try_emplace({b(), a(), area_fraction}, b(), a(), area_fraction).first->second;
   }
   double index(double z) const { return substrate == "dielectric" && z < 0 ? 1.5 : 1; }
-  /// Of a direction with transverse index p = n sin, from the side with index n; one beyond the critical
-  /// angle.
+  /// Reflectance for a direction with transverse index p = n sin, from the side with index n; one beyond the
+  /// critical angle.
   double reflectance(double p, double n) const {
     if (substrate == "none") return 0;
     const double cosine = std::sqrt(1 - p * p / (n * n));
@@ -79,7 +79,7 @@ inline Vec3 direction(double degrees, double azimuth_degrees = 0) {
   return {float(std::sin(t) * std::cos(f)), float(std::sin(t) * std::sin(f)), float(std::cos(t))};
 }
 
-/// Of each wavelength of `kLambdas`.
+/// Energies at each wavelength of `kLambdas`.
 using Energies = std::array<double, kWavelengths>;
 
 /// Integrals over all directions wo of a function whose values are spectra, in polar coordinates of q around

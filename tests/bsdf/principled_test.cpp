@@ -256,7 +256,7 @@ TEST(Principled, TintIsColourOverItsLuminance) {
   const Spectrum grey = tint_of(R"(<rgb name="base_color" value="0.4, 0.4, 0.4"/>)");
   for (int j = 0; j < kWavelengths; ++j) EXPECT_NEAR(grey[j], 1, 2e-3);
 
-  // Of a colour, the luminance is that of linear sRGB.
+  // The luminance of a colour is that of linear sRGB.
   const std::string rgb = R"(<rgb name="reflectance" value="0.6, 0.3, 0.1"/>)";
   const auto diffuse = bsdf_of("diffuse", rgb);
   const Spectrum color = diffuse->eval({0, 0, 1}, {0, 0, 1}, s.context()) * kPi,

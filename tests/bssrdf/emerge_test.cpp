@@ -37,7 +37,7 @@ Wavelengths wavelengths(int hero) {
                          }));
 }
 
-/// The entry where a ray along -z meets the scene.
+/// The entry where a ray along -z hits the scene.
 SurfacePoint entry_of(const Scene& scene) {
   return *scene.intersect({{0.01f, 0.02f, 10}, {0, 0, -1}, kInfinity});
 }

@@ -169,7 +169,7 @@ std::optional<Hit> hit_tube(const Vec3& o, const Vec3& d, bool inside) {
   const double ox = o.x - 0.2, oz = o.z - 2.0, a = d.x * d.x + d.z * d.z, b = ox * d.x + oz * d.z,
                q = b * b - a * (ox * ox + oz * oz - 0.16);
   if (q < 0 || a == 0) return {};
-  // Of the two points the first that is on the tube, which may be seen from behind.
+  // The first of the two points that is on the tube, which may be seen from behind.
   for (const double t : {(-b - std::sqrt(q)) / a, (-b + std::sqrt(q)) / a}) {
     const double y = o.y + t * d.y;
     if (t <= 0 || y < -1 || y > 1.5) continue;

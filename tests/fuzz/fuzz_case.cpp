@@ -104,7 +104,7 @@ void avoid_large_simulations(pugi::xml_document& document) {
   }
 }
 
-/// Changes the tree of the main file or, seldom, of one that it includes.
+/// Changes the tree of the main file or, rarely, of one that it includes.
 void mutate_tree(const Corpus& corpus, Random& random, Case& c) {
   std::string file = kMainFile;
   for (const auto& [name, bytes] : c.files)

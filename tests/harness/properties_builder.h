@@ -31,7 +31,7 @@ ObjectPtr build_object(const std::string& xml,
                        const std::shared_ptr<const BuildContext>& context = make_context(),
                        const FileResolver& resolve = {});
 
-/// The same, of family T; throws Error if it is something else.
+/// Builds an object of family T; throws Error if it is something else.
 template <class T>
 std::shared_ptr<T> build(const std::string& xml,
                          const std::shared_ptr<const BuildContext>& context = make_context(),

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Integrators that store further channels, against closed forms: a ball and a plane before the sensor.
+// Integrators that store AOVs, against closed forms: a ball and a plane before the sensor.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -361,7 +361,7 @@ TEST(Techniques, AgreeBehindMasks) {
 }
 
 TEST(Depth, PassedSurfacesDoNotCount) {
-  // A closed room that shines: each bounce adds a term of a geometric series.
+  // A closed room that emits: each bounce adds a term of a geometric series.
   const auto room = [](const std::string& inside) {
     return "<shape type=\"sphere\">" + number("radius", 3) +
            "<boolean name=\"flip_normals\" value=\"true\"/>" + diffuse(0.5) + area(1) + "</shape>" + inside;
@@ -386,7 +386,7 @@ TEST(Emitters, OnMasksShineAndPass) {
   const std::string view = sensor("origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 5, 4, 256);
   for (const std::string& integrator : {path(), direct(1, 1)})
     expect_mean(render(integrator + view + pane(1, mask(0.3) + area(3)) + constant(1)), 3.7);
-  // The same light from the emitter and from behind it, at the ground.
+  // The ground receives equal light from the emitter and from behind it.
   for (const std::string& integrator : {path(), direct(1, 1), direct(4, 0), direct(0, 4)})
     expect_mean(render(integrator + sensor(kGroundView, 0.05, 2, 1024) +
                        square("<scale value=\"2\"/>", diffuse(0.5)) + "<shape type=\"sphere\">" +

@@ -161,7 +161,7 @@ INSTANTIATE_TEST_SUITE_P(References, EditedScene, ::testing::ValuesIn(reference_
 /// Two materials, two triangles.
 const char* const kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nusemtl wood\nf 1 2 3\nusemtl iron\nf 2 4 3\n";
 
-/// A scene with whatever edits may touch: shapes that shine, that share a material or an emitter, that are
+/// A scene with all that edits may touch: shapes that emit, that share a material or an emitter, that are
 /// instanced, of several parts, with attributes.
 const char* const kScene =
     R"(<scene version="3.0.0"><integrator type="path"><integer name="max_depth" value="4"/></integrator>

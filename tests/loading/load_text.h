@@ -23,7 +23,7 @@ inline std::string scene_text(const std::string& content) {
   return kHead + kRequired + content + "\n</scene>\n";
 }
 
-/// The objects of a scene; those of the plug-ins in test_plugins.h can make no more than that.
+/// The objects of a scene; the plug-ins in test_plugins.h make objects, not a whole scene.
 inline LoadedParts load_text(const std::string& content, const LoadOptions& options = {}) {
   return load_parts("test.xml", scene_text(content), options);
 }

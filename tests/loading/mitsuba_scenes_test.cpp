@@ -83,7 +83,7 @@ TEST_F(MitsubaScenes, OfFreeSpaceDiffractionLoadUnchanged) {
     EXPECT_NEAR(grid.max_nm, 1e5 + 0.5, 0.01);
     const auto& edges = s.scene->edges()->index().edges();
     EXPECT_EQ(edges.empty(), !on);
-    // Of the screen, at x = -.33, and of nothing else.
+    // All edges are those of the screen, at x = -0.33.
     for (const MeshEdge& e : edges) EXPECT_NEAR(e.a.x, -0.33, 0.001);
     std::string notes;
     for (const std::string& note : s.notes) notes += note + "\n";

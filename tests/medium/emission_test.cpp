@@ -129,7 +129,7 @@ std::string room(const std::string& glowing) {
          parameter("radius", 0.75) + kNull + glowing + "</shape>";
 }
 
-/// A lamp in reach of both, for which flights in media choose places.
+/// A light near both, for which segments in media use equiangular sampling.
 std::string lamp() {
   return "<shape type=\"sphere\"><point name=\"center\" x=\"-0.7\" y=\"-0.3\" z=\"1.5\"/>" +
          parameter("radius", 0.1) + "<emitter type=\"area\"><rgb name=\"radiance\" value=\"9, 20, 30\"/>" +

@@ -17,7 +17,7 @@ using aureole::test::make_vol;
 using aureole::test::VolumeFolder;
 using aureole::test::write_bytes;
 
-/// The same picture up to noise, in all and in every pixel.
+/// Expects equal pictures up to noise, in the mean and in every pixel.
 void expect_same(const Picture& a, const Picture& b, const std::string& what, double largest_error = 0.02) {
   const double error = std::hypot(a.all_error, b.all_error);
   EXPECT_NEAR(a.all, b.all, 4.5 * error + 1e-4 * a.all) << what;
@@ -62,7 +62,7 @@ TEST(GridTransport, AConstantGridIsHomogeneous) {
 }
 
 TEST(GridTransport, AnyMajorantGivesTheSame) {
-  // The same field in 4^3 voxels under one bound, in 16^3 under 4^3 of them, and where the largest value, in a
+  // One field in 4^3 voxels under one bound, in 16^3 under 4^3 of them, and where the largest value, in a
   // corner that little light passes, loosens the bounds of all.
   VolumeFolder folder;
   const auto write = [&](int fineness, float corner, const std::string& name) {

@@ -48,7 +48,7 @@ std::string interface_of(const Coat& c) {
          parameter("alpha", c.alpha) + indices;
 }
 
-/// The same as one surface, a metre thick.
+/// The coat as one surface, a metre thick.
 std::string layered(const Coat& c, const std::string& more = "") {
   const bool open = std::string(c.substrate) == "none";
   return "<bsdf type=\"layered\"><string name=\"thickness\" value=\"1m\"/><string name=\"distribution\" "

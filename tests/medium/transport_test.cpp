@@ -57,7 +57,7 @@ TEST_P(InBoundary, AnIsothermalEnclosureIsUniform) {
 }
 
 TEST_P(InBoundary, TheMeanChordIsFourVolumesOverTheSurface) {
-  // Of a medium that only scatters and emits one unit per length the mean radiance that leaves it is the
+  // Where a medium only scatters and emits one unit per length, the mean radiance that leaves it is the
   // mean length of paths through it: 4 V / S at any scattering, phase function and index. Seen from one
   // side, a ball fills pi / 4 of its square.
   for (const auto& [scattering, g] : {std::pair{0.0, 0.0}, {1.0, -0.5}, {4.0, 0.8}}) {
@@ -119,7 +119,7 @@ TEST(Media, ExtinctionsThreeDecadesApart) {
 }
 
 TEST(Media, HiddenSurfacesChangeNothing) {
-  // A ball of higher priority hides those within it, however often a flight meets them.
+  // Balls within one of higher priority are inactive, however often a ray hits them.
   const auto scene = [](bool hidden) {
     std::string all = "<shape type=\"sphere\"><integer name=\"priority\" value=\"9\"/>" + kNull +
                       medium(0.6, 1.2, 0.3) + "</shape>";

@@ -50,7 +50,7 @@ double mean_cosine(const PhaseFunction& phase) {
   return moment(phase, [](double mu) { return mu; });
 }
 
-// Of the four pairs of directions below, with the same parameters in Mitsuba:
+// Values of the four pairs of directions below, with equal parameters in Mitsuba:
 //   phase.eval_pdf(mi.PhaseFunctionContext(None), interaction, wo)[0]
 TEST(PhaseValues, AgreeWithMitsuba) {
   struct Row {

@@ -216,7 +216,7 @@ def test_corona_radii():
 
 
 def test_corona_is_blue_inside_and_red_outside():
-    """Of each ring: red light is diffracted more."""
+    """Red light of each ring is diffracted more."""
     given = flat_axes()
     ax = plot.corona(radius="8um", area_fraction=0.2, correlation="poisson", lamp_diameter=0, field=6, resolution=201,
                      ax=given)
@@ -237,7 +237,7 @@ def test_a_lamp_that_is_no_point_blurs_the_rings():
     nm = np.arange(400, 701, 20.0)
     sharp = _corona.picture(layer, "D65", 0.0, 5.0, 101, nm)
     soft = _corona.picture(layer, "D65", 1.0, 5.0, 101, nm)
-    # The same light, spread: means over many rings agree.
+    # The light is spread, not changed: means over many rings agree.
     middle = (slice(20, 81),) * 2
     assert soft[middle].mean() == pytest.approx(sharp[middle].mean(), rel=0.02)
     # Against the mean over the points of the lamp, in a dark ring too.

@@ -65,7 +65,7 @@ def test_arrays_are_textures_and_meshes(small_scene, tmp_path):
     small_scene["quad"]["bsdf"]["reflectance"] = {"type": "bitmap", "data": texels, "filter_type": "nearest"}
     scene = aureole.load_dict(small_scene)
     given = pixels(scene)
-    # The same through files.
+    # Texels and mesh through files.
     aureole.Image(texels).save(tmp_path / "texels.exr")
     quad = small_scene["quad"]
     (tmp_path / "quad.obj").write_text(
@@ -112,7 +112,7 @@ def test_a_dict_with_many_problems_names_all_of_them(small_scene):
     found = {p.file: p.message for p in problems_of(lambda: aureole.load_dict(d))}
     assert set(found) == {"ball.radios", "ball.bsdf", "quad.faces", "sky.radiance"}
     assert "radius" in found["ball.radios"] and "diffuse" in found["ball.bsdf"]
-    # Those that are no values at all are found before anything is built.
+    # Entries that are no values at all are found before anything is built.
     d["sky"] = {"radiance": 1}
     d["ball"]["radius"] = None
     d["camera"]["fov"] = object()

@@ -92,7 +92,7 @@ def render(mi, path, overrides, spp, replicates, threads):
     drjit.set_thread_count(threads)
     spp = spp or scene.sensors()[0].sampler().sample_count()
     images = np.stack([np.array(mi.render(scene, spp=spp, seed=i), dtype=np.float64) for i in range(replicates)])
-    # After the picture come further channels, which aov_names() lists last.
+    # After the picture come AOVs, which aov_names() lists last.
     further = images.shape[-1] - 3 if scene.integrator().aov_names() else 0
     names = ["R", "G", "B"] + (scene.integrator().aov_names()[-further:] if further else [])
     images = images[..., :len(names)]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same picture, bit for bit: for any number of threads, across interruptions, for parts merged.
+// Pictures are equal bit for bit: for any number of threads, across interruptions, for parts merged.
 #include <gtest/gtest.h>
 
 #include "harness/paths.h"

@@ -380,7 +380,7 @@ TEST(SceneEdges, PlacesHaveTheirDensity) {
   }
 }
 
-// Of two blocks one lies in the shadow of a screen: its edges are seldom chosen for that lamp, but they are.
+// One of two blocks lies in the shadow of a screen: its edges have a small probability for that light, not zero.
 TEST(SceneEdges, ThoseInShadowAreSeldomChosen) {
   const auto scene = load_scene_from_string(
                          R"(<scene version="3.0.0"><string name="length_unit" value="1um"/>
@@ -490,7 +490,7 @@ TEST(SceneEdges, KOfAStraightEdgeIsKellers) {
   }
 }
 
-// The same near a corner and beside a parallel edge: `mean_edge_kernel` alone is 16 % less at three widths, 5 % at six.
+// K near a corner and beside a parallel edge: `mean_edge_kernel` alone is 16 % less at three widths, 5 % at six.
 TEST(SceneEdges, KNearCornersAndParallelEdgesIsNearlyKellers) {
   const auto scene = load_scene_from_string(
                          R"(<scene version="3.0.0"><string name="length_unit" value="1um"/>

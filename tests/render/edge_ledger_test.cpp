@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ledger of light that edges diffract: what is missing in light that passes beside them is what they send away.
+// The power balance of edges: the power removed from light that passes beside them is the power that they diffract.
 #include "aureole/transport/edge_ledger.h"
 
 #include <fmt/format.h>
@@ -122,8 +122,8 @@ EdgePoint place_at(const MeshEdge& edge, double t) {
   return {&edge, t * line.length, line.at(t * line.length), {}, 1};
 }
 
-/// What light of one unit of irradiance lends, and what edges diffract of it by integration of K over directions. choose(u, spent) sets a
-/// way and a place by three numbers of a scrambled Sobol point; errors are those of independent scramblings.
+/// The power removed from light of one unit of irradiance, and the power that edges diffract of it, by integration of K over directions.
+/// choose(u, spent) sets a segment and a point by three numbers of a scrambled Sobol point; errors are those of independent scramblings.
 template <class Choose>
 std::pair<Mean, Mean> ledger_of(const Scene& scene, int points, const Choose& choose) {
   const auto w = some_wavelengths(scene);
@@ -177,7 +177,7 @@ TEST(EdgeLedger, LendsWhatIsDiffracted) {
     ASSERT_EQ(int(outline.size()), c.corners);
     const int points = kSanitized ? 8 : 1 << test::effort(10, 17);
     const Vec3 d{float(std::sin(c.tilt)), 0, -float(std::cos(c.tilt))};
-    // Places beyond 5 deviations of the deficit, of .6 sigma, lend nothing; in the plane, which light meets obliquely, they lie farther.
+    // Nothing is removed beyond 5 deviations of the deficit, of 0.6 sigma; in the plane, which light hits obliquely, that is farther.
     const double window = c.opening ? 1 : 1 + 3.2 / (c.radius_sigma * std::cos(c.tilt));
     const double area = 4 * window * window * std::cos(c.tilt);
     const double falls = 0.5 * c.corners * std::sin(2 * pi / c.corners) * std::cos(c.tilt);
@@ -316,7 +316,7 @@ std::vector<Mean> lent_on(const Scene& scene, const LightWay& way, int samples) 
   return mean_of;
 }
 
-// No light lends more than passes, and as much in one direction as in the other.
+// No more power is removed than passes, and as much in one direction as in the other.
 TEST(EdgeLedger, NoLightLendsMoreThanItHas) {
   const auto largest = [](const char* name, const std::shared_ptr<const Scene>& scene, const Vec3& at,
                           double tilt) {
@@ -378,7 +378,7 @@ TEST(EdgeLedger, DistantEdgesTakeOneAfterTheOther) {
   }
 }
 
-// Ways that stay farther from all edges than the deficit reaches lend nothing.
+// Nothing is removed from segments that stay farther from all edges than the deficit reaches.
 TEST(EdgeLedger, WaysFarFromEdgesLendNothing) {
   const auto scene = polygon(5, 8, 5);
   const auto w = some_wavelengths(*scene);
@@ -407,7 +407,7 @@ TEST(EdgeLedger, WaysFarFromEdgesLendNothing) {
 }
 
 /// The mean irradiance that light has from within on a sphere around an obstacle, in even light: 1 without losses. Light that passes 3 sigma
-/// beside the obstacle goes on for as much before it meets the sphere.
+/// beside the obstacle goes on for as much before it hits the sphere.
 Picture around(const std::string& obstacle, const char* reflectance, const char* integrator,
                bool diffraction) {
   return render(std::string(R"(<string name="length_unit" value="20um"/><integrator type=")") + integrator +
@@ -426,7 +426,7 @@ Picture around(const std::string& obstacle, const char* reflectance, const char*
   <emitter type="directional"><vector name="direction" x="0.1" y="0.2" z="-1"/><spectrum name="irradiance" value="4"/></emitter>)");
 }
 
-// All light reaches the sphere around a white obstacle: what edges send around them is missing beside them. A black obstacle
+// All light reaches the sphere around a white obstacle: the diffracted power is missing beside them. A black obstacle
 // absorbs what falls on it, no more and no less.
 TEST(EdgeLedger, ObstaclesKeepAllLight) {
   const auto expect = [](const char* name, const std::string& obstacle, const char* reflectance,

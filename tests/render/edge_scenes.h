@@ -52,7 +52,7 @@ struct EdgeMethod {
   bool diffraction = true;
 };
 
-/// What a sensor measures that has all of its parts but film and sampler.
+/// The picture of a sensor that has all of its parts but film and sampler.
 inline testing::Picture measured(const std::string& scene, const EdgeMethod& by, const std::string& sensor,
                                  std::uint64_t seed) {
   RenderOptions options;

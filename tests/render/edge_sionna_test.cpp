@@ -52,7 +52,7 @@ double angle(const Row& r, const double* to) {
 double distance(const double* a, const double* b) {
   return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }
-/// What light turns by at the edge, across it [degrees]; positive into the shadow.
+/// The angle by which light turns at the edge, across it [degrees]; positive into the shadow.
 double turn(const Row& r) { return (std::abs(angle(r, r.to) - angle(r, r.from)) - pi) * 180 / pi; }
 /// Whether the transmitter shines on one of the faces only: else the edge throws no shadow.
 bool is_outline(const Row& r) {
@@ -64,7 +64,7 @@ double fresnel_number(const Row& r) {
   const double excess = distance(r.from, r.edge) + distance(r.edge, r.to) - distance(r.from, r.to);
   return (turn(r) > 0 ? -2 : 2) * std::sqrt(excess * r.ghz / 0.299792458);
 }
-/// What the edge sends, of a wedge of the angle n pi.
+/// The power that a wedge of the angle n pi diffracts.
 double by_uniform_theory(const Row& r, double n, optics::WedgeFaces faces) {
   const double lambda = 0.299792458 / r.ghz, s_i = distance(r.from, r.edge), s = distance(r.edge, r.to);
   const double sin_beta = std::hypot(r.from[0] - r.edge[0], r.from[1] - r.edge[1]) / s_i;
@@ -77,9 +77,9 @@ double by_uniform_theory(const Row& r, double n, optics::WedgeFaces faces) {
 /// Powers of a cell, direct light included.
 struct Cell {
   double direct = 0;
-  double fields = 0;  ///< sionna-rt, paths added with their phases
-  double soft = 0;    ///< sionna-rt, powers of paths added
-  double hard = 0;    ///< the same, of hard polarisation: by `Wedge`, since that of sionna-rt has wrong signs
+  double fields = 0;       ///< sionna-rt, paths added with their phases
+  double soft = 0;         ///< sionna-rt, powers of paths added
+  double hard = 0;         ///< for hard polarisation: by `Wedge`, since that of sionna-rt has wrong signs
   double half_planes = 0;  ///< black half planes in place of wedges, of edges that throw a shadow
   double turn = 0, fresnel_number = 0;  ///< about the edge that sends most
   double strongest = -1;

@@ -21,8 +21,8 @@ namespace {
 
 using test::kSanitized;
 
-/// A black sheet whose border has `pieces` pieces, between a lamp and the places where it casts a shadow, parted by a wall across the
-/// border. Two laths over the places hide, from those that tables are made for, what of the border lies at y = 40 to 50 mm.
+/// A black sheet whose border has `pieces` pieces, between a lamp and the points where it casts a shadow, parted by a wall across the
+/// border. Two laths over the points occlude the part of the border at y = 40 to 50 mm from the points of the tables.
 std::string sheet_in_pieces(int pieces) {
   const auto sheet = [](double x, double y, double z, double half_x, double half_y) {
     return fmt::format(

@@ -57,7 +57,7 @@ Mean luminance(const std::string& scene, const std::string& integrator, int samp
   return {p.all, p.all_error, p};
 }
 
-/// That shines down.
+/// A light that emits downwards.
 std::string lamp(double half, double x, double z) {
   return rectangle(
       fmt::format(R"(<scale value="{}"/><rotate x="1" angle="180"/><translate x="{}" z="{}"/>)", half, x, z),
@@ -194,7 +194,7 @@ TEST(DirectEdges, AreThoseOfThePathTracer) {
   EXPECT_GT(direct.value - off.value, 4 * std::hypot(direct.error, off.error));
 }
 
-// A lamp that shines up: the edges have light of the ceiling only.
+// A light that emits upwards: the edges have light of the ceiling only.
 TEST(TwoWayEdges, SingleTechniquesFindTheSame) {
   const std::string scene =
       rectangle(R"(<translate z="-1"/>)", grey(0.7)) + only_edges() +

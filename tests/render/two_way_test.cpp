@@ -84,7 +84,7 @@ TEST(TwoWayTechniques, EachFindsWhatTheOthersFind) {
     ASSERT_TRUE(c.z);
     std::printf("s = %d: mean of z^2 %.3f, outside %.3f %%, mean %+.2f standard errors (%+.3f %%)\n", s,
                 c.z->mean_square, 100 * c.z->outside, c.z->mean_difference, 100 * c.z->mean_relative);
-    // Paths that meet the lamp by chance are so rare that pixels are not normally distributed.
+    // Paths that hit the lamp by chance are so rare that pixels are not normally distributed.
     if (s != 0) {
       EXPECT_TRUE(c.z->passes) << s;
     }
@@ -93,7 +93,7 @@ TEST(TwoWayTechniques, EachFindsWhatTheOthersFind) {
   }
 }
 
-// The same for an irradiance meter on the floor, whose place a connection chooses on the surface.
+// Single techniques for an irradiance meter on the floor, whose point a connection samples on the surface.
 TEST(TwoWayTechniques, EachFindsWhatAMeterMeasures) {
   const auto only = [](int s, int t) {
     const std::string text = fmt::format(

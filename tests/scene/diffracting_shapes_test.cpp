@@ -185,7 +185,7 @@ std::shared_ptr<const Scene> discs(std::initializer_list<double> heights, int si
   return load(scene_of(shapes, std::to_string(sigma) + "um")).scene;
 }
 
-// What a cluster sends is what its edges send in pairs, summed over them and in the mean over drawn numbers.
+// The power that a cluster diffracts is that of its pairs of edges, summed over them and in the mean over drawn numbers.
 TEST(EdgeClusters, SendWhatPairsOfEdgesDo) {
   const auto scene = discs({0}, 15);
   const SceneEdges& edges = *scene->edges();

@@ -38,7 +38,7 @@ std::string sheet(double x, double y, double half_x, double half_y, double z, do
 }
 Wavelengths wavelengths_of(const Scene& scene) { return Wavelengths::at(scene.parts().context->grid, 500.f); }
 
-/// The edge at a place of the xy-plane, with the place on it; nothing where no edge is there.
+/// The edge at a point of the xy-plane, with the position on it; nothing where no edge is there.
 std::optional<EdgePoint> place_at(const Scene& scene, float x, float y) {
   for (const MeshEdge& edge : scene.edges()->index().edges()) {
     Vec3 p{x, y, edge.a.z};
@@ -90,7 +90,7 @@ TEST(EdgeCovers, SheetsOneBehindAnotherAreOne) {
           {{0.f, 6.f}, {0.f, -6.f}, {-3.f, 2.f}, {7.f, -1.f}, {3.f, 0.f}});
 }
 
-// The same in a cluster, with a square that overlaps one strip, turned.
+// Covers in a cluster, with a square that overlaps one strip, turned.
 TEST(EdgeCovers, ClustersAreUnited) {
   const auto figure = [](double z1, double z2, double z3, double z4) {
     return scene_of(sheet(0, 0, 30, 6, z1) + sheet(2, 0, 5, 25, z2) + sheet(1, 1, 2, 3, z3) +
@@ -115,7 +115,7 @@ TEST(EdgeCovers, SheetsFarBehindAreOthers) {
       0.f);
 }
 
-// Of a convex body no edge can be covered; of a flat sheet neither. A block on a table is covered where it stands.
+// No edge of a convex body or of a flat sheet can be covered. A block on a table is covered where it stands.
 TEST(EdgeCovers, AreLookedForWhereTheyCanBe) {
   const auto count = [](const std::shared_ptr<const Scene>& scene) {
     const SceneEdges& edges = *scene->edges();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sensor::sample_direct is the adjoint of Sensor::sample_ray: light that leaves a small patch falls on the
-// film where the sensor's rays that meet the patch start, and as much of it as they say.
+// film where the sensor's rays that hit the patch start, with the weight of these rays.
 #include <gtest/gtest.h>
 
 #include <cmath>

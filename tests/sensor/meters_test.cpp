@@ -50,7 +50,7 @@ std::string meter(const std::string& shape, const std::string& rest = "") {
 TEST(IrradianceMeter, InAConstantEnvironmentIsPiTimesRadiance) {
   for (const char* shape : {"rectangle", "sphere", "cube"})
     EXPECT_NEAR(value(kConstant + meter(shape)), 2 * M_PI, 2e-3) << shape;
-  // Small, far away and turned inside out: no ray may meet the surface it starts from.
+  // Small, far away and turned inside out: no ray may hit the surface from which it starts.
   EXPECT_NEAR(value(kConstant + meter("sphere",
                                       "<point name='center' x='500' y='-300' z='20'/><float "
                                       "name='radius' value='0.01'/>")),

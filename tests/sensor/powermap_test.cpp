@@ -132,7 +132,7 @@ TEST(PowerMap, AMirrorShowsTheLampOnceMore) {
       EXPECT_NEAR(by_light.at(x, y, 0), expected, 0.02 * expected) << x << " " << y;
       sum += expected, sum_by_rays += by_rays.at(x, y, 0);
     }
-  EXPECT_NEAR(sum_by_rays, sum, 0.04 * sum);  // some 5000 rays meet the ball
+  EXPECT_NEAR(sum_by_rays, sum, 0.04 * sum);  // some 5000 rays hit the ball
   // The edges of a path are counted: mirrored light has two.
   const auto limited = [&](int depth) {
     RenderOptions options;
@@ -154,7 +154,7 @@ TEST(PowerMap, EachMapOfABatchSeesTheMirror) {
   const std::string mirror =
       "<shape type='rectangle'><transform name='to_world'><scale value='100'/><translate z='-1'/></transform>"
       "<bsdf type='conductor'/></shape>";
-  // The same map two times: all mirrored light passes both.
+  // One map two times: all mirrored light passes both.
   const auto one = [](const char* id) {
     return "<sensor type='powermap' id='" + std::string(id) +
            "'><transform name='to_world'><scale x='3' y='2'/></transform></sensor>";

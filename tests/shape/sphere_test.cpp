@@ -154,7 +154,7 @@ TEST(Sphere, PointsOnTheSurfaceSeeTheFarSide) {
     EXPECT_EQ(s->pdf, shape->pdf_direct(reference, 0, SurfacePoint{}));
     mean += 1 / s->pdf / kSamples;
   }
-  EXPECT_NEAR(mean, 2 * kPi, 0.15f);  // half of all directions meet the sphere
+  EXPECT_NEAR(mean, 2 * kPi, 0.15f);  // half of all directions hit the sphere
 }
 
 }  // namespace

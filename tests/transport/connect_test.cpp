@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Visibility: neither the surface a connection starts from nor the light's own may be in its way, and what
-// is, always is.
+// Visibility: neither the surface from which a connection starts nor the light's own occludes it, and
+// occluders are never missed.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -308,7 +308,7 @@ TEST(Visibility, ALightOnAPassableSurfaceEndsTheConnection) {
   EXPECT_EQ(ended, 1600);
 }
 
-// Both ends lie on one passable surface, beyond which rounding moves one or the other: the march must end.
+// Both endpoints lie on one null surface, beyond which rounding moves one or the other: the march must end.
 TEST(Connections, WithinThePlaneOfAPassableSurfaceEnd) {
   const auto scene = scene_with(
       shape("rectangle", rotate({1, 2, 3}, 37) + translate({0.3f, -0.2f, 0.7f}),

@@ -87,7 +87,7 @@ struct RandomPath {
     return double(vertices[size_t(i + 1)].by_sensor[j]) * vertices[size_t(i)].behind[j] * e.passed[j] /
            e.distance2;
   }
-  /// Of the technique with s vertices from the emitter and at least one from the sensor.
+  /// The density of the technique with s vertices from the emitter and at least one from the sensor.
   Numbers density(int s) const {
     Numbers all;
     for (int j = 0; j < kWavelengths; ++j) {

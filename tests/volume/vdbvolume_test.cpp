@@ -117,7 +117,7 @@ std::string bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// The same file without compression: a head of 16 bytes, for each grid one of 176 with its name, then the grids.
+/// The sample file without compression: a head of 16 bytes, for each grid one of 176 with its name, then the grids.
 std::string decompressed_nvdb() {
   const std::string packed = bytes_of(sample("nvdb"));
   const auto number = [&](std::size_t at, auto kind) {

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kReach = 3;  ///< half-width of the window [pixels]
 /// Squared errors of stratified samples fall approximately as n^-1.5. So sum(variance n^-1.5) is least for n
-/// proportional to variance^(1 / 2.5). Measured on two scenes, docs/decisions.md.
+/// proportional to variance^(1 / 2.5). Measured on two scenes, docs/decisions/0043-adaptive-densities.md.
 constexpr double kPower = 0.4;
 constexpr int kStepsPerOctave = 16;  ///< noise is sorted into logarithmic classes of this width
 constexpr int kClasses =

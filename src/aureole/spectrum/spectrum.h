@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `Spectrum`: one float per wavelength of a path. kWavelengths is a compile-time constant chosen by
-// measurement (docs/decisions.md); 8 floats fill one AVX2 register.
+// measurement (docs/decisions/0002-eight-wavelengths.md); 8 floats fill one AVX2 register.
 #pragma once
 
 #ifdef __AVX__

@@ -2,7 +2,7 @@
 // Equiangular sampling as a second technique of a segment in a medium: positions along it are sampled about a light near it, beside the
 // position where distance sampling scatters the path. Both techniques know the pivot of the other, a point of a light that is chosen for the
 // segment as a whole; what is connected from the position does not depend on it. So the balance heuristic compares the two pdfs along the
-// segment (docs/decisions.md).
+// segment (docs/decisions/0065-equiangular-sampling.md).
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ inline std::optional<Equiangular> equiangular_positions(const Scene& scene, cons
   if (!leaf) return {};
   const Bounds3& box = tree.leaf(*leaf).box;
   const Equiangular positions(state.ray, t_max, box.center(), 0.5f * length(box.diagonal()));
-  constexpr float kNear = 1, kReach = 4;  // optical depths, by measurement (docs/decisions.md)
+  constexpr float kNear = 1, kReach = 4;  // optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md)
   const float sigma = mean(state.medium->majorant(state.ray.d, w)) * state.medium->majorants().max_bound();
   if (!positions.is_valid() || !(sigma * positions.distance() < kNear) ||
       !(sigma * positions.nearest() < kReach))

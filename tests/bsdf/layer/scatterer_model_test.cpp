@@ -150,7 +150,7 @@ MaskSums write_mask(const std::filesystem::path& file, const std::function<doubl
   return sums;
 }
 
-/// The same identity for every kind of aperture, by areas alone. A layer that passes A = sum t(x - x_i), t in
+/// The energy identity for every kind of aperture, by areas alone. A layer that transmits A = sum t(x - x_i), t in
 /// [0, 1] and no two scatterers over the same place, diffracts the variance of A, since its mean
 /// keeps the direction: E A^2 - (E A)^2 = rho int t^2 - (rho int t)^2 = Fr fill - Fr^2, with fill = int
 /// t^2/int t. That is Fr (1 - Fr) where t is 0 or 1, and less for a grey mask.
@@ -332,7 +332,7 @@ TEST(ScattererModel, SizesThatPackTogether) {
     peak = std::max(peak, expected[ring]), square += std::pow(sums[ring] - expected[ring], 2) / kRings;
   std::printf("two sizes packed together: rms %.2f %% of the largest J\n", 100 * std::sqrt(square) / peak);
   EXPECT_LT(std::sqrt(square) / peak, 0.025);  // Rosenfeld's theory and the noise of the sums
-  // The same shapes on discs of equal size have another intensity.
+  // Equal shapes on discs of equal size have another intensity.
   const auto labelled = layer.mixture();
   double other = 0;
   for (int ring = 0; ring < kRings; ++ring) {

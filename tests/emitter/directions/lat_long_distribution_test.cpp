@@ -81,7 +81,7 @@ TEST(LatLongDistribution, SamplesHaveTheirDensityAndWeight) {
         ASSERT_TRUE(uv.x >= 0 && uv.x < 1 && uv.y >= 0 && uv.y < 1);
         off += std::abs(distribution.pdf(n, uv) - pdf) > 1e-3f * pdf;  // pushed over an edge by rounding
       }
-      EXPECT_LE(off, 9) << map.name;  // those at the ends, of maps with edges
+      EXPECT_LE(off, 9) << map.name;  // the ends of the random numbers, on maps with edges
     }
   }
 }

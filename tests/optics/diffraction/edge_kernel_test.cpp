@@ -186,7 +186,7 @@ TEST(EdgeKernel, OfAStraightEdgeIsKellersFromThreeWidthsOn) {
   }
 }
 
-// What is added near corners and other edges: its integral over directions, and its weight in cases that are known.
+// The correction of K near corners and other edges: its integral over directions, and its weight in cases that are known.
 TEST(EdgeKernel, CorrectionsOfStraightEdgesHaveTheirPower) {
   const double kn = 200, k[4] = {kn, kn, kn, kn}, sigma[4] = {1, 1, 1, 1}, ones[4] = {1, 1, 1, 1};
   double sum = 0, result[4];
@@ -398,7 +398,7 @@ TEST(EdgeKernel, HasOneLobeForAllEdges) {
   EXPECT_EQ(mean_edge_kernel(std::span(&edge, 1), 0, 0.5, {0, 0}, 1, 1), 0);
 }
 
-// How much of the light on an obstacle is lent at the distance y from its edge: the mean of D_c over centres about y. D_c of single beams
+// The fraction of the light on an obstacle that its edge diffracts at the distance y from it: the mean of D_c over centres about y. D_c of single beams
 // whose centre lies outside is above 1, since their edges' waves without the gradient's term have more power than falls on the obstacle.
 TEST(EdgeKernel, WhatIsLentStaysBelowWhatFalls) {
   const GaussianBeam beam(1);

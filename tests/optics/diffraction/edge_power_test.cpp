@@ -123,7 +123,7 @@ TEST(EdgePower, WithOneLobePerBeamItDoesNot) {
   EXPECT_NEAR(diffracted_power(cut_square(20, 1), ZerothOrder::of_beam(sigma), 4 * M_PI) / whole, 1, 0.02);
 }
 
-// The same power from Airy's pattern: the integral over q of |F|^2 (1 - chi).
+// Diffracted power of a disc from Airy's pattern: the integral over q of |F|^2 (1 - chi).
 TEST(EdgePower, OfADiscIsThatOfItsPattern) {
   const double radius = 3, sigma = 0.4;
   double exact = 0;

@@ -30,7 +30,7 @@ TEST(Absorption, FromIndexMoleculesAndMixtures) {
   EXPECT_NEAR(absorption_of_index(index_of_absorption(0.624, 700), 700), 0.624, 1e-14);
   // 1e-5 mol/L of 10000 L/(mol cm) in 1 cm is an optical density of 0.1.
   EXPECT_NEAR(decadic_absorbance(transmittance(absorption_of_molar(10000, 1e-5), 0.01)), 0.1, 1e-14);
-  // The same by molecules: 3.82e-21 cm^2 per L/(mol cm).
+  // Absorption cross section of a molecule: 3.82e-21 cm^2 per L/(mol cm).
   EXPECT_NEAR(cross_section_of_molar(1), 3.8235e-25, 0.0001e-25);
   EXPECT_NEAR(absorption_of_number(cross_section_of_molar(10000), 1e-5 * 1000 * kAvogadro) /
                   absorption_of_molar(10000, 1e-5),

@@ -5,7 +5,7 @@
     python3 -m venv venv && venv/bin/pip install numpy scipy
     venv/bin/python disc_shadow.py
 
-A disc of 2 mm radius stands 1 m from a point that shines at 550 nm and 1 m from a screen. Behind an obstacle Lommel's functions V0 and V1 are
+A disc of 2 mm radius stands 1 m from a point light of 550 nm and 1 m from a screen. Behind an obstacle Lommel's functions V0 and V1 are
 real and imaginary part of the field (Born & Wolf, Principles of Optics, 8.8), I/I0 = V0^2 + V1^2; the script checks them against
 Fresnel's integral over the disc. It prints I/I0 by the distance from the axis, as a mean over two fringes and by Keller's coefficient
 with the focus of a round edge, and the mean over the square that the test looks at.

@@ -166,7 +166,7 @@ TEST_F(MeshAttributeTest, AsAnEmittersRadiance) {
   const Light& lamp = s.scene->emitters().at(0);
   test::Random random(1);
   for (int i = 0; i < 100; ++i) {
-    // A sample knows its place in the triangle; a ray that meets it sees the same.
+    // A sample has its position in the triangle; a ray that hits it has the same attribute there.
     const auto sample = lamp.sample_direct({0.3f, 0.2f, 2}, 0, random.square(), w);
     ASSERT_TRUE(sample);
     EXPECT_NEAR(sample->radiance[0], 1 + 4 * sample->p.x + 8 * sample->p.y, 1e-4f);

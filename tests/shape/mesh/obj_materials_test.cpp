@@ -29,7 +29,7 @@ protected:
             shape_children + "</shape></scene>",
         folder_ / "test.xml");
   }
-  /// Reflectance of what is met from above.
+  /// Reflectance of the surface that a ray from above hits.
   static Spectrum seen(const LoadedScene& loaded, float x, float y) {
     const Scene& scene = *loaded.scene;
     const auto hit = scene.intersect({{x, y, 5}, {0, 0, -1}});

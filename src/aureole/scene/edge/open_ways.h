@@ -15,7 +15,7 @@ class Scene;
 namespace beside {
 
 /// Standard deviation of G over the widest sigma: small, since the light that is missing comes from next to the edge, but not so small that
-/// corners of openings lend more than they have (docs/decisions.md).
+/// corners of openings lend more than they have (docs/decisions/0128-diffracted-from-open-side.md).
 inline constexpr double kSpread = 0.6;
 /// Beyond this distance across the light, in these deviations, G counts as 0 (4e-5 of it).
 inline constexpr double kReach = 4.5;

@@ -50,7 +50,7 @@ struct PatchView {
 private:
   /// Where the patch's longest edge squared is below this share of the squared distance to its centroid,
   /// uniform area and uniform solid angle differ mostly by less than a third between its corners
-  /// (docs/decisions.md).
+  /// (docs/decisions/0014-lights-by-solid-angle.md).
   static constexpr float kFar = 1.5f;
 };
 
