@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light of two components and maps of it that do not commute, without any physics: whoever composes them in another order than that in which
-// light passes finds other pictures.
+// Light of two components and maps of it that do not commute, without any physics: whoever composes them in
+// another order than that in which light passes finds other pictures.
 #pragma once
 
 #include <cmath>
@@ -43,7 +43,7 @@ struct MatrixLight {
     Spectrum m_[2][2];
   };
 
-  /// f M(p), M a matrix of the position, transposed for light that travels the other way round.
+  /// f M(p), M a matrix of the position, transposed for light that travels the reverse direction.
   static Weight lift(const Spectrum& f, const Vec3& p, const Vec3& in, const Vec3& out) {
     const auto entry = [&](float k) {
       return 0.5f + 0.45f * std::sin(k * (p.x + 2 * p.y - 1.5f * p.z) + 3 * k);
@@ -63,7 +63,7 @@ struct MatrixLight {
   static bool is_black(const Weight& w) { return aureole::is_black(w.magnitude()); }
 };
 
-/// The same light with the product of two maps in the wrong order: a test that passes with it shows nothing.
+/// `MatrixLight` with the product of two maps in the wrong order: a test that passes with it shows nothing.
 struct SwappedLight : MatrixLight {
   class Weight : public MatrixLight::Weight {
   public:

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The walks of `path`, `ptracer` and `bdpt` agree on light whose maps do not commute (harness/matrix_light.h): each composes them in the
-// order in which light passes. With the product of two maps swapped they must not agree.
+// The walks of `path`, `ptracer` and `bdpt` agree on light whose maps do not commute
+// (harness/matrix_light.h): each composes them in the order in which light passes. With the product of two
+// maps swapped they must not agree.
 #include "harness/matrix_light.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +49,8 @@ std::shared_ptr<const Scene> room(const std::string& content) {
       .scene;
 }
 
-/// The mean of a walk's estimates per pixel and wavelength, over batches of paths; trace(in, splats) follows a batch.
+/// The mean of a walk's estimates per pixel and wavelength, over batches of paths; trace(in, splats) follows
+/// a batch.
 template <class Trace>
 Mean mean_of(const Scene& scene, std::uint64_t seed, const Trace& trace) {
   PathLimits limits = PathLimits::direct(false);

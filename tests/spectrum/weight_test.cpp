@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The throughput of a path is composed in the order of the light, whatever a weight is: with maps that do not commute, as polarised light
-// needs, paths from the sensor and from the lights find the product that light sees.
+// The throughput of a path is composed in the order of the light, whatever a weight is: with maps that do not
+// commute, as polarised light needs, paths from the sensor and from the lights find the product that light
+// sees.
 #include <gtest/gtest.h>
 
 #include "aureole/spectrum/path_density.h"

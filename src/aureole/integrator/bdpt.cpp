@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bidirectional path tracing: a path from an emitter and one from the sensor, each vertex of one connected with each
-// of the other. All techniques by which a path can be found count, by spectral MIS (transport/two_way.h).
+// Bidirectional path tracing: a path from an emitter and one from the sensor, each vertex of one connected
+// with each of the other. All techniques by which a path can be found count, by spectral MIS
+// (transport/two_way.h).
 #include <optional>
 
 #include "aureole/bsdf/near_field.h"

@@ -23,8 +23,8 @@ struct DirectKind {
   using Vertices = PerPath<Vertex>;
 };
 
-/// The surfaces that the sensor's rays hit and cross, light and BSDF samples there. Media absorb and emit, and scatter nothing back: their
-/// transmittance is in no pdf.
+/// The surfaces that the sensor's rays hit and cross, light and BSDF samples there. Media absorb and emit,
+/// and scatter nothing back: their transmittance is in no pdf.
 class DirectWalk : public Walk<DirectWalk, DirectKind> {
 public:
   DirectWalk(const WalkInput& in, int light_samples, int bsdf_samples)
@@ -98,7 +98,8 @@ public:
     path(i).result.estimate += estimate;
     if (log_.follows(i)) log_emission(i, point, estimate);
   }
-  /// Continues behind a surface with a null component, with the probability of crossing it; else the path ends.
+  /// Continues behind a surface with a null component, with the probability of crossing it; else the path
+  /// ends.
   bool scatter(int i) {
     State& s = states_[i];
     const Vertex& vertex = vertices_[i];

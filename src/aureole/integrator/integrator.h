@@ -32,8 +32,8 @@ public:
   virtual void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                      const BatchLog& log) const = 0;
 
-  /// The same, with the light that arrives at a receiver (sensor/sensor.h) straight from emitters which no ray
-  /// meets, such as a point, where `shows_emitters`.
+  /// The same, with the light that arrives at a receiver (sensor/sensor.h) straight from emitters which no
+  /// ray meets, such as a point, where `shows_emitters`.
   void estimate(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                 const BatchLog& log) const;
   /// Whether the result has light that arrives from emitters unscattered.
@@ -46,7 +46,8 @@ public:
   virtual Leaves leaves() const { return Leaves::pixel; }
   /// Known before the scene is made.
   virtual SceneNeeds needs() const { return {}; }
-  /// Throws an Error, at its place in the file, where the scene has something that the integrator cannot follow.
+  /// Throws an Error, at its place in the file, where the scene has something that the integrator cannot
+  /// follow.
   virtual void require_scene(const Scene&) const {}
   /// Names of the channels of further numbers measured beside the film's ("albedo.R", "depth"). None where
   /// paths belong to no pixel.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light tracing: paths from the lights, connected with the sensor at every vertex. Such a path has one technique, and spectral MIS weights it
-// over the wavelengths, whose pdfs differ only by those of its BSDF samples. Lights that the sensor sees directly, which no connection finds,
-// are found by rays of the sensor.
+// Light tracing: paths from the lights, connected with the sensor at every vertex. Such a path has one
+// technique, and spectral MIS weights it over the wavelengths, whose pdfs differ only by those of its BSDF
+// samples. Lights that the sensor sees directly, which no connection finds, are found by rays of the sensor.
 #include "aureole/integrator/diffraction_parameters.h"
 #include "aureole/integrator/ptracer/particle_walk.h"
 #include "aureole/plugin/registry.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Majorants`: upper bounds of a medium's density, whatever structure holds them. Another structure (an octree, splats) is one more
-// alternative here, and transport does not change.
+// `Majorants`: upper bounds of a medium's density, whatever structure holds them. Another structure (an
+// octree, splats) is one more alternative here, and transport does not change.
 #pragma once
 
 #include "aureole/medium/majorant_grid.h"
@@ -24,13 +24,13 @@ public:
   /// The largest bound.
   float max_bound() const { return grid_ ? grid_->maximum() : 1.f; }
 
-  /// Where the density varies: the transform from the world to the box [0, 1]^3, outside of which it is 0, and the number of cells in which a
-  /// sampler may describe it along each axis.
+  /// Where the density varies: the transform from the world to the box [0, 1]^3, outside of which it is 0,
+  /// and the number of cells in which a sampler may describe it along each axis.
   const Transform& to_box() const { return grid_->to_box(); }
   const std::array<int, 3>& cells() const { return grid_->cells(); }
 
-  /// Calls visit(segment) for the segments of a ray of unit direction from its origin to the distance t_max, in order, until it returns true;
-  /// segments with a bound of 0 are left out. Returns whether it did.
+  /// Calls visit(segment) for the segments of a ray of unit direction from its origin to the distance t_max,
+  /// in order, until it returns true; segments with a bound of 0 are left out. Returns whether it did.
   template <class Visit>
   bool visit_segments(const Ray& ray, float t_max, Visit&& visit) const {
     if (!grid_) return visit(MajorantSegment{0, t_max, 1});

@@ -28,7 +28,8 @@ public:
   virtual void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const = 0;
   virtual const PhaseFunction& phase() const = 0;
 
-  /// Bounds b with which sigma_t(p, d, w) <= b majorant(d, w). Where they do not vary, sigma_t is majorant(d, w) everywhere.
+  /// Bounds b with which sigma_t(p, d, w) <= b majorant(d, w). Where they do not vary, sigma_t is majorant(d,
+  /// w) everywhere.
   virtual Majorants majorants() const { return {}; }
   virtual Spectrum majorant(const Vec3& d, const Wavelengths& w) const = 0;
 

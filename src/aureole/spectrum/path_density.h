@@ -21,8 +21,9 @@ inline Spectrum single_estimate(const Spectrum& light, const Wavelengths& w) {
   return light / (w.pdf * float(kWavelengths));
 }
 
-/// The effect of a null interface or a medium between two vertices: the transmittance and, at a vertex in a medium, the scattering coefficient;
-/// and the pdfs of passing it on a walk and on a connection, divided by the hero's pdf of the walk.
+/// The effect of a null interface or a medium between two vertices: the transmittance and, at a vertex in a
+/// medium, the scattering coefficient; and the pdfs of passing it on a walk and on a connection, divided by
+/// the hero's pdf of the walk.
 struct Passage {
   Spectrum value;
   Spectrum flight{1.f}, connection{1.f};
@@ -31,8 +32,9 @@ struct Passage {
 /// The end at which a path begins, which decides the order in which its weights are multiplied.
 enum class PathStart { sensor, emitter };
 
-/// Throughput of a path and the ratios of its pdfs per wavelength to the hero's own (`r_u` and `r_l` of Miller, Georgiev & Jarosz 2019, "A
-/// null-scattering path integral formulation of light transport"). A ratio that became zero stays zero.
+/// Throughput of a path and the ratios of its pdfs per wavelength to the hero's own (`r_u` and `r_l` of
+/// Miller, Georgiev & Jarosz 2019, "A null-scattering path integral formulation of light transport"). A ratio
+/// that became zero stays zero.
 template <class L, PathStart kStart>
 struct BasicPathDensity {
   static constexpr PathStart kBegin = kStart;
@@ -42,11 +44,12 @@ struct BasicPathDensity {
   /// f / p_hero: the map of light that arrives at the last vertex; of a light path the light itself.
   std::conditional_t<kStart == PathStart::sensor, Weight, Light> beta{};
   Spectrum r_u{1.f};  ///< unidirectional sampling; r_u[0] is always 1
-  /// As if light sampling had found the last vertex, without the pdf of that choice; 0 where light sampling cannot find it.
+  /// As if light sampling had found the last vertex, without the pdf of that choice; 0 where light sampling
+  /// cannot find it.
   Spectrum r_l{0.f};
 
-  /// Extends the path by a sampled event of value `f` (cosine included) and pdf per wavelength, or mass of a `delta` lobe. Requires
-  /// pdf[0] > 0.
+  /// Extends the path by a sampled event of value `f` (cosine included) and pdf per wavelength, or mass of a
+  /// `delta` lobe. Requires pdf[0] > 0.
   void extend(const Weight& f, const Spectrum& pdf, bool delta) {
     const float inverse = 1.f / pdf[0];
     compose(f.scaled(inverse));
@@ -59,16 +62,19 @@ struct BasicPathDensity {
     r_u *= p.flight;
     r_l *= p.connection;
   }
-  /// Continues behind a null surface, which connections cross with the same probability: it cancels in the MIS weights.
+  /// Continues behind a null surface, which connections cross with the same probability: it cancels in the
+  /// MIS weights.
   void attenuate(const Spectrum& transmittance) { beta = L::scaled(beta, transmittance); }
-  /// Multiplies by an event whose probability is the same for all wavelengths (Russian roulette, choices of lights).
+  /// Multiplies by an event whose probability is the same for all wavelengths (Russian roulette, choices of
+  /// lights).
   void survive(float probability) { beta = L::scaled(beta, 1.f / probability); }
 
   bool has_light() const { return !L::is_black(beta); }
   /// Whether light sampling could have found the last vertex.
   bool has_light_ratio() const { return r_l[0] > 0; }
 
-  /// The estimate, per wavelength, of a path from the sensor found by one technique only: hitting a light of that radiance.
+  /// The estimate, per wavelength, of a path from the sensor found by one technique only: hitting a light of
+  /// that radiance.
   Spectrum contribution(const Spectrum& radiance, const Wavelengths& w) const {
     return seen(radiance) / (w.pdf * sum(r_u));
   }
@@ -76,10 +82,12 @@ struct BasicPathDensity {
   Spectrum met(const Spectrum& radiance, float light_pdf, const Wavelengths& w) const {
     return seen(radiance) / (w.pdf * sum(r_u + r_l * light_pdf));
   }
-  /// What the sensor measures of light of that radiance which is emitted towards the last vertex, without any pdf but the hero's.
+  /// What the sensor measures of light of that radiance which is emitted towards the last vertex, without any
+  /// pdf but the hero's.
   Spectrum seen(const Spectrum& radiance) const { return L::measured(beta.of(L::emitted(radiance))); }
 
-  /// The estimate of a light path that is scattered with value `f` at its last vertex and counts with `importance`.
+  /// The estimate of a light path that is scattered with value `f` at its last vertex and counts with
+  /// `importance`.
   Spectrum reached(const Weight& f, float importance, const Wavelengths& w) const {
     return L::measured(f.of(beta)) * importance / (w.pdf * sum(r_u));
   }

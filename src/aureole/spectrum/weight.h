@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Weight`, the linear map from light that enters a part of a path to light that leaves it, and `Unpolarised`, the pair of types for light
-// and maps of light that transport is compiled for. Weights are composed in path_density.h and in connections alone, in the order in
-// which light passes, so that types whose products do not commute (Stokes vectors and Mueller matrices) can take their place.
+// `Weight`, the linear map from light that enters a part of a path to light that leaves it, and
+// `Unpolarised`, the pair of types for light and maps of light that transport is compiled for. Weights are
+// composed in path_density.h and in connections alone, in the order in which light passes, so that types
+// whose products do not commute (Stokes vectors and Mueller matrices) can take their place.
 #pragma once
 
 #include "aureole/math/vec.h"
@@ -28,13 +29,14 @@ private:
   Spectrum factor_;
 };
 
-/// Light without polarisation: a spectrum, and a factor per wavelength for what happens to it. Another such struct has the same members.
+/// Light without polarisation: a spectrum, and a factor per wavelength for what happens to it. Another such
+/// struct has the same members.
 struct Unpolarised {
   using Light = Spectrum;
   using Weight = aureole::Weight;
 
-  /// The map of light at a vertex at `p`, whose plug-in answers the scalar `f`: light that arrives there along the unit direction of travel
-  /// `in` and leaves along `out`.
+  /// The map of light at a vertex at `p`, whose plug-in answers the scalar `f`: light that arrives there
+  /// along the unit direction of travel `in` and leaves along `out`.
   static Weight lift(const Spectrum& f, const Vec3& /*p*/, const Vec3& /*in*/, const Vec3& /*out*/) {
     return Weight(f);
   }

@@ -40,8 +40,8 @@ Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
     return Event::crossed;
   }
   c.ray.d = c.target - c.ray.o;
-  // The march ends beyond a surface that the target lies on: going back would hit that surface again and again. So would a segment within
-  // the plane of a surface, whose ends are moved to different sides of it.
+  // The march ends beyond a surface that the target lies on: going back would hit that surface again and
+  // again. So would a segment within the plane of a surface, whose ends are moved to different sides of it.
   const bool turned = dot(c.ray.d, point.ng) * dot(c.d, point.ng) < 0;
   return dot(c.ray.d, c.d) > 0 && !turned ? Event::crossed : Event::escape;
 }

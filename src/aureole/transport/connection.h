@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Connections: segments from a vertex of a path to a known point, or into a direction, with their visibility. This file has the only
-// visibility tests, and the only march through null surfaces.
+// Connections: segments from a vertex of a path to a known point, or into a direction, with their visibility.
+// This file has the only visibility tests, and the only march through null surfaces.
 #pragma once
 
 #include <limits>
@@ -22,7 +22,8 @@ enum class Event : std::uint8_t {
   blocked,  ///< it is occluded or absorbed
 };
 
-/// A segment whose visibility is tested. Its ray ends at t = 1 unless it is infinite, and need not have unit length.
+/// A segment whose visibility is tested. Its ray ends at t = 1 unless it is infinite, and need not have unit
+/// length.
 struct TestSegment : Segment {
   Vec3 d;       ///< unit direction
   Vec3 target;  ///< the far end, if there is one
@@ -33,8 +34,8 @@ struct TestSegment : Segment {
 
   // In scenes with media (transport/medium_segment.h):
   std::uint32_t key;  ///< for random numbers
-  /// Pdfs, relative to the hero's pdf of the path, of this connection and of the other techniques that find it, the latter as if the medium
-  /// were clear.
+  /// Pdfs, relative to the hero's pdf of the path, of this connection and of the other techniques that find
+  /// it, the latter as if the medium were clear.
   Spectrum own, other;
   Spectrum transmitted;         ///< transmittance of the media so far
   Spectrum transmitted_before;  ///< the same without the present medium
@@ -52,8 +53,9 @@ struct TestSegment : Segment {
     source = nullptr;
     others_pass = false;
   }
-  /// Sets the MIS weight by the pdfs `own_pdf` of this connection and `other_pdf` of all other techniques, relative to the hero's pdf of the path
-  /// (balance heuristic over techniques and wavelengths). With media `finish` does, since pdfs depend on what lies between.
+  /// Sets the MIS weight by the pdfs `own_pdf` of this connection and `other_pdf` of all other techniques,
+  /// relative to the hero's pdf of the path (balance heuristic over techniques and wavelengths). With media
+  /// `finish` does, since pdfs depend on what lies between.
   void weigh(bool has_media, const Spectrum& own_pdf, const Spectrum& other_pdf, const Wavelengths& w) {
     if (has_media)
       own = own_pdf, other = other_pdf, passage = Spectrum(1.f) / w.pdf;
@@ -75,7 +77,8 @@ struct TestSegment : Segment {
   float distance() const { return infinite ? kInfinity : length(target - origin); }
 };
 
-/// A connection of a path: `far` is the light that arrives at its far end, `near` the map of light from there to the film.
+/// A connection of a path: `far` is the light that arrives at its far end, `near` the map of light from there
+/// to the film.
 template <class L>
 struct BasicConnection : TestSegment {
   typename L::Weight near;
@@ -86,7 +89,8 @@ struct BasicConnection : TestSegment {
 };
 using Connection = BasicConnection<Unpolarised>;
 
-/// Moves a segment on to the distance `t` along its ray: attenuates it by the medium that it is in. `emission` as of `transmittance`.
+/// Moves a segment on to the distance `t` along its ray: attenuates it by the medium that it is in.
+/// `emission` as of `transmittance`.
 void travel(TestSegment& segment, float t, const Wavelengths& w, SegmentEmission* emission = nullptr);
 
 /// A segment has hit a surface: crossed, blocked, or escape where its end lies on that surface, too.
@@ -99,18 +103,20 @@ inline Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c
   return hit ? cross(scene.surface_point(hit, c.ray), c, w) : Event::escape;
 }
 
-/// Whether a segment that seems occluded could not be traced; then it counts as visible, with an invalid passage.
+/// Whether a segment that seems occluded could not be traced; then it counts as visible, with an invalid
+/// passage.
 bool is_lost(const Scene& scene, TestSegment& segment);
 
-/// Tests the visibility of one segment; true where its far end is visible, and `passage` complete but for the diffraction factor. Those
-/// of a batch: `connect_vertices` of the driver.
+/// Tests the visibility of one segment; true where its far end is visible, and `passage` complete but for the
+/// diffraction factor. Those of a batch: `connect_vertices` of the driver.
 bool is_visible(const Scene& scene, TestSegment& segment, const Wavelengths& w);
 
 inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const RayOrigin& to) {
   origin = from.p;
   ray.o = offset_origin(from.p, from.p_error, from.ng, direction);
-  // The far end leaves its surface, too, so that the segment needs no shortening by a constant. The rounding of the ray's own arithmetic
-  // counts: direction, distance and differences of the length of the segment, gamma(10) of each.
+  // The far end leaves its surface, too, so that the segment needs no shortening by a constant. The rounding
+  // of the ray's own arithmetic counts: direction, distance and differences of the length of the segment,
+  // gamma(10) of each.
   const Vec3 error = to.p_error + (abs(ray.o) + abs(to.p) + abs(to.p - ray.o)) * gamma_bound(10);
   target = offset_origin(to.p, error, to.ng, -direction);
   ray.d = target - ray.o, ray.t_max = 1;

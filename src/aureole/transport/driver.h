@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The driver: it follows the paths of a batch together. Their rays go to the ray tracer as packets, and each step (arrive, connect,
-// scatter, emerge; see transport/walk.h) runs over all paths of the batch before the next step begins. Replaying one path is the same
-// code.
+// The driver: it follows the paths of a batch together. Their rays go to the ray tracer as packets, and each
+// step (arrive, connect, scatter, emerge; see transport/walk.h) runs over all paths of the batch before the
+// next step begins. Replaying one path is the same code.
 //
 // Steps are functions of a class, `Walk` or another one, of which `path` is an index into the batch:
 //     const Ray& ray(int path);                           the ray that the path goes on along
@@ -138,9 +138,10 @@ template <class Steps, class Connection>
   scatter_all(steps, vertices, rays);
 }
 
-/// Follows the paths of `rays` to their ends. Steps without a type `Connection` have no connections, those without `scatter` no vertices, those
-/// without `emerge` no exits. Not inlined, so that the records of the batch lie behind one pointer: on its caller's stack their addresses
-/// would be computed anew at every access.
+/// Follows the paths of `rays` to their ends. Steps without a type `Connection` have no connections, those
+/// without `scatter` no vertices, those without `emerge` no exits. Not inlined, so that the records of the
+/// batch lie behind one pointer: on its caller's stack their addresses would be computed anew at every
+/// access.
 template <class Steps>
 [[gnu::noinline]] void follow(const Scene& scene, Steps& steps, BatchRays& rays, RayTracer::Rays kind) {
   if constexpr (!requires { steps.scatter(0); }) {

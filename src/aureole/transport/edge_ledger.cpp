@@ -21,7 +21,8 @@ using beside::kReach;
 using beside::kSpread;
 
 // In sigma:
-/// Of an edge at the end of the way others are ignored that are nearer, as where they interfere (`SceneEdges::far_enough`).
+/// Of an edge at the end of the way others are ignored that are nearer, as where they interfere
+/// (`SceneEdges::far_enough`).
 constexpr float kIgnored = 7;
 /// Edges within this depth take of the same light, others one group after the other.
 constexpr double kTogether = 7;
@@ -142,7 +143,8 @@ Spectrum lent(const Scene& scene, std::span<const Stretch> stretches, const Vec3
 
 Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& d,
                        const SceneEdges::Beams& beams, std::span<const float, 7> u) {
-  // Directions from the cones of all edges near by, and from a lobe about that of the light, where corners send it.
+  // Directions from the cones of all edges near by, and from a lobe about that of the light, where corners
+  // send it.
   thread_local std::vector<const MeshEdge*> near;
   near.clear();
   const float radius = kNear * beams.widest;

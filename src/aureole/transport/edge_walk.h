@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `EdgeWalk`: diffraction in a random walk (docs/diffraction.md). `Walk` calls it at every step, so that integrators need not know
-// whether a scene has edges that diffract light. Without such edges every function returns at once.
+// `EdgeWalk`: diffraction in a random walk (docs/diffraction.md). `Walk` calls it at every step, so that
+// integrators need not know whether a scene has edges that diffract light. Without such edges every function
+// returns at once.
 #pragma once
 
 #include <array>
@@ -16,8 +17,8 @@ namespace aureole {
 /// Whether edges of the scene diffract light.
 inline bool has_diffracting_edges(const Scene& scene) { return scene.edges() && !scene.edges()->empty(); }
 
-/// Whether the walks of that density leave their vertices for edges. Light paths of `bdpt` only have to find edges that the sensor
-/// sees in mirrors or smooth glass.
+/// Whether the walks of that density leave their vertices for edges. Light paths of `bdpt` only have to find
+/// edges that the sensor sees in mirrors or smooth glass.
 template <class Density>
 bool walks_to_edges(const Scene& scene) {
   if (!has_diffracting_edges(scene)) return false;
@@ -40,7 +41,8 @@ class EdgeWalk {
 public:
   explicit EdgeWalk(const Scene& scene) : scene_(scene), is_on_(has_diffracting_edges(scene)) {}
 
-  /// Multiplies the path's throughput by the diffraction factor of the segment of that length along its present ray.
+  /// Multiplies the path's throughput by the diffraction factor of the segment of that length along its
+  /// present ray.
   template <class W>
   void attenuate(W& walk, int i, float length) const {
     if (!W::kDiffracts || !scene_.edges()) return;
@@ -50,7 +52,8 @@ public:
                                            key(walk.samples(i), s.vertex, Key::flight)));
   }
 
-  /// The path arrives at a vertex at `p`. False where it ends, because `p` lies within the beam of the edge that it has left.
+  /// The path arrives at a vertex at `p`. False where it ends, because `p` lies within the beam of the edge
+  /// that it has left.
   template <class W>
   bool arrive(W& walk, int i, const Vec3& p) const {
     auto& s = walk.state(i);
@@ -95,7 +98,8 @@ public:
     }
   }
 
-  /// Begins a path at an edge, which the sensor sees at `film` or which a light irradiates. False where there is none.
+  /// Begins a path at an edge, which the sensor sees at `film` or which a light irradiates. False where there
+  /// is none.
   template <class W>
   bool begin(W& walk, int i, Vec2& film) const {
     if (!walk.limits().reaches(3 + kSegmentsBehind<W>)) return false;
@@ -115,7 +119,8 @@ public:
     return leave_edge(walk, i, edges, at, value);
   }
 
-  /// Next-event estimation around edges: connects the vertices with lights or, from light paths, with the sensor.
+  /// Next-event estimation around edges: connects the vertices with lights or, from light paths, with the
+  /// sensor.
   template <class W>
   void connect(W& walk, const PathList& vertices) const {
     if (!is_on_ || kIsTwoWayLight<W>) return;
@@ -154,7 +159,8 @@ private:
   template <class W>
   static constexpr bool kIsTwoWayLight =
       std::is_same_v<typename W::Density, LightSubpathDensity<Unpolarised>>;
-  /// Segments that a path has at least behind its next vertex: light paths of `bdpt` are not connected with the sensor at edges.
+  /// Segments that a path has at least behind its next vertex: light paths of `bdpt` are not connected with
+  /// the sensor at edges.
   template <class W>
   static constexpr int kSegmentsBehind = kIsTwoWayLight<W>;
 
@@ -179,7 +185,8 @@ private:
                   .text = "sensor around an edge"});
   }
 
-  /// From an edge, perhaps by way of other ones, into a direction: the state of the path becomes that behind it.
+  /// From an edge, perhaps by way of other ones, into a direction: the state of the path becomes that behind
+  /// it.
   template <class W>
   bool leave_edge(W& walk, int i, EdgePaths& edges, const EdgePaths::AtEdge& first,
                   const Spectrum& value) const {
@@ -219,7 +226,8 @@ private:
     return walk.survives(i);
   }
 
-  /// Connects an edge that a path of `bdpt` has come to, with the factor `value`, with a vertex of a light path.
+  /// Connects an edge that a path of `bdpt` has come to, with the factor `value`, with a vertex of a light
+  /// path.
   template <class W>
   void connect_with_light_vertex(W& walk, int i, EdgePaths& edges, const EdgePaths::AtEdge& at,
                                  const Spectrum& value, const LightVertex<Unpolarised>& light) const {
@@ -236,7 +244,8 @@ private:
     Connection c;
     c.set(edge, normalize(light.vertex.p() - edge.p), light.vertex.origin());
     const float inverse = 1 / distance2;
-    // Light paths do not find this edge: the other techniques are the walk of the sensor's path, and what is behind.
+    // Light paths do not find this edge: the other techniques are the walk of the sensor's path, and what is
+    // behind.
     const Spectrum other = s.density.r_u * light.vertex.density_across(d) *
                            light.density.others(light.vertex.reverse_pdf(-d)) *
                            (edges.scatter_pdf(at, d) * inverse);
@@ -261,10 +270,11 @@ private:
   const bool is_on_;
 };
 
-/// Paths that begin at edges, and light that reaches the sensor around one edge alone. The paths of `in` are followed once more, by random
-/// numbers of their own: the `stream`-th second stream of each. `sees_lights`: paths with one edge between a light and the sensor count.
-/// `run(second, begin)` makes a walk of the input `second`, calls begin(walk, rays), which adds the rays of paths that have begun, and
-/// follows them. What they find is left as splats.
+/// Paths that begin at edges, and light that reaches the sensor around one edge alone. The paths of `in` are
+/// followed once more, by random numbers of their own: the `stream`-th second stream of each. `sees_lights`:
+/// paths with one edge between a light and the sensor count. `run(second, begin)` makes a walk of the input
+/// `second`, calls begin(walk, rays), which adds the rays of paths that have begun, and follows them. What
+/// they find is left as splats.
 template <class Run>
 [[gnu::noinline]] void follow_edge_paths(const WalkInput& in, int stream, bool sees_lights,
                                          std::vector<Splat>& splats, Run&& run) {
@@ -303,7 +313,8 @@ inline void see_edges(const WalkInput& in, std::vector<Splat>& splats) {
       splats.push_back(*splat);
 }
 
-/// Light paths of `bdpt` that begin at an edge, where the scene needs them: `run(begin)` as above, without random numbers of its own.
+/// Light paths of `bdpt` that begin at an edge, where the scene needs them: `run(begin)` as above, without
+/// random numbers of its own.
 template <class Walk, class Run>
 void follow_light_from_edges(const WalkInput& in, Run&& run) {
   if (!walks_to_edges<typename Walk::Density>(in.scene)) return;

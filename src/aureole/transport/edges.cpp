@@ -13,7 +13,8 @@ RayState leaving(const Scene& scene, const EdgePaths::Place& from, const Vec3& d
   return scene.has_media() ? from.leaving(d) : RayState{};
 }
 
-/// Transmittance and diffraction factor of a segment that begins or ends at an edge; `end` receives the state of a ray there.
+/// Transmittance and diffraction factor of a segment that begins or ends at an edge; `end` receives the state
+/// of a ray there.
 Spectrum passed_along(const Scene& scene, TestSegment& c, LightWay::End begin, LightWay::End finish,
                       const Wavelengths& w, const RayState& start, std::uint32_t key, RayState* end) {
   if (scene.has_media()) c.begin_in(start, key);
@@ -40,8 +41,8 @@ Spectrum EdgePaths::passed_to_edge(const RayOrigin& from, LightWay::End from_end
                                    const RayState& surroundings, bool through_emitters, std::uint32_t key,
                                    RayState* end) const {
   const RayOrigin edge = RayOrigin::in_space(point.p);
-  // Rays are traced from the edge, where the ray tracer's rounding is that of the faces there and not of the way. What is around has
-  // to be followed from the other end.
+  // Rays are traced from the edge, where the ray tracer's rounding is that of the faces there and not of the
+  // way. What is around has to be followed from the other end.
   TestSegment c =
       scene_.has_media() ? between(from, edge, through_emitters) : between(edge, from, through_emitters);
   return passed_along(scene_, c, scene_.has_media() ? from_end : kEdge, scene_.has_media() ? kEdge : from_end,
@@ -249,7 +250,8 @@ bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
   out.point = *point, out.d = -wo;
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   const RayOrigin origin = RayOrigin::in_space(point->p);
-  // Traced from the edge to the lamp: what passes is the same both ways, and lamps at infinity have no place to begin at.
+  // Traced from the edge to the lamp: what passes is the same both ways, and lamps at infinity have no place
+  // to begin at.
   out.state = RayState{Ray{point->p, wo, kInfinity}, nullptr, {}};
   if (scene_.has_media()) find_interiors(scene_, out.state);
   TestSegment c;

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Paths around edges that diffract light (docs/diffraction.md). A place on an edge is a vertex without area: light comes
-// to it and leaves it by the kernel of `SceneEdges`.
+// Paths around edges that diffract light (docs/diffraction.md). A place on an edge is a vertex without area:
+// light comes to it and leaves it by the kernel of `SceneEdges`.
 //
-// Each place on an edge is found in one way only. Where it is the neighbour of the path's far end (a light in `path`, `direct` and
-// `bdpt`, the sensor in `ptracer`), it is chosen for the two places that it lies between, as an end that connections look for. Else a
-// walk goes there: it leaves its vertex for an edge with the probability `to_edge`, and goes on behind it by the edge's
-// kernel. The weights of `bdpt` for the rest of such paths are in integrator/bdpt/subpath.h.
+// Each place on an edge is found in one way only. Where it is the neighbour of the path's far end (a light in
+// `path`, `direct` and `bdpt`, the sensor in `ptracer`), it is chosen for the two places that it lies
+// between, as an end that connections look for. Else a walk goes there: it leaves its vertex for an edge with
+// the probability `to_edge`, and goes on behind it by the edge's kernel. The weights of `bdpt` for the rest
+// of such paths are in integrator/bdpt/subpath.h.
 #pragma once
 
 #include <optional>
@@ -89,12 +90,13 @@ public:
     Place place() const { return {RayOrigin::in_space(point.p), &state}; }
   };
 
-  /// Other light at a place, beside which what edges send there is looked at less often: none, that of a lamp without going around an edge, or
-  /// light by way of surfaces, as the scene's shadows have it.
+  /// Other light at a place, beside which what edges send there is looked at less often: none, that of a lamp
+  /// without going around an edge, or light by way of surfaces, as the scene's shadows have it.
   enum class Beside : std::uint8_t { nothing, direct, surfaces };
 
-  /// Light of a lamp that reaches `from` around one edge, scattered there by respond(d) -> Spectrum, d the direction to the edge;
-  /// black where there is none. `left`: about the part of the path's weight that is left there, which is the probability of looking.
+  /// Light of a lamp that reaches `from` around one edge, scattered there by respond(d) -> Spectrum, d the
+  /// direction to the edge; black where there is none. `left`: about the part of the path's weight that is
+  /// left there, which is the probability of looking.
   template <class Respond>
   Spectrum from_light(const Place& from, Beside beside, float left, const Respond& respond) {
     LampEnd lamp;
@@ -108,8 +110,8 @@ public:
     const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * light_at(from, *point, d, lamp);
   }
-  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at `film`; `is_seen`: the
-  /// sensor sees that place without going around an edge.
+  /// The sensor's response to light that leaves `from` with respond(d) and goes around one edge, seen at
+  /// `film`; `is_seen`: the sensor sees that place without going around an edge.
   template <class Respond>
   Spectrum to_sensor(const Place& from, bool is_seen, float left, Vec2 lens, const Respond& respond,
                      Vec2& film) {
@@ -125,10 +127,12 @@ public:
     const Spectrum response = respond(d) * whole;
     return is_black(response) ? response : response * sensor_at(from, *point, d, lens, film);
   }
-  /// The sensor's response to light of a lamp around one edge. Looked at seldom where the sensor does not see an edge that is chosen by chance.
+  /// The sensor's response to light of a lamp around one edge. Looked at seldom where the sensor does not see
+  /// an edge that is chosen by chance.
   Spectrum from_light_to_sensor(Vec2 lens, Vec2& film);
 
-  /// Goes from a place to an edge: false where that is not seen. `value` is multiplied by what arrives there over the density.
+  /// Goes from a place to an edge: false where that is not seen. `value` is multiplied by what arrives there
+  /// over the density.
   template <class Respond>
   bool walk(const Place& from, const Respond& respond, Spectrum& value, AtEdge& out,
             const MeshEdge* leaving = nullptr) {
@@ -147,9 +151,10 @@ public:
     return walk(
         at_vertex(vertex, state), [&](const Vec3& d) { return response(vertex, d); }, value, out);
   }
-  /// From an edge, which a path has come to with the factor `value`, perhaps by way of other edges, into a direction: `density`,
-  /// `state` and `after` become those of the path behind it. `scattered` counts the path's vertices, one for each edge;
-  /// reaches(n): paths of n edges count; see(at, value) connects every edge with the path's far end. False where the path ends.
+  /// From an edge, which a path has come to with the factor `value`, perhaps by way of other edges, into a
+  /// direction: `density`, `state` and `after` become those of the path behind it. `scattered` counts the
+  /// path's vertices, one for each edge; reaches(n): paths of n edges count; see(at, value) connects every
+  /// edge with the path's far end. False where the path ends.
   template <class Density, class Reaches, class See>
   bool leave(AtEdge at, Spectrum value, int& scattered, const Reaches& reaches, const See& see,
              Density& density, RayState& state, AfterEdge& after) {
@@ -182,7 +187,8 @@ public:
   /// The same from a lamp.
   bool begin_at_light(Spectrum& value, AtEdge& out);
 
-  /// A direction behind the edge; `value` is multiplied by the kernel over the density. False where the path ends.
+  /// A direction behind the edge; `value` is multiplied by the kernel over the density. False where the path
+  /// ends.
   bool scatter(const AtEdge& at, Spectrum& value, Vec3& d, float& pdf);
   float scatter_pdf(const AtEdge& at, const Vec3& d) const {
     return edges_.scatter_pdf(at.point, at.d, d, beams_);
@@ -190,7 +196,8 @@ public:
 
   /// Drawn by numbers of its own.
   Spectrum kernel(const AtEdge& at, const Vec3& d) { return kernel(at.point, at.d, d); }
-  /// K between an edge that a path has come to and a vertex of another one, `distance` from it; 0 where the vertex lies in the edge's beam.
+  /// K between an edge that a path has come to and a vertex of another one, `distance` from it; 0 where the
+  /// vertex lies in the edge's beam.
   Spectrum kernel_to(const AtEdge& at, const Vec3& d, const Vertex& vertex, float distance) {
     if (vertex.is_passable()) return kernel(at, d);  // as where a path meets it: `AfterEdge` holds on
     const Spectrum far = SceneEdges::far_enough(distance, false, beams_);
@@ -212,14 +219,15 @@ private:
   Spectrum kernel(const EdgePoint& point, const Vec3& d_i, const Vec3& d_o) {
     return edges_.kernel(point, d_i, d_o, beams_, next2());
   }
-  /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are small enough.
+  /// Of the geometry between a place and an edge: 1/r^2 over the density, for wavelengths whose beams are
+  /// small enough.
   Spectrum reach(const Place& from, const EdgePoint& point) const;
   /// 0 where it ends a path, else one over the probability that it does not.
   float roulette(float probability) {
     return probability == 1 || random_.next() < probability ? 1 / probability : 0;
   }
-  /// Roulette that decides whether a path goes on to edges that it has chosen: always where they send no less than a part of the
-  /// other light, else in proportion to what they send.
+  /// Roulette that decides whether a path goes on to edges that it has chosen: always where they send no less
+  /// than a part of the other light, else in proportion to what they send.
   float looked_at(const SceneEdges::EdgesBetween& edges, Beside beside) {
     if (beside == Beside::nothing) return 1;
     // Over direct light; that by way of surfaces has more noise.
@@ -227,21 +235,22 @@ private:
                 least = beside == Beside::direct ? 0.25f : 0.125f;
     return much > 0 ? roulette(std::clamp(edges.part_of_direct / much, least, 1.f)) : 1;
   }
-  /// The same with that probability, but seldom to never: all looks cost the same, and those of faint paths add little.
+  /// The same with that probability, but seldom to never: all looks cost the same, and those of faint paths
+  /// add little.
   float looked_at(float left) {
     constexpr float kLeast = 0.05f;
     return roulette(std::clamp(left, kLeast, 1.f));
   }
-  /// The same before an edge is chosen: where all edges together send little, wherever they are, most looks end here; not as many where
-  /// that may be all the light there is.
+  /// The same before an edge is chosen: where all edges together send little, wherever they are, most looks
+  /// end here; not as many where that may be all the light there is.
   float looked_for(const Vec3& from, float end_per_distance, bool is_beside_direct) {
     constexpr float kMuch = 0.01f, kLeast = 1 / 64.f, kLeastInShadow = 1 / 8.f;
     const float near = SceneEdges::within_reach(beams_) / kMuch;
     const float most = SceneEdges::most_of_direct(edges_.per_distance(from, near), end_per_distance, beams_);
     return roulette(std::clamp(most / kMuch, is_beside_direct ? kLeast : kLeastInShadow, 1.f));
   }
-  /// The same of light that the sensor sees at edges. All that is found adds up on the pixels that they fill, so that where these are few
-  /// a part of the samples finds it with less noise than other light has.
+  /// The same of light that the sensor sees at edges. All that is found adds up on the pixels that they fill,
+  /// so that where these are few a part of the samples finds it with less noise than other light has.
   float looked_on_film();
   /// The same of paths that begin at an end of all paths and go to an edge.
   float begun_from(const Vec3& p) {
@@ -254,17 +263,19 @@ private:
   /// Of an edge that is chosen by chance whether the sensor looks there.
   bool sees_some_edge(const Vec3& eye, Vec2 lens);
   Vec3 sensor_guide(const Vec3& seen_from, Vec2 lens) const;
-  /// A place on an edge, after roulette (`looked_at`), by whose probability `whole` is divided. `lit`: of the end that is a lamp, or null.
+  /// A place on an edge, after roulette (`looked_at`), by whose probability `whole` is divided. `lit`: of the
+  /// end that is a lamp, or null.
   std::optional<EdgePoint> choose_between(const Vec3& a, const PathEnd& b, const float* lit, Beside beside,
                                           float& whole);
   Spectrum light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp);
   Spectrum sensor_at(const Place& from, const EdgePoint& point, const Vec3& d, Vec2 lens, Vec2& film);
-  /// The part of the light that goes straight from a place to an edge, black where something is in the way. `end` receives the flight
-  /// there, in scenes with media.
+  /// The part of the light that goes straight from a place to an edge, black where something is in the way.
+  /// `end` receives the flight there, in scenes with media.
   Spectrum passed_to_edge(const RayOrigin& from, LightWay::End from_end, const EdgePoint& point,
                           const RayState& surroundings, bool through_emitters, std::uint32_t key,
                           RayState* end) const;
-  /// The part of the light that passes from a place to an edge and from there to `to`, which is `end` or at infinity.
+  /// The part of the light that passes from a place to an edge and from there to `to`, which is `end` or at
+  /// infinity.
   Spectrum through(const EdgePoint& point, const RayOrigin& from, LightWay::End from_end,
                    const RayState& surroundings, bool through_emitters, const PathEnd& to,
                    const RayOrigin* end, bool end_through_emitters);

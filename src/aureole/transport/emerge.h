@@ -61,8 +61,8 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
   return true;
 }
 
-/// The same for path number `i` of a batch, whose entry is vertices[i] and was vertex number `vertex`: the exit
-/// takes the entry's place there and has a number of its own.
+/// The same for path number `i` of a batch, whose entry is vertices[i] and was vertex number `vertex`: the
+/// exit takes the entry's place there and has a number of its own.
 template <Space kSpace, class L, class Density>
 bool emerge(const Scene& scene, PerPath<BasicVertex<kSpace, L>>& vertices, int i, const Wavelengths& w,
             SampleStream& samples, TransportMode mode, int& vertex, Density& density, RayState& state) {

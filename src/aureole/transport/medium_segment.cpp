@@ -30,8 +30,8 @@ float connection_density(const SegmentEmission& emission_sum, const Medium& medi
          length_squared(p - emission_sum.from.p);
 }
 
-/// Adds emission at a tentative collision, of which the part `passed` arrives, over the density of finding it there,
-/// `flight` for each density of the path before, and `connection` for each of a connection.
+/// Adds emission at a tentative collision, of which the part `passed` arrives, over the density of finding it
+/// there, `flight` for each density of the path before, and `connection` for each of a connection.
 void add_collision(const Medium& medium, const Vec3& p, const MediumCoefficients& at, const Spectrum& passed,
                    const Spectrum& flight, float connection, SegmentEmission& emission_sum) {
   if (is_black(at.emission)) return;
@@ -95,8 +95,8 @@ bool sample_uniform(const Medium& medium, const Ray& ray, float t_max, const Wav
   return true;
 }
 
-/// Calls `visit(t, bound)` for the positions of a Poisson process along the ray whose density is that of the majorants times `scale`, in order,
-/// until it returns true. `first` decides where the first is.
+/// Calls `visit(t, bound)` for the positions of a Poisson process along the ray whose density is that of the
+/// majorants times `scale`, in order, until it returns true. `first` decides where the first is.
 template <class Visit>
 bool visit_collisions(const Majorants& majorants, const Ray& ray, float t_max, float scale, float first,
                       KeyedRandom& random, Visit&& visit) {
@@ -179,8 +179,8 @@ float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Sp
 namespace {
 
 /// Ratio tracking (Novak, Selle & Jarosz 2014, "Residual ratio tracking for estimating attenuation in
-/// participating media"); `meet(p, at, bound, passed)` is called at each event, of which the part `passed` arrives,
-/// and `go_on(passed, random)` is asked after it.
+/// participating media"); `meet(p, at, bound, passed)` is called at each event, of which the part `passed`
+/// arrives, and `go_on(passed, random)` is asked after it.
 template <class Meet, class GoOn>
 Spectrum track_ratio(const Medium& medium, const Majorants& majorants, const Ray& ray, float t_max,
                      const Wavelengths& w, std::uint32_t key, Meet&& meet, GoOn&& go_on) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light in a medium between two surfaces. Two estimators of a segment in it: distance sampling, which scatters the path somewhere, and
-// transmittance, the part of a connection's light that arrives.
+// Light in a medium between two surfaces. Two estimators of a segment in it: distance sampling, which
+// scatters the path somewhere, and transmittance, the part of a connection's light that arrives.
 //
-// Coefficients that vary are handled by null collisions (Miller, Georgiev & Jarosz 2019, "A null-scattering path integral formulation of light
-// transport"): the medium is filled up to a majorant with matter that changes nothing, and the positions of such collisions belong to the
-// path. The majorant is the largest over the wavelengths of a path, so that the pdf of collisions is the same for all of them and cancels.
+// Coefficients that vary are handled by null collisions (Miller, Georgiev & Jarosz 2019, "A null-scattering
+// path integral formulation of light transport"): the medium is filled up to a majorant with matter that
+// changes nothing, and the positions of such collisions belong to the path. The majorant is the largest over
+// the wavelengths of a path, so that the pdf of collisions is the same for all of them and cancels.
 #pragma once
 
 #include "aureole/scene/emitting_media.h"
@@ -50,17 +51,19 @@ struct SegmentEmission {
   Spectrum radiance{0.f};
 };
 
-/// Distance sampling along `ray`, whose direction has unit length, up to the distance t_max. Returns true where the path is scattered before,
-/// at the distance `t`: the value of the passage then holds the scattering coefficient, its `flight` the pdf of this position, and its
-/// `connection` that of a technique which goes to the position without a choice. False where the path arrives at t_max. Adds to
-/// `emission` unless that is null.
+/// Distance sampling along `ray`, whose direction has unit length, up to the distance t_max. Returns true
+/// where the path is scattered before, at the distance `t`: the value of the passage then holds the
+/// scattering coefficient, its `flight` the pdf of this position, and its `connection` that of a technique
+/// which goes to the position without a choice. False where the path arrives at t_max. Adds to `emission`
+/// unless that is null.
 bool sample_distance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
                      DistanceRandom random, Passage& passage, SegmentEmission* emission, float& t);
 
-/// Distance sampling for a path with that density, from its vertex number `vertex`: `density` becomes that at the end of the segment, and `p`
-/// the position where it is scattered. The medium's emission is added to `estimate`, unless that is null, weighted against what
-/// `sampling` has found. Where the path is scattered `chosen` receives the pdf of the path had its last position been sampled with
-/// density 1, relative to the hero's pdf of distance sampling.
+/// Distance sampling for a path with that density, from its vertex number `vertex`: `density` becomes that at
+/// the end of the segment, and `p` the position where it is scattered. The medium's emission is added to
+/// `estimate`, unless that is null, weighted against what `sampling` has found. Where the path is scattered
+/// `chosen` receives the pdf of the path had its last position been sampled with density 1, relative to the
+/// hero's pdf of distance sampling.
 template <class Density>
 bool sample_distance(const RayState& state, float t_max, const Wavelengths& w, SampleStream& samples,
                      int vertex, Density& density, Spectrum* estimate, Vec3& p,
@@ -92,24 +95,26 @@ bool sample_distance(const RayState& state, float t_max, const Wavelengths& w, S
   return scattered;
 }
 
-/// Cuts the ray just behind the position where `sample_distance` will scatter it, given the first of its random numbers, where that is known
-/// before: the ray tracer then searches no farther. Not for rays along the whole of which something is sampled or seen.
+/// Cuts the ray just behind the position where `sample_distance` will scatter it, given the first of its
+/// random numbers, where that is known before: the ray tracer then searches no farther. Not for rays along
+/// the whole of which something is sampled or seen.
 void cut_at_collision(RayState& state, const Wavelengths& w, float first);
 
-/// The formal pdf per length with which distance sampling finds emission at `p`, as the MIS weights of all techniques use it, without that of
-/// passing what lies before. `inverse_size`: the inverse of the medium's size.
+/// The formal pdf per length with which distance sampling finds emission at `p`, as the MIS weights of all
+/// techniques use it, without that of passing what lies before. `inverse_size`: the inverse of the medium's
+/// size.
 float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Spectrum& sigma_t,
                     float inverse_size, const Wavelengths& w);
 
 /// Transmittance of a medium.
 struct Transmittance {
-  /// An estimate, unbiased for each wavelength, or the exact value. The same number is the ratio of the pdf of passing on a walk to that of
-  /// passing without being scattered.
+  /// An estimate, unbiased for each wavelength, or the exact value. The same number is the ratio of the pdf
+  /// of passing on a walk to that of passing without being scattered.
   Spectrum value{1.f};
   float roulette = 1;  ///< factor of the estimate that is in no pdf; 0 where Russian roulette ended it
 };
-/// Along `ray` from its origin to the distance t_max. Adds the medium's emission to `emission`, unless that is null; its `r_u` is the pdf of
-/// arriving at t_max, too, since nothing is scattered.
+/// Along `ray` from its origin to the distance t_max. Adds the medium's emission to `emission`, unless that
+/// is null; its `r_u` is the pdf of arriving at t_max, too, since nothing is scattered.
 Transmittance transmittance(const Medium& medium, const Ray& ray, float t_max, const Wavelengths& w,
                             std::uint32_t key, SegmentEmission* emission = nullptr);
 /// Transmittance without Russian roulette, so that a path may be scattered at the distance `t`.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Next-event estimation: connections of a vertex with a light, with emission of a medium, or with the sensor; and the pdf with which light
-// sampling would have found a light that a path has hit.
+// Next-event estimation: connections of a vertex with a light, with emission of a medium, or with the sensor;
+// and the pdf with which light sampling would have found a light that a path has hit.
 #pragma once
 
 #include "aureole/core/keyed_random.h"
@@ -13,10 +13,11 @@ struct SampleCounts {
   float light = 1, scatter = 1;
 };
 
-/// Samples a light by `u1` and a direction towards it by `u2` for the vertex at the end of a path, to which `state` has led, and sets the
-/// connection. `beta`: throughput of the path. pdfs(choice, direct, response, own, other) gives the pdfs, relative to the hero's pdf of the
-/// path, of this connection and of all other techniques that find the same path. `key` is for random numbers along the connection. False
-/// where it carries no light.
+/// Samples a light by `u1` and a direction towards it by `u2` for the vertex at the end of a path, to which
+/// `state` has led, and sets the connection. `beta`: throughput of the path. pdfs(choice, direct, response,
+/// own, other) gives the pdfs, relative to the hero's pdf of the path, of this connection and of all other
+/// techniques that find the same path. `key` is for random numbers along the connection. False where it
+/// carries no light.
 template <Space kSpace, class L, class Pdfs>
 [[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const BasicVertex<kSpace, L>& vertex,
                                                     const RayState& state, const typename L::Weight& beta,
@@ -43,8 +44,9 @@ template <Space kSpace, class L, class Pdfs>
   return true;
 }
 
-/// Light sampling beside BSDF sampling. `r_equiangular`: the pdf, relative to the hero's pdf of the path, of finding this vertex by a
-/// technique beside the walk that connects it with lights as well; null: there is none.
+/// Light sampling beside BSDF sampling. `r_equiangular`: the pdf, relative to the hero's pdf of the path, of
+/// finding this vertex by a technique beside the walk that connects it with lights as well; null: there is
+/// none.
 template <Space kSpace, class L>
 [[gnu::always_inline]] inline bool connect_to_light(const Scene& scene, const BasicVertex<kSpace, L>& vertex,
                                                     const RayState& state,
@@ -68,7 +70,8 @@ inline const EmittingMedia* connected_media(const Scene& scene) {
   return media && media->can_be_connected() ? media : nullptr;
 }
 
-/// As `connect_to_light`, with a position in a medium that emits: `u1` chooses the medium, `u2` is for the position.
+/// As `connect_to_light`, with a position in a medium that emits: `u1` chooses the medium, `u2` is for the
+/// position.
 template <class L>
 bool connect_to_emission(const Scene& scene, const BasicVertex<Space::any, L>& vertex, const RayState& state,
                          const BasicPathDensity<L, PathStart::sensor>& path, float u1, Vec2 u2,
@@ -99,7 +102,8 @@ bool connect_to_emission(const Scene& scene, const BasicVertex<Space::any, L>& v
   return true;
 }
 
-/// The pdf with which `connect_to_light` would have chosen `point` of a part of the light or, that being null, infinity along `d`.
+/// The pdf with which `connect_to_light` would have chosen `point` of a part of the light or, that being
+/// null, infinity along `d`.
 inline float light_density(const Scene& scene, const LightReference& from, const Light& light,
                            std::size_t part, const SurfacePoint* point, const Vec3& d) {
   return scene.lights().probability(from.p, from.facing, light, part) *
@@ -111,8 +115,9 @@ inline float light_density(const Scene& scene, const LightReference& from, const
   return light_density(scene, from, light, point ? light.part_of(*point) : 0, point, d);
 }
 
-/// Connects the vertex at the end of a light path of throughput `beta` with the sensor, where it is seen at `film`. pdfs(seen, response, own,
-/// other) as of `connect_to_light`; false where it gives none. False where the sensor does not see it, or no light goes there.
+/// Connects the vertex at the end of a light path of throughput `beta` with the sensor, where it is seen at
+/// `film`. pdfs(seen, response, own, other) as of `connect_to_light`; false where it gives none. False where
+/// the sensor does not see it, or no light goes there.
 template <class L, class Pdfs>
 bool connect_to_sensor(const Scene& scene, const BasicVertex<Space::any, L>& vertex, const RayState& state,
                        const typename L::Light& beta, Vec2 lens, bool hide_emitters, const Wavelengths& w,

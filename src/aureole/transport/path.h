@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Path`: a sample of the film whose light is estimated, with its result; and `Splat`: light that a path leaves elsewhere on the film.
+// `Path`: a sample of the film whose light is estimated, with its result; and `Splat`: light that a path
+// leaves elsewhere on the film.
 #pragma once
 
 #include <limits>

@@ -11,7 +11,8 @@ namespace aureole {
 
 /// The parameters `max_depth`, `rr_depth`, `max_scattering` and `hide_emitters`.
 struct PathLimits {
-  /// Russian roulette begins here at the latest: inside a closed shape without losses no path would end without it.
+  /// Russian roulette begins here at the latest: inside a closed shape without losses no path would end
+  /// without it.
   static constexpr int kLatestRoulette = 1000;
 
   explicit PathLimits(const Properties& p)
@@ -23,10 +24,11 @@ struct PathLimits {
   /// Direct light: two segments, or three around an edge that diffracts.
   static PathLimits direct(bool hide_emitters) { return PathLimits(3, kLatestRoulette, -1, hide_emitters); }
 
-  /// Upper bound of the survival probability of Russian roulette after `depth` scattering events: 0.95 in scenes without
-  /// media. Paths in media of high albedo are long: a loss of 5 % at every vertex would make the few that survive hundreds of
-  /// times as bright as the others. There the loss at the n-th event is 1/(2 n), clamped to [0.00005, 0.001], so that the
-  /// throughput of surviving paths grows as the square root of n (docs/decisions/0099-long-path-roulette.md).
+  /// Upper bound of the survival probability of Russian roulette after `depth` scattering events: 0.95 in
+  /// scenes without media. Paths in media of high albedo are long: a loss of 5 % at every vertex would make
+  /// the few that survive hundreds of times as bright as the others. There the loss at the n-th event is 1/(2
+  /// n), clamped to [0.00005, 0.001], so that the throughput of surviving paths grows as the square root of n
+  /// (docs/decisions/0099-long-path-roulette.md).
   static float max_survival(const Scene& scene, int depth) {
     return scene.has_media() ? 1 - std::clamp(0.5f / float(depth + 1), 5e-5f, 1e-3f) : 0.95f;
   }

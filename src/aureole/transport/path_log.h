@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The log of a replayed path: what happens to it, event by event. `--pixel` prints them as lines; tests compare them with an own
-// calculation.
+// The log of a replayed path: what happens to it, event by event. `--pixel` prints them as lines; tests
+// compare them with an own calculation.
 #pragma once
 
 #include <functional>

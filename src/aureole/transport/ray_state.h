@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `RayState`: a ray with the medium and the shapes that its origin lies in; and `Segment`, which also knows where the straight part of a
-// path has begun that the ray belongs to.
+// `RayState`: a ray with the medium and the shapes that its origin lies in; and `Segment`, which also knows
+// where the straight part of a path has begun that the ray belongs to.
 #pragma once
 
 #include "aureole/medium/medium.h"
@@ -15,9 +15,11 @@ struct RayState {
   const Medium* medium = nullptr;  ///< at the origin of the ray, or null
   InteriorList interiors;          ///< closed shapes with a priority that the origin lies in
 
-  /// Whether a surface that the ray hits is inactive, because a shape of higher priority fills the space around it.
+  /// Whether a surface that the ray hits is inactive, because a shape of higher priority fills the space
+  /// around it.
   bool is_inactive(const Surface& surface) const { return surface.priority != 0 && interiors.hides(surface); }
-  /// Updates medium and interiors at a surface, which the path has hit along `from` and leaves along `to`, on either side.
+  /// Updates medium and interiors at a surface, which the path has hit along `from` and leaves along `to`, on
+  /// either side.
   void pass(const SurfacePoint& point, const Vec3& from, const Vec3& to) {
     const Surface& surface = *point.surface;
     if (surface.priority == 0) {
@@ -32,8 +34,8 @@ struct RayState {
   }
 };
 
-/// A straight part of a path from one vertex to the next, across null surfaces and inactive ones. The ray is the piece of it that is still to
-/// be traced.
+/// A straight part of a path from one vertex to the next, across null surfaces and inactive ones. The ray is
+/// the piece of it that is still to be traced.
 struct Segment : RayState {
   Vec3 origin;       ///< of the first ray
   float behind = 0;  ///< distance along the segment that lies behind the present ray
@@ -42,8 +44,8 @@ struct Segment : RayState {
   void begin() { origin = ray.o, behind = 0; }
 };
 
-/// Sets medium and interiors around the origin of the ray, which is that of the sensor or, given `light`, leaves that light: an emitter or
-/// sensor may state its medium.
+/// Sets medium and interiors around the origin of the ray, which is that of the sensor or, given `light`,
+/// leaves that light: an emitter or sensor may state its medium.
 void find_interiors(const Scene& scene, const Light* light, RayState& state);
 /// Sets medium and interiors by the boundaries around the origin of the ray alone.
 void find_interiors(const Scene& scene, RayState& state);

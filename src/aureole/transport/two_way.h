@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // MIS of paths that are found from both ends (Veach 1997, chapter 10), in the recursive form of van Antwerpen
-// 2011, "Recursive MIS computation for streaming BDPT on the GPU", and Georgiev, Krivanek, Davidovic & Slusallek
-// 2012, "Light transport simulation with vertex connection and merging", Eq. 31 to 34, per wavelength.
+// 2011, "Recursive MIS computation for streaming BDPT on the GPU", and Georgiev, Krivanek, Davidovic &
+// Slusallek 2012, "Light transport simulation with vertex connection and merging", Eq. 31 to 34, per
+// wavelength.
 //
-// A path x_0 ... x_k from an emitter to the sensor can be found by each technique (s, t), s + t = k + 1: its first s
-// vertices by a walk from the emitter, its last t by one from the sensor, and a connection of the two. With q_i,j the
-// density of vertex i, had the walk from the emitter found it by wavelength j, and r_i,j that of the walk from the
-// sensor, the technique has the density q_0 ... q_(s-1) r_s ... r_k; both walks have the same hero. Balanced over
-// techniques and wavelengths, a path found by (s, t) with hero 0 counts f / (sum of the densities of all techniques
-// and wavelengths), all over its own density. A subpath keeps the sums over the techniques that connect nearer to
-// its beginning, so that each connection knows all of them.
+// A path x_0 ... x_k from an emitter to the sensor can be found by each technique (s, t), s + t = k + 1: its
+// first s vertices by a walk from the emitter, its last t by one from the sensor, and a connection of the
+// two. With q_i,j the density of vertex i, had the walk from the emitter found it by wavelength j, and r_i,j
+// that of the walk from the sensor, the technique has the density q_0 ... q_(s-1) r_s ... r_k; both walks
+// have the same hero. Balanced over techniques and wavelengths, a path found by (s, t) with hero 0 counts f /
+// (sum of the densities of all techniques and wavelengths), all over its own density. A subpath keeps the
+// sums over the techniques that connect nearer to its beginning, so that each connection knows all of them.
 //
-// Null collisions are vertices of a path, too: a walk that passes them has a density for that, a connection does not.
+// Null collisions are vertices of a path, too: a walk that passes them has a density for that, a connection
+// does not.
 #pragma once
 
 #include <memory>
@@ -29,12 +31,12 @@ template <PathStart kStart, class L = Unpolarised>
 struct TwoWayDensity : BasicPathDensity<L, kStart> {
   using Base = BasicPathDensity<L, kStart>;
 
-  /// The sum over the techniques that connect nearer to the beginning, without the density of scattering from the
-  /// last vertex back to the one before it.
+  /// The sum over the techniques that connect nearer to the beginning, without the density of scattering from
+  /// the last vertex back to the one before it.
   Spectrum earlier{0.f};
 
-  /// Goes on from a vertex: `reverse` is the density of scattering back (`Vertex::reverse_pdf`), `across` that
-  /// of arriving here from ahead (`Vertex::density_across`).
+  /// Goes on from a vertex: `reverse` is the density of scattering back (`Vertex::reverse_pdf`), `across`
+  /// that of arriving here from ahead (`Vertex::density_across`).
   void scatter(const BasicScatter<L>& s, const Spectrum& reverse, const Spectrum& across) {
     const Spectrum connections = s.delta ? reverse * earlier : reverse * earlier + this->r_l;
     earlier = min(min(connections, kMost) * across * (1 / s.pdf[0]), kMost);
@@ -44,14 +46,15 @@ struct TwoWayDensity : BasicPathDensity<L, kStart> {
     Base::pass(p);
     earlier *= p.flight;
   }
-  /// Has left an edge that diffracts light, for which `extend` was called, in a direction of the density `pdf`. A path that
-  /// is found with its edges from this end is found with them from no other one (integrator/bdpt/subpath.h).
-  /// `is_connected`: a connection finds the next vertex, too.
+  /// Has left an edge that diffracts light, for which `extend` was called, in a direction of the density
+  /// `pdf`. A path that is found with its edges from this end is found with them from no other one
+  /// (integrator/bdpt/subpath.h). `is_connected`: a connection finds the next vertex, too.
   void leave_edge(float pdf, bool is_connected) {
     earlier = 0.f;
     this->r_l = is_connected ? this->r_u * (1 / pdf) : Spectrum(0.f);
   }
-  /// Arrives at a vertex. `spread` is the area across the ray per solid angle in which it left, the squared distance.
+  /// Arrives at a vertex. `spread` is the area across the ray per solid angle in which it left, the squared
+  /// distance.
   void arrive(bool in_medium, const Spectrum& across, float spread) {
     if (in_medium) {
       // `pass` has divided by the hero's extinction, and has multiplied by that of each.
@@ -64,8 +67,8 @@ struct TwoWayDensity : BasicPathDensity<L, kStart> {
     }
   }
 
-  /// All techniques that connect nearer to the beginning, `reverse` being the density of scattering back from the
-  /// last vertex. To be multiplied by the density of the last vertex, found from ahead.
+  /// All techniques that connect nearer to the beginning, `reverse` being the density of scattering back from
+  /// the last vertex. To be multiplied by the density of the last vertex, found from ahead.
   Spectrum others(const Spectrum& reverse) const { return reverse * earlier + this->r_l; }
 
 private:
@@ -73,8 +76,8 @@ private:
   static constexpr float kMost = 1e25f;
 };
 
-/// The density with which paths of light begin with the ray of direction `d` from `point` or, that being null, from
-/// an emitter that sits on no shape: per area and per solid angle, or masses.
+/// The density with which paths of light begin with the ray of direction `d` from `point` or, that being
+/// null, from an emitter that sits on no shape: per area and per solid angle, or masses.
 inline float emission_density(const Scene& scene, const Light& light, std::size_t part,
                               const SurfacePoint* point, const Vec3& d) {
   const RayDensity ray = light.pdf_ray(part, point, d);
@@ -86,8 +89,8 @@ struct Emission {
   LightChoice choice{};
   EmittedRay ray;
 
-  /// The density with which a connection from `from` would have found this place: per solid angle, or a mass of a
-  /// delta emitter.
+  /// The density with which a connection from `from` would have found this place: per solid angle, or a mass
+  /// of a delta emitter.
   float connection_density(const Scene& scene, const LightReference& from) const {
     const Light& light = *choice.light;
     if (light.is_delta()) return scene.lights().probability(from.p, from.facing, light, choice.part);

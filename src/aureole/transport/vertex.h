@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Vertex`: where a path is scattered, on a surface or in a medium, in world space. Integrators are built from
-// these functions; none names a concrete plug-in.
+// `Vertex`: where a path is scattered, on a surface or in a medium, in world space. Integrators are built
+// from these functions; none names a concrete plug-in.
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
@@ -11,8 +11,8 @@
 
 namespace aureole {
 
-/// The scenes that code is compiled for: `empty` has no media, no shapes with a priority and no edges that diffract light, so
-/// that paths among its surfaces need not ask for them at every step.
+/// The scenes that code is compiled for: `empty` has no media, no shapes with a priority and no edges that
+/// diffract light, so that paths among its surfaces need not ask for them at every step.
 enum class Space { empty, any };
 inline Space space_of(const Scene& scene) {
   return scene.has_media() || scene.edges() ? Space::any : Space::empty;
@@ -40,8 +40,8 @@ struct BasicScatter {
 using Scatter = BasicScatter<Unpolarised>;
 
 /// A point of a surface as a path sees it that comes from the direction `to_previous`, with the checks that
-/// keep light from leaking through a shading normal's wrong side. Made in place, since the context of its BSDF
-/// refers to its point.
+/// keep light from leaking through a shading normal's wrong side. Made in place, since the context of its
+/// BSDF refers to its point.
 template <class L>
 class SurfaceVertex {
 public:
@@ -90,18 +90,18 @@ public:
     return true;
   }
 
-  /// Of a path that comes along -d, in the other mode of transport: the density of its scattering to where this one
-  /// comes from, for a direction that `respond` accepts.
+  /// Of a path that comes along -d, in the other mode of transport: the density of its scattering to where
+  /// this one comes from, for a direction that `respond` accepts.
   Spectrum reverse_pdf(const Vec3& d) const {
     BsdfContext reverse = context_;
     reverse.mode =
         context_.mode == TransportMode::radiance ? TransportMode::importance : TransportMode::radiance;
     return surface().bsdf->pdf(point_.shading.to_local(d), wi_, reverse);
   }
-  /// The same for a direction that `scatter` has found. Of a delta lobe it is the mass of `scatter` times the ratio
-  /// of the solid angles of the two sides, d(d) / d(to_previous), so that either way of sampling the path has the
-  /// density of one measure: masses of the two directions have the same spectral shape, and their scale, which all
-  /// techniques share, cancels.
+  /// The same for a direction that `scatter` has found. Of a delta lobe it is the mass of `scatter` times the
+  /// ratio of the solid angles of the two sides, d(d) / d(to_previous), so that either way of sampling the
+  /// path has the density of one measure: masses of the two directions have the same spectral shape, and
+  /// their scale, which all techniques share, cancels.
   Spectrum reverse_pdf(const BasicScatter<L>& s) const {
     if (!s.delta) return reverse_pdf(s.d);
     if (s.eta == 1) return s.pdf;
@@ -217,7 +217,8 @@ private:
   TransportMode mode_;
 };
 
-/// Either of the two. Made in place. Of a scene in `Space::empty` vertices are on surfaces, and none has a priority.
+/// Either of the two. Made in place. Of a scene in `Space::empty` vertices are on surfaces, and none has a
+/// priority.
 template <Space kSpace, class L = Unpolarised>
 class BasicVertex {
 public:
@@ -254,7 +255,8 @@ public:
   bool needs_choice() const {
     return in_medium() ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
   }
-  /// Turns the ray that has ended here into one that leaves along `d`. `has_media`: more than the ray is needed (`Scene::has_media`).
+  /// Turns the ray that has ended here into one that leaves along `d`. `has_media`: more than the ray is
+  /// needed (`Scene::has_media`).
   void leave(const Vec3& d, bool has_media, RayState& state) const {
     if (has_media && !in_medium()) state.pass(surface_.point(), state.ray.d, d);
     state.ray = origin().spawn(d);
@@ -279,8 +281,8 @@ public:
     return in_medium() ? medium_.respond(d, out) : surface_.respond(d, out);
   }
   // For two-way methods, which compare the ways in which a path can be found:
-  /// The density with which a path that comes along -d, in the other mode of transport, is scattered to where this
-  /// one comes from.
+  /// The density with which a path that comes along -d, in the other mode of transport, is scattered to where
+  /// this one comes from.
   Spectrum reverse_pdf(const Vec3& d) const {
     return in_medium() ? medium_.reverse_pdf(d) : surface_.reverse_pdf(d);
   }
@@ -288,8 +290,8 @@ public:
   Spectrum reverse_pdf(const BasicScatter<L>& s) const {
     return in_medium() ? medium_.reverse_pdf(s.d) : surface_.reverse_pdf(s);
   }
-  /// Density of an arrival along d or -d in the measure of vertices, area or volume, per area across d: the cosine
-  /// on a surface, the extinction in a medium.
+  /// Density of an arrival along d or -d in the measure of vertices, area or volume, per area across d: the
+  /// cosine on a surface, the extinction in a medium.
   Spectrum density_across(const Vec3& d) const {
     return in_medium() ? medium_.extinction(d) : Spectrum(std::abs(dot(surface_.point().ng, d)));
   }

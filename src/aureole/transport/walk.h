@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Walk`: the random walk of a batch of paths, from the sensor or from the lights. What a path does at every step is written here once;
-// integrators derive from it and say what they connect with what.
+// `Walk`: the random walk of a batch of paths, from the sensor or from the lights. What a path does at every
+// step is written here once; integrators derive from it and say what they connect with what.
 //
 // A step of the driver (transport/driver.h) has these phases, each over all paths of the batch:
 //   arrive   the ray through the medium that it is in; the vertex that it leads to; emission at the hit point
@@ -106,7 +106,8 @@ public:
     if constexpr (kAny) return throughput / s.first_throughput;
     return throughput;
   }
-  /// Begins a path at an edge, which the sensor sees at `film` or a light irradiates; false where there is none.
+  /// Begins a path at an edge, which the sensor sees at `film` or a light irradiates; false where there is
+  /// none.
   bool begin_at_edge(int i, Vec2& film) requires kDiffracts { return edges_.begin(self(), i, film); }
 
   void log_connection(const Connection& c, bool open, int vertex = 0) const {
@@ -181,8 +182,8 @@ protected:
     EmittedRay ray;
     float pdf;  ///< of position and direction, with the choice of the light
   };
-  /// Begins a light path by `u`, two numbers that choose the light; nothing where it carries no light. `probability`: of starting at a light
-  /// at all.
+  /// Begins a light path by `u`, two numbers that choose the light; nothing where it carries no light.
+  /// `probability`: of starting at a light at all.
   std::optional<Emitted> begin_at_light(int i, Vec2 u, float probability);
 
   const Scene& scene_;
@@ -265,7 +266,8 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
   return Event::surface;
 }
 
-/// Through the medium along the ray: `medium` where the path is scattered there, `crossed` where it arrives at the distance t_max.
+/// Through the medium along the ray: `medium` where the path is scattered there, `crossed` where it arrives
+/// at the distance t_max.
 template <class Self, class Kind>
 [[gnu::noinline]] Event Walk<Self, Kind>::sample_medium(int i, float t_max) {
   State& s = states_[i];
@@ -395,7 +397,8 @@ bool Walk<Self, Kind>::survives(int i) {
   return limits_.reaches(s.depth + 2) || (finds_emission && scene_.may_meet_emitter(s.segment.ray));
 }
 
-/// Subsurface scattering adds no segment to the path: light that leaves at an exit counts as scattered by the surface.
+/// Subsurface scattering adds no segment to the path: light that leaves at an exit counts as scattered by the
+/// surface.
 template <class Self, class Kind>
 PathList Walk<Self, Kind>::emerge() requires(Kind::kEmerges) {
   PathList vertices;

@@ -36,8 +36,8 @@ public:
   using Base::wavelengths;
   using typename Base::Connection;
 
-  /// `streams`: the random numbers are those of the so-manieth second stream of each sample. `earlier`: another walk, to whose vertices those of
-  /// this one are added, or null.
+  /// `streams`: the random numbers are those of the so-manieth second stream of each sample. `earlier`:
+  /// another walk, to whose vertices those of this one are added, or null.
   LightWalk(const WalkInput& in, const Techniques& techniques, std::vector<Splat>& splats, int streams = 1,
             const LightWalk* earlier = nullptr)
       : Base(in), techniques_(techniques), splats_(splats) {
@@ -60,7 +60,8 @@ public:
     if (!emitted) return false;
     const aureole::Light& light = *emitted->choice.light;
     s.emission = {emitted->choice, emitted->ray};
-    // Other techniques find the position on the light by its solid angle as seen from the first vertex: one vertex has the cosine of this.
+    // Other techniques find the position on the light by its solid angle as seen from the first vertex: one
+    // vertex has the cosine of this.
     const float cosine = light.shape ? std::abs(dot(emitted->ray.ng, emitted->ray.d)) : 1.f;
     s.density.earlier = light.is_delta() ? 0.f : cosine / emitted->pdf;
     s.density.r_l = cosine / emitted->pdf;

@@ -134,7 +134,8 @@ private:
                                 Spectrum& own, Spectrum& other) {
                               SurfacePoint emitting;
                               emitting.p = direct.p, emitting.ng = direct.ng;
-                              // The pdf of a light path to the vertex, with its position on the light per solid angle as seen from here.
+                              // The pdf of a light path to the vertex, with its position on the light per
+                              // solid angle as seen from here.
                               const bool has_shape = choice.light->shape;
                               float emission = emission_density(scene_, *choice.light, choice.part,
                                                                 has_shape ? &emitting : nullptr, -direct.wo);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by the two walks of `bdpt`: which techniques count, and how a connection is weighted against the others.
+// Shared by the two walks of `bdpt`: which techniques count, and how a connection is weighted against the
+// others.
 //
-// Edges that diffract light are vertices that one of the two ends finds, which the path itself decides: an edge is sampled from the vertex
-// before it, as seen from the sensor, unless that is a mirror or smooth glass, which nothing can be connected with. That edge, and all edges
-// nearer to the light, are found from the light. So of the techniques for a path with edges those are left that connect it between the last
-// edge which the light path finds and the first one which the sensor's path finds (transport/edge_walk.h). An edge that the sensor has found
-// is connected with the vertices of light paths, and the one next to a light is sampled for both of its neighbours, as in `path`.
+// Edges that diffract light are vertices that one of the two ends finds, which the path itself decides: an
+// edge is sampled from the vertex before it, as seen from the sensor, unless that is a mirror or smooth
+// glass, which nothing can be connected with. That edge, and all edges nearer to the light, are found from
+// the light. So of the techniques for a path with edges those are left that connect it between the last edge
+// which the light path finds and the first one which the sensor's path finds (transport/edge_walk.h). An edge
+// that the sensor has found is connected with the vertices of light paths, and the one next to a light is
+// sampled for both of its neighbours, as in `path`.
 #pragma once
 
 #include "aureole/transport/two_way.h"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The walk of `path`: from the sensor, with next-event estimation at every vertex and, in media, from positions along the ray that are sampled
-// about a light.
+// The walk of `path`: from the sensor, with next-event estimation at every vertex and, in media, from
+// positions along the ray that are sampled about a light.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,8 @@ namespace aureole {
 /// Further state of a path in scenes of `Space::any`.
 template <class L>
 struct PathInSpace {
-  /// At a vertex in a medium: the pdf of sampling its position about a light, relative to the hero's pdf of the walk.
+  /// At a vertex in a medium: the pdf of sampling its position about a light, relative to the hero's pdf of
+  /// the walk.
   Spectrum r_equiangular;
   Spectrum emission_share{1.f};                       ///< `EmissionSampling::share`
   BasicPathDensity<L, PathStart::sensor> line_start;  ///< where the line of sight of `begin_line` has begun
@@ -154,10 +155,11 @@ private:
                                         key(p.samples, s.vertex, Key::connection) ^ kOther, out);
   }
 
-  /// Emission of lights behind media where next-event estimation cannot find it (from the sensor, after a mirror): a walk would be scattered
-  /// before it or not, while a line of sight takes the transmittance and has no such noise. It begins where the ray first comes into a
-  /// medium. Only towards lights with a shape: a sky is about as bright as the in-scattered light of the fog before it, so that the walk's
-  /// single choice between the two has less noise than their sum.
+  /// Emission of lights behind media where next-event estimation cannot find it (from the sensor, after a
+  /// mirror): a walk would be scattered before it or not, while a line of sight takes the transmittance and
+  /// has no such noise. It begins where the ray first comes into a medium. Only towards lights with a shape:
+  /// a sky is about as bright as the in-scattered light of the fog before it, so that the walk's single
+  /// choice between the two has less noise than their sum.
   void begin_line(int i, const RayTracer::Hit& hit) {
     State& s = states_[i];
     if (s.emission_counted || s.density.has_light_ratio() || (limits_.hide_emitters && s.depth == 0)) return;
@@ -174,8 +176,9 @@ private:
     return samples_equiangular_ && s.depth < kLatest && scene_.lights_reach(*s.segment.medium);
   }
 
-  /// Connects a position along the ray, sampled about a light near it, wherever the walk itself will be scattered. Such positions are not
-  /// connected with emission of media, whose MIS weights do not count this technique (`emission_share`).
+  /// Connects a position along the ray, sampled about a light near it, wherever the walk itself will be
+  /// scattered. Such positions are not connected with emission of media, whose MIS weights do not count this
+  /// technique (`emission_share`).
   std::optional<Equiangular> connect_segment(int i, float t_max) {
     const State& s = states_[i];
     Path& p = path(i);

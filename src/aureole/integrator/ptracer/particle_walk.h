@@ -106,7 +106,8 @@ private:
     return true;
   }
 
-  /// Light that a mirror or a beam has sent along `d`, which no connection finds, where it crosses the sensor's receivers.
+  /// Light that a mirror or a beam has sent along `d`, which no connection finds, where it crosses the
+  /// sensor's receivers.
   template <class Start>
   void cross_receivers(int i, const RayOrigin& from, const Vec3& d, const Start& start) {
     const State& s = states_[i];
