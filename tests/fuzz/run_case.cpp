@@ -82,7 +82,7 @@ Verdict render(const LoadedScene& loaded) {
   for (int i = 0; i < kSamples; ++i) {
     const int x = film.crop_x() + int(std::int64_t(film.crop_width()) * i / kSamples);
     const int y = film.crop_y() + int(std::int64_t(film.crop_height()) * i / kSamples);
-    (void)job.replay(x, y, i % *options.end, 0, [](const std::string&) {});
+    (void)job.replay(x, y, i % *options.end, 0, [](const PathEvent&) {});
   }
   // A sample is replayed with the others of its pixel.
   const double per_sample = (cpu_seconds() - start) / double(kSamples * *options.end);

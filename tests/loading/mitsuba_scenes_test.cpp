@@ -77,11 +77,11 @@ TEST_F(MitsubaScenes, OfFreeSpaceDiffractionLoadUnchanged) {
     LoadOptions options;
     options.defines = {{"spp", "1"}, {"res", "8"}, {"fsd", on ? "true" : "false"}};
     const LoadedScene s = load_scene(folder_ / "data" / "cornell-box" / "box.xml", options);
-    ASSERT_TRUE(s.scene->edges());
+    ASSERT_TRUE(s.scene->diffraction());
     const SpectralGrid& grid = s.scene->parts().context->grid;
     EXPECT_NEAR(grid.min_nm, 1e5 - 0.5, 0.01);
     EXPECT_NEAR(grid.max_nm, 1e5 + 0.5, 0.01);
-    const auto& edges = s.scene->edges()->index().edges();
+    const auto& edges = s.scene->diffraction()->edges().index().edges();
     EXPECT_EQ(edges.empty(), !on);
     // All edges are those of the screen, at x = -0.33.
     for (const MeshEdge& e : edges) EXPECT_NEAR(e.a.x, -0.33, 0.001);

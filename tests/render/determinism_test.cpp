@@ -143,7 +143,7 @@ TEST(Determinism, ReplayShowsWhatTheJobSaw) {
   job.run(kGo);
   for (int x : {3, 17, 30}) {
     int lines = 0;
-    const auto measured = job.replay(x, 14, 0, 0, [&](const std::string&) { ++lines; });
+    const auto measured = job.replay(x, 14, 0, 0, [&](const PathEvent&) { ++lines; });
     double expected[3], alpha;
     job.state().films[0].mean(x, 14, expected, &alpha);
     EXPECT_GT(lines, 0);

@@ -321,19 +321,19 @@ Wavelengths some_wavelengths(const Scene& scene) {
 
 TEST(SceneEdges, BelongToSurfacesThatStopLight) {
   const auto scene = sheet_and_block();
-  ASSERT_TRUE(scene->edges());
-  EXPECT_EQ(scene->edges()->index().edges().size(), 4u + 12u);
+  ASSERT_TRUE(scene->diffraction());
+  EXPECT_EQ(scene->diffraction()->edges().index().edges().size(), 4u + 12u);
   EXPECT_FALSE(
       load_scene_from_string(
           "<scene version=\"3.0.0\"><integrator type=\"path\"/><sensor type=\"perspective\"/></scene>",
           "none.xml")
-          .scene->edges());
+          .scene->diffraction());
 }
 
 // The density of places is that of the samples: means of f/p over samples are integrals over all edges.
 TEST(SceneEdges, PlacesHaveTheirDensity) {
   const auto scene = sheet_and_block();
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   const auto beams = edges.beams(some_wavelengths(*scene));
   const PathEnd a{{300, -80, -400}}, lamps[] = {{{-50, 20, 500}}, {normalize(Vec3{0.1f, 0.2f, 1}), true}};
   KeyedRandom random(1);
@@ -394,14 +394,14 @@ TEST(SceneEdges, ThoseInShadowAreSeldomChosen) {
                          "shadow.xml")
                          .scene;
   const Light& lamp = scene->emitters().front();
-  const LitEdges::Lamp* known = scene->lit_edges().from(lamp, 0);
+  const LitEdges::Lamp* known = scene->diffraction()->lit_edges().from(lamp, 0);
   ASSERT_NE(known, nullptr);
   const float* lit = known->lit.data();
   KeyedRandom random(1);
   int chosen[2] = {};
   for (int i = 0; i < 20000; ++i) {
     const float u[3] = {random.next(), random.next(), random.next()};
-    const auto x = scene->edges()->choose_from({{0, 0, 1000}}, u, nullptr, lit);
+    const auto x = scene->diffraction()->edges().choose_from({{0, 0, 1000}}, u, nullptr, lit);
     if (x && std::abs(x->p.x) > 150 && x->p.z < 100) ++chosen[x->p.x > 0];
   }
   EXPECT_GT(chosen[0], 30);
@@ -410,7 +410,7 @@ TEST(SceneEdges, ThoseInShadowAreSeldomChosen) {
 
 TEST(SceneEdges, DirectionsHaveTheirDensityAndKIsReciprocal) {
   const auto scene = sheet_and_block();
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   const auto beams = edges.beams(some_wavelengths(*scene));
   const MeshEdge& edge = edges.index().edges()[0];
   const EdgeLine line(edge);
@@ -474,7 +474,7 @@ Spectrum kernel_over_kellers(const SceneEdges& edges, const EdgePoint& x, double
 // Over the directions along a straight edge K is Keller's coefficient, from three widths of the beam's own spectrum on.
 TEST(SceneEdges, KOfAStraightEdgeIsKellers) {
   const auto scene = sheet_and_block();
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   const Wavelengths w = some_wavelengths(*scene);
   const auto beams = edges.beams(w);
   const MeshEdge& edge = edges.index().edges()[0];
@@ -500,7 +500,7 @@ TEST(SceneEdges, KNearCornersAndParallelEdgesIsNearlyKellers) {
 <shape type="rectangle"><transform name="to_world"><scale x="100" y="25"/></transform></shape></scene>)",
                          "plate.xml")
                          .scene;
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   const Wavelengths w = Wavelengths::at(scene->parts().context->grid, 550.f);
   const auto beams = edges.beams(w);
   const double sigma = 10;

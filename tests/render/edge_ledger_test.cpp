@@ -127,7 +127,7 @@ EdgePoint place_at(const MeshEdge& edge, double t) {
 template <class Choose>
 std::pair<Mean, Mean> ledger_of(const Scene& scene, int points, const Choose& choose) {
   const auto w = some_wavelengths(scene);
-  const auto beams = scene.edges()->beams(w);
+  const auto beams = scene.diffraction()->edges().beams(w);
   Mean lent, diffracted;
   for (int scrambling = 0; scrambling < 16; ++scrambling) {
     Mean lent_here, diffracted_here;
@@ -142,8 +142,8 @@ std::pair<Mean, Mean> ledger_of(const Scene& scene, int points, const Choose& ch
       lent_here.add(spent.area > 0 ? spent.area * (1 - double(mean(left_by_edges(scene, spent.way, w, key))))
                                    : 0);
       const std::span<const float, 7> direction(u + 3, 7);
-      diffracted_here.add(spent.length * double(mean(diffracted_at(*scene.edges(), spent.place, spent.way.d,
-                                                                   beams, direction))));
+      diffracted_here.add(spent.length * double(mean(diffracted_at(scene.diffraction()->edges(), spent.place,
+                                                                   spent.way.d, beams, direction))));
     }
     lent.add(lent_here.mean()), diffracted.add(diffracted_here.mean());
   }
@@ -170,7 +170,7 @@ TEST(EdgeLedger, LendsWhatIsDiffracted) {
                               {4, 0.2, 25, 0.9, true},
                               {200, 4, 50, 0, true}}) {
     const auto scene = polygon(c.corners, c.radius_sigma, c.wavelengths, c.opening);
-    const SceneEdges& edges = *scene->edges();
+    const SceneEdges& edges = scene->diffraction()->edges();
     std::vector<const MeshEdge*> outline;
     for (const MeshEdge& edge : edges.index().edges())
       if (length(edge.a) < 1.001f) outline.push_back(&edge);
@@ -226,7 +226,7 @@ TEST(EdgeLedger, LongEdgesLendWhatIsDiffracted) {
     const auto scene = in_beams(rectangle(half, 60, left + half), 1, c.wavelengths);
     const double right = left + 2 * half;
     std::vector<const MeshEdge*> sides;
-    for (const MeshEdge& edge : scene->edges()->index().edges())
+    for (const MeshEdge& edge : scene->diffraction()->edges().index().edges())
       if (std::abs(double(edge.a.x) - double(edge.b.x)) < 1e-6 &&
           (c.width > 0 || std::abs(double(edge.a.x) - right) < 1e-6))
         sides.push_back(&edge);
@@ -260,7 +260,7 @@ TEST(EdgeLedger, LongEdgesLendWhatIsDiffracted) {
 // S by quadrature over the sphere, with the kernel of single wavelengths by libcerf in ScatteringPlane's coordinates.
 TEST(EdgeLedger, DiffractsTheIntegralOfK) {
   const auto scene = polygon(3, 1.5, 0.7);
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   const auto beams = edges.beams(some_wavelengths(*scene));
   const MeshEdge& edge = edges.index().edges()[0];
   const EdgeLine line(edge);
@@ -322,7 +322,7 @@ TEST(EdgeLedger, NoLightLendsMoreThanItHas) {
                           double tilt) {
     // Not along the sides of the cube: which edges are its outline would be left to rounding.
     const Vec3 d = normalize(Vec3{float(std::sin(tilt)), 0.01f, -float(std::cos(tilt))});
-    const float reach = 4 * scene->edges()->widest_beam();
+    const float reach = 4 * scene->diffraction()->edges().widest_beam();
     const int samples = kSanitized ? 100 : 8000;
     const auto there = lent_on(*scene, way_past(at, d, reach), samples),
                back = lent_on(*scene, way_past(at, -d, reach), samples);
@@ -390,7 +390,7 @@ TEST(EdgeLedger, WaysFarFromEdgesLendNothing) {
     const float reach = 3 * random.next();
     const Spectrum left = left_by_edges(*scene, way_past(y, d, reach), w, std::uint32_t(i));
     double nearest = 1e9;
-    for (const MeshEdge& edge : scene->edges()->index().edges())
+    for (const MeshEdge& edge : scene->diffraction()->edges().index().edges())
       for (int k = 0; k <= 400; ++k) {
         const Double3 to = Double3(edge.a + (float(k) / 400) * (edge.b - edge.a)) - Double3(y);
         const double along = std::clamp(dot(to, Double3(d)), -double(reach), double(reach));
@@ -456,7 +456,7 @@ TEST(EdgeLedger, ObstaclesKeepAllLight) {
 TEST(EdgeLedger, OpenPartIsThatBesideThePolygon) {
   for (const int corners : {3, 5, 40}) {
     const auto scene = polygon(corners, 1, 5);
-    const SceneEdges& edges = *scene->edges();
+    const SceneEdges& edges = scene->diffraction()->edges();
     KeyedRandom random(3);
     for (const double deviation : {0.1, 0.7, 4.0})
       for (const double at : {0.5, 0.03}) {

@@ -273,7 +273,7 @@ TEST(LightTracingJob, ReplayShowsThePathOfASample) {
   int lines = 0;
   size_t numbers = 0;
   for (int x = 0; x < 40; ++x)
-    numbers += job.replay(x, 14, 0, 0, [&](const std::string&) { ++lines; }).splatted.size();
+    numbers += job.replay(x, 14, 0, 0, [&](const PathEvent&) { ++lines; }).splatted.size();
   EXPECT_GT(lines, 40) << "at least the emission of each";
   EXPECT_GT(numbers, 0u);
   EXPECT_EQ(numbers % 3, 0u);

@@ -85,15 +85,15 @@ TEST(SeenEdges, TablesHoldThoseOnTheSensorsSideOfTheWall) {
   const auto scene =
       load_scene_from_string("<scene version='3.0.0'>" + power_map("path") + "</scene>", "pieces.xml").scene;
   const Light& lamp = scene->emitters().front();
-  const std::vector<MeshEdge>& edges = scene->edges()->index().edges();
+  const std::vector<MeshEdge>& edges = scene->diffraction()->edges().index().edges();
   const SceneEdges::Beams beams =
-      scene->edges()->beams(Wavelengths::at(scene->parts().context->grid, Spectrum(550.f)));
+      scene->diffraction()->edges().beams(Wavelengths::at(scene->parts().context->grid, Spectrum(550.f)));
   int same_side = 0, other_side = 0;
   for (const float x : {0.1f, 0.6f, 0.9f})
     for (const float y : {0.05f, 0.3f, 0.7f, 0.95f}) {
       const auto eye = scene->sensor().sample_direct(scene->bounds().center(), {x, y});
       ASSERT_TRUE(eye);
-      const SeenEdges::Table* table = scene->seen_edges().from(lamp, 0, {x, y});
+      const SeenEdges::Table* table = scene->diffraction()->seen_edges().from(lamp, 0, {x, y});
       ASSERT_NE(table, nullptr);
       ASSERT_FALSE(table->edges.empty());
       for (const std::uint32_t number : table->edges) {
@@ -107,15 +107,15 @@ TEST(SeenEdges, TablesHoldThoseOnTheSensorsSideOfTheWall) {
       std::map<std::uint32_t, int> chosen;
       std::map<std::uint32_t, float> probability;
       for (int i = 0; i < 10000; ++i) {
-        const SeenEdges::Table::Choice choice =
-            table->choose(*scene->edges(), {eye->p}, {{0, 0.001f, 1}}, beams, (float(i) + 0.5f) / 10000);
+        const SeenEdges::Table::Choice choice = table->choose(
+            scene->diffraction()->edges(), {eye->p}, {{0, 0.001f, 1}}, beams, (float(i) + 0.5f) / 10000);
         ++chosen[choice.edge], probability[choice.edge] = choice.probability;
       }
       // All are chosen, each as often as it says.
       EXPECT_EQ(chosen.size(), table->edges.size());
       for (const auto& [edge, times] : chosen) EXPECT_NEAR(float(times), 10000 * probability[edge], 1.1f);
     }
-  const SeenEdges::Table* table = scene->seen_edges().from(lamp, 0, {0.5f, 0.3f});
+  const SeenEdges::Table* table = scene->diffraction()->seen_edges().from(lamp, 0, {0.5f, 0.3f});
   int hidden = 0;
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const Vec3 middle = 0.5f * (edges[i].a + edges[i].b);
@@ -125,7 +125,8 @@ TEST(SeenEdges, TablesHoldThoseOnTheSensorsSideOfTheWall) {
   EXPECT_GE(hidden, 1);
   EXPECT_EQ(
       load_scene_from_string("<scene version='3.0.0'>" + power_map("path", 200) + "</scene>", "pieces.xml")
-          .scene->seen_edges()
+          .scene->diffraction()
+          ->seen_edges()
           .from(lamp, 0, {0.5f, 0.3f}),
       nullptr);
   EXPECT_GT(same_side, 100);
@@ -141,7 +142,8 @@ TEST(SeenEdges, FewEdgesHaveTables) {
               R"(<shape type="cube"/><emitter type="point"><point name="position" x="9" y="0" z="0"/></emitter></scene>)",
           "cube.xml")
           .scene;
-  const SeenEdges::Table* table = scene->seen_edges().from(scene->emitters().front(), 0, {0.5f, 0.5f});
+  const SeenEdges::Table* table =
+      scene->diffraction()->seen_edges().from(scene->emitters().front(), 0, {0.5f, 0.5f});
   ASSERT_NE(table, nullptr);
   EXPECT_FALSE(table->edges.empty());
   EXPECT_LT(table->edges.size(), 12u) << "no place sees all edges of a cube that the lamp shines on";

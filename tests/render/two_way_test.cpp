@@ -173,7 +173,7 @@ TEST(TwoWayJob, ReplayShowsThePixelAndTheSplats) {
   RenderJob job(scene, {});
   std::size_t splatted = 0, lines = 0;
   for (int x = 0; x < 40; ++x) {
-    const ReplayedSample s = job.replay(x, 14, 5, 0, [&](const std::string&) { ++lines; });
+    const ReplayedSample s = job.replay(x, 14, 5, 0, [&](const PathEvent&) { ++lines; });
     EXPECT_TRUE(s.valid);
     EXPECT_EQ(s.measured.size(), 3u);
     splatted += s.splatted.size();

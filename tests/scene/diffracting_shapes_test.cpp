@@ -46,7 +46,7 @@ std::string marked(const std::string& parameters, double x) {
 TEST(DiffractingShapes, AreThoseThatSaySoWhereSomeDo) {
   const std::string plain = R"(<shape type="cube"/>)";
   const auto count = [&](const std::string& shapes) {
-    return load(scene_of(shapes)).scene->edges()->index().edges().size();
+    return load(scene_of(shapes)).scene->diffraction()->edges().index().edges().size();
   };
   EXPECT_EQ(count(plain), 12u);
   EXPECT_EQ(count(plain + marked("", 3)), 4u);
@@ -78,14 +78,14 @@ TEST(DiffractingShapes, StateOneWidthAndAFactor) {
   const auto plain = scene(""), twice = scene(R"(<float name="scale" value="2"/>)"),
              narrow = scene(R"(<float name="sigma" value="10"/>)");
   const auto beams_of = [](const Scene& s) {
-    return s.edges()->beams(Wavelengths::at(s.parts().context->grid, 550.f));
+    return s.diffraction()->edges().beams(Wavelengths::at(s.parts().context->grid, 550.f));
   };
   EXPECT_NEAR(beams_of(*narrow).widest / beams_of(*plain).widest, 0.4, 1e-6);
   const auto kernel = [&](const Scene& s, double at) {
-    const EdgeLine line(s.edges()->index().edges()[0]);
-    const EdgePoint x{&s.edges()->index().edges()[0], at, line.at(at), {}, 1};
+    const EdgeLine line(s.diffraction()->edges().index().edges()[0]);
+    const EdgePoint x{&s.diffraction()->edges().index().edges()[0], at, line.at(at), {}, 1};
     const Vec3 d{0, 0, -1}, across = cross(line.direction.to_float(), d);
-    return s.edges()->kernel(x, d, normalize(d + 0.05f * across), beams_of(s), {})[0];
+    return s.diffraction()->edges().kernel(x, d, normalize(d + 0.05f * across), beams_of(s), {})[0];
   };
   for (const double at : {0.01, 1e-5}) {  // far from corners and beside one
     EXPECT_GT(std::abs(kernel(*plain, at)), 0);
@@ -188,7 +188,7 @@ std::shared_ptr<const Scene> discs(std::initializer_list<double> heights, int si
 // The power that a cluster diffracts is that of its pairs of edges, summed over them and in the mean over drawn numbers.
 TEST(EdgeClusters, SendWhatPairsOfEdgesDo) {
   const auto scene = discs({0}, 15);
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   ASSERT_EQ(edges.clusters().size(), 1u);
   const auto beams = edges.beams(Wavelengths::at(scene->parts().context->grid, 550.f));
   const double k = beams.k[0], sigma = beams.sigma[0];
@@ -227,7 +227,7 @@ TEST(EdgeClusters, AreFlat) {
   EXPECT_EQ(two->edges()->clusters().size(), 0u);
   const Vec3 d_i{0, 0, -1}, d_o = normalize(Vec3{0.02f, 0.01f, -1});
   const auto sent = [&](const Scene& scene) {
-    const SceneEdges& edges = *scene.edges();
+    const SceneEdges& edges = scene.diffraction()->edges();
     const auto beams = edges.beams(Wavelengths::at(scene.parts().context->grid, 550.f));
     KeyedRandom random(2);
     double sum = 0;
@@ -252,7 +252,7 @@ TEST_P(RoundEdges, HaveAirysPattern) {
                         R"("><transform name="to_world"><scale value="20e-6"/></transform></shape>)",
                     "400um"))
           .scene;
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   const auto beams = edges.beams(Wavelengths::at(scene->parts().context->grid, 550.f));
   // sigma_xi of 400 um is .1 mrad; the rings of 20 um are 17 mrad apart.
   for (const double theta : {0.005, 0.012, 0.025, 0.052}) {
@@ -277,7 +277,7 @@ TEST(RoundEdges, LieOnTheirShapesOrOutside) {
   std::set<std::uint32_t> sets;
   double rims = 0, folds = 0, outline = 0;
   const Vec3 d = normalize(Vec3{1, 2, 0.5f});
-  for (const MeshEdge& e : scene->edges()->index().edges()) {
+  for (const MeshEdge& e : scene->diffraction()->edges().index().edges()) {
     sets.insert(e.face0.set);
     const Vec3 center{3, 0, 0}, middle = 0.5f * (e.a + e.b);
     if (e.face0.set == 0) {
@@ -306,7 +306,7 @@ TEST(RoundEdges, AllOfASmallRimIsChosen) {
 <shape type="rectangle"><transform name="to_world"><scale value="9"/><translate z="-1"/></transform></shape>)",
                                    "fresnel 0.5m"))
                          .scene;
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   const auto beams = edges.beams(Wavelengths::at(scene->parts().context->grid, 550.f));
   ASSERT_GT(edges.index().edges().size(), 300u);
   KeyedRandom random(3);
@@ -349,7 +349,7 @@ TEST(EdgePaths, DirectionsToEdgesAreExactFarFromTheOrigin) {
 
 TEST(EdgePaths, LeaveAnEdgeForOtherOnes) {
   const auto scene = load(scene_of(marked("", 0) + marked("", 0.03))).scene;
-  const SceneEdges& edges = *scene->edges();
+  const SceneEdges& edges = scene->diffraction()->edges();
   const MeshEdge& own = edges.index().edges()[1];
   KeyedRandom random(4);
   double length_of_others = 0;

@@ -40,11 +40,12 @@ Wavelengths wavelengths_of(const Scene& scene) { return Wavelengths::at(scene.pa
 
 /// The edge at a point of the xy-plane, with the position on it; nothing where no edge is there.
 std::optional<EdgePoint> place_at(const Scene& scene, float x, float y) {
-  for (const MeshEdge& edge : scene.edges()->index().edges()) {
+  for (const MeshEdge& edge : scene.diffraction()->edges().index().edges()) {
     Vec3 p{x, y, edge.a.z};
     if (edge.squared_distance(p) > 1e-6f) continue;
     const EdgeLine line(edge);
-    return scene.edges()->place_on(edge, dot(Double3(p) - line.origin, line.direction) / line.length);
+    return scene.diffraction()->edges().place_on(edge,
+                                                 dot(Double3(p) - line.origin, line.direction) / line.length);
   }
   return {};
 }
@@ -52,20 +53,20 @@ std::optional<EdgePoint> place_at(const Scene& scene, float x, float y) {
 /// K and S of the same figure in one plane and in several, where each has its border and where it has none.
 void compare(const Scene& flat, const Scene& deep, std::initializer_list<std::pair<float, float>> on_border,
              std::initializer_list<std::pair<float, float>> hidden_places) {
-  const auto beams = flat.edges()->beams(wavelengths_of(flat));
+  const auto beams = flat.diffraction()->edges().beams(wavelengths_of(flat));
   for (const auto& [x, y] : on_border) {
     const auto one = place_at(flat, x, y), other = place_at(deep, x, y);
     ASSERT_TRUE(one && other) << x << " " << y;
     for (const Vec3& turn : {Vec3{0.05f, 0.02f, 0}, {-0.01f, 0.04f, 0}, {0.2f, 0, 0}, {0.003f, -0.3f, 0}}) {
       // Both directions about the normal, so that the sheets are seen along it.
       const Vec3 d_i = normalize(Vec3{0, 0, -1} - turn), d_o = normalize(Vec3{0, 0, -1} + turn);
-      const Spectrum k = flat.edges()->kernel(*one, d_i, d_o, beams, {0.3f, 0.6f}),
-                     l = deep.edges()->kernel(*other, d_i, d_o, beams, {0.3f, 0.6f});
+      const Spectrum k = flat.diffraction()->edges().kernel(*one, d_i, d_o, beams, {0.3f, 0.6f}),
+                     l = deep.diffraction()->edges().kernel(*other, d_i, d_o, beams, {0.3f, 0.6f});
       const float of_straight_edge = 0.5f / (39.5f * 4 * length_squared(turn));
       EXPECT_NEAR(k[0], l[0], 2e-4f * std::max(std::abs(k[0]), of_straight_edge)) << x << " " << y;
     }
-    const Spectrum s = flat.edges()->power(*one, {0, 0, -1}, beams).value(),
-                   t = deep.edges()->power(*other, {0, 0, -1}, beams).value();
+    const Spectrum s = flat.diffraction()->edges().power(*one, {0, 0, -1}, beams).value(),
+                   t = deep.diffraction()->edges().power(*other, {0, 0, -1}, beams).value();
     EXPECT_NEAR(s[0], t[0], 1e-4f * beams.sigma[0]) << x << " " << y;
   }
   for (const auto& [x, y] : hidden_places) {
@@ -73,8 +74,8 @@ void compare(const Scene& flat, const Scene& deep, std::initializer_list<std::pa
     const auto hidden = place_at(deep, x, y);
     ASSERT_TRUE(hidden) << x << " " << y;
     const Vec3 d_i = normalize(Vec3{0.05f, 0, -1}), d_o = normalize(Vec3{-0.05f, 0, -1});
-    EXPECT_EQ(deep.edges()->kernel(*hidden, d_i, d_o, beams, {})[0], 0.f) << x << " " << y;
-    EXPECT_EQ(deep.edges()->power(*hidden, {0, 0, -1}, beams).value()[0], 0.f) << x << " " << y;
+    EXPECT_EQ(deep.diffraction()->edges().kernel(*hidden, d_i, d_o, beams, {})[0], 0.f) << x << " " << y;
+    EXPECT_EQ(deep.diffraction()->edges().power(*hidden, {0, 0, -1}, beams).value()[0], 0.f) << x << " " << y;
   }
 }
 
@@ -84,7 +85,7 @@ TEST(EdgeCovers, SheetsOneBehindAnotherAreOne) {
     return scene_of(sheet(0, 0, 30, 6, z1) + sheet(2, 0, 5, 25, z2) + sheet(1, 1, 2, 3, z3));
   };
   const auto flat = figure(0, 0, 0), deep = figure(0, 12, -9);
-  EXPECT_EQ(deep->edges()->clusters().size(), 0u);
+  EXPECT_EQ(deep->diffraction()->edges().clusters().size(), 0u);
   compare(*flat, *deep,
           {{-20.f, 6.f}, {-20.f, -6.f}, {30.f, 1.f}, {2.f, 25.f}, {-3.f, 15.f}, {7.f, -20.f}, {8.7f, 6.f}},
           {{0.f, 6.f}, {0.f, -6.f}, {-3.f, 2.f}, {7.f, -1.f}, {3.f, 0.f}});
@@ -97,8 +98,8 @@ TEST(EdgeCovers, ClustersAreUnited) {
                     sheet(16, 7, 4, 4, z4, 20));
   };
   const auto flat = figure(0, 0, 0, 0), deep = figure(0, 1.5, -1, 0.5);
-  ASSERT_EQ(flat->edges()->clusters().size(), 1u);
-  ASSERT_EQ(deep->edges()->clusters().size(), 1u);
+  ASSERT_EQ(flat->diffraction()->edges().clusters().size(), 1u);
+  ASSERT_EQ(deep->diffraction()->edges().clusters().size(), 1u);
   compare(*flat, *deep,
           {{-20.f, 6.f}, {-20.f, -6.f}, {30.f, 1.f}, {2.f, 25.f}, {-3.f, 15.f}, {7.f, -20.f}, {8.7f, 6.f}},
           {{0.f, 6.f}, {0.f, -6.f}, {-3.f, 2.f}, {7.f, -1.f}, {3.f, 0.f}});
@@ -109,16 +110,16 @@ TEST(EdgeCovers, SheetsFarBehindAreOthers) {
   const auto scene = scene_of(sheet(0, 0, 30, 6, 0) + sheet(2, 0, 5, 25, 40));
   const auto x = place_at(*scene, 0, 6);
   ASSERT_TRUE(x);
-  const auto beams = scene->edges()->beams(wavelengths_of(*scene));
-  EXPECT_GT(
-      scene->edges()->kernel(*x, normalize(Vec3{0, 0.05f, -1}), normalize(Vec3{0, -0.05f, -1}), beams, {})[0],
-      0.f);
+  const auto beams = scene->diffraction()->edges().beams(wavelengths_of(*scene));
+  EXPECT_GT(scene->diffraction()->edges().kernel(*x, normalize(Vec3{0, 0.05f, -1}),
+                                                 normalize(Vec3{0, -0.05f, -1}), beams, {})[0],
+            0.f);
 }
 
 // No edge of a convex body or of a flat sheet can be covered. A block on a table is covered where it stands.
 TEST(EdgeCovers, AreLookedForWhereTheyCanBe) {
   const auto count = [](const std::shared_ptr<const Scene>& scene) {
-    const SceneEdges& edges = *scene->edges();
+    const SceneEdges& edges = scene->diffraction()->edges();
     std::size_t sum = 0;
     for (std::size_t i = 0; i < edges.index().edges().size(); ++i) sum += edges.covers().may_be(i);
     return sum;

@@ -20,7 +20,8 @@ float light_in(const std::string& rest) {
 <emitter type="point"><point name="position" x="0" y="0" z="2"/><spectrum name="intensity" value="1"/></emitter>)" +
                  rest + "</scene>",
              "shadow.xml")
-      .scene->light_in_shadows();
+      .scene->diffraction()
+      ->light_in_shadows();
 }
 
 TEST(LightInShadows, IsThatBySurfacesOverDirectLight) {

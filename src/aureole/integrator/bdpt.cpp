@@ -71,7 +71,7 @@ public:
     }
     if (!settings_.limits.reaches(1)) return;
     if (light)
-      follow_light_from_edges<LightWalk>(in, [&](const auto& begin) {
+      follow_diffracted_light_paths<LightWalk>(in, [&](const auto& begin) {
         light_from_edges.emplace(in, settings_.techniques, splats, 2, &*light);
         begin(*light_from_edges, rays);
         follow(scene, *light_from_edges, rays, RayTracer::Rays::incoherent);
@@ -90,10 +90,10 @@ public:
         rays.add(int(i), paths[i].ray);
       }
     });
-    follow_edge_paths(in, 3, settings_.techniques.have(1, 2), splats,
-                      [&](const WalkInput& second, const auto& begin) {
-                        follow_from_sensor(second, RayTracer::Rays::incoherent, begin);
-                      });
+    follow_diffracted_paths(in, 3, settings_.techniques.have(1, 2), splats,
+                            [&](const WalkInput& second, const auto& begin) {
+                              follow_from_sensor(second, RayTracer::Rays::incoherent, begin);
+                            });
   }
 
 private:

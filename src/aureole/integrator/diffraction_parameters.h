@@ -25,7 +25,7 @@ inline std::optional<BeamWidth> get_diffraction(const Properties& p) {
 
 /// Throws where the scene has what paths around edges are not found with.
 inline void require_no_glowing_media(const Scene& scene, const Integrator& integrator) {
-  if (scene.edges() && scene.emitting_media())
+  if (scene.diffraction() && scene.emitting_media())
     throw integrator.properties().error(
         "diffraction", "light of media that emit is not followed around edges: switch one of them off");
 }

@@ -50,10 +50,11 @@ public:
     const float u1 = samples.get1(first);
     const Vec2 u2 = samples.get2(first + 1);
     const bool found =
-        in_medium ? connect_to_emission<Unpolarised>(scene_, vertex, s.segment, s.density, u1, u2,
-                                                     wavelengths(i), counts_, samples.key(first), out)
-                  : connect_to_light(scene_, vertex, s.segment, s.density, u1, u2, wavelengths(i), counts_,
-                                     samples.key(first), out);
+        in_medium
+            ? connect_to_emission<Unpolarised>(scene_, vertex, s.segment, s.density, u1, u2, wavelengths(i),
+                                               counts_, key(samples, first, Stream::connection), out)
+            : connect_to_light(scene_, vertex, s.segment, s.density, u1, u2, wavelengths(i), counts_,
+                               key(samples, first, Stream::connection), out);
     out.others_pass = true;
     return found;
   }
@@ -61,7 +62,9 @@ public:
     if (open) path(i).result.estimate += c.estimate();
     if (log_.follows(i)) log_connection(c, open);
   }
-  std::uint32_t connection_key(int i) { return path(i).samples.key(states_[i].dimension); }
+  std::uint32_t connection_key(int i) {
+    return key(path(i).samples, states_[i].dimension, Stream::connection);
+  }
 
   /// BSDF samples: lines of sight along sampled directions.
   void connected_all(const PathList& vertices) {
@@ -129,7 +132,7 @@ private:
     s.sampled.extend(b.value, b.pdf * counts_.scatter, b.delta || !vertices_[i].is_smooth());
     RayState line = s.segment;
     vertices_[i].leave(b.d, scene_.has_media(), line);
-    line_steps_.begin(i, line, path(i).samples.key(s.dimension));
+    line_steps_.begin(i, line, key(path(i).samples, s.dimension, Stream::line_of_sight));
     return true;
   }
 
@@ -170,7 +173,7 @@ public:
       rays.add(int(i), paths[i].ray);
     }
     follow(scene, walk, rays, RayTracer::Rays::coherent);
-    see_edges(in, splats);
+    see_diffracted_light(in, splats);
   }
 
 private:

@@ -4,8 +4,8 @@
 #include "aureole/core/keyed_random.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/connection.h"
+#include "aureole/transport/diffraction.h"
 #include "aureole/transport/dimensions.h"
-#include "aureole/transport/edge_ledger.h"
 
 namespace aureole {
 
@@ -15,7 +15,7 @@ namespace {
 /// the path's ray: divided by the integral of the response.
 Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path) {
   // A walk from the sensor has no vertex -1: its numbers are free.
-  KeyedRandom random(key(path.samples, -1, Key::connection));
+  KeyedRandom random(key(path.samples, -1, Stream::receiver));
   const auto choice = scene.lights().choose(receiver.p, receiver.facing(), random.next());
   if (!choice || !(choice->probability > 0) || !choice->light->is_delta()) return 0.f;
   const Vec2 u{random.next(), random.next()};
@@ -37,7 +37,7 @@ Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path
     c.begin_in(start, std::uint32_t(random.next() * 0x1p32f));
   }
   c.weigh(scene.has_media(), choice->probability * direct->pdf, 0.f, path.wavelengths);
-  const bool open = arrives(scene, c, path.wavelengths, key(path.samples, -1, Key::connection));
+  const bool open = arrives(scene, c, path.wavelengths, key(path.samples, -1, Stream::receiver));
   return open ? c.estimate() : Spectrum(0.f);
 }
 

@@ -18,7 +18,7 @@ namespace aureole {
 
 /// The parts of a scene that an integrator needs beside surfaces, lights and media.
 struct SceneNeeds {
-  std::optional<BeamWidth> edges;  ///< that diffract light in beams of that width
+  std::optional<BeamWidth> diffraction;  ///< edges diffract light in beams of that width
 };
 
 class Integrator : public Object {

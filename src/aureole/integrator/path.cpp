@@ -28,7 +28,7 @@ public:
       follow_from_sensor<PathWalk<Space::any>>(in);
     else
       follow_from_sensor<PathWalk<Space::empty>>(in);
-    follow_edge_paths(in, 1, true, splats, [](const WalkInput& second, const auto& begin) {
+    follow_diffracted_paths(in, 1, true, splats, [](const WalkInput& second, const auto& begin) {
       PathWalk<Space::any> walk(second);
       BatchRays rays;
       begin(walk, rays);

@@ -56,7 +56,7 @@ public:
       if (walk.start(int(i)) && goes_on) rays.add(int(i), walk.ray(int(i)));
     if (!goes_on) return;
     follow(scene, walk, rays, RayTracer::Rays::incoherent);
-    follow_edge_paths(in, 1, true, splats, [&](const WalkInput& second, const auto& begin) {
+    follow_diffracted_paths(in, 1, true, splats, [&](const WalkInput& second, const auto& begin) {
       ParticleWalk<> from_edges(second, splats);
       begin(from_edges, rays);
       follow(scene, from_edges, rays, RayTracer::Rays::incoherent);
@@ -75,7 +75,7 @@ private:
       if (limits_.hide_emitters && !scene.has_media()) continue;
       RayState start{paths[i].ray, nullptr, {}};
       find_interiors(scene, nullptr, start);
-      lines.begin(int(i), start, key(paths[i].samples, -1, Key::flight), limits_.hide_emitters);
+      lines.begin(int(i), start, key(paths[i].samples, -1, Stream::line_of_sight), limits_.hide_emitters);
       rays.add(int(i), paths[i].ray);
     }
     follow(scene, lines, rays, RayTracer::Rays::coherent);

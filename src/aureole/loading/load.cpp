@@ -12,7 +12,6 @@
 #include "aureole/loading/sensor_grid.h"
 #include "aureole/loading/stages.h"
 #include "aureole/loading/upgrade.h"
-#include "aureole/scene/edge/scene_edges.h"
 
 namespace aureole {
 
@@ -152,7 +151,7 @@ LoadedScene make_scene(LoadedParts loaded, const Scene* previous) {
   if (loaded.integrator && !made.integrator)
     throw std::logic_error("the plug-in \"" + loaded.integrator->properties().type() +
                            "\" is registered in a wrong family");
-  if (made.integrator) loaded.parts.diffraction = made.integrator->needs().edges;
+  if (made.integrator) loaded.parts.diffraction = made.integrator->needs().diffraction;
   try {
     made.scene = std::make_shared<const Scene>(std::move(loaded.parts), previous);
   } catch (const BeamWidthError& e) {

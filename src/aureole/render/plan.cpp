@@ -8,6 +8,7 @@
 
 #include "aureole/core/version.h"
 #include "aureole/render/unit_renderer.h"
+#include "aureole/transport/dimensions.h"
 
 namespace aureole {
 
@@ -121,6 +122,7 @@ RenderState planned_state(const LoadedScene& loaded, const RenderOptions& option
   PictureIdentity id;
   id.scene = loaded.file.filename().string();
   id.version = kVersion;
+  id.random_version = kRandomVersion;
   id.sampler = sampler.properties().type();
   id.integrator = integrator.properties().type();
   id.scene_hash = loaded.hash;

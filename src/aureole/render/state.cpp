@@ -39,6 +39,7 @@ nlohmann::json header_of(const RenderState& s) {
           {"density_size", s.density.size()},
           {"scene_hash", i.scene_hash},
           {"seed", i.seed},
+          {"random_version", i.random_version},
           {"wavelengths", i.wavelengths},
           {"width", i.width},
           {"height", i.height},
@@ -60,6 +61,7 @@ nlohmann::json header_of(const RenderState& s) {
 
 std::string PictureIdentity::difference(const PictureIdentity& o) const {
   if (version != o.version) return "program version (" + version + " and " + o.version + ")";
+  if (random_version != o.random_version) return "assignment of random numbers";
   if (scene_hash != o.scene_hash) return "scene";
   if (width != o.width || height != o.height || border != o.border ||
       measured_channels != o.measured_channels || splat_channels != o.splat_channels)
@@ -205,8 +207,8 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     const auto j = nlohmann::json::parse(p, p + header_size);
     RenderState s;
     PictureIdentity id;
-    id.scene = j.at("scene"), id.version = j.at("version"), id.sampler = j.at("sampler"),
-    id.integrator = j.at("integrator"), id.adaptive = j.at("adaptive");
+    id.scene = j.at("scene"), id.version = j.at("version"), id.random_version = j.value("random_version", 1),
+    id.sampler = j.at("sampler"), id.integrator = j.at("integrator"), id.adaptive = j.at("adaptive");
     id.scene_hash = j.at("scene_hash"), id.seed = j.at("seed"), id.wavelengths = j.at("wavelengths");
     id.width = j.at("width"), id.height = j.at("height"), id.border = j.at("border");
     id.measured_channels = j.at("measured_channels"), id.replicates = j.at("replicates");

@@ -21,6 +21,7 @@ struct PictureIdentity {
   std::string scene, version, sampler, integrator;
   std::string adaptive = "none";
   std::uint64_t scene_hash = 0, seed = 0;
+  int random_version = 0;  ///< kRandomVersion of transport/dimensions.h
   int wavelengths = 0;
   int width = 0, height = 0, border = 0, measured_channels = 0, replicates = 1;
   /// Number of channels of splats that have a film apart from the pixels' own samples; 0 without splats.

@@ -165,7 +165,7 @@ UnitRenderer::UnitRenderer(const Scene& scene, const Integrator& integrator, con
       channels_(measured_channels),
       keeps_pixels_(integrator.leaves() != Integrator::Leaves::film) {
   if (integrator.leaves() != Integrator::Leaves::pixel)
-    splat_film_.emplace(scene.film(), filter, scene.edges() != nullptr);
+    splat_film_.emplace(scene.film(), filter, scene.diffraction() != nullptr);
 }
 
 std::uint64_t UnitRenderer::key_of(int x, int y, int replicate) const {
@@ -174,7 +174,7 @@ std::uint64_t UnitRenderer::key_of(int x, int y, int replicate) const {
 
 bool UnitRenderer::measure(const Path& path, float sensor_weight, float* measured) const {
   // Diffracted fields that interfere destructively give negative estimates.
-  if (!(scene_->edges() ? is_finite(path.result.estimate) : is_valid_radiance(path.result.estimate)))
+  if (!(scene_->diffraction() ? is_finite(path.result.estimate) : is_valid_radiance(path.result.estimate)))
     return false;
   scene_->film().measure(path.result.estimate * sensor_weight, path.wavelengths, measured);
   bool valid = true;

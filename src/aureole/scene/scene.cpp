@@ -5,12 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "aureole/scene/edge/diffracting_shapes.h"
-#include "aureole/scene/edge/lit_edges.h"
-#include "aureole/scene/edge/open_ways.h"
-#include "aureole/scene/edge/scene_edges.h"
-#include "aureole/scene/edge/seen_edges.h"
-#include "aureole/scene/edge/shadow_light.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
 namespace aureole {
@@ -61,28 +56,13 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   make_surfaces();
   find_media();
   bound_emitters();
-  tracer_ = reuse && reuse->tracer_->is_for(parts_.surfaces)
-                ? reuse->tracer_
-                : std::make_shared<const RayTracer>(parts_.surfaces, reuse ? reuse->tracer_.get() : nullptr);
+  surfaces_.tracer = reuse && reuse->surfaces_.tracer->is_for(parts_.surfaces)
+                         ? reuse->surfaces_.tracer
+                         : std::make_shared<const RayTracer>(parts_.surfaces,
+                                                             reuse ? reuse->surfaces_.tracer.get() : nullptr);
   find_closed_media();
 
-  if (parts_.diffraction) {
-    const bool unchanged =
-        reuse && reuse->tracer_ == tracer_ && reuse->parts_.diffraction == parts_.diffraction &&
-        std::equal(parts_.surfaces.begin(), parts_.surfaces.end(), reuse->parts_.surfaces.begin(),
-                   reuse->parts_.surfaces.end(), [](const ModelPart& a, const ModelPart& b) {
-                     return a.shape == b.shape && a.bsdf == b.bsdf && a.instance == b.instance;
-                   });
-    edges_ = unchanged ? reuse->edges_ : std::make_shared<const SceneEdges>(parts_, *parts_.diffraction);
-    if (edges_->empty())
-      notes_.push_back("no shape of the scene has edges that diffract: no light is diffracted");
-    notes_.insert(notes_.end(), edges_->notes().begin(), edges_->notes().end());
-  } else if (const Bsdf* bsdf = first_diffracting_bsdf(parts_)) {
-    const std::string where = bsdf->properties().where().str();
-    notes_.push_back((where.empty() ? "" : where + ": ") + "edges of \"" + bsdf->properties().type() +
-                     "\" do not diffract light here: the integrator has no \"diffraction\", or it is off");
-  }
-  const Bounds3 box = tracer_->bounds();
+  const Bounds3 box = surfaces_.tracer->bounds();
   const Vec3 center = box.empty() ? Vec3{} : box.center();
   const float radius = box.empty() ? 1.f : std::max(1e-6f, 0.5f * length(box.diagonal()));
   sensor_ = PlacedSensor::of(*parts_.sensor, parts_.sensor_area, center, radius);
@@ -90,35 +70,20 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   check_sensor_medium();
   for (Light& light : emitters_) light.scene_center = center, light.scene_radius = radius;
   weigh_lights();
-  if (edges_) light_edges(reuse);
-  if (edges_ && !edges_->empty()) {
-    light_in_shadows_ = aureole::light_in_shadows(*this, middle_wavelengths());
-    if (std::string remark = remark_on_slits(*this); !remark.empty()) notes_.push_back(std::move(remark));
+  if (!parts_.diffraction) {
+    if (std::string note = note_without_diffraction(parts_); !note.empty()) notes_.push_back(std::move(note));
+    return;
   }
+  const bool reuses = reuse && reuse->diffraction_;
+  const std::optional<DiffractionInput> before =
+      reuses ? std::optional(reuse->diffraction_input()) : std::nullopt;
+  diffraction_ = std::make_shared<const SceneDiffraction>(
+      diffraction_input(), reuses ? reuse->diffraction_.get() : nullptr, before ? &*before : nullptr);
+  notes_.insert(notes_.end(), diffraction_->notes().begin(), diffraction_->notes().end());
 }
 
-Wavelengths Scene::middle_wavelengths() const {
-  const SpectralGrid& grid = parts_.context->grid;
-  return Wavelengths::at(grid, Spectrum(float(0.5 * (grid.min_nm + grid.max_nm))));
-}
-
-void Scene::light_edges(const Scene* reuse) {
-  const Wavelengths middle = middle_wavelengths();
-  const auto same_emitter = [](const ModelPart& a, const ModelPart& b) { return a.emitter == b.emitter; };
-  if (reuse && reuse->edges_ == edges_ && reuse->parts_.emitters == parts_.emitters &&
-      std::equal(parts_.surfaces.begin(), parts_.surfaces.end(), reuse->parts_.surfaces.begin(),
-                 reuse->parts_.surfaces.end(), same_emitter)) {
-    lit_edges_ = reuse->lit_edges_;
-    if (parts_.sensor == reuse->parts_.sensor && parts_.sensor_area == reuse->parts_.sensor_area) {
-      seen_edges_ = reuse->seen_edges_;
-      return;
-    }
-  } else if (!has_binary_visibility()) {
-    lit_edges_ = std::make_shared<const LitEdges>();  // rays do not tell what passes
-  } else {
-    lit_edges_ = std::make_shared<const LitEdges>(*edges_, *tracer_, emitters_, lights_, middle);
-  }
-  seen_edges_ = std::make_shared<const SeenEdges>(*edges_, *tracer_, emitters_, *lit_edges_, sensor_, middle);
+DiffractionInput Scene::diffraction_input() const {
+  return {parts_, surfaces_, emitters_, lights_, sensor_, has_binary_visibility()};
 }
 
 void Scene::place_sensor(Bounds3 places) const {
@@ -134,7 +99,7 @@ void Scene::place_sensor(Bounds3 places) const {
   }
   // Rays between two of these places have directions of twice their coordinates.
   const float reach = 2 * reach_of(places);
-  if (reach <= tracer_->farthest()) return;
+  if (reach <= surfaces_.tracer->farthest()) return;
   for (const ModelPart& instance : parts_.surfaces)
     if (instance.instance && !(instance.instance->farthest(kFarthest) >= reach))
       throw misplaced(
@@ -188,26 +153,26 @@ void Scene::make_surfaces() {
   for (const auto& [list, begin] : first)
     for (std::size_t i = 0; i < list->shapes.size(); ++i) note_entry(begin + i, list->media[i]);
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) note_entry(i, parts_.surfaces[i].media);
-  surfaces_.resize(count + entries.size());
+  surfaces_.all.resize(count + entries.size());
   for (const auto& [list, begin] : first)
     for (std::size_t i = 0; i < list->shapes.size(); ++i)
-      surfaces_[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i], list->media[i]);
+      surfaces_.all[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i], list->media[i]);
   const Light* light = emitters_.data();
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
     const ModelPart& part = parts_.surfaces[i];
-    Surface& surface = surfaces_[i];
+    Surface& surface = surfaces_.all[i];
     if (part.instance) {
       surface.instance = part.instance.get();
-      surface.members = &surfaces_[first.at(&part.instance->list())];
+      surface.members = &surfaces_.all[first.at(&part.instance->list())];
     } else {
       surface = Surface(*part.shape, *part.bsdf, part.media);
       if (part.emitter) surface.light = light++;
     }
   }
-  for (const Surface& surface : surfaces_) any_passable_ |= surface.passable;
+  for (const Surface& surface : surfaces_.all) surfaces_.any_passable |= surface.passable;
   for (const auto& [entry, bssrdf] : entries) {
-    surfaces_[count] = Surface(surfaces_[entry], *bssrdf);
-    surfaces_[entry].exit = &surfaces_[count++];
+    surfaces_.all[count] = Surface(surfaces_.all[entry], *bssrdf);
+    surfaces_.all[entry].exit = &surfaces_.all[count++];
   }
   has_exits_ = !entries.empty();
 }
@@ -220,11 +185,11 @@ void Scene::find_media() {
   };
   add(parts_.sensor->medium());
   for (const Light& light : emitters_) add(light.emitter->medium());
-  for (const Surface& surface : surfaces_) {
+  for (const Surface& surface : surfaces_.all) {
     add(surface.outside), add(surface.inside);
     any_medium_outside_ |= surface.outside != nullptr;
   }
-  any_passable_ |= has_media_;
+  surfaces_.any_passable |= has_media_;
   const auto extend = [](Bounds3& box, const ModelPart& part, auto has) {
     const auto* list = part.instance ? &part.instance->list().media : nullptr;
     if (list ? std::any_of(list->begin(), list->end(), has) : has(part.media)) box.extend(part.bounds());
@@ -234,7 +199,7 @@ void Scene::find_media() {
     extend(priority_bounds_, part, [](const SurfaceMedia& m) { return m.priority != 0; });
   }
   has_media_ |= !priority_bounds_.empty();
-  any_passable_ |= has_media_;
+  surfaces_.any_passable |= has_media_;
 }
 
 void Scene::weigh_lights() {

@@ -12,15 +12,14 @@
 #include "aureole/scene/light_sampler.h"
 #include "aureole/scene/ray_tracer.h"
 #include "aureole/scene/scene_parts.h"
-#include "aureole/scene/surface.h"
+#include "aureole/scene/scene_surfaces.h"
 #include "aureole/sensor/placed_sensor.h"
 
 namespace aureole {
 
 class EmittingMedia;
-class LitEdges;
-class SeenEdges;
-class SceneEdges;
+class SceneDiffraction;
+struct DiffractionInput;
 
 class Scene {
 public:
@@ -33,31 +32,21 @@ public:
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
+  const SceneSurfaces& surfaces() const { return surfaces_; }
   /// The nearest surface point along a ray.
-  std::optional<SurfacePoint> intersect(const Ray& ray) const {
-    const RayTracer::Hit hit = tracer_->intersect(ray);
-    if (!hit) return {};
-    return surface_point(hit, ray);
-  }
-  /// The point that the ray tracer met.
+  std::optional<SurfacePoint> intersect(const Ray& ray) const { return surfaces_.intersect(ray); }
+  /// The point that the ray tracer has hit.
   SurfacePoint surface_point(const RayTracer::Hit& hit, const Ray& ray) const {
-    const Surface& met = surfaces_[hit.shape];
-    const Surface& surface = met.instance ? met.members[hit.geometry] : met;
-    // One object in both cases, so that it is made where the caller wants it.
-    SurfacePoint point = met.instance
-                             ? met.instance->surface_point(*surface.shape, hit, ray, surface.needs_tangent)
-                             : surface.shape->surface_point(hit, ray, surface.needs_tangent);
-    point.surface = &surface;
-    return point;
+    return surfaces_.surface_point(hit, ray);
   }
-  const RayTracer& tracer() const { return *tracer_; }
+  const RayTracer& tracer() const { return *surfaces_.tracer; }
   /// False where a ray meets no emitter's bounds, so that a ray that only looks for emission need not be
   /// traced.
   bool may_meet_emitter(const Ray& ray) const { return emits_everywhere_ || may_meet_shining_shape(ray); }
   /// The same of shapes alone, without the surroundings and media.
   bool may_meet_shining_shape(const Ray& ray) const;
   /// Every connection is either open or blocked, so that an occlusion test is enough.
-  bool has_binary_visibility() const { return !any_passable_; }
+  bool has_binary_visibility() const { return surfaces_.has_binary_visibility(); }
   /// Some space is not vacuum, or shapes overlap by priority: paths keep account of what they are in.
   bool has_media() const { return has_media_; }
   /// Light may leave surfaces elsewhere than it has entered them.
@@ -90,16 +79,10 @@ public:
   const LightSampler& lights() const { return lights_; }
   /// The media that emit, of those that fill something; null: none.
   const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
-  /// The edges that diffract light; null: none do.
-  const SceneEdges* edges() const { return edges_.get(); }
-  /// The lit share of those edges; only where there are some.
-  const LitEdges& lit_edges() const { return *lit_edges_; }
-  /// Those that the sensor sees; only where there are some.
-  const SeenEdges& seen_edges() const { return *seen_edges_; }
-  /// `light_in_shadows`; only where there are edges.
-  float light_in_shadows() const { return light_in_shadows_; }
+  /// What diffraction needs; null: light is not diffracted.
+  const SceneDiffraction* diffraction() const { return diffraction_.get(); }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
-  Bounds3 bounds() const { return tracer_->bounds(); }
+  Bounds3 bounds() const { return surfaces_.tracer->bounds(); }
   /// Notes for the user about the scene as a whole.
   const std::vector<std::string>& notes() const { return notes_; }
 
@@ -111,8 +94,7 @@ private:
   void find_media();
   void bound_emitters();
   void weigh_lights();
-  void light_edges(const Scene* reuse);
-  Wavelengths middle_wavelengths() const;
+  DiffractionInput diffraction_input() const;
   /// Adds the spectra of their powers.
   void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
   void find_closed_media();
@@ -121,22 +103,16 @@ private:
   void check_sensor_medium() const;
 
   SceneParts parts_;
-  /// One for each of the parts, then those of the shapes of groups, then exits of those with a BSSRDF.
-  std::vector<Surface> surfaces_;
+  SceneSurfaces surfaces_;
   std::vector<Light> emitters_;  ///< those of shapes first, in their order
   std::vector<const Light*> infinite_;
   PlacedSensor sensor_;
-  std::shared_ptr<const RayTracer> tracer_;
   LightSampler lights_;
   std::shared_ptr<const EmittingMedia> emitting_media_;
-  std::shared_ptr<const SceneEdges> edges_;
-  std::shared_ptr<const LitEdges> lit_edges_;
-  std::shared_ptr<const SeenEdges> seen_edges_;
-  float light_in_shadows_ = 0;
+  std::shared_ptr<const SceneDiffraction> diffraction_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;
-  bool any_passable_ = false;  ///< connections may have to pass surfaces or media
   bool has_exits_ = false;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
   /// A medium that lies within closed surfaces which let no light pass straight, all within the box.

@@ -82,7 +82,7 @@ bool Scene::faces_outwards(std::size_t part) const {
     const Vec3 d = normalize(axis);
     Ray ray{box.center() - d * length(box.diagonal()), d, kInfinity};
     while (const auto point = intersect(ray)) {
-      if (point->surface == &surfaces_[part]) {
+      if (point->surface == &surfaces_.all[part]) {
         if (!(dot(d, point->ng) < 0)) return false;
         is_met = true;
         break;
@@ -96,8 +96,9 @@ bool Scene::faces_outwards(std::size_t part) const {
 void Scene::find_closed_media() {
   // Where a shape of higher priority is around, the surface of a medium is not there: then that one must close it.
   const auto lets_pass = [](const Surface& s) { return s.passable || s.light; };
-  const bool priorities_close = std::none_of(
-      surfaces_.begin(), surfaces_.end(), [&](const Surface& s) { return s.priority != 0 && lets_pass(s); });
+  const bool priorities_close =
+      std::none_of(surfaces_.all.begin(), surfaces_.all.end(),
+                   [&](const Surface& s) { return s.priority != 0 && lets_pass(s); });
   std::vector<const Medium*> open;
   const auto is_open = [&](const Medium* medium) {
     return std::find(open.begin(), open.end(), medium) != open.end();
@@ -105,15 +106,15 @@ void Scene::find_closed_media() {
   // Where objects state what they are in, no surface need be around them.
   open.push_back(parts_.sensor->medium());
   for (const Light& light : emitters_) open.push_back(light.emitter->medium());
-  for (std::size_t i = 0; i < surfaces_.size(); ++i) {
-    const Surface& s = surfaces_[i];
+  for (std::size_t i = 0; i < surfaces_.all.size(); ++i) {
+    const Surface& s = surfaces_.all[i];
     if (s.outside) open.push_back(s.outside);
     const bool closes = i < parts_.surfaces.size() && parts_.surfaces[i].encloses_medium && !lets_pass(s) &&
                         (s.priority == 0 || priorities_close);
     if (s.inside && !(closes && faces_outwards(i))) open.push_back(s.inside);
   }
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
-    const Medium* medium = surfaces_[i].inside;
+    const Medium* medium = surfaces_.all[i].inside;
     if (!medium || is_open(medium)) continue;
     auto known =
         std::find_if(closed_.begin(), closed_.end(), [&](const Closed& c) { return c.medium == medium; });

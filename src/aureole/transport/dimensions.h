@@ -20,11 +20,30 @@ inline Vec2 get(const float* pairs, Pair which) { return {pairs[2 * int(which)],
 inline Vec2 get(SampleStream& samples, int vertex, Pair which) {
   return get(samples.directions(vertex), which);
 }
-/// Keys for decisions that need an unknown number of random numbers: of a stochastic BSDF, of a connection in
-/// media, of a flight in one.
-enum class Key { bsdf = 0, connection = 2, flight = 3 };
-inline std::uint32_t key(const SampleStream& samples, int vertex, Key which = Key::bsdf) {
-  return samples.key(SampleStream::choice(vertex, int(which)));
+/// Version of the assignment of random numbers: pictures of another version have other noise, and their
+/// states are not resumed or merged (render/state.h).
+inline constexpr int kRandomVersion = 2;
+
+/// Keyed streams, for decisions that need an unknown number of random numbers. Each belongs to a vertex.
+enum class Stream {
+  bsdf = 0,     ///< of a stochastic BSDF, and of the exit of a BSSRDF
+  connection,   ///< transmittance of media along a connection; its diffraction factor
+  distance,     ///< distance sampling behind the vertex; transmittance and diffraction factor of that segment
+  emission,     ///< a connection with a medium that emits
+  equiangular,  ///< a position along the segment behind the vertex, sampled about a light
+  equiangular_connection,  ///< the connection of that position
+  line_of_sight,           ///< a line of sight from the vertex
+  receiver,                ///< a light that no ray hits, as a receiver sees it
+  emitting_medium,         ///< where a light path starts in a medium
+  diffracted_connection,   ///< a connection around an edge
+  diffracted_walk,         ///< whether the path leaves the vertex for an edge, and how
+  diffracted_start,        ///< a path that starts at an edge
+  diffracted_light,        ///< light that reaches the sensor around one edge
+};
+/// The key of a stream of a vertex.
+inline std::uint32_t key(const SampleStream& samples, int vertex, Stream which) {
+  constexpr int kStride = 1 << 24;  // vertices have fewer dimensions
+  return samples.key(int(which) * kStride + SampleStream::choice(vertex, 0));
 }
 
 }  // namespace aureole

@@ -27,7 +27,7 @@
 
 #include "aureole/transport/batch.h"
 #include "aureole/transport/connection.h"
-#include "aureole/transport/edge_ledger.h"
+#include "aureole/transport/diffraction.h"
 
 namespace aureole {
 
@@ -57,8 +57,7 @@ struct BatchConnections {
 /// Tells the steps the result of a connection.
 template <class Steps, class Connection>
 void end_connection(const Scene& scene, Steps& steps, int path, int k, Connection& c, bool open) {
-  if (open)
-    lend_to_edges(scene, LightWay::of(c), steps.wavelengths(path), steps.connection_key(path), c.passage);
+  if (open) apply_diffraction(scene, c, steps.wavelengths(path), steps.connection_key(path));
   steps.end_connection(path, k, c, open);
 }
 

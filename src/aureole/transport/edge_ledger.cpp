@@ -117,11 +117,13 @@ Spectrum lent_at(const Scene& scene, std::span<const Stretch> stretches, double 
   const double mass = std::exp(-0.5 * (x * x + y * y)) * 0.5 * (high - low) / std::sqrt(2 * pi) *
                       EdgeLine(*s.edge).length / (shown * deviation * deviation);
   if (!(mass > 0)) return 0.f;
-  const EdgePoint point = scene.edges()->place_on(*s.edge, at);
-  const double per_way =
-      per_open_way(scene, point, d, deviation, kPassing * scene.edges()->widest_beam(), random).value_or(0);
+  const EdgePoint point = scene.diffraction()->edges().place_on(*s.edge, at);
+  const double per_way = per_open_way(scene.surfaces(), point, d, deviation,
+                                      kPassing * scene.diffraction()->edges().widest_beam(), random)
+                             .value_or(0);
   if (!(per_way > 0)) return 0.f;
-  return power_at(*scene.edges(), point, d, beams, random) * float(mass * all / s.weight * per_way);
+  return power_at(scene.diffraction()->edges(), point, d, beams, random) *
+         float(mass * all / s.weight * per_way);
 }
 
 /// An estimate of D, of edges at one depth.
@@ -184,8 +186,8 @@ Spectrum diffracted_at(const SceneEdges& edges, const EdgePoint& x, const Vec3& 
 }
 
 Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key) {
-  if (!scene.edges() || scene.edges()->empty()) return 1.f;
-  const SceneEdges& edges = *scene.edges();
+  if (!scene.diffraction() || !scene.diffraction()->has_edges()) return 1.f;
+  const SceneEdges& edges = scene.diffraction()->edges();
   static_assert(kReach * kSpread <= SceneEdges::kMargin);
   const float part = edges.looks_beside();
   if (part < 1 && KeyedRandom(key_of(way, key ^ kLooked)).next() >= part) return 1.f;

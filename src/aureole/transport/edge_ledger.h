@@ -15,7 +15,7 @@
 #include <span>
 
 #include "aureole/scene/edge/open_ways.h"
-#include "aureole/scene/edge/scene_edges.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/scene/scene.h"
 #include "aureole/transport/connection.h"
 
@@ -42,25 +42,6 @@ struct LightWay {
 /// so may its mean (docs/diffraction.md). Equal arguments give equal estimates. 1 in scenes without edges
 /// that diffract.
 Spectrum left_by_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key);
-
-/// The factor by which edges beside a segment change the light that passes it: 1 in scenes without edges that
-/// diffract.
-inline Spectrum diffraction_factor(const Scene& scene, const LightWay& way, const Wavelengths& w,
-                                   std::uint32_t key) {
-  return scene.edges() ? left_by_edges(scene, way, w, key) : Spectrum(1.f);
-}
-/// Multiplies light by that factor.
-inline void lend_to_edges(const Scene& scene, const LightWay& way, const Wavelengths& w, std::uint32_t key,
-                          Spectrum& light) {
-  if (scene.edges()) light *= left_by_edges(scene, way, w, key);
-}
-/// Tests a single connection: true where its far end is visible; `passage` is complete then, with the
-/// diffraction factor.
-inline bool arrives(const Scene& scene, TestSegment& connection, const Wavelengths& w, std::uint32_t key) {
-  if (!is_visible(scene, connection, w)) return false;
-  lend_to_edges(scene, LightWay::of(connection), w, key, connection.passage);
-  return true;
-}
 
 /// A part of it, for tests: an estimate of S [unit of length of the scene] at a place on an edge, for light
 /// that travels along `d`, by seven numbers in [0, 1).

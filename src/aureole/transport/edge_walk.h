@@ -15,21 +15,23 @@
 namespace aureole {
 
 /// Whether edges of the scene diffract light.
-inline bool has_diffracting_edges(const Scene& scene) { return scene.edges() && !scene.edges()->empty(); }
+inline bool has_diffracting_edges(const Scene& scene) {
+  return scene.diffraction() && scene.diffraction()->has_edges();
+}
 
 /// Whether the walks of that density leave their vertices for edges. Light paths of `bdpt` only have to find
 /// edges that the sensor sees in mirrors or smooth glass.
 template <class Density>
 bool walks_to_edges(const Scene& scene) {
   if (!has_diffracting_edges(scene)) return false;
-  return !std::is_same_v<Density, LightSubpathDensity<Unpolarised>> || scene.edges()->has_mirrors();
+  return !std::is_same_v<Density, LightSubpathDensity<Unpolarised>> ||
+         scene.diffraction()->edges().has_mirrors();
 }
 
 /// Light of one light that reaches the sensor around one edge, for one path; nothing where it is black.
 inline std::optional<Splat> light_seen_around_edge(const Scene& scene, int index, Path& path,
                                                    bool hide_emitters) {
-  EdgePaths edges(scene, path.wavelengths, key(path.samples, 0, Key::connection) ^ 0xb5297a4du,
-                  hide_emitters);
+  EdgePaths edges(scene, path.wavelengths, key(path.samples, 0, Stream::diffracted_light), hide_emitters);
   const Vec2 lens = edges.next2();
   Splat splat{index, {}, 0.f};
   splat.estimate = single_estimate(edges.from_light_to_sensor(lens, splat.film), path.wavelengths);
@@ -45,11 +47,11 @@ public:
   /// present ray.
   template <class W>
   void attenuate(W& walk, int i, float length) const {
-    if (!W::kDiffracts || !scene_.edges()) return;
+    if (!W::kDiffracts || !scene_.diffraction()) return;
     auto& s = walk.state(i);
-    const LightWay segment{s.segment.origin, s.segment.ray.d, length, s.after_edge.end()};
-    s.density.attenuate(diffraction_factor(scene_, segment, walk.wavelengths(i),
-                                           key(walk.samples(i), s.vertex, Key::flight)));
+    const LightWay segment{s.segment.origin, s.segment.ray.d, length, s.diffraction.end()};
+    s.density.attenuate(left_by_edges(scene_, segment, walk.wavelengths(i),
+                                      key(walk.samples(i), s.vertex, Stream::distance)));
   }
 
   /// The path arrives at a vertex at `p`. False where it ends, because `p` lies within the beam of the edge
@@ -57,7 +59,7 @@ public:
   template <class W>
   bool arrive(W& walk, int i, const Vec3& p) const {
     auto& s = walk.state(i);
-    return !s.after_edge.is_set || s.after_edge.leaves_beam(scene_, p, walk.wavelengths(i), s.density);
+    return !s.diffraction.is_set || s.diffraction.leaves_beam(scene_, p, walk.wavelengths(i), s.density);
   }
 
   /// Whether the path leaves its vertex for an edge, which it does with `probability`.
@@ -89,7 +91,7 @@ public:
   /// The path is scattered at a vertex.
   template <class W>
   void scatter(W& walk, int i, bool delta) const {
-    auto& after = walk.state(i).after_edge;
+    auto& after = walk.state(i).diffraction;
     after.is_set = false;
     if constexpr (kIsTwoWayLight<W>) {
       // The edge before a mirror is found from the light, any other one from the sensor.
@@ -104,7 +106,7 @@ public:
   bool begin(W& walk, int i, Vec2& film) const {
     if (!walk.limits().reaches(3 + kSegmentsBehind<W>)) return false;
     auto& s = walk.state(i);
-    EdgePaths edges(scene_, walk.wavelengths(i), key(walk.samples(i), 0, Key::connection) ^ kBegin,
+    EdgePaths edges(scene_, walk.wavelengths(i), key(walk.samples(i), 0, Stream::diffracted_start),
                     walk.limits().hide_emitters);
     Spectrum value = 1.f;
     EdgePaths::AtEdge at;
@@ -130,7 +132,8 @@ public:
       if ((W::kFromSensor && s.last) || !vertex.is_smooth() || !walk.limits().reaches(s.depth + 3) ||
           !walk.has_technique(1, s.depth + 3))
         continue;
-      EdgePaths edges(scene_, walk.wavelengths(i), key(walk.samples(i), s.vertex, Key::connection) ^ kConnect,
+      EdgePaths edges(scene_, walk.wavelengths(i),
+                      key(walk.samples(i), s.vertex, Stream::diffracted_connection),
                       walk.limits().hide_emitters);
       const auto respond = [&](const Vec3& d) { return EdgePaths::response(vertex, d); };
       const EdgePaths::Place place = EdgePaths::at_vertex(vertex, s.segment);
@@ -154,8 +157,6 @@ public:
   }
 
 private:
-  // They make other keys of one.
-  static constexpr std::uint32_t kConnect = 0x2545f491u, kLeave = 0x7feb352du, kBegin = 0x846ca68bu;
   template <class W>
   static constexpr bool kIsTwoWayLight =
       std::is_same_v<typename W::Density, LightSubpathDensity<Unpolarised>>;
@@ -166,7 +167,7 @@ private:
 
   template <class W>
   static std::uint32_t walk_key(W& walk, int i) {
-    return key(walk.samples(i), walk.state(i).vertex, Key::connection) ^ kLeave;
+    return key(walk.samples(i), walk.state(i).vertex, Stream::diffracted_walk);
   }
 
   template <class W, class Respond>
@@ -212,14 +213,14 @@ private:
       }
     };
     const auto reaches = [&](int n) { return walk.limits().reaches(n); };
-    if (!edges.leave(first, value, s.depth, reaches, connect, s.density, s.segment, s.after_edge))
+    if (!edges.leave(first, value, s.depth, reaches, connect, s.density, s.segment, s.diffraction))
       return false;
     s.segment.begin();
     if constexpr (requires { s.density.leave_edge(0.f, true); }) {
-      s.density.leave_edge(s.after_edge.pdf, W::kFromSensor);
-      s.from.p = s.after_edge.edge;
+      s.density.leave_edge(s.diffraction.pdf, W::kFromSensor);
+      s.from.p = s.diffraction.edge;
     }
-    if constexpr (kIsTwoWayLight<W>) s.after_edge.found_from_sensor = s.after_edge.is_next = true;
+    if constexpr (kIsTwoWayLight<W>) s.diffraction.found_from_sensor = s.diffraction.is_next = true;
     // Connections from before the edge have counted the lights that the path hits next.
     s.emission_counted = true;
     ++s.vertex;
@@ -252,11 +253,11 @@ private:
     walk.weigh(s.density.r_u * light.density.r_u, other, path.wavelengths, c);
     if (scene_.has_media())
       c.begin_in(at.state,
-                 std::uint32_t(combine_bits(key(walk.samples(i), s.vertex, Key::connection) ^ kConnect,
+                 std::uint32_t(combine_bits(key(walk.samples(i), s.vertex, Stream::diffracted_connection),
                                             std::uint64_t(light.edges))));
     if (!is_visible(scene_, c, path.wavelengths)) return;
-    lend_to_edges(scene_, LightWay::of(c, LightWay::End::edge), path.wavelengths, walk.connection_key(i),
-                  c.passage);
+    c.passage *=
+        left_by_edges(scene_, LightWay::of(c, LightWay::End::edge), path.wavelengths, walk.connection_key(i));
     const Spectrum kernel = edges.kernel_to(at, d, light.vertex, std::sqrt(distance2));
     if (is_black(kernel)) return;
     path.result.estimate +=
@@ -276,8 +277,8 @@ private:
 /// `second`, calls begin(walk, rays), which adds the rays of paths that have begun, and follows them. What
 /// they find is left as splats.
 template <class Run>
-[[gnu::noinline]] void follow_edge_paths(const WalkInput& in, int stream, bool sees_lights,
-                                         std::vector<Splat>& splats, Run&& run) {
+[[gnu::noinline]] void follow_diffracted_paths(const WalkInput& in, int stream, bool sees_lights,
+                                               std::vector<Splat>& splats, Run&& run) {
   if (!has_diffracting_edges(in.scene) || !in.limits.reaches(2)) return;
   const std::size_t n = in.paths.size();
   std::array<Path, kBatch> second;
@@ -306,7 +307,7 @@ template <class Run>
 }
 
 /// Light that reaches the sensor around one edge alone, for integrators without paths that begin at edges.
-inline void see_edges(const WalkInput& in, std::vector<Splat>& splats) {
+inline void see_diffracted_light(const WalkInput& in, std::vector<Splat>& splats) {
   if (!has_diffracting_edges(in.scene)) return;
   for (std::size_t i = 0; i < in.paths.size(); ++i)
     if (const auto splat = light_seen_around_edge(in.scene, int(i), in.paths[i], in.limits.hide_emitters))
@@ -316,7 +317,7 @@ inline void see_edges(const WalkInput& in, std::vector<Splat>& splats) {
 /// Light paths of `bdpt` that begin at an edge, where the scene needs them: `run(begin)` as above, without
 /// random numbers of its own.
 template <class Walk, class Run>
-void follow_light_from_edges(const WalkInput& in, Run&& run) {
+void follow_diffracted_light_paths(const WalkInput& in, Run&& run) {
   if (!walks_to_edges<typename Walk::Density>(in.scene)) return;
   run([&](Walk& walk, BatchRays& rays) {
     Vec2 film;

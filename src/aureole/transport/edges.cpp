@@ -22,7 +22,7 @@ Spectrum passed_along(const Scene& scene, TestSegment& c, LightWay::End begin, L
   c.passage = 1.f;
   if (!is_visible(scene, c, w)) return 0.f;
   if (end) *end = c;
-  lend_to_edges(scene, LightWay::of(c, begin, finish), w, key + 2, c.passage);
+  c.passage *= left_by_edges(scene, LightWay::of(c, begin, finish), w, key + 2);
   return c.passage;
 }
 
@@ -60,7 +60,7 @@ bool EdgePaths::choose_lamp(LampEnd& lamp) {
   if (!choice || !(choice->probability > 0)) return false;
   lamp.light = choice->light, lamp.part = choice->part, lamp.probability = choice->probability;
   lamp.u = next2();
-  if (const LitEdges::Lamp* known = scene_.lit_edges().from(*lamp.light, lamp.part))
+  if (const LitEdges::Lamp* known = scene_.diffraction()->lit_edges().from(*lamp.light, lamp.part))
     lamp.lit = known->lit.data(), lamp.per_distance = 1 / known->nearest;
   else
     lamp.lit = nullptr,
@@ -157,7 +157,7 @@ bool EdgePaths::sees_some_edge(const Vec3& eye, Vec2 lens) {
 
 float EdgePaths::looked_on_film() {
   constexpr float kPerPart = 8, kLeast = 1 / 16.f;
-  return roulette(std::clamp(kPerPart * scene_.seen_edges().film_part(), kLeast, 1.f));
+  return roulette(std::clamp(kPerPart * scene_.diffraction()->seen_edges().film_part(), kLeast, 1.f));
 }
 
 Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
@@ -171,7 +171,7 @@ Spectrum EdgePaths::from_light_to_sensor(Vec2 lens, Vec2& film) {
   // Edges that the sensor is known to see, or in some cases all others.
   constexpr float kOthers = 0.25f;
   std::optional<EdgePoint> point;
-  if (const SeenEdges::Table* table = scene_.seen_edges().from(*lamp.light, lamp.part, lens)) {
+  if (const SeenEdges::Table* table = scene_.diffraction()->seen_edges().from(*lamp.light, lamp.part, lens)) {
     if (random_.next() >= kOthers) {
       if (table->edges.empty()) return 0.f;
       part *= 1 / (1 - kOthers);

@@ -12,7 +12,7 @@
 #include <optional>
 
 #include "aureole/core/keyed_random.h"
-#include "aureole/scene/edge/scene_edges.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/transport/connection.h"
 #include "aureole/transport/edge_ledger.h"
 #include "aureole/transport/ray_origin.h"
@@ -37,7 +37,7 @@ struct AfterEdge {
   template <class Density>
   [[gnu::noinline]] bool leaves_beam(const Scene& scene, const Vec3& p, const Wavelengths& w,
                                      Density& density) {
-    density.attenuate(SceneEdges::far_enough(length(p - edge), false, scene.edges()->beams(w)));
+    density.attenuate(SceneEdges::far_enough(length(p - edge), false, scene.diffraction()->edges().beams(w)));
     is_set = false;
     return density.has_light();
   }
@@ -50,7 +50,8 @@ public:
   static constexpr float kToNextEdge = 0.25f;
   /// Probability of leaving a vertex for an edge: seldom where edges are far or beams narrow.
   static float to_edge(const Scene& scene, const Vec3& p, const Wavelengths& w) {
-    return std::clamp(8 * scene.edges()->seen_from(p, scene.edges()->beams(w)), 1 / 64.f, 0.25f);
+    return std::clamp(8 * scene.diffraction()->edges().seen_from(p, scene.diffraction()->edges().beams(w)),
+                      1 / 64.f, 0.25f);
   }
 
   EdgePaths(const Scene& scene, const Wavelengths& w, std::uint32_t key, bool hide_emitters = false)
@@ -58,7 +59,7 @@ public:
   /// `random` may have been asked before.
   EdgePaths(const Scene& scene, const Wavelengths& w, const KeyedRandom& random, bool hide_emitters = false)
       : scene_(scene),
-        edges_(*scene.edges()),
+        edges_(scene.diffraction()->edges()),
         w_(w),
         beams_(edges_.beams(w)),
         random_(random),
@@ -231,7 +232,7 @@ private:
   float looked_at(const SceneEdges::EdgesBetween& edges, Beside beside) {
     if (beside == Beside::nothing) return 1;
     // Over direct light; that by way of surfaces has more noise.
-    const float much = beside == Beside::direct ? 0.002f : 4 * scene_.light_in_shadows(),
+    const float much = beside == Beside::direct ? 0.002f : 4 * scene_.diffraction()->light_in_shadows(),
                 least = beside == Beside::direct ? 0.25f : 0.125f;
     return much > 0 ? roulette(std::clamp(edges.part_of_direct / much, least, 1.f)) : 1;
   }

@@ -51,7 +51,7 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
             int vertex, Density& density, RayState& state, SurfacePoint& exit) {
   const float* pairs = samples.directions(vertex);
   const EmergenceRandom random{get(samples, vertex, Choice::lobe), get(pairs, Pair::scatter),
-                               key(samples, vertex)};
+                               key(samples, vertex, Stream::bsdf)};
   Emergence e;
   if (!emerge(scene, entry, w, random, throughput_of(density), density.r_u, e)) return false;
   density.extend(typename Density::Weight(e.value), e.pdf, false);

@@ -58,7 +58,7 @@ private:
   /// What passes from the present hit to the origin of the line, by way of which edges diffract a part.
   Spectrum arriving(int path) const {
     const TestSegment& line = lines_[path];
-    return line.passage * diffraction_factor(scene_, {line.origin, line.d, line.behind},
+    return line.passage * diffraction_factor(scene_, line.origin, line.d, line.behind,
                                              viewer_.wavelengths(path), keys_[path]);
   }
   void pass_medium(int path, TestSegment& line, float t_max, const Wavelengths& w) {

@@ -68,7 +68,7 @@ template <class Density>
 bool sample_distance(const RayState& state, float t_max, const Wavelengths& w, SampleStream& samples,
                      int vertex, Density& density, Spectrum* estimate, Vec3& p,
                      const EmissionSampling& sampling, Spectrum& chosen) {
-  const DistanceRandom random{get(samples, vertex, Choice::distance), key(samples, vertex, Key::flight)};
+  const DistanceRandom random{get(samples, vertex, Choice::distance), key(samples, vertex, Stream::distance)};
   Passage passage;
   float t;
   bool scattered;

@@ -75,7 +75,9 @@ public:
   bool needs_march() const {
     return !scene_.has_binary_visibility() || (!kFromSensor && limits_.hide_emitters);
   }
-  std::uint32_t connection_key(int i) { return key(self().samples(i), states_[i].vertex, Key::connection); }
+  std::uint32_t connection_key(int i) {
+    return key(self().samples(i), states_[i].vertex, Stream::connection);
+  }
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
   Event arrive(int i, const RayTracer::Hit& hit);
   bool scatter(int i);
@@ -260,7 +262,8 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
   if constexpr (kAny)
     if (!vertex.is_passable() && !edges_.arrive(self(), i, vertex.p())) return Event::blocked;
   s.pairs = self().samples(i).directions(++s.vertex);
-  vertex.prepare(vertex.surface().needs_choice ? key(self().samples(i), s.vertex) : 0, s.segment.interiors);
+  vertex.prepare(vertex.surface().needs_choice ? key(self().samples(i), s.vertex, Stream::bsdf) : 0,
+                 s.segment.interiors);
   if constexpr (kAny) s.is_connected = false;
   self().at_vertex(i);
   return Event::surface;
@@ -299,7 +302,7 @@ template <class Self, class Kind>
   Path& path = paths_[size_t(i)];
   SegmentEmission emission;
   const Transmittance light = transmittance(*s.segment.medium, s.segment.ray, t_max, path.wavelengths,
-                                            key(self().samples(i), s.vertex, Key::flight),
+                                            key(self().samples(i), s.vertex, Stream::distance),
                                             s.segment.medium->emits() ? &emission : nullptr);
   if constexpr (kFromSensor)
     if (!is_black(emission.radiance))

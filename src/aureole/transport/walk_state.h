@@ -4,7 +4,7 @@
 
 #include <span>
 
-#include "aureole/transport/edges.h"
+#include "aureole/transport/diffraction.h"
 #include "aureole/transport/medium_segment.h"
 #include "aureole/transport/path.h"
 #include "aureole/transport/path_limits.h"
@@ -29,7 +29,7 @@ struct WalkStateInSpace {
       false;  ///< the first connection of the vertex, with a light or the sensor, was not occluded
   float first_throughput =
       1;  ///< throughput at the start of the path: Russian roulette uses throughput relative to it
-  AfterEdge after_edge;
+  DiffractionState diffraction;
 };
 struct WalkStateInEmptySpace {};
 

@@ -76,7 +76,7 @@ public:
     if (!may_connect(i) || !techniques_.have(s.depth + 2, 1)) return false;
     const Vec2 lens = scene_.sensor().uses_lens() ? get(s.samples, s.vertex, Pair::connection) : Vec2{};
     return connect_to_sensor<L>(scene_, vertex, s.segment, s.arrived.beta, lens, limits_.hide_emitters,
-                                wavelengths(i), key(s.samples, s.vertex, Key::connection), out, film_[i],
+                                wavelengths(i), key(s.samples, s.vertex, Stream::connection), out, film_[i],
                                 [&](const auto& seen, const auto&, Spectrum& own, Spectrum& other) {
                                   const auto inverse = scene_.sensor().eval(vertex.p(), -seen.wo, seen.film);
                                   if (!inverse) return false;
@@ -123,7 +123,7 @@ public:
 
 private:
   /// Whether other techniques connect the present vertex.
-  bool may_connect(int i) { return vertices_[i].is_smooth() && !states_[i].after_edge.found_from_sensor; }
+  bool may_connect(int i) { return vertices_[i].is_smooth() && !states_[i].diffraction.found_from_sensor; }
 
   const Techniques& techniques_;
   std::vector<Splat>& splats_;

@@ -129,7 +129,7 @@ private:
     return connect_to_light(scene_, vertex, s.segment, s.arrived.beta,
                             scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
                             get(s.pairs, Pair::connection), p.wavelengths,
-                            key(p.samples, s.vertex, Key::connection), out,
+                            key(p.samples, s.vertex, Stream::connection), out,
                             [&](const LightChoice& choice, const DirectSample& direct, const auto& response,
                                 Spectrum& own, Spectrum& other) {
                               SurfacePoint emitting;
@@ -173,7 +173,7 @@ private:
     weigh(s.arrived.r_u * end.density.r_u, (from_here + from_there) * inverse, wavelengths(i), out);
     if (scene_.has_media())
       out.begin_in(vertex.leaving(d, s.segment),
-                   std::uint32_t(combine_bits(key(path(i).samples, s.vertex, Key::connection),
+                   std::uint32_t(combine_bits(key(path(i).samples, s.vertex, Stream::connection),
                                               std::uint64_t(end.edges))));
     return true;
   }

@@ -48,7 +48,7 @@ public:
       : Base(in),
         media_(kAny ? connected_media(in.scene) : nullptr),
         // MIS weights along a ray do not know the choice of an edge that diffracts.
-        samples_equiangular_(kAny && !in.scene.edges() && in.scene.lights().tree().can_be_connected()) {
+        samples_equiangular_(kAny && !in.scene.diffraction() && in.scene.lights().tree().can_be_connected()) {
     if (has_media()) line_steps_.emplace(in.scene, *this);
   }
 
@@ -72,7 +72,8 @@ public:
     return connect_to_light(scene_, vertex, s.segment, s.density,
                             scene_.lights().is_single() ? 0.f : get(p.samples, s.vertex, Choice::light),
                             get(s.pairs, Pair::connection), p.wavelengths, {},
-                            has_media() ? key(p.samples, s.vertex, Key::connection) : 0, out, r_equiangular);
+                            has_media() ? key(p.samples, s.vertex, Stream::connection) : 0, out,
+                            r_equiangular);
   }
   void connected(int i, int, const Connection& c, bool open) {
     if (open) path(i).result.estimate += c.estimate();
@@ -140,19 +141,15 @@ public:
   }
 
 private:
-  // It makes another key of one.
-  static constexpr std::uint32_t kOther = 0x2545f491u;
-
   bool connect_to_emission(int i, Connection& out) requires kAny {
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];
     if (s.last || !vertex.is_smooth()) return false;
     Path& p = path(i);
     // The random numbers are those of the connection with a light: the two estimates add up.
-    return aureole::connect_to_emission(scene_, vertex, s.segment, s.density,
-                                        get(p.samples, s.vertex, Choice::light),
-                                        get(s.pairs, Pair::connection), p.wavelengths, {},
-                                        key(p.samples, s.vertex, Key::connection) ^ kOther, out);
+    return aureole::connect_to_emission(
+        scene_, vertex, s.segment, s.density, get(p.samples, s.vertex, Choice::light),
+        get(s.pairs, Pair::connection), p.wavelengths, {}, key(p.samples, s.vertex, Stream::emission), out);
   }
 
   /// Emission of lights behind media where next-event estimation cannot find it (from the sensor, after a
@@ -166,7 +163,7 @@ private:
     if (!scene_.may_meet_shining_shape(s.segment.ray)) return;
     s.emission_counted = true;
     s.line_start = s.density;
-    line_steps_->begin(i, s.segment, key(path(i).samples, s.vertex, Key::flight) ^ kOther);
+    line_steps_->begin(i, s.segment, key(path(i).samples, s.vertex, Stream::line_of_sight));
     if (line_steps_->arrive(i, hit) == Event::crossed) lines_.add(i, line_steps_->ray(i));
   }
 
@@ -186,14 +183,15 @@ private:
         !s.density.has_light())
       return {};
     // The random numbers are those of the next vertex: the two estimates add up.
-    const std::uint32_t random = key(p.samples, s.vertex + 1, Key::connection) ^ kOther;
+    const std::uint32_t random = key(p.samples, s.vertex, Stream::equiangular);
     const auto positions =
         equiangular_positions(scene_, s.segment, t_max, p.wavelengths, KeyedRandom(random).next());
     if (!positions) return {};
     const float* pairs = p.samples.directions(s.vertex + 1);
     if (connect_along(scene_, s.segment, s.density, *positions, get(p.samples, s.vertex, Choice::distance),
                       get(p.samples, s.vertex + 1, Choice::light), get(pairs, Pair::connection),
-                      p.wavelengths, random + 1, segments_->of_path[i]))
+                      p.wavelengths, key(p.samples, s.vertex, Stream::equiangular_connection),
+                      segments_->of_path[i]))
       segments_->rays.add(i, segments_->of_path[i].ray);
     return positions;
   }

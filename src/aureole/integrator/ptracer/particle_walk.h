@@ -61,7 +61,7 @@ public:
     const Vec2 lens = scene_.sensor().uses_lens() ? get(p.samples, s.vertex, Pair::connection) : Vec2{};
     return connect_to_sensor<L>(scene_, vertices_[i], s.segment, s.density.beta, lens, limits_.hide_emitters,
                                 p.wavelengths,
-                                scene_.has_media() ? key(p.samples, s.vertex, Key::connection) : 0, out,
+                                scene_.has_media() ? key(p.samples, s.vertex, Stream::connection) : 0, out,
                                 film_[i], [&](const auto&, const auto&, Spectrum& own, Spectrum& other) {
                                   own = s.density.r_u, other = 0.f;  // there is no other technique
                                   return true;
@@ -85,7 +85,7 @@ private:
   bool start_in_medium(int i, const EmittingMedia& media, float u, float share) {
     Path& p = path(i);
     State& s = states_[i];
-    KeyedRandom third(key(p.samples, 0));
+    KeyedRandom third(key(p.samples, 0, Stream::emitting_medium));
     const EmittingMedia::Place place =
         media.sample_by_power(std::min(u, 0x1.fffffep-1f), get(p.samples, 0, Pair::connection), third.next());
     const Vec3 d = square_to_uniform_sphere(get(p.samples, 0, Pair::scatter));
@@ -118,7 +118,7 @@ private:
       c.through_emitters = limits_.hide_emitters;
       c.near = typename L::Weight(Spectrum(crossing.importance));
       c.far = s.density.beta;
-      if (scene_.has_media()) c.begin_in(start(), key(p.samples, s.vertex, Key::connection));
+      if (scene_.has_media()) c.begin_in(start(), key(p.samples, s.vertex, Stream::connection));
       c.weigh(scene_.has_media(), s.density.r_u, 0.f, p.wavelengths);
       const bool open = arrives(scene_, c, p.wavelengths, connection_key(i));
       if (open) splat(i, crossing.film, c.estimate());

@@ -4,6 +4,8 @@
 
 #include <string>
 
+#include "aureole/core/error.h"
+
 namespace aureole {
 
 /// The standard deviation of the intensity across a beam, over which light counts as coherent: a number of
@@ -22,6 +24,12 @@ struct BeamWidth {
 
   /// "25" or "25 wavelengths", "3mm", "fresnel 10m". Throws Error.
   static BeamWidth parse(const std::string& text);
+};
+
+/// Where the width of beams does not suit the scene.
+class BeamWidthError : public Error {
+public:
+  using Error::Error;
 };
 
 }  // namespace aureole

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "aureole/scene/scene.h"
+#include "aureole/scene/scene_surfaces.h"
 
 namespace aureole {
 namespace {
@@ -16,10 +16,10 @@ using std::numbers::pi;
 constexpr int kMostSlitRays = 4096;
 
 /// Whether a surface that is more than a boundary of media is in the way.
-bool is_in_the_way(const Scene& scene, Ray ray) {
-  if (scene.has_binary_visibility()) return scene.tracer().occluded(ray);
+bool is_in_the_way(const SceneSurfaces& surfaces, Ray ray) {
+  if (surfaces.has_binary_visibility()) return surfaces.tracer->occluded(ray);
   for (int i = 0; i < 16; ++i) {
-    const auto point = scene.intersect(ray);
+    const auto point = surfaces.intersect(ray);
     if (!point) return false;
     if (point->surface->lobes != kNullLobe) return true;
     const float passed = length(point->p - ray.o);
@@ -30,12 +30,12 @@ bool is_in_the_way(const Scene& scene, Ray ray) {
 
 }  // namespace
 
-std::optional<double> per_open_way(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation,
-                                   double depth, KeyedRandom& random) {
+std::optional<double> per_open_way(const SceneSurfaces& surfaces, const EdgePoint& x, const Vec3& d,
+                                   double deviation, double depth, KeyedRandom& random) {
   const auto reach = float(depth);
   // Ways as short as that must not begin behind the face by rounding.
   if (!(reach > max_component(abs(x.p)) * gamma_bound(8))) return {};
-  if (is_in_the_way(scene, {x.p, -d, reach}) || is_in_the_way(scene, {x.p, d, reach})) return {};
+  if (is_in_the_way(surfaces, {x.p, -d, reach}) || is_in_the_way(surfaces, {x.p, d, reach})) return {};
   Double3 s, t;
   make_basis(normalize(Double3(d)), s, t);
   for (int rays = 1; rays <= kMostSlitRays; ++rays) {
@@ -46,14 +46,13 @@ std::optional<double> per_open_way(const Scene& scene, const EdgePoint& x, const
     }
     const double r = deviation * std::sqrt(r2);
     const Vec3 o = (x.x + s * (r * std::cos(phi)) + t * (r * std::sin(phi))).to_float() - reach * d;
-    if (!is_in_the_way(scene, {o, d, 2 * reach})) return rays;
+    if (!is_in_the_way(surfaces, {o, d, 2 * reach})) return rays;
   }
   return 0;
 }
 
-std::string remark_on_slits(const Scene& scene) {
+std::string note_on_slits(const SceneSurfaces& surfaces, const SceneEdges& edges) {
   constexpr std::size_t kPlaces = 64;
-  const SceneEdges& edges = *scene.edges();
   const std::vector<MeshEdge>& all = edges.index().edges();
   const std::size_t places = std::min(kPlaces, all.size());
   const double deviation = beside::kSpread * edges.widest_beam(),
@@ -62,7 +61,8 @@ std::string remark_on_slits(const Scene& scene) {
   for (std::size_t i = 0; i < places; ++i) {
     const MeshEdge& edge = all[i * all.size() / places];
     KeyedRandom random{std::uint32_t(i)};
-    narrow += per_open_way(scene, edges.place_on(edge, 0.5), edge.across(), deviation, depth, random) == 0.0;
+    narrow +=
+        per_open_way(surfaces, edges.place_on(edge, 0.5), edge.across(), deviation, depth, random) == 0.0;
   }
   if (narrow == 0) return {};
   return "edges: beside " + std::to_string(narrow) + " of " + std::to_string(places) +

@@ -10,7 +10,7 @@
 
 namespace aureole {
 
-class Scene;
+struct SceneSurfaces;
 
 namespace beside {
 
@@ -27,10 +27,10 @@ inline constexpr float kPassing = 3;
 /// An estimate of 1/N, a number of 1 and more, N the part of the Gaussian of that standard deviation about x that light along `d` passes, on
 /// ways of that length before and behind it [unit of length of the scene]. Nothing where none passes x itself; 0 where it passes so little
 /// of the Gaussian that thousands of rays have not met it.
-std::optional<double> per_open_way(const Scene& scene, const EdgePoint& x, const Vec3& d, double deviation,
-                                   double depth, KeyedRandom& random);
+std::optional<double> per_open_way(const SceneSurfaces& surfaces, const EdgePoint& x, const Vec3& d,
+                                   double deviation, double depth, KeyedRandom& random);
 
-/// A remark where the last is so at some of the scene's edges; empty: at none.
-std::string remark_on_slits(const Scene& scene);
+/// A note where `per_open_way` is 0 at some of the edges; empty: at none.
+std::string note_on_slits(const SceneSurfaces& surfaces, const SceneEdges& edges);
 
 }  // namespace aureole

@@ -41,12 +41,6 @@ struct EdgePoint {
   Vec3 direction_from(const Vec3& place) const { return normalize(x - Double3(place)).to_float(); }
 };
 
-/// Where the width of beams does not suit the scene.
-class BeamWidthError : public Error {
-public:
-  using Error::Error;
-};
-
 class SceneEdges {
 public:
   /// Of the shapes that diffract (diffracting_shapes.h). Throws BeamWidthError where beams are narrower than half of the longest wavelength

@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "aureole/core/keyed_random.h"
-#include "aureole/scene/edge/lit_edges.h"
-#include "aureole/scene/scene.h"
 
 namespace aureole {
 namespace {
@@ -32,10 +30,10 @@ bool is_matt_or_glossy(const SurfacePoint& point) {
   return has(point.surface->lobes, Lobe::diffuse | Lobe::glossy);
 }
 
-bool is_open(const Scene& scene, const SurfacePoint& from, const Vec3& d, const Vec3* to) {
+bool is_open(const DiffractionInput& scene, const SurfacePoint& from, const Vec3& d, const Vec3* to) {
   Ray ray{offset_origin(from, d), d, kInfinity};
   if (to) ray.d = *to - ray.o, ray.t_max = 1 - 1e-4f;
-  return !scene.tracer().occluded(ray);
+  return !scene.surfaces.tracer->occluded(ray);
 }
 
 /// Where light of a lamp meets a surface first.
@@ -45,18 +43,19 @@ struct Bounce {
   Spectrum power;  ///< of that ray [W]
 };
 
-std::vector<Bounce> bounces(const Scene& scene, const Wavelengths& w, KeyedRandom& random) {
+std::vector<Bounce> bounces(const DiffractionInput& scene, const Wavelengths& w, KeyedRandom& random) {
   std::vector<std::vector<Bounce>> found;
   std::unordered_map<const Surface*, std::size_t> number;
   for (int i = 0; i < kLampRays; ++i) {
-    const auto lamp = scene.lights().choose_by_power(next2(random));
+    const auto lamp = scene.lights.choose_by_power(next2(random));
     if (!lamp || !(lamp->probability > 0)) continue;
     // Directions are evenly spread (Roberts' sequence): few of the rays pass small holes.
     const auto spread = [&](double step) { return float(std::fmod((i + 0.5) * step, 1.0)); };
     const Vec2 position = next2(random), direction{spread(0.7548776662466927), spread(0.5698402909980532)};
     const auto s = lamp->light->sample_ray(lamp->part, position, direction, w);
     if (!s || !(s->pdf_position > 0) || !(s->pdf_direction > 0)) continue;
-    const auto point = scene.intersect({offset_origin(s->p, s->p_error, s->ng, s->d), s->d, kInfinity});
+    const auto point =
+        scene.surfaces.intersect({offset_origin(s->p, s->p_error, s->ng, s->d), s->d, kInfinity});
     if (!point || !is_matt_or_glossy(*point)) continue;
     const auto [at, is_new] = number.try_emplace(point->surface, found.size());
     if (is_new) found.emplace_back();
@@ -78,7 +77,7 @@ std::vector<Bounce> bounces(const Scene& scene, const Wavelengths& w, KeyedRando
 }
 
 /// The irradiance that all of them send to a place.
-double irradiance_from(const Scene& scene, std::span<const Bounce> bounces, const SurfacePoint& x,
+double irradiance_from(const DiffractionInput& scene, std::span<const Bounce> bounces, const SurfacePoint& x,
                        const Vec3& n, const Wavelengths& w) {
   double sum = 0;
   for (const Bounce& b : bounces) {
@@ -98,14 +97,14 @@ double irradiance_from(const Scene& scene, std::span<const Bounce> bounces, cons
 }
 
 /// What a matt place with the normal n would have of a lamp as it shines on an edge, in the direction of that, over the lamp's probability.
-double unobstructed(const Scene& scene, const Vec3& p, const Vec3& n, const LightChoice& lamp,
-                    const Wavelengths& w, KeyedRandom& random) {
+double unobstructed(const SceneEdges& edges, const LitEdges& lit_edges, const Vec3& p, const Vec3& n,
+                    const LightChoice& lamp, const Wavelengths& w, KeyedRandom& random) {
   const Vec2 u = next2(random);
   const auto end = lamp_end(*lamp.light, lamp.part, u, p, w);
   if (!end) return 0;
-  const LitEdges::Lamp* known = scene.lit_edges().from(*lamp.light, lamp.part);
+  const LitEdges::Lamp* known = lit_edges.from(*lamp.light, lamp.part);
   const float at[3] = {random.next(), random.next(), random.next()};
-  const auto place = scene.edges()->choose_from(*end, at, nullptr, known ? known->lit.data() : nullptr);
+  const auto place = edges.choose_from(*end, at, nullptr, known ? known->lit.data() : nullptr);
   if (!place) return 0;
   const Vec3 y = place->on_edge();
   const auto s = lamp.light->sample_direct(y, lamp.part, u, w);
@@ -116,32 +115,33 @@ double unobstructed(const Scene& scene, const Vec3& p, const Vec3& n, const Ligh
          (s->pdf * lamp.probability);
 }
 
-bool is_lit(const Scene& scene, const SurfacePoint& point, const LightChoice& lamp, const Wavelengths& w,
-            KeyedRandom& random) {
+bool is_lit(const DiffractionInput& scene, const SurfacePoint& point, const LightChoice& lamp,
+            const Wavelengths& w, KeyedRandom& random) {
   const auto s = lamp.light->sample_direct(point.p, lamp.part, next2(random), w);
   return s && s->pdf > 0 && is_open(scene, point, s->wo, s->infinite ? nullptr : &s->p);
 }
 
 }  // namespace
 
-float light_in_shadows(const Scene& scene, const Wavelengths& w) {
-  if (scene.lights().empty() || !scene.has_binary_visibility()) return 0;
+float light_in_shadows(const DiffractionInput& scene, const SceneEdges& edges, const LitEdges& lit_edges,
+                       const Wavelengths& w) {
+  if (scene.lights.empty() || !scene.has_binary_visibility) return 0;
   KeyedRandom random(0x5851f42du);
   const std::vector<Bounce> lit = bounces(scene, w, random);
   if (lit.empty()) return 0;
   std::vector<double> ratios;
-  const FilmPart& part = scene.sensor().part;
+  const FilmPart& part = scene.sensor.part;
   const Vec2 size = part.upper - part.lower;
   for (int i = 0; i < kPlacesAlong * kPlacesAlong; ++i) {
     const Vec2 film{part.lower.x + size.x * (float(i % kPlacesAlong) + 0.5f) / kPlacesAlong,
                     part.lower.y + size.y * (float(i / kPlacesAlong) + 0.5f) / kPlacesAlong};
-    const Ray ray = scene.sensor().sample_ray(film, next2(random)).ray;
-    const auto point = scene.intersect(ray);
-    const auto lamp = scene.lights().choose_by_power(next2(random));
+    const Ray ray = scene.sensor.sample_ray(film, next2(random)).ray;
+    const auto point = scene.surfaces.intersect(ray);
+    const auto lamp = scene.lights.choose_by_power(next2(random));
     if (!point || !is_matt_or_glossy(*point) || !lamp || !(lamp->probability > 0)) continue;
     const Vec3 n = dot(point->shading.n, ray.d) < 0 ? point->shading.n : -point->shading.n;
     if (is_lit(scene, *point, *lamp, w, random)) continue;
-    if (const double direct = unobstructed(scene, point->p, n, *lamp, w, random); direct > 0)
+    if (const double direct = unobstructed(edges, lit_edges, point->p, n, *lamp, w, random); direct > 0)
       ratios.push_back(irradiance_from(scene, lit, *point, n, w) / direct);
   }
   if (ratios.size() < kFewestPlaces) return 0;
