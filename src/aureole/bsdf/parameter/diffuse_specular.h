@@ -13,8 +13,8 @@ class DiffuseSpecular {
 public:
   struct Colors {
     Spectrum diffuse, specular;
-    /// By the energy of both lobes, averaged over the path's wavelengths, so that it does not depend on the
-    /// hero.
+    /// Probability of the specular lobe, by the energy of both lobes averaged over the path's wavelengths, so
+    /// that it does not depend on the hero.
     float specular_probability;
   };
 

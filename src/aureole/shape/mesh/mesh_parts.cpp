@@ -100,7 +100,7 @@ std::vector<ShapePtr> split_mesh(const Properties& properties, const MeshData& d
     if (!data.uvs.empty())
       compactor.copy(data.uvs, uvs_by_position ? data.triangles : data.uv_triangles, part, d.uvs,
                      d.uv_triangles);
-    // These have the order of the positions.
+    // Values copied with the positions have their order and need no indices of their own.
     if (normals_by_position) d.normal_triangles = {};
     if (uvs_by_position) d.uv_triangles = {};
     d.positions.reserve(d.positions.size() + 1);
