@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The power balance of edges: the power removed from light that passes beside them is the power that they diffract.
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/transport/edge_ledger.h"
 
 #include <fmt/format.h>
@@ -488,7 +489,7 @@ TEST(EdgeLedger, OpenPartIsThatBesideThePolygon) {
         for (const float side : {1.f, -1.f}) {
           Mean rays;
           for (int i = 0; i < (kSanitized ? 100 : 20000); ++i)
-            rays.add(*per_open_way(*scene, place, {0, 0, side}, deviation, 1, random));
+            rays.add(*per_open_way(scene->surfaces(), place, {0, 0, side}, deviation, 1, random));
           EXPECT_NEAR(rays.mean(), 1 / (1 - covered), 5 * rays.error())
               << corners << " " << deviation << " " << at;
         }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Edges that places of a sensor are known to see (scene/edge/seen_edges.h): tables say what rays would, and change the noise of a power
 // map only. The reference is a picture of a white screen, whose light comes by another choice of edges.
-#include "aureole/scene/edge/seen_edges.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -10,8 +9,8 @@
 #include <map>
 #include <numbers>
 
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/loading/load.h"
-#include "aureole/scene/edge/scene_edges.h"
 #include "aureole/scene/scene.h"
 #include "harness/effort.h"
 #include "harness/rendered.h"

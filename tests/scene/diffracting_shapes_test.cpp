@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which shapes of a scene diffract, and the edges of round ones: their far field against Airy's pattern.
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,6 @@
 #include "aureole/core/keyed_random.h"
 #include "aureole/loading/load.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
-#include "aureole/scene/edge/scene_edges.h"
 #include "harness/paths.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"

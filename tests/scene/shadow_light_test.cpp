@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/scene/edge/shadow_light.h"
 
 #include <gtest/gtest.h>

@@ -37,13 +37,14 @@ Aperture::Aperture(const Properties& p)
 AUREOLE_FAMILY(FamilyInfo{
     .name = "aperture",
     .parameters =
-        {{"fraction", "float", "", "1", "part of the layer's scatterers that have this shape, in (0, 1]"},
-         {"rotation", "float", "degrees", "0", "turns the shape counter-clockwise"},
-         {"random_rotation", "boolean", "", "false", "every scatterer is turned by its own random angle"},
+        {{"fraction", "float", "", "1", "fraction of the layer's scatterers that have this shape, in (0, 1]"},
+         {"rotation", "float", "degrees", "0", "counter-clockwise rotation of the shape"},
+         {"random_rotation", "boolean", "", "false", "rotate every scatterer by a random angle of its own"},
          {"size_spread", "float", "", "0",
-          "standard deviation of the logarithm of the sizes (log-normal, median 1, cut at 3 of them)"},
+          "standard deviation of the logarithm of the sizes (log-normal, median 1, truncated at 3 standard "
+          "deviations)"},
          {"size_histogram", "file", "", "none",
-          "text with two columns, relative size and count: measured sizes instead of a spread"}},
+          "text file with two columns, relative size and count: measured sizes instead of a spread"}},
     .is_reusable = true});
 
 double get_aperture_length_m(const Properties& p, const std::string& name) {

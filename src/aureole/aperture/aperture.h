@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The aperture family: shapes of openings, or of opaque discs, in a layer of scatterers. A plug-in makes its
-// shape in metres; the common parameters, the part in a mixture, rotation and spread of sizes, are here.
+// shape in metres; this class has the common parameters: fraction in a mixture, rotation and spread of sizes.
 #pragma once
 
 #include <memory>
@@ -19,19 +19,19 @@ public:
   static constexpr const char* kFamily = "an aperture";
   explicit Aperture(const Properties& properties);
 
-  /// The shape as written, in metres, unturned. Never null, never without area.
+  /// Returns the shape as given, in metres, without rotation. It is never null and has a positive area.
   const std::shared_ptr<const optics::ApertureShape>& shape() const { return shape_; }
-  /// Its part of the number of scatterers of the layer.
+  /// Returns the fraction of the layer's scatterers that have this shape.
   double fraction() const { return fraction_; }
-  /// Angle that every scatterer is turned by, counter-clockwise, rad.
+  /// Returns the counter-clockwise rotation of every scatterer, in rad.
   double rotation() const { return rotation_; }
-  /// Every scatterer is turned by its own random angle.
+  /// Whether every scatterer is rotated by its own random angle.
   bool is_randomly_rotated() const { return random_rotation_; }
-  /// Sizes relative to `shape()`.
+  /// Returns the sizes relative to `shape()`.
   const optics::SizeDistribution& sizes() const { return sizes_; }
 
 protected:
-  /// For constructors of plug-ins.
+  /// To be called by constructors of plug-ins.
   void set_shape(std::shared_ptr<const optics::ApertureShape> shape) { shape_ = std::move(shape); }
 
 private:
@@ -41,8 +41,8 @@ private:
   optics::SizeDistribution sizes_;
 };
 
-/// The required length `name` in metres. Apertures are between 1 nm and 1 m: their areas stay normal numbers in
-/// single precision, and other lengths are mistaken units.
+/// Returns the required length `name` in metres. Apertures are between 1 nm and 1 m: their areas are normal
+/// numbers in single precision, and other lengths indicate wrong units.
 double get_aperture_length_m(const Properties& p, const std::string& name);
 
 }  // namespace aureole

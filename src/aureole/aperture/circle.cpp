@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A circular aperture: Airy's pattern.
+// A circular aperture, whose diffraction is the Airy pattern.
 #include "aureole/aperture/aperture.h"
 #include "aureole/optics/aperture/round_aperture.h"
 
@@ -15,7 +15,7 @@ public:
 };
 
 AUREOLE_PLUGIN(Circle, "aperture", "circle",
-               PluginDoc{"A circle. Its transform is 2 J1(u)/u, Airy's pattern.",
+               PluginDoc{"A circle. Its Fourier transform is 2 J1(u)/u, the Airy pattern.",
                          "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.5.2",
                          {{"radius", "length", "", "required", "radius, such as 5um"}},
                          {R"(<aperture type="circle">

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// An elliptic aperture: Airy's pattern, stretched.
+// An elliptic aperture, whose diffraction is a stretched Airy pattern.
 #include "aureole/aperture/aperture.h"
 #include "aureole/optics/aperture/round_aperture.h"
 
@@ -17,8 +17,8 @@ public:
 AUREOLE_PLUGIN(Ellipse, "aperture", "ellipse",
                PluginDoc{"An ellipse, such as a circle seen at an angle.",
                          "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.5.2, stretched",
-                         {{"radius_x", "length", "", "required", "half the axis along x"},
-                          {"radius_y", "length", "", "required", "half the axis along y"}},
+                         {{"radius_x", "length", "", "required", "semi-axis along x"},
+                          {"radius_y", "length", "", "required", "semi-axis along y"}},
                          {R"(<aperture type="ellipse">
     <string name="radius_x" value="5um"/> <string name="radius_y" value="2um"/>
     <float name="rotation" value="30"/>

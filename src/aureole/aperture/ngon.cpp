@@ -26,9 +26,9 @@ public:
 AUREOLE_PLUGIN(
     Ngon, "aperture", "ngon",
     PluginDoc{
-        "A regular polygon with a corner on the y axis, such as the iris of a lens. Its diffraction has a "
-        "streak across every side: as many as sides where these are parallel in pairs, twice as many where "
-        "the number is odd.",
+        "A regular polygon with a corner on the y axis, such as the iris of a lens. Its diffraction has "
+        "streaks perpendicular to the sides: one per side if the number of sides is even, since opposite "
+        "sides are parallel, and two per side if it is odd.",
         "S.-W. Lee, R. Mittra, Fourier transform of a polygonal shape function and its application in "
         "electromagnetics, IEEE Trans. Antennas Propag. 31, 1983",
         {{"sides", "integer", "", "6", "number of sides, 3 to 1000"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any shape, as a picture.
+// An aperture of any shape, given as a picture.
 #include <stdexcept>
 
 #include "aureole/aperture/aperture.h"
@@ -49,19 +49,19 @@ public:
 AUREOLE_PLUGIN(
     MaskPlugin, "aperture", "mask",
     PluginDoc{
-        "A picture of the shape, such as a micrograph after thresholding: white is open, black is not, and "
-        "grey pixels are open in part. Numbers are taken as they are, without decoding; a transparent pixel "
-        "is black. A scatterer is as exact as its pixels: diffraction at sines beyond wavelength/(2 pixels) "
-        "shows the squares, not the shape. The black border does not count; pictures still larger than 1024 "
-        "on a side are averaged over squares of pixels. Interpolated in a padded Fourier transform, to 1e-4 "
-        "of the area.",
+        "A picture of the shape, such as a micrograph after thresholding: white is open, black is opaque, "
+        "and grey pixels are partly open. Pixel values are used as they are, without decoding; a "
+        "transparent pixel is black. Pixels limit the accuracy: diffraction at sines beyond wavelength/(2 "
+        "pixels) shows the squares, not the shape. A black border is cropped; pictures still larger than "
+        "1024 on a side are averaged over squares of pixels. The shape's transform is interpolated in a "
+        "padded Fourier transform, to 1e-4 of the area.",
         "A. Dutt, V. Rokhlin, Fast Fourier transforms for nonequispaced data, SIAM J. Sci. Comput. 14, 1993",
         {image_file_doc("EXR, PNG, JPEG, TIFF, HDR, TGA or BMP, values in [0, 1]"),
          image_data_doc(),
          {"width", "length", "", "required", "width of the whole picture; pixels are square"},
-         {"invert", "boolean", "", "false", "black is open"},
+         {"invert", "boolean", "", "false", "black is open, white is opaque"},
          {"centroid", "boolean", "", "true",
-          "the centroid lies where the scatterer is; false: the centre of the picture"}},
+          "place the centroid at the scatterer's position; false: the centre of the picture"}},
         {R"(<aperture type="mask">
     <string name="filename" value="letter.png"/> <string name="width" value="12um"/>
     <boolean name="invert" value="true"/> <boolean name="centroid" value="false"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Any shape with straight edges, inline or from a drawing.
+// An aperture with straight edges, given inline or by a drawing.
 #include <algorithm>
 #include <filesystem>
 #include <stdexcept>
@@ -12,7 +12,7 @@
 namespace aureole {
 namespace {
 
-/// "x,y x,y x,y; x,y ...": points of rings.
+/// Parses "x,y x,y x,y; x,y ...": the vertices of rings.
 std::vector<optics::Ring> parse_rings(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r\n";
   std::vector<optics::Ring> rings;
@@ -72,19 +72,20 @@ private:
 AUREOLE_PLUGIN(
     Polygon, "aperture", "polygon",
     PluginDoc{
-        "A shape with straight edges, of any number of rings, which may run either way. Open is what an odd "
-        "number of rings surround: a ring in a ring is a hole, and rings that overlap leave out what they "
-        "share. A ring must not touch itself. An SVG file gives the outlines of all its shapes (path, "
-        "polygon, polyline, rect, circle, ellipse; fill and stroke do not matter), in which curves become "
-        "polygons, by 1e-4 of the picture's size at most. At most 10000 vertices.",
+        "A shape with straight edges, of any number of rings in either orientation. By the even-odd rule, "
+        "points inside an odd number of rings are open: a ring in a ring is a hole, and the overlap of two "
+        "rings is opaque. A ring must not touch itself. An SVG file gives the outlines of all its shapes "
+        "(path, polygon, polyline, rect, circle, ellipse; fill and stroke are ignored). Curves become "
+        "polygons, accurate to 1e-4 of the picture's size. At most 10000 vertices.",
         "S.-W. Lee, R. Mittra, Fourier transform of a polygonal shape function and its application in "
         "electromagnetics, IEEE Trans. Antennas Propag. 31, 1983",
-        {{"vertices", "string", "", "none", "x,y of the vertices, with blanks between them; ; ends a ring"},
-         {"unit", "length", "", "required with vertices", "length of 1 in vertices, such as 1um"},
+        {{"vertices", "string", "", "none",
+          "x,y of the vertices, separated by blanks; a semicolon ends a ring"},
+         {"unit", "length", "", "required with vertices", "unit of length of the vertices, such as 1um"},
          {"filename", "file", "", "none", "an SVG file, instead of vertices"},
          {"width", "length", "", "required with filename", "width of the bounding box of the file's shapes"},
          {"centroid", "boolean", "", "true",
-          "the centroid lies where the scatterer is; false: the origin of the vertices or of the file"}},
+          "place the centroid at the scatterer's position; false: the origin of vertices or file"}},
         {R"(<aperture type="polygon">
     <string name="vertices" value="-4,-3 4,-3 0,4; -1,-1 1,-1 0,1"/> <string name="unit" value="1um"/>
     <float name="rotation" value="90"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rectangular aperture; a slit, where it is much longer than wide.
+// A rectangular aperture, or a slit if it is much longer than wide.
 #include "aureole/aperture/aperture.h"
 #include "aureole/optics/aperture/polygon_aperture.h"
 
@@ -18,7 +18,8 @@ public:
 };
 
 AUREOLE_PLUGIN(RectangleAperture, "aperture", "rectangle",
-               PluginDoc{"A rectangle with sides along x and y. Its transform is a product of two sincs.",
+               PluginDoc{"A rectangle with sides along x and y. Its Fourier transform is a product of two "
+                         "sincs.",
                          "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 8.5.1",
                          {{"width", "length", "", "required", "side along x"},
                           {"height", "length", "", "required", "side along y"}},

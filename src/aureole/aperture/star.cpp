@@ -27,8 +27,8 @@ public:
 AUREOLE_PLUGIN(
     Star, "aperture", "star",
     PluginDoc{
-        "A regular star with a point on the y axis; a picture of stellar dendrites, or of the spikes of "
-        "a stopped-down lens.",
+        "A regular star with a point on the y axis; a model of stellar dendrites, or of the spikes of a "
+        "stopped-down lens.",
         "S.-W. Lee, R. Mittra, Fourier transform of a polygonal shape function and its application in "
         "electromagnetics, IEEE Trans. Antennas Propag. 31, 1983",
         {{"points", "integer", "", "5", "number of points, 3 to 1000"},

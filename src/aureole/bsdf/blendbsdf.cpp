@@ -34,7 +34,7 @@ public:
     auto s = nested_[drawn]->sample(wi, drawn ? remap_below(u1, w) : remap_above(u1, w), u2, ctx);
     if (!s) return s;
     s->value *= share, s->pdf *= share;
-    if (s->is_delta()) return s;  // a mass: the other's densities are of another kind
+    if (s->is_delta()) return s;  // a probability (mass), not comparable with the other BSDF's pdf
     BsdfEval sum{s->value, s->pdf};
     add(sum, 1 - drawn, 1 - share, wi, s->wo, ctx);
     s->value = sum.value, s->pdf = sum.pdf;
@@ -72,22 +72,22 @@ private:
   Lobe lobes_ = Lobe::none;
 };
 
-AUREOLE_PLUGIN(
-    BlendBsdf, "bsdf", "blendbsdf",
-    PluginDoc{"Mixes two BSDFs linearly, by a number or a texture: rust on metal, dirt on paint. The weight "
-              "has no colour: colours count as their luminance.",
-              "",
-              {{"weight", "texture", "", "required",
-                "share of the second BSDF, in [0, 1]: 0 is the first alone, 1 the second"},
-               {"bsdf", "bsdf", "", "required", "two nested BSDFs"}},
-              {R"(<bsdf type="blendbsdf">
+AUREOLE_PLUGIN(BlendBsdf, "bsdf", "blendbsdf",
+               PluginDoc{
+                   "A linear mixture of two BSDFs, weighted by a number or a texture: rust on metal, dirt on "
+                   "paint. The weight does not depend on the wavelength: of a colour the luminance is used.",
+                   "",
+                   {{"weight", "texture", "", "required",
+                     "weight of the second BSDF, in [0, 1]: 0 is the first alone, 1 the second"},
+                    {"bsdf", "bsdf", "", "required", "two nested BSDFs"}},
+                   {R"(<bsdf type="blendbsdf">
     <float name="weight" value="0.3"/>
     <bsdf type="conductor">
         <string name="material" value="Cu"/>
     </bsdf>
     <bsdf type="diffuse"/>
 </bsdf>)",
-               R"(<bsdf type="blendbsdf">
+                    R"(<bsdf type="blendbsdf">
     <texture name="weight" type="bitmap">
         <string name="filename" value="ramp.png"/>
         <boolean name="raw" value="true"/>

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The BSDF family. Conventions (docs/conventions.md): local frame, z = shading normal; `wi` is the given
 // direction (towards the previous vertex), `wo` the sampled one, both outward. Values include |cos theta_o|.
-// In Radiance mode light travels wo -> wi, in Importance mode wi -> wo. Values and densities are per
-// wavelength.
+// In radiance mode light travels wo -> wi, in importance mode wi -> wo. Values and pdfs are per wavelength.
 #pragma once
 
 #include <cmath>
@@ -29,13 +28,13 @@ enum class Lobe : unsigned {
   reflect = 8,
   transmit = 16,
   through = 32,  ///< leaves the direction unchanged
-  null = 64,     ///< as if nothing were there: connections pass, and it is no vertex of a path
-  enter = 128,   ///< into a body of which only the surface is followed (bssrdf/bssrdf.h)
+  null = 64,     ///< null interaction: light passes unchanged, and it is not a path vertex
+  enter = 128,   ///< entry into a body with a BSSRDF (bssrdf/bssrdf.h)
 };
 constexpr Lobe operator|(Lobe a, Lobe b) { return Lobe(unsigned(a) | unsigned(b)); }
 constexpr Lobe operator&(Lobe a, Lobe b) { return Lobe(unsigned(a) & unsigned(b)); }
 constexpr bool has(Lobe set, Lobe flag) { return unsigned(set & flag) != 0; }
-/// Of light that passes as if nothing were there.
+/// The lobe of a null interaction: light passes unchanged.
 inline constexpr Lobe kNullLobe = Lobe::delta | Lobe::null;
 
 struct BsdfContext {
@@ -43,26 +42,27 @@ struct BsdfContext {
   const SurfacePoint& point;
   TransportMode mode = TransportMode::radiance;
   std::uint32_t key = 0;  ///< random key for stochastic (layered) BSDFs
-  /// Refractive index of the medium outside, per wavelength, if the interface lies inside a further medium;
-  /// null if it is the exterior index of the scene file. Interfaces between media follow it, coatings of
-  /// opaque bodies do not.
+  /// Index of refraction of the medium outside, per wavelength, if the interface lies inside another medium;
+  /// null if it is the exterior index of the scene file. Interfaces between media use it, coatings of opaque
+  /// bodies do not.
   const Spectrum* exterior_index = nullptr;
 };
 
 struct BsdfSample {
   Vec3 wo;
-  /// f |cos theta_o|; for a delta lobe the factor of the delta (its mass-weighted reflectance).
+  /// f |cos theta_o|; for a delta lobe the factor of the delta function (its mass-weighted reflectance).
   Spectrum value;
-  Spectrum pdf;  ///< per wavelength: a density [1/sr], or where `lobe` is delta a probability (mass)
+  Spectrum pdf;  ///< per wavelength: a density [1/sr], or a probability (mass) if `lobe` is delta
   Lobe lobe = Lobe::none;
-  float eta = 1;  ///< index of the medium that wo leads into over that of wi's; for roulette
+  float eta = 1;  ///< index of the medium on the side of wo over the index on the side of wi; for Russian
+                  ///< roulette
 
   bool is_delta() const { return has(lobe, Lobe::delta); }
 };
 
 struct BsdfEval {
-  Spectrum value{0.f};  ///< f |cos theta_o|, delta lobes left out
-  Spectrum pdf{0.f};    ///< density of `sample` for wo [1/sr] per wavelength, delta lobes left out
+  Spectrum value{0.f};  ///< f |cos theta_o| without delta lobes
+  Spectrum pdf{0.f};    ///< pdf of sampling wo with `sample` [1/sr], per wavelength, without delta lobes
 };
 
 class Bsdf : public Object {
@@ -70,49 +70,51 @@ public:
   static constexpr const char* kFamily = "a BSDF";
   using Object::Object;
 
-  /// Value and density of the non-delta lobes.
+  /// Returns value and pdf of the non-delta lobes.
   virtual BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const = 0;
-  /// The value alone, for BSDFs that save something by it.
+  /// Returns the value alone, for BSDFs to which that is cheaper.
   virtual Spectrum eval(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
     return eval_pdf(wi, wo, ctx).value;
   }
-  /// The reverse density is this with swapped arguments.
+  /// Returns the pdf; the reverse pdf has wi and wo swapped.
   Spectrum pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
     return eval_pdf(wi, wo, ctx).pdf;
   }
 
-  /// A direction drawn for the hero wavelength; nothing where no direction exists. `pdf[0]` > 0. The value
-  /// and the density are those of all non-delta lobes at wo where a non-delta lobe was drawn (as `eval_pdf`),
-  /// and of the one delta direction otherwise. Where a delta direction depends on the wavelength, wavelengths
-  /// that go elsewhere have value 0 and mass 0. Several delta lobes in one direction, as a blend of mirrors
-  /// has them, are drawn and reported each alone.
+  /// Samples a direction for the hero wavelength; empty if there is none. `pdf[0]` > 0. For a non-delta lobe,
+  /// value and pdf are the sums over all non-delta lobes at wo (as `eval_pdf` returns); otherwise those of
+  /// the one delta direction. If a delta direction depends on the wavelength, wavelengths with other
+  /// directions have value 0 and mass 0. Several delta lobes in one direction, as in a blend of mirrors, are
+  /// sampled and reported separately.
   virtual std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2,
                                            const BsdfContext& ctx) const = 0;
 
-  /// The fraction of the light from wi that passes straight through as if nothing were there: the value of
-  /// the `null` lobe. `sample` draws that lobe (wo = -wi) with a mass that is the same for all wavelengths.
+  /// Returns the transmittance of the `null` lobe: the fraction of the light from wi that passes unchanged.
+  /// `sample` chooses that lobe (wo = -wi) with a mass that does not depend on the wavelength.
   virtual Spectrum null_transmittance(const Vec3& /*wi*/, const BsdfContext& /*ctx*/) const { return 0.f; }
 
-  /// The diffuse reflectance, roughly, as denoisers want it beside a picture: pi f along the normal on the
-  /// side of wi, at most 1. Without delta lobes; glossy ones count as far as they reflect there.
+  /// Returns the approximate diffuse reflectance, an auxiliary feature for denoisers: pi f along the normal
+  /// on the side of wi, at most 1. Delta lobes are excluded; glossy lobes contribute their value in that
+  /// direction.
   virtual Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const {
     return min(eval(wi, {0, 0, std::copysign(1.f, wi.z)}, ctx) * kPi, 1.f);
   }
 
-  /// The shading normal in local coordinates, where the BSDF turns it.
+  /// Returns the shading normal in local coordinates, if the BSDF changes it.
   virtual Vec3 shading_normal(const SurfacePoint& /*point*/) const { return {0, 0, 1}; }
 
-  /// The refractive index on the side that the normal points away from; false where the BSDF has none.
+  /// Sets the index of refraction on the side opposite to the normal; returns false if the BSDF has none.
   virtual bool interior_index(const Wavelengths& /*w*/, Spectrum& /*n*/) const { return false; }
 
   virtual Lobe lobes() const = 0;
-  /// `sample` looks at u1, or something at the context's key.
+  /// Whether `sample` uses u1, or `eval_pdf` or `sample` uses the context's key.
   virtual bool needs_choice() const { return true; }
-  /// Known to have the same values at all points, so that tables may hold them.
+  /// Whether values are known to be equal at all points, so that they can be tabulated.
   virtual bool is_constant() const { return false; }
-  /// Values change when the frame turns about the normal: x must lie along dp/du. False saves the tangent.
+  /// Whether values change when the frame turns about the normal: x must lie along dp/du. False saves the
+  /// tangent.
   virtual bool needs_tangent() const { return true; }
-  /// There are diffuse or glossy lobes, which next-event estimation can connect to a light.
+  /// Whether there are diffuse or glossy lobes, which next-event estimation can connect to a light.
   bool is_smooth() const { return has(lobes(), Lobe::diffuse | Lobe::glossy); }
   bool is_passable() const { return has(lobes(), Lobe::null); }
 };
@@ -122,25 +124,25 @@ inline float cos_theta(const Vec3& w) { return w.z; }
 inline float abs_cos_theta(const Vec3& w) { return std::abs(w.z); }
 inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }  ///< about the local normal
 
-/// Checks that the index of `material` is known at all wavelengths that the sensor sees. Where it is not: an
-/// error, located at `name`, if the sensor sees more than the visible range, else a note; the index continues
-/// with its value at the end.
+/// Checks that the index of `material` is known at all wavelengths of the sensor. If not: an error, located
+/// at `name`, if the sensor exceeds the visible range, else a note. Outside the known range the nearest known
+/// value is used.
 void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
                        const RefractiveIndex& index);
 
-/// A refractive index given as a number or a material's name, per wavelength of the path.
+/// An index of refraction given as a number or a material's name, evaluated per wavelength of the path.
 class Ior {
 public:
-  /// Reads `name` ("bk7", 1.5, ...); a name with dispersion data disperses. Errors are located and suggest
-  /// names.
+  /// Reads `name` ("bk7", 1.5, ...); a name with dispersion data is dispersive. Errors are located and
+  /// suggest names.
   static Ior from(const Properties& properties, std::string_view name, const std::string& fallback);
   Spectrum eval(const Wavelengths& w) const { return dispersive_ ? table_.eval(w) : Spectrum(constant_); }
-  /// The exterior index: that of the context if it has one.
+  /// Returns the exterior index: that of the context if it has one.
   Spectrum eval_exterior(const BsdfContext& ctx) const {
     return ctx.exterior_index ? *ctx.exterior_index : eval(ctx.wavelengths);
   }
   bool is_dispersive() const { return dispersive_; }
-  /// The index at the sodium D line (589.3 nm) or the constant.
+  /// Returns the index at the sodium D line (589.3 nm), or the constant index.
   float at_sodium_d() const { return constant_; }
 
 private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bump mapping: the shading frame that the surface would have if it were displaced by a texture h(u, v),
+// Bump mapping: the shading frame of the surface displaced by a texture h(u, v),
 //     dp/du' = dp/du + n dh/du,  dp/dv' = dp/dv + n dh/dv,
 // without the small terms that contain derivatives of n (Blinn 1978, "Simulation of wrinkled surfaces").
 #include "aureole/bsdf/nested/perturbed_frame.h"
@@ -33,7 +33,7 @@ protected:
     const Frame& f = point.shading;
     const Vec3 n =
         cross({dot(f.s, dp_du), dot(f.t, dp_du), slope.x}, {dot(f.s, dp_dv), dot(f.t, dp_dv), slope.y});
-    // Texture coordinates may be left-handed, or not vary at all.
+    // Texture coordinates may be left-handed or constant.
     return n.z > 0 ? n : n.z < 0 ? -n : Vec3{0, 0, 1};
   }
 
@@ -46,8 +46,8 @@ AUREOLE_PLUGIN(
     BumpMap, "bsdf", "bumpmap",
     PluginDoc{
         "Gives a BSDF the shading of a surface displaced by a texture: dents, scratches, waves. The texture "
-        "is a height in scene units along the normal; only its gradient matters, so that a `bitmap` wants "
-        "`filter_type` bilinear, and `raw` true where it holds plain numbers.",
+        "is a height in scene units along the normal; only its gradient matters, so a `bitmap` needs the "
+        "`filter_type` bilinear, and `raw` true if its values are heights and not colours.",
         "J. F. Blinn, Simulation of wrinkled surfaces, SIGGRAPH 1978",
         perturbed_frame_parameters(
             {{"texture", "texture", "scene units", "required", "the height, under any name"},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A smooth metal: one delta lobe of reflection, coloured by the complex index.
+// A smooth metal: a delta lobe of specular reflection with the Fresnel reflectance of a complex index.
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/fresnel/conductor_index.h"
 #include "aureole/plugin/registry.h"

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reflectance model of Cook and Torrance: a diffuse part and facets that mirror,
+// The reflectance model of Cook and Torrance: a diffuse term and specular microfacets,
 //     f = d rho/pi + s F D G / (k cos_i cos_o),   k = 4 or pi,
 // with Beckmann's distribution D (normalised, one or two scales of roughness), the masking and shadowing of
-// V-shaped grooves G = min(1, 2 (n.h)(n.wi)/(wi.h), 2 (n.h)(n.wo)/(wo.h)), and Fresnel's F at the half
-// vector.
+// V-shaped grooves G = min(1, 2 (n.h)(n.wi)/(wi.h), 2 (n.h)(n.wo)/(wo.h)), and the Fresnel reflectance F at
+// the half vector.
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
@@ -30,7 +30,7 @@ public:
         diffuse_(get_texture(properties, "diffuse_reflectance", 0.5, SpectrumRole::reflectance)),
         s_(float(properties.get_float("specular", 0.5, Range::unit()))),
         d_(float(properties.get_float("diffuse", 1 - double(s_), Range::unit()))),
-        // 1/k of the comment above, times the 4 of the Jacobian of the half vector.
+        // 1/k of the equation above, times the 4 of the Jacobian of the half vector.
         scale_(properties.get_choice("denominator", "4", {"4", "pi"}) == "4" ? 1 : 4 * kInvPi) {
     if (s_ + d_ > 1 + 1e-6f)
       throw properties.error(properties.has("diffuse") ? "diffuse" : "specular",
@@ -69,11 +69,11 @@ public:
   Lobe lobes() const override { return Lobe::diffuse | Lobe::glossy | Lobe::reflect; }
 
 private:
-  /// All that depends on the point and the wavelengths, and the choice of a lobe.
+  /// All that depends on the point and the wavelengths, and the probability of each lobe.
   struct State {
     Beckmann slopes, slopes_2;
     float weight_2;
-    Spectrum eta, k, diffuse;  ///< `diffuse` has its share
+    Spectrum eta, k, diffuse;  ///< `diffuse` includes the factor d
     bool conductor;
     float p_specular, specular;
 
@@ -91,8 +91,8 @@ private:
       } else
         eta = p.eta_ ? p.eta_->eval(ctx.point, ctx.wavelengths) : Spectrum(0.f);
       if (conductor) k = p.k_->eval(ctx.point, ctx.wavelengths);
-      // The lobes are chosen by the energy they carry, averaged over the path's wavelengths: the same
-      // whichever of them is the hero.
+      // Lobes are chosen by their energy, averaged over the path's wavelengths, so that the probabilities do
+      // not depend on the hero.
       const float s = specular * mean(fresnel(cos_i)), d = mean(diffuse);
       p_specular = s + d > 0 ? s / (s + d) : 0;
     }
@@ -111,7 +111,7 @@ private:
     h = h * (1 / length);
     float d = s.slopes.d(h);
     if (s.weight_2 > 0) d += s.weight_2 * (s.slopes_2.d(h) - d);
-    // G / cos_i, which stays finite at grazing; the smaller cosine decides.
+    // G / cos_i, finite at grazing incidence; it depends on the smaller cosine.
     const float groove = 2 * h.z / c;
     const float g_over_cos = std::min(1 / wi.z, groove * std::min(1.f, wo.z / wi.z));
     e.value += s.fresnel(c) * (0.25f * s.specular * d * g_over_cos);
@@ -127,27 +127,26 @@ private:
 AUREOLE_PLUGIN(
     CookTorrance, "bsdf", "cook_torrance",
     PluginDoc{
-        "The model of Cook and Torrance for metals and plastics: a diffuse part, and facets of Gaussian "
-        "slopes in V-shaped grooves that mirror the light by Fresnel's equations. It is reciprocal. With "
-        "the denominator 4, which follows from the geometry, it never gains energy; rough surfaces lose "
-        "what is reflected more than once. The paper prints pi instead: 4/pi more light, so that smooth "
-        "metals reflect up to 1.27 times what they receive. `roughconductor` has better masking. It "
-        "reflects on the side of its normal and is black on the other; `twosided` makes both sides alike.",
+        "The model of Cook and Torrance for metals and plastics: a diffuse term, and specular microfacets "
+        "of Gaussian slopes in V-shaped grooves. It is reciprocal. With the denominator 4, which follows "
+        "from the geometry, it never gains energy; rough surfaces lose light that is reflected more than "
+        "once. The paper prints pi instead: 4/pi more light, so that smooth metals reflect up to 1.27 times "
+        "what they receive. `roughconductor` has better masking. It reflects on the side of its normal and "
+        "is black on the other; `twosided` makes both sides alike.",
         "R. L. Cook, K. E. Torrance, A reflectance model for computer graphics, ACM Transactions on "
         "Graphics 1(1), 1982; the 4 from K. E. Torrance, E. M. Sparrow, Theory for off-specular reflection "
         "from roughened surfaces, J. Opt. Soc. Am. 57(9), 1967, with a normalised distribution",
         {{"alpha", "texture", "", "0.2", "roughness m, the RMS slope of the facets"},
          {"alpha_2", "texture", "", "0.4", "a second scale of roughness"},
-         {"weight_2", "texture", "", "0", "share of the facets that have alpha_2"},
-         {"eta", "texture", "", "1.5",
-          "refractive index (its real part, where k is given: then its default is 0)"},
+         {"weight_2", "texture", "", "0", "fraction of the facets that have alpha_2"},
+         {"eta", "texture", "", "1.5", "index of refraction (if k is given, its real part, with default 0)"},
          {"k", "texture", "", "none", "imaginary part of the index; the surface is a conductor"},
          {"specular_reflectance", "texture", "", "none",
           "instead of eta and k: reflectance of a facet at normal incidence, from which an index is "
           "computed (up to 0.9999)"},
-         {"specular", "float", "", "0.5", "share s of the light that meets facets"},
-         {"diffuse", "float", "", "1 - specular", "share d of the light that is diffused"},
-         {"diffuse_reflectance", "texture", "", "0.5", "reflectance of the diffuse part"},
+         {"specular", "float", "", "0.5", "fraction s of the specular term"},
+         {"diffuse", "float", "", "1 - specular", "fraction d of the diffuse term"},
+         {"diffuse_reflectance", "texture", "", "0.5", "reflectance rho of the diffuse term"},
          {"denominator", "string", "", "4", "4, or pi as printed in 1982"}},
         {R"(<bsdf type="cook_torrance">
     <float name="alpha" value="0.4"/>

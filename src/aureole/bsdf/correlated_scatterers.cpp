@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// A layer of many scatterers, apertures or opaque discs of any shapes, on a plane, which make coronas. Model:
+// A plane layer of many scatterers, apertures or opaque discs of any shapes, which produces coronas. Model:
 // Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025, equations 14 to 28.
 //
-// Light that arrives from w_i in an index n_i and leaves along w_o in n_o, both outward, is diffracted by
+// Light from w_i in a medium of index n_i that leaves along w_o in index n_o (both outward) is diffracted
+// with
 //     f = (n_o^2/lambda^2) J(q) O c,   q = (2 pi/lambda) (n_o w_o + n_i w_i)_xy,
 //     1/(4 pi^2) int J d2q = Fr (1 - Fr),
-// Fr the covered part of the plane, O an obliquity and c the share of reflection or transmission. With O = 1
-// the radiance depends on direction cosines alone (Harvey, Vernold, Krywonos & Thompson, "Diffracted
-// radiance: a fundamental quantity in nonparaxial scalar diffraction theory", 1999) and f is reciprocal,
-// f(i->o)/n_o^2 = f(o->i)/n_i^2; power at q that no direction has (evanescent waves) is lost.
+// where Fr is the covered fraction of the plane, O an obliquity factor and c the fraction reflected or
+// transmitted. With O = 1 the radiance depends on direction cosines alone (Harvey, Vernold, Krywonos &
+// Thompson, "Diffracted radiance: a fundamental quantity in nonparaxial scalar diffraction theory", 1999).
+// Then f is reciprocal, f(i->o)/n_o^2 = f(o->i)/n_i^2. Power of evanescent waves, whose q has no real
+// direction, is lost.
 //
-// Lobes. The part of the light that keeps its direction and the part that meets the substrate go the same
-// ways, so they share their delta lobes: D times the substrate's reflection and transmission, with D = Fr^2 +
-// (1 - Fr) for apertures (Fr^2 for `none`, whose sheet absorbs or has a BSDF of its own) and D = (1 - Fr)^2
-// for discs (Babinet). The diffracted part, S = Fr (1 - Fr), has c = sqrt(R_i R_o) in reflection and 1 -
-// sqrt(R_i R_o) in transmission, R the reflectance of the interface (or pane) for either direction seen from
-// its own side, 1 beyond the critical angle. Discs leave Fr to a nested BSDF.
+// Lobes. The undiffracted (0th-order) light and the light that reaches the substrate have common directions,
+// so they share delta lobes: D times the substrate's reflection and transmission. D = Fr^2 + (1 - Fr) for
+// apertures (Fr^2 for `none`, whose sheet absorbs or has its own BSDF) and D = (1 - Fr)^2 for discs
+// (Babinet). The diffracted lobe, S = Fr (1 - Fr), has c = sqrt(R_i R_o) in reflection and 1 - sqrt(R_i R_o)
+// in transmission. R is the reflectance of the interface (or pane) for either direction on its own side, 1
+// beyond the critical angle. Discs leave the fraction Fr to a nested BSDF.
 #include <cmath>
 #include <optional>
 
@@ -138,11 +140,11 @@ public:
   bool needs_tangent() const override { return needs_tangent_ || (nested_ && nested_->needs_tangent()); }
 
 private:
-  /// The layer at one point of the surface. Weights are fractions of the light; `probability` times a weight
-  /// is that of its lobe.
+  /// The layer at one point of the surface. Weights are fractions of the light; a weight times `probability`
+  /// is the probability of its lobe.
   struct Point {
     ScattererModel::State state;
-    double phase_nm;  ///< k a times the wavelength
+    double phase_nm;  ///< k a (correlation radius a) times the wavelength
     float cosine, sine;
     float delta, diffracted, nested, probability;
   };
@@ -179,7 +181,7 @@ private:
       u.x = phase * (n_o * wo.x + n.here * wi.x), u.y = phase * (n_o * wo.y + n.here * wi.y);
       u.length = sqrt(u.x * u.x + u.y * u.y);
     } else {
-      // Two directions nearly cancel here: their difference is exact in double precision.
+      // The two directions nearly cancel here; double precision keeps their difference accurate.
       const double a = n_o[0], b = n.here[0];
       const double x = a * wo.x + b * wi.x, y = a * wo.y + b * wi.y;
       u.x = phase * float(x), u.y = phase * float(y);
@@ -191,7 +193,8 @@ private:
       u.y = u.y * point.cosine - x * point.sine;
     }
 
-    // The density 1/(2 pi) over u as a density of wo over solid angle, and the share of this side.
+    // Converts the density 1/(2 pi) over u to a density of wo over solid angle, and includes the probability
+    // of this side.
     const Spectrum jacobian = phase * phase * n_o * n_o * (cos_o * 0.5f * kInvPi);
     Spectrum share(1.f);
     if (!substrate_.is_none()) {
@@ -223,8 +226,8 @@ private:
     return e;
   }
 
-  /// A wave, then reflection or transmission in proportion to their shares: with O = 1 and waves in
-  /// proportion to J all samples have the same weight, but for those whose q is evanescent, which are lost.
+  /// Samples a wave, then reflection or transmission in proportion to their fractions. With O = 1 and waves
+  /// in proportion to J all samples have equal weight, except for evanescent q, which are lost.
   std::optional<BsdfSample> sample_diffracted(const Vec3& wi, float u1, Vec2 u2, const Point& point,
                                               const BsdfContext& ctx) const {
     const LayerSubstrate::Indices all = substrate_.indices(wi.z, ctx.wavelengths);
@@ -236,7 +239,7 @@ private:
       const double sin_i = std::sqrt(wi.x * wi.x + wi.y * wi.y);
       const double u_max = phase * (std::max(n_i, n_t) + n_i * sin_i);
       const ScattererSampler::Wave u = sampler_->sample(point.state, u1, u2, u_max);
-      // n_o w_o across the normal, on whichever side.
+      // Transverse components of n_o w_o, on either side.
       const double x = (u.x * point.cosine - u.y * point.sine) / phase - n_i * wi.x;
       const double y = (u.x * point.sine + u.y * point.cosine) / phase - n_i * wi.y;
       const double r2 = x * x + y * y;
@@ -262,78 +265,80 @@ private:
                       float((reflected ? n_i : n_t) / n_i)};
   }
 
-  static constexpr double kLeastPhase = 1e-6, kMostPhase = 1e9;  // of k a, for single precision
+  static constexpr double kLeastPhase = 1e-6, kMostPhase = 1e9;  // limits of k a for single precision
 
   LayerSubstrate substrate_;
   LayerObliquity obliquity_;
   bool discs_, needs_tangent_ = false;
   float fill_ = 1;
-  double phase_nm_;  // 2 pi correlation_radius in nm: k a times the wavelength
+  double phase_nm_;  // 2 pi correlation_radius [nm]: k a times the wavelength
   ScalarTexture area_fraction_, radius_scale_, rotation_;
-  std::shared_ptr<const LayerTables> tables_;  ///< keeps them for equal layers; null in a scene with errors
+  std::shared_ptr<const LayerTables> tables_;  ///< shared by equal layers; null in a scene with errors
   std::shared_ptr<const ScattererModel> model_;
-  std::shared_ptr<const ScattererSampler> sampler_;  // null: cosine
+  std::shared_ptr<const ScattererSampler> sampler_;  // null: cosine sampling
   std::optional<ScattererBalance> balance_;
   BsdfPtr nested_;
 };
 
 AUREOLE_PLUGIN(
     CorrelatedScatterers, "bsdf", "correlated_scatterers",
-    PluginDoc{"A layer of many scatterers, openings in a sheet or in the mist on a pane, or opaque discs, "
-              "whose diffracted light makes coloured rings or stars around every lamp (a corona). Shapes are "
-              "nested apertures, several for a mixture, or circles of one radius; their places are those of "
-              "hard discs, or of the nested correlation. Part of the light keeps its direction, part is "
-              "diffracted, and the rest meets what lies between apertures (absorbed for \"none\" without a "
-              "nested BSDF) or is blocked by discs. With Fr the covered part, apertures: Fr^2, Fr - Fr^2, 1 "
-              "- Fr; discs: (1 - Fr)^2, Fr - Fr^2, Fr. Diffracted waves without a real direction "
-              "(evanescent) are lost, about 2/(pi k a (1 - Fr)) of the diffracted part at normal incidence "
-              "and more at grazing; renormalize gives that power back. Where shapes, or places, have no "
-              "circular symmetry they are oriented by the surface's uv, or by a normal map's frame.",
-              "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated scatterers, 2025, "
-              "equations 14 to 28; J. E. Harvey et al., Diffracted radiance: a fundamental quantity in "
-              "nonparaxial scalar diffraction theory, Appl. Opt. 38, 1999",
-              {{"scatterer", "string", "", "apertures",
-                "apertures (the light goes through the shapes) or discs (around them)"},
-               {"radius", "length", "", "none",
-                "radius of the circles, such as 5um; required without nested apertures"},
-               {"aperture", "aperture", "", "none", "shapes, whose fractions sum to 1; instead of radius"},
-               {"correlation_radius", "length", "", "the largest shape's",
-                "half the smallest distance of two centres: at least the radius of the largest shape's "
-                "circle, at most 64 times that"},
-               {"area_fraction", "float or texture", "", "required",
-                "part of the plane that discs of correlation_radius would cover; up to 0.7 for "
-                "percus_yevick, never above 0.9069"},
-               {"correlation", "correlation", "", "percus_yevick", "how the places depend on one another"},
-               {"sizes", "string", "", "labelled",
-                "labelled: scatterers of all sizes sit in equal discs, of correlation_radius; polydisperse: "
-                "each in a disc in proportion to its own size, the largest of correlation_radius, packed as "
-                "such discs pack (up to 8 classes of sizes; area_fraction is that of all discs)"},
-               {"radius_scale", "float or texture", "", "1", "factor of all lengths, in [1/64, 64]"},
-               {"rotation", "float or texture", "degrees", "0",
-                "turns shapes and places counter-clockwise from the u axis"},
-               {"substrate", "string", "", "none",
-                "none: a sheet in one medium, nothing is reflected; dielectric: the interface of two media; "
-                "thindielectric: a pane in one surface"},
-               {"int_ior", "float or string", "", "1.5046",
-                "index below the interface or of the pane; not for none"},
-               {"ext_ior", "float or string", "", "air", "index above, and on both sides of a sheet or pane"},
-               {"dispersion", "boolean", "", "true",
-                "named materials use their dispersion data where there are any"},
-               {"obliquity", "string", "", "reciprocal",
-                "factor of the diffracted radiance, with s the specular and o the outgoing angle of the "
-                "light: reciprocal: 1; fraunhofer: cos s/cos o, as published, not reciprocal; kirchhoff: "
-                "((cos s + cos o)/2)^2/(cos s cos o)"},
-               {"renormalize", "boolean", "", "false",
-                "scale by h(w_i) h(w_o) such that no diffracted power is lost to evanescent waves; only with "
-                "reciprocal, and for layers with circular symmetry that are the same everywhere"},
-               {"sampling", "string", "", "product",
-                "product: in proportion to the diffracted intensity; factor_mis (or factors): by shapes or "
-                "by correlation, as published; table: by one table of the intensity, made for this layer "
-                "alone; cosine. The picture is the same, with more noise"},
-               {"bsdf", "bsdf", "", "none",
-                "what light meets between apertures, such as cloth (only for the substrate none), or what "
-                "discs do with the light they block; absorbed without"}},
-              {R"(<bsdf type="correlated_scatterers">
+    PluginDoc{
+        "A layer of many scatterers, openings in a sheet or in the mist on a pane, or opaque discs, "
+        "whose diffracted light makes coloured rings or stars around every light source (a corona). "
+        "Shapes are nested apertures, several for a mixture, or circles of one radius. Their "
+        "positions are those of hard discs, or of the nested correlation. One part of the light is "
+        "undiffracted, one is diffracted, and the rest falls on the area between apertures (absorbed "
+        "for \"none\" without a nested BSDF) or is blocked by discs. With the covered fraction Fr, "
+        "these parts are Fr^2, Fr - Fr^2, 1 - Fr for apertures and (1 - Fr)^2, Fr - Fr^2, Fr for "
+        "discs. Diffracted waves without a real direction (evanescent) are lost, about 2/(pi k a (1 - "
+        "Fr)) of the diffracted power at normal incidence and more at grazing; renormalize restores "
+        "that power. Shapes or correlations without circular symmetry are oriented by the surface's "
+        "uv, or by a normal map's frame.",
+        "R. Yang, J. Kim, A. Pediredla, W. Jarosz, A wave-optics BSDF for correlated scatterers, 2025, "
+        "equations 14 to 28; J. E. Harvey et al., Diffracted radiance: a fundamental quantity in "
+        "nonparaxial scalar diffraction theory, Appl. Opt. 38, 1999",
+        {{"scatterer", "string", "", "apertures",
+          "apertures (light passes through the shapes) or discs (light passes around them)"},
+         {"radius", "length", "", "none",
+          "radius of the circles, such as 5um; required without nested apertures"},
+         {"aperture", "aperture", "", "none", "shapes, whose fractions sum to 1; replaces radius"},
+         {"correlation_radius", "length", "", "the largest shape's",
+          "half the smallest distance of two centres: at least the radius of the largest shape's "
+          "circumcircle, at most 64 times that"},
+         {"area_fraction", "float or texture", "", "required",
+          "fraction of the plane that discs of correlation_radius would cover; up to 0.7 for "
+          "percus_yevick, never above 0.9069"},
+         {"correlation", "correlation", "", "percus_yevick", "spatial correlation of the positions"},
+         {"sizes", "string", "", "labelled",
+          "labelled: scatterers of all sizes are in equal discs, of correlation_radius; polydisperse: "
+          "each is in a disc in proportion to its own size, the largest of correlation_radius, packed "
+          "as such discs are (up to 8 classes of sizes; area_fraction refers to all discs)"},
+         {"radius_scale", "float or texture", "", "1", "factor of all lengths, in [1/64, 64]"},
+         {"rotation", "float or texture", "degrees", "0",
+          "rotates shapes and positions counter-clockwise from the u axis"},
+         {"substrate", "string", "", "none",
+          "none: a sheet in one medium, without reflection; dielectric: the interface of two media; "
+          "thindielectric: a pane as one surface"},
+         {"int_ior", "float or string", "", "1.5046",
+          "index of refraction below the interface or of the pane; not for none"},
+         {"ext_ior", "float or string", "", "air",
+          "index of refraction above, and on both sides of a sheet or pane"},
+         {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"},
+         {"obliquity", "string", "", "reciprocal",
+          "factor of the diffracted radiance, with s the specular and o the outgoing angle of the "
+          "light: reciprocal: 1; fraunhofer: cos s/cos o, as published, not reciprocal; kirchhoff: "
+          "((cos s + cos o)/2)^2/(cos s cos o)"},
+         {"renormalize", "boolean", "", "false",
+          "scale by h(w_i) h(w_o) such that no diffracted power is lost to evanescent waves; only "
+          "with reciprocal, and for uniform layers with circular symmetry"},
+         {"sampling", "string", "", "product",
+          "product: in proportion to the diffracted intensity; factor_mis (or factors): by shapes or "
+          "by correlation, as published; table: by one table of the intensity, computed for this "
+          "layer alone; cosine. They differ in noise only; product has the least"},
+         {"bsdf", "bsdf", "", "none",
+          "BSDF of the area between apertures, such as cloth (only for the substrate none), or of "
+          "discs; without it light that falls there is absorbed"}},
+        {R"(<bsdf type="correlated_scatterers">
     <string name="scatterer" value="apertures"/>
     <string name="radius" value="5um"/>
     <float name="area_fraction" value="0.5"/>
@@ -342,7 +347,7 @@ AUREOLE_PLUGIN(
     <boolean name="dispersion" value="false"/>
     <boolean name="renormalize" value="true"/>
 </bsdf>)",
-               R"(<bsdf type="correlated_scatterers">
+         R"(<bsdf type="correlated_scatterers">
     <string name="scatterer" value="discs"/>
     <string name="radius" value="4um"/> <string name="correlation_radius" value="5um"/>
     <float name="area_fraction" value="0.3"/>
@@ -350,7 +355,7 @@ AUREOLE_PLUGIN(
     <string name="sampling" value="factor_mis"/>
     <bsdf name="blocked" type="diffuse"/>
 </bsdf>)",
-               R"(<bsdf type="correlated_scatterers">
+         R"(<bsdf type="correlated_scatterers">
     <aperture type="rectangle">
         <string name="width" value="3um"/> <string name="height" value="2um"/> <float name="fraction" value="0.6"/>
     </aperture>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // A layer of many small spheres, such as droplets, that do not overlap, above a plane in one medium. Model:
 // Yang, Kim, Pediredla & Jarosz, "A wave-optics BSDF for correlated scatterers", 2025, section 6.2: each
-// sphere scatters by Mie's theory and the structure factor of their positions correlates them; the
-// coherent part follows Garcia-Valenzuela, Gutierrez-Reyes & Barrera 2012 (optics/layer/coherent_layer.h).
+// sphere scatters by Mie's theory, and the structure factor of their positions correlates them. The coherent
+// part follows Garcia-Valenzuela, Gutierrez-Reyes & Barrera 2012 (optics/layer/coherent_layer.h).
 //
-// Lobes. The shares |t|^2 and |r|^2 of unpolarised light are delta lobes. The rest times the albedo of a
-// sphere is scattered into all directions in proportion to (|S1|^2 + |S2|^2)/2 S'(q), q the change of the
-// transverse wave vector, times a factor for either direction that makes the albedo right at each angle
-// (sphere_tables.h). All of it is even in the sides of the layer, and reciprocal.
+// Lobes. The fractions |t|^2 and |r|^2 of unpolarised light are delta lobes. The remainder times the albedo
+// of a sphere is scattered into all directions in proportion to (|S1|^2 + |S2|^2)/2 S'(q), where q is the
+// change of the transverse wave vector. A factor for either direction makes the albedo correct at each angle
+// (sphere_tables.h). The layer is equal from both sides, and reciprocal.
 #include <cmath>
 #include <complex>
 #include <optional>
@@ -66,7 +66,7 @@ public:
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0)) return {};
     const SphereTables::Shares s = tables_->shares(std::abs(wi.z), ctx.wavelengths.nm);
-    // The delta lobes take the two ends of u1, so that they are found however small they are.
+    // The delta lobes take both ends of the range of u1, so that they are found however improbable they are.
     if (u1 < s.reflected[0] || !(s.lost[0] > 0 || s.transmitted[0] > 0))
       return BsdfSample{reflect(wi), s.reflected, s.reflected, Lobe::delta | Lobe::reflect};
     if (u1 >= s.reflected[0] + s.lost[0] || !(s.lost[0] > 0))
@@ -108,32 +108,32 @@ AUREOLE_PLUGIN(
     CorrelatedSpheres, "bsdf", "correlated_spheres",
     PluginDoc{
         "A layer of many small spheres, such as droplets, that do not overlap: halos and coronas by Mie's "
-        "theory. The layer is a surface of its own in one medium: what is below it, such as the pane of a "
-        "window, is another surface at a small distance. Light goes straight on or is reflected as by a "
-        "mirror where it stays coherent; the rest is scattered into all directions or absorbed by the "
-        "spheres.\n\n"
-        "The coherent part is a model of single spheres in the field of all others; for spheres far above "
-        "the wavelength it lets more light pass beyond the angle where cos theta = area_fraction/2, which is "
-        "not real. Spheres of one size have sharp resonances; those narrower than the nodes of wavelength "
-        "(128 at most) are not followed. The largest sphere may have 2 pi n radius/lambda = 5000. Tables "
-        "take 1 to 12 MB.",
+        "theory. The layer is a surface of its own in one medium: anything below it, such as the pane of a "
+        "window, is another surface at a small distance. Coherent light passes undeflected or is reflected "
+        "specularly; the rest is scattered into all directions or absorbed by the spheres.\n\nThe coherent "
+        "part is modelled by single spheres in the mean field of all others. For spheres far above the "
+        "wavelength it transmits too much light beyond the angle where cos theta = area_fraction/2. Spheres "
+        "of one size have sharp resonances; those narrower than the wavelength nodes (128 at most) are not "
+        "resolved. The largest sphere may have 2 pi n radius/lambda = 5000. Tables take 1 to 12 MB.",
         "Yang, Kim, Pediredla & Jarosz, A wave-optics BSDF for correlated scatterers, 2025, section 6.2; "
         "Garcia-Valenzuela, Gutierrez-Reyes & Barrera, J. Opt. Soc. Am. A 29 (2012) 1161; Bohren & Huffman, "
         "Absorption and Scattering of Light by Small Particles, 1983, chapter 4",
-        {{"radius", "length", "", "required", "radius of the spheres, such as 5um; of the median sphere"},
+        {{"radius", "length", "", "required", "radius of the (median) sphere, such as 5um"},
          {"area_fraction", "float", "", "required",
-          "part of the plane in the shade of spheres, in (0, 0.7]; spheres in a close lattice have 0.907"},
+          "fraction of the plane that the spheres' projections cover, in (0, 0.7]; a close-packed lattice "
+          "has 0.907"},
          {"size_spread", "float", "", "0",
-          "standard deviation of ln(radius), log-normal, up to 0.7; the intensities of all sizes are added, "
-          "the positions are those of equal spheres that cover as much"},
+          "standard deviation of ln(radius), log-normal, up to 0.7; intensities of all sizes are added, "
+          "with the positions of equal spheres of the same covered fraction"},
          {"int_ior", "float or string", "", "1.333",
-          "index of the spheres (water): a number, a dielectric or a metal"},
-         {"k", "spectrum", "", "0", "imaginary part of the index of dielectric spheres: absorption"},
-         {"ext_ior", "float or string", "", "air", "index around the spheres, above and below the layer"},
-         {"dispersion", "boolean", "", "true",
-          "named materials use their dispersion data where there are any"},
+          "index of refraction of the spheres (water): a number, a dielectric or a metal"},
+         {"k", "spectrum", "", "0",
+          "extinction coefficient: imaginary part of the index of dielectric spheres"},
+         {"ext_ior", "float or string", "", "air",
+          "index of refraction around the spheres, above and below the layer"},
+         {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"},
          {"correlation", "correlation", "", "hard discs",
-          "how the positions depend on one another; without it those of hard discs (Percus and Yevick)"}},
+          "spatial correlation of the positions; default: hard discs (Percus and Yevick)"}},
         {R"(<bsdf type="correlated_spheres">
     <string name="radius" value="3um"/>
     <float name="area_fraction" value="0.3"/>

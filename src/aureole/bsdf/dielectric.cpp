@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A smooth interface between two transparent media. Two delta lobes: reflection, and refraction whose
-// direction follows the hero's index.
+// A smooth interface between two transparent media. It has two delta lobes: reflection, and refraction in the
+// direction of the hero wavelength.
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
@@ -38,16 +38,16 @@ public:
 
     if (u1 < hero.reflectance) {
       Spectrum r = disperses ? fresnel_dielectric(cos_i, etas) : Spectrum(hero.reflectance);
-      r[0] = hero.reflectance;  // the very number that u1 was compared with
+      r[0] = hero.reflectance;  // exactly the value that u1 was compared with
       BsdfSample s{reflect(wi), r, r, Lobe::delta | Lobe::reflect};
       if (reflectance_) s.value *= reflectance_->eval(ctx.point, ctx.wavelengths);
       return s;
     }
-    // Another index sends its wavelength elsewhere: it has no part in this direction.
+    // Wavelengths with another index are refracted into other directions and have value 0 in this one.
     Spectrum t(1 - hero.reflectance);
     if (disperses) t = select(etas.v == Spectrum(eta).v, t, 0.f);
     BsdfSample s{refract(wi, hero.cos_t, eta), t, t, Lobe::delta | Lobe::transmit, eta};
-    // Radiance is compressed into a smaller solid angle in the denser medium: refraction keeps L/n^2.
+    // Radiance is compressed into a smaller solid angle in the denser medium: refraction preserves L/n^2.
     if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
     if (transmittance_) s.value *= transmittance_->eval(ctx.point, ctx.wavelengths);
     return s;
@@ -74,18 +74,18 @@ private:
 
 AUREOLE_PLUGIN(Dielectric, "bsdf", "dielectric",
                PluginDoc{
-                   "A smooth interface between two transparent media, such as glass or water in air: Fresnel "
-                   "reflection and refraction. The interior is on the side opposite to the normal. A "
-                   "material given by a name with dispersion data (for example bk7) disperses; numbers, "
-                   "names without such data, and all names with dispersion switched off have one index for "
-                   "all wavelengths, which is Mitsuba's where Mitsuba knows the name.",
+                   "A smooth interface between two transparent media, such as glass or water in air: "
+                   "Fresnel reflection and refraction. The interior is on the side opposite to the normal. "
+                   "A material given by a name with dispersion data (for example bk7) is dispersive. "
+                   "Numbers, names without such data, and all names with dispersion switched off have one "
+                   "index for all wavelengths, which is Mitsuba's where Mitsuba knows the name.",
                    "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2",
                    {{"int_ior", "float or string", "", "1.5046",
-                     "index of the interior, as a number or the name of a material"},
+                     "index of refraction of the interior, as a number or the name of a material"},
                     {"ext_ior", "float or string", "", "air",
-                     "index of the exterior, as a number or the name of a material"},
+                     "index of refraction of the exterior, as a number or the name of a material"},
                     {"dispersion", "boolean", "", "true",
-                     "named materials use their dispersion data where there are any"},
+                     "named materials use their dispersion data if available"},
                     {"specular_reflectance", "texture", "", "1",
                      "factor of the reflected light; leave at 1 for a real interface"},
                     {"specular_transmittance", "texture", "", "1",

@@ -6,15 +6,16 @@
 
 namespace aureole {
 
-/// A part of a BSDF beside `Bsdf`, found by dynamic_cast. In scenes where some BSDF has it, only shapes with one diffract.
+/// An interface that a BSDF implements besides `Bsdf`, found by dynamic_cast. If some BSDF of a scene has it,
+/// only shapes with such BSDFs diffract.
 class EdgeDiffraction {
 public:
   virtual ~EdgeDiffraction() = default;
 
   bool is_enabled() const { return enabled_; }
-  /// Standard deviation of the beams of light [wavelengths], where it is stated.
+  /// Standard deviation of the beams' width [wavelengths], if given.
   std::optional<double> sigma() const { return sigma_; }
-  /// Factor of the diffracted light.
+  /// Factor of the diffracted radiance.
   float scale() const { return scale_; }
 
 protected:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Marks the shapes whose edges diffract light. It scatters as the BSDF within: edges are vertices of their own
-// (transport/edges.h).
+// Marks shapes whose edges diffract light. The surface itself scatters as the nested BSDF; edges are separate
+// path vertices (transport/edges.h).
 #include "aureole/bsdf/edge_diffraction.h"
 #include "aureole/bsdf/nested/nested_bsdfs.h"
 #include "aureole/plugin/registry.h"
@@ -52,17 +52,17 @@ private:
 AUREOLE_PLUGIN(
     FreeSpaceDiffraction, "bsdf", "freespacediffraction",
     PluginDoc{
-        "Says that the edges of its shape diffract light; it scatters as the BSDF within. In a scene with such BSDFs "
-        "no other shapes diffract. The integrator's `diffraction` must be on.",
+        "Marks a shape whose edges diffract light; the surface scatters as the nested BSDF. In a scene with "
+        "such BSDFs no other shapes diffract. The integrator's `diffraction` must be on.",
         "Steinberg, Ramamoorthi, Bitterli, Mollazainali, d'Eon & Pharr 2024, \"A Free-Space Diffraction BSDF\" "
         "(name and parameters of the authors' scenes)",
-        {{"bsdf", "bsdf", "", "required", "how the surface scatters light"},
+        {{"bsdf", "bsdf", "", "required", "BSDF of the surface"},
          {"enabled", "boolean", "", "true", "false: the edges of the shape do not diffract"},
          {"sigma", "float", "wavelengths", "beam_width of the integrator",
-          "standard deviation of the beams of light in which edges are seen together. It is one number for a scene: shapes "
-          "that state it must agree, with the integrator's `beam_width`, too"},
+          "standard deviation of the width of the beams in which neighbouring edges are coherent. It is one "
+          "number for a scene: all shapes that give it must agree, also with the integrator's `beam_width`"},
          {"scale", "float", "", "1",
-          "factor of the diffracted light; any but 1 breaks the conservation of energy"},
+          "factor of the diffracted radiance; any but 1 violates energy conservation"},
          {"SIR", "boolean", "", "true", "accepted for the authors' scenes, without effect"}},
         {R"(<bsdf type="freespacediffraction">
     <boolean name="enabled" value="true"/>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A fibre of hair or fur as one surface point sees it (Chiang, Bitterli, Tappan & Burley 2016): light that is
-// reflected (p = 0), transmitted (1), reflected once within (2) or more often (all the rest in one lobe). Each lobe
-// is a product of a longitudinal function M_p, an azimuthal one N_p and a fraction of the light A_p. Angles: theta
-// from the plane across the fibre, phi around it. The fibre lies along the local y axis, and the place h across its
-// width follows from where wi stands around the normal.
+// A fibre of hair or fur, with all scattering at one surface point (Chiang, Bitterli, Tappan & Burley 2016):
+// light is reflected (p = 0), transmitted (1), internally reflected once (2) or more often (all the rest in
+// one lobe). Each lobe is a product of a longitudinal function M_p, an azimuthal function N_p and an
+// attenuation A_p. Angles: theta from the plane perpendicular to the fibre, phi around it. The fibre lies
+// along the local y axis, and the offset h across its width follows from the azimuth of wi about the normal.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,9 +17,9 @@
 namespace aureole {
 namespace {
 
-constexpr int kLobes = 4;  ///< the last one holds all of p >= 3
+constexpr int kLobes = 4;  ///< the last lobe contains all p >= 3
 
-/// exp(-x) I_0(x) for x >= 0, to 2e-7 (Abramowitz & Stegun 1964, 9.8.1 and 9.8.2).
+/// Returns exp(-x) I_0(x) for x >= 0, to 2e-7 (Abramowitz & Stegun 1964, 9.8.1 and 9.8.2).
 float scaled_bessel_i0(float x) {
   const auto polynomial = [](float t, const auto&... c) {
     float sum = 0, power = 1;
@@ -45,8 +45,8 @@ struct FibreDirection {
   FibreDirection(float s, float c, float p) : sin_theta(s), cos_theta(c), phi(p) {}
 };
 
-/// The longitudinal function of variance v: a Gaussian convolution on the sphere (d'Eon et al. 2011).
-/// Its density is per d(sin theta). Written without the cancellation of large exponents.
+/// The longitudinal function of variance v: a Gaussian convolution on the sphere (d'Eon et al. 2011), a
+/// density per d(sin theta). It is written without cancellation of large exponents.
 class Longitudinal {
 public:
   Longitudinal() = default;
@@ -57,7 +57,7 @@ public:
     return scale_ * std::exp(-(dc * dc + ss * ss) / (2 * v_)) *
            scaled_bessel_i0(i.cos_theta * o.cos_theta / v_);
   }
-  /// Sine of theta_o (d'Eon, Marschner & Hanika 2013).
+  /// Samples the sine of theta_o (d'Eon, Marschner & Hanika 2013).
   float sample(const FibreDirection& i, Vec2 u) const {
     const float below = std::clamp(-v_ * std::log(u.x + (1 - u.x) * tail_), 0.f, 2.f);  // 1 - cos of the turn
     const float sine = std::sqrt(below * (2 - below));
@@ -68,7 +68,7 @@ private:
   float v_ = 1, tail_ = 0, scale_ = 1;
 };
 
-/// A logistic distribution of scale s, cut to [-pi, pi] (Chiang et al. 2016, section 4.1).
+/// A logistic distribution of scale s, truncated to [-pi, pi] (Chiang et al. 2016, section 4.1).
 class TrimmedLogistic {
 public:
   TrimmedLogistic() = default;
@@ -87,9 +87,9 @@ private:
   float s_ = 1, outside_ = 0, inside_ = 1;
 };
 
-/// Absorption of the two melanins at concentration 1, per radius of the fibre. d'Eon et al. (2011, section 6.1) have it
-/// for red, green and blue, (.419, .697, 1.37) and (.187, .4, 1.05). They lie on the power laws that are published for
-/// the pigments (Donner & Jensen 2006) to 5 % where those are taken at 650, 550 and 450 nm.
+/// Absorption of the two melanins at concentration 1, per radius of the fibre. d'Eon et al. (2011, section
+/// 6.1) give it for red, green and blue: (0.419, 0.697, 1.37) and (0.187, 0.4, 1.05). These agree to 5 % with
+/// the power laws published for the pigments (Donner & Jensen 2006) at 650, 550 and 450 nm.
 double eumelanin(double nm) { return 0.697 * std::pow(nm / 550, -3.33); }
 double pheomelanin(double nm) { return 0.4 * std::pow(nm / 550, -4.75); }
 
@@ -113,7 +113,7 @@ public:
         properties.note("scale", "is a factor of sigma_a and has no effect without it");
     }
 
-    // Fits of variances to roughnesses that look evenly spaced (Chiang et al. 2016, section 4.1).
+    // Fits that map perceptually uniform roughnesses to variances (Chiang et al. 2016, section 4.1).
     const auto roughness = [&](const char* name) {
       return std::max(properties.get_float(name, 0.3, Range::unit()), kSmoothest);
     };
@@ -124,7 +124,7 @@ public:
     azimuthal_ =
         TrimmedLogistic(float(std::sqrt(kPi / 8) * (0.265 * a + 1.194 * a * a + 5.372 * std::pow(a, 22))));
 
-    // Scales turn each lobe along the fibre (Marschner et al. 2003).
+    // Cuticle scales tilt each lobe along the fibre (Marschner et al. 2003).
     const double tilt = properties.get_float("scale_tilt", 2, {-90, 90}) * (kPi / 180);
     constexpr double kTurns[kLobes] = {-2, 1, 4, 0};
     for (std::size_t p = 0; p < kLobes; ++p)
@@ -157,16 +157,17 @@ public:
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect | Lobe::transmit | kNearField; }
 
 private:
-  static constexpr double kSmoothest = 0.01;  ///< single precision has no densities of narrower lobes
+  static constexpr double kSmoothest = 0.01;  ///< narrower lobes exceed single precision
 
   struct Turn {
     float sine, cosine;
   };
 
-  /// All that depends on wi and the point only.
+  /// All that depends only on wi and the point.
   struct Incidence {
     FibreDirection wi;
-    float gamma_i, gamma_t;  ///< of the normal with wi, and with the refracted ray, across the fibre
+    float gamma_i, gamma_t;  ///< angles of the normal with wi, and with the refracted ray, in the plane
+                             ///< perpendicular to the fibre
     std::array<FibreDirection, kLobes> turned;
     std::array<Spectrum, kLobes> part;  ///< A_p
     Spectrum total{0.f};
@@ -175,11 +176,11 @@ private:
         : wi(w),
           gamma_i(std::atan2(-w.x, w.z)),
           turned{hair.turned(wi, 0), hair.turned(wi, 1), hair.turned(wi, 2), wi} {
-      // Across the fibre light is refracted by an index of its own (Bravais).
+      // In the plane perpendicular to the fibre, light is refracted with an effective index (Bravais).
       const float eta = hair.eta_, h = -w.x / wi.cos_theta, s2 = wi.sin_theta * wi.sin_theta;
       const float across = std::sqrt(std::max(eta * eta - s2, 0.f));  // eta cos theta_t = eta' cos theta_i
       gamma_t = std::asin(std::clamp(h * wi.cos_theta / std::max(across, 1e-6f), -1.f, 1.f));
-      // theta_i and gamma_i together: the angle with the normal.
+      // theta_i and gamma_i combine to the angle with the normal.
       const float reflected = fresnel_dielectric(std::min(w.z, 1.f), eta).reflectance;
       const float entering = 1 - reflected, length = 2 * std::cos(gamma_t) * eta / std::max(across, 1e-6f);
       const Spectrum sigma = hair.absorption(ctx);
@@ -191,7 +192,7 @@ private:
       for (const Spectrum& a : part) total += a;
     }
 
-    /// phi_o - phi_i of the lobe's middle (Marschner et al. 2003).
+    /// Returns phi_o - phi_i of the lobe's centre (Marschner et al. 2003).
     float exit(std::size_t p) const { return float(p) * (2 * gamma_t + kPi) - 2 * gamma_i; }
   };
 
@@ -227,35 +228,35 @@ private:
 AUREOLE_PLUGIN(
     Hair, "bsdf", "hair",
     PluginDoc{
-        "A fibre of hair or fur, for `bsplinecurve` and `linearcurve`; on other shapes the fibre lies along dp/dv. "
-        "Light is reflected by the surface, which tilted scales roughen, or passes through the coloured inside "
-        "with any number of reflections. All of that happens at one point: what is transmitted leaves "
-        "on the far side from where it came, and the place across the width follows from the direction to the "
-        "viewer, or in light tracing (`ptracer`) from that of the light; the model is not reciprocal along a "
-        "fibre, where both differ. Black from within. Both indices are those at 589 nm. Melanins absorb by the "
-        "power laws of their measured spectra (where Mitsuba upsamples three numbers, of which it clips those above "
-        "1). `bdpt` refuses it.",
+        "A fibre of hair or fur, for `bsplinecurve` and `linearcurve`; on other shapes the fibre lies along "
+        "dp/dv. Light is reflected by the surface, which tilted scales roughen, or passes through the "
+        "coloured interior with any number of internal reflections. All scattering happens at one point: "
+        "transmitted light leaves on the opposite side. The offset across the width follows from the "
+        "direction to the viewer, or in light tracing (`ptracer`) from the direction to the light, so the "
+        "model is not reciprocal. It is black from inside. Both indices are those at 589 nm. Melanins "
+        "absorb by the power laws of their measured spectra (Mitsuba upsamples three numbers, of which it "
+        "clips those above 1). `bdpt` does not support it.",
         "M. J.-Y. Chiang, B. Bitterli, C. Tappan, B. Burley, A practical and controllable hair and fur model for "
         "production path tracing, Computer Graphics Forum 35(2), 2016; E. d'Eon et al., An energy-conserving hair "
         "reflectance model, EGSR 2011 (M_p, coefficients of melanins); C. Donner, H. W. Jensen, A spectral BSSRDF "
         "for shading human skin, EGSR 2006 (their spectra)",
         {{"eumelanin", "float", "", "1.3",
-          "concentration of the brown to black pigment; .3 is blond, 8 black"},
+          "concentration of the brown to black pigment; 0.3 is blond, 8 black"},
          {"pheomelanin", "float", "", "0.2", "concentration of the yellow to red pigment"},
          {"sigma_a", "texture", "1/radius", "none",
-          "instead of melanins: absorption coefficient, per radius of the fibre"},
+          "absorption coefficient per radius of the fibre, instead of melanins"},
          {"scale", "float", "", "1", "factor of sigma_a"},
          {"longitudinal_roughness", "float", "", "0.3",
           "width of highlights along the fibre, from 0 to 1; below 0.01 as 0.01"},
          {"azimuthal_roughness", "float", "", "0.3",
           "width of highlights around the fibre, from 0 to 1; below 0.01 as 0.01"},
          {"scale_tilt", "float", "degree", "2",
-          "angle between scales and surface: what the surface reflects is turned by twice as much towards the "
-          "end of the curve, the root of natural hair, and what is transmitted by that much towards its tip"},
+          "angle between scales and surface. The reflected lobe is tilted by twice this angle towards the "
+          "end of the curve, the root of natural hair, the transmitted lobe by this angle towards its tip"},
          {"int_ior", "float or string", "", "amber",
-          "index of the interior, as a number or the name of a material; 1.55"},
+          "index of refraction of the interior, as a number or the name of a material; 1.55"},
          {"ext_ior", "float or string", "", "air",
-          "index of the exterior, as a number or the name of a material"}},
+          "index of refraction of the exterior, as a number or the name of a material"}},
         {R"(<bsdf type="hair">
     <float name="eumelanin" value="0.3"/>
     <float name="pheomelanin" value="0.1"/>

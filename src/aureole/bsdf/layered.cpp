@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // A stack of plane layers as one surface: coats of paint and varnish, leaves, prints, skin, slabs between
-// slides. The equation of radiative transfer is solved when the scene is loaded, by discrete ordinates
+// slides. The radiative transfer equation is solved when the scene is loaded, by discrete ordinates
 // (optics/stack), and tabulated (stack/stack_table.h).
 //
-// Lobes. Light that smooth interfaces reflect and refract and no layer scatters is mirrored or passes: delta
-// lobes. Everything else is one lobe, drawn in proportion to its own value. Energy is that of the solution for
-// each direction, wavelength and choice of the hero; reciprocal, f/n_o^2.
+// Lobes. Light that smooth interfaces reflect and refract without scattering in a layer is in delta lobes.
+// Everything else is one lobe, sampled in proportion to its value. Energy equals that of the solution for
+// each direction and wavelength, whichever wavelength is the hero. The BSDF is reciprocal, f/n_o^2.
 #include <cmath>
 #include <optional>
 
@@ -49,7 +49,7 @@ public:
     const Spectrum total = s.total();
     if (!(total[0] > 0)) return {};
     const Spectrum mirrored = safe_divide(s.mirrored, total), passed = safe_divide(s.passed, total);
-    // The delta lobes take the two ends of u1, so that they are found however small they are.
+    // The delta lobes take both ends of the range of u1, so that they are found however improbable they are.
     if (u1 < mirrored[0]) return BsdfSample{reflect(wi), s.mirrored, mirrored, Lobe::delta | Lobe::reflect};
     if (u1 >= 1 - passed[0]) return pass(wi, s.passed, passed, ctx);
     const float choice = std::min((u1 - mirrored[0]) / (1 - mirrored[0] - passed[0]), 0x1.fffffep-1f);
@@ -78,7 +78,7 @@ public:
   }
 
 private:
-  /// The reflectance of the Lambertian substrate here.
+  /// The reflectance of the Lambertian substrate at this point.
   class Below {
   public:
     Below(const Layered& layered, const BsdfContext& ctx) : is_there_(layered.substrate_ != nullptr) {
@@ -108,44 +108,49 @@ private:
   }
 
   bool is_open_ = false, has_delta_ = false;
-  BsdfPtr substrate_;                        ///< Lambertian; null where there is none or another
+  BsdfPtr substrate_;                        ///< Lambertian and not in the table; otherwise null
   std::shared_ptr<const StackTable> table_;  ///< null in a scene with errors
 };
 
 AUREOLE_PLUGIN(
     Layered, "bsdf", "layered",
     PluginDoc{
-        "A stack of plane layers, each a medium of its own thickness and index, with smooth or rough interfaces, on "
-        "another BSDF or open below: coats of paint and varnish, leaves, prints, slabs between slides. All light is "
-        "followed within the stack, with its direction, when the scene is loaded (seconds on all cores); light leaves "
-        "where it entered, so layers must be thin beside what is seen. On a nested BSDF it reflects on the side of its "
-        "normal and is black on the other. A diffuse one may be textured; any other counts as it is at the origin of its "
-        "textures. Media, thicknesses and indices are the same everywhere: where a coat varies, `blendbsdf` mixes two stacks "
-        "by a texture. Smooth interfaces are delta lobes. Lobes narrower than some 4 degrees (roughness below .1, phase "
-        "functions with g above .95) are blurred by the table, whose energy stays exact. Tables take 1 to 100 MB (`aureole info` prints their size).",
+        "A stack of plane layers, each a medium of its own thickness and index, with smooth or rough "
+        "interfaces, on another BSDF or open below: coats of paint and varnish, leaves, prints, slabs "
+        "between slides. Light transport within the stack is solved with all directions when the scene is "
+        "loaded (seconds on all cores). Light leaves where it entered, so layers must be thin compared with "
+        "visible detail. On a nested BSDF the stack reflects on the side of its normal and is black on the "
+        "other. A diffuse nested BSDF may be textured; any other is evaluated at the origin of its "
+        "textures. Media, thicknesses and indices are uniform; to vary a coat, `blendbsdf` mixes two stacks "
+        "by a texture. Smooth interfaces are delta lobes. Lobes narrower than some 4 degrees (roughness "
+        "below 0.1, phase functions with g above 0.95) are blurred by the table, whose energy stays exact. "
+        "Tables take 1 to 100 MB (`aureole info` prints their size).",
         "S. Chandrasekhar, Radiative Transfer, 1960; H. C. van de Hulst, Multiple Light Scattering, 1980; T. Nakajima & M. "
         "Tanaka, J. Quant. Spectrosc. Radiat. Transfer 40, 1988 (single scattering)",
         {{"medium", "medium", "", "required",
-          "what fills each layer, from the top: uniform media that do not emit"},
-         {"thickness", "string", "", "required", "of each layer, \"20um, 5um\", or \"infinite\""},
+          "medium of each layer, from the top: uniform media that do not emit"},
+         {"thickness", "string", "", "required", "thickness of each layer, \"20um, 5um\", or \"infinite\""},
          {"int_ior", "float or string", "", "1.5",
-          "index of each layer, \"1.5, water\", as numbers or materials' names; one for all"},
-         {"ext_ior", "float or string", "", "air", "index above the stack, at 589 nm"},
+          "index of refraction of each layer, \"1.5, water\", as numbers or materials' names; one value "
+          "applies to all"},
+         {"ext_ior", "float or string", "", "air", "index of refraction above the stack, at 589 nm"},
          {"below_ior", "float or string", "", "ext_ior",
-          "index below the stack, where it is open, at 589 nm"},
+          "index of refraction below the stack, if it is open, at 589 nm"},
          {"dispersion", "boolean", "", "true",
-          "layers named by their material have its index at each wavelength, where that is above the indices outside"},
+          "layers named by their material have its index at each wavelength, where that is above the "
+          "indices outside"},
          {"alpha", "float or string", "", "0",
-          "roughness of each interface from the top, \"0.2, 0\": 0, smooth, or in [0.05, 1]; those not given are smooth"},
-         {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},
+          "roughness of each interface from the top, \"0.2, 0\": 0, smooth, or in [0.05, 1]; the default "
+          "for the rest is smooth"},
+         {"distribution", "string", "", "beckmann",
+          "distribution of the microfacet normals: beckmann or ggx"},
          {"bsdf", "bsdf", "", "none",
-          "what the stack lies on: it does not let light through and is the same when turned about its normal; without it the stack "
-          "is open below"},
-         {"wavelengths", "integer", "", "24", "nodes of the table over the sensor's range"},
+          "opaque BSDF below the stack, isotropic about its normal; without it the stack is open below"},
+         {"wavelengths", "integer", "", "24", "nodes of the table over the sensor's wavelength range"},
          {"directions", "integer", "", "24 to 64",
-          "nodes over the cosine on the thinner side, more where a lobe is narrow and memory allows; the stack is solved with four times as many streams "
-          "or more"},
-         {"azimuths", "integer", "", "16 to 40", "cells over half a turn, more where a lobe is narrow"}},
+          "nodes over the cosine on the side of lower index, more if a lobe is narrow and memory allows; "
+          "the stack is solved with four times as many streams or more"},
+         {"azimuths", "integer", "", "16 to 40", "cells over 180 degrees, more if a lobe is narrow"}},
         {R"(<bsdf type="layered">
     <medium type="homogeneous"> <float name="sigma_t" value="2e5"/> <rgb name="albedo" value="0.95, 0.8, 0.4"/> </medium>
     <medium type="homogeneous"> <float name="sigma_a" value="1e4"/> <float name="sigma_s" value="1e5"/>

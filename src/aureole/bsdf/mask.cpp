@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface with holes: a nested BSDF where it is opaque, nothing elsewhere, and a mixture in between.
+// A surface with holes: the opacity mixes a nested BSDF with a null interaction.
 #include <algorithm>
 
 #include "aureole/bsdf/nested/nested_bsdfs.h"
@@ -15,7 +15,7 @@ public:
       : Bsdf(properties),
         opacity_(get_fraction(properties, "opacity", 0.5)),
         nested_(nested_bsdfs(properties, 1).front()) {
-    // A mask that is opaque or open everywhere has only the lobes of that case and costs nothing.
+    // A mask that is opaque or open everywhere has only the lobes of that case, at no cost.
     if (opacity_->maximum() > 0) lobes_ = nested_->lobes();
     if (opacity_->minimum() < 1) lobes_ = lobes_ | kNullLobe;
   }
@@ -41,7 +41,7 @@ public:
     return nested_->is_passable() ? open + nested_->null_transmittance(wi, ctx) * opacity : open;
   }
 
-  // Those of the opaque part: its share of the surface is the picture's alpha.
+  // Features of the opaque part; the opacity appears in the picture's alpha.
   Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const override {
     return nested_->diffuse_reflectance(wi, ctx);
   }
@@ -62,9 +62,10 @@ private:
 AUREOLE_PLUGIN(
     Mask, "bsdf", "mask",
     PluginDoc{
-        "Makes a BSDF partly or, with a texture, in places transparent: leaves, fences, fabrics. What is not "
-        "covered passes unchanged and is no vertex of a path, so that it does not count for `max_depth`, and "
-        "light sampling sees through it. Opacity has no colour: colours count as their luminance.",
+        "Makes a BSDF partly transparent, or with a texture in some areas: leaves, fences, fabrics. Light "
+        "that is not covered passes unchanged. This is not a path vertex: it does not count for "
+        "`max_depth`, and light sampling passes through it. The opacity does not depend on the wavelength: "
+        "of a colour the luminance is used.",
         "",
         {{"opacity", "texture", "", "0.5", "fraction of the surface that is covered, in [0, 1]"},
          {"bsdf", "bsdf", "", "required", "one nested BSDF"}},

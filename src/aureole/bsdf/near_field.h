@@ -5,9 +5,10 @@
 
 namespace aureole {
 
-/// A flag of `lobes()` beside those of `Lobe`: light that meets a fibre leaves it where it came, also on the far
-/// side. Which part of the fibre's width it meets is taken from `wi` in both modes, so that values are no adjoints of
-/// each other, and a path through the fibre cannot be walked backwards: that walk would meet its other side.
+/// A flag of `lobes()` in addition to those of `Lobe`: all scattering by a fibre happens at one point, also
+/// for light that leaves on the far side. The offset across the fibre's width is taken from `wi` in both
+/// modes. Values are therefore not adjoint, and a path through the fibre cannot be traced backward: it would
+/// hit the other side.
 inline constexpr Lobe kNearField = Lobe(256);
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Normal mapping: a picture holds the normal in the coordinates of the shading frame, (n + 1) / 2.
+// Normal mapping: a picture stores the normal in the coordinates of the shading frame, as (n + 1) / 2.
 #include "aureole/bsdf/nested/perturbed_frame.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/texture/texture.h"
@@ -30,20 +30,20 @@ private:
 
 AUREOLE_PLUGIN(
     NormalMap, "bsdf", "normalmap",
-    PluginDoc{
-        "Gives a BSDF normals from a picture. Red, green and blue are the coordinates of the normal along "
-        "dp/du, dp/dv and the normal of the surface, each as (n + 1) / 2: (0.5, 0.5, 1) changes nothing.",
-        "",
-        perturbed_frame_parameters({{"normalmap", "texture", "", "required",
-                                     "a colour `bitmap` with `raw` true"}}),
-        {R"(<bsdf type="normalmap">
+    PluginDoc{"Gives a BSDF the normals stored in a picture. Red, green and blue are the coordinates of the "
+              "normal along dp/du, dp/dv and the normal of the surface, each as (n + 1) / 2: (0.5, 0.5, 1) "
+              "changes nothing.",
+              "",
+              perturbed_frame_parameters({{"normalmap", "texture", "", "required",
+                                           "a colour `bitmap` with `raw` true"}}),
+              {R"(<bsdf type="normalmap">
     <texture name="normalmap" type="bitmap">
         <string name="filename" value="normals.png"/>
         <boolean name="raw" value="true"/>
     </texture>
     <bsdf type="plastic"/>
 </bsdf>)",
-         R"(<bsdf type="normalmap">
+               R"(<bsdf type="normalmap">
     <texture name="normalmap" type="bitmap">
         <string name="filename" value="normals.png"/>
         <boolean name="raw" value="true"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A surface that is not there: for the boundary of a medium, or to hide a shape.
+// A null surface: the boundary of a medium, or an invisible shape.
 #include "aureole/bsdf/nested/nested_bsdfs.h"
 #include "aureole/plugin/registry.h"
 
@@ -20,8 +20,8 @@ public:
 
 AUREOLE_PLUGIN(Null, "bsdf", "null",
                PluginDoc{
-                   "An invisible surface: light passes it unchanged. It is no vertex of a path: it does "
-                   "not count for `max_depth`, and light sampling sees through it.",
+                   "An invisible surface: light passes it unchanged. It is not a path vertex: it does not "
+                   "count for `max_depth`, and light sampling passes through it.",
                    "",
                    {},
                    {R"(<bsdf type="null"/>)"}});

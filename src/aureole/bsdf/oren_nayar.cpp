@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Rough diffuse surfaces: V-shaped grooves of Lambertian facets, with masking, shadowing and one
-// interreflection (Oren & Nayar 1994), as the full model, whose functions are fits to numerical integrals, or
-// the qualitative one.
+// interreflection (Oren & Nayar 1994). There is the full model, whose functions are fits to numerical
+// integrals, and the qualitative one.
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
@@ -43,7 +43,8 @@ public:
   Lobe lobes() const override { return Lobe::diffuse | Lobe::reflect; }
 
 private:
-  /// sigma^2 in rad^2. A Gaussian surface of RMS slope alpha has the slope alpha/sqrt(2) across a groove.
+  /// Returns sigma^2 in rad^2. A Gaussian surface of RMS slope alpha has the slope alpha/sqrt(2) across a
+  /// groove.
   float variance(const BsdfContext& ctx) const {
     if (!has_sigma_) {
       const float alpha = alpha_.eval(ctx);
@@ -59,11 +60,11 @@ private:
   static Azimuth azimuth(const Vec3& wi, const Vec3& wo) {
     const float si = std::hypot(wi.x, wi.y), so = std::hypot(wo.x, wo.y), ss = si * so;
     const float dot_xy = wi.x * wo.x + wi.y * wo.y;
-    // Along the normal azimuth means nothing; all that it multiplies vanishes there.
+    // Along the normal the azimuth is undefined; all terms that depend on it vanish there.
     return {si, so, ss > 0 ? std::clamp(dot_xy / ss, -1.f, 1.f) : 0};
   }
 
-  /// pi f / rho, without interreflections.
+  /// Returns pi f / rho, without interreflections.
   static float qualitative(const Vec3& wi, const Vec3& wo, float s2) {
     const float a = 1 - 0.5f * s2 / (s2 + 0.33f), b = 0.45f * s2 / (s2 + 0.09f);
     // sin(larger angle) tan(smaller angle) cos(phi).
@@ -71,7 +72,7 @@ private:
     return a + b * std::max(c, 0.f);
   }
 
-  /// pi f: direct light and one interreflection, which is of second order in the reflectance.
+  /// Returns pi f: direct light and one interreflection, which is of second order in the reflectance.
   static Spectrum full(const Vec3& wi, const Vec3& wo, float s2, const Spectrum& rho) {
     const auto [sin_i, sin_o, cos_phi] = azimuth(wi, wo);
     const float cos_a = std::min(wi.z, wo.z), cos_b = std::max(wi.z, wo.z);
@@ -84,7 +85,7 @@ private:
     const float tan_half = (sin_a + sin_b) / (cos_a + cos_b);  // of (alpha + beta)/2
     const float direct = c1 + cos_phi * c2 * (sin_b / cos_b) + (1 - std::abs(cos_phi)) * c3 * tan_half;
     const float again = 0.17f * s2 / (s2 + 0.13f) * (1 - cos_phi * two_beta * two_beta);
-    // The fits go below zero for very rough surfaces near grazing.
+    // The fits become negative for very rough surfaces near grazing angles.
     return max(rho * (Spectrum(direct) + rho * again), 0.f);
   }
 
@@ -97,19 +98,20 @@ AUREOLE_PLUGIN(
     OrenNayar, "bsdf", "oren_nayar",
     PluginDoc{
         "A rough diffuse surface, such as plaster, clay or the moon: brighter than a Lambertian one towards "
-        "the light and at the rim, flatter across. The full model has the light that grooves reflect onto "
-        "themselves, which makes rough colours more saturated; the qualitative one (use_fast_approx) has "
-        "not and is darker. Its functions are fits: a white surface gains up to 5 % (qualitative: 2 %) of "
-        "energy at grazing angles. Roughness 0 is `diffuse`. It reflects on the side of its normal and is "
-        "black on the other; `twosided` makes both sides alike. It is `roughdiffuse` of Mitsuba 0.6.",
+        "the light and at the rim, and flatter in between. The full model includes light that grooves "
+        "reflect onto themselves, which makes rough colours more saturated; the qualitative one "
+        "(use_fast_approx) omits it and is darker. Its functions are fits: a white surface gains up to 5 % "
+        "(qualitative: 2 %) of energy at grazing angles. Roughness 0 is `diffuse`. It reflects on the side "
+        "of its normal and is black on the other; `twosided` makes both sides alike. It is `roughdiffuse` "
+        "of Mitsuba 0.6.",
         "M. Oren, S. K. Nayar, Generalization of Lambert's reflectance model, SIGGRAPH 1994",
         {{"reflectance", "texture", "", "0.5", "reflectance of a facet"},
          {"alpha", "texture", "", "0.2",
           "RMS slope of the surface, the roughness of Beckmann's distribution; sigma is alpha/sqrt(2) "
           "radians"},
          {"sigma", "texture", "degree", "none",
-          "instead of alpha: standard deviation of the angle between a facet and the surface"},
-         {"use_fast_approx", "boolean", "", "false", "the qualitative model"}},
+          "standard deviation of the angle between a facet and the surface, instead of alpha"},
+         {"use_fast_approx", "boolean", "", "false", "use the qualitative model"}},
         {R"(<bsdf type="oren_nayar">
     <rgb name="reflectance" value="0.7, 0.5, 0.35"/>
     <float name="alpha" value="0.5"/>

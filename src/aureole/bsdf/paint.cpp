@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A layer of paint under its own surface: Kubelka and Munk's reflectance of a mixture of pigments over a
-// substrate, and Saunderson's interface between binder and air, smooth or rough:
-//     f = f_interface + T(i) T(o) / (pi eta^2) * R / (1 - k2 R),
-// R = R(K, S, thickness, substrate) the reflectance within the binder and T, k2 the interface's directional
-// transmittance and its reflectance for diffuse light from within. The interface loses nothing.
+// A layer of paint under its own interface: Kubelka and Munk's reflectance of a mixture of pigments over a
+// substrate, with Saunderson's correction for the interface between binder and air, smooth or rough:
+//     f = f_interface + T(i) T(o) / (pi eta^2) * R / (1 - k2 R).
+// R = R(K, S, thickness, substrate) is the reflectance within the binder, T the interface's directional
+// transmittance, and k2 its reflectance for diffuse light from inside. The interface is lossless.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -67,7 +67,7 @@ public:
   }
 
 private:
-  /// All that depends on wi.z, the point and the wavelengths only.
+  /// All that depends only on wi.z, the point and the wavelengths.
   struct State {
     float t_i, specular_probability;
     Spectrum base;
@@ -75,14 +75,14 @@ private:
     State(const Paint& p, float cos_i, const BsdfContext& ctx) : t_i(p.transmittance(cos_i)) {
       const Spectrum entered = p.bounced_within(ctx) * t_i;
       base = entered * (1 / (p.eta_ * p.eta_));
-      // The lobes are chosen by the energy they carry, averaged over the path's wavelengths: the same
-      // whichever of them is the hero.
+      // Lobes are chosen by their energy, averaged over the path's wavelengths, so that the probabilities do
+      // not depend on the hero.
       const float s = 1 - t_i, d = mean(entered) * p.leaving_;
       specular_probability = s + d > 0 ? s / (s + d) : 1;
     }
   };
 
-  /// Of the interface, from outside.
+  /// Returns the transmittance of the interface from outside.
   float transmittance(float cosine) const {
     if (coating_) return coating_->at(cosine);
     return eta_ == 1 ? 1 : 1 - fresnel_dielectric(cosine, eta_).reflectance;
@@ -103,20 +103,20 @@ private:
     return e;
   }
 
-  /// A reflectance as a fraction, so that what it is a part of needs no division of its own.
+  /// A reflectance as a fraction, which saves divisions of intermediate results.
   struct Ratio {
     Spectrum numerator, denominator;
   };
 
-  /// R/(1 - k2 R), R that of the layer over its substrate: light that comes up to the interface from within, of what came
-  /// through it from outside.
+  /// Returns R/(1 - k2 R), with the reflectance R of the layer over its substrate: the diffuse light that
+  /// reaches the interface from inside, as a fraction of the light transmitted into the layer.
   Spectrum bounced_within(const BsdfContext& ctx) const {
     const Ratio r = inner_reflectance(ctx);
     const Spectrum numerator = min(r.numerator, r.denominator);
     return safe_divide(numerator, r.denominator - numerator * (1 - leaving_));
   }
 
-  /// Kubelka and Munk's reflectance of the layer over its substrate.
+  /// Returns Kubelka and Munk's reflectance of the layer over its substrate.
   Ratio inner_reflectance(const BsdfContext& ctx) const {
     const Wavelengths& w = ctx.wavelengths;
     Spectrum below(0.f);
@@ -144,38 +144,39 @@ private:
       k = lerp(k, second_->k.eval(w), t), s = lerp(s, second_->s.eval(w), t);
     }
     const Spectrum gamma = sqrt(min(k * (k + s * 2.f), 1e37f));
-    // While the exponential of gamma is computed, so that its quotient is waited for by nothing.
+    // Computed while the exponential of gamma is pending, so that no operation waits for the quotient.
     return {k, s, gamma, Spectrum(1.f) / max(gamma, 1e-18f)};
   }
 
-  // pigment/kubelka_munk_layer.cpp has the same forms in double precision.
+  // pigment/kubelka_munk_layer.cpp has these formulas in double precision.
 
   static Ratio opaque(const Coefficients& c) { return {c.s, c.k + c.s + c.gamma}; }
 
-  /// Reflectance and transmittance of the layer alone: with d = exp(-2 gamma x), q = (1 - d)/gamma and
-  /// D = K q + S q + 1 + d the reflectance is S q/D, the transmittance squared 4 d/D^2.
+  /// Reflectance and transmittance of the layer alone: with d = exp(-2 gamma x), q = (1 - d)/gamma and D = K
+  /// q + S q + 1 + d the reflectance is S q/D, the transmittance squared 4 d/D^2.
   struct Film {
     Spectrum kq, sq, decay;
     Film(const Coefficients& c, float x) {
       const Spectrum path = c.gamma * (2 * x);
       decay = exp_of_negative(path * -1.f);
-      // By its series where rounding would show.
+      // The series avoids visible rounding errors.
       const Spectrum series =
           (Spectrum(1.f) - path * (Spectrum(0.5f) - path * (1 / 6.f - path * (1 / 24.f)))) * (2 * x);
       const Spectrum q =
           select(path.v > Spectrum(0.02f).v, (Spectrum(1.f) - decay) * c.inverse_gamma, series);
-      kq = c.k * q, sq = min(c.s * q, 1e15f);  // white from there on; its square is a float
+      kq = c.k * q, sq = min(c.s * q, 1e15f);  // upper bound, where the layer is white; its square is a float
     }
     Spectrum sum() const { return kq + sq + (decay + 1.f); }
   };
-  /// Over `below`: every term is positive, so that none is lost.
+  /// Returns the reflectance over a substrate of reflectance `below`; all terms are positive, without
+  /// cancellation.
   static Ratio film(const Coefficients& c, float x, const Spectrum& below) {
     const Film f(c, x);
     const Spectrum rest = f.kq + f.sq * (Spectrum(1.f) - below) + (f.decay + 1.f);
     return {f.sq * rest + f.decay * below * 4.f, f.sum() * rest};
   }
 
-  /// Where neither amounts nor thickness vary the layer is a table; what lies below may vary.
+  /// Tabulates the layer if neither amounts nor thickness vary; the substrate may vary.
   void tabulate_uniform(const SpectralGrid& grid) {
     if (thickness_factor_.minimum() < thickness_factor_.maximum() || blend_.minimum() < blend_.maximum())
       return;
@@ -274,47 +275,51 @@ private:
   bool opaque_ = true;
   TexturePtr substrate_;
   std::shared_ptr<const Bsdf> substrate_bsdf_;
-  std::optional<Roughness> roughness_;  // where the interface is rough
+  std::optional<Roughness> roughness_;  // if the interface is rough
   std::optional<RoughCoating> coating_;
-  float eta_ = 1;             // binder over outside
+  float eta_ = 1;             // index of the binder over the index outside
   float leaving_ = 1;         // 1 - k2
-  float seen_diffusely_ = 0;  // k1, the interface's reflectance of diffuse light
+  float seen_diffusely_ = 0;  // k1, the interface's reflectance for diffuse light from outside
 };
 
 AUREOLE_PLUGIN(
     Paint, "bsdf", "paint",
     PluginDoc{
-        "A layer of paint, mixed from the pigments of a palette: opaque, or with a thickness over a substrate that shows "
-        "through, under its own smooth or rough surface. K and S come from a file that `aureole pigment fit` writes, or are those "
-        "of 13 measured acrylics (by miciwan, CC BY 4.0). It reflects on the side of its normal and is black on the other; "
-        "`twosided` makes both sides alike.",
+        "A layer of paint, mixed from the pigments of a palette: opaque, or with a thickness over a "
+        "substrate that shows through, under its own smooth or rough interface. K and S come from a file "
+        "written by `aureole pigment fit`, or are those of 13 measured acrylics (by miciwan, CC BY 4.0). It "
+        "reflects on the side of its normal and is black on the other; `twosided` makes both sides alike.",
         "P. Kubelka, New contributions to the optics of intensely light-scattering materials, J. Opt. Soc. Am. 38, 1948; J. L. "
         "Saunderson, Calculation of the color of pigmented plastics, J. Opt. Soc. Am. 32, 1942",
         {{"recipe", "string", "", "required",
-          "paints and parts by mass, \"red: 1 + white: 3\", or per cent, \"red: 25% + white: 75%\""},
+          "paints and their proportions by mass, \"red: 1 + white: 3\", or per cent, \"red: 25% + white: "
+          "75%\""},
          {"palette", "file", "", "none",
-          "palette of K and S (docs/pigments.md); without one the measured acrylics: white, cold yellow, warm yellow, yellow "
-          "oxide, orange, red, red oxide, magenta, violet, blue red shade, blue green shade, green, black"},
-         {"by_volume", "boolean", "", "false", "parts are by volume; the palette needs densities"},
+          "file of K and S of paints (docs/pigments.md); default: the measured acrylics white, cold yellow, "
+          "warm yellow, yellow oxide, orange, red, red oxide, magenta, violet, blue red shade, blue green "
+          "shade, green, black"},
+         {"by_volume", "boolean", "", "false", "proportions are by volume; the palette needs densities"},
          {"second_recipe", "string", "", "none", "a second recipe, mixed with the first by `blend`"},
          {"blend", "texture", "", "0",
           "mass fraction of the second recipe, in [0, 1]; one number for all wavelengths"},
          {"thickness", "float or string", "", "none",
-          "of the layer, \"20um\"; for relative palettes, as the measured acrylics are, a number in 1/S of the white. Without "
-          "it the paint is opaque"},
-         {"thickness_factor", "texture", "", "1", "multiplies the thickness; one number for all wavelengths"},
+          "thickness of the layer, \"20um\"; for relative palettes (such as the measured acrylics) a number "
+          "in units of 1/S of the white. Without it the paint is opaque"},
+         {"thickness_factor", "texture", "", "1", "factor of the thickness; one number for all wavelengths"},
          {"bsdf", "bsdf", "", "none",
-          "what the paint lies on; it counts by its diffuse reflectance, seen along the normal"},
-         {"substrate", "texture", "", "0", "instead: the diffuse reflectance of what the paint lies on"},
+          "BSDF below the paint, of which the diffuse reflectance along the normal is used"},
+         {"substrate", "texture", "", "0", "diffuse reflectance below the paint, instead of a BSDF"},
          {"int_ior", "float or string", "", "polypropylene",
-          "index of the binder at 589 nm, as a number or a material's name; with that outside there is no interface"},
-         {"ext_ior", "float or string", "", "air", "index outside, as a number or a material's name"},
+          "index of refraction of the binder at 589 nm, as a number or a material's name; if equal to "
+          "ext_ior there is no interface"},
+         {"ext_ior", "float or string", "", "air",
+          "index of refraction outside, as a number or a material's name"},
          {"dispersion", "boolean", "", "true",
-          "has no effect on a paint, whose interface has the index at 589 nm"},
-         {"alpha", "float", "", "none", "roughness of the surface; without it the surface is smooth"},
-         {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},
-         {"sample_visible", "boolean", "", "true",
-          "sample the normals that are visible (less noise), not all of them"}},
+          "without effect on a paint, whose interface has the index at 589 nm"},
+         {"alpha", "float", "", "none", "roughness of the interface; without it the interface is smooth"},
+         {"distribution", "string", "", "beckmann",
+          "distribution of the microfacet normals: beckmann or ggx"},
+         {"sample_visible", "boolean", "", "true", "sample visible normals (less noise), not all normals"}},
         {R"(<bsdf type="paint">
     <string name="recipe" value="blue green shade: 1 + cold yellow: 2 + white: 10"/>
     <float name="alpha" value="0.2"/> <string name="distribution" value="ggx"/>

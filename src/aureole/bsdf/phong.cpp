@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The modified Phong model: a diffuse lobe and one around the mirror direction,
+// The modified Phong model: a diffuse lobe and a glossy one around the mirror direction,
 //     f = rho_d/pi + rho_s (n + 2)/(2 pi) cos^n(angle to the mirror direction).
 #include <cmath>
 
@@ -62,10 +62,10 @@ AUREOLE_PLUGIN(
     PluginDoc{
         "The modified Phong model: a diffuse lobe and a glossy one around the mirror direction. It is "
         "reciprocal. At normal incidence it reflects specular_reflectance + diffuse_reflectance, at other "
-        "angles less: a sharp lobe falls with the cosine of the angle, a soft one to a third or a half, "
-        "since there is no microscopic surface behind it. Where the two reflectances add up to more than "
-        "one, both are divided by their sum, with a note. It reflects on the side of its normal and is "
-        "black on the other; `twosided` makes both sides alike.",
+        "angles less: a sharp lobe falls with the cosine of the angle, a wide one to a third or a half, "
+        "since the model has no microscopic surface. If the two reflectances add up to more than one, both "
+        "are divided by their sum, with a note. It reflects on the side of its normal and is black on the "
+        "other; `twosided` makes both sides alike.",
         "B. T. Phong, Illumination for computer generated pictures, CACM 18(6), 1975; E. P. Lafortune, Y. "
         "D. Willems, Using the modified Phong reflectance model for physically based rendering, report CW "
         "197, KU Leuven 1994",

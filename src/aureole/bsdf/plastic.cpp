@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A diffuse base under a smooth dielectric coating: a delta lobe of the coating, and light that entered, was
-// scattered diffusely (any number of times, by reflection from below the coating) and left:
+// A diffuse base under a smooth dielectric coating: a delta lobe of the coating, and light that enters, is
+// scattered diffusely (any number of times, by internal reflection at the coating) and leaves:
 //     f = (1 - F_i) (1 - F_o) / (pi eta^2) * rho / (1 - rho' F_int),
 // with F_int the internal diffuse reflectance and rho' = rho if `nonlinear`, else 1.
 #include <cmath>
@@ -61,7 +61,7 @@ private:
     }
   };
 
-  /// All that depends on wi and the wavelengths only.
+  /// All that depends only on wi and the wavelengths.
   struct State {
     Spectrum eta, f_i, specular, base;
     float specular_probability;
@@ -86,8 +86,8 @@ private:
       const Spectrum entered =
           (Spectrum(1.f) - f_i) * rho / (Spectrum(1.f) - (p.nonlinear_ ? rho * f_int : f_int));
       base = entered * inverse_eta2;
-      // The lobes are chosen by the energy they carry, averaged over the path's wavelengths: the same
-      // whichever of them is the hero. `entered` leaves with 1 - F_int of its light.
+      // Lobes are chosen by their energy, averaged over the path's wavelengths, so that the probabilities do
+      // not depend on the hero. The fraction 1 - F_int of `entered` leaves.
       const float s = mean(specular), d = mean(entered * (Spectrum(1.f) - f_int));
       specular_probability = s + d > 0 ? s / (s + d) : 1;
     }
@@ -101,7 +101,7 @@ private:
   }
 
   void tabulate_coating(const SpectralGrid& grid) {
-    // The quadrature is not free and the function is smooth: few nodes, straight between them.
+    // The quadrature is costly and the function is smooth: few nodes, linear between them.
     constexpr int kNodes = 129;
     std::vector<double> nm(kNodes), values(kNodes);
     for (int i = 0; i < kNodes; ++i) {
@@ -115,34 +115,35 @@ private:
   Ior interior_, exterior_;
   bool dispersive_, nonlinear_;
   Coating constant_;
-  SampledSpectrum f_int_;  // where dispersive
+  SampledSpectrum f_int_;  // if dispersive
   TexturePtr diffuse_, specular_;
 };
 
 AUREOLE_PLUGIN(
     Plastic, "bsdf", "plastic",
-    PluginDoc{"A diffuse base under a smooth transparent coating: a sharp highlight over a diffuse colour, "
-              "with the light that is reflected back and forth between the base and the coating. It reflects "
-              "on the side of its normal and is black on the other; `twosided` makes both sides alike.",
-              "Fresnel: M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2; "
-              "interreflections: J. L. Saunderson, "
-              "Calculation of the color of pigmented plastics, J. Opt. Soc. Am. 32, 1942, as used in Mitsuba",
-              {{"diffuse_reflectance", "texture", "", "0.5", "reflectance of the base"},
-               {"nonlinear", "boolean", "", "false",
-                "let the base absorb at each internal reflection, which shifts saturated colours (false: "
-                "only once)"},
-               {"int_ior", "float or string", "", "polypropylene",
-                "index of the coating, as a number or a material's name"},
-               {"ext_ior", "float or string", "", "air", "index outside, as a number or a material's name"},
-               {"dispersion", "boolean", "", "true",
-                "named materials use their dispersion data where there are any"},
-               {"specular_reflectance", "texture", "", "1",
-                "factor of the highlight; leave at 1 for a real coating"}},
-              {R"(<bsdf type="plastic">
+    PluginDoc{
+        "A diffuse base under a smooth transparent coating: a sharp highlight over a diffuse colour, "
+        "with the interreflections between the base and the coating. It reflects on the side of its "
+        "normal and is black on the other; `twosided` makes both sides alike.",
+        "Fresnel: M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2; "
+        "interreflections: J. L. Saunderson, "
+        "Calculation of the color of pigmented plastics, J. Opt. Soc. Am. 32, 1942, as used in Mitsuba",
+        {{"diffuse_reflectance", "texture", "", "0.5", "reflectance of the base"},
+         {"nonlinear", "boolean", "", "false",
+          "whether the base absorbs at each internal reflection, which shifts saturated colours "
+          "(false: only once)"},
+         {"int_ior", "float or string", "", "polypropylene",
+          "index of refraction of the coating, as a number or a material's name"},
+         {"ext_ior", "float or string", "", "air",
+          "index of refraction outside, as a number or a material's name"},
+         {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"},
+         {"specular_reflectance", "texture", "", "1",
+          "factor of the specular reflection; leave at 1 for a real coating"}},
+        {R"(<bsdf type="plastic">
     <rgb name="diffuse_reflectance" value="0.1, 0.27, 0.36"/>
     <float name="int_ior" value="1.9"/>
 </bsdf>)",
-               R"(<bsdf type="plastic">
+         R"(<bsdf type="plastic">
     <rgb name="diffuse_reflectance" value="0.7, 0.1, 0.1"/>
     <boolean name="nonlinear" value="true"/>
     <string name="int_ior" value="polystyrene"/>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Burley's principled BSDF as Mitsuba 3.9 has it: diffuse, sheen, metallic and dielectric GGX reflection,
-// GGX refraction, and a clearcoat. Its densities do not depend on the wavelength: all weights are numbers.
+// Burley's principled BSDF as in Mitsuba 3.9: diffuse, sheen, metallic and dielectric GGX reflection, GGX
+// refraction, and a clearcoat. Its pdfs do not depend on the wavelength, since all weights are numbers.
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
@@ -13,7 +13,7 @@
 namespace aureole {
 namespace {
 
-/// The clearcoat: GTR with exponent 1 (Burley 2012, appendix B), and Smith's masking of a fixed roughness.
+/// The clearcoat: GTR with exponent 1 (Burley 2012, appendix B), and Smith masking of a fixed roughness.
 struct Clearcoat {
   float alpha;
 
@@ -23,7 +23,7 @@ struct Clearcoat {
     const float a2 = alpha * alpha, s2 = m.x * m.x + m.y * m.y;
     return (a2 - 1) / (kPi * std::log(a2) * (s2 + a2 * m.z * m.z));
   }
-  /// With density d(m) m.z.
+  /// Samples with density d(m) m.z.
   Vec3 sample(Vec2 u) const {
     const float a2 = alpha * alpha, power = std::pow(a2, 1 - u.y), scale = 1 / (1 - a2);
     const float s = std::sqrt(std::max((power - a2) * scale, 0.f));
@@ -52,7 +52,7 @@ public:
         specular_rate_(principled::rate(properties, "main_specular_sampling_rate")),
         clearcoat_rate_(principled::rate(properties, "clearcoat_sampling_rate")),
         transmits_(spec_trans_.maximum() > 0) {
-    // Where the indices match there is no interface to refract: Mitsuba moves them apart by this much.
+    // For matched indices there is no interface to refract; like Mitsuba, the index is changed to 1.001.
     if (properties.has("eta") && properties.has("specular"))
       throw properties.error("specular", "give either eta or specular, not both");
     if (properties.has("eta")) {
@@ -92,7 +92,7 @@ public:
       if (!(c > 0)) return {};
       if (!s.front) m = -m;
       const DielectricFresnel f = fresnel_dielectric(c, s.eta);
-      // On the inside Fresnel alone decides, and there are no other lobes.
+      // On the inside the Fresnel term alone decides, and there are no other lobes.
       const float transmit = (s.front ? s.bsdf : 1) * (1 - f.reflectance);
       if ((u - s.p_clearcoat) < transmit * s.p_specular) {
         wo = m * (c / s.eta - f.cos_t) - wi * (1 / s.eta);
@@ -118,14 +118,14 @@ public:
   }
 
 private:
-  /// The quantities that depend only on the point and the side of wi.
+  /// Quantities that depend only on the point and the side of wi.
   struct State {
     bool front;
-    float eta;  ///< index beyond the surface over that on the side of wi
+    float eta;  ///< index beyond the surface over the index on the side of wi
     float roughness, metallic, clearcoat;
-    float brdf, bsdf;  ///< weights of the diffuse and of the transmitting part
+    float brdf, bsdf;  ///< weights of the diffuse and of the transmitting lobes
     Ggx ggx;
-    float p_diffuse, p_clearcoat, p_specular, total;  ///< `total` is their sum
+    float p_diffuse, p_clearcoat, p_specular, total;  ///< `total` is the sum of the others
 
     State(const Principled& p, const Vec3& wi, const BsdfContext& ctx)
         : front(wi.z > 0),
@@ -142,7 +142,7 @@ private:
       p_specular = front ? p.specular_rate_ : 1;
       total = p_diffuse + p_clearcoat + p_specular;
     }
-    /// The inside is black where nothing transmits.
+    /// Whether there are lobes: the inside is black if nothing transmits.
     bool active() const { return (front || bsdf > 0) && total > 0; }
   };
 
@@ -161,7 +161,7 @@ private:
     const Spectrum tint = tinted ? base_color_.tint(color, ctx) : Spectrum(1.f);
 
     BsdfEval e;
-    // As in Mitsuba, without an interface (eta = 1) there is no reflection, of metals neither.
+    // As in Mitsuba, without an interface (eta = 1) there is no reflection, not even from metals.
     if (f > 0) {
       Spectrum fresnel((1 - s.metallic) * (1 - spec_tint) * f);
       if (s.metallic > 0) fresnel += s.metallic * principled::schlick(color, c, s.eta);
@@ -191,7 +191,7 @@ private:
     Vec3 m = wi + wo * s.eta;
     const float length2 = length_squared(m);
     if (!(length2 > 1e-30f)) return {};
-    // The normal on the side of wi: it must see wi, and wo must be on its other side.
+    // The normal on the side of wi must face wi, and wo must be on its other side.
     m = m * (1 / std::copysign(std::sqrt(length2), m.z * wi.z));
     const float c_i = std::min(dot(wi, m), 1.f), c_o = -dot(wo, m);
     if (!(c_i > 0 && c_o > 0)) return {};
@@ -210,46 +210,50 @@ private:
       clearcoat_, clearcoat_gloss_;
   float diffuse_rate_, specular_rate_, clearcoat_rate_;
   bool transmits_;
-  float eta_ = 1;  // interior over exterior
+  float eta_ = 1;  // index of the interior over that of the exterior
 };
 
 AUREOLE_PLUGIN(
     Principled, "bsdf", "principled",
     PluginDoc{
         "Burley's principled (Disney) BSDF: few parameters, most of them in [0, 1], for metals, plastics, "
-        "cloth, coated paint and rough glass. It is made for the eye: diffuse reflection, sheen and "
-        "clearcoat are added on top of each other, so that it can reflect more light than it receives at "
-        "grazing angles, and with roughness it loses what is scattered between microfacets. It is "
-        "reciprocal. Without spec_trans it is black from behind; `twosided` makes both sides alike. With "
-        "specular = 0 or eta = 1 and no spec_trans nothing reflects but the diffuse lobe, sheen and "
-        "clearcoat, metals included. The tints divide base_color by its luminance under D65 (the mean over "
-        "the sensor's range where that sees no visible light).",
+        "cloth, coated paint and rough glass. It is designed for appearance, not physics: diffuse "
+        "reflection, sheen and clearcoat are added, so that it can reflect more light than it receives at "
+        "grazing angles, and with roughness it loses light scattered between microfacets. It is reciprocal. "
+        "Without spec_trans it is black from behind; `twosided` makes both sides alike. With specular = 0 "
+        "or eta = 1 and no spec_trans nothing reflects but the diffuse lobe, sheen and clearcoat, metals "
+        "included. The tints divide base_color by its luminance under D65 (the mean over the sensor's range "
+        "if that includes no visible light).",
         "B. Burley, Physically based shading at Disney, SIGGRAPH 2012 course notes; B. Burley, Extending "
         "the Disney BRDF to a BSDF with integrated subsurface scattering, SIGGRAPH 2015 course notes; "
         "constants and lobes as in Mitsuba 3.9",
-        {{"base_color", "texture", "", "0.5", "colour of the material; transmission has its square root"},
+        {{"base_color", "texture", "", "0.5", "colour of the material; transmission uses its square root"},
          {"roughness", "texture", "", "0.5", "square root of the GGX width of reflection and transmission"},
          {"anisotropic", "texture", "", "0",
           "stretches highlights: the GGX widths are roughness^2/a along the tangent and roughness^2 a "
-          "across, a^2 = 1 - 0.9 anisotropic"},
-         {"metallic", "texture", "", "0", "share of the metal, whose reflectance is base_color"},
+          "perpendicular to it, a^2 = 1 - 0.9 anisotropic"},
+         {"metallic", "texture", "", "0", "fraction of metal, whose reflectance is base_color"},
          {"spec_trans", "texture", "", "0",
-          "share of what is not metal that transmits as rough glass instead of being diffuse"},
-         {"eta", "float", "", "none", "index of the interior over that of the exterior, instead of specular"},
+          "fraction of the non-metallic part that transmits as rough glass instead of being diffuse"},
+         {"eta", "float", "", "none",
+          "relative index of refraction, interior over exterior; instead of specular"},
          {"specular", "float", "", "0.5",
           "reflectance at normal incidence over 0.08; 0.5 is an index of 1.5"},
          {"spec_tint", "texture", "", "0",
-          "share of the dielectric reflection that has the tint of base_color"},
-         {"sheen", "texture", "", "0", "weight of a soft gleam at grazing angles, as of cloth"},
-         {"sheen_tint", "texture", "", "0", "share of the sheen that has the tint of base_color"},
+          "fraction of the dielectric reflection that has the tint of base_color"},
+         {"sheen", "texture", "", "0", "weight of a soft reflection at grazing angles, as of cloth"},
+         {"sheen_tint", "texture", "", "0", "fraction of the sheen that has the tint of base_color"},
          {"flatness", "texture", "", "0",
-          "share of the diffuse reflection that is an approximation of subsurface scattering"},
-         {"clearcoat", "texture", "", "0", "weight of a second, colourless highlight"},
-         {"clearcoat_gloss", "texture", "", "0", "its sharpness: a width from 0.1 (0) to 0.001 (1)"},
+          "fraction of the diffuse reflection that is an approximation of subsurface scattering"},
+         {"clearcoat", "texture", "", "0", "weight of a second, colourless specular lobe"},
+         {"clearcoat_gloss", "texture", "", "0",
+          "sharpness of the clearcoat: a GTR width from 0.1 (0) to 0.001 (1)"},
          {"diffuse_reflectance_sampling_rate", "float", "", "1",
-          "relative number of samples of the diffuse lobe; changes noise only"},
-         {"main_specular_sampling_rate", "float", "", "1", "the same of reflection and transmission by GGX"},
-         {"clearcoat_sampling_rate", "float", "", "1", "the same of the clearcoat"}},
+          "relative number of samples of the diffuse lobe; affects noise only"},
+         {"main_specular_sampling_rate", "float", "", "1",
+          "relative number of samples of the GGX lobes; affects noise only"},
+         {"clearcoat_sampling_rate", "float", "", "1",
+          "relative number of samples of the clearcoat; affects noise only"}},
         {R"(<bsdf type="principled">
     <rgb name="base_color" value="0.8, 0.3, 0.1"/>
     <float name="roughness" value="0.4"/>

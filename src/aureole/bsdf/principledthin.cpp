@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Burley's principled BSDF for thin sheets as Mitsuba 3.9 has it: both faces are one surface without
-// refraction, transmission is reflection turned to the other side. Both sides are alike.
+// Burley's principled BSDF for thin sheets as in Mitsuba 3.9: both faces are one surface without refraction;
+// transmission is reflection mirrored to the other side. Both sides are alike.
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
@@ -34,7 +34,7 @@ public:
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0 && std::abs(wo.z) > 0)) return {};
-    // The sheet is symmetric: seen from its upper side.
+    // The sheet is symmetric, so it is evaluated from its upper side.
     const Vec3 i = wi.z > 0 ? wi : -wi, o = wi.z > 0 ? wo : -wo;
     const State s(*this, ctx);
     if (!(s.total > 0)) return {};
@@ -86,7 +86,7 @@ public:
 
 private:
   struct State {
-    float roughness, anisotropic, spec_trans, eta, diff_trans;  ///< diff_trans in [0, 1] here
+    float roughness, anisotropic, spec_trans, eta, diff_trans;  ///< here diff_trans is in [0, 1]
     Ggx ggx;
     float p_specular_reflect, p_specular_transmit, p_diffuse_reflect, p_diffuse_transmit, total;
 
@@ -150,9 +150,9 @@ private:
     const Ggx ggx = s.transmission_ggx();
     const float d = 0.25f * ggx.d(half.h) * ggx.g1_over_cos(i);
     e.pdf += Spectrum(s.p_specular_transmit * d / s.total);
-    // Mitsuba leaves out directions on the wrong side of the half vector; Burley (2015) has no such condition.
-    // Exchanging the directions gives another one: Mitsuba's model is not reciprocal, and light that travels
-    // towards wo asks from there.
+    // Mitsuba omits directions on the wrong side of the half vector; Burley (2015) has no such condition. It
+    // changes when directions are exchanged, so Mitsuba's model is not reciprocal, and importance mode tests
+    // the exchanged directions.
     const Vec3& to = ctx.mode == TransportMode::radiance ? o : i;
     const float along = to.x * half.h.x + to.y * half.h.y;
     const bool visible =
@@ -173,36 +173,39 @@ AUREOLE_PLUGIN(
     PrincipledThin, "bsdf", "principledthin",
     PluginDoc{
         "Burley's principled (Disney) BSDF for thin sheets such as leaves, paper and panes, which are one "
-        "surface without refraction; both sides are alike. It is made for the eye: sheen adds to the "
-        "diffuse reflection. Reflections between the two faces are not counted. Burley's rough transmission, "
-        "reflection turned to the other side, is reciprocal; Mitsuba's, which this is, leaves out directions "
-        "on the wrong side of the half vector of the reflection, a condition that changes when directions are "
-        "exchanged: from 85 to 60 degrees light passes, from 60 to 85 none.",
+        "surface without refraction; both sides are alike. It is designed for appearance, not physics: "
+        "sheen adds to the diffuse reflection. Reflections between the two faces are omitted. Burley's "
+        "rough transmission, reflection mirrored to the other side, is reciprocal. Mitsuba's, implemented "
+        "here, omits directions on the wrong side of the half vector of the reflection, a condition that "
+        "changes when directions are exchanged: light passes from 85 to 60 degrees, but not from 60 to 85.",
         "B. Burley, Extending the Disney BRDF to a BSDF with integrated subsurface scattering, SIGGRAPH "
         "2015 course notes; constants and lobes as in Mitsuba 3.9",
         {{"base_color", "texture", "", "0.5", "colour of the material"},
          {"roughness", "texture", "", "0.5",
-          "square root of the GGX width of reflection; transmission has 0.65 eta - 0.35 times this "
+          "square root of the GGX width of reflection; transmission has (0.65 eta - 0.35) times this "
           "roughness"},
          {"anisotropic", "texture", "", "0",
           "stretches highlights: the GGX widths are roughness^2/a along the tangent and roughness^2 a "
-          "across, a^2 = 1 - 0.9 anisotropic"},
+          "perpendicular to it, a^2 = 1 - 0.9 anisotropic"},
          {"spec_trans", "texture", "", "0",
-          "share of the specular reflection and transmission; the rest is diffuse"},
-         {"eta", "texture", "", "1.5", "index of the sheet over that outside"},
+          "fraction of specular reflection and transmission; the rest is diffuse"},
+         {"eta", "texture", "", "1.5", "relative index of refraction, sheet over exterior"},
          {"spec_tint", "texture", "", "0",
-          "share of the specular reflection that has the tint of base_color"},
-         {"sheen", "texture", "", "0", "weight of a soft gleam at grazing angles, as of cloth"},
-         {"sheen_tint", "texture", "", "0", "share of the sheen that has the tint of base_color"},
+          "fraction of the specular reflection that has the tint of base_color"},
+         {"sheen", "texture", "", "0", "weight of a soft reflection at grazing angles, as of cloth"},
+         {"sheen_tint", "texture", "", "0", "fraction of the sheen that has the tint of base_color"},
          {"flatness", "texture", "", "0",
-          "share of the diffuse reflection that is an approximation of subsurface scattering"},
+          "fraction of the diffuse reflection that is an approximation of subsurface scattering"},
          {"diff_trans", "texture", "", "0",
-          "diffuse light that is transmitted: 0 none, 1 half of it, 2 all of it"},
+          "transmission of diffuse light: 0 none, 1 half of it, 2 all of it"},
          {"diffuse_reflectance_sampling_rate", "float", "", "1",
-          "relative number of samples of diffuse reflection; changes noise only"},
-         {"diffuse_transmittance_sampling_rate", "float", "", "1", "the same of diffuse transmission"},
-         {"specular_reflectance_sampling_rate", "float", "", "1", "the same of specular reflection"},
-         {"specular_transmittance_sampling_rate", "float", "", "1", "the same of specular transmission"}},
+          "relative number of samples of diffuse reflection; affects noise only"},
+         {"diffuse_transmittance_sampling_rate", "float", "", "1",
+          "relative number of samples of diffuse transmission; affects noise only"},
+         {"specular_reflectance_sampling_rate", "float", "", "1",
+          "relative number of samples of specular reflection; affects noise only"},
+         {"specular_transmittance_sampling_rate", "float", "", "1",
+          "relative number of samples of specular transmission; affects noise only"}},
         {R"(<bsdf type="principledthin">
     <rgb name="base_color" value="0.7, 0.1, 0.1"/>
     <float name="roughness" value="0.35"/>

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rough metal: microfacets that reflect as a smooth one does, f = F D G / (4 cos_i cos_o) (Cook & Torrance
-// 1982; Walter et al. 2007, equation 20) with Smith's G = G1(wi) G1(wo), scattered once. With
-// `energy_preserving` a second lobe holds the light that is scattered more than once (Kulla & Conty 2017,
-// "Revisiting physically based shading at Imageworks"):
+// A rough metal: specular microfacets, f = F D G / (4 cos_i cos_o) (Cook & Torrance 1982; Walter et al. 2007,
+// equation 20) with Smith's G = G1(wi) G1(wo), single scattering. With `energy_preserving` a second lobe adds
+// multiple scattering (Kulla & Conty 2017, "Revisiting physically based shading at Imageworks"):
 //     f_ms = F_ms (1 - E(wi)) (1 - E(wo)) / (pi (1 - E_avg)),
-// E the energy that white facets scatter once. It is reciprocal, and a white surface loses nothing.
+// with E the energy that white facets scatter once. It is reciprocal, and a white surface loses nothing.
 #include <optional>
 
 #include "aureole/bsdf/bsdf.h"
@@ -57,7 +56,7 @@ public:
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect; }
 
 private:
-  /// All that depends on wi and the point only. `loss` is the probability of the second lobe: the same for
+  /// All that depends only on wi and the point. `loss` is the probability of the second lobe, one number for
   /// all wavelengths.
   struct State {
     Microfacets facets;
@@ -68,14 +67,14 @@ private:
       if (!b.loss_) return;
       place = b.loss_->locate(facets);
       average_loss = b.loss_->average(place, 1.f);
-      // Below, single precision has nothing to add.
+      // Smaller losses are below single precision.
       if (average_loss > 1e-6f) loss = b.loss_->loss(place, wi, 1.f);
     }
   };
 
   BsdfEval at(const State& s, const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const {
     const Vec3 sum = wi + wo;
-    const float size = length(sum), cos_im = std::min(0.5f * size, 1.f);  // of the angle from wi to sum
+    const float size = length(sum), cos_im = std::min(0.5f * size, 1.f);  // cosine between wi and sum
     if (!(size > 0)) return {};
     const Vec3 m = sum / size;
     const float density = s.facets.density(m), seen = 0.25f * density * s.facets.masking_over_cos(wi);
@@ -83,8 +82,8 @@ private:
     const Spectrum tint = reflectance_ ? reflectance_->eval(ctx.point, ctx.wavelengths) : Spectrum(1.f);
     BsdfEval e{index_.reflectance(cos_im, ctx) * tint * (seen * s.facets.masking(wo)), pdf};
     if (s.loss > 0) {
-      // Light that meets facets twice or more: reflected by F_avg each time, and escaping with E_avg after
-      // each.
+      // Light that hits facets twice or more: it is reflected by F_avg each time, and escapes with E_avg
+      // after each.
       const Spectrum f = index_.diffuse_reflectance(ctx) * tint;
       const Spectrum f_ms = f * f * (1 - s.average_loss) / (Spectrum(1.f) - f * s.average_loss);
       const float cosine = cosine_hemisphere_pdf(wo.z);
@@ -103,25 +102,24 @@ private:
 AUREOLE_PLUGIN(
     RoughConductor, "bsdf", "roughconductor",
     PluginDoc{
-        "A rough metal in vacuum: microfacets that reflect as `conductor` does. Light is scattered once, "
-        "which makes very rough metals dark; with `energy_preserving` it is scattered until it leaves, with "
-        "the stronger colour of several reflections, and a white metal loses no light. It reflects on the "
-        "side of its normal and is black on the other; `twosided` makes both sides alike.",
+        "A rough metal in vacuum: microfacets that reflect as `conductor` does. Single scattering makes "
+        "very rough metals dark. With `energy_preserving` light is scattered until it leaves, with the more "
+        "saturated colour of several reflections, and a white metal loses no light. It reflects on the side "
+        "of its normal and is black on the other; `twosided` makes both sides alike.",
         "B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet models for refraction through rough "
         "surfaces, EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based "
         "BRDFs, JCGT 3(2), 2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, "
         "SIGGRAPH courses 2017",
-        conductor_parameters({{"distribution", "string", "", "beckmann",
-                               "distribution of the facets' normals: beckmann or ggx"},
-                              {"alpha", "texture", "", "0.1",
-                               "roughness: for beckmann the root mean square slope times root 2"},
-                              {"alpha_u", "texture", "", "alpha",
-                               "roughness along dp/du, with alpha_v instead of alpha"},
-                              {"alpha_v", "texture", "", "alpha", "roughness across dp/du"},
-                              {"sample_visible", "boolean", "", "true",
-                               "sample the normals that are visible (less noise), not all of them"},
-                              {"energy_preserving", "boolean", "", "false",
-                               "add the light that is scattered more than once, which Mitsuba leaves out"}}),
+        conductor_parameters(
+            {{"distribution", "string", "", "beckmann",
+              "distribution of the microfacet normals: beckmann or ggx"},
+             {"alpha", "texture", "", "0.1", "roughness; for beckmann sqrt(2) times the RMS slope"},
+             {"alpha_u", "texture", "", "alpha",
+              "roughness along dp/du; give alpha_u and alpha_v instead of alpha"},
+             {"alpha_v", "texture", "", "alpha", "roughness perpendicular to dp/du"},
+             {"sample_visible", "boolean", "", "true",
+              "sample visible normals (less noise), not all normals"},
+             {"energy_preserving", "boolean", "", "false", "add multiple scattering, which Mitsuba omits"}}),
         {R"(<bsdf type="roughconductor">
     <string name="material" value="Al"/>
     <string name="distribution" value="ggx"/>

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rough interface between two transparent media: microfacets that reflect and refract as a smooth one does
-// (Walter et al. 2007, equations 20 and 21) with Smith's G = G1(wi) G1(wo), scattered once. Which facet
-// refracts wi into wo depends on the index: with dispersion every wavelength has a normal of its own. With
-// `energy_preserving` two more lobes, one on each side, hold the light scattered more than once (Kulla &
-// Conty 2017); see `Multiple`.
+// A rough interface between two transparent media: specular microfacets (Walter et al. 2007, equations 20 and
+// 21) with Smith's G = G1(wi) G1(wo), single scattering. The facet that refracts wi into wo depends on the
+// index, so with dispersion every wavelength has its own normal. With `energy_preserving` two more lobes, one
+// on each side, add multiple scattering (Kulla & Conty 2017); see `Multiple`.
 #include <optional>
 
 #include "aureole/bsdf/bsdf.h"
@@ -18,14 +17,14 @@
 namespace aureole {
 namespace {
 
-// One formula for an index of all wavelengths (float) and one per wavelength (Spectrum).
+// Overloads for one index of all wavelengths (float) and one index per wavelength (Spectrum).
 bool positive(float x) { return x > 0; }
 SpectrumMask positive(const Spectrum& x) { return x.v > Spectrum(0.f).v; }
 float select(bool m, float a, float b) { return m ? a : b; }
 float reflectance(float cos_i, float eta) { return fresnel_dielectric(cos_i, eta).reflectance; }
 Spectrum reflectance(const Spectrum& cos_i, const Spectrum& eta) { return fresnel_dielectric(cos_i, eta); }
-/// 1 - F from both cosines of a refracted ray, Fresnel's t_s and t_p (Born & Wolf 1999, 1.5.2 equation 20):
-/// alike from both sides, and exact near the critical angle.
+/// Returns 1 - F from both cosines of a refracted ray, by Fresnel's t_s and t_p (Born & Wolf 1999, 1.5.2
+/// equation 20). It is equal from both sides, and exact near the critical angle.
 template <class T>
 T transmittance(const T& cos_i, const T& cos_t, const T& eta) {
   const T s = cos_i + eta * cos_t, p = eta * cos_i + cos_t;
@@ -78,15 +77,15 @@ public:
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect | Lobe::transmit; }
 
 private:
-  /// The light that is scattered more than once. Of the loss of side a a fraction x_a crosses to side b, the
-  /// rest stays; both leave in proportion to the loss of their side,
+  /// Multiple scattering. Of the loss of side a the fraction x_a crosses to side b, the rest stays; both
+  /// leave in proportion to the loss of their side,
   ///     f_r = (1 - x_a) loss_a(i) loss_a(o) / (pi avg_a),    f_t = x_a loss_a(i) loss_b(o) / (pi avg_b),
-  /// so that energy is kept. Reciprocity, f_t(a to b)/n_b^2 = f_t(b to a)/n_a^2, needs x_a avg_a n_a^2 =
-  /// x_b avg_b n_b^2. As (1 - F_a) n_a^2 = (1 - F_b) n_b^2 for the diffuse reflectances F of a smooth
-  /// interface, x_a = (1 - F_a) min(avg_a, avg_b)/avg_a has both and lies in [0, 1].
+  /// so that energy is conserved. Reciprocity, f_t(a to b)/n_b^2 = f_t(b to a)/n_a^2, requires x_a avg_a
+  /// n_a^2 = x_b avg_b n_b^2. Since (1 - F_a) n_a^2 = (1 - F_b) n_b^2 for the diffuse reflectances F of a
+  /// smooth interface, x_a = (1 - F_a) min(avg_a, avg_b)/avg_a satisfies it and lies in [0, 1].
   struct Multiple {
     LossTable above, below;
-    std::vector<float> entering;  ///< 1 - F from above, for the nodes of the index
+    std::vector<float> entering;  ///< 1 - F from above, at the nodes of the index
     const LossTable& side(bool is_below) const { return is_below ? below : above; }
 
     Multiple(const Roughness& roughness, const std::vector<float>& etas) {
@@ -102,7 +101,7 @@ private:
     }
   };
 
-  /// All that depends on wi and the point only. The side of wi is turned up.
+  /// All that depends only on wi and the point. The frame is flipped so that wi is above.
   template <class T>
   struct State {
     Microfacets facets, sampler;
@@ -121,14 +120,14 @@ private:
           eta_above(b.index(ctx, T{})),
           masking_over_cos(facets.masking_over_cos(wi)) {
       eta = below ? T(1.f) / eta_above : eta_above;
-      // All normals weigh much where they are hardly seen: a rougher surface has more of them (Walter et al.
-      // 2007, section 5.3).
+      // Sampling all normals gives large weights to normals that are barely visible. A rougher distribution
+      // has more of them (Walter et al. 2007, section 5.3).
       if (!b.roughness_.visible()) sampler = facets.scaled(1.2f - 0.2f * std::sqrt(wi.z));
       if (!b.multiple_) return;
       const Multiple& m = *b.multiple_;
       const LossTable &here = m.side(below), &beyond = m.side(!below);
       place = here.locate(facets);
-      // The floor removes values that single precision cannot tell from zero.
+      // The floor removes values that single precision cannot distinguish from zero.
       average = larger(here.average(place, eta_above), T(1e-6f));
       average_beyond = larger(beyond.average(place, eta_above), T(1e-6f));
       loss = here.loss(place, wi, eta_above);
@@ -179,7 +178,7 @@ private:
       pdf = pdf * (T(1.f) - s.loss) + part * side.density_over_cosine(s.place, up.z, s.eta_above);
       value = value + part * side.loss(s.place, up, s.eta_above) / (through ? s.average_beyond : s.average);
     }
-    // Radiance is compressed into a smaller solid angle in the denser medium: refraction keeps L/n^2.
+    // Radiance is compressed into a smaller solid angle in the denser medium: refraction preserves L/n^2.
     if (through && ctx.mode == TransportMode::radiance) value = value / (s.eta * s.eta);
     BsdfEval e{value, pdf};
     if (const TexturePtr& tint = through ? transmittance_ : reflectance_)
@@ -202,14 +201,14 @@ private:
 
   template <class T>
   void refracted(const State<T>& s, const Vec3& wo, T& value, T& pdf) const {
-    // The normal is along wi + eta wo, which points to the thinner medium's side.
+    // The normal lies along wi + eta wo, which points to the side of lower index.
     const T x = s.eta * wo.x + s.wi.x, y = s.eta * wo.y + s.wi.y, z = s.eta * wo.z + s.wi.z;
     const T size2 = x * x + y * y + z * z;
     T scale = T(1.f) / root(larger(size2, T(1e-30f)));
     scale = select(positive(z), scale, scale * -1.f);
     const T mx = x * scale, my = y * scale, mz = z * scale;
     const T cos_im = mx * s.wi.x + my * s.wi.y + mz * s.wi.z, cos_om = mx * wo.x + my * wo.y + mz * wo.z;
-    // A facet seen from its front by wi and from its back by wo; its Jacobian dm/dwo (equation 17).
+    // The facet must face wi with its front and wo with its back; Jacobian dm/dwo (equation 17).
     const auto exists = positive(larger(cos_im, T(0.f)) * larger(cos_om * -1.f, T(0.f)));
     const T cos_i = select(exists, cos_im, T(1.f)), cos_t = select(exists, cos_om * -1.f, T(1.f));
     const T jacobian = s.eta * s.eta * cos_t / larger(size2, T(1e-30f));
@@ -226,7 +225,7 @@ private:
     return interior_.eval(ctx.wavelengths) / exterior_.eval_exterior(ctx);
   }
 
-  /// Nodes for tables over the index, interior over exterior.
+  /// Returns nodes for tables over the index, interior over exterior.
   std::vector<float> index_nodes(const SpectralGrid& grid) const {
     if (!dispersive_) return {eta_};
     float low = kInfinity, high = 0;
@@ -252,33 +251,32 @@ private:
 AUREOLE_PLUGIN(
     RoughDielectric, "bsdf", "roughdielectric",
     PluginDoc{
-        "A rough interface between two transparent media, such as ground glass: microfacets that reflect and "
-        "refract as `dielectric` does. The interior is on the side opposite to the normal. A material given "
-        "by name disperses as in `dielectric`. Light is scattered once, which makes very rough glass dark; "
-        "with `energy_preserving` no light is lost: what is missing leaves on both sides, reciprocally, "
-        "divided by the diffuse reflectance of a smooth interface.",
+        "A rough interface between two transparent media, such as ground glass: microfacets that reflect "
+        "and refract as `dielectric` does. The interior is on the side opposite to the normal. A material "
+        "given by name is dispersive as in `dielectric`. Single scattering makes very rough glass dark. "
+        "With `energy_preserving` no light is lost: multiple scattering is added on both sides, "
+        "reciprocally, divided by the diffuse reflectance of a smooth interface.",
         "B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet models for refraction through rough "
         "surfaces, EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based "
         "BRDFs, JCGT 3(2), 2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, "
         "SIGGRAPH courses 2017",
         {{"int_ior", "float or string", "", "1.5046",
-          "index of the interior, as a number or the name of a material"},
+          "index of refraction of the interior, as a number or the name of a material"},
          {"ext_ior", "float or string", "", "air",
-          "index of the exterior, as a number or the name of a material"},
-         {"dispersion", "boolean", "", "true",
-          "named materials use their dispersion data where there are any"},
+          "index of refraction of the exterior, as a number or the name of a material"},
+         {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"},
          {"specular_reflectance", "texture", "", "1",
           "factor of the reflected light; leave at 1 for a real interface"},
          {"specular_transmittance", "texture", "", "1",
           "factor of the refracted light; leave at 1 for a real interface"},
-         {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},
-         {"alpha", "texture", "", "0.1", "roughness: for beckmann the root mean square slope times root 2"},
-         {"alpha_u", "texture", "", "alpha", "roughness along dp/du, with alpha_v instead of alpha"},
-         {"alpha_v", "texture", "", "alpha", "roughness across dp/du"},
-         {"sample_visible", "boolean", "", "true",
-          "sample the normals that are visible (less noise), not all of them"},
-         {"energy_preserving", "boolean", "", "false",
-          "add the light that is scattered more than once, which Mitsuba leaves out"}},
+         {"distribution", "string", "", "beckmann",
+          "distribution of the microfacet normals: beckmann or ggx"},
+         {"alpha", "texture", "", "0.1", "roughness; for beckmann sqrt(2) times the RMS slope"},
+         {"alpha_u", "texture", "", "alpha",
+          "roughness along dp/du; give alpha_u and alpha_v instead of alpha"},
+         {"alpha_v", "texture", "", "alpha", "roughness perpendicular to dp/du"},
+         {"sample_visible", "boolean", "", "true", "sample visible normals (less noise), not all normals"},
+         {"energy_preserving", "boolean", "", "false", "add multiple scattering, which Mitsuba omits"}},
         {R"(<bsdf type="roughdielectric">
     <string name="int_ior" value="water"/>
     <string name="ext_ior" value="air"/>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // A diffuse base under a rough dielectric coating: `plastic` with microfacets. The coating reflects as
-// `roughdielectric`, and its transmission by its directional transmittance T, tabulated:
+// `roughdielectric`; its transmission is described by its tabulated directional transmittance T:
 //     f = F D G / (4 cos_i cos_o) + T(i) T(o) / (pi eta^2) * rho / (1 - rho' F_int),
 // with F_int the reflectance from below for diffuse light and rho' = rho if `nonlinear`, else 1. T and F_int
-// count light that is scattered once by the coating; with `energy_preserving` all that is not reflected is
+// include single scattering by the coating. With `energy_preserving` all light that is not reflected is
 // transmitted, T = 1 - R and F_int = 1 - (mean of T)/eta^2, and a white base loses nothing.
 #include <cmath>
 
@@ -73,7 +73,7 @@ public:
   Lobe lobes() const override { return Lobe::diffuse | Lobe::glossy | Lobe::reflect; }
 
 private:
-  /// All that depends on wi.z, the point and the wavelengths only.
+  /// All that depends only on wi.z, the point and the wavelengths.
   struct State {
     Spectrum eta, position, tint{1.f}, base;  ///< `position` of the index between the two coatings
     float specular_probability;
@@ -90,8 +90,8 @@ private:
       const Spectrum leaving = p.interpolate(*this, [](const RoughCoating& c) { return c.leaving; });
       const Spectrum entered = t_i * rho / (Spectrum(1.f) - (p.nonlinear_ ? rho * f_int : f_int));
       base = entered / (eta * eta);
-      // The lobes are chosen by the energy they carry, averaged over the path's wavelengths: the same
-      // whichever of them is the hero.
+      // Lobes are chosen by their energy, averaged over the path's wavelengths, so that the probabilities do
+      // not depend on the hero.
       const float s = mean(tint * (Spectrum(1.f) - t_i)), d = mean(entered * leaving);
       specular_probability = s + d > 0 ? s / (s + d) : 1;
     }
@@ -112,7 +112,8 @@ private:
             s.specular_probability * pdf + (1 - s.specular_probability) * cosine};
   }
 
-  /// Between the coatings of the smallest and the largest index: T is all but straight in so small a range.
+  /// Interpolates between the coatings of the smallest and the largest index: T is nearly linear in so small
+  /// a range.
   template <class F>
   Spectrum interpolate(const State& s, F&& f) const {
     const float first = f(*first_);
@@ -135,36 +136,36 @@ private:
   Microfacets facets_;
   float low_ = 1, high_ = 1;  // smallest and largest index, interior over exterior
   std::shared_ptr<const std::vector<RoughCoating>> coatings_;
-  const RoughCoating *first_ = nullptr, *last_ = nullptr;  ///< of them
+  const RoughCoating *first_ = nullptr, *last_ = nullptr;  ///< first and last of these
 };
 
 AUREOLE_PLUGIN(
     RoughPlastic, "bsdf", "roughplastic",
     PluginDoc{
-        "A diffuse base under a rough transparent coating: a broad highlight over a diffuse colour, with the "
-        "light that is reflected back and forth between the base and the coating. The coating scatters light "
-        "once, which makes very rough plastics dark; with `energy_preserving` a white base loses no light. "
-        "It reflects on the side of its normal and is black on the other; `twosided` makes both sides alike.",
+        "A diffuse base under a rough transparent coating: a broad highlight over a diffuse colour, with "
+        "the interreflections between the base and the coating. Single scattering by the coating makes very "
+        "rough plastics dark; with `energy_preserving` a white base loses no light. It reflects on the side "
+        "of its normal and is black on the other; `twosided` makes both sides alike.",
         "B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet models for refraction through rough "
         "surfaces, EGSR 2007; interreflections: J. L. Saunderson, Calculation of the color of pigmented "
         "plastics, J. Opt. Soc. Am. 32, 1942, as used in Mitsuba",
         {{"diffuse_reflectance", "texture", "", "0.5", "reflectance of the base"},
          {"nonlinear", "boolean", "", "false",
-          "let the base absorb at each internal reflection, which shifts saturated colours (false: only "
-          "once)"},
+          "whether the base absorbs at each internal reflection, which shifts saturated colours (false: "
+          "only once)"},
          {"int_ior", "float or string", "", "polypropylene",
-          "index of the coating, as a number or a material's name"},
-         {"ext_ior", "float or string", "", "air", "index outside, as a number or a material's name"},
-         {"dispersion", "boolean", "", "true",
-          "named materials use their dispersion data where there are any"},
+          "index of refraction of the coating, as a number or a material's name"},
+         {"ext_ior", "float or string", "", "air",
+          "index of refraction outside, as a number or a material's name"},
+         {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"},
          {"specular_reflectance", "texture", "", "1",
-          "factor of the highlight; leave at 1 for a real coating"},
-         {"distribution", "string", "", "beckmann", "distribution of the facets' normals: beckmann or ggx"},
-         {"alpha", "float", "", "0.1", "roughness: for beckmann the root mean square slope times root 2"},
-         {"sample_visible", "boolean", "", "true",
-          "sample the normals that are visible (less noise), not all of them"},
+          "factor of the specular reflection; leave at 1 for a real coating"},
+         {"distribution", "string", "", "beckmann",
+          "distribution of the microfacet normals: beckmann or ggx"},
+         {"alpha", "float", "", "0.1", "roughness; for beckmann sqrt(2) times the RMS slope"},
+         {"sample_visible", "boolean", "", "true", "sample visible normals (less noise), not all normals"},
          {"energy_preserving", "boolean", "", "false",
-          "let the coating transmit all that it does not reflect, where Mitsuba loses some"}},
+          "transmit all light that the coating does not reflect, some of which Mitsuba loses"}},
         {R"(<bsdf type="roughplastic">
     <rgb name="diffuse_reflectance" value="0.1, 0.27, 0.36"/>
     <float name="int_ior" value="1.9"/>

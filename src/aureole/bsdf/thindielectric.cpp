@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A pane: two parallel dielectric interfaces, thin against everything else and thick against the coherence
-// length.
+// A pane: two parallel dielectric interfaces as one surface, thin compared with the scene and thick compared
+// with the coherence length.
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
@@ -58,16 +58,16 @@ private:
 AUREOLE_PLUGIN(
     ThinDielectric, "bsdf", "thindielectric",
     PluginDoc{
-        "A pane of a transparent material in one surface: both faces and all reflections between them, R' = "
-        "2R/(1 + R) with R of one face. Transmitted light keeps its direction. Polarisation is not followed "
-        "through the pane, as in Mitsuba.",
+        "A pane of a transparent material as one surface: both faces and all reflections between them, R' = "
+        "2R/(1 + R) with the reflectance R of one face. Transmitted light keeps its direction. As in "
+        "Mitsuba, polarisation within the pane is neglected.",
         "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2; the sum over reflections is "
         "geometric",
         {{"int_ior", "float or string", "", "1.5046",
-          "index of the pane, as a number or the name of a material"},
-         {"ext_ior", "float or string", "", "air", "index around it, as a number or the name of a material"},
-         {"dispersion", "boolean", "", "true",
-          "named materials use their dispersion data where there are any"},
+          "index of refraction of the pane, as a number or the name of a material"},
+         {"ext_ior", "float or string", "", "air",
+          "index of refraction around it, as a number or the name of a material"},
+         {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"},
          {"specular_reflectance", "texture", "", "1",
           "factor of the reflected light; leave at 1 for a real pane"},
          {"specular_transmittance", "texture", "", "1", "factor of the transmitted light, for tinted glass"}},

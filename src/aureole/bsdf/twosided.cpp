@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Makes one-sided BSDFs reflect on both sides of a surface: the local frame is turned over where wi is below.
+// Makes one-sided BSDFs reflect on both sides of a surface: the local frame is flipped if wi is below.
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/plugin/registry.h"
 
@@ -55,7 +55,7 @@ public:
   Lobe lobes() const override { return differ() ? front_->lobes() | back_->lobes() : front_->lobes(); }
 
 private:
-  /// Asking one BSDF twice would double the work with every level of nesting.
+  /// Evaluating one BSDF twice would double the work with every level of nesting.
   bool differ() const { return front_ != back_; }
   static Vec3 flip(const Vec3& w) { return {w.x, w.y, -w.z}; }
 
@@ -65,13 +65,13 @@ private:
 AUREOLE_PLUGIN(
     TwoSided, "bsdf", "twosided",
     PluginDoc{
-        "Makes BSDFs that reflect on one side only do so on both: with one nested BSDF both sides are alike, "
-        "with two the first is for the side of the normal and the second for the other.",
+        "Makes BSDFs that reflect on one side only reflect on both. With one nested BSDF both sides are "
+        "alike; with two the first is for the side of the normal and the second for the other.",
         "",
         {{"bsdf", "bsdf", "", "required", "one or two nested BSDFs"},
          {"allow_transmission", "boolean", "", "false",
-          "accept nested BSDFs that transmit light; light then meets their upper side from both directions. "
-          "The holes of a `mask` need no such permission"}},
+          "accept nested BSDFs that transmit light; their upper side is then used from both directions. The "
+          "holes of a `mask` need no such permission"}},
         {R"(<bsdf type="twosided">
     <bsdf type="diffuse"/>
 </bsdf>)",

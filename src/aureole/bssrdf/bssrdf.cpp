@@ -16,14 +16,14 @@ AUREOLE_FAMILY(FamilyInfo{
     .name = "bssrdf",
     .second_element = "subsurface",
     .parameters =
-        {{"bsdf", "bsdf", "", "a smooth boundary of the two indices below",
-          "the boundary, in place of the two indices: a `dielectric` or a `roughdielectric` that is the "
-          "same everywhere"},
+        {{"bsdf", "bsdf", "", "a smooth boundary with int_ior and ext_ior",
+          "the boundary, in place of int_ior and ext_ior: a `dielectric` or a `roughdielectric` without "
+          "spatial variation"},
          {"int_ior", "float or string", "", "polypropylene",
-          "index inside, as a number or the name of a material"},
-         {"ext_ior", "float or string", "", "air", "index outside, as a number or the name of a material"},
-         {"dispersion", "boolean", "", "true",
-          "named materials use their dispersion data where there are any"}},
+          "index of refraction inside, as a number or the name of a material"},
+         {"ext_ior", "float or string", "", "air",
+          "index of refraction outside, as a number or the name of a material"},
+         {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"}},
     .hangs_on_shapes = true,
     .is_reusable = true});
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The diffusion dipole: P(r) = alpha/(4 pi) sum over the source and its image of z (s + 1/d) exp(-s d)/d^2,
-// with d^2 = r^2 + z^2 and s = sqrt(3 sigma_a sigma_tr) (optics/medium/diffusion_dipole.h). Since (s + 1/d) exp(-s d)/d
-// is minus the derivative of exp(-s d)/d, each term's part of the light beyond a distance is z exp(-s d)/d
-// over exp(-s z), which is inverted to draw distances. Light that is scattered once is a sum of exponentials
-// over 2 pi r (optics/medium/single_scattering.h), of which one is chosen.
+// with d^2 = r^2 + z^2 and s = sqrt(3 sigma_a sigma_tr) (optics/medium/diffusion_dipole.h). Since z (s + 1/d)
+// exp(-s d)/d is minus the derivative of z exp(-s d)/d, each term's fraction of light beyond a distance is
+// (z/d) exp(-s (d - z)), which is inverted to sample distances. Singly scattered light is a sum of
+// exponentials over 2 pi r (optics/medium/single_scattering.h), one of which is chosen.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -42,7 +42,7 @@ public:
     if (!p.get_bool("single_scattering", false)) return;
     extinction_ = SampledSpectrum(grid, std::move(extinction)),
     albedo_ = SampledSpectrum(grid, std::move(albedo));
-    constexpr double kMost = 0.999;  // beyond, nothing is scattered back
+    constexpr double kMost = 0.999;  // upper bound of |g|; for larger ones nothing is scattered back
     single_.emplace(std::clamp(asymmetry, -kMost, kMost), relative_index().average());
     single_total_ = float(single_->total());
   }
@@ -66,7 +66,7 @@ public:
 
   float reach(const BssrdfContext& ctx) const override {
     const Terms t(*this, ctx.wavelengths);
-    // The image's term is the widest one.
+    // The image's term has the largest extent.
     constexpr float kNearlyAll = 0.999f;
     float r = 0;
     for (int i = 0; i < kWavelengths; ++i) r = std::max(r, invert(kNearlyAll, t.image[i], t.effective[i]));
@@ -76,27 +76,27 @@ public:
 private:
   struct Terms {
     Spectrum source, image, effective, half_albedo;
-    Spectrum left_source, left_image;     ///< the parts of the terms, exp(-s z)
-    Spectrum extinction, albedo, single;  ///< of light that is scattered once; `single` is its part
+    Spectrum left_source, left_image;     ///< integrals of the two terms, exp(-s z)
+    Spectrum extinction, albedo, single;  ///< of single scattering; `single` is its integral
 
     Terms(const DipoleBssrdf& d, const Wavelengths& w)
         : source(d.source_.eval(w)),
           image(d.image_.eval(w)),
           effective(d.effective_.eval(w)),
           half_albedo(d.half_albedo_.eval(w)) {
-      // Exponents are at most 1.7 for the source, and 14 for the image behind an index of 2.
+      // Exponents are at most 1.7 for the source, and 14 for the image at a relative index of 2.
       left_source = make_spectrum([&](int i) { return std::exp(-effective[i] * source[i]); });
       left_image = make_spectrum([&](int i) { return std::exp(-effective[i] * image[i]); });
       if (!d.single_) return;
       extinction = d.extinction_.eval(w), albedo = d.albedo_.eval(w);
       single = albedo * d.single_total_;
     }
-    /// The part of the light that leaves. Where nothing is scattered: of a body as if little were, so that
-    /// distances can be drawn.
+    /// Returns the fraction of the light that exits. Without scattering it is a small positive number, so
+    /// that distances can still be sampled.
     Spectrum total() const { return max(half_albedo, 1e-6f) * (left_source + left_image) + single; }
   };
 
-  /// 2 pi times the profile of light that is scattered once.
+  /// Returns 2 pi times the profile of singly scattered light.
   Spectrum scattered_once(float r, const Terms& t) const {
     Spectrum sum = 0.f;
     for (std::size_t k = 0; k < single_->rates.size(); ++k) {
@@ -125,9 +125,9 @@ private:
     return z * (s * d + 1.f) * decay / (d * d * d);
   }
 
-  /// The distance beyond which the part 1 - u of a term's light leaves: with y = ln(d/z) the root of y + s z
-  /// (exp(y) - 1) = -ln(1 - u). The left side is convex and increases, so that Newton's method converges from
-  /// above.
+  /// Returns the distance beyond which the fraction 1 - u of a term's light exits. With y = ln(d/z) it is the
+  /// root of y + s z (exp(y) - 1) = -ln(1 - u). The left side is convex and increasing, so that Newton's
+  /// method converges from above.
   static float invert(float u, float z, float s) {
     const float target = -std::log1p(-u), depth = s * z;
     float y = std::min(target, depth > 0 ? std::log1p(target / depth) : target);
@@ -141,7 +141,7 @@ private:
     return z * std::sqrt(std::max(std::expm1(2 * y), 0.f));
   }
 
-  /// The matter whose dipole has a given reflectance.
+  /// Returns the medium whose dipole has a given reflectance.
   Matter inverted(const Properties& p) const {
     const ShownMatter shown = read_shown_matter(p);
     if (!shown.reflectance->is_constant())
@@ -169,19 +169,18 @@ std::vector<ParameterDoc> dipole_rows() {
   std::vector<ParameterDoc> all = matter_rows();
   all.push_back(
       {"single_scattering", "boolean", "", "false",
-       "add the light that has been scattered once (Henyey & Greenstein's phase function), as of a beam "
-       "along the normal"});
+       "add singly scattered light (Henyey & Greenstein's phase function), as for a beam along the normal"});
   return all;
 }
 
 AUREOLE_PLUGIN(
     DipoleBssrdf, "bssrdf", "dipole",
     PluginDoc{
-        "Light that has been scattered many times below the surface, as a flat half-space would send it "
-        "back, by the diffusion approximation. Good where light is hardly absorbed and beyond some reduced "
-        "mean free paths from where it entered; too dark near it, and for bodies that absorb "
-        "(docs/subsurface.md has figures; \"normalized_diffusion\" is closer). Factors of the boundary's "
-        "transmission on the way out are divided by their mean, which the original model loses.",
+        "Subsurface scattering of a flat half-space in the diffusion approximation (multiple scattering). "
+        "Accurate for low absorption and beyond a few reduced mean free paths from the entry; too dark near "
+        "it and for absorbing bodies (docs/subsurface.md has figures; \"normalized_diffusion\" is closer). "
+        "The boundary's transmittance for exiting light is divided by its mean, which the original model "
+        "omits.",
         "H. W. Jensen, S. R. Marschner, M. Levoy, P. Hanrahan, A practical model for subsurface light "
         "transport, SIGGRAPH 2001, equations 4 and 5, with the exact diffuse Fresnel reflectance; exits: "
         "A. King, C. Kulla, A. Conty, M. Fajardo, BSSRDF importance sampling, SIGGRAPH talks 2013",

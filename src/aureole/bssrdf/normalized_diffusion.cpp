@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Two exponentials over the distance, fitted to Monte Carlo transport:
+// Two exponentials of the distance, fitted to Monte Carlo transport:
 //     P(r) = A (exp(-r/d) + exp(-r/(3 d)))/(8 pi d r),
-// whose integral is A whatever d is. A is the reflectance of the half-space, from the matter by the theory of
-// transport (optics/medium/half_space.h), d = l/s, l the reduced mean free path
-// (optics/medium/diffusion_width.h). Of the light (exp(-r/d) + 3 exp(-r/(3 d)))/4 leaves beyond r: with x =
-// exp(-r/(3 d)) a cubic, x^3 + 3 x = 4 (1 - u), of which the only real root is
-// x = 2 sinh(asinh(2 (1 - u))/3).
+// whose integral is A for any d. A is the reflectance of the half-space, computed from the coefficients by
+// radiative transfer (optics/medium/half_space.h). d = l/s, with the reduced mean free path l and the scale s
+// (optics/medium/diffusion_width.h). The fraction (exp(-r/d) + 3 exp(-r/(3 d)))/4 of the light exits beyond
+// r. With x = exp(-r/(3 d)) this is the cubic x^3 + 3 x = 4 (1 - u), whose only real root is x = 2
+// sinh(asinh(2 (1 - u))/3).
 #include <cmath>
 #include <vector>
 
@@ -41,7 +41,7 @@ public:
     for (std::size_t i = 0; i < matter.size(); ++i) {
       const double albedo = matter.reduced_scattering(i) / matter.transport(i),
                    n = double(relative_index().nodes()[i]);
-      // Of many materials neighbouring nodes are alike.
+      // In many materials neighbouring nodes are equal.
       if (albedo != known_albedo || n != known_index) {
         known_albedo = albedo, known_index = n;
         known = optics::half_space_reflectance(albedo, n, illumination);
@@ -54,7 +54,7 @@ public:
 
   BssrdfEval eval_pdf(float r, const BssrdfContext& ctx) const override {
     const Spectrum a = reflectance(ctx), d = width(a, ctx);
-    // The density has a pole at 0, which no sample hits but by underflow.
+    // The density has a pole at 0, which samples reach only by underflow.
     const float distance = std::max(r, 1e-30f);
     const Spectrum pdf = make_spectrum([&](int i) {
                            const float x = std::exp(-distance / (3 * d[i]));
@@ -93,7 +93,8 @@ private:
     });
   }
 
-  /// That of the middle of the sensor's range: s changes little with the index.
+  /// Tabulates s at the mean index of refraction over the sensor's range, since s depends weakly on the
+  /// index.
   void tabulate_scale(optics::Illumination illumination, bool published) {
     const optics::DiffusionWidth fitted(relative_index().average(), illumination);
     for (int i = 0; i <= kCells; ++i) {
@@ -105,28 +106,27 @@ private:
 
   static constexpr int kCells = 128;
   std::vector<float> scale_;  ///< s at equal steps of the reflectance
-  TexturePtr reflectance_;    ///< where it varies over the surface, else null
+  TexturePtr reflectance_;    ///< if it varies over the surface, else null
   SampledSpectrum constant_reflectance_, mean_free_path_;
 };
 
 std::vector<ParameterDoc> diffusion_rows() {
   std::vector<ParameterDoc> all = matter_rows();
   all.push_back({"illumination", "string", "", "normal",
-                 "for which light the whole reflectance is exact, or is given: normal (along the normal) "
-                 "or diffuse (a uniform sky)"});
+                 "illumination for which the total reflectance is exact, or is given: normal (along the "
+                 "normal) or diffuse (a uniform sky)"});
   all.push_back({"width", "string", "", "transport",
-                 "the width of the profile: transport (fitted to transport at the body's index) or "
-                 "published (the formula of the source, for equal indices inside and outside)"});
+                 "width of the profile: transport (fitted to transport at the body's index) or published "
+                 "(the formula of the source, for equal indices inside and outside)"});
   return all;
 }
 
 AUREOLE_PLUGIN(
     NormalizedDiffusion, "bssrdf", "normalized_diffusion",
     PluginDoc{
-        "Light that has been scattered below the surface, single scattering included, by two exponentials "
-        "that were fitted to transport in a half-space. The whole light that a half-space sends back along "
-        "its normal is exact for isotropic scattering; the reflectance may be a texture. "
-        "docs/subsurface.md has errors of the profile.",
+        "Subsurface scattering, including single scattering, by two exponentials fitted to transport in a "
+        "half-space. The total reflectance along the normal is exact for isotropic scattering; it may be a "
+        "texture. docs/subsurface.md has errors of the profile.",
         "P. H. Christensen, B. Burley, Approximate reflectance profiles for efficient subsurface "
         "scattering, Pixar Technical Memo 15-04, 2015; S. Chandrasekhar, Radiative Transfer, 1950, section "
         "38",

@@ -44,10 +44,9 @@ AUREOLE_FAMILY(FamilyInfo{
     .fallback = "percus_yevick",
     .parameters =
         {{"stretch", "float", "", "1",
-          "positions are stretched by its square root in one direction and compressed as much across it, as "
-          "on a drawn film; in [1/4, 4]. Shapes stay as they are, and fill their discs no longer where these "
-          "are compressed: leave room by correlation_radius, or they may overlap, which the model does not "
-          "know"},
+          "stretches positions by its square root in one direction and compresses them by as much "
+          "perpendicular to it, as on a drawn film; in [1/4, 4]. Shapes are not changed. Where their discs "
+          "are compressed they may overlap, which the model ignores: leave a margin by correlation_radius"},
          {"stretch_direction", "float", "degrees", "0",
           "direction of the stretch, counter-clockwise from the surface's u axis"}},
     .is_reusable = true});

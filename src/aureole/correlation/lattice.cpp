@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A regular arrangement with faults: gratings, woven cloth, colloid crystals.
+// A regular arrangement with defects: gratings, woven cloth, colloidal crystals.
 #include <stdexcept>
 
 #include "aureole/correlation/correlation.h"
@@ -40,9 +40,9 @@ private:
 AUREOLE_PLUGIN(
     Lattice, "correlation", "lattice",
     PluginDoc{
-        "A hexagonal or square lattice, its scatterers displaced at random and its order limited to domains: "
-        "bright spots (orders of diffraction) on a faint ground, or rings where many domains lie in all "
-        "directions. The spacing follows from area_fraction and correlation_radius.",
+        "A hexagonal or square lattice with random displacements and order limited to domains: bright spots "
+        "(diffraction orders) on a faint background, or rings if domains have all orientations. The spacing "
+        "follows from area_fraction and correlation_radius.",
         "A. Guinier, X-ray Diffraction in Crystals, Imperfect Crystals, and Amorphous Bodies, 1963, chapter "
         "7",
         {{"lattice", "string", "", "hexagonal", "hexagonal (area fractions up to 0.9069) or square (0.7854)"},
@@ -50,10 +50,10 @@ AUREOLE_PLUGIN(
           "standard deviation of the displacement along each axis, in spacings"},
          {"domain", "float", "", "4",
           "size of the ordered domains in spacings, in [1, 10]: pairs at a distance r are correlated by "
-          "exp(-r^2/(2 domain^2)), spots are 1/(2 pi domain) of their distance wide; at most 25 correlation "
-          "radii"},
-         {"angle", "float", "degrees", "0", "of a row of the lattice to the surface's u axis"},
-         {"random_orientation", "boolean", "", "false", "domains in all directions: rings, not spots"}},
+          "exp(-r^2/(2 domain^2)); the width of spots is 1/(2 pi domain) of their distance; at most 25 "
+          "correlation radii"},
+         {"angle", "float", "degrees", "0", "angle between a row of the lattice and the surface's u axis"},
+         {"random_orientation", "boolean", "", "false", "domains of all orientations: rings, not spots"}},
         {R"(<correlation type="lattice">
     <string name="lattice" value="square"/> <float name="jitter" value="0.08"/> <float name="domain" value="5"/>
     <float name="angle" value="15"/> <boolean name="random_orientation" value="false"/>

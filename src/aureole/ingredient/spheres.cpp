@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres of one material and many sizes, by Mie's theory.
+// Homogeneous spheres with a distribution of sizes, by Mie's theory.
 #include "aureole/bsdf/fresnel/complex_index.h"
 #include "aureole/ingredient/amount/amount_parameters.h"
 #include "aureole/ingredient/ingredient.h"
@@ -31,12 +31,12 @@ private:
 
 std::vector<ParameterDoc> spheres_rows() {
   std::vector<ParameterDoc> all = radius_docs();
-  all.insert(all.end(),
-             {{"int_ior", "float or string", "", "required",
-               "index of the spheres: a number, a dielectric or a metal"},
-              {"k", "spectrum", "", "0", "imaginary part of the index of dielectric spheres: absorption"},
-              {"dispersion", "boolean", "", "true",
-               "named materials use their dispersion data where there are any"}});
+  all.insert(all.end(), {{"int_ior", "float or string", "", "required",
+                          "index of refraction of the spheres: a number, a dielectric or a metal"},
+                         {"k", "spectrum", "", "0",
+                          "extinction coefficient: imaginary part of the index of dielectric spheres"},
+                         {"dispersion", "boolean", "", "true",
+                          "named materials use their dispersion data if available"}});
   const std::vector<ParameterDoc> amount = amount_docs();
   all.insert(all.end(), amount.begin(), amount.end());
   return all;
@@ -45,8 +45,8 @@ std::vector<ParameterDoc> spheres_rows() {
 AUREOLE_PLUGIN(
     Spheres, "ingredient", "spheres",
     PluginDoc{
-        "Spheres that float in a medium: droplets, globules, pigments, powder. One of the three amounts "
-        "is required.",
+        "Spheres suspended in a medium: droplets, globules, pigments, powder. One of the three amounts is "
+        "required.",
         "G. Mie, Beitraege zur Optik trueber Medien, Ann. Phys. 330 (1908) 377; Bohren & Huffman, "
         "Absorption and Scattering of Light by Small Particles, 1983, chapter 4",
         spheres_rows(),

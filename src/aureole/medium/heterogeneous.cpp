@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A medium whose extinction varies: distances are found by null collisions under local bounds.
+// A medium whose extinction varies in space. Free paths are sampled with null collisions under local
+// majorants.
 #include "aureole/medium/content/given_medium.h"
 
 namespace aureole {
@@ -12,8 +13,8 @@ public:
 
 AUREOLE_PLUGIN(
     Heterogeneous, "medium", "heterogeneous",
-    PluginDoc{"A medium whose coefficients vary in space, as `volume` objects give them. Outside of the box "
-              "of `sigma_t` there is nothing.",
+    PluginDoc{"A medium whose coefficients vary in space, as given by `volume` objects. Outside the box of "
+              "`sigma_t` space is empty.",
               "Miller, Georgiev & Jarosz 2019, \"A null-scattering path integral formulation of light "
               "transport\"",
               GivenMedium::rows(),

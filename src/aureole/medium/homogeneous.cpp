@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A medium whose extinction is the same everywhere: distances are sampled in closed form.
+// A medium of constant extinction. Free paths are sampled in closed form.
 #include "aureole/medium/content/given_medium.h"
 
 namespace aureole {
@@ -12,13 +12,12 @@ public:
   }
 };
 
-AUREOLE_PLUGIN(
-    Homogeneous, "medium", "homogeneous",
-    PluginDoc{"A medium with the same extinction everywhere. Its albedo and emission may vary. It fills a "
-              "closed shape as its `interior`.",
-              "Chandrasekhar, Radiative Transfer, 1950, chapter I",
-              GivenMedium::rows(),
-              {R"(<medium type="homogeneous">
+AUREOLE_PLUGIN(Homogeneous, "medium", "homogeneous",
+               PluginDoc{"A medium of constant extinction. Its albedo and emission may vary. It fills a "
+                         "closed shape as its `interior`.",
+                         "Chandrasekhar, Radiative Transfer, 1950, chapter I",
+                         GivenMedium::rows(),
+                         {R"(<medium type="homogeneous">
     <float name="sigma_t" value="2"/>
     <rgb name="albedo" value="0.9, 0.8, 0.5"/>
     <float name="scale" value="0.5"/>
@@ -30,7 +29,7 @@ AUREOLE_PLUGIN(
     <boolean name="has_spectral_extinction" value="true"/>
     <phase type="isotropic"/>
 </medium>)",
-               R"(<medium type="homogeneous">
+                          R"(<medium type="homogeneous">
     <float name="sigma_a" value="0.1"/>
     <float name="sigma_s" value="1"/>
 </medium>)"}});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A medium given by Kubelka and Munk's K and S, for paths and for the layers of `layered`: what absorbs and scatters
-// as a paint does, with directions.
+// A medium given by Kubelka and Munk's K and S, which are converted to absorption and scattering
+// coefficients. It works in path tracing and as a layer of the BSDF `layered`.
 #include <algorithm>
 #include <vector>
 
@@ -54,7 +54,7 @@ private:
     SampledSpectrum absorption, scattering;
   };
 
-  /// Per unit of length of the scene.
+  /// Returns K and S per unit of length of the scene.
   static SampledPaint read_paint(const Properties& p) {
     const SpectralGrid& grid = p.context().grid;
     const double scale = p.get_float("scale", 1, Range::positive());
@@ -134,23 +134,26 @@ private:
 AUREOLE_PLUGIN(
     KubelkaMunk, "medium", "kubelka_munk",
     PluginDoc{
-        "A medium given by Kubelka and Munk's K and S, or by a recipe of paints: sigma_a = K/2, and sigma_s from S by a convention, "
-        "since two fluxes do not say how light is spread over directions (docs/pigments.md has the error of each). As a layer of "
-        "`layered`, or between surfaces.",
+        "A medium given by Kubelka and Munk's K and S, or by a recipe of paints. Absorption is sigma_a = "
+        "K/2; sigma_s follows from S by a convention, since a two-flux model leaves the angular "
+        "distribution open (docs/pigments.md has the error of each). It works as a layer of `layered` or "
+        "between surfaces.",
         "P. Kubelka & F. Munk, Ein Beitrag zur Optik der Farbanstriche, Z. techn. Physik 12, 1931; conventions: pigment/transport_coefficients.h",
-        {{"k", "spectrum", "1/length", "required", "absorption of diffuse light, or a `recipe`"},
+        {{"k", "spectrum", "1/length", "required",
+          "absorption coefficient of diffuse light, or give a `recipe`"},
          {"s", "spectrum", "1/length", "required",
-          "what of diffuse light is scattered backward, or a `recipe`"},
-         {"recipe", "string", "", "none", "paints and parts by mass, \"red: 1 + white: 3\""},
+          "coefficient of backward scattering of diffuse light, or give a `recipe`"},
+         {"recipe", "string", "", "none", "paints and their proportions by mass, \"red: 1 + white: 3\""},
          {"palette", "file", "", "none",
-          "palette of K and S; without one the measured acrylics, as in the BSDF `paint`"},
-         {"by_volume", "boolean", "", "false", "parts are by volume; the palette needs densities"},
+          "file of K and S of paints; default: the measured acrylics, as in the BSDF `paint`"},
+         {"by_volume", "boolean", "", "false", "proportions are by volume; the palette needs densities"},
          {"scale", "float", "", "1",
-          "factor of K and S; required for a relative palette, as the measured acrylics are: S of its white, per unit of length"},
+          "factor of K and S; required if K and S of the palette are relative (as for the measured "
+          "acrylics): S of its white, per unit of length"},
          {"convention", "string", "", "three_quarters",
           "S = 3/4 sigma_s (1 - g): `three_quarters`; S = 3/4 sigma_s (1 - g) - sigma_a/4: `diffusion`; S = sigma_s (1 - 3/4 g): "
           "`double_gauss`"},
-         {"phase", "phase", "", "isotropic", "into which directions it scatters; g is its mean cosine"}},
+         {"phase", "phase", "", "isotropic", "phase function; g is its mean cosine"}},
         {R"(<medium type="kubelka_munk">
     <spectrum name="k" value="400:9e4, 500:4e4, 600:5e3, 700:1e3"/> <float name="s" value="5e4"/>
     <string name="convention" value="double_gauss"/>

@@ -19,8 +19,8 @@ void MajorantGrid::find_empty_blocks() {
   const auto place = [](const std::array<int, 3>& n, int x, int y, int z) {
     return (size_t(z) * size_t(n[1]) + size_t(y)) * size_t(n[0]) + size_t(x);
   };
-  // Level by level: whether blocks are empty, from those of half their size. Blocks at the border may reach
-  // beyond it.
+  // Empty blocks are found level by level: a block is empty if its sub-blocks of half the size are. Blocks at
+  // the border may extend beyond the grid.
   std::array<int, 3> n = cells_;
   std::vector<char> empty(bounds_.size());
   for (size_t i = 0; i < bounds_.size(); ++i) {
@@ -104,12 +104,12 @@ bool MajorantGrid::Walk::next(Piece& piece) {
     const int axis = crossing_[0] < crossing_[1] ? (crossing_[0] < crossing_[2] ? 0 : 2)
                                                  : (crossing_[1] < crossing_[2] ? 1 : 2);
     const float from = t_, to = std::min(crossing_[axis], end_);
-    // Rounding may put the first faces before the beginning: such cells are passed at once.
+    // Rounding may put the first faces before the ray's start; the loop skips such cells.
     t_ = std::max(from, to);
     if (left_[axis]-- > 0)
       cell_ += stride_[axis], crossing_[axis] += step_[axis];
     else if (crossing_[axis] < end_)
-      // The last cell of the axis: its end is that of the grid, up to rounding.
+      // The last cell of the axis ends with the grid, up to rounding.
       crossing_[axis] = end_;
     else
       t_ = end_;
@@ -121,10 +121,10 @@ bool MajorantGrid::Walk::next(Piece& piece) {
   return false;
 }
 
-/// To the far side of the block of 2^level cells along each axis that the present one lies in.
+/// Advances to the exit of the aligned block of 2^level cells along each axis that contains the current cell.
 void MajorantGrid::Walk::cross_empty_block(int level) {
   const int mask = (1 << level) - 1;
-  int inside[3];  // cells of the block beyond the present one along each axis
+  int inside[3];  // cells of the block after the current one along each axis
   float far[3];
   int axis = 0;
   for (int i = 0; i < 3; ++i) {
@@ -135,12 +135,12 @@ void MajorantGrid::Walk::cross_empty_block(int level) {
   }
   const float to = far[axis];
   t_ = std::max(t_, to);
-  if (inside[axis] == left_[axis] || !(to < end_)) {  // out of the grid, or beyond the ray's end
+  if (inside[axis] == left_[axis] || !(to < end_)) {  // leaves the grid or passes the ray's end
     t_ = end_;
     return;
   }
   for (int i = 0; i < 3; ++i) {
-    // Along the other axes as many faces as lie before that place.
+    // Along the other axes, count the faces crossed before the distance `to`.
     const int passed = i == axis           ? inside[i] + 1
                        : crossing_[i] < to ? std::min(int((to - crossing_[i]) / step_[i]) + 1, inside[i])
                                            : 0;

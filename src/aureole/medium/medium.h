@@ -12,11 +12,11 @@
 
 namespace aureole {
 
-/// Properties of a medium at a point, per wavelength. Lengths are in units of the scene.
+/// Coefficients of a medium at a point, per wavelength. Lengths are in units of the scene.
 struct MediumCoefficients {
   Spectrum sigma_t{0.f};   ///< extinction [1/length]
-  Spectrum sigma_s{0.f};   ///< scattering, at most sigma_t
-  Spectrum emission{0.f};  ///< emitted radiance per length, into each direction
+  Spectrum sigma_s{0.f};   ///< scattering [1/length], at most sigma_t
+  Spectrum emission{0.f};  ///< emitted radiance per length, equal in all directions
 };
 
 class Medium : public Object {
@@ -24,7 +24,7 @@ public:
   static constexpr const char* kFamily = "a medium";
   using Object::Object;
 
-  /// At a point of the world, for light that travels along `d` (or -d).
+  /// Evaluates the coefficients at the point p in world space, for light that travels along `d` or -d.
   virtual void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const = 0;
   virtual const PhaseFunction& phase() const = 0;
 
@@ -33,16 +33,16 @@ public:
   virtual Majorants majorants() const { return {}; }
   virtual Spectrum majorant(const Vec3& d, const Wavelengths& w) const = 0;
 
-  /// Whether `eval` gives the same everywhere, and at least its emission.
+  /// Whether `eval` is constant in space; `has_uniform_emission` says so of the emission alone.
   virtual bool is_uniform() const = 0;
   virtual bool has_uniform_emission() const = 0;
   virtual bool emits() const = 0;
-  /// Factor of the probability with which connections look for its emission; 0: never.
+  /// Factor of the probability with which next-event estimation chooses this medium's emission; 0: never.
   virtual float sampling_weight() const { return 1; }
 };
 using MediumPtr = std::shared_ptr<const Medium>;
 
-/// The medium among an object's children, or null. Throws a located Error where there are several.
+/// Returns the medium among an object's children, or null. Throws a located Error if there are several.
 MediumPtr only_medium(const Properties& properties);
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A clear liquid with dyes in it.
+// A clear liquid with dissolved dyes.
 #include "aureole/medium/content/mixture.h"
 
 namespace aureole {
@@ -30,11 +30,11 @@ AUREOLE_PLUGIN(
         "coefficients add; only the molecules of the solvent scatter.",
         "Beer 1852; water: Pope & Fry 1997 (absorption), Morel 1974 (scattering); air: Bodhaine et al. 1999",
         {{"solvent", "float or string", "", "water",
-          "water and air, with the absorption and scattering of their own, vacuum, another dielectric or an "
-          "index, clear"},
+          "solvent: water or air, with absorption and scattering of their molecules; vacuum, another "
+          "dielectric or an index of refraction, without them"},
          {"dispersion", "boolean", "", "true",
-          "a solvent named as a material uses its dispersion data where there are any"},
-         {"ingredient", "ingredient", "", "none", "dyes"},
+          "a solvent named as a material uses its dispersion data if available"},
+         {"ingredient", "ingredient", "", "none", "dissolved dyes"},
          Mixture::density_row()},
         {R"(<medium type="solution">
     <string name="solvent" value="ethanol"/> <boolean name="dispersion" value="false"/>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A liquid or gas with particles in it, by material, sizes and amounts: coefficients and phase functions are
-// computed when the scene is built.
+// Particles in a liquid or gas, given by material, size distribution and concentration. Coefficients and
+// phase functions are computed when the scene is built.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,7 +44,7 @@ optics::Suspension read_milk(const Properties& p, const std::string& recipe, boo
                        .hard_spheres = dependent_scattering});
 }
 
-/// The recipe without the ingredients that are given beside it.
+/// Returns the recipe's suspension, without the ingredients that the scene adds to it.
 optics::Suspension read_recipe(const Properties& p, bool dependent_scattering) {
   const std::string recipe = p.get_choice("recipe", "", recipe_names());
   const std::string reason = "has no meaning for the recipe \"" + recipe + "\"";
@@ -73,7 +73,7 @@ optics::Suspension read_base(const Properties& p, bool dependent_scattering) {
   return optics::Suspension(std::move(host), {});
 }
 
-/// A note for each ingredient whose particles are so close to one another that their waves interfere.
+/// Notes each ingredient whose particles are so close together that interference changes their scattering.
 void note_dependence(const Properties& p, const optics::Suspension& content, bool dependent_scattering) {
   constexpr double kWorthANote = 0.01;
   const SpectralGrid& grid = p.context().grid;
@@ -137,31 +137,31 @@ std::string known_recipes() {
 AUREOLE_PLUGIN(
     SuspensionMedium, "medium", "suspension",
     PluginDoc{
-        "A liquid or gas with particles in it, by what they are and how much there is of them: \"2 % fat in "
-        "water\" instead of coefficients. These and the phase function are computed when the scene is built, "
-        "in seconds for particles of micrometres; the time grows with the square of the radius. Boundaries "
-        "refract by their BSDF, whose index should be that of the host. `aureole medium` prints what comes "
-        "of it.",
+        "Particles in a liquid or gas, given by material, size and concentration: \"2 % fat in water\" "
+        "instead of coefficients. Coefficients and phase function are computed when the scene is built, in "
+        "seconds for particles of micrometres; the time grows with the square of the radius. Boundaries "
+        "refract by their BSDF, whose index should be the host's. `aureole medium` prints the result.",
         "Frisvad, Christensen & Jensen, Computing the scattering properties of participating media using "
         "Lorenz-Mie theory, ACM Trans. Graph. 26 (2007) 60; Pedersen, J. Appl. Cryst. 27 (1994) 595 "
         "(dependent scattering)",
         {{"recipe", "string", "", "none", known_recipes()},
          {"host", "float or string", "", "water",
-          "what the particles are in, without a recipe: water and air, with the absorption and scattering of "
-          "their own, vacuum, another dielectric or an index, clear"},
-         {"host_density", "float", "kg/m^3", "that of water or air", "needed for mass fractions"},
+          "host of the particles, if there is no recipe: water or air, with absorption and scattering of "
+          "their molecules; vacuum, another dielectric or an index of refraction, without them"},
+         {"host_density", "float", "kg/m^3", "that of water or air",
+          "density of the host; needed for mass fractions"},
          {"dispersion", "boolean", "", "true",
-          "a host named as a material uses its dispersion data where there are any"},
+          "a host named as a material uses its dispersion data if available"},
          {"ingredient", "ingredient", "", "none",
-          "one or more: particles and dyes, beside those of a recipe"},
+          "one or more particles or dyes, added to those of a recipe"},
          {"dependent_scattering", "boolean", "", "false",
-          "particles keep their distance as hard spheres do, and what neighbours scatter interferes (of milk: "
-          "casein). Where it is off and would change the scattering by more than 1 % a note says so"},
-         {"fat", "float", "% of the mass", "that of the recipe", "of milk"},
-         {"protein", "float", "% of the mass", "3.4", "of milk"},
-         {"pressure", "float", "MPa", "0", "of the homogenisation of milk; 0: none"},
-         {"number_density", "float", "1/m^3", "that of the recipe", "of the droplets of a cloud or fog"},
-         {"mass_density", "float", "kg/m^3", "0.001", "of the soot of smoke"},
+          "counts the interference between neighbours, which keep their distance as hard spheres do (of "
+          "milk: the casein). Where it is off and would change scattering by more than 1 %, a note says so"},
+         {"fat", "float", "% of the mass", "that of the recipe", "fat content of milk"},
+         {"protein", "float", "% of the mass", "3.4", "protein content of milk"},
+         {"pressure", "float", "MPa", "0", "homogenisation pressure of milk; 0: not homogenised"},
+         {"number_density", "float", "1/m^3", "that of the recipe", "droplets per volume of a cloud or fog"},
+         {"mass_density", "float", "kg/m^3", "0.001", "mass of soot per volume of smoke"},
          Mixture::density_row()},
         {R"(<medium type="suspension">
     <string name="recipe" value="milk"/>

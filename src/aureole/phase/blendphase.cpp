@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// A mixture of the particles of two phase functions. Where they show areas a_0 and a_1 to the light,
-//     a = (1 - w) a_0 + w a_1,   p = ((1 - w) a_0 p_0 + w a_1 p_1)/a,
-// which is the linear blend of Mitsuba's where both areas are 1, and stays reciprocal where they are not.
+// A mixture of the particles of two phase functions. With projected areas a_0 and a_1 for the direction of
+// the light,
+//     a = (1 - w) a_0 + w a_1,   p = ((1 - w) a_0 p_0 + w a_1 p_1)/a.
+// It equals Mitsuba's linear blend where both areas are 1, and is reciprocal where they are not.
 #include <algorithm>
 #include <string>
 
@@ -63,7 +64,7 @@ public:
 
 private:
   float weight_at(const Vec3& p) const { return std::clamp(weight_->eval_scalar(p), 0.f, 1.f); }
-  /// Of the light from wi that is scattered.
+  /// Returns the fraction of the light from wi that particles of the second phase function scatter.
   float share_of_second(const Vec3& wi, const Vec3& p) const {
     const float w = weight_at(p);
     if (is_isotropic_) return w;
@@ -86,11 +87,11 @@ private:
 
 AUREOLE_PLUGIN(
     BlendPhase, "phase", "blendphase",
-    PluginDoc{"Mixes the particles of two phase functions, by a number or a volume: haze in air, fibres in "
-              "dust. The weight has no colour.",
+    PluginDoc{"A mixture of the particles of two phase functions, weighted by a number or a volume: haze in "
+              "air, fibres in dust. The weight does not depend on the wavelength.",
               "",
               {{"weight", "volume", "", "required",
-                "share of the second phase function, in [0, 1]: 0 is the first alone, 1 the second"},
+                "weight of the second phase function, in [0, 1]: 0 is the first alone, 1 the second"},
                {"phase", "phase", "", "required", "two nested phase functions"}},
               {R"(<phase type="blendphase">
     <float name="weight" value="0.3"/>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A forward and a backward lobe of Henyey and Greenstein. One lobe alone cannot have both a peak and the
-// light that most particles send back.
+// A forward and a backward Henyey-Greenstein lobe. Most particles have a forward peak and some
+// backscattering, which one lobe alone cannot represent.
 #include "aureole/phase/lobe/hg_lobe.h"
 #include "aureole/phase/phase.h"
 #include "aureole/plugin/registry.h"
@@ -38,13 +38,13 @@ private:
 
 AUREOLE_PLUGIN(DoubleHg, "phase", "double_hg",
                PluginDoc{
-                   "Two lobes of Henyey and Greenstein, a forward and a backward one. The mean cosine is "
-                   "weight g_forward + (1 - weight) g_backward.",
+                   "Two Henyey-Greenstein lobes, a forward and a backward one. The mean cosine is weight "
+                   "g_forward + (1 - weight) g_backward.",
                    "G. W. Kattawar, A three-parameter analytic phase function for multiple scattering "
                    "calculations, J. Quant. Spectrosc. Radiat. Transfer 15 (1975) 839",
                    {{"g_forward", "float", "", "0.8", "mean cosine of the forward lobe, in (-1, 1)"},
                     {"g_backward", "float", "", "-0.3", "mean cosine of the backward lobe, in (-1, 1)"},
-                    {"weight", "float", "", "0.9", "share of the forward lobe, in [0, 1]"}},
+                    {"weight", "float", "", "0.9", "weight of the forward lobe, in [0, 1]"}},
                    {R"(<phase type="double_hg">
     <float name="g_forward" value="0.9"/> <float name="g_backward" value="-0.4"/>
     <float name="weight" value="0.8"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phase function of Henyey and Greenstein: one number, the mean cosine g.
+// The Henyey-Greenstein phase function, with the mean cosine g as its parameter.
 #include "aureole/phase/lobe/hg_lobe.h"
 #include "aureole/phase/phase.h"
 #include "aureole/plugin/registry.h"
@@ -29,8 +29,8 @@ private:
 AUREOLE_PLUGIN(
     Hg, "phase", "hg",
     PluginDoc{
-        "The phase function of Henyey and Greenstein: from backward (g < 0) over isotropic (g = 0) to "
-        "forward scattering, with g the mean cosine of the scattering angle.",
+        "The Henyey-Greenstein phase function: backward (g < 0), isotropic (g = 0) or forward scattering (g "
+        "> 0), with g the mean cosine of the scattering angle.",
         "L. G. Henyey and J. L. Greenstein, Diffuse radiation in the galaxy, Astrophys. J. 93 (1941) 70",
         {{"g", "float", "", "0.8", "mean cosine of the scattering angle, in (-1, 1)"}},
         {R"(<phase type="hg">

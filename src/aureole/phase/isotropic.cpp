@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scattering into all directions alike.
+// Isotropic scattering.
 #include "aureole/math/warp.h"
 #include "aureole/phase/phase.h"
 #include "aureole/plugin/registry.h"
@@ -23,7 +23,7 @@ private:
 };
 
 AUREOLE_PLUGIN(Isotropic, "phase", "isotropic",
-               PluginDoc{"Scatters into all directions alike: 1/(4 pi). The default of a medium.",
+               PluginDoc{"Isotropic scattering: p = 1/(4 pi). The default of a medium.",
                          "",
                          {},
                          {R"(<phase type="isotropic"/>)"}});

@@ -7,7 +7,7 @@ namespace aureole {
 
 Spectrum mean_over_azimuth(const PhaseFunction& phase, const Frame& about, double angle, const Vec3& p,
                            const Wavelengths& w) {
-  // Of spheres, and particles turned at random, all azimuths are alike.
+  // An isotropic medium (spheres, or particles of random orientation) has no dependence on the azimuth.
   const int azimuths = phase.is_isotropic_medium() ? 1 : 16;
   const float s = float(std::sin(angle)), c = float(std::cos(angle));
   Spectrum sum = 0.f;
@@ -21,7 +21,7 @@ Spectrum mean_over_azimuth(const PhaseFunction& phase, const Frame& about, doubl
 
 std::array<double, kWavelengths> mean_cosine(const PhaseFunction& phase, const Frame& about, const Vec3& p,
                                              const Wavelengths& w) {
-  // Midpoints of equal steps of sqrt(angle): forward peaks may be seconds of arc wide.
+  // Midpoint rule with equal steps of sqrt(angle), since forward peaks may be seconds of arc wide.
   constexpr int kSteps = 4096;
   std::array<double, kWavelengths> sum{}, moment{};
   for (int i = 0; i < kSteps; ++i) {

@@ -9,12 +9,12 @@
 
 namespace aureole {
 
-/// The mean [1/sr], over azimuths about `about.n`, of the light that is scattered by `angle` (radians) from
-/// that direction of travel, at the point p.
+/// Returns the mean phase function [1/sr] over azimuths about `about.n`, the direction of propagation, at the
+/// scattering angle `angle` (radians) and the point p.
 Spectrum mean_over_azimuth(const PhaseFunction& phase, const Frame& about, double angle, const Vec3& p,
                            const Wavelengths& w);
 
-/// The asymmetry g per wavelength: the first moment over the integral.
+/// Returns the asymmetry parameter g per wavelength: the first moment divided by the integral.
 std::array<double, kWavelengths> mean_cosine(const PhaseFunction& phase, const Frame& about, const Vec3& p,
                                              const Wavelengths& w);
 

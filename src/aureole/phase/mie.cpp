@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Spheres of one material, by Mie's theory, averaged over their sizes: halos of
-// fog and mist, rainbows and glories. The phase functions of all wavelengths
-// are tabulated when the scene is built (optics/particle/ensemble.h): on one
-// grid of angles that suits them all, at nodes that are uniform in 1/lambda,
-// between which they are mixed.
+// Mie scattering by spheres of one material, averaged over their sizes: coronas of fog and mist, rainbows and
+// glories. Phase functions are tabulated when the scene is built (optics/particle/ensemble.h). All
+// wavelengths share one grid of angles; nodes are uniform in 1/lambda, with linear interpolation between
+// them.
 #include <stdexcept>
 #include <vector>
 
@@ -47,24 +46,24 @@ public:
 
 std::vector<ParameterDoc> rows() {
   std::vector<ParameterDoc> all = radius_docs();
-  all.insert(
-      all.end(),
-      {{"int_ior", "float or string", "", "water", "index of the spheres: a number, a dielectric or a metal"},
-       {"k", "spectrum", "", "0", "imaginary part of the index of dielectric spheres: absorption"},
-       {"ext_ior", "float or string", "", "air", "index of the medium around them"},
-       {"dispersion", "boolean", "", "true",
-        "named materials use their dispersion data where there are any"}});
+  all.insert(all.end(), {{"int_ior", "float or string", "", "water",
+                          "index of refraction of the spheres: a number, a dielectric or a metal"},
+                         {"k", "spectrum", "", "0",
+                          "extinction coefficient: imaginary part of the index of dielectric spheres"},
+                         {"ext_ior", "float or string", "", "air", "index of refraction of the host medium"},
+                         {"dispersion", "boolean", "", "true",
+                          "named materials use their dispersion data if available"}});
   return all;
 }
 
 AUREOLE_PLUGIN(
     MiePhase, "phase", "mie",
     PluginDoc{
-        "Scattering by spheres of one material, such as droplets, averaged over their sizes: the phase "
+        "Mie scattering by spheres of one material, such as droplets, averaged over their sizes: the phase "
         "function of fog and clouds, with rainbow, glory and corona. The medium's coefficients are given "
-        "beside it and do not follow from these spheres.\n\n"
-        "Tables are made when the scene is built: in 2 seconds for fog of 10 um, a minute for drops of 100 "
-        "um; the time grows with the square of the radius, and as the sizes differ less.",
+        "separately and do not follow from these spheres.\n\nTables are computed when the scene is built, "
+        "in 2 seconds for fog of 10 um and a minute for drops of 100 um. The time grows with the square of "
+        "the radius, and for narrower size distributions.",
         "G. Mie, Beitraege zur Optik trueber Medien, Ann. Phys. 330 (1908) 377; Bohren & Huffman, Absorption "
         "and Scattering of Light by Small Particles, 1983, chapter 4",
         rows(),

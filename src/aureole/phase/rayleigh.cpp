@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scattering by particles far smaller than the wavelength, such as the molecules of air, of unpolarised
-// light:
+// Scattering of unpolarised light by particles far smaller than the wavelength, such as the molecules of air:
 //     p = 3/(16 pi (1 + 2 gamma)) (1 + 3 gamma + (1 - gamma) cos^2(theta)),   gamma = rho/(2 - rho),
-// rho the depolarisation of molecules that are not alike in all directions (S. Chandrasekhar, Radiative
-// Transfer, 1960, section 18; A. Bucholtz, Rayleigh-scattering calculations for the terrestrial atmosphere,
-// Appl. Opt. 34, 1995, equation 12).
+// where rho is the depolarisation ratio of anisotropic molecules (S. Chandrasekhar, Radiative Transfer, 1960,
+// section 18; A. Bucholtz, Rayleigh-scattering calculations for the terrestrial atmosphere, Appl. Opt. 34,
+// 1995, equation 12).
 #include <cmath>
 
 #include "aureole/phase/lobe/deflection.h"
@@ -37,8 +36,8 @@ public:
 private:
   float eval(float cosine) const { return flat_ + curved_ * cosine * cosine; }
 
-  /// The root of flat x + curved x^3/3 = v (flat + curved/3) for v in [-1, 1], by Newton's method. The slope
-  /// is between 1 and 2 times its least value, so that five steps reach single precision.
+  /// Returns the root of flat x + curved x^3/3 = v (flat + curved/3) for v in [-1, 1], by Newton's method.
+  /// The slope stays within a factor of 2, so that five steps reach single precision.
   float cosine_at(float v) const {
     const float target = v * (flat_ + curved_ / 3);
     float x = v;
@@ -54,7 +53,7 @@ AUREOLE_PLUGIN(
     Rayleigh, "phase", "rayleigh",
     PluginDoc{
         "Scattering by particles far smaller than the wavelength, such as the molecules of air. The "
-        "coefficients of the medium hold the dependence on the wavelength (lambda^-4).",
+        "dependence on the wavelength (lambda^-4) belongs to the coefficients of the medium.",
         "Lord Rayleigh, On the light from the sky, its polarization and colour, Phil. Mag. 41 (1871); A. "
         "Bucholtz, Appl. Opt. 34 (1995) 2765, equation 12",
         {{"depolarization", "float", "", "0",

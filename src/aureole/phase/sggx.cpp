@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fibres and flakes that reflect as mirrors, with the normals of an ellipsoid: E. Heitz, J. Dupuy, C. Crassin
-// & C. Dachsbacher, "The SGGX microflake distribution", 2015, the specular phase function.
+// Fibres and flakes of ellipsoidal normal distribution with mirror reflection: the specular phase function of
+// E. Heitz, J. Dupuy, C. Crassin & C. Dachsbacher, "The SGGX microflake distribution", 2015.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -37,7 +37,7 @@ public:
     }
     // The largest eigenvalue is at most the trace.
     largest_area_ = std::sqrt(3 * std::max(volume_->maximum(), 1e-12f));
-    // Empty space counts as the unit matrix.
+    // Empty space is replaced by the unit matrix.
     largest_area_ = std::max(largest_area_, 1.f);
   }
 
@@ -70,7 +70,7 @@ private:
     if (!Flakes::is_valid(s))
       throw p.error("S", "the matrix is not positive definite, or too flat for single precision");
     constant_ = Flakes(s);
-    // The largest eigenvalue is at most the largest sum over a row of the magnitudes.
+    // The largest eigenvalue is at most the largest absolute row sum (Gershgorin).
     const float x = s[0] + std::abs(s[3]) + std::abs(s[4]), y = s[1] + std::abs(s[3]) + std::abs(s[5]),
                 z = s[2] + std::abs(s[4]) + std::abs(s[5]);
     largest_area_ = std::sqrt(std::max({x, y, z}));
@@ -91,12 +91,11 @@ private:
 AUREOLE_PLUGIN(
     Sggx, "phase", "sggx",
     PluginDoc{
-        "Fibres and flakes that reflect as tiny mirrors and are not turned at random: wood, cloth, hair "
-        "from afar. The symmetric, positive definite matrix S describes an ellipsoid, in the axes of the "
-        "world; it shows the area sqrt(w^T S w) along w, by which the medium's coefficients are multiplied. "
-        "Fibres along z with roughness r have S = diag(1, 1, r^2), flakes across z S = diag(r^2, r^2, 1).\n\n"
-        "Where a grid's matrix is not positive definite the multiple of the unit matrix with its trace is "
-        "taken.",
+        "Oriented fibres and flakes that reflect as tiny mirrors: wood, cloth, hair from a distance. The "
+        "symmetric, positive definite matrix S describes an ellipsoid in world axes. Its projected area "
+        "along w, sqrt(w^T S w), is a factor of the medium's coefficients. Fibres along z with roughness r "
+        "have S = diag(1, 1, r^2), flakes across z S = diag(r^2, r^2, 1).\n\nA grid's matrix that is not "
+        "positive definite is replaced by the multiple of the unit matrix with its trace.",
         "Heitz, Dupuy, Crassin & Dachsbacher, The SGGX microflake distribution, 2015",
         {{"S", "string or volume", "", "required",
           "the entries xx, yy, zz, xy, xz, yz of the matrix: six numbers or a volume of six channels"}},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A phase function given by numbers at equal steps of the cosine of the scattering angle.
+// A phase function given by values at equal steps of the cosine of the scattering angle.
 #include <algorithm>
 #include <vector>
 
@@ -34,8 +34,8 @@ public:
 AUREOLE_PLUGIN(
     TabPhase, "phase", "tabphase",
     PluginDoc{
-        "A phase function given by numbers at equal steps of the cosine of the scattering angle, from -1 "
-        "(back to where the light came from) to 1 (straight on), linear between them. They are normalised.",
+        "A phase function given by values at equal steps of the cosine of the scattering angle, from -1 "
+        "(backward) to 1 (forward), linear between them. They are normalised.",
         "",
         {{"values", "string", "", "required", "two or more numbers, not negative and not all zero"}},
         {R"(<phase type="tabphase">

@@ -6,7 +6,7 @@
 namespace aureole {
 namespace {
 
-/// A point of a uniform cubic B-spline, its radius, and their derivatives by v.
+/// A point of a uniform cubic B-spline and its radius, with their derivatives with respect to v.
 struct SplinePoint {
   Double3 c, dc, ddc;
   double r, dr;
@@ -35,14 +35,14 @@ public:
   explicit BSplineCurve(const Properties& properties) : Curves(properties, 4) {}
 
   RTCGeometry make_geometry(RTCDevice device) const override;
-  /// Whether Embree's hit at distance t is on the outside of the surface.
+  /// Whether Embree's hit at distance t is on the outer side of the surface.
   bool is_outside_hit(std::uint32_t primitive, float u, const Double3& o, const Double3& d, double t) const;
 
 private:
   CurvePoint locate(std::uint32_t primitive, const Double3& met, double v) const override {
     const ControlPoint* control = segment(primitive);
-    // Embree's hits have a tolerance: two steps of Newton's method find the v at which the point lies in the
-    // plane perpendicular to the curve.
+    // Embree's hits have a tolerance. Two Newton steps find the v whose cross-section plane contains the
+    // point.
     for (int i = 0; i < 2; ++i) {
       const SplinePoint at(control, v);
       const double slope = dot(met - at.c, at.ddc) - dot(at.dc, at.dc);
@@ -54,12 +54,13 @@ private:
     out = out - tangent * dot(out, tangent);
     const double l = length(out);
     out = l > 0 ? out * (1 / l) : CurveFrame(tangent).radius;
-    // The discs across a bent curve lie at angles: normal to the surface that they sweep.
+    // Cross-sections of a bent curve are tilted to each other, so the normal is that of the surface they
+    // sweep.
     const Double3 n = out * (dot(at.dc, at.dc) - at.r * dot(out, at.ddc)) - at.dc * at.dr;
     const double n_length = length(n);
     return {v, at.c, tangent, out, at.r, n_length > 0 ? n * (1 / n_length) : out};
   }
-  /// p = c + r e, e = radius cos 2 pi u + rotation sin 2 pi u; the frame turns with v, too.
+  /// p = c + r e, e = radius cos 2 pi u + rotation sin 2 pi u; the frame also turns with v.
   SurfaceDerivatives own_derivatives(const SurfacePoint& point) const override {
     const SplinePoint at(segment(point.primitive), point.barycentric.x);
     const Double3 t = at.tangent();
@@ -110,11 +111,11 @@ RTCGeometry BSplineCurve::make_geometry(RTCDevice device) const {
 
 bool BSplineCurve::is_outside_hit(std::uint32_t primitive, float u, const Double3& o, const Double3& d,
                                   double t) const {
-  // The inside is not seen (as in Mitsuba 3): a ray that starts within, or enters at an open end, passes.
-  // Embree's hits have a tolerance: near grazing, rays that leave the surface may hit it again.
+  // The inside is invisible (as in Mitsuba 3): a ray that starts inside, or enters at an open end, passes.
+  // Embree's hits have a tolerance: near grazing incidence, rays that leave the surface may hit it again.
   const CurvePoint at = locate(primitive, o + d * t, u);
   if (dot(at.normal, d) > 0) return false;
-  // Hits behind a ray that starts just inside do not count either.
+  // Hits behind a ray that starts just inside are ignored, too.
   if (t * length(d) > at.radius) return true;
   const CurvePoint start = locate(primitive, o, u);
   const Double3 from_axis = o - start.center;
@@ -125,10 +126,9 @@ AUREOLE_PLUGIN(
     BSplineCurve, "shape", "bsplinecurve",
     PluginDoc{
         .summary =
-            "Uniform cubic B-spline curves with a radius: open tubes, which a radius of zero closes. Texture "
-            "coordinates: u runs around, v along all segments of the file, of equal length each. The inside "
-            "is "
-            "not seen.",
+            "Uniform cubic B-spline curves with a radius: open tubes, closed where the radius is zero. "
+            "Texture coordinates: u runs around the curve, v along all segments of the file in equal steps. "
+            "The inside is invisible.",
         .source = "",
         .parameters = curve_parameters(),
         .examples = {R"(<shape type="bsplinecurve">

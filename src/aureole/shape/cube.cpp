@@ -12,7 +12,7 @@ public:
     for (int i = 0; i < 8; ++i)
       d.positions.push_back(place_point(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
     d.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
-    // Corners of a side counter-clockwise seen from outside; bit k of a corner is the sign of axis k.
+    // Corners of a side, counter-clockwise as seen from outside. Bit k of a corner is the sign of axis k.
     struct Side {
       int normal[3];
       std::uint32_t corner[4];
@@ -36,8 +36,8 @@ public:
 AUREOLE_PLUGIN(
     Cube, "shape", "cube",
     PluginDoc{
-        .summary = "The cube [-1, 1]^3 with its normals outside; every side has texture coordinates over "
-                   "[0, 1]^2.",
+        .summary = "The cube [-1, 1]^3 with outward normals. Every side has texture coordinates over [0, "
+                   "1]^2.",
         .source = "",
         .parameters = mesh_parameters({}),
         .examples = {R"(<shape type="cube">

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// An open cylinder. Conventions as Mitsuba 3's: u runs with the azimuth, v along the axis from p0 to p1;
-// normals outside, also under a mirroring to_world; `flip_normals` turns them. Any affine to_world is exact:
-// the surface may become an elliptic or an oblique cylinder.
+// An open cylinder with Mitsuba 3's conventions: u is the azimuth, v runs along the axis from p0 to p1.
+// Normals point outward, also under a mirroring to_world; `flip_normals` reverses them. Any affine to_world
+// is exact: the surface may become an elliptic or an oblique cylinder.
 #include <algorithm>
 
 #include "aureole/plugin/registry.h"
@@ -15,7 +15,7 @@
 namespace aureole {
 namespace {
 
-/// x^2 + y^2 = 1, z in [0, 1], of a placement.
+/// The image of the cylinder x^2 + y^2 = 1, z in [0, 1], under a placement.
 struct PlacedCylinder {
   Placement place;
 
@@ -30,8 +30,9 @@ struct PlacedCylinder {
     const Double3 from = place.local_point(o), along = place.local_vector(d);
     const double a = along.x * along.x + along.y * along.y, b = -(from.x * along.x + from.y * along.y);
     if (!(a > 0)) return std::nullopt;  // parallel to the axis
-    // The discriminant from the distance between axis and line, without cancellation (Haines et al. 2019,
-    // "Precision improvements for ray/sphere intersection"); c by factors, exact near the surface.
+    // The discriminant is computed from the distance between axis and line, without cancellation (Haines et
+    // al. 2019, "Precision improvements for ray/sphere intersection"); c is factorised, exact near the
+    // surface.
     const double r = std::sqrt(from.x * from.x + from.y * from.y), c = (r - 1) * (r + 1);
     const double x = from.x + along.x * (b / a), y = from.y + along.y * (b / a);
     const double discriminant = 1 - (x * x + y * y);
@@ -86,7 +87,7 @@ public:
 
   const Placement& place() const { return cylinder_.place; }
   bool is_flipped() const { return flipped_; }
-  /// The point with these coordinates of its own, moved onto the surface.
+  /// Returns the surface point with these local coordinates, moved onto the surface.
   SurfacePoint point_at(double x, double y, double z) const;
 
 private:
@@ -105,7 +106,7 @@ public:
     };
     is_round_ =
         std::abs(length(y) - radius_) < 1e-5 * radius_ && across(x, y) && across(y, z) && across(z, x);
-    // Exact after a few points for ellipses that are nearly circles: the integrand is smooth and periodic.
+    // A few points are exact for nearly circular ellipses: the integrand is smooth and periodic.
     constexpr int kPoints = 256;
     for (int i = 0; i < kPoints; ++i) {
       const double phi = 2 * kPiD * i / kPoints;
@@ -138,7 +139,7 @@ public:
 
 private:
   const Placement& place() const { return cylinder_.place(); }
-  /// Own coordinates in units of the scene, of a round cylinder.
+  /// Local coordinates of a round cylinder in units of the scene.
   Double3 scaled(const Double3& p) const { return {p.x * radius_, p.y * radius_, p.z * length_}; }
   RoundView round_view(const Vec3& reference) const {
     return {scaled(place().local_point(Double3(reference))), radius_, length_, cylinder_.is_flipped()};
@@ -155,7 +156,7 @@ private:
   const Cylinder& cylinder_;
   double area_ = 0;
   double radius_ = 0, length_ = 0;  ///< of a round cylinder
-  bool is_round_ = false;           ///< and not oblique
+  bool is_round_ = false;           ///< right circular, neither elliptic nor oblique
 };
 
 std::shared_ptr<const AreaSampler> Cylinder::make_area_sampler(AreaUse use) const {
@@ -232,7 +233,7 @@ std::optional<ShapeSample> CylinderSampler::sample_direct(const Vec3& reference,
 }
 
 std::optional<ShapeSample> CylinderSampler::sample_area(std::size_t, Vec2 u) const {
-  // Under an ellipse azimuths are not uniform over the area: the density follows the point.
+  // Azimuths are not uniform over the area of an elliptic cylinder, so the pdf depends on the point.
   const double x = std::cos(2 * kPiD * u.x), y = std::sin(2 * kPiD * u.x);
   const SurfacePoint s = cylinder_.point_at(x, y, u.y);
   return ShapeSample{s.p, s.p_error, s.ng, s.uv, float(1 / (2 * kPiD * area_element(x, y)))};
@@ -241,17 +242,15 @@ std::optional<ShapeSample> CylinderSampler::sample_area(std::size_t, Vec2 u) con
 AUREOLE_PLUGIN(
     Cylinder, "shape", "cylinder",
     PluginDoc{
-        .summary = "An open cylinder (no end caps) around the line from p0 to p1. Its normals "
-                   "point outside, so that most "
-                   "materials are black inside; `twosided` changes that. Texture coordinates: u "
-                   "is the angle about the "
-                   "axis, v runs from p0 to p1. Any affine to_world is exact. As an emitter a "
-                   "round one is sampled nearly "
-                   "uniformly in solid angle, others in area.",
+        .summary = "An open cylinder (no end caps) around the line from p0 to p1. Its normals point "
+                   "outward, so that most materials are black inside; `twosided` changes that. Texture "
+                   "coordinates: u is the angle about the axis, v runs from p0 to p1. Any affine to_world "
+                   "is exact. As an emitter, a right circular cylinder is sampled nearly uniformly in solid "
+                   "angle, others in area.",
         .source = "",
-        .parameters = {{"p0", "vector", "scene units", "0, 0, 0", "One end of the axis, before to_world."},
-                       {"p1", "vector", "scene units", "0, 0, 1", "The other end, before to_world."},
-                       {"radius", "float", "scene units", "1", "Radius, before to_world."}},
+        .parameters = {{"p0", "vector", "scene units", "0, 0, 0", "one end of the axis, before to_world"},
+                       {"p1", "vector", "scene units", "0, 0, 1", "other end of the axis, before to_world"},
+                       {"radius", "float", "scene units", "1", "radius, before to_world"}},
         .examples = {R"(<shape type="cylinder">
   <point name="p0" x="0" y="0" z="-1"/>
   <point name="p1" x="0" y="0" z="1"/>

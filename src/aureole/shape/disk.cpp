@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A flat disc. Conventions as Mitsuba 3's: texture coordinates are polar, u = r and v = phi / 2 pi; any
-// affine to_world makes an ellipse of it.
+// A flat disc with Mitsuba 3's conventions: texture coordinates are polar, u = r and v = phi / 2 pi. Any
+// affine to_world makes it an ellipse.
 #include <algorithm>
 
 #include "aureole/math/warp.h"
@@ -27,7 +27,7 @@ struct PlacedDisc {
   std::optional<double> intersect(const Double3& o, const Double3& d, double t_min, double t_max) const {
     const Double3 from = place.local_point(o), along = place.local_vector(d);
     const double t = -from.z / along.z;
-    if (!(t > t_min && t < t_max)) return std::nullopt;  // also where the ray is parallel
+    if (!(t > t_min && t < t_max)) return std::nullopt;  // also where the ray is parallel to the plane
     const double x = from.x + along.x * t, y = from.y + along.y * t;
     return x * x + y * y <= 1 ? std::optional<double>(t) : std::nullopt;
   }
@@ -55,7 +55,8 @@ public:
     return {disc_.place.vector({c, s, 0}).to_float(),
             (disc_.place.vector({-s, c, 0}) * (2 * kPiD * point.uv.x)).to_float()};
   }
-  /// The point with these coordinates, which rounding may have moved just beyond the rim.
+  /// Returns the surface point with these coordinates; points that rounding moved beyond the rim are moved
+  /// back onto it.
   SurfacePoint point_at(double x, double y) const {
     const double r = std::hypot(x, y);
     if (r > 1) x /= r, y /= r;
@@ -174,9 +175,9 @@ AUREOLE_PLUGIN(
     PluginDoc{
         .summary =
             "The disc of radius 1 around the origin in the plane z = 0, normal +z. Texture coordinates are "
-            "polar: u is the radius, v the angle over 2 pi. Under a to_world that scales its axes apart it "
-            "is an ellipse. As an emitter a disc is sampled nearly uniformly in solid angle, an ellipse in "
-            "area.",
+            "polar: u is the radius, v the angle divided by 2 pi. A to_world that scales its axes "
+            "differently makes it an ellipse. As an emitter, a disc is sampled nearly uniformly in solid "
+            "angle, an ellipse in area.",
         .source = "Cone of directions: Guillen, Urena, King, Fajardo, Georgiev, Lopez-Moreno & Jarabo 2017, "
                   "\"Area-preserving parameterizations for spherical ellipses\", section 3.",
         .parameters = {},

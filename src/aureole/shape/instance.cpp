@@ -36,8 +36,8 @@ Instance::Instance(std::shared_ptr<const ShapeList> list, const Transform& to_wo
   for (int k = 0; k < 3; ++k) column[k] = {to_world_[0][k], to_world_[1][k], to_world_[2][k]};
   const Double3 origin(to_world_[0][3], to_world_[1][3], to_world_[2][3]);
 
-  // The inverse by cofactors, which is how the ray caster computes it, in single precision: with the sums of
-  // the absolute values come bounds of its error.
+  // The inverse by cofactors in single precision, as the ray caster computes it. Sums of absolute values give
+  // bounds of its error.
   const auto absolute_cross = [](const Double3& a, const Double3& b) {
     return Double3{std::abs(a.y * b.z) + std::abs(a.z * b.y), std::abs(a.z * b.x) + std::abs(a.x * b.z),
                    std::abs(a.x * b.y) + std::abs(a.y * b.x)};
@@ -57,7 +57,7 @@ Instance::Instance(std::shared_ptr<const ShapeList> list, const Transform& to_wo
         dot(in_row, absolute(origin)) + gamma_bound(4) * dot(absolute(row), absolute(origin));
     for (int k = 0; k < 3; ++k) {
       to_group_[i][k] = float(element(row, k));
-      // The origin of a ray is transformed with these, and rounded.
+      // Accounts for the transform of a ray's origin with these values, and its rounding.
       error[i][k] = element(in_row, k) + gamma_bound(4) * std::abs(element(row, k));
     }
     to_group_[i][3] = float(offset);
@@ -105,7 +105,8 @@ SurfacePoint Instance::surface_point(const Shape& shape, const ShapeHit& hit, co
   }
   s.ng = normalize(transposed(to_group_, s.ng));
   const Vec3 n = normalize(transposed(to_group_, s.shading.n));
-  // The frame's own tangent was made perpendicular to the normal, which the map does not keep.
+  // The frame's tangent was made perpendicular to the normal, which the map does not preserve, so it is
+  // recomputed.
   s.shading = tangent ? Frame::from_normal_tangent(n, linear(to_world_, shape.own_derivatives(s).dp_du))
                       : Frame::from_normal(n);
   s.instance = this;
@@ -122,7 +123,7 @@ float Instance::farthest(float limit) const {
     const double size = std::abs(double(row[0])) + std::abs(double(row[1])) + std::abs(double(row[2]));
     least = std::min(least, (double(limit) - std::abs(double(row[3]))) / size);
   }
-  return float(std::max(least, 0.0) * (1 - 1e-6));  // rounding of the transformed ray
+  return float(std::max(least, 0.0) * (1 - 1e-6));  // margin for the rounding of the transformed ray
 }
 
 Bounds3 Instance::bounds() const {
@@ -164,12 +165,12 @@ AUREOLE_PLUGIN(
     InstanceModel, "shape", "instance",
     PluginDoc{
         .summary =
-            "One appearance of a `shapegroup` in the scene. Its shapes have the BSDFs that they have in "
-            "the group. Any affine to_world is allowed, mirroring included.",
+            "An instance of a `shapegroup` in the scene. Its shapes have the BSDFs that they have in the "
+            "group. Any affine to_world is allowed, mirroring included.",
         .source = "",
-        .parameters = {{"shapegroup", "shape", "", "required", "The group, usually by <ref id=\"...\"/>."},
+        .parameters = {{"shapegroup", "shape", "", "required", "the group, usually by <ref id=\"...\"/>"},
                        {"to_world", "transform", "", "identity",
-                        "From the group's coordinates to those of the scene."}},
+                        "transform from the group's coordinates to world space"}},
         .examples = {R"(<shape type="instance">
   <shape type="shapegroup">
     <shape type="sphere"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A group of shapes in one place of the scene.
+// An instance of a group of shapes in the scene.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -18,24 +18,25 @@ struct ShapeList;
 
 class Instance {
 public:
-  /// `list` has the shapes; errors are located at `to_world` of `properties`.
+  /// `list` contains the shapes; errors are located at `to_world` of `properties`.
   Instance(std::shared_ptr<const ShapeList> list, const Transform& to_world, const Properties& properties);
 
   const ShapeList& list() const { return *list_; }
   bool is_in_same_place(const Instance& other) const { return to_world_ == other.to_world_; }
 
-  /// A committed Embree geometry, owned by the caller; `scene` holds the shapes.
+  /// Returns a committed Embree geometry, owned by the caller; `scene` contains the shapes.
   RTCGeometry make_geometry(RTCDevice device, RTCScene scene) const;
-  /// The point of a hit on `shape`, one of the group's. Fills everything but `surface`.
+  /// Returns the surface point of a hit on `shape`, one of the group's. Sets all members but `surface`.
   SurfacePoint surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray, bool tangent) const;
   Vec3 point_to_world(const Vec3& p) const;
   SurfaceDerivatives to_world(const SurfaceDerivatives& d) const;
   Bounds3 bounds() const;
-  /// Origins and directions of rays up to this magnitude are transformed to such of at most `limit`.
+  /// Returns the magnitude of origins and directions of rays up to which the transformed ones are at most
+  /// `limit`.
   float farthest(float limit) const;
 
 private:
-  /// Rows of an affine map.
+  /// Rows of the matrix of an affine map.
   using Rows = std::array<std::array<float, 4>, 3>;
 
   std::shared_ptr<const ShapeList> list_;

@@ -7,7 +7,7 @@
 namespace aureole {
 namespace {
 
-/// A cone that touches the spheres of two control points, continued by them at both ends.
+/// A cone tangent to the spheres of two control points, with these spheres as rounded ends.
 struct ConeSegment {
   Double3 start, along;
   double length_along, start_radius, radius_change;
@@ -20,31 +20,31 @@ struct ConeSegment {
         radius_change(double(c[1].radius) - double(c[0].radius)) {}
 
   Double3 tangent() const { return length_along > 0 ? along * (1 / length_along) : Double3(1, 0, 0); }
-  /// Sine of half the opening angle; not below 1 in size where one sphere holds the other.
+  /// Sine of half the opening angle; its magnitude is at least 1 if one sphere contains the other.
   double sine() const { return length_along > 0 ? radius_change / length_along : 1; }
   Double3 center(double v) const { return start + along * v; }
   double radius(double v) const { return start_radius + radius_change * v; }
 
-  /// The centre, as a share of the length, of the sphere that touches the surface nearest to p.
+  /// Returns the centre of the tangent sphere nearest to p, as a fraction of the segment's length.
   double place(const Double3& p) const {
     const double s = sine();
     if (!(std::abs(s) < 1)) return radius_change > 0 ? 1 : 0;
     const double x = dot(p - start, along) / length_along;
     return std::clamp((x + start_radius * s) / (length_along * (1 - s * s)), 0.0, 1.0);
   }
-  /// The point lies inside by more than rounding.
+  /// Whether the point lies inside by more than rounding.
   bool holds(const Double3& p) const {
     const double v = place(p), r = radius(v) * (1 - 1e-9);
     const Double3 w = p - center(v);
     return dot(w, w) < r * r;
   }
-  /// The distance in (t_min, t_max) at which a ray from outside enters.
+  /// Returns the distance in (t_min, t_max) at which a ray from outside enters the cone.
   std::optional<double> enter(const Double3& o, const Double3& d, double t_min, double t_max) const;
 };
 
 std::optional<double> ConeSegment::enter(const Double3& o, const Double3& d, double t_min,
                                          double t_max) const {
-  // From the point nearest to the start: far origins cost no digits.
+  // Computed from the ray's point nearest to the segment's start, so that distant origins lose no precision.
   const double dd = dot(d, d), shift = dot(start - o, d) / dd;
   const Double3 from = o + d * shift - start;
   t_min -= shift, t_max -= shift;
@@ -59,7 +59,7 @@ std::optional<double> ConeSegment::enter(const Double3& o, const Double3& d, dou
   const bool is_cone = std::abs(s) < 1;
   const Double3 axis = tangent();
   if (is_cone) {
-    // |p|^2 cos^2 - x^2 = 2 r0 s x + r0^2, x along the axis; the other nappe has r0 + s x < 0.
+    // |p|^2 cos^2 - x^2 = 2 r0 s x + r0^2, with x along the axis; the other nappe has r0 + s x < 0.
     const double x = dot(from, axis), dx = dot(d, axis), r0 = start_radius;
     reach = r0 * s;
     const double a = cos2 * dd - dx * dx, b = x * dx + reach * dx - cos2 * dot(from, d);
@@ -70,7 +70,7 @@ std::optional<double> ConeSegment::enter(const Double3& o, const Double3& d, dou
       const double roots[2] = {q / a, q != 0 ? c / q : 0};
       for (const double t : roots) {
         const double at = x + dx * t, share = (at + reach) / (length_along * cos2);
-        // The quadratic falls where the ray enters.
+        // The quadratic decreases where the ray enters.
         if (share >= 0 && share <= 1 && r0 + s * at >= 0 && a * t < b) offer(t);
       }
     }
@@ -84,7 +84,7 @@ std::optional<double> ConeSegment::enter(const Double3& o, const Double3& d, dou
     if (!(discriminant >= 0)) continue;
     const double t = (b - std::sqrt(dd * discriminant)) / dd;
     const double x = dot(from + d * t, axis) + reach;
-    // Only the part of the sphere that the cone leaves free.
+    // Only the part of the sphere outside the cone counts.
     if (!is_cone ? (end == 1) == (radius_change > 0) : end ? x >= length_along * cos2 : x <= 0) offer(t);
   }
   return best < t_max ? std::optional<double>(best + shift) : std::nullopt;
@@ -94,8 +94,8 @@ class LinearCurve final : public Curves {
 public:
   explicit LinearCurve(const Properties& properties) : Curves(properties, 2) {}
 
-  // Embree has such curves, too, but misses many of their hits where segments are shorter than a hundredth of
-  // a unit, and rays along the axis.
+  // Embree has such curves, too, but misses many hits for segments shorter than a hundredth of a unit and for
+  // rays along the axis.
   RTCGeometry make_geometry(RTCDevice device) const override { return make_user_geometry(device, *this); }
   Bounds3 bounds(std::uint32_t primitive) const {
     const ControlPoint* c = segment(primitive);
@@ -107,11 +107,11 @@ public:
     return b;
   }
   using Curves::bounds;
-  /// The inside is not seen (as in Mitsuba 3), and neither is a segment within its neighbours.
+  /// The inside is invisible (as in Mitsuba 3), and so is a segment's part within its neighbours.
   std::optional<double> intersect(std::uint32_t primitive, const Double3& o, const Double3& d, double t_min,
                                   double t_max) const {
     const ControlPoint* c = segment(primitive);
-    // Most rays in the box pass at a distance: that between the lines is soon known.
+    // Most rays in the bounding box miss the curve; the distance between the two lines rejects them quickly.
     const Double3 n = cross(d, Double3(c[1].p) - Double3(c[0].p));
     const double volume = dot(o - Double3(c[0].p), n), radius = std::max(c[0].radius, c[1].radius);
     if (volume * volume > 1.0001 * radius * radius * dot(n, n) + 1e-300) return {};
@@ -126,7 +126,7 @@ public:
   }
 
 private:
-  /// The segment goes on where the one before it ends.
+  /// Whether the segment starts where the previous one ends.
   bool follows(std::uint32_t primitive) const {
     return segments()[primitive] == segments()[primitive - 1] + 1;
   }
@@ -151,11 +151,10 @@ private:
 };
 
 AUREOLE_PLUGIN(LinearCurve, "shape", "linearcurve",
-               PluginDoc{.summary = "Curves of straight pieces: cones between the spheres around the control "
-                                    "points, rounded at joints "
-                                    "and ends. Texture coordinates: u runs around, v along all pieces of the "
-                                    "file, of equal length each. "
-                                    "The inside is not seen.",
+               PluginDoc{.summary = "Piecewise linear curves: cones between spheres around the control "
+                                    "points, rounded at joints and ends. Texture coordinates: u runs around "
+                                    "the curve, v along all segments of the file in equal steps. The inside "
+                                    "is invisible.",
                          .source = "",
                          .parameters = curve_parameters(),
                          .examples = {R"(<shape type="linearcurve">

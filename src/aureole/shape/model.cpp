@@ -15,7 +15,7 @@ namespace aureole {
 
 namespace {
 
-/// As Mitsuba: a surface without a BSDF is a diffuse one of reflectance .5, and a black one where it emits.
+/// Returns the default BSDF, as in Mitsuba: diffuse of reflectance 0.5, or black on an emitter.
 BsdfPtr default_bsdf(const Properties& properties, bool emits) {
   return make_default<Bsdf>(properties, "bsdf", {{"reflectance", emits ? 0.0 : 0.5}});
 }
@@ -29,19 +29,19 @@ std::shared_ptr<T> only_child(const Properties& properties, const char* name) {
   return children.empty() ? nullptr : children.front();
 }
 
-/// A texture that reads a mesh attribute, and the largest value allowed where it is used.
+/// A texture that reads a mesh attribute, and the largest value allowed for its parameter.
 struct ShownAttribute {
   const AttributeTexture* texture;
   double most;
 };
 
-/// Adds the textures that show attributes from an object downwards.
+/// Adds the textures below an object that read attributes.
 void collect(const Object& object, std::unordered_set<const Object*>& seen,
              std::vector<ShownAttribute>& found) {
   for (const Properties::Entry& e : object.properties().entries()) {
     const auto* child = std::get_if<ObjectPtr>(&e.value);
     if (!child || !*child) continue;
-    // The texture may have been found before under a parameter that allows larger values.
+    // The texture may have been found before, under a parameter that allows larger values.
     if (const auto* texture = dynamic_cast<const AttributeTexture*>(child->get()))
       found.push_back({texture, object.properties().most_expected(e.name)});
     if (seen.insert(child->get()).second) collect(**child, seen, found);
@@ -64,7 +64,7 @@ void check_attributes(const Shape& shape, const std::vector<ShownAttribute>& sho
   }
 }
 
-/// Errors of a shape that cannot be sampled at all are about what sits on it.
+/// Errors of a shape that cannot be sampled at all are located at its emitter or sensor, `sitting`.
 std::shared_ptr<const AreaSampler> area_for(const Object& sitting, const ShapePtr& shape, AreaUse use,
                                             GeometrySource& source) {
   try {
@@ -75,7 +75,7 @@ std::shared_ptr<const AreaSampler> area_for(const Object& sitting, const ShapePt
   }
 }
 
-/// The materials of all libraries that can be read.
+/// Returns the materials of all readable libraries.
 MtlLibrary read_libraries(const Properties& geometry, const FileMaterials& materials) {
   MtlLibrary all;
   for (const std::filesystem::path& path : materials.libraries) {
@@ -89,7 +89,7 @@ MtlLibrary read_libraries(const Properties& geometry, const FileMaterials& mater
   return all;
 }
 
-/// Why the parts of a model together enclose no space; empty where they do.
+/// Returns why the parts of a model together enclose no volume; empty if they do.
 std::string opening_of(const std::vector<ModelPart>& parts) {
   if (parts.size() == 1) return parts[0].shape->opening();
   std::vector<const Mesh*> meshes;
@@ -108,14 +108,14 @@ public:
 
 private:
   void build(const PluginInfo& plugin, const Properties& element, GeometrySource& source);
-  /// A medium on one side of a surface with a gap is a note: its scene may close it with further
-  /// shapes, and says so where it does not (scene/scene_media.cpp).
+  /// Notes a medium on one side of a surface with a gap. Other shapes of the scene may close the gap; the
+  /// scene warns if they do not (scene/scene_media.cpp).
   void check_media(const Properties& element);
   void take_bssrdf(const Properties& element);
-  /// The element's parameters without what hangs on the shape.
+  /// Returns the element's parameters without BSDF, emitter, sensor and media.
   static Properties geometry_of(const Properties& element);
   void hang(GeometrySource& source);
-  /// Parts by the BSDFs of the file's materials.
+  /// Divides a mesh into parts by the BSDFs of the file's materials.
   void divide(const Properties& geometry, const FileMaterials& materials, const MtlLibrary& library,
               const MeshParts* kept, GeometrySource& source);
   BsdfPtr find_bsdf(const Properties& geometry, const MtlLibrary& library, const std::string& name,
@@ -127,7 +127,7 @@ private:
     parts_.push_back(std::move(part));
   }
 
-  BsdfPtr bsdf_;  ///< the child, or null
+  BsdfPtr bsdf_;  ///< BSDF of the element, or null
   std::shared_ptr<const Emitter> emitter_;
   SurfaceMedia media_;
 };
@@ -183,7 +183,7 @@ void ShapeModel::build(const PluginInfo& plugin, const Properties& element, Geom
   emitter_ = only_child<Emitter>(element, "emitter");
   sensor_ = only_child<Sensor>(element, "sensor");
   bsdf_ = only_child<Bsdf>(element, "bsdf");
-  if (plugin.documents("interior"))  // curves bound no space
+  if (plugin.documents("interior"))  // curves enclose no volume
     media_ = {element.get_object<Medium>("exterior"), element.get_object<Medium>("interior"),
               int(element.get_int("priority", 0, {0, 127}))};
   if (plugin.documents("bssrdf")) take_bssrdf(element);
@@ -199,7 +199,7 @@ void ShapeModel::build(const PluginInfo& plugin, const Properties& element, Geom
   for (const ShownAttribute& s : shown) names.insert(s.texture->attribute_name().text());
   geometry.set_shown_attributes({names.begin(), names.end()});
 
-  // A BSDF in the scene is for a whole file (as in Mitsuba), and so are an emitter and a sensor.
+  // A BSDF in the scene applies to the whole file (as in Mitsuba), and so do an emitter and a sensor.
   const bool is_bare = !bsdf_ && !emitter_ && !sensor_;
   std::optional<MtlLibrary> library;
   if (is_bare)
@@ -214,7 +214,7 @@ void ShapeModel::build(const PluginInfo& plugin, const Properties& element, Geom
   try {
     made = source.geometry(plugin, geometry);
   } catch (const Error&) {
-    element.take_reads(geometry);  // with the further problems of these parameters
+    element.take_reads(geometry);  // includes further problems of these parameters
     throw;
   }
   const auto shape = std::dynamic_pointer_cast<const Shape>(made);
@@ -324,7 +324,7 @@ std::size_t ShapeList::memory_bytes() const {
 
 std::shared_ptr<Model> make_model(const PluginInfo& plugin, const Properties& element,
                                   GeometrySource& source) {
-  // Shapes with geometry of their own document a `bsdf`; groups and instances do not.
+  // Shapes with their own geometry document a `bsdf`; groups and instances do not.
   const auto model = std::dynamic_pointer_cast<Model>(
       plugin.documents("bsdf") ? element.make([&](const Properties& p) -> ObjectPtr {
         return std::make_shared<ShapeModel>(plugin, p, source);

@@ -13,7 +13,7 @@
 namespace aureole {
 namespace {
 
-/// Reads the statements v, vt, vn and f; collects the names of all others for a note.
+/// Reads the statements v, vt, vn and f, and collects the names of all others for a note.
 class ObjReader {
 public:
   ObjReader(MeshFile& file, bool flip_v) : file_(file), flip_v_(flip_v) {}
@@ -22,7 +22,7 @@ public:
   MeshData read(const PlacePoint& place_point, const PlaceNormal& place_normal);
 
   std::vector<std::string> remarks() const;
-  /// Names of the materials that MeshData::materials counts; the first has none.
+  /// Names of the materials that MeshData::materials indexes; the first is no material.
   const std::vector<std::string>& materials() const { return materials_; }
   const std::vector<std::string>& libraries() const { return libraries_; }
 
@@ -47,11 +47,12 @@ private:
   std::size_t small_faces_ = 0;
   std::vector<std::string> materials_{""}, libraries_;
   std::map<std::string, std::uint32_t, std::less<>> material_index_;
-  std::uint32_t material_ = 0;  ///< of the faces to come
+  std::uint32_t material_ = 0;  ///< material of the following faces
   std::set<std::string, std::less<>> ignored_;
 };
 
-/// The end of the statement at `at`; a backslash before the end of a line continues it, and becomes a blank.
+/// Returns the end of the statement at `at`. A backslash before a newline continues the line and becomes a
+/// blank.
 char* ObjReader::end_of_line(char* at) {
   char* const end = file_.begin() + file_.size();
   for (char* from = at;;) {
@@ -60,8 +61,8 @@ char* ObjReader::end_of_line(char* at) {
     char* last = e;
     while (last > at && last[-1] == '\r') --last;
     if (last == at || last[-1] != '\\') return e;
-    // '\v' instead of the newline would lose the line count: only the backslash goes, and blanks include
-    // newlines below.
+    // Replacing the newline would break the line count, so only the backslash is replaced; below, blanks
+    // include newlines.
     last[-1] = ' ';
     from = e + 1;
   }
@@ -103,7 +104,7 @@ void ObjReader::face(Scanner& s) {
     ++small_faces_;
     return;
   }
-  // A face with a normal missing anywhere has none.
+  // A face with any normal missing has no normals.
   const bool bare =
       std::any_of(polygon_.begin(), polygon_.end(), [](const Corner& c) { return c.vn == kNone; });
   for (Corner& c : polygon_) {
@@ -175,7 +176,7 @@ MeshData ObjReader::read(const PlacePoint& place_point, const PlaceNormal& place
 
 void ObjReader::finish() {
   if (d_.triangles.empty()) throw file_.error("no faces in the file");
-  // Missing entries get one of their own: texture coordinates (0, 0), no normal.
+  // Missing entries refer to a common one: texture coordinates (0, 0), no normal.
   const auto resolve = [](auto& values, std::vector<TriangleIndices>& indices, bool any, bool missing) {
     if (!any) {
       values.clear(), indices.clear();
@@ -231,17 +232,15 @@ private:
 AUREOLE_PLUGIN(
     Obj, "shape", "obj",
     PluginDoc{
-        .summary = "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (fanned) and negative "
-                   "indices. Groups "
-                   "are ignored. A nested bsdf is for the whole mesh; without one (and without an emitter) "
-                   "each material of "
-                   "the file is the BSDF of the scene that has its name as id, or is made from the .mtl "
-                   "file: Kd, map_Kd, "
-                   "Ks, Ns, d, map_d. Without vn, normals are computed from positions, weighted by angle.",
+        .summary = "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (triangulated as fans) "
+                   "and negative indices. Groups are ignored. A nested bsdf applies to the whole mesh. "
+                   "Without one (and without an emitter) each material of the file is the BSDF of the scene "
+                   "that has its name as id, or is made from the .mtl file: Kd, map_Kd, Ks, Ns, d, map_d. "
+                   "Without vn, normals are computed from positions, weighted by angle.",
         .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
-        .parameters = mesh_parameters({{"filename", "file", "", "required", "The OBJ file."},
+        .parameters = mesh_parameters({{"filename", "file", "", "required", "the OBJ file"},
                                        {"flip_tex_coords", "boolean", "", "true",
-                                        "Replaces the texture coordinate v by 1 - v."}}),
+                                        "replace the texture coordinate v by 1 - v"}}),
         .examples = {R"(<shape type="obj">
   <string name="filename" value="mesh.obj"/>
   <boolean name="face_normals" value="true"/>

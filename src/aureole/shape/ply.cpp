@@ -18,7 +18,7 @@ namespace {
 using ply::Element;
 using ply::Property;
 
-/// Reads the elements `vertex` and `face`, and walks over the others.
+/// Reads the elements `vertex` and `face` and skips the others.
 template <class Source>
 class PlyReader {
 public:
@@ -66,7 +66,7 @@ public:
   }
 
 private:
-  /// Refuses counts that cannot be in the file before memory is taken for them.
+  /// Rejects counts that exceed the file's size, before memory is allocated for them.
   void check_size(const Element& e) const {
     const std::size_t least = header_.format == ply::Format::ascii ? e.properties.size() : e.least_bytes();
     if (e.properties.empty() && e.count > 0)
@@ -77,7 +77,8 @@ private:
                         "\" cannot be in it");
   }
 
-  /// One record: `scalar(property, value)` and `item(property, index, value)` for its values in order.
+  /// Reads one record: calls `scalar(property, value)` and `item(property, index, value)` for its values in
+  /// order.
   template <class Scalar, class Item>
   void record(const Element& e, const Scalar& scalar, const Item& item) {
     for (std::size_t k = 0; k < e.properties.size(); ++k) {
@@ -203,21 +204,17 @@ AUREOLE_PLUGIN(
     Ply, "shape", "ply",
     PluginDoc{
         .summary =
-            "A mesh from a PLY file, ASCII or binary of either byte order. Polygons are fanned; vertex "
-            "normals (nx, ny, "
-            "nz) and texture coordinates (u, v or s, t or texture_u, texture_v) are read. Without normals "
-            "they are computed, weighted by angle. Other properties are attributes for "
-            "the texture `mesh_attribute`, kept if one shows them: r, g, b or red, green, blue are "
-            "vertex_color (face_color "
-            "on faces); NAME_x alone is the number vertex_NAME; NAME_x, NAME_y, NAME_z or NAME_0, NAME_1, "
-            "NAME_2 are the "
-            "colour vertex_NAME, and NAME_r, NAME_g, NAME_b vertex_NAME_color. Integers stand for 0 to 1, "
-            "encoded as in "
-            "sRGB pictures.",
+            "A mesh from a PLY file, ASCII or binary of either byte order. Polygons are triangulated as "
+            "fans; vertex normals (nx, ny, nz) and texture coordinates (u, v or s, t or texture_u, "
+            "texture_v) are read. Without normals they are computed, weighted by angle. Other properties "
+            "are attributes for the texture `mesh_attribute`, kept if one reads them: r, g, b or red, "
+            "green, blue are vertex_color (face_color on faces); NAME_x alone is the number vertex_NAME; "
+            "NAME_x, NAME_y, NAME_z or NAME_0, NAME_1, NAME_2 are the colour vertex_NAME, and NAME_r, "
+            "NAME_g, NAME_b vertex_NAME_color. Integers represent [0, 1], encoded as in sRGB pictures.",
         .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
-        .parameters = mesh_parameters({{"filename", "file", "", "required", "The PLY file."},
+        .parameters = mesh_parameters({{"filename", "file", "", "required", "the PLY file"},
                                        {"flip_tex_coords", "boolean", "", "false",
-                                        "Replaces the texture coordinate v by 1 - v."}}),
+                                        "replace the texture coordinate v by 1 - v"}}),
         .examples = {R"(<shape type="ply">
   <string name="filename" value="mesh.ply"/>
   <boolean name="flip_tex_coords" value="true"/>

@@ -24,7 +24,7 @@ AUREOLE_PLUGIN(
     Rectangle, "shape", "rectangle",
     PluginDoc{
         .summary =
-            "The square [-1, 1] x [-1, 1] in the plane z = 0, normal +z, texture coordinates (0, 0) at "
+            "The square [-1, 1] x [-1, 1] in the plane z = 0, normal +z, texture coordinates from (0, 0) at "
             "(-1, -1) to (1, 1) at (1, 1). As an emitter it is sampled uniformly in solid angle.",
         .source = "Sampling: Urena, Fajardo & King 2013, \"An area-preserving parametrization for spherical "
                   "rectangles\".",

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The zero set of a function that is known at the nodes of a grid and trilinear between them: the user geometry has a
-// primitive for each cell in which the function changes its sign. Conventions as Mitsuba 3's: the nodes fill
-// [0, 1]^3 including its faces, normals point to where values grow.
+// The zero set of a function given at the nodes of a grid and trilinear between them. The user geometry has a
+// primitive for each cell in which the function changes its sign. Conventions as in Mitsuba 3: the nodes fill
+// [0, 1]^3 including its faces, and normals point to increasing values.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -55,7 +55,7 @@ public:
     return grid_.values.capacity() * sizeof(float) + cells_.capacity() * sizeof(std::uint32_t);
   }
 
-  /// The box of a cell.
+  /// Returns the bounding box of a cell.
   Bounds3 bounds(std::uint32_t primitive) const {
     const Index3 cell = cell_of(primitive);
     Double3 middle, reach;
@@ -67,12 +67,12 @@ public:
     }
     return outward_bounds(middle - reach, middle + reach);
   }
-  /// Both sides are seen.
+  /// Both sides are visible.
   std::optional<double> intersect(std::uint32_t primitive, const Double3& o, const Double3& d, double t_min,
                                   double t_max) const {
     const Index3 cell = cell_of(primitive);
     const Double3 from = in_cell(place_.local_point(o), cell), along = scaled(place_.local_vector(d));
-    // Crossings on the face between two cells belong to both: rounding must not let a ray pass between them.
+    // Crossings on the face between two cells belong to both, so that rounding lets no ray pass between them.
     constexpr double kMargin = 1e-9;
     const auto clip = [&](double p, double v) {
       if (v == 0) {
@@ -93,7 +93,7 @@ public:
     const Index3 cell = cell_of(hit.primitive);
     const TrilinearCell f = values(cell);
     Double3 at = in_cell(place_.local_point(Double3(ray.o) + Double3(ray.d) * double(hit.t)), cell);
-    // The distance was rounded to single precision: back onto the surface by Newton's method.
+    // The distance was rounded to single precision; Newton's method moves the point back onto the surface.
     for (int i = 0; i < 3; ++i) {
       const Double3 g = f.gradient(at);
       const Double3 step = g * (f.at(at) / dot(g, g));
@@ -124,7 +124,8 @@ public:
 
 private:
   double cells_along(std::size_t k) const { return grid_.size[k] - 1; }
-  /// From own coordinates, in which the grid fills [0, 1]^3, to units of cells; of a gradient the other way round.
+  /// From local coordinates, in which the grid fills [0, 1]^3, to units of cells. A gradient is scaled from
+  /// units of cells to local coordinates.
   Double3 scaled(const Double3& v) const {
     return {v.x * cells_along(0), v.y * cells_along(1), v.z * cells_along(2)};
   }
@@ -152,9 +153,9 @@ private:
     return n * ((is_flipped_ ? -1 : 1) / l);
   }
 
-  /// Continuous across cells: the normals of the eight cells around, weighted by how near their middles are
-  /// (Hansson-Soderlund et al. 2022). Of a neighbour along x the gradient's x is taken on the line through
-  /// the point, its y and z are the point's own, as in Mitsuba 3.
+  /// Returns a normal that is continuous across cells: the mean normal of the eight surrounding cells,
+  /// weighted by the distance of their centres (Hansson-Soderlund et al. 2022). A neighbour along an axis
+  /// contributes only that component of its gradient, taken at the point, as in Mitsuba 3.
   Double3 smooth_normal(const Double3& at, const Index3& cell) const {
     double slope[3][2], weight[3];
     const double p[3] = {at.x, at.y, at.z};
@@ -162,7 +163,7 @@ private:
       const bool upper = p[k] >= 0.5;
       weight[k] = upper ? p[k] - 0.5 : p[k] + 0.5;
       for (int i = 0; i < 2; ++i) {
-        // At the border the last cell stands for what would be beyond.
+        // At the border the last cell replaces its missing neighbour.
         Index3 there = cell;
         there[k] = std::clamp(cell[k] + i - (upper ? 0 : 1), 0, grid_.size[k] - 2);
         const Double3 g = values(there).gradient(at);
@@ -180,7 +181,7 @@ private:
     return normal_to_world(n, {});
   }
 
-  /// The cells whose corners have both signs.
+  /// Finds the cells whose corners have both signs.
   void find_cells() {
     const Index3 n = grid_.size;
     const auto is_inside = [&](int x, int y, int z) { return grid_.values[grid_.voxel(x, y, z)] < 0; };
@@ -203,7 +204,7 @@ private:
 
   Placement place_;
   VoxelData grid_;
-  std::vector<std::uint32_t> cells_;  ///< the first node of each
+  std::vector<std::uint32_t> cells_;  ///< first node of each
   Bounds3 bounds_;
   bool is_smooth_ = true, is_flipped_ = false, is_open_ = false;
 };
@@ -212,11 +213,11 @@ AUREOLE_PLUGIN(
     SdfGrid, "shape", "sdfgrid",
     PluginDoc{
         .summary =
-            "The surface on which a signed distance is zero, or any other function that is negative inside. It is "
-            "given at the nodes of a grid that fills [0, 1]^3 and is trilinear between them; rays meet that "
-            "function's own zero, not triangles. Any affine to_world is exact. There are no texture coordinates, "
-            "and it cannot be an emitter or a sensor. "
-            "What lies at the faces of the grid is open.",
+            "The zero set of a signed distance function, or of any other function that is negative inside. "
+            "It is given at the nodes of a grid that fills [0, 1]^3 and is trilinear between them; rays "
+            "intersect the exact zero of that function, not triangles. Any affine to_world is exact. There "
+            "are no texture coordinates, and it cannot be an emitter or a sensor. The surface is open where "
+            "it reaches the faces of the grid.",
         .source =
             "H. Hansson-Soderlund, A. Evans, T. Akenine-Moller, Ray tracing of signed distance function grids, "
             "JCGT 11(3), 2022",
@@ -225,7 +226,8 @@ AUREOLE_PLUGIN(
              {"grid", "array", "", "none",
               "instead of filename, from Python: depth x height x width [x 1] numbers"},
              {"normals", "string", "", "smooth",
-              "shading normals: smooth (continuous) or analytic (those of the surface, with creases between cells)"}},
+              "shading normals: smooth (continuous) or analytic (those of the surface, with creases between "
+              "cells)"}},
         .examples = {R"(<shape type="sdfgrid">
   <string name="filename" value="blob.vol"/>
   <string name="normals" value="analytic"/>

@@ -24,7 +24,7 @@ T little_endian(const char* at) {
   return value;
 }
 
-/// Inflates a zlib stream piece by piece, never more than is asked for.
+/// Inflates a zlib stream step by step, only as much as requested.
 class Inflater {
 public:
   Inflater(const MeshFile& file, std::size_t offset) : file_(file) {
@@ -63,7 +63,7 @@ public:
     read(&v, sizeof(T));
     return v;
   }
-  /// Compressed bytes not yet used.
+  /// Number of compressed bytes not yet used.
   std::size_t left() const { return left_ + stream_.avail_in; }
 
 private:
@@ -72,8 +72,8 @@ private:
   std::size_t left_ = 0;
 };
 
-/// Where the stream of mesh `index` starts, behind its header. The dictionary at the end of the file holds an
-/// offset for every mesh (64 bits since version 4) and their number.
+/// Returns the offset of the stream of mesh `index`, after its header. The dictionary at the end of the file
+/// has an offset for every mesh (64 bits since version 4) and their number.
 std::size_t stream_offset(const MeshFile& file, std::int64_t index, int version) {
   if (index == 0) return 4;
   const std::uint32_t count = little_endian<std::uint32_t>(file.end() - 4);
@@ -138,7 +138,7 @@ MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool 
       if (length > 65536) throw file.error("the compressed data is damaged");
   const auto vertices = in.value<std::uint64_t>(), triangles = in.value<std::uint64_t>();
 
-  // Deflate packs at most 1032 to 1, so that a damaged count shows before memory is taken for it.
+  // Deflate compresses at most 1032 to 1, so that a damaged count is found before memory is allocated for it.
   const std::uint64_t most = 1032 * (std::uint64_t(in.left()) + 64);
   const bool has_normals = flags & kHasNormals, has_uvs = flags & kHasUvs, in_double = flags & kDouble;
   const std::uint64_t per_vertex =
@@ -195,10 +195,10 @@ AUREOLE_PLUGIN(Serialized, "shape", "serialized",
                                     "vertex_color for the texture `mesh_attribute`.",
                          .source = "",
                          .parameters = mesh_parameters(
-                             {{"filename", "file", "", "required", "The .serialized file."},
-                              {"shape_index", "integer", "", "0", "Which of the meshes in the file, from 0."},
+                             {{"filename", "file", "", "required", "the .serialized file"},
+                              {"shape_index", "integer", "", "0", "index of the mesh in the file, from 0"},
                               {"flip_tex_coords", "boolean", "", "false",
-                               "Replaces the texture coordinate v by 1 - v."}}),
+                               "replace the texture coordinate v by 1 - v"}}),
                          .examples = {R"(<shape type="serialized">
   <string name="filename" value="mesh.serialized"/>
   <integer name="shape_index" value="0"/>

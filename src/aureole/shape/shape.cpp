@@ -25,22 +25,20 @@ std::vector<std::shared_ptr<const Shape>> Shape::split(std::span<const std::size
 AUREOLE_FAMILY(FamilyInfo{
     .name = "shape",
     .parameters = {
-        {"bsdf", "bsdf", "", "diffuse of reflectance 0.5, or 0 on an emitter",
-         "What the surface is made of."},
+        {"bsdf", "bsdf", "", "diffuse of reflectance 0.5, or 0 on an emitter", "material of the surface"},
         {"bssrdf", "bssrdf", "", "none",
-         "A translucent body, by the places at which light leaves that has entered: in place of a medium "
-         "inside. It has the boundary's BSDF."},
-        {"emitter", "emitter", "", "none", "Makes the surface shine; usually an area emitter."},
-        {"sensor", "sensor", "", "none", "Measures on the surface: an irradiancemeter."},
-        {"interior", "medium", "", "none",
-         "What fills the space on the side of the surface that its normal points away from."},
-        {"exterior", "medium", "", "none", "What fills the space on the side of the normal."},
+         "subsurface scattering by a BSSRDF: light enters at one point of the surface and leaves at "
+         "another. It replaces a medium inside and has its own boundary BSDF"},
+        {"emitter", "emitter", "", "none", "emitter on the surface, usually an area emitter"},
+        {"sensor", "sensor", "", "none", "sensor on the surface: an irradiancemeter"},
+        {"interior", "medium", "", "none", "medium on the side opposite to the normal"},
+        {"exterior", "medium", "", "none", "medium on the side of the normal"},
         {"priority", "integer", "", "0",
-         "Of closed shapes that overlap, the one with the highest priority (up to 127) fills the space that they "
-         "share, and the surfaces of the others are not there; 0: takes no part."},
-        {"to_world", "transform", "", "identity", "From the shape's own coordinates to those of the scene."},
-        {"flip_normals", "boolean", "", "false",
-         "Turns the normals, and with them the shining side, around."},
-        {"silhouette_sampling_weight", "float", "", "1", "Accepted for Mitsuba's sake, has no effect."}}});
+         "nested dielectrics: where closed shapes overlap, the one with the highest priority (up to 127) "
+         "fills the common volume, and the surfaces of the others are inactive there; 0: takes no part"},
+        {"to_world", "transform", "", "identity", "transform from local coordinates to world space"},
+        {"flip_normals", "boolean", "", "false", "reverse the normals, and with them the emitting side"},
+        {"silhouette_sampling_weight", "float", "", "1",
+         "accepted for compatibility with Mitsuba, without effect"}}});
 
 }  // namespace aureole

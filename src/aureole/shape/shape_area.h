@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Points uniform over the whole surface of a shape.
+// Samples points uniformly over the whole surface of a shape.
 #pragma once
 
 #include <algorithm>
@@ -19,8 +19,8 @@ public:
 
   double area() const { return below_.back(); }
 
-  /// Chooses the patch by its area with u.x; u.x is then rescaled to choose the point. Its `pdf` is per area of the
-  /// whole surface [1/m^2].
+  /// Chooses the patch by its area with u.x, which is then rescaled to sample the point. `pdf` is per area of
+  /// the whole surface [1/m^2].
   std::optional<ShapeSample> sample(Vec2 u) const {
     const double target = double(u.x) * area();
     const auto above = std::upper_bound(below_.begin() + 1, below_.end() - 1, target);
@@ -31,12 +31,12 @@ public:
     return s;
   }
 
-  /// As that of the sampler.
+  /// Returns the sampler's point with these texture coordinates.
   std::optional<ShapeSample> point_at_uv(Vec2 uv) const { return sampler_->point_at_uv(uv); }
 
 private:
   std::shared_ptr<const AreaSampler> sampler_;
-  std::vector<double> below_;  ///< area of all patches before each one; the last is the sum
+  std::vector<double> below_;  ///< area of all patches before each one; the last entry is the total
 };
 
 }  // namespace aureole

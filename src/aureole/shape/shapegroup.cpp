@@ -6,7 +6,8 @@ namespace aureole {
 ShapeGroup::ShapeGroup(const Properties& properties) : Model(properties) {
   for (const auto& child : properties.get_children<Model>("shape")) {
     add(*child);
-    // The scene reports the remarks of its own shapes, but not of those inside groups: they are noted here.
+    // The scene reports the repairs of its own shapes, but not of shapes inside groups, so they are noted
+    // here.
     if (Diagnostics* diagnostics = properties.context().diagnostics)
       for (const ModelPart& part : child->parts())
         for (const std::string& remark : part.remarks) diagnostics->note(child->properties().where(), remark);
@@ -42,12 +43,11 @@ AUREOLE_PLUGIN(
     ShapeGroup, "shape", "shapegroup",
     PluginDoc{
         .summary =
-            "Shapes that `instance` puts into the scene, as often as needed, at the cost of one copy. The "
-            "group "
-            "itself is not rendered. Its shapes keep their own BSDFs; they cannot be emitters. Groups and "
-            "instances within a group are allowed.",
+            "Shapes that `instance` puts into the scene, any number of times, with the memory of one copy. "
+            "The group itself is not rendered. Its shapes keep their own BSDFs; they cannot be emitters. "
+            "Groups and instances within a group are allowed.",
         .source = "",
-        .parameters = {{"shape", "shape", "", "none", "The shapes, any number of them."}},
+        .parameters = {{"shape", "shape", "", "none", "any number of shapes"}},
         .examples = {R"(<shape type="shapegroup" id="tree">
   <shape type="cylinder"><float name="radius" value="0.1"/></shape>
   <shape type="sphere"><point name="center" x="0" y="0" z="1.5"/></shape>

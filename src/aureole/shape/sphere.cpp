@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Conventions as Mitsuba 3's: normals outside; `flip_normals` and a mirroring `to_world` each turn
-// them around (a negative radius, which Mitsuba takes for the same, is an error). u runs with the azimuth
-// about the sphere's own z axis, v from its north pole.
+// A sphere with Mitsuba 3's conventions: normals point outward; `flip_normals` and a mirroring `to_world`
+// each reverse them (a negative radius, which Mitsuba treats alike, is an error). u is the azimuth about the
+// sphere's local z axis, v runs from its north pole.
 #include <algorithm>
 #include <utility>
 
@@ -58,21 +58,21 @@ public:
   OutlineMesh outline_mesh(int pieces) const override;
 
   const Ball& ball() const { return ball_; }
-  /// The surface point in the direction `out` of any length from the centre.
+  /// Returns the surface point in the direction `out`, of any length, from the centre.
   SurfacePoint point_in_direction(const Double3& out) const;
-  /// The one with these texture coordinates.
+  /// Returns the surface point with these texture coordinates.
   SurfacePoint point_at_uv(Vec2 uv) const {
     const double phi = 2 * kPiD * uv.x, theta = kPiD * uv.y, across = std::sin(theta);
     return point_in_direction(axis_[0] * (across * std::cos(phi)) + axis_[1] * (across * std::sin(phi)) +
                               axis_[2] * std::cos(theta));
   }
-  /// Its position, error bound and geometric normal; returns the outward normal.
+  /// Sets the position, error bound and geometric normal; returns the outward normal.
   template <class Point>
   Double3 set_position(Point& s, const Double3& out) const;
 
 private:
   Ball ball_;
-  Double3 axis_[3];  ///< of the sphere's own coordinates, unit length
+  Double3 axis_[3];  ///< axes of the local coordinates, unit length
   bool inward_ = false;
 };
 
@@ -118,7 +118,7 @@ SurfacePoint Sphere::point_in_direction(const Double3& out) const {
   return s;
 }
 
-/// An octahedron whose sides are divided in rows and moved onto the sphere.
+/// Makes an octahedron whose faces are subdivided into rows and projected onto the sphere.
 OutlineMesh Sphere::outline_mesh(int pieces) const {
   const int rows = std::max(1, pieces / 4);
   OutlineMesh mesh;
@@ -140,7 +140,7 @@ OutlineMesh Sphere::outline_mesh(int pieces) const {
   };
   for (int octant = 0; octant < 8; ++octant)
     side(octant & 1 ? -1 : 1, octant & 2 ? -1 : 1, octant & 4 ? -1 : 1);
-  // Just so far out that the middle of the longest edge touches the sphere.
+  // Scaled so that the middle of the longest edge touches the sphere.
   double least = 1;
   for (const TriangleIndices& t : mesh.triangles)
     for (std::size_t c = 0; c < 3; ++c)
@@ -154,11 +154,12 @@ Double3 Sphere::set_position(Point& s, const Double3& out) const {
   const double l = length(out);
   const Double3 n = l > 0 ? out * (1 / l) : axis_[2];
   s.p = (ball_.center + n * ball_.radius).to_float();
-  // The point is computed in double: nearly all the error is that of the result's rounding; gamma(5) |p| is
-  // the bound that Pharr, Jakob & Humphreys 2023, section 6.8.5, give for a point projected in float.
+  // The point is computed in double precision, so nearly all the error comes from rounding the result.
+  // gamma(5) |p| is the bound of Pharr, Jakob & Humphreys 2023, section 6.8.5, for a point projected in
+  // float.
   s.ng = (inward_ ? -n : n).to_float();
-  // A large ball that touches a small scene: there the double arithmetic itself, here and in a later ray's
-  // intersection, errs by more.
+  // For a sphere much larger than the scene that it touches, the double arithmetic itself, here and in a
+  // later ray's intersection, errs by more.
   const double in_double = 16 * 0x1p-53 * (ball_.radius + length(ball_.center));
   s.p_error = abs(s.p) * gamma_bound(5) + abs(s.ng) * float(in_double);
   return n;
@@ -210,15 +211,15 @@ float SphereSampler::pdf_direct(const Vec3& reference, std::size_t, const Surfac
 
 AUREOLE_PLUGIN(Sphere, "shape", "sphere",
                PluginDoc{
-                   .summary = "A sphere, exact. As an emitter it is sampled uniformly over the cone of "
-                              "directions in which it is seen, "
-                              "and over all directions from inside.",
+                   .summary = "An exact sphere. As an emitter it is sampled uniformly over the cone of "
+                              "directions in which it is visible from outside, and over all directions from "
+                              "inside.",
                    .source = "Pharr, Jakob & Humphreys 2023, \"Physically Based Rendering\", sections "
                              "6.2.4 and 6.8.5; quadratic of "
                              "Haines, Guenther & Akenine-Moeller 2019, \"Precision improvements for "
                              "ray/sphere intersection\".",
-                   .parameters = {{"center", "vector", "scene units", "0, 0, 0", "Centre, before to_world."},
-                                  {"radius", "float", "scene units", "1", "Radius, before to_world."}},
+                   .parameters = {{"center", "vector", "scene units", "0, 0, 0", "centre, before to_world"},
+                                  {"radius", "float", "scene units", "1", "radius, before to_world"}},
                    .examples = {R"(<shape type="sphere">
   <point name="center" x="1" y="0" z="0"/>
   <float name="radius" value="2"/>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `SurfacePoint`: everything a plug-in may ask about a point on a surface.
+// `SurfacePoint`: all data of a point on a surface that plug-ins may use.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,25 @@ struct Surface;
 struct SurfacePoint {
   Vec3 p;
   Vec3 p_error;   ///< bound of the rounding error of p, per coordinate
-  Vec3 ng;        ///< geometric normal, unit length; an area emitter shines on its side
+  Vec3 ng;        ///< geometric normal, unit length; an area emitter emits on its side
   Frame shading;  ///< shading normal in n, s along dp/du
   Vec2 uv;
   const Shape* shape = nullptr;
   const Surface* surface = nullptr;  ///< its record in the scene (scene/surface.h); null outside of a scene
   std::uint32_t primitive = 0;
   Vec2 barycentric;  ///< Embree's (u, v) of the hit: weights of vertices 1 and 2 of a triangle
-  const Instance* instance = nullptr;  ///< through which `shape` was met, if it belongs to a group
+  const Instance* instance = nullptr;  ///< instance through which `shape` was hit, if it belongs to a group
 };
 
 /// A hit as reported by the ray caster.
 struct ShapeHit {
-  std::uint32_t geometry = 0;  ///< within a group of shapes that is instanced; else 0
+  std::uint32_t geometry = 0;  ///< index within an instanced group of shapes; else 0
   std::uint32_t primitive = 0;
   float u = 0, v = 0, t = 0;
 };
 
-/// Derivatives of the position by the texture coordinates, in the world; zero where uv do not vary.
+/// Derivatives of the position with respect to the texture coordinates, in world space; zero where uv are
+/// constant.
 struct SurfaceDerivatives {
   Vec3 dp_du, dp_dv;
 };
@@ -43,8 +44,8 @@ constexpr float gamma_bound(int n) {
   return n * kHalfUlp / (1 - n * kHalfUlp);
 }
 
-/// Origin for a ray leaving `point` along `d`: moved along the geometric normal just beyond the error bound,
-/// so that the ray cannot meet the surface it starts from (Pharr, Jakob & Humphreys 2023, "Physically Based
+/// Returns the origin of a ray leaving `point` along `d`: moved along the geometric normal just beyond the
+/// error bound, so that the ray cannot hit its own surface (Pharr, Jakob & Humphreys 2023, "Physically Based
 /// Rendering", section 6.8.6).
 inline Vec3 offset_origin(const Vec3& p, const Vec3& p_error, const Vec3& ng, const Vec3& d) {
   // The sum is rounded, too.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ConstantVolume`: one spectrum everywhere.
+// `ConstantVolume`: a volume with one spectrum at all points.
 #pragma once
 
 #include <utility>
@@ -10,7 +10,7 @@ namespace aureole {
 
 class ConstantVolume : public Volume {
 public:
-  /// `value` must be the same at all points.
+  /// `value` must not vary in space.
   ConstantVolume(const Properties& properties, TexturePtr value)
       : Volume(properties), value_(std::move(value)) {}
 

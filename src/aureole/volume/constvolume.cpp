@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The same value everywhere, for places where a volume is expected.
+// A constant volume, for parameters that expect a volume.
 #include "aureole/plugin/registry.h"
 #include "aureole/volume/constant_volume.h"
 
@@ -25,10 +25,10 @@ public:
 
 AUREOLE_PLUGIN(ConstVolume, "volume", "constvolume",
                PluginDoc{
-                   "The same value everywhere: a number, a colour or a spectrum. A coefficient of a medium "
-                   "may be given directly, too; the scene format knows both ways.",
+                   "One value at all points: a number, a colour or a spectrum. A coefficient of a medium "
+                   "may also be given directly, without this volume.",
                    "",
-                   {{"value", "spectrum", "", "required", "the value"}},
+                   {{"value", "spectrum", "", "required", "value at all points"}},
                    {R"(<volume type="constvolume">
     <rgb name="value" value="0.8, 0.9, 0.7"/>
 </volume>)"}});

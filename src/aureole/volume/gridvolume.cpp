@@ -8,7 +8,7 @@
 namespace aureole {
 namespace {
 
-/// From the world to [0, 1]^3.
+/// Returns the transform from world space to [0, 1]^3.
 Transform box_of(const Properties& p, const VoxelData& data) {
   const Transform to_local = p.get_transform("to_world").inverse();
   if (!p.get_bool("use_grid_bbox", false)) return to_local;
@@ -54,7 +54,7 @@ private:
                         "are no colours",
                         v));
   }
-  /// Grey colours need no spectrum.
+  /// Whether all colours are grey, so that they need no spectrum.
   static bool is_grey(const VoxelData& data) {
     for (std::size_t i = 0; i < data.values.size(); i += 3)
       if (data.values[i] != data.values[i + 1] || data.values[i] != data.values[i + 2]) return false;
@@ -85,11 +85,11 @@ std::vector<ParameterDoc> rows() {
       {"data", "array", "", "none",
        "instead of filename, from Python: depth x height x width [x 1, 3 or 6] numbers"},
       {"to_world", "transform", "", "identity",
-       "from the unit cube [0, 1]^3, which the grid fills, to the world"},
+       "transform from the unit cube [0, 1]^3, which the grid fills, to world space"},
       {"use_grid_bbox", "boolean", "", "false",
-       "the grid fills the box that the file names, instead of the unit cube, before to_world"},
-      {"raw", "boolean", "", "false", "three numbers are no colour but a vector, which has no spectrum"},
-      {"accel", "boolean", "", "true", "accepted for Mitsuba's sake, has no effect"}};
+       "the grid fills the box stored in the file, instead of the unit cube, before to_world"},
+      {"raw", "boolean", "", "false", "three numbers are a vector, not a colour, and have no spectrum"},
+      {"accel", "boolean", "", "true", "accepted for compatibility with Mitsuba, without effect"}};
   const std::vector<ParameterDoc> filter = VoxelFilter::rows();
   all.insert(all.begin() + 2, filter.begin(), filter.end());
   return all;
@@ -97,10 +97,10 @@ std::vector<ParameterDoc> rows() {
 
 AUREOLE_PLUGIN(GridVolume, "volume", "gridvolume",
                PluginDoc{
-                   "Values on a regular grid in Mitsuba's format .vol. One number of a voxel is the value at "
-                   "every wavelength, three are a colour, whose spectrum is that of a texture's (docs/"
-                   "conventions.md); spectra are interpolated. As an emission both multiply D65. Six are "
-                   "numbers without spectrum, such as a symmetric matrix.",
+                   "Values on a regular grid in Mitsuba's format .vol. One number per voxel is the value at "
+                   "every wavelength; three are a colour, which becomes a spectrum like a texture's "
+                   "(docs/conventions.md); spectra are interpolated. As an emission both multiply D65. Six "
+                   "are numbers without spectrum, such as a symmetric matrix.",
                    "",
                    rows(),
                    {R"(<volume type="gridvolume">

@@ -9,14 +9,14 @@
 namespace aureole {
 namespace {
 
-/// The voxels of a grid by their coordinates from the corner of a box that has all active ones and one more on each
+/// The voxels of a grid. Coordinates start at the corner of a box of all active voxels and one more on each
 /// side, where interpolated values fall to the background.
 class Voxels {
 public:
   explicit Voxels(const SparseVoxels& from) : from_(from) {
     std::size_t count = 1;
     for (std::size_t i = 0; i < 3; ++i) {
-      constexpr int kFarthest = 1 << 30;  // of a coordinate: far from overflow
+      constexpr int kFarthest = 1 << 30;  // bound of a coordinate, far from overflow
       if (from.lower[i] < -kFarthest || from.upper[i] > kFarthest)
         throw Error(fmt::format("is too large: the grid \"{}\" has voxels at {} to {}, which is too far out",
                                 from.name, from.lower[i], from.upper[i]));
@@ -55,7 +55,7 @@ public:
 
   const std::array<int, 3>& size() const { return size_; }
 
-  /// The numbers of a voxel.
+  /// Returns the numbers of a voxel.
   const float* at(int x, int y, int z) const {
     const std::array<int, 3> c = coordinates({x, y, z});
     const std::int32_t block = block_at(c);
@@ -65,12 +65,12 @@ public:
     return &from_.values[(std::size_t(block) * SparseVoxels::kBlockVoxels + (in(2) * n + in(1)) * n + in(0)) *
                          std::size_t(from_.channels)];
   }
-  /// Those of all voxels in [lower, upper] where it is known that they are the same, else null.
+  /// Returns the numbers of all voxels in [lower, upper] if they are known to be equal, else null.
   const float* all_of(const std::array<int, 3>& lower, const std::array<int, 3>& upper) const {
     const std::array<int, 3> low = coordinates(lower), high = coordinates(upper);
     const std::int32_t first = block_at(low);
     if (first >= 0) return nullptr;
-    // The ranges are two blocks wide at most.
+    // The ranges are at most two blocks wide.
     for (int corner = 1; corner < 8; ++corner)
       if (block_at({(corner & 1 ? high : low)[0], (corner & 2 ? high : low)[1],
                     (corner & 4 ? high : low)[2]}) != first)
@@ -79,8 +79,8 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMostBlocks = std::size_t(1) << 24;  ///< 2048^3 voxels, were they all there
-  static constexpr std::int32_t kBackground = -1;                   // below: tiles
+  static constexpr std::size_t kMostBlocks = std::size_t(1) << 24;  ///< up to 2048^3 voxels
+  static constexpr std::int32_t kBackground = -1;                   // smaller numbers are tiles
 
   static int floor_block(int i) { return i >> 3; }
   std::array<int, 3> coordinates(const std::array<int, 3>& c) const {
@@ -114,7 +114,7 @@ Transform box_of(const Properties& p, const SparseVoxels& voxels) {
   std::array<double, 3> size, corner;
   for (std::size_t i = 0; i < 3; ++i) {
     size[i] = double(voxels.upper[i]) - voxels.lower[i] + 3;
-    corner[i] = voxels.lower[i] - 1.5;  // of the voxel around it
+    corner[i] = voxels.lower[i] - 1.5;  // of the surrounding voxel
   }
   return Transform::scale(1 / size[0], 1 / size[1], 1 / size[2]) *
          Transform::translate(-corner[0], -corner[1], -corner[2]) * to_space.inverse() *
@@ -184,19 +184,19 @@ private:
 AUREOLE_PLUGIN(
     VdbVolume, "volume", "vdbvolume",
     PluginDoc{
-        "Values on a sparse grid of OpenVDB or NanoVDB: floats and doubles are the value at every wavelength, vectors "
-        "of three a colour, whose spectrum is that of a texture's (docs/conventions.md); spectra are interpolated. As "
-        "an emission both multiply D65. Its box has all active voxels and half a voxel more; outside is the grid's "
-        "background.",
+        "Values on a sparse grid of OpenVDB or NanoVDB: floats and doubles are the value at every "
+        "wavelength; vectors of three are a colour, which becomes a spectrum like a texture's "
+        "(docs/conventions.md); spectra are interpolated. As an emission both multiply D65. Its box has all "
+        "active voxels and half a voxel more; outside is the grid's background.",
         "K. Museth, VDB: High-resolution sparse volumes with dynamic topology, ACM Transactions on Graphics 32(3), "
         "2013",
         {{"filename", "file", "", "required",
           "a .vdb file, or a .nvdb file of NanoVDB 32 (whose first bytes are NanoVDB0)"},
-         {"grid", "string", "", "density, or else the first", "which grid of the file, by its name"},
+         {"grid", "string", "", "density, or else the first", "name of the grid in the file"},
          {"to_world", "transform", "", "identity", "applied after the grid's own transform"},
          {"filter_type", "string", "", "trilinear",
-          "between the centres of voxels: trilinear, or nearest for no interpolation"},
-         {"raw", "boolean", "", "false", "three numbers are no colour but a vector, which has no spectrum"}},
+          "interpolation between the centres of voxels: trilinear, or nearest for none"},
+         {"raw", "boolean", "", "false", "three numbers are a vector, not a colour, and have no spectrum"}},
         {R"(<volume type="vdbvolume">
     <string name="filename" value="cloud.vdb"/>
     <string name="grid" value="density"/>

@@ -20,32 +20,33 @@ public:
   static constexpr const char* kFamily = "a volume";
   using Object::Object;
 
-  /// Value at a point of the world at the path's wavelengths.
+  /// Returns the value at a point in world space, at the path's wavelengths.
   virtual Spectrum eval(const Vec3& p, const Wavelengths& wavelengths) const = 0;
-  /// The value as one number, for quantities without wavelength (weights, temperatures): of several channels
-  /// the first, of a spectrum the mean over the sensor's range.
+  /// Returns the value as one number, for quantities that do not depend on the wavelength (weights,
+  /// temperatures): the first of several channels, or a spectrum's mean over the sensor's range.
   virtual float eval_scalar(const Vec3& p) const = 0;
-  /// Numbers stored for a point, and these numbers, for quantities that are no colours (directions, matrices):
-  /// more than one of them have no spectrum, and `get_volume` takes none such.
+  /// Returns how many numbers are stored for a point; `eval_channels` returns them, for quantities that are
+  /// not colours (directions, matrices). Several numbers have no spectrum, and `get_volume` rejects such
+  /// volumes.
   virtual int channels() const { return 1; }
   virtual void eval_channels(const Vec3& p, float* out) const { *out = eval_scalar(p); }
 
-  /// The volume as an emission: numbers and colours multiply CIE D65 there, as those of a scene file do
-  /// (SpectrumRole). Null where all values are numbers or upsampled colours, which `get_volume` multiplies.
+  /// Returns the volume as an emission: numbers and colours multiply CIE D65, as in a scene file
+  /// (SpectrumRole). Null if all values are numbers or upsampled colours, which `get_volume` multiplies.
   virtual std::shared_ptr<const Volume> as_emission() const { return nullptr; }
 
-  /// True where the value does not depend on the point.
+  /// Whether the value is constant in space.
   virtual bool is_constant() const { return false; }
   /// Bounds over space and all wavelengths, of all channels.
   virtual float maximum() const = 0;
   virtual float minimum() const = 0;
 
-  /// From the world to the box [0, 1]^3 that the data fill. Nothing where they are everywhere.
+  /// Returns the transform from world space to the box [0, 1]^3 that the data fill; empty if there is no box.
   virtual std::optional<Transform> to_box() const { return {}; }
-  /// Number of samples along the axes of that box.
+  /// Returns the number of samples along the axes of that box.
   virtual std::array<int, 3> resolution() const { return {1, 1, 1}; }
-  /// For each of cells[0] * cells[1] * cells[2] equal parts of the box, x fastest, an upper bound b of the
-  /// values in it and on its faces: eval(p, w) <= b * envelope(w).
+  /// Sets, for each of cells[0] * cells[1] * cells[2] equal cells of the box, x fastest, an upper bound b of
+  /// the values in the cell and on its faces: eval(p, w) <= b * envelope(w).
   virtual void bound(const std::array<int, 3>& /*cells*/, std::span<float> bounds) const {
     for (float& b : bounds) b = 1;
   }
@@ -53,11 +54,11 @@ public:
 };
 using VolumePtr = std::shared_ptr<const Volume>;
 
-/// The volume, spectrum or number given under `name`; `fallback` where absent. Values that the role excludes
-/// (a reflectance above 1, anything negative) are errors located at the parameter, and so is a volume of
-/// several numbers per point.
+/// Returns the volume, spectrum or number of the parameter `name`; `fallback` if absent. Values that the role
+/// excludes (a reflectance above 1, negative values) are errors located at the parameter, and so is a volume
+/// of several numbers per point.
 VolumePtr get_volume(const Properties& properties, std::string_view name, double fallback, SpectrumRole role);
-/// The same, or null where absent.
+/// Returns it as `get_volume` does, or null if absent.
 VolumePtr get_optional_volume(const Properties& properties, std::string_view name, SpectrumRole role);
 
 }  // namespace aureole

@@ -33,7 +33,7 @@ double size(const pugi::xml_node& node, const char* name) {
   return v;
 }
 
-/// One of SVG's basic shapes; those without size are not drawn. False for other elements.
+/// Adds one of SVG's basic shapes; shapes without size are not drawn. Returns false for other elements.
 bool add_shape(const pugi::xml_node& node, SvgOutline& outline) {
   const std::string_view name = local_name(node);
   if (name == "path")
@@ -42,7 +42,7 @@ bool add_shape(const pugi::xml_node& node, SvgOutline& outline) {
     outline.add_polygon(node.attribute("points").value());
   else if (name == "rect") {
     const double width = size(node, "width"), height = size(node, "height");
-    // One radius stands for both.
+    // If only one radius is given, it is used for both.
     const double rx = size(node, node.attribute("rx") ? "rx" : "ry"),
                  ry = size(node, node.attribute("ry") ? "ry" : "rx");
     if (width > 0 && height > 0)
@@ -79,7 +79,7 @@ void walk(const pugi::xml_node& parent, const SvgTransform& outer, int depth, Sv
     } catch (const Error& problem) {
       throw locate(problem);
     }
-    // Elements in defs, clip paths, markers and so on are not drawn at their place.
+    // Elements in defs, clip paths, markers and so on are not drawn directly.
     if (name == "svg" || name == "g" || name == "a") walk(node, transform, depth + 1, outline);
   }
 }
@@ -100,7 +100,7 @@ std::vector<optics::Ring> read_svg_rings(const std::filesystem::path& file) {
   try {
     walk(document, {}, 0, outline);
     std::vector<optics::Ring> rings = outline.flattened(kSvgTolerance);
-    // Subpaths of two points enclose nothing.
+    // Subpaths of two points enclose no area.
     std::erase_if(rings, [](const optics::Ring& r) { return r.size() < 3; });
     if (rings.empty()) throw Error("has no path, polygon, rect, circle or ellipse with an inside");
     return rings;

@@ -19,7 +19,7 @@ PlanePoint operator+(PlanePoint a, PlanePoint b) { return {a.x + b.x, a.y + b.y}
 PlanePoint operator-(PlanePoint a, PlanePoint b) { return {a.x - b.x, a.y - b.y}; }
 PlanePoint operator*(double s, PlanePoint p) { return {s * p.x, s * p.y}; }
 
-/// Numbers and letters of attributes, one after the other.
+/// Reads numbers and letters of attributes, one after the other.
 class Reader {
 public:
   explicit Reader(std::string_view text) : text_(text) {}
@@ -28,7 +28,7 @@ public:
     throw Error(what + " at character " + std::to_string(at_ + 1) + " of \"" +
                 std::string(text_.substr(0, 40)) + (text_.size() > 40 ? "...\"" : "\""));
   }
-  /// False at the end of the text.
+  /// Skips separators; returns false at the end of the text.
   bool skip(std::string_view separators = " \t\r\n") {
     while (at_ < text_.size() && separators.find(text_[at_]) != std::string_view::npos) ++at_;
     return at_ < text_.size();
@@ -49,7 +49,7 @@ public:
     if (text_[at_] == '+') ++at_;
     double value = 0;
     const auto [end, problem] = std::from_chars(text_.data() + at_, text_.data() + text_.size(), value);
-    // Far beyond any drawing; nothing overflows below.
+    // The bound is far beyond any drawing and avoids overflow below.
     if (problem != std::errc() || !(std::abs(value) <= 1e9)) fail("a number is out of range");
     at_ = std::size_t(end - text_.data());
     return value;
@@ -58,7 +58,7 @@ public:
     const double x = number();
     return {x, number()};
   }
-  /// The flags of an arc need nothing between them.
+  /// Reads a flag of an arc; flags need no separator.
   bool flag() {
     skip(kSeparators);
     if (peek() != '0' && peek() != '1') fail("expected 0 or 1");
@@ -138,7 +138,7 @@ void SvgOutline::add(const Segment& s, PlanePoint end) {
   if (++count_ > kMaxSegments)
     throw Error("the picture has more than " + std::to_string(kMaxSegments) + " lines and curves");
   if (!open_) {
-    // A segment after a closed subpath starts where that subpath did.
+    // A segment after a closed subpath starts at that subpath's starting point.
     subpaths_.push_back({transform_(start_), {}});
     open_ = true;
   }
@@ -160,7 +160,7 @@ void SvgOutline::arc_to(double rx, double ry, double degrees, bool large, bool p
   if (start.x == end.x && start.y == end.y) return;
   rx = std::abs(rx), ry = std::abs(ry);
   if (!(rx > 1e-9 && ry > 1e-9)) return line_to(end);
-  // From end points to the centre: SVG 1.1, appendix F.6.5 and, for radii that do not reach, F.6.6.
+  // From end points to the centre: SVG 1.1, appendix F.6.5 and, for radii that are too small, F.6.6.
   const double angle = degrees * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
   const PlanePoint half = 0.5 * (start - end), middle = 0.5 * (start + end);
   const double x = (c * half.x + s * half.y) / rx, y = (-s * half.x + c * half.y) / ry;
@@ -177,13 +177,13 @@ void SvgOutline::arc_to(double rx, double ry, double degrees, bool large, bool p
   double sweep = to - from;
   if (positive && sweep < 0) sweep += 2 * std::numbers::pi;
   if (!positive && sweep > 0) sweep -= 2 * std::numbers::pi;
-  // A chord so short that rounding decides which way round.
+  // For so short a chord, rounding would decide the direction of the arc.
   if (!large && std::abs(sweep) > 1.001 * std::numbers::pi) return line_to(end);
   const auto place = [&](double u, double v) {
     u = (u + center.x) * rx, v = (v + center.y) * ry;
     return middle + PlanePoint{c * u - s * v, s * u + c * v};
   };
-  // A cubic for 45 degrees is 5e-6 of the radius away from its arc.
+  // A cubic for 45 degrees deviates from its arc by 5e-6 of the radius.
   const int pieces = std::clamp(int(std::ceil(std::abs(sweep) / (std::numbers::pi / 4) - 1e-6)), 1, 8);
   const double step = sweep / pieces, arm = 4.0 / 3 * std::tan(step / 4);
   for (int i = 0; i < pieces; ++i) {
@@ -291,7 +291,7 @@ void SvgOutline::add_path(std::string_view data) {
           arc_to(rx, ry, degrees, large, positive, point());
         }
       }
-      // Relative steps add up.
+      // Relative steps accumulate.
       if (!(std::abs(current_.x) <= 1e12 && std::abs(current_.y) <= 1e12))
         in.fail("the path leaves the range");
       previous = command;
@@ -329,7 +329,7 @@ std::vector<optics::Ring> SvgOutline::flattened(double tolerance) const {
        [&](PlanePoint start, const Segment& s) {
          int pieces = 1;
          if (s.is_curve && allowed > 0) {
-           // A chord over dt is at most dt^2/8 max|p''| away; p'' is linear between 6 times these.
+           // A chord over dt deviates by at most dt^2/8 max|p''|; p'' is linear between 6 times these.
            const PlanePoint d0 = start - 2 * s.control1 + s.control2,
                             d1 = s.control1 - 2 * s.control2 + s.end;
            const double bend = std::max(std::hypot(d0.x, d0.y), std::hypot(d1.x, d1.y));

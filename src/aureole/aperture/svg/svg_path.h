@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Outlines of SVG's shapes as lines and cubic Bezier curves, and the grammar of its path data (W3C, Scalable
+// Outlines of SVG shapes as lines and cubic Bezier curves, and the grammar of its path data (W3C, Scalable
 // Vector Graphics 1.1, 2nd ed. 2011, chapter 8).
 #pragma once
 
@@ -17,9 +17,9 @@ struct SvgTransform {
   optics::PlanePoint operator()(optics::PlanePoint p) const {
     return {a * p.x + c * p.y + e, b * p.x + d * p.y + f};
   }
-  /// The transform that applies `right` first, then this one.
+  /// Returns the transform that applies `right` first, then this one.
   SvgTransform operator*(const SvgTransform& right) const;
-  /// The list of an attribute, such as "translate(3, 4) rotate(30)". Throws Error.
+  /// Parses the transform list of an attribute, such as "translate(3, 4) rotate(30)". Throws Error.
   static SvgTransform parse(std::string_view list);
 };
 
@@ -27,26 +27,27 @@ class SvgOutline {
 public:
   static constexpr std::size_t kMaxSegments = 10000;
 
-  /// Transform of everything that is added from now on.
+  /// Sets the transform of everything added afterwards.
   void set_transform(const SvgTransform& t) { transform_ = t; }
   void move_to(optics::PlanePoint p);
   void line_to(optics::PlanePoint p);
   void cubic_to(optics::PlanePoint control1, optics::PlanePoint control2, optics::PlanePoint end);
-  /// SVG's elliptical arc: half axes, their rotation in degrees, and which of the four arcs.
+  /// Adds SVG's elliptical arc: half axes, their rotation in degrees, and flags that select one of the four
+  /// arcs.
   void arc_to(double rx, double ry, double degrees, bool large, bool positive, optics::PlanePoint end);
   void close() { open_ = false; }
-  /// The current point, before the transform.
+  /// Returns the current point, before the transform.
   optics::PlanePoint current() const { return current_; }
 
-  /// Adds what the attribute d of a path describes. Throws Error.
+  /// Adds the outline that the attribute d of a path describes. Throws Error.
   void add_path(std::string_view data);
   /// Adds the points of a polygon. Throws Error.
   void add_polygon(std::string_view points);
   void add_ellipse(optics::PlanePoint center, double rx, double ry);
   void add_rectangle(double x, double y, double width, double height, double rx, double ry);
 
-  /// One ring for every subpath that encloses something, with y upwards. Curves become chords that are at
-  /// most `tolerance` times the size of the picture away.
+  /// Returns one ring for every subpath that encloses an area, with y upward. Curves become chords within
+  /// `tolerance` times the size of the picture.
   std::vector<optics::Ring> flattened(double tolerance) const;
 
 private:
@@ -67,7 +68,7 @@ private:
   optics::PlanePoint start_, current_;
 };
 
-/// A plain number, or one in px. Throws Error.
+/// Parses a number, plain or in px. Throws Error.
 double parse_svg_length(std::string_view text);
 
 }  // namespace aureole

@@ -10,8 +10,8 @@
 namespace aureole {
 namespace {
 
-/// A default that `Ior` reads is a constant, that of other renderers. They have no bodies by Mie's theory, and the
-/// rainbow of a default drop would have no colours: here it is the material as it is.
+/// Reads the index of a default material with its dispersion. `Ior` would use the constant of other
+/// renderers, which have no Mie scattering; the rainbow of a default droplet would then have no colours.
 SampledSpectrum real_index(const Properties& p, std::string_view name, const std::string& fallback) {
   const SpectralGrid& grid = p.context().grid;
   if (!p.find(name) && p.get_bool("dispersion", true))
@@ -24,7 +24,7 @@ SampledSpectrum real_index(const Properties& p, std::string_view name, const std
       grid, [&](double nm) { return double(ior.eval(Wavelengths::at(grid, float(nm)))[0]); });
 }
 
-/// The index of a pigment or filler that no other table has by this name.
+/// Returns the index of a pigment or filler; empty if there is none or another table has this name.
 std::optional<std::function<std::complex<double>(double)>> grain_index(const Properties& p,
                                                                        std::string_view name, bool has_k) {
   const Properties::Entry* e = p.find(name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The complex refractive index of a small body, as parameters give it.
+// Reads the complex index of refraction of a particle from parameters.
 #pragma once
 
 #include <complex>
@@ -11,9 +11,9 @@
 
 namespace aureole {
 
-/// n + i k as a function of the wavelength in nm, from `name`: a number, the name of a dielectric, or that of
-/// a metal. Dielectrics take their absorption from the parameter `k_name`, a spectrum, which a plug-in documents
-/// beside it; metals have their own. Errors are located and suggest names.
+/// Returns n + i k as a function of the wavelength in nm, read from `name`: a number, the name of a
+/// dielectric, or the name of a metal. Dielectrics take k from the spectrum `k_name`, which a plug-in
+/// documents besides; metals have their own. Errors are located and suggest names.
 std::function<std::complex<double>(double)> read_complex_index(const Properties& properties,
                                                                std::string_view name,
                                                                const std::string& fallback,

@@ -18,8 +18,8 @@ std::vector<std::string> conductor_names() {
   return names;
 }
 
-/// The integral of 2 F(mu) mu over mu in [0, 1] by five points of Gauss and Legendre, error below 2e-4; the
-/// weights contain 2 mu.
+/// Returns the integral of 2 F(mu) mu over mu in [0, 1] by five-point Gauss-Legendre quadrature, error below
+/// 2e-4; the weights contain 2 mu.
 Spectrum fresnel_conductor_diffuse(const Spectrum& eta, const Spectrum& k) {
   constexpr float kNodes[] = {0.04691008f, 0.23076534f, 0.5f, 0.76923466f, 0.95308992f};
   constexpr float kWeights[] = {0.01111426f, 0.11045091f, 0.28444444f, 0.36817776f, 0.22581263f};
@@ -48,7 +48,7 @@ ConductorIndex ConductorIndex::from(const Properties& properties) {
       };
       if (const auto radio = radio_index(properties, "material", material)) return take(*radio);
       const auto index = find_refractive_index(material, false);
-      // Dielectrics are constants without dispersion: they belong to other BSDFs.
+      // Dielectrics are constants without dispersion; other BSDFs use them.
       if (!index || !index->is_dispersive())
         throw properties.error("material", "\"" + material + "\" is not a known conductor" +
                                                did_you_mean(material, conductor_names()));
@@ -95,7 +95,7 @@ std::vector<ParameterDoc> conductor_parameters(std::vector<ParameterDoc> own) {
       {"material", "string", "", "none",
        "name of a conductor with tabulated index, such as Au or Cu_palik, or of a building material at radio "
        "frequencies, such as itu_concrete (ITU-R P.2040-3); none is a perfect mirror"},
-      {"eta", "texture", "", "0", "real part of the index, instead of a material"},
+      {"eta", "texture", "", "0", "real part of the index of refraction, instead of a material"},
       {"k", "texture", "", "1",
        "imaginary part of the index (extinction coefficient), instead of a material"},
       {"specular_reflectance", "texture", "", "1",

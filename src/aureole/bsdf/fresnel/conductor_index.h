@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The complex refractive index of a metal, as BSDFs read it.
+// The complex index of refraction of a metal, read from a BSDF's parameters.
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
@@ -15,20 +15,21 @@ public:
   /// located.
   static ConductorIndex from(const Properties& properties);
 
-  /// Fresnel reflectance for light from vacuum, cos_i in (0, 1].
+  /// Returns the Fresnel reflectance for light from vacuum, cos_i in (0, 1].
   Spectrum reflectance(float cos_i, const BsdfContext& ctx) const;
-  /// The same for diffuse light: the integral of 2 F(mu) mu over mu in [0, 1].
+  /// Returns the reflectance for diffuse light: the integral of 2 F(mu) mu over mu in [0, 1].
   Spectrum diffuse_reflectance(const BsdfContext& ctx) const;
 
 private:
   void tabulate_diffuse();
 
   bool tabulated_ = false;
-  SampledSpectrum eta_, k_, diffuse_;   // of a named or constant material
-  TexturePtr eta_texture_, k_texture_;  // where one of them varies over the surface
+  SampledSpectrum eta_, k_, diffuse_;   // for a named or constant material
+  TexturePtr eta_texture_, k_texture_;  // if one of them varies over the surface
 };
 
-/// The rows of the parameter table that conductors share: material, eta, k and specular_reflectance, followed by `own`.
+/// Returns the documentation of the parameters that conductors share: material, eta, k and
+/// specular_reflectance, followed by `own`.
 std::vector<ParameterDoc> conductor_parameters(std::vector<ParameterDoc> own = {});
 
 }  // namespace aureole

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fresnel reflectances in single precision for the renderer's inner loop: unpolarised light, no check of
-// arguments, no division by what may be zero. `optics/interface/fresnel_equations.h` has the same physics in
-// double precision, against which these are tested.
+// Fresnel reflectances in single precision for the renderer's inner loop: unpolarised light, arguments not
+// checked, no division by values that may be zero. `optics/interface/fresnel_equations.h` has the equations
+// in double precision; tests compare both.
 #pragma once
 
 #include <algorithm>
@@ -16,9 +16,9 @@ struct DielectricFresnel {
   float cos_t = 0;        ///< positive; 0 beyond the critical angle
 };
 
-/// Light from a medium of index n_i meets one of index n_t; eta = n_t/n_i, cos_i in (0, 1].
-/// Born & Wolf, Principles of Optics, 7th ed. 1999, 1.5.2 equation 21, written with g = eta cos_t =
-/// sqrt(eta^2 - 1 + cos_i^2), which is exact where the indices match and loses no digits near the critical
+/// Reflectance for light from a medium of index n_i that hits a medium of index n_t; eta = n_t/n_i, cos_i in
+/// (0, 1]. Born & Wolf, Principles of Optics, 7th ed. 1999, 1.5.2 equation 21, written with g = eta cos_t =
+/// sqrt(eta^2 - 1 + cos_i^2). This is exact for matched indices and loses no precision near the critical
 /// angle.
 inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
   const float g2 = (eta - 1) * (eta + 1) + cos_i * cos_i;
@@ -28,7 +28,8 @@ inline DielectricFresnel fresnel_dielectric(float cos_i, float eta) {
   return {std::min(0.5f * (r_s * r_s + r_p * r_p), 1.f), std::min(g / eta, 1.f)};
 }
 
-/// The reflectance alone for one eta, and where a microfacet decides about it one cosine, per wavelength.
+/// Returns the reflectance alone, per wavelength: for one eta or one per wavelength and, with microfacets,
+/// one cosine per wavelength.
 inline Spectrum fresnel_dielectric(const Spectrum& cos_i, const Spectrum& eta) {
   const Spectrum g2 = (eta - 1.f) * (eta + 1.f) + cos_i * cos_i;
   const SpectrumMask refracts = g2.v > Spectrum(0.f).v;
@@ -37,10 +38,10 @@ inline Spectrum fresnel_dielectric(const Spectrum& cos_i, const Spectrum& eta) {
   return select(refracts, min(Spectrum(0.5f) * (r_s * r_s + r_p * r_p), 1.f), 1.f);
 }
 
-/// Light from vacuum meets a conductor of index eta + i k. Born & Wolf 1999, section 14.2: with a + i b the
-/// root of (eta + i k)^2 - sin_i^2, the amplitudes are r_s = (cos_i - a - i b)/(cos_i + a + i b) and r_p =
-/// r_s (a + i b - sin_i tan_i)/(a + i b + sin_i tan_i); their powers are sums of squares, in which nothing
-/// cancels.
+/// Reflectance for light from vacuum that hits a conductor of index eta + i k. Born & Wolf 1999, section
+/// 14.2: with a + i b the root of (eta + i k)^2 - sin_i^2, the amplitudes are r_s = (cos_i - a - i b)/(cos_i
+/// + a + i b) and r_p = r_s (a + i b - sin_i tan_i)/(a + i b + sin_i tan_i). Their powers are sums of
+/// squares, without cancellation.
 inline Spectrum fresnel_conductor(float cos_i, const Spectrum& eta, const Spectrum& k) {
   const float c2 = cos_i * cos_i, s2 = (1 - cos_i) * (1 + cos_i);
   const Spectrum real = (eta - 1.f) * (eta + 1.f) - k * k + c2, half_imaginary = eta * k;
@@ -56,8 +57,8 @@ inline Spectrum fresnel_conductor(float cos_i, const Spectrum& eta, const Spectr
   return min(Spectrum(0.5f) * (r_s + r_p), 1.f);
 }
 
-/// A lossless slab with all its interreflections, from the reflectance of one face: R + T^2 R + ... = 2R/(1 +
-/// R).
+/// Returns the reflectance of a lossless slab with all its interreflections, from the reflectance R of one
+/// face: R + T^2 R + ... = 2R/(1 + R).
 inline float thin_slab(float r) { return 2 * r / (1 + r); }
 inline Spectrum thin_slab(const Spectrum& r) { return Spectrum(2.f) * r / (Spectrum(1.f) + r); }
 

@@ -13,15 +13,15 @@
 
 namespace aureole {
 
-/// n + i k as a function of the wavelength in nm, the root of the permittivity of Recommendation ITU-R P.2040-3
-/// (optics/interface/radio_material.h); nothing where `material` does not begin with "itu_". Throws an error
-/// located at the parameter `name` for an unknown material, and where the sensor sees frequencies at which the
-/// material's numbers do not hold.
+/// Returns n + i k as a function of the wavelength in nm: the root of the permittivity of Recommendation
+/// ITU-R P.2040-3 (optics/interface/radio_material.h); empty if `material` does not begin with "itu_". Throws
+/// an error located at the parameter `name` for an unknown material, and if the sensor includes frequencies
+/// outside the material's range.
 std::optional<std::function<std::complex<double>(double)>> radio_index(const Properties& properties,
                                                                        std::string_view name,
                                                                        const std::string& material);
 
-/// Their names, with the prefix.
+/// Returns the names of these materials, with the prefix.
 std::vector<std::string> radio_material_names();
 
 }  // namespace aureole

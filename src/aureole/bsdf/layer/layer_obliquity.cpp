@@ -27,7 +27,7 @@ Spectrum LayerObliquity::factor(const Vec3& wi, const Vec3& wo, const Spectrum& 
   const Vec3& arrives = radiance ? wo : wi;
   const Vec3& leaves = radiance ? wi : wo;
   const Spectrum ratio = radiance ? n_o / n_i : n_i / n_o;
-  // 1 - (ratio sin)^2, written so that grazing light keeps its digits.
+  // 1 - (ratio sin)^2, written so that it stays accurate at grazing angles.
   const Spectrum c2 =
       Spectrum(arrives.z * arrives.z) * ratio * ratio + (Spectrum(1.f) - ratio) * (Spectrum(1.f) + ratio);
   const SpectrumMask exists = c2.v > Spectrum(0.f).v;

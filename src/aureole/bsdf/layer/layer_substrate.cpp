@@ -22,7 +22,7 @@ std::optional<BsdfSample> LayerSubstrate::sample(const Vec3& wi, float u1, float
   Spectrum t = Spectrum(1.f) - r;
   if (kind_ == Kind::pane)
     return BsdfSample{-wi, t * weight, t * mass, Lobe::delta | Lobe::transmit | Lobe::through};
-  // Another index sends its wavelength elsewhere: it has no part in this direction.
+  // Wavelengths with another index are refracted into other directions and have value 0 in this one.
   const Spectrum etas = n.beyond / n.here;
   const float eta = etas[0], cos_t = fresnel_dielectric(std::abs(wi.z), eta).cos_t;
   t = select(etas.v == Spectrum(eta).v, t, 0.f);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plane on which the scatterers of `correlated_scatterers` lie. Defined here whole: `reflectance` is
-// part of every evaluation.
+// The plane on which the scatterers of `correlated_scatterers` lie. It is defined inline, since `reflectance`
+// is part of every evaluation.
 #pragma once
 
 #include <cmath>
@@ -14,34 +14,35 @@ namespace aureole {
 class LayerSubstrate {
 public:
   enum class Kind {
-    none,       ///< a sheet in one medium: nothing is reflected
-    interface,  ///< of two media
-    pane,       ///< both faces of a pane as one surface; the same medium on both sides
+    none,       ///< a sheet in one medium, without reflection
+    interface,  ///< the interface of two media
+    pane,       ///< both faces of a pane as one surface, with one medium on both sides
   };
 
-  /// Reads "substrate", "ext_ior" and "int_ior". Throws located errors.
+  /// Reads "substrate", "ext_ior" and "int_ior". Throws located Errors.
   static LayerSubstrate from(const Properties& p);
 
   Kind kind() const { return kind_; }
   bool is_none() const { return kind_ == Kind::none; }
-  /// Indices depend on the wavelength.
+  /// Whether indices depend on the wavelength.
   bool is_dispersive() const { return dispersive_; }
   const Ior& exterior() const { return exterior_; }
   const Ior& interior() const { return interior_; }
 
-  /// The indices that light meets from one side.
+  /// The indices of refraction for light from one side.
   struct Indices {
     Spectrum here, beyond;
-    Spectrum inside;  ///< behind the first interface: the glass of a pane, whose `beyond` is the air again
+    Spectrum inside;  ///< behind the first interface; for a pane its glass, while `beyond` is the exterior
+                      ///< again
   };
-  /// From the side where a direction has the sign of `z`.
+  /// Returns the indices for the side where a direction has the sign of `z`.
   Indices indices(float z, const Wavelengths& w) const {
     const Spectrum n_ext = index(exterior_, w), n_int = index(interior_, w);
     if (kind_ != Kind::interface) return {n_ext, n_ext, n_int};
     return z > 0 ? Indices{n_ext, n_int, n_int} : Indices{n_int, n_ext, n_ext};
   }
 
-  /// Reflectance for a direction seen from its own side; 1 beyond the critical angle. Not for `none`.
+  /// Returns the reflectance for a direction on its own side; 1 beyond the critical angle. Not for `none`.
   Spectrum reflectance(float cosine, const Indices& n) const {
     Spectrum r;
     if (dispersive_)
@@ -51,8 +52,8 @@ public:
     return kind_ == Kind::pane ? thin_slab(r) : r;
   }
 
-  /// Reflection or transmission of light that meets the plane undiffracted, chosen by the reflectance of the
-  /// hero. `weight` scales the values, `mass` the probabilities.
+  /// Samples reflection or transmission of undiffracted light at the plane, chosen by the hero's reflectance.
+  /// `weight` scales the values, `mass` the probabilities.
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, float weight, float mass,
                                    const BsdfContext& ctx) const;
 

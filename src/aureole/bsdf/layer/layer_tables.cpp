@@ -12,7 +12,7 @@ namespace aureole {
 
 namespace {
 
-/// Turns the errors of `optics` into errors at a parameter.
+/// Turns errors of `optics` into errors located at a parameter.
 template <class F>
 auto located(const Properties& p, const char* parameter, F&& make) {
   try {
@@ -64,7 +64,7 @@ LayerTables make_layer_tables(const Properties& p, LayerShapes shapes, const Lay
     return std::pair<double, double>{substrate.exterior().eval(w)[0], substrate.interior().eval(w)[0]};
   };
   const auto [n_ext, n_int] = indices(grid.min_nm);
-  // The largest wave that two directions may differ by.
+  // The largest difference of two transverse wave vectors, in units of 1/a.
   const double extent = 2 * std::max(n_ext, n_int) * phase_nm * ranges.most_radius_scale / grid.min_nm;
 
   const auto correlation = get_correlation(p);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables of a layer of scatterers, from the parameters of `correlated_scatterers` that shape its
-// diffracted light.
+// The tables of a layer of scatterers, computed from the parameters of `correlated_scatterers` that determine
+// its diffraction.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace aureole {
 
-/// The ranges of the parameters that may vary over the surface.
+/// Ranges of the parameters that may vary over the surface.
 struct LayerRanges {
   double least_area_fraction, most_area_fraction;
   double least_radius_scale, most_radius_scale;
@@ -25,12 +25,12 @@ struct LayerRanges {
 
 struct LayerTables {
   std::shared_ptr<const ScattererModel> model;
-  std::shared_ptr<const ScattererSampler> sampler;  ///< null: directions are drawn by their cosine
-  std::optional<ScattererBalance> balance;          ///< with "renormalize"
+  std::shared_ptr<const ScattererSampler> sampler;  ///< null: cosine sampling
+  std::optional<ScattererBalance> balance;          ///< for "renormalize"
 };
 
-/// `phase_nm`: 2 pi correlation_radius in nm, k a times the wavelength. `renormalizable`: the obliquity is
-/// one that "renormalize" may be used with. Throws located errors.
+/// `phase_nm`: 2 pi correlation_radius in nm, which is k a times the wavelength. `renormalizable`: whether
+/// "renormalize" supports the obliquity. Throws located Errors.
 LayerTables make_layer_tables(const Properties& p, LayerShapes shapes, const LayerRanges& ranges,
                               double phase_nm, const LayerSubstrate& substrate, bool renormalizable);
 

@@ -10,10 +10,10 @@ namespace aureole {
 
 namespace {
 
-/// The place, in nodes, of a direction of transverse index p = n sin(theta) in the table of h. h
-/// changes over some 1/(k a) next to the p beyond which waves are evanescent, or are totally reflected: with
-/// d the distance from there times k a, nodes are uniform in sqrt(d)/(1 + sqrt(d)), that is in the cosine
-/// near the edge and in h - 1 ~ 1/d far from it. The rarer medium has one piece; the denser one has three: up
+/// Returns the position, in nodes, of a direction of transverse index p = n sin(theta) in the table of h. h
+/// varies on the scale 1/(k a) near the p beyond which waves are evanescent or totally reflected. With d the
+/// distance from that p times k a, nodes are uniform in sqrt(d)/(1 + sqrt(d)): uniform in the cosine near
+/// that limit, and in h - 1 ~ 1/d far from it. The rarer medium has one segment; the denser one has three: up
 /// to the critical angle, and two beyond it.
 template <class Real>
 Real table_position(Real phase, Real here, Real beyond, Real p, int nodes) {
@@ -28,7 +28,7 @@ Real table_position(Real phase, Real here, Real beyond, Real p, int nodes) {
   return Real(3 * (nodes + 1)) + along(here - p, half);
 }
 
-/// The transverse index of a node: the inverse of `table_position`.
+/// Returns the transverse index of a node: the inverse of `table_position`.
 double node_transverse_index(double phase, double here, double beyond, int node, int nodes) {
   const int piece = node / (nodes + 1);
   const auto distance = [&](double whole) {
@@ -49,7 +49,7 @@ ScattererBalance::ScattererBalance(const optics::RadialDistribution& table, doub
                                    const std::function<std::pair<double, double>(double)>& indices,
                                    LayerSubstrate::Kind substrate)
     : substrate_(substrate), phase_nm_(phase_nm), first_(1 / grid.max_nm) {
-  // Rings that pass the limit of evanescence, one every pi of k a, make h oscillate where k a is small.
+  // For small k a, h oscillates: one ring per pi of k a passes the limit of evanescent waves.
   constexpr double kStep = 0.4, kLeast = 4, kMost = 32;
   const double range = 1 / grid.min_nm - 1 / grid.max_nm;
   wavelength_nodes_ = int(std::clamp(std::ceil(phase_nm * range / kStep) + 1, kLeast, kMost));
@@ -68,8 +68,7 @@ void ScattererBalance::solve(float* h_out, const optics::RadialDistribution& tab
   const double rare = two_media ? std::min(n_ext, n_int) : n_ext,
                dense = two_media ? std::max(n_ext, n_int) : n_ext;
   const int used = two_media ? kStride : kNodes + 1;
-  // Both sides see the same reflectance at the same transverse index (Fresnel), 1 where one of them has no
-  // direction.
+  // At equal transverse index both sides have equal reflectance (Fresnel), 1 if either side has no direction.
   const auto reflectance = [&](double p) {
     if (substrate_ == LayerSubstrate::Kind::none) return 0.0;
     if (p >= rare) return 1.0;
@@ -90,7 +89,7 @@ void ScattererBalance::solve(float* h_out, const optics::RadialDistribution& tab
     return reflectances[i] + (x - i) * (reflectances[i + 1] - reflectances[i]);
   };
 
-  // Rows: power that leaves a direction for the nodes of h, by a rank-1 lattice in (share of the power,
+  // Rows: power scattered from a direction to the nodes of h, by a rank-1 lattice in (cumulative power,
   // azimuth).
   constexpr int kPoints = 8192;
   constexpr double kGolden = 0.6180339887498949;

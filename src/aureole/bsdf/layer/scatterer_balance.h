@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renormalisation by the power of evanescent waves, an option of the BSDF `correlated_scatterers`. u = |q|
-// correlation_radius is dimensionless; phases k a = 2 pi correlation_radius/lambda too.
+// Renormalisation of the power lost to evanescent waves, an option of the BSDF `correlated_scatterers`. u =
+// |q| correlation_radius and phases k a = 2 pi correlation_radius/lambda are dimensionless.
 #pragma once
 
 #include <functional>
@@ -14,8 +14,8 @@
 namespace aureole {
 
 /// The factor h of a reciprocal BSDF f h(w_i) h(w_o) whose directions together carry the whole diffracted
-/// power, though part of it falls on waves that have no real direction. h is found by fixed-point iteration
-/// over both half-spaces (Sinkhorn's algorithm for a symmetric kernel) as a function of the angle and of k a,
+/// power, including the power of waves without a real direction. h is found by fixed-point iteration over
+/// both half-spaces (Sinkhorn's algorithm for a symmetric kernel). It is a function of the angle and of k a,
 /// for the indices at each wavelength.
 class ScattererBalance {
 public:
@@ -24,13 +24,13 @@ public:
                    const std::function<std::pair<double, double>(double)>& indices,
                    LayerSubstrate::Kind substrate);
 
-  /// h for directions in media of index `here` at an angle of the given sine; `beyond` is the index on the
-  /// other side.
+  /// Returns h for directions in media of index `here` at an angle of the given sine; `beyond` is the index
+  /// on the other side.
   Spectrum factor(const Spectrum& nm, const Spectrum& here, const Spectrum& beyond, float sine) const;
 
 private:
-  static constexpr int kNodes = 40;                 // intervals per piece of the table
-  static constexpr int kStride = 4 * (kNodes + 1);  // the rarer medium has one piece, the denser one three
+  static constexpr int kNodes = 40;                 // intervals per segment of the table
+  static constexpr int kStride = 4 * (kNodes + 1);  // the rarer medium has one segment, the denser one three
 
   void solve(float* h, const optics::RadialDistribution& table, double phase, double n_ext, double n_int);
 

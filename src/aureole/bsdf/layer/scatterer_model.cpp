@@ -9,7 +9,7 @@
 namespace aureole {
 namespace {
 
-constexpr int kStructureEnd = 1024;  // S' is 1 beyond to 1e-4 and better
+constexpr int kStructureEnd = 1024;  // beyond, S' = 1 to 1e-4 or better
 constexpr int kTotals = 128;
 
 double ratio(double area_fraction) { return area_fraction / (1 - area_fraction); }
@@ -19,7 +19,7 @@ double ratio(double area_fraction) { return area_fraction / (1 - area_fraction);
 ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> mixture,
                                const Correlation& correlation, double least, double most, double extent)
     : mixture_(std::move(mixture)),
-      // Nodes that lie too close together cannot be told apart in single precision.
+      // Nodes that are too close cannot be distinguished in single precision.
       least_(most - least < 1e-4 ? most : least),
       most_(most),
       may_overlap_(correlation.may_overlap()),
@@ -28,7 +28,7 @@ ScattererModel::ScattererModel(std::shared_ptr<const optics::ScattererMixture> m
   if (!factor->is_isotropic()) {
     anisotropic_ = factor;
     table_ = std::make_shared<optics::ScattererTable>(*mixture_, extent, factor, for_ranges);
-    double sum = 0;  // of U + C S' over the rings, by Simpson's rule, and the tail c/u^3 beyond
+    double sum = 0;  // of U + C S' over the rings, by Simpson's rule, and of the tail c/u^3 beyond
     constexpr double kStep = 1.0 / 64;
     const int cells = int(table_->product_end() / kStep);
     for (int i = 0; i <= cells; ++i)
@@ -81,7 +81,7 @@ ScattererModel::State ScattererModel::at(float area_fraction) const {
   int group = 0;
   while (group + 1 < groups && x > ratios_[std::size_t(group + 1) * degree_]) ++group;
   s.first = group * degree_, s.count = degree_ + 1;
-  for (int i = 0; i < s.count; ++i) {  // Lagrange's polynomials
+  for (int i = 0; i < s.count; ++i) {  // Lagrange polynomials
     float w = 1;
     for (int j = 0; j < s.count; ++j)
       if (j != i) w *= (x - ratios_[s.first + j]) / (ratios_[s.first + i] - ratios_[s.first + j]);

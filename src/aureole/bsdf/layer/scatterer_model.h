@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The diffraction of a layer of scatterers, apart from the surface it lies on: the intensity as a function of
-// u = q a (a the correlation radius), from the tables of its shapes and of its correlation. Part of the BSDF
+// The diffraction of a layer of scatterers, independent of its surface: the intensity as a function of u = q
+// a (a the correlation radius), from the tables of its shapes and of its correlation. Part of the BSDF
 // `correlated_scatterers`.
 //
-// All intensities are g(u) = (U + C S'(u))/integral, so that the integral of g over the plane of u is 2 pi:
-// of the light that is diffracted, Fr (1 - Fr), the density over u is g/(2 pi).
+// All intensities are g(u) = (U + C S'(u))/integral, normalised so that the integral of g over the plane of u
+// is 2 pi. The density over u of diffracted light, whose fraction is Fr (1 - Fr), is g/(2 pi).
 #pragma once
 
 #include <array>
@@ -17,37 +17,37 @@
 
 namespace aureole {
 
-/// (ux, uy) and their length at the wavelengths of a path.
+/// (ux, uy) and their length, at the wavelengths of a path.
 struct DiffractedWave {
   Spectrum x, y, length;
 };
 
 class ScattererModel {
 public:
-  /// The area fraction at a point, and how its values follow from the tables' nodes.
+  /// The area fraction at a point, and the interpolation weights of the tables' nodes there.
   struct State {
     float area_fraction;
     float inverse_total;           ///< 1/integral of (U + C S') u du
     int first = 0, count = 1;      ///< nodes of the structure factor
-    std::array<float, 4> weights;  ///< of these nodes
+    std::array<float, 4> weights;  ///< weights of these nodes
   };
 
-  /// `least`, `most`: the area fractions that occur. `extent`: the largest |u|. Errors of the correlation are
-  /// std::domain_error.
+  /// `least`, `most`: range of the area fraction. `extent`: the largest |u|. Throws std::domain_error for
+  /// errors of the correlation.
   ScattererModel(std::shared_ptr<const optics::ScattererMixture> mixture, const Correlation& correlation,
                  double least, double most, double extent);
 
   State at(float area_fraction) const;
-  /// Fr: the part of the plane that the shapes cover.
+  /// Returns Fr, the fraction of the plane that the shapes cover.
   float covered(float area_fraction) const;
 
-  /// Integral of A^2 over that of A: 1 but for grey masks.
+  /// Returns the integral of A^2 over the integral of A: 1 except for grey masks.
   float fill() const { return float(mixture_->mean_squared_area() / mixture_->mean_area()); }
 
-  /// g at the wavelengths of a path.
+  /// Returns g at the wavelengths of a path.
   Spectrum intensity(const State& state, const DiffractedWave& u) const;
 
-  /// S'(|u|) of an isotropic arrangement.
+  /// Returns S'(|u|) of an isotropic arrangement.
   float structure(const State& state, float u) const {
     float sum = 0;
     for (int i = 0; i < state.count; ++i) sum += state.weights[i] * structures_[state.first + i].eval(u);
@@ -62,15 +62,16 @@ public:
     }
     return inverse_ ? Spectrum(1.f) / (Spectrum(1.f) + sum) : max(Spectrum(1.f) + sum, 0.f);
   }
-  /// There is no uncorrelated part: all scatterers are alike.
+  /// Whether all scatterers are equal, so that there is no uncorrelated term U.
   bool is_single() const { return single_; }
-  /// Positions without circular symmetry; their S' is part of `table()` and the area fraction is one only.
+  /// Whether positions lack circular symmetry; their S' is then part of `table()`, for a single area
+  /// fraction.
   bool is_anisotropic() const { return anisotropic_ != nullptr; }
   bool varies() const { return most_ > least_; }
   double least() const { return least_; }
   double most() const { return most_; }
   const optics::ScattererTable& table() const { return *table_; }
-  /// Density over the azimuth is 1 everywhere.
+  /// Whether the density over the azimuth is 1 everywhere.
   bool is_isotropic() const { return !table_->has_azimuths(); }
   std::size_t bytes() const;
 
@@ -81,7 +82,7 @@ private:
   double least_, most_;
   bool inverse_ = false, may_overlap_, single_ = false;
   int degree_;
-  std::vector<float> ratios_;  ///< Fa/(1 - Fa) of the nodes
+  std::vector<float> ratios_;  ///< Fa/(1 - Fa) at the nodes
   std::vector<optics::RadialFunction> structures_;
   std::vector<float> inverse_totals_;  ///< at equal steps of the area fraction
 };

@@ -12,14 +12,14 @@ namespace aureole {
 
 namespace {
 
-/// True with the probability p; xi is then uniform in [0, 1) again.
+/// Returns true with probability p; xi is then uniform in [0, 1) again.
 bool choose(float& xi, float p) {
   const bool yes = xi < p;
   xi = yes ? remap_below(xi, p) : remap_above(xi, p);
   return yes;
 }
 
-/// 0 where no power lies below u_max, as in a lattice finer than the wavelength.
+/// Returns 1/power, or 0 if no power lies below u_max, as for a lattice finer than the wavelength.
 float inverse(double power) { return power > 0 ? float(1 / power) : 0; }
 
 }  // namespace
@@ -54,7 +54,7 @@ ProductSampler::ProductSampler(std::shared_ptr<const ScattererModel> model, bool
       const auto p = table.ring(float(u));
       return double(p.uncorrelated) + double(p.coherent) * double(structure(node, float(u)));
     };
-    // Beyond its end a ring falls as u^-3 and u times it as u^-2.
+    // Beyond its end a ring falls as u^-3, and u times the ring as u^-2.
     radial_.emplace_back([&](double u) { return u * ring(u); }, end, ring(end) * std::pow(end, 3));
   }
 }
@@ -72,7 +72,7 @@ Spectrum ProductSampler::azimuth(int node, const DiffractedWave& u) const {
       make_spectrum([&](int j) { return table.uncorrelated_ring().eval(u.length[j]); });
   Spectrum coherent = make_spectrum([&](int j) { return table.coherent_ring().eval(u.length[j]); });
   if (correlated_) coherent *= model_->structure(nodes_.state(node), u.length);
-  // As `sample` chooses: where both parts are 0, by C.
+  // Consistent with `sample`: where both terms are 0, C is chosen.
   const Spectrum sum = uncorrelated + coherent;
   const SpectrumMask positive = sum.v > Spectrum(0.f).v;
   const Spectrum share = select(positive, coherent / select(positive, sum, 1.f), 1.f);
@@ -196,7 +196,7 @@ TableSampler::TableSampler(std::shared_ptr<const ScattererModel> model, double e
     : extent_(float(extent)) {
   const auto state = model->at(float(model->most()));
   std::vector<float> weights(std::size_t(kSize) * kSize);
-  // Points in a row of a cell, of which a Spectrum holds kWavelengths at a time.
+  // Points in a row of a cell; a Spectrum holds kWavelengths of them at a time.
   constexpr int kAcross = 8;
   for_ranges(
       kSize,
@@ -219,7 +219,7 @@ TableSampler::TableSampler(std::shared_ptr<const ScattererModel> model, double e
           }
       },
       8);
-  // A floor, so that peaks between the evaluated points are never missed altogether.
+  // A positive floor, so that peaks between the evaluated points are never missed.
   double total = 0;
   for (const float w : weights) total += double(w);
   for (float& w : weights) w += float(1e-3 * total / double(weights.size()));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How `correlated_scatterers` draws a diffracted wave u = q a: the strategies that its parameter `sampling`
-// names, as densities over the plane of u. A density D is reported times 2 pi, as intensities are: the
+// Sampling of a diffracted wave u = q a for `correlated_scatterers`: the strategies of its parameter
+// `sampling`, as densities over the plane of u. A density D is reported times 2 pi, as intensities are: the
 // integral of D over |u| < u_max is 2 pi.
 #pragma once
 
@@ -19,15 +19,14 @@ public:
     double x, y;
   };
   virtual ~ScattererSampler() = default;
-  /// A wave with |u| <= u_max (that of the hero). On return `xi` is uniform in [0, 1) again.
+  /// Samples a wave with |u| <= u_max (of the hero). On return `xi` is uniform in [0, 1) again.
   virtual Wave sample(const ScattererModel::State& state, float& xi, Vec2 u2, double u_max) const = 0;
   virtual Spectrum density(const ScattererModel::State& state, const DiffractedWave& u,
                            const Spectrum& u_max) const = 0;
   virtual std::size_t bytes() const = 0;
 };
 
-/// Sampling distributions where the area fraction varies: a sample chooses between those of the two nodes
-/// next to it.
+/// Sampling distributions for a varying area fraction: a sample chooses one of the two neighbouring nodes.
 class FractionNodes {
 public:
   explicit FractionNodes(const ScattererModel& model);
@@ -44,16 +43,16 @@ private:
   float least_, rate_;
 };
 
-/// In proportion to the intensity itself: |u| by its ring means, then the azimuth by that of U or C, whose
-/// weights in a ring are Ū and C̄ S'. Without azimuths exact but for cells of the tables.
+/// Samples in proportion to the intensity: |u| by its ring means, then the azimuth by U or C, whose weights
+/// in a ring are Ū and C̄ S'. Without azimuths it is exact up to the cells of the tables.
 class ProductSampler final : public ScattererSampler {
 public:
-  /// `correlated` false: of the shapes alone, S' = 1.
+  /// `correlated` false: the density of the shapes alone, S' = 1.
   ProductSampler(std::shared_ptr<const ScattererModel> model, bool correlated = true);
   Wave sample(const ScattererModel::State&, float& xi, Vec2, double u_max) const override;
   Spectrum density(const ScattererModel::State&, const DiffractedWave&, const Spectrum& u_max) const override;
   std::size_t bytes() const override;
-  /// The distribution of |u| at the only area fraction of a layer that is the same everywhere.
+  /// Returns the distribution of |u| at the only area fraction of a uniform layer.
   const optics::RadialDistribution& radial() const { return radial_.front(); }
 
 private:
@@ -65,11 +64,11 @@ private:
   std::shared_ptr<const ScattererModel> model_;
   bool correlated_;
   FractionNodes nodes_;
-  std::vector<optics::RadialDistribution> radial_;  // of each node
+  std::vector<optics::RadialDistribution> radial_;  // one for each node
 };
 
-/// By the shapes or by the structure factor, with equal probability (Yang, Kim, Pediredla & Jarosz, "A
-/// wave-optics BSDF for correlated scatterers", 2025, section 7.2).
+/// Samples by the shapes or by the structure factor, with equal probability (Yang, Kim, Pediredla & Jarosz,
+/// "A wave-optics BSDF for correlated scatterers", 2025, section 7.2).
 class FactorSampler final : public ScattererSampler {
 public:
   explicit FactorSampler(std::shared_ptr<const ScattererModel> model);
@@ -78,7 +77,7 @@ public:
   std::size_t bytes() const override;
 
 private:
-  /// u S'(u) of a node, piecewise linear up to kEnd, S' = 1 beyond.
+  /// u S'(u) at a node, piecewise linear up to kEnd; S' = 1 beyond.
   struct Structure {
     std::vector<float> nodes;
     std::vector<double> power;
@@ -93,8 +92,9 @@ private:
   std::vector<Structure> structures_;
 };
 
-/// By a table of the whole intensity over the square of waves that the shortest wavelength may have, made for
-/// one area fraction and radius: the simplest strategy, whose table has to be made anew for every parameter.
+/// Samples by a table of the intensity over the square of waves that the shortest wavelength may have, for
+/// one area fraction and radius. This is the simplest strategy, but its table must be computed for every set
+/// of parameters.
 class TableSampler final : public ScattererSampler {
 public:
   TableSampler(std::shared_ptr<const ScattererModel> model, double extent);

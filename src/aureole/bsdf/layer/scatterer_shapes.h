@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scatterers of a layer from its parameters. Part of the BSDF `correlated_scatterers`.
+// Reads the scatterers of a layer from parameters, for the BSDF `correlated_scatterers`.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,14 @@
 
 namespace aureole {
 
-/// Lengths in metres. `correlation_radius`: of the discs that keep scatterers apart; `largest`: of the
-/// smallest circle around the largest of them.
+/// Lengths in metres. `correlation_radius`: radius of the discs that keep scatterers apart. `largest`: radius
+/// of the circumcircle of the largest scatterer.
 struct LayerShapes {
   std::vector<optics::Scatterer> scatterers;
   double correlation_radius, largest;
 };
 
-/// Reads "radius" or the nested apertures, and "correlation_radius". Throws located errors.
+/// Reads "radius" or the nested apertures, and "correlation_radius". Throws located Errors.
 LayerShapes read_layer_shapes(const Properties& p);
 
 }  // namespace aureole

@@ -18,24 +18,24 @@ struct Ggx {
     const float x = m.x / alpha_x, y = m.y / alpha_y, t = x * x + y * y + m.z * m.z;
     return kInvPi / (alpha_x * alpha_y * t * t);
   }
-  /// Masking over the cosine, which stays finite at grazing. Any sign of v.z; whether the facet faces v is
-  /// for the caller to check.
+  /// Returns Smith's masking over the cosine, finite at grazing angles. v.z may have any sign; the caller
+  /// checks whether the facet faces v.
   float g1_over_cos(const Vec3& v) const {
     const float x = alpha_x * v.x, y = alpha_y * v.y;
     return 2 / (std::abs(v.z) + std::sqrt(x * x + y * y + v.z * v.z));
   }
   float g1(const Vec3& v) const { return std::abs(v.z) * g1_over_cos(v); }
 
-  /// Density [1/sr] of the normals that `w`, w.z > 0, sees.
+  /// Returns the density [1/sr] of the normals visible from `w`, w.z > 0.
   float visible_pdf(const Vec3& w, const Vec3& m) const {
     return g1_over_cos(w) * std::max(dot(w, m), 0.f) * d(m);
   }
 
-  /// A normal with density `visible_pdf` (J. Dupuy, A. Benyoub, Sampling visible GGX normals with spherical
-  /// caps, Computer Graphics Forum 42(8), 2023). m.z > 0.
+  /// Samples a normal with density `visible_pdf` (J. Dupuy, A. Benyoub, Sampling visible GGX normals with
+  /// spherical caps, Computer Graphics Forum 42(8), 2023). m.z > 0.
   Vec3 sample_visible(const Vec3& w, Vec2 u) const {
     const Vec3 s = normalize(Vec3{alpha_x * w.x, alpha_y * w.y, w.z});
-    // A cap of directions c with c.z = up - s.z; 1 - c.z^2 is written so that nothing cancels.
+    // A cap of directions c with c.z = up - s.z; 1 - c.z^2 is written without cancellation.
     const float up = (1 - u.x) * (1 + s.z);
     const float r = std::sqrt(std::max((1 + s.z) * u.x * (1 - s.z + up), 0.f));
     const Vec2 a = cos_sin_2pi(u.y);

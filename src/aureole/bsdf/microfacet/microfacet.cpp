@@ -11,8 +11,8 @@ namespace {
 
 constexpr float kInvRootPi = 0.564189584f;
 
-/// The inverse of erf, relative error below 3e-7 for |x| < 1 (M. Giles 2010, "Approximating the erfinv
-/// function").
+/// Returns the inverse of erf, relative error below 3e-7 for |x| < 1 (M. Giles 2010, "Approximating the
+/// erfinv function").
 float inverse_erf(float x) {
   float w = -std::log((1 - x) * (1 + x)), p;
   if (w < 5) {
@@ -41,13 +41,12 @@ float inverse_erf(float x) {
   return p * x;
 }
 
-/// A slope with the density of the slopes that a direction of angle theta sees along its azimuth on a
-/// Beckmann surface of alpha = 1: proportional to (1 - x tan theta) exp(-x^2) below cot theta. Its
-/// distribution function in b = erf(x) is, but for a factor, 1 + b + tan theta exp(-x^2)/sqrt(pi) (Heitz &
-/// d'Eon 2014, "Importance sampling microfacet-based BSDFs using the distribution of visible normals"). It is
-/// inverted in b (Jakob 2014, "An improved visible normal sampling routine for the Beckmann distribution"),
-/// by Halley's method from between the solutions at normal and at grazing incidence; a bracket keeps the
-/// method safe.
+/// Samples a slope visible from a direction of angle theta, along its azimuth, on a Beckmann surface of alpha
+/// = 1. The density is proportional to (1 - x tan theta) exp(-x^2) below cot theta. Up to a factor its
+/// cumulative distribution in b = erf(x) is 1 + b + tan theta exp(-x^2)/sqrt(pi) (Heitz & d'Eon 2014,
+/// "Importance sampling microfacet-based BSDFs using the distribution of visible normals"). It is inverted in
+/// b (Jakob 2014, "An improved visible normal sampling routine for the Beckmann distribution") by Halley's
+/// method, starting between the solutions at normal and at grazing incidence. A bracket ensures convergence.
 float sample_visible_beckmann_slope(float cos_theta, float sin_theta, float u) {
   constexpr float kEnd = 1 - 1e-7f;
   u = std::clamp(u, 1e-7f, kEnd);
@@ -57,7 +56,7 @@ float sample_visible_beckmann_slope(float cos_theta, float sin_theta, float u) {
   const float end = std::min(1 - erfc_over_exp(cot) * end_exp, kEnd);
   const float total = 1 + end + weight * end_exp, target = u * total;
   float low = -1, high = end;
-  // erf(sqrt(-log u)) needs no exponential: it would be u.
+  // erf(sqrt(-log u)) needs no exponential, which would be u.
   const float normal = -1 + (1 + end) * u;
   const float grazing = end - (1 + end) * (1 - erfc_over_exp(std::sqrt(-std::log(u))) * u);
   float b = normal + (grazing - normal) * tangent / (tangent + 0.3f);
@@ -70,7 +69,7 @@ float sample_visible_beckmann_slope(float cos_theta, float sin_theta, float u) {
     const float slope = 1 - x * tangent, dx_db = 0.5f / (kInvRootPi * e);
     float next = b - error * slope / (slope * slope + 0.5f * error * tangent * dx_db);
     if (!(next >= low && next <= high)) next = 0.5f * (low + high);
-    // The inverse of erf by its series about x where the step is short.
+    // For short steps the inverse of erf is computed by its series about x.
     const float step = (next - b) * dx_db;
     x = std::abs(step) < 0.1f ? x + step * (1 + x * step) : inverse_erf(std::clamp(next, -kEnd, kEnd));
     // The remaining error is of third order.
@@ -84,7 +83,7 @@ float sample_visible_beckmann_slope(float cos_theta, float sin_theta, float u) {
 Vec3 Microfacets::sample_visible(const Vec3& wi, Vec2 u) const {
   const Vec3 stretched = normalize({alpha_u_ * wi.x, alpha_v_ * wi.y, wi.z});
   if (type_ == NormalDistribution::ggx) {
-    // Directions that a stretched surface, a hemisphere, reflects are uniform over the cap z > -wi.z (Dupuy &
+    // Directions reflected by a stretched surface, a hemisphere, are uniform over the cap z > -wi.z (Dupuy &
     // Benyoub 2023, "Sampling visible GGX normals with spherical caps").
     const float z = 1 - u.y * (1 + stretched.z);
     const float r = std::sqrt(std::max((1 - z) * (1 + z), 0.f));
@@ -102,7 +101,7 @@ Vec3 Microfacets::sample_visible(const Vec3& wi, Vec2 u) const {
 }
 
 Vec3 Microfacets::sample_all(Vec2 u) const {
-  // Slopes over alpha have one density for all alphas: that of D cos.
+  // Slopes divided by alpha have one density for all alphas: that of D cos.
   const float rest = 1 - std::min(u.x, kOneMinusEpsilon);
   const float r = std::sqrt(type_ == NormalDistribution::ggx ? (1 - rest) / rest : -std::log(rest));
   const Vec2 a = cos_sin_2pi(u.y);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Microfacet surfaces: distributions of normals, Smith's masking by them, sampling of the normals that a
-// direction sees, and the parameters that the rough BSDFs share. Walter, Marschner, Li & Torrance 2007,
-// "Microfacet models for refraction through rough surfaces"; Heitz 2014, "Understanding the masking-shadowing
-// function in microfacet-based BRDFs".
+// Microfacet surfaces: distributions of normals, Smith masking, sampling of visible normals, and the
+// parameters that the rough BSDFs share. Walter, Marschner, Li & Torrance 2007, "Microfacet models for
+// refraction through rough surfaces"; Heitz 2014, "Understanding the masking-shadowing function in
+// microfacet-based BRDFs".
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,8 @@ namespace aureole {
 
 enum class NormalDistribution { beckmann, ggx };
 
-/// exp(x) for x <= 0, relative error below 3e-7; 0 below -87 (the polynomial of S. Moshier's Cephes library).
+/// Returns exp(x) for x <= 0, relative error below 3e-7; 0 below -87 (the polynomial of S. Moshier's Cephes
+/// library).
 inline Spectrum exp_of_negative(const Spectrum& x) {
   const SpectrumVector clamped = max(x, -87.f).v;
   const SpectrumMask n = __builtin_convertvector(clamped * 1.44269504f - 0.5f, SpectrumMask);
@@ -31,7 +32,7 @@ inline Spectrum exp_of_negative(const Spectrum& x) {
   return select(x.v > Spectrum(-87.f).v, p * std::bit_cast<SpectrumVector>(power), 0.f);
 }
 
-/// (1 - erf(x)) exp(x^2) for x >= 0; times exp(-x^2) the error is below 1.5e-7 (Abramowitz & Stegun
+/// Returns (1 - erf(x)) exp(x^2) for x >= 0; times exp(-x^2) the error is below 1.5e-7 (Abramowitz & Stegun
 /// 1964, 7.1.26).
 inline float erfc_over_exp(float x) {
   const float t = 1 / (1 + 0.3275911f * x);
@@ -58,7 +59,7 @@ public:
   float alpha_v() const { return alpha_v_; }
   Microfacets scaled(float factor) const { return {type_, alpha_u_ * factor, alpha_v_ * factor}; }
 
-  /// D(m) [1/sr]: the integral of D cos is one. Zero for m.z <= 0.
+  /// Returns D(m) [1/sr]: the integral of D cos is one. Zero for m.z <= 0.
   float density(const Vec3& m) const {
     const float x = m.x * inverse_u_, y = m.y * inverse_v_, s = x * x + y * y, c2 = m.z * m.z;
     if (!(m.z > 0)) return 0;
@@ -67,7 +68,7 @@ public:
     const float sec2 = 1 / c2;
     return scale_ * sec2 * sec2 * std::exp(-s * sec2);
   }
-  /// The same for one normal per wavelength.
+  /// Returns D for one normal per wavelength.
   Spectrum density(const Spectrum& mx, const Spectrum& my, const Spectrum& mz) const {
     const Spectrum x = mx * inverse_u_, y = my * inverse_v_, s = x * x + y * y, c2 = mz * mz;
     const SpectrumMask up = mz.v > Spectrum(0.f).v;
@@ -78,22 +79,22 @@ public:
     return select(seen, sec2 * sec2 * scale_ * exp_of_negative(select(seen, s * sec2, 0.f) * -1.f), 0.f);
   }
 
-  /// Smith's masking G1(v) over v.z, for v.z >= 0; finite at grazing. Exact for both distributions: the
-  /// integral of D(m) G1(v) max(v.m, 0) over m is v.z (Heitz 2014, equation 17).
+  /// Returns Smith's masking G1(v) over v.z, for v.z >= 0; finite at grazing angles. Exact for both
+  /// distributions: the integral of D(m) G1(v) max(v.m, 0) over m is v.z (Heitz 2014, equation 17).
   float masking_over_cos(const Vec3& v) const {
     const float x = alpha_u_ * v.x, y = alpha_v_ * v.y, r2 = x * x + y * y;
     if (type_ == NormalDistribution::ggx) return 2 / (v.z + std::sqrt(v.z * v.z + r2));
     const float r = std::sqrt(r2);
-    if (v.z > 3.5f * r) return 1 / v.z;  // masks less than 2e-8
+    if (v.z > 3.5f * r) return 1 / v.z;  // masking below 2e-8
     const float a = v.z / r, e = std::exp(-a * a);
     constexpr float kRootPi = 1.77245385f;
     return 2 * kRootPi / (kRootPi * v.z * (2 - erfc_over_exp(a) * e) + r * e);
   }
   float masking(const Vec3& v) const { return std::min(v.z * masking_over_cos(v), 1.f); }
 
-  /// A normal that `wi` (wi.z > 0) sees: density D(m) G1(wi) (wi.m) / wi.z.
+  /// Samples a normal visible from `wi` (wi.z > 0): density D(m) G1(wi) (wi.m) / wi.z.
   Vec3 sample_visible(const Vec3& wi, Vec2 u) const;
-  /// A normal of density D(m) m.z.
+  /// Samples a normal of density D(m) m.z.
   Vec3 sample_all(Vec2 u) const;
 
 private:
@@ -114,10 +115,10 @@ public:
     const float u = value(texture_u_, constant_.alpha_u(), ctx);
     return {type_, u, isotropic_ ? u : value(texture_v_, constant_.alpha_v(), ctx)};
   }
-  /// The microfacets where no roughness is textured.
+  /// Returns the microfacets if no roughness is textured.
   const Microfacets& constant() const { return constant_; }
   NormalDistribution type() const { return type_; }
-  bool visible() const { return visible_; }  ///< normals are sampled by `sample_visible`
+  bool visible() const { return visible_; }  ///< whether normals are sampled by `sample_visible`
   bool is_isotropic() const { return isotropic_; }
   /// Smallest and largest alpha_u and alpha_v over the surface.
   Vec2 range_u() const { return range_u_; }

@@ -18,11 +18,10 @@ ScatteredEnergy operator+(const ScatteredEnergy& a, const ScatteredEnergy& b) {
 ScatteredEnergy operator*(const ScatteredEnergy& a, double s) { return {a.reflected * s, a.transmitted * s}; }
 
 double fraction(double x) { return x - std::floor(x); }
-/// Folds the unit interval: functions that are not periodic become so, and the lattice rule keeps its second
-/// order.
+/// Folds the unit interval, which makes functions periodic, so that the lattice rule keeps its second order.
 double folded(double u) { return 1 - std::abs(2 * u - 1); }
 
-/// The mean of f(i, u) over the unit square by a lattice of the golden ratio, shifted.
+/// Returns the mean of f(i, u) over the unit square by a shifted golden-ratio lattice.
 template <class F>
 auto lattice_mean(int points, double shift, F&& f) {
   const auto at = [&](int i) {
@@ -65,8 +64,8 @@ double mirrored_energy(const Microfacets& d, const Vec3& wi, int points) {
 }
 
 double diffuse_scattered_reflectance(const Microfacets& d, float eta) {
-  // The square of the cosine is uniform where its density is 2 mu. No two strata have the same lattice, so
-  // that their errors cancel: the critical angle makes them large.
+  // The square of the cosine is uniform if the density is 2 mu. All strata have different lattices, so that
+  // their errors, which the critical angle makes large, cancel.
   constexpr int kStrata = 64, kPoints = 1597;
   double sum = 0;
   for (int k = 0; k < kStrata; ++k)
@@ -116,7 +115,7 @@ LossTable::LossTable(const Roughness& roughness, std::vector<float> etas, const 
   tabulate_masses(rows);
 }
 
-/// The azimuth, as cosine and sine, along which the roughness is that of a node.
+/// Returns the azimuth, as cosine and sine, along which the roughness is that of a node.
 Vec2 LossTable::azimuth_of_node(const Microfacets& d, int node) const {
   const float u2 = d.alpha_u() * d.alpha_u(), v2 = d.alpha_v() * d.alpha_v();
   if (azimuths_ == 1 || u2 == v2) return {1, 0};
@@ -126,10 +125,10 @@ Vec2 LossTable::azimuth_of_node(const Microfacets& d, int node) const {
   return {std::sqrt(x2), std::sqrt(1 - x2)};
 }
 
-/// Masses and averages are those of the interpolated table, so that the added light
-/// integrates to the lost light.
+/// Masses and averages are those of the interpolated table, so that the added light integrates to the lost
+/// light.
 void LossTable::tabulate_masses(const std::vector<Microfacets>& rows) {
-  // Of the two nodes of a cell of the cosine: integral of 2 mu dmu = 4 t^3 dt times a node's hat.
+  // For the two nodes of a cell of the cosine: integral of 2 mu dmu = 4 t^3 dt times a node's hat function.
   std::array<std::array<double, 2>, kCosines - 1> weights;
   const double h = 1.0 / (kCosines - 1);
   for (int c = 0; c + 1 < kCosines; ++c) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fraction of the light that a microfacet surface scatters once, and the rest, which single scattering
-// loses: light that a facet sends below the surface would meet other facets.
+// The fraction of the light that a microfacet surface scatters once, and the rest, which single-scattering
+// models lose: light reflected towards other facets.
 #pragma once
 
 #include <functional>
@@ -10,40 +10,40 @@
 
 namespace aureole {
 
-/// Fractions of the light from a direction that are scattered once and leave the surface.
+/// Fractions of the light from a direction that leave the surface after one scattering.
 struct ScatteredEnergy {
   double reflected = 0, transmitted = 0;
 };
 
-/// For an interface; eta is the index beyond over the index on the side of wi (wi.z > 0). By
-/// quadrature over `points` visible normals.
+/// Computes these fractions for an interface by quadrature over `points` visible normals; eta is the index
+/// beyond over the index on the side of wi (wi.z > 0).
 ScatteredEnergy scattered_energy(const Microfacets& d, const Vec3& wi, float eta, int points);
-/// For facets that reflect all light.
+/// Computes the fraction for facets that reflect all light.
 double mirrored_energy(const Microfacets& d, const Vec3& wi, int points);
-/// Reflected fraction of diffuse light, the mean of `scattered_energy` weighted with the cosine.
+/// Returns the reflected fraction of diffuse light: the cosine-weighted mean of `scattered_energy`.
 double diffuse_scattered_reflectance(const Microfacets& d, float eta);
 
-/// The lost fraction 1 - E(w), tabulated over the direction, over the roughnesses that a surface has, and
-/// over indices of refraction.
+/// The lost fraction 1 - E(w), tabulated over the direction, the surface's roughnesses and the index of
+/// refraction.
 class LossTable {
 public:
-  /// E(wi) by quadrature with so many points.
+  /// Computes E(wi) by quadrature with `points` points.
   using Energy = std::function<double(const Microfacets&, const Vec3& wi, float eta, int points)>;
 
   LossTable() = default;
-  /// `etas`: equidistant nodes, one where the index does not depend on the wavelength.
+  /// `etas`: equidistant nodes; a single one if the index does not depend on the wavelength.
   LossTable(const Roughness& roughness, std::vector<float> etas, const Energy& energy);
 
-  /// Where a roughness lies in the table.
+  /// The position of a roughness in the table.
   struct Place {
-    int count = 0, row[4] = {};  ///< of up to four neighbouring roughnesses
+    int count = 0, row[4] = {};  ///< up to four neighbouring roughnesses
     float weight[4] = {};
     float u2 = 0, v2 = 0, smaller = 0,
           inverse_span = 0;  ///< squared roughnesses; for the direction's roughness
   };
   Place locate(const Microfacets& d) const;
 
-  /// 1 - E(w) for w.z >= 0, as a float with one index, or per wavelength for its index.
+  /// Returns 1 - E(w) for w.z >= 0: a float for one index, or one value per wavelength for its index.
   template <class T>
   T loss(const Place& place, const Vec3& w, const T& eta) const {
     const Cell mu = cell(std::sqrt(std::min(w.z, 1.f)) * (kCosines - 1), kCosines);
@@ -60,14 +60,14 @@ public:
       return sum;
     });
   }
-  /// The mean of the loss over the hemisphere, weighted with the cosine.
+  /// Returns the cosine-weighted mean of the loss over the hemisphere.
   template <class T>
   T average(const Place& place, const T& eta) const {
     return over_indices(eta, [&](int e) { return mass_below(place, e, kCosines - 1); });
   }
-  /// A direction with z > 0 whose density is loss(w) w.z/(pi average), but for steps of the table's cells.
+  /// Samples a direction with z > 0, with density loss(w) w.z/(pi average) up to steps of the table's cells.
   Vec3 sample(const Place& place, float eta, Vec2 u) const;
-  /// That density over the one of `square_to_cosine_hemisphere`.
+  /// Returns the density of `sample` over the density of `square_to_cosine_hemisphere`.
   template <class T>
   T density_over_cosine(const Place& place, float cos_theta, const T& eta) const {
     const int c = cell(std::sqrt(std::min(cos_theta, 1.f)) * (kCosines - 1), kCosines).index;
@@ -79,7 +79,7 @@ public:
   /// Interpolates f(node) over the nodes of the index.
   template <class T, class F>
   T over_indices(const T& eta, F&& f) const {
-    // Straight between the nodes: the first value, and for every cell its slope times the way through it.
+    // Piecewise linear: the first value, plus for every cell its difference times the clamped position in it.
     float last = f(0);
     T sum(last);
     for (int e = 1; e < int(etas_.size()); ++e) {
@@ -91,7 +91,7 @@ public:
   }
 
 private:
-  static constexpr int kCosines = 64;  ///< nodes in sqrt(cos theta): close together near grazing
+  static constexpr int kCosines = 64;  ///< nodes in sqrt(cos theta): dense near grazing
 
   struct Cell {
     int index = 0;
@@ -107,7 +107,7 @@ private:
   static float clamp_unit(float x) { return std::clamp(x, 0.f, 1.f); }
   static Spectrum clamp_unit(const Spectrum& x) { return min(max(x, 0.f), 1.f); }
 
-  /// Nodes in the roughness along one axis, close together where it is small.
+  /// Nodes in the roughness along one axis, dense where it is small.
   struct Axis {
     float min = 0, range = 0;
     int nodes = 1;
@@ -121,7 +121,7 @@ private:
   };
 
   /// The loss at an azimuth depends mostly on the roughness along it, which is the table's coordinate; nodes
-  /// as for a roughness.
+  /// are spaced as for a roughness.
   Cell azimuth_cell(const Place& p, const Vec3& w) const {
     const float x2 = w.x * w.x, y2 = w.y * w.y, r2 = x2 + y2;
     const float alpha = r2 > 0 ? std::sqrt((p.u2 * x2 + p.v2 * y2) / r2) : p.smaller;
@@ -133,7 +133,7 @@ private:
     const float t = float(node) / (kCosines - 1);
     return t * t * t * t;
   }
-  /// The part of the average below a node of the cosine.
+  /// Returns the contribution to the average below a node of the cosine.
   float mass_below(const Place& place, int e, int node) const {
     float sum = 0;
     for (int k = 0; k < place.count; ++k)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parts that the two principled BSDFs share (B. Burley, Physically based shading at Disney, SIGGRAPH 2012
+// Functions that the two principled BSDFs share (B. Burley, Physically based shading at Disney, SIGGRAPH 2012
 // course notes; Extending the Disney BRDF to a BSDF with integrated subsurface scattering, SIGGRAPH 2015
 // course notes; constants as in Mitsuba 3.9).
 #pragma once
@@ -21,9 +21,9 @@ inline float schlick_weight(float cos_theta) {
   return m2 * m2 * m;
 }
 
-/// Schlick's approximation from the reflectance at normal incidence; `eta` is the index beyond over that on
-/// the side of the light. Towards a thinner medium it takes the cosine there, which is 0 beyond the critical
-/// angle.
+/// Schlick's approximation from the reflectance at normal incidence; `eta` is the index beyond over the index
+/// on the side of the light. Towards a medium of lower index it uses the cosine there, which is 0 beyond the
+/// critical angle.
 inline Spectrum schlick(const Spectrum& r0, float cos_i, float eta) {
   float c = cos_i;
   if (!(eta > 1)) {
@@ -38,18 +38,18 @@ inline float normal_reflectance(float eta) {
   return r * r;
 }
 
-/// A parameter in [0, 1].
+/// Reads a parameter in [0, 1].
 inline ScalarTexture unit(const Properties& properties, const char* name, double fallback) {
   return ScalarTexture::from(properties, name, fallback, Range::unit());
 }
-/// A lobe's relative number of samples.
+/// Reads a lobe's relative number of samples.
 inline float rate(const Properties& properties, const char* name) {
   return float(properties.get_float(name, 1, Range::non_negative()));
 }
 
 struct Half {
   Vec3 h;
-  float c = 0;  ///< cosine between it and either direction; 0 where there is none
+  float c = 0;  ///< cosine between h and either direction; 0 if there is no half vector
 };
 inline Half half_vector(const Vec3& a, const Vec3& b) {
   const Vec3 h = a + b;
@@ -65,9 +65,9 @@ inline Ggx distribution(float roughness, float anisotropic) {
   return {std::max(0.001f, alpha / aspect), std::max(0.001f, alpha * aspect)};
 }
 
-/// Diffuse reflection with retro-reflection at grazing (Burley 2015), blended by `flatness`
-/// with an approximation of subsurface scattering (Burley 2012, after Hanrahan & Krueger 1993): pi f /
-/// base_color. `cos_d` is between a direction and the half vector.
+/// Returns pi f / base_color of diffuse reflection with retro-reflection at grazing angles (Burley 2015).
+/// `flatness` blends it with an approximation of subsurface scattering (Burley 2012, after Hanrahan & Krueger
+/// 1993). `cos_d` is the cosine between a direction and the half vector.
 inline float diffuse(float cos_i, float cos_o, float cos_d, float roughness, float flatness) {
   const float fi = schlick_weight(cos_i), fo = schlick_weight(cos_o), rr = 2 * roughness * cos_d * cos_d;
   const float lambert = (1 - 0.5f * fi) * (1 - 0.5f * fo), retro = rr * (fo + fi + fo * fi * (rr - 1));
@@ -77,15 +77,15 @@ inline float diffuse(float cos_i, float cos_o, float cos_d, float roughness, flo
   return lambert + retro + flatness * (subsurface - lambert - retro);
 }
 
-/// The colour of the material, and its tint: the colour over its luminance under D65, so that a grey has
-/// none.
+/// The colour of the material, and its tint: the colour divided by its luminance under D65, so that a grey
+/// has no tint.
 class BaseColor {
 public:
   explicit BaseColor(const Properties& properties)
       : texture_(get_texture(properties, "base_color", 0.5, SpectrumRole::reflectance)) {
     const SpectralGrid& grid = properties.context().grid;
     const SampledSpectrum sensitivity = product(observer_xyz(grid)[1], d65_spectrum(grid, 1));
-    // A sensor that sees no visible light knows no luminance: there it is the mean over its range.
+    // For a sensor outside the visible range, the luminance is replaced by the mean over its range.
     const bool visible = sensitivity.integral() > 1e-6;
     std::vector<double> mass(grid.cells + 1);
     double total = 0;
@@ -100,7 +100,7 @@ public:
       luminance_ = float(sum / total);
       return;
     }
-    // A texture is evaluated at the centroids of kNodes parts of equal sensitivity.
+    // A texture is evaluated at the centroids of kNodes intervals of equal sensitivity.
     std::array<double, kNodes> centroid{};
     double room = 1;
     for (int i = 0, part = 0; i <= grid.cells; ++i)
@@ -117,7 +117,7 @@ public:
 
   Spectrum eval(const BsdfContext& ctx) const { return texture_->eval(ctx.point, ctx.wavelengths); }
 
-  /// `color` is that of `eval`.
+  /// `color` is the result of `eval`.
   Spectrum tint(const Spectrum& color, const BsdfContext& ctx) const {
     float luminance = luminance_;
     if (!texture_->is_constant()) {
@@ -131,7 +131,7 @@ public:
 private:
   static constexpr int kNodes = 16;
   TexturePtr texture_;
-  float luminance_ = 0;  // where the texture is constant
+  float luminance_ = 0;  // if the texture is constant
   std::array<Wavelengths, kNodes / kWavelengths> nodes_;
 };
 

@@ -13,7 +13,7 @@ RoughCoating::RoughCoating(const Microfacets& d, double eta, bool energy_preserv
     const ScatteredEnergy e = scattered_energy(d, {std::sqrt((1 - mu) * (1 + mu)), 0, mu}, float(eta), 987);
     transmittance[i] = float(energy_preserving ? 1 - e.reflected : e.transmitted);
   }
-  // The integral of 2 T mu of straight pieces.
+  // The integral of 2 T mu over linear segments.
   double mean = 0;
   for (int i = 0; i < kCells; ++i) {
     const double a = transmittance[i], b = transmittance[i + 1], h = 1.0 / kCells, mu = i * h;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rough dielectric interface over a diffuse base, as `roughplastic` and `paint` have it.
+// A rough dielectric interface over a diffuse base, for `roughplastic` and `paint`.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,16 @@
 
 namespace aureole {
 
-/// The coating's transmittance from outside over the cosine, and numbers derived from it, for one index.
+/// The coating's transmittance from outside as a function of the cosine, and derived quantities, for one
+/// index.
 struct RoughCoating {
   static constexpr int kCells = 128;
 
   float transmittance[kCells + 1];
-  float f_int, leaving;  ///< the parts of diffuse light from below that are reflected and that leave
+  float f_int, leaving;  ///< fractions of diffuse light from below that are reflected and that leave
 
-  /// With `energy_preserving`, all that is not reflected once is transmitted; else what is transmitted once.
+  /// With `energy_preserving`, transmits all light that is not reflected once; else only light transmitted
+  /// once.
   RoughCoating(const Microfacets& d, double eta, bool energy_preserving);
 
   float at(float mu) const {

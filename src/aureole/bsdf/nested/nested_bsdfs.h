@@ -10,10 +10,10 @@
 
 namespace aureole {
 
-/// A sample that passes straight through; `mass` is both its probability and the fraction of the light.
+/// Returns a sample of the null lobe; `mass` is both its probability and the transmitted fraction.
 inline BsdfSample null_sample(const Vec3& wi, float mass) { return {-wi, mass, mass, kNullLobe}; }
 
-/// The nested BSDFs in their order; an error unless there are `count` of them.
+/// Returns the nested BSDFs in their order; an error unless there are `count` of them.
 inline std::vector<BsdfPtr> nested_bsdfs(const Properties& properties, std::size_t count) {
   const auto found = properties.get_children<Bsdf>("bsdf");
   if (found.size() != count)

@@ -11,14 +11,14 @@ namespace {
 
 Vec3 mirrored(const Vec3& n) { return {-n.x, -n.y, n.z}; }
 
-/// The direction, in local and in turned coordinates, is on the same side of both horizons.
+/// Whether the direction, in local and in perturbed coordinates, is on one side of both horizons.
 bool same_side(const Vec3& local, const Vec3& turned) { return local.z * turned.z > 0; }
 
 float tan2_theta(const Vec3& w) { return (w.x * w.x + w.y * w.y) / (w.z * w.z); }
 
 }  // namespace
 
-/// The surface point with the frame around the normal `n`.
+/// The surface point with the frame around the perturbed normal `n`.
 class PerturbedFrame::Turned {
 public:
   Turned(const Vec3& n, const BsdfContext& ctx)
@@ -58,18 +58,18 @@ bool PerturbedFrame::is_flipped(const Vec3& n, const Vec3& viewer) const {
   return flip_invalid_normals_ && viewer.z * dot(viewer, n) <= 0;
 }
 
-/// The probability that `sample` uses the mirrored frame. In importance mode the viewer's direction, which
-/// decides, is not known yet.
+/// Returns the probability that `sample` uses the mirrored frame. In importance mode the viewer's direction,
+/// on which the choice depends, is not yet known.
 float PerturbedFrame::probability_of_flipped(const Vec3& n, const Vec3& wi, TransportMode mode) const {
   if (mode == TransportMode::radiance) return is_flipped(n, wi) ? 1 : 0;
   if (!flip_invalid_normals_) return 0;
   if (!(wi.z * dot(wi, n) > 0)) return 1;
   if (!(wi.z * dot(wi, mirrored(n)) > 0)) return 0;
-  // The part of a cosine-weighted hemisphere that lies below the turned horizon, (1 - cos) / 2.
+  // The fraction of a cosine-weighted hemisphere that lies below the perturbed horizon, (1 - cos) / 2.
   return (n.x * n.x + n.y * n.y) / (2 * (1 + std::abs(n.z)));
 }
 
-/// Factor of the values of the nested BSDF; directions in local and turned (t) coordinates.
+/// Returns the factor of the nested BSDF's values; directions in local and perturbed (t) coordinates.
 float PerturbedFrame::weight(const Vec3& n, const Vec3& wi, const Vec3& wi_t, const Vec3& wo,
                              const Vec3& wo_t, TransportMode mode) const {
   const bool radiance = mode == TransportMode::radiance;
@@ -114,8 +114,7 @@ std::optional<BsdfSample> PerturbedFrame::sample(const Vec3& wi, float u1, Vec2 
   auto s = nested_->sample(wi_t, u1, u2, turned.context());
   if (!s) return s;
   if (has(s->lobe, Lobe::null)) {
-    // Light that passes as if nothing were there meets no frame, and passes with the same probability in
-    // either.
+    // A null interaction does not depend on the frame and has equal probability in both.
     s->wo = -wi;
     return s;
   }
@@ -128,7 +127,7 @@ std::optional<BsdfSample> PerturbedFrame::sample(const Vec3& wi, float u1, Vec2 
       s->value = e.value, s->pdf = e.pdf;
       return s;
     }
-    if (is_flipped(n, s->wo) != flip) return {};  // from there the normal looks different
+    if (is_flipped(n, s->wo) != flip) return {};  // the perturbed normal differs as seen from there
     s->pdf *= probability;
   }
   s->value *= weight(n, wi, wi_t, s->wo, wo_t, ctx.mode);
@@ -145,10 +144,10 @@ Spectrum PerturbedFrame::null_transmittance(const Vec3& wi, const BsdfContext& c
 std::vector<ParameterDoc> perturbed_frame_parameters(std::vector<ParameterDoc> own) {
   own.push_back({"bsdf", "bsdf", "", "required", "one nested BSDF"});
   own.push_back({"flip_invalid_normals", "boolean", "", "true",
-                 "mirror a normal that would be seen from behind at the normal of the surface; else it is "
-                 "black from there"});
+                 "mirror a perturbed normal that faces away from the viewer at the surface normal; "
+                 "otherwise such points are black"});
   own.push_back({"use_shadowing_function", "boolean", "", "true",
-                 "fade light at grazing directions, where the true surface would end at an edge"});
+                 "attenuate light at grazing directions, to avoid the hard edge at the shading terminator"});
   return own;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `PerturbedFrame`: a BSDF that evaluates a nested one in a turned shading frame, as bump and normal maps do.
+// `PerturbedFrame`: evaluates a nested BSDF in a perturbed shading frame, as bump and normal maps do.
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
@@ -7,15 +7,15 @@
 
 namespace aureole {
 
-/// Directions below the horizon of either frame are black. With `flip_invalid_normals` a normal that would
-/// be seen from behind is mirrored at the shading normal (Schuessler, Heitz, Hanika & Dachsbacher 2017,
-/// "Microfacet-based normal mapping for robust Monte Carlo path tracing"), which makes the frame
-/// depend on the viewer. With `use_shadowing_function` light at grazing directions fades (Estevez, Lecocq &
-/// Stein 2019, "A microfacet-based shadowing function to solve the bump terminator problem", Ray Tracing
-/// Gems, chapter 12).
+/// Directions below the horizon of either frame are black. With `flip_invalid_normals` a normal that faces
+/// away from the viewer is mirrored at the shading normal (Schuessler, Heitz, Hanika & Dachsbacher 2017,
+/// "Microfacet-based normal mapping for robust Monte Carlo path tracing"); the frame then depends on the
+/// viewer. With `use_shadowing_function` light at grazing directions is attenuated (Estevez, Lecocq & Stein
+/// 2019, "A microfacet-based shadowing function to solve the bump terminator problem", Ray Tracing Gems,
+/// chapter 12).
 ///
 /// None of this is reciprocal. In importance mode the viewer is on the side of `wo`, and the value is that of
-/// radiance mode with the directions exchanged, so that light and camera paths find the same picture (Veach
+/// radiance mode with the directions exchanged, so that light and camera paths converge to one picture (Veach
 /// 1997, section 5.3).
 class PerturbedFrame : public Bsdf {
 public:
@@ -31,7 +31,7 @@ public:
   Vec3 shading_normal(const SurfacePoint& point) const final { return unit_normal(point); }
 
 protected:
-  /// The turned normal in local coordinates, of any length but zero, finite.
+  /// Returns the perturbed normal in local coordinates, finite, of any nonzero length.
   virtual Vec3 perturbed_normal(const SurfacePoint& point) const = 0;
 
 private:
@@ -47,7 +47,7 @@ private:
   bool flip_invalid_normals_, use_shadowing_function_;
 };
 
-/// The rows of the parameter table that every such BSDF has.
+/// Returns the documentation of the parameters that all such BSDFs share.
 std::vector<ParameterDoc> perturbed_frame_parameters(std::vector<ParameterDoc> own);
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The two colours of a BSDF that adds a glossy lobe to a diffuse one (`phong`, `ward`).
+// The two reflectances of a BSDF that adds a glossy lobe to a diffuse one (`phong`, `ward`).
 #pragma once
 
 #include <string>
@@ -13,7 +13,8 @@ class DiffuseSpecular {
 public:
   struct Colors {
     Spectrum diffuse, specular;
-    /// By the energy of both, averaged over the path's wavelengths: the same whichever is the hero.
+    /// Probability of the specular lobe, by the energy of both lobes averaged over the path's wavelengths, so
+    /// that it does not depend on the hero.
     float specular_probability;
   };
 
@@ -38,7 +39,7 @@ public:
   Colors at(const BsdfContext& ctx) const {
     Colors c{diffuse_->eval(ctx.point, ctx.wavelengths), specular_->eval(ctx.point, ctx.wavelengths), 0};
     if (exceeds_) {
-      // Wavelength by wavelength: spectra of saturated colours come close to one outside the visible range,
+      // Wavelength by wavelength, since spectra of saturated colours approach one outside the visible range,
       // which must not darken the colour.
       const Spectrum sum = max(c.diffuse + c.specular, 1.f);
       c.diffuse = c.diffuse / sum, c.specular = c.specular / sum;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `ScalarTexture`: a parameter that is one number for all wavelengths, such as a roughness or the weight of a
-// lobe, and that may vary over the surface.
+// lobe, and may vary over the surface.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace aureole {
 
 class ScalarTexture {
 public:
-  /// Reads the number or grey texture given under `name`. A value outside `range`, or one that differs
+  /// Reads the number or grey texture of the parameter `name`. A value outside `range`, or one that differs
   /// between wavelengths, is an error located at the parameter.
   static ScalarTexture from(const Properties& properties, std::string_view name, double fallback,
                             Range range) {
@@ -27,7 +27,7 @@ public:
       throw properties.error(name,
                              "is one number for all wavelengths, but what is given has a colour; write a "
                              "number, or load a picture with raw = true");
-    // Rounding errors of tabulation and of image formats may pass a bound by this much.
+    // Tolerance for rounding errors of tabulation and of image formats.
     constexpr double kTolerance = 1e-5;
     s.minimum_ = texture->minimum(), s.maximum_ = texture->maximum();
     const bool below = range.open_min ? !(s.minimum_ > range.min) : s.minimum_ < range.min - kTolerance;
@@ -60,7 +60,7 @@ private:
     return range.max < 1e30 ? from + " to " + text(range.max) : range.open_min ? from : from + " upwards";
   }
 
-  TexturePtr texture_;  // null where it is the same everywhere
+  TexturePtr texture_;  // null if it is constant
   float value_ = 0, minimum_ = 0, maximum_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Palettes of paint (pigment/paints.h) by file, and recipes by the names of their paints, with located errors.
+// Reads palettes of paints (pigment/paints.h) from files, and recipes by paint names, with located errors.
 #pragma once
 
 #include <string>
@@ -11,14 +11,14 @@
 
 namespace aureole {
 
-/// The name of the measured paints that come with the program, in the place of a file.
+/// The name of the built-in palette of measured paints, used in place of a file name.
 inline constexpr const char* kMeasuredPaints = "kimera";
 
-/// Reads a palette as `pigment::palette_text` writes it. `kimera` is the palette of the library.
+/// Reads a palette in the format of `pigment::palette_text`. `kimera` is the built-in palette.
 pigment::Palette read_palette_file(const std::string& file);
 
-/// Fractions of a recipe ("red: 1 + white: 3"), one for each pigment. By volume, densities are needed. Throws
-/// Error that begins with `option` and names the nearest paint where one is unknown.
+/// Returns the fractions of a recipe ("red: 1 + white: 3"), one for each pigment. Proportions by volume need
+/// densities. Throws an Error that begins with `option` and suggests the nearest name for an unknown paint.
 std::vector<double> recipe_fractions(const pigment::Palette& palette, const std::string& recipe,
                                      bool by_volume, const std::string& option);
 
@@ -26,7 +26,8 @@ std::vector<double> recipe_fractions(const pigment::Palette& palette, const std:
 struct SampledPaint {
   SampledSpectrum k, s;
 };
-/// Those of a mixture, times a factor: linear between the palette's wavelengths, and beyond them as at its ends.
+/// Returns K and S of a mixture times a factor: linear between the palette's wavelengths, constant beyond
+/// them.
 SampledPaint sampled_paint(const SpectralGrid& grid, const pigment::Palette& palette,
                            const std::vector<double>& fractions, double factor);
 

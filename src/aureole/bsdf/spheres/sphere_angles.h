@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scattering angles as the tables of `correlated_spheres` have them. v = |w_i + w_o| = 2 sin(theta/2) is zero
-// straight on and w = |w_i - w_o| = 2 cos(theta/2) straight back, theta the scattering angle.
+// Scattering angles theta in the tables of `correlated_spheres`. v = |w_i + w_o| = 2 sin(theta/2) is zero in
+// the forward direction, w = |w_i - w_o| = 2 cos(theta/2) in the backward direction.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace aureole {
 
-/// A direction about the way straight on: w_o + w_i is `along` w_i, and `in` and `out` across it, in the
-/// plane of incidence and out of it.
+/// A scattered direction about the forward direction: w_o + w_i has the component `along` w_i, and `in` and
+/// `out` perpendicular to it, in and out of the plane of incidence.
 struct Scattered {
   float along, in, out;
 
@@ -31,17 +31,17 @@ struct Scattered {
   }
 };
 
-/// Cells between nodes that are uniform in w (backward, which comes first: small shares of a sum keep their
-/// digits at its begin) or in v (forward), in each half of the sphere finer in its centre. v dv dphi = w dw
-/// dphi is the solid angle.
+/// Cells between nodes that are uniform in w (backward hemisphere, which comes first: cumulative sums keep
+/// small terms accurate at their start) or in v (forward). In each hemisphere they are finer at its centre. v
+/// dv dphi = w dw dphi is the solid angle.
 class SphereAngles {
 public:
-  /// Between nodes, times the number of terms of Mie's series: its intensity has phases of up to twice that
-  /// number times the angle, of which linear interpolation over this step keeps all but 1 %.
+  /// The step between nodes, times the number of terms of Mie's series. The intensity has phases of up to
+  /// twice that number times the angle; linear interpolation over this step preserves them to 1 %.
   static constexpr double kStep = 0.125;
 
   SphereAngles() = default;
-  /// For up to `largest` terms.
+  /// `largest`: the largest number of terms.
   explicit SphereAngles(double largest) {
     constexpr double kFineEnd = 50, kRootTwo = std::numbers::sqrt2;
     constexpr int kLeastCells = 64, kFineCells = int(kFineEnd / kStep), kCoarseCells = 384;
@@ -59,12 +59,12 @@ public:
     }
   }
 
-  int half() const { return half_; }  ///< cells in each half of the sphere
+  int half() const { return half_; }  ///< cells in each hemisphere
   int cells() const { return 2 * half_; }
   bool is_forward(int cell) const { return cell >= half_; }
-  /// The cell's place in its half, from the centre.
+  /// Returns the cell's index in its hemisphere, from the centre.
   int ring(int cell) const { return is_forward(cell) ? cells() - 1 - cell : cell; }
-  /// v or w at a place in its half.
+  /// Returns v or w at a position in its hemisphere.
   double radius(double place) const {
     return place < double(fine_) * double(split_) ? place / double(fine_)
                                                   : (place - double(offset_)) / double(coarse_);
@@ -73,7 +73,7 @@ public:
     const double a = radius(ring(cell)), b = radius(ring(cell) + 1);
     return std::numbers::pi * (b - a) * (b + a);
   }
-  /// Cell, and place in it, of a pair of directions; at most `cells()`.
+  /// Returns the cell of a pair of directions plus the position in it, at most `cells()`.
   float position(const Vec3& wi, const Vec3& wo) const {
     const float v2 = length_squared(wi + wo), w2 = length_squared(wi - wo), r = std::sqrt(std::min(v2, w2));
     const float place = std::min(std::min(fine_ * r, coarse_ * r + offset_), float(half_));

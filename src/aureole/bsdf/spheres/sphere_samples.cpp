@@ -11,14 +11,15 @@ namespace {
 
 constexpr double kPiDouble = std::numbers::pi;
 
-/// Half a turn as 1 - x/(|x| + |y|) in [0, 2], which grows with the angle and needs no arctangent.
+/// Maps half a turn to 1 - x/(|x| + |y|) in [0, 2], which increases with the angle and needs no arctangent.
 float pseudo_angle(float x, float y) {
   const float sum = std::abs(x) + std::abs(y);
   return sum > 0 ? 1 - x / sum : 1;
 }
 double angle_of(double pseudo) { return std::atan2(1 - std::abs(1 - pseudo), 1 - pseudo); }
 
-/// Across the way straight on, -wi: in the plane of incidence as `Scattered::in`, and out of it.
+/// Unit vectors perpendicular to the forward direction -wi: in the plane of incidence as `Scattered::in`, and
+/// out of it.
 struct Across {
   Vec3 in, out;
   explicit Across(const Vec3& wi) {
@@ -40,8 +41,8 @@ SphereSamples::SphereSamples(const SphereAngles& angles, int wavelengths)
 }
 
 void SphereSamples::prepare(int wavelength, const std::vector<double>& phase, const Factor& factor) {
-  // Shares of the density that follow the phase function alone and that are uniform, and of the azimuths'
-  // density that is uniform: for angles and wavelengths between those of the tables.
+  // Mixture weights: of a density that follows the phase function alone, of a uniform one, and of uniform
+  // azimuths. They cover angles and wavelengths between those of the tables.
   constexpr double kPhaseShare = 0.04, kUniformShare = 0.02, kUniformAzimuths = 0.1;
   const std::size_t n = std::size_t(angles_.cells()), w = std::size_t(wavelengths_),
                     at = std::size_t(wavelength);
@@ -126,7 +127,7 @@ Vec3 SphereSamples::sample(const Vec3& wi, Vec2 u, int wavelength) const {
               other = std::sqrt(std::max(4 - r * r, 0.f));
   const float cosine = forward ? 1 - 0.5f * r * r : 0.5f * r * r - 1, sine = 0.5f * r * other;
 
-  // Either half of the turn, a bin of it, uniform inside.
+  // Choose a half of the turn and a bin of it; uniform within the bin.
   const float* row = &azimuth_[azimuth_row(t, group(cell), 0) + std::size_t(wavelength)];
   float rest = u.y < 0.5f ? 2 * u.y : 2 * u.y - 1;
   int bin = 0;

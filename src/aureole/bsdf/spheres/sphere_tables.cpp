@@ -23,8 +23,8 @@ struct SphereTables::Worker {
   std::vector<double> mu, phase, ring;
   std::vector<optics::MieAmplitudes> at, mirrored, specular;
   std::vector<double> energy, matrix, h, next;
-  // Of points on the sphere of directions: `Scattered` and weights, then for one incidence their places in
-  // the table of h and their shares of the power.
+  // Data of points on the sphere of directions: `Scattered` and weights; then for one incidence their
+  // positions in the table of h and their power.
   std::vector<float> along, in, out, weight, place, share;
 };
 
@@ -34,8 +34,8 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
       std::max(layer.medium(grid.min_nm) / grid.min_nm, layer.medium(grid.max_nm) / grid.max_nm);
   const double terms = largest + 4 * std::cbrt(largest);
   angles_ = SphereAngles(terms);
-  // Far from the centre of a large sphere's pattern rings are averaged over a cell: they are too fine to be
-  // seen there.
+  // Far from the centre of a large sphere's pattern, rings are averaged over a cell: they are too fine to be
+  // visible there.
   for (int i = 0; i <= angles_.half(); ++i) {
     const double r = std::min(angles_.radius(i), kRootTwo);
     const double before = i > 0 ? angles_.radius(i - 0.5) : 0,
@@ -48,14 +48,14 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
     }
     sample_ends_.push_back(int(samples_.size()));
   }
-  // Nodes of wavelength: phases between the rays through a sphere and past it turn with x; a spread of sizes
+  // Wavelength nodes: phases between rays through a sphere and rays past it vary with x; a spread of sizes
   // blurs narrower features.
   constexpr double kSizeStep = 0.2;
   constexpr int kMostNodes = 128;
   const double range = 1 / grid.min_nm - 1 / grid.max_nm, width = grid.max_nm / grid.min_nm - 1;
   double count = kTwoPi * layer.radius_nm * layer.medium(grid.min_nm) * range / kSizeStep;
   if (layer.spread > 0) count = std::min(count, 3 * width / layer.spread);
-  // Smooth spectra need few nodes. The work per node grows with the square of the size.
+  // Smooth spectra need few nodes. The cost per node grows with the square of the size.
   const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0),
                most = largest > 2000 ? kMostNodes / 2 : kMostNodes;
   const int cells_of_four = int(std::ceil(std::clamp(count, least, most) / kStride));
@@ -89,13 +89,13 @@ SphereTables::SphereTables(const SphereLayer& layer, const SpectralGrid& grid) {
   samples_ = {}, sample_ends_ = {};
 }
 
-/// Mie's theory at one node: the phase function, the coherent light and the energies.
+/// Computes Mie's theory at one node: the phase function, the coherent light and the energies.
 void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
   const double nm = 1 / (first_ + node / scale_), k = kTwoPi * layer.medium(nm) / nm;
   const std::complex<double> index = layer.relative_index(nm);
   const std::size_t stride = std::size_t(wavelengths_);
 
-  // One call for all cosines: those of the phase function, then those of mirrors.
+  // One call for all cosines: first those of the phase function, then those of specular reflection.
   w.mu = samples_;
   for (int i = 0; i <= kCosines; ++i) {
     const double t = double(i) / kCosines, cosine = t * t;
@@ -127,7 +127,7 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
     extinction += size.weight * x * x * sphere.extinction();
     scattering += size.weight * x * x * sphere.scattering();
   }
-  // Cover the plane as equal discs of the mean cross section would.
+  // The spheres cover the plane as equal discs of the mean cross section would.
   sizes_[node] = float(std::sqrt(spheres.size_squared));
 
   double power = 0;
@@ -148,9 +148,10 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
   }
 }
 
-/// h by Sinkhorn's iteration for a symmetric kernel, so that each angle of incidence scatters its energy.
+/// Computes h by Sinkhorn's iteration for a symmetric kernel, so that each angle of incidence scatters its
+/// energy.
 void SphereTables::balance(int node, Worker& w) {
-  // Points of a rank-1 lattice over (share of the power, azimuth).
+  // Points of a rank-1 lattice over (cumulative power, azimuth).
   const int points_wanted = has_peaks_ ? 16384 : 8192;
   constexpr double kGolden = 0.6180339887498949;
   for (auto* values : {&w.along, &w.in, &w.out, &w.weight, &w.place, &w.share}) values->resize(points_wanted);
@@ -182,7 +183,7 @@ void SphereTables::balance(int node, Worker& w) {
                 *table = structure_.data(), size = sizes_[node];
     float* __restrict place = w.place.data(), * __restrict share = w.share.data();
     for (int k = 0; k < points; ++k) {
-      // `Scattered` again, many at once.
+      // `Scattered` inlined, for vectorisation.
       const float x = along[k] * sin_i + in[k] * cos_i;
       const float u = std::min(size * std::sqrt(x * x + out[k] * out[k]) * kStructureRate, kStructureEnd);
       const int cell = int(u);
@@ -190,7 +191,7 @@ void SphereTables::balance(int node, Worker& w) {
       share[k] = weight[k] * cosine * (table[cell] + (u - float(cell)) * (table[cell + 1] - table[cell]));
       place[k] = std::min(std::sqrt(cosine) * kCosines, kCosines - 0.001f);
     }
-    // Neighbouring points meet the same nodes: sums side by side need not wait for one another.
+    // Neighbouring points add to the same nodes; several sums avoid waiting for the previous addition.
     constexpr int kSums = 4;
     float sums[kSums][n + 1] = {};
     for (int k = 0; k < points; ++k) {

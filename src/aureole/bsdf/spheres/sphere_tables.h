@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Tables of the BSDF `correlated_spheres`: light scattered by a layer of spheres,
 //     f(w_i, w_o) = P(v) S'(u) h(|cos i|) h(|cos o|),   v = |w_i + w_o|, u = k a |(w_i + w_o)_xy|,
-// P the phase function of a sphere (Mie, normalised), S' the structure factor of the positions and h a
-// factor that makes the diffuse albedo that of the layer without breaking reciprocity. Everything is
-// tabulated at nodes that are uniform in 1/lambda. Between two of them f, the albedos and the shares of the
-// lobes are the same mean of two layers, each of which conserves energy, and so do all wavelengths.
+// with P the phase function of a sphere (Mie, normalised), S' the structure factor of the positions and h a
+// factor that gives the diffuse albedo of the layer without breaking reciprocity. Everything is tabulated at
+// nodes that are uniform in 1/lambda. Between two nodes f, the albedos and the lobe fractions are means of
+// two layers with equal weights. Each layer conserves energy, and so does the mean at all wavelengths.
 #pragma once
 
 #include <algorithm>
@@ -25,23 +25,23 @@ namespace aureole {
 
 /// A layer of spheres as a scene describes it.
 struct SphereLayer {
-  double radius_nm = 0;      ///< the median, where sizes differ
+  double radius_nm = 0;      ///< the median, if sizes differ
   double area_fraction = 0;  ///< of the mean cross section
   optics::SizeDistribution sizes;
   double spread = 0;                                              ///< standard deviation of ln(size)
   std::shared_ptr<const optics::StructureFactor> structure;       ///< at area_fraction
   std::function<double(double nm)> medium;                        ///< index around the spheres
-  std::function<std::complex<double>(double nm)> relative_index;  ///< of the spheres over the medium's
+  std::function<std::complex<double>(double nm)> relative_index;  ///< index of the spheres over the medium's
 };
 
 class SphereTables {
 public:
-  /// Of 2 pi n radius/lambda.
+  /// Bounds of 2 pi n radius/lambda.
   static constexpr double kLeastSize = 0.01, kMostSize = 5000;
 
   SphereTables(const SphereLayer& layer, const SpectralGrid& grid);
 
-  /// The fractions of the light, per wavelength, that go straight on, are reflected as by a mirror, and are
+  /// The fractions of the light, per wavelength, that pass undeflected, are reflected specularly, and are
   /// scattered or absorbed. They sum to one.
   struct Shares {
     Spectrum transmitted, reflected, lost;
@@ -50,10 +50,10 @@ public:
 
   struct Eval {
     Spectrum value;  ///< f |cos o|
-    Spectrum pdf;    ///< density of `sample` times the share `lost` [1/sr]
+    Spectrum pdf;    ///< pdf of `sample` times the fraction `lost` [1/sr]
   };
   Eval eval(const Vec3& wi, const Vec3& wo, const Spectrum& nm) const;
-  /// Direction of diffuse light at one wavelength.
+  /// Samples a direction of diffuse light at one wavelength.
   Vec3 sample(const Vec3& wi, Vec2 u, float nm) const;
 
   std::size_t bytes() const;
@@ -61,8 +61,8 @@ public:
 
 private:
   struct Worker;
-  static constexpr int kCosines = 96;  // cells of h and of the shares, uniform in sqrt(cos)
-  static constexpr int kStride = 4;    // nodes of wavelength per node of the samples
+  static constexpr int kCosines = 96;  // cells of h and of the fractions, uniform in sqrt(cos)
+  static constexpr int kStride = 4;    // wavelength nodes per node of the samples
 
   void plan(const SphereLayer& layer, const SpectralGrid& grid);
   void scatter(int node, const SphereLayer& layer, Worker& w);
@@ -76,13 +76,13 @@ private:
   int cells() const { return angles_.cells(); }
   static int sample_node(float position) { return int(position * (1.f / kStride) + 0.5f); }
 
-  /// The place of each wavelength between the nodes.
+  /// The position of each wavelength between the nodes.
   struct Nodes {
     Spectrum position, fraction;
     int at[kWavelengths];
   };
   Nodes nodes(const Spectrum& nm) const;
-  /// The place of a direction in the tables over cosines.
+  /// The position of a direction in the tables over cosines.
   struct Cosine {
     std::size_t row;
     float fraction;
@@ -99,13 +99,13 @@ private:
   int wavelengths_ = 0;
   bool has_peaks_ = false;        // of the structure factor
   double first_ = 0, scale_ = 0;  // node = (1/nm - first) scale
-  std::vector<double> samples_;   // of mu >= 0, in order of the nodes of half a sphere
-  std::vector<int> sample_ends_;  // per node of the half
+  std::vector<double> samples_;   // of mu >= 0, in the order of the nodes of one hemisphere
+  std::vector<int> sample_ends_;  // per node of the hemisphere
   std::vector<float> sizes_;      // k a of the correlation discs, per wavelength
   std::vector<float> structure_;
   std::vector<float> phase_;                           // [angle][wavelength]
   std::vector<float> h_;                               // [cosine][wavelength]
-  std::vector<float> transmitted_, reflected_, lost_;  // the same
+  std::vector<float> transmitted_, reflected_, lost_;  // [cosine][wavelength]
 };
 
 }  // namespace aureole

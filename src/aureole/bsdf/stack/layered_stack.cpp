@@ -19,7 +19,7 @@ namespace {
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kLargestMegabytes = StackTable::kLargestMegabytes;
 
-/// The parts of "20um, 5um", or of a number that stands alone.
+/// Returns the items of a list such as "20um, 5um", or of a single number.
 std::vector<std::string> list_of(const Properties& p, const char* name, const std::string& fallback) {
   std::string text = fallback;
   if (const Properties::Entry* e = p.find(name)) {
@@ -39,7 +39,7 @@ std::vector<std::string> list_of(const Properties& p, const char* name, const st
   return parts;
 }
 
-/// At 589 nm.
+/// Returns the index of refraction at 589 nm.
 double index_of(const Properties& p, const char* name, const std::string& text) {
   double n = 0;
   const auto material = find_refractive_index(text, false);
@@ -59,7 +59,7 @@ double index_of(const Properties& p, const char* name, const std::string& text) 
   return n;
 }
 
-/// Where a name stands for a material whose index changes with the wavelength.
+/// Returns the material of a name whose index depends on the wavelength; otherwise empty.
 std::optional<RefractiveIndex> dispersive_material(const Properties& p, const char* name,
                                                    const std::string& text) {
   const auto material = find_refractive_index(text);
@@ -68,10 +68,10 @@ std::optional<RefractiveIndex> dispersive_material(const Properties& p, const ch
   return material;
 }
 
-/// The share of light that a BSDF mirrors.
+/// Returns the fraction of light that a BSDF reflects specularly.
 double mirrored(const Bsdf& bsdf, const Vec3& wi, const BsdfContext& context) {
-  // The mirror is one of several lobes, each of which is drawn in a part of the range of u1: looked for at its ends and,
-  // evenly, between them.
+  // The specular lobe is one of several, each sampled for a range of u1. It is searched at both ends and at
+  // equal steps between them.
   constexpr int kPlaces = 64;
   for (int i = -1; i <= kPlaces; ++i) {
     const float u1 = std::clamp((float(i) + 0.5f) / kPlaces, 0.f, 0x1.fffffep-1f);
@@ -193,11 +193,11 @@ void LayeredStack::read_substrate() {
     throw p_.error("below_ior", "there is no medium below a stack that lies on a BSDF");
   if (alpha_.back() > 0)
     throw p_.error("alpha", "the substrate is no interface: there are " + std::to_string(layers_.size()));
-  // One that is the same everywhere stays in the table: looking it up would take 40 ns per evaluation.
+  // A constant substrate is part of the table, since evaluating it would take 40 ns each time.
   if (!substrate_->is_constant() && is_lambertian(*substrate_)) lambertian_ = substrate_;
 }
 
-/// Only diffuse, and the same in all directions at three pairs of them.
+/// Whether a BSDF is diffuse only, with equal values for three pairs of directions.
 bool LayeredStack::is_lambertian(const Bsdf& bsdf) const {
   if (bsdf.lobes() != (Lobe::diffuse | Lobe::reflect)) return false;
   const SpectralGrid& grid = p_.context().grid;
@@ -269,7 +269,7 @@ void LayeredStack::add_substrate(optics::StackDescription& d, double nm, double 
     d.mirror = [=](double cosine) { return mirrored(*bsdf, direction(cosine, 0), place->context()); };
   if (!bsdf->is_smooth()) return;
   const auto brdf = [=](double in, double out, double phi) {
-    // Azimuth 0 goes on in the half-plane opposite to where light comes from.
+    // Azimuth 0 continues in the half-plane opposite to the incident direction.
     const double f = double(bsdf->eval(direction(in, M_PI), direction(out, phi), place->context())[0]) / out;
     return std::isfinite(f) ? std::max(f, 0.0) : 0;
   };
@@ -316,7 +316,7 @@ double LayeredStack::narrowest_lobe(const std::vector<optics::StackDescription>&
   for (const optics::StackDescription& d : stacks) {
     for (const optics::StackLayer& l : d.layers)
       if (l.scattering > 0) width = std::min(width, std::max(0.05, 1 - std::abs(l.phase.asymmetry())));
-    // Halfway down from the peak of a glossy substrate, at 30 degrees.
+    // Half width of the peak of a glossy substrate, at 30 degrees.
     if (d.brdf) {
       const double peak = d.brdf(0.866, 0.866, 0);
       double angle = 0.02;
@@ -348,7 +348,7 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
     const auto fine = [&](int wide, int most, double power) {
       return std::clamp(int(std::lround(wide * std::pow(width, -power))), wide, most);
     };
-    constexpr int kFewest = 24;  // directions, where none are asked for
+    constexpr int kFewest = 24;  // directions, if the scene gives no number
     auto directions = int(p_.get_int("directions", fine(kFewest, 64, 0.45), {8, 128}));
     const auto azimuths = int(p_.get_int("azimuths", fine(16, 40, 0.5), {4, 128}));
     const auto streams_for = [&](int wanted) {
@@ -368,7 +368,7 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
                                  "possible: fewer directions, azimuths or wavelengths",
                                  megabytes, kLargestMegabytes));
     std::vector<double> phi;
-    // Close together about 0, where lobes are: near the horizon they are narrower yet.
+    // Dense about 0, where lobes are; near the horizon lobes are even narrower.
     for (int i = 0; i <= azimuths; ++i)
       phi.push_back(M_PI * std::pow(double(i) / azimuths, width < 0.5 ? 3 : 2));
     const int modes = std::min(streams, 16 + int(12 / width));

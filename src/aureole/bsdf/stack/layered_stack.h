@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The plane stacks (optics/stack) that the parameters of `layered` describe, by wavelength, and how finely
-// their scattering is tabulated.
+// The plane stacks (optics/stack) that the parameters of `layered` describe, by wavelength, and the
+// resolution of their tables.
 #pragma once
 
 #include <memory>
@@ -17,24 +17,24 @@ namespace aureole {
 
 class LayeredStack {
 public:
-  /// Reads all parameters; throws located errors.
+  /// Reads all parameters; throws located Errors.
   explicit LayeredStack(const Properties& p);
 
   float index_above() const { return float(index_above_); }
   float index_below() const { return float(index_below_); }
   bool is_open() const { return !substrate_; }
-  bool has_delta() const;  ///< some light is not scattered
-  /// A Lambertian substrate whose reflectance may vary over the surface: it is no part of the table. Null where
-  /// there is none, and where the substrate is another or the same everywhere.
+  bool has_delta() const;  ///< whether some light is not scattered
+  /// A Lambertian substrate whose reflectance varies over the surface, which is not part of the table. Null
+  /// if there is none, or if the substrate is constant or not Lambertian.
   const BsdfPtr& lambertian() const { return lambertian_; }
-  /// Solves the stack on all cores; throws a located error where the table would be too large.
+  /// Solves the stack on all cores; throws a located Error if the table would be too large.
   std::shared_ptr<const StackTable> tabulate() const;
 
 private:
   struct Layer {
     MediumPtr medium;
     double thickness_m, index;                ///< index at 589 nm
-    std::optional<RefractiveIndex> material;  ///< where the index changes with the wavelength
+    std::optional<RefractiveIndex> material;  ///< if the index depends on the wavelength
     double index_at(double nm) const { return material ? material->at(nm).real() : index; }
   };
   void read_layers();
@@ -48,7 +48,7 @@ private:
 
   const Properties& p_;
   std::vector<Layer> layers_;
-  std::vector<double> alpha_;  ///< of each interface from the top; 0: smooth
+  std::vector<double> alpha_;  ///< roughness of each interface from the top; 0: smooth
   optics::InterfaceKind distribution_;
   double index_above_ = 1, index_below_ = 1;
   BsdfPtr substrate_, lambertian_;

@@ -12,7 +12,8 @@ namespace {
 
 constexpr int kPhiCells = 256, kCosineCells = 256;
 
-/// Abramowitz & Stegun 1964, 4.4.46, for both signs: within 1e-6, in a third of the time of std::acos.
+/// Returns acos to 1e-6, for both signs, in a third of the time of std::acos (Abramowitz & Stegun 1964,
+/// 4.4.46).
 float fast_acos(float x) {
   const float a = std::abs(x);
   float p = -0.0012624911f;
@@ -23,39 +24,40 @@ float fast_acos(float x) {
   return x < 0 ? kPi - angle : angle;
 }
 
-/// Position in [0, 1] at which the integral of a density that is linear from a to b is the part u of all.
+/// Returns the position in [0, 1] at which the cumulative distribution of a density linear from a to b is u.
 float sample_linear(float a, float b, float u) {
   const float root = std::sqrt(std::max(0.f, std::lerp(a * a, b * b, u)));
   return a + root > 0 ? std::min(u * (a + b) / (a + root), 1.f) : u;
 }
 
-/// Flux between cosines x0 and x1, 2 x dx, times what is linear in x from 0 to 1: that of the first node, and of the
-/// second. Their sum is x1^2 - x0^2.
+/// Returns the flux between cosines x0 and x1, 2 x dx, weighted by the hat functions of the first and of the
+/// second node. Their sum is x1^2 - x0^2.
 template <typename T>
 std::array<T, 2> hat_fluxes(T x0, T x1) {
   const T d = (x1 - x0) / 3;
   return {d * (2 * x0 + x1), d * (x0 + 2 * x1)};
 }
 
-/// Position in [0, 1] between cosines x0 and x1 at which the flux of radiance that is linear from a to b is the part u of
-/// all. The density is a quadratic: in Bernstein's form its three parts are drawn in closed form, each by a part of u.
+/// Returns the position in [0, 1] between cosines x0 and x1 at which the fraction of the flux is u, for a
+/// radiance linear from a to b. The density is a quadratic; its three terms in Bernstein form are sampled in
+/// closed form, each with a range of u.
 float sample_flux(float x0, float x1, float a, float b, float u) {
   const float first = 2 * a * x0, middle = a * x1 + b * x0, last = 2 * b * x1, sum = first + middle + last;
   if (!(sum > 0)) return u;
   float v = u * sum;
   if (v < first) return 1 - std::cbrt(1 - v / first);
   v -= first;
-  // 3 t^2 - 2 t^3 = v, by the cosine of a third of an angle.
+  // 3 t^2 - 2 t^3 = v, solved by the cosine of a third of an angle.
   if (v < middle) return 0.5f - std::sin(std::asin(1 - 2 * v / middle) * (1.f / 3));
   return last > 0 ? std::min(std::cbrt((v - middle) / last), 1.f) : 1;
 }
 
 using Side = optics::StackKernels::Side;
 
-/// A node of the table, by those of the solver next to it: K is the mean of two of them, shares of light are smooth
-/// functions of the cosine and those of a cubic through four.
+/// A node of the table, interpolated from the solver's nodes near it. K is the mean of two of them; fractions
+/// of light are smooth functions of the cosine, interpolated by a cubic through four.
 struct TableNode {
-  std::size_t first, second;  ///< the same where it is a node of the solver
+  std::size_t first, second;  ///< equal for a node of the solver
   std::array<std::size_t, 4> near;
   std::array<double, 4> weight;
 
@@ -78,7 +80,8 @@ TableNode node_between(const std::vector<double>& cosines, std::size_t i) {
   return n;
 }
 
-/// Those of the solver, and one more between two where energy is not linear, which is towards the horizon.
+/// Returns the solver's nodes, and one more between two where the energy is not linear, which occurs near the
+/// horizon.
 std::vector<TableNode> table_nodes(std::span<const optics::StackKernels> kernels,
                                    Side optics::StackKernels::*which) {
   constexpr double kLinear = 2e-4;
@@ -224,9 +227,9 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
           largest[i] = std::max(largest[i], value);
         }
     }
-    // K becomes K (1 + K (p_i + p_o)): what sums over nodes miss is put where K is largest, at peaks, and their
-    // tails keep their values. The steps towards p halve the error of each direction, as those below; p is
-    // bounded, so that no value changes by more than half of itself.
+    // K becomes K (1 + K (p_i + p_o)): the error of sums over nodes is corrected mainly at peaks, where K is
+    // largest, while their tails keep their values. Each step towards p halves the error of each direction,
+    // as do those below. p is bounded, so that no value changes by more than half of itself.
     for (int iteration = 0; iteration < 500; ++iteration) {
       double worst = 0;
       std::vector<double> next(all);
@@ -270,7 +273,7 @@ void StackTable::balance(std::span<const optics::StackKernels> kernels) {
       const bool s = i >= above;
       const optics::StackKernels::Side& from = s ? k.below : k.above;
       const std::size_t at = s ? i - above : i, to = at * std::size_t(wavelengths_) + std::size_t(w);
-      // The sum over the table: equal to the target but where nothing is scattered at all.
+      // The sum over the table: equal to the target unless nothing is scattered at all.
       sides_[s].scattered[to] = float(got(i));
       sides_[s].mirrored[to] = float(from.mirrored[at]), sides_[s].passed[to] = float(from.passed[at]);
       sides_[s].total[to] = sides_[s].scattered[to] + sides_[s].mirrored[to] + sides_[s].passed[to];
@@ -343,7 +346,7 @@ void StackTable::prepare_substrate(std::span<const optics::StackKernels> kernels
     }
     const double inner = inner_indices[of], per_inner = 1 / (double(kPi) * inner * inner);
     reached_sum_.push_back(float(sum)), per_inner_.push_back(float(per_inner));
-    // Light that leaves, but that the sum over nodes misses, comes back to the substrate: none is lost.
+    // Exiting light that the sum over nodes misses returns to the substrate, so that none is lost.
     const double leaves = double(kPi) * double(index_[0]) * double(index_[0]) * per_inner * sum;
     lost_.push_back(float(std::max(1 - k.returned - k.left + leaves, 0.0)));
   }
@@ -360,7 +363,7 @@ StackTable::Upward StackTable::upward(const Nodes& n, const Spectrum& below) con
     const Neighbours p(table.data(), n.at);
     return p.first + (p.second - p.first) * n.fraction;
   };
-  // A white substrate under an endless coat without losses would divide by 0: no light comes there.
+  // A white substrate under a semi-infinite lossless coat would divide by 0; no light reaches it.
   const Spectrum taken = (Spectrum(1.f) - below) + mean(lost_) * below;
   const Spectrum scale = mean(per_inner_) * below / max(taken, 1e-9f);
   return {scale, scale * mean(reached_sum_) * (kPi * index_[0] * index_[0])};
@@ -477,7 +480,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
     if (choice * all >= scattered) return sample_upward(u, n);
     choice = std::min(choice * all / scattered, 0x1.fffffep-1f);
   }
-  // The value read from the table is a mean of four nodes: one is chosen by the light that it scatters.
+  // The interpolated value is a mean of four nodes, one of which is chosen by the light that it scatters.
   float weight[4], sum = 0;
   for (int k = 0; k < 4; ++k) {
     const int i = at.cell + k / 2, l = n.at[0] + k % 2;
@@ -495,7 +498,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
   const float *cdf = &side.cdf[first], *ring = &side.ring[first];
   auto j = std::size_t(std::upper_bound(cdf, cdf + all, u.x) - cdf);
   j = std::clamp<std::size_t>(j, 1, all - 1);
-  if (j == above) ++j;  // the step from one side to the other is no cell
+  if (j == above) ++j;  // the step from one side to the other is not a cell
   const bool out = j > above;
   const int o = int(out ? j - above : j) - 1;
   const float width = cdf[j] - cdf[j - 1];
@@ -504,7 +507,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
                               width > 0 ? std::clamp((u.x - cdf[j - 1]) / width, 0.f, 1.f) : 0.5f);
   const float cosine = std::lerp(x0, x1, t);
 
-  // The azimuth, of the row at t between two nodes. Either half alike.
+  // The azimuth, for the row at t between two nodes. Both halves are alike.
   const bool mirrored = u.y < 0.5f;
   const float v = mirrored ? 2 * u.y : 2 * u.y - 1;
   const float *p = row(in, out, i, o) + l, *q = row(in, out, i, o + 1) + l;
@@ -520,7 +523,7 @@ Vec3 StackTable::sample(const Vec3& wi, float choice, Vec2 u, const Wavelengths&
     wanted -= mass, a0 = a1;
   }
   if (mirrored) phi = -phi;
-  // Azimuth 0 goes on in the half-plane opposite to wi.
+  // Azimuth 0 continues in the half-plane opposite to wi.
   const float across = std::sqrt(wi.x * wi.x + wi.y * wi.y);
   const float x = across > 0 ? -wi.x / across : 1, y = across > 0 ? -wi.y / across : 0;
   const float sine = std::sqrt(std::max(0.f, 1 - cosine * cosine)), c = std::cos(phi), s = std::sin(phi);

@@ -13,8 +13,8 @@ namespace aureole {
 
 namespace {
 
-/// A smooth boundary. Where its index depends on the wavelength all wavelengths enter together, which a
-/// `dielectric` cannot: there each goes in another direction, which does not matter here.
+/// A smooth boundary through which all wavelengths of a path enter together, even if the index depends on the
+/// wavelength. A `dielectric` refracts each wavelength in another direction, which is irrelevant to a BSSRDF.
 class SmoothEntry final : public Bsdf {
 public:
   SmoothEntry(const Properties& p, const SampledSpectrum& relative_index)
@@ -35,7 +35,7 @@ private:
   SampledSpectrum relative_index_;
 };
 
-/// A boundary that another BSDF describes.
+/// A boundary described by another BSDF.
 class NestedEntry final : public Bsdf {
 public:
   NestedEntry(const Properties& p, BsdfPtr nested, const SampledSpectrum& relative_index)
@@ -51,8 +51,7 @@ public:
     if (!s || s->wo.z > 0) return s;
     const Spectrum n = relative_index_.eval(ctx.wavelengths);
     if (s->is_delta() && min_component(n) != max_component(n)) {
-      // A smooth boundary that disperses gives the hero's part alone: the others follow from Fresnel's
-      // equations.
+      // A dispersive smooth boundary samples the hero wavelength alone; Fresnel's equations give the others.
       const Spectrum t = Spectrum(1.f) - fresnel_dielectric(wi.z, n);
       const float undo = ctx.mode == TransportMode::radiance ? n[0] * n[0] : 1.f;
       if (!(t[0] > 0)) return {};
@@ -76,12 +75,12 @@ private:
   SampledSpectrum relative_index_;
 };
 
-/// The part of light along each direction that a boundary transmits from outside, by the cosine, and c.
+/// The transmittance T of a boundary from outside as a function of the cosine, divided by its mean c.
 class Transmittance {
 public:
   static constexpr int kCells = 64;
 
-  /// That of a rough boundary by a sum over its samples, at some wavelengths.
+  /// Tabulates a rough boundary's transmittance at some wavelengths, each as a sum over samples of its BSDF.
   Transmittance(const Bsdf& boundary, const SampledSpectrum& relative_index) : grid_(relative_index.grid()) {
     const bool disperses = relative_index.minimum() != relative_index.maximum();
     nodes_ = disperses ? 9 : 1;
@@ -93,7 +92,7 @@ public:
       for (int i = 0; i <= kCells; ++i) {
         const float mu = std::max(float(i) / kCells, 1e-3f), t = transmitted(boundary, mu, w);
         table_.push_back(t);
-        // The integral of 2 T mu over a straight piece.
+        // The integral of 2 T mu over one linear segment.
         const double h = 1.0 / kCells, a = double(before), b = double(t);
         if (i > 0) mean += h * ((a + b) * (i - 1) * h + h * (a + 2 * b) / 3);
         before = t;
@@ -129,7 +128,7 @@ private:
     double sum = 0;
     for (int c = 0; c < kChoices; ++c)
       for (int a = 0; a < kSide * kSide; ++a) {
-        // Each choice has its own shift of the grid of directions.
+        // Each value of u1 has its own shift of the grid of directions.
         const auto shifted = [&](int k, float by) {
           const float u = (float(k) + 0.5f) / kSide + float(c) * by;
           return std::min(u - std::floor(u), kOneMinusEpsilon);
@@ -204,7 +203,8 @@ private:
   Transmittance transmittance_;
 };
 
-/// The relative index as the hero meets it that is refracted along the normal.
+/// Returns the relative index of refraction, as the hero wavelength transmitted along the normal reports it;
+/// 0 if there is none.
 float relative_index_of(const Bsdf& boundary, const Wavelengths& w) {
   const SurfacePoint anywhere;
   constexpr int kTries = 64;
@@ -236,7 +236,7 @@ Boundary make_boundary(const Properties& p) {
   const auto nested = p.get_children<Bsdf>("bsdf");
   if (nested.size() > 1)
     throw Error(nested[1]->properties().where(), "a bssrdf has one boundary, but this is its second BSDF");
-  // Read in both cases: they are documented for all plug-ins of the family.
+  // All are read in both cases, since they are documented for all plug-ins of the family.
   const Ior interior = Ior::from(p, "int_ior", "polypropylene"), exterior = Ior::from(p, "ext_ior", "air");
   Boundary b;
   if (nested.empty()) {

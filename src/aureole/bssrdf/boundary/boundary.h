@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The boundary of a translucent body: the BSDF of a BSSRDF's surface where light enters, and that where it
-// leaves.
+// The boundary of a translucent body: the BSDF of its surface where light enters, and the BSDF where it
+// exits.
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
@@ -9,13 +9,13 @@ namespace aureole {
 
 struct Boundary {
   SampledSpectrum relative_index;  ///< inside over outside, at the nodes of the scene's grid
-  /// Reflects as the boundary does. Light that is transmitted has the lobe `enter`: a value without the
-  /// factor of the squared index by which radiance changes, since it returns to where it came from.
+  /// Reflects as the boundary does, and transmits with the lobe `enter`. The transmitted value lacks the
+  /// factor n^2 by which refraction changes radiance, since the light returns to the outside.
   BsdfPtr entry;
   BsdfPtr exit;  ///< T(w_o)/(c pi) cos theta_o, T and c as in bssrdf.h
 };
 
-/// Reads "bsdf", or "int_ior" and "ext_ior". Throws located errors.
+/// Reads "bsdf", or "int_ior" and "ext_ior". Throws located Errors.
 Boundary make_boundary(const Properties& properties);
 
 }  // namespace aureole

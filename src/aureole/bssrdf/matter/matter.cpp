@@ -20,14 +20,14 @@ void refuse(const Properties& p, std::initializer_list<const char*> names, const
     if (p.has(name)) throw p.error(name, why);
 }
 
-/// A spectrum that does not vary over the surface, on the scene's grid.
+/// Returns a spectrum on the scene's grid; an error if it varies over the surface.
 SampledSpectrum get_spectrum(const Properties& p, const char* name, double fallback, SpectrumRole role) {
   const TexturePtr texture = get_texture(p, name, fallback, role);
   if (!texture->is_constant()) throw p.error(name, "varies over the surface; here one spectrum is needed");
   return texture->average();
 }
 
-/// The coefficients of a uniform medium at the nodes of the grid.
+/// Tabulates the coefficients of a uniform medium at the nodes of the grid.
 Matter tabulate(const Medium& medium, const SpectralGrid& grid) {
   const std::size_t nodes = std::size_t(grid.cells) + 1;
   Matter m{std::vector<double>(nodes), std::vector<double>(nodes), std::vector<double>(nodes)};
@@ -57,7 +57,7 @@ Matter of_medium(const Properties& p, const Medium& medium) {
   const auto matter = p.shared_model<Matter>(
       [&] { return std::make_shared<const Matter>(tabulate(medium, p.context().grid)); });
   if (matter) return *matter;
-  // The scene has errors, and the medium may lack its own tables: nothing will be rendered.
+  // In a scene with errors the medium may lack its tables; such a scene is not rendered.
   const std::vector<double> ones(std::size_t(p.context().grid.cells) + 1, 1);
   return {ones, ones, std::vector<double>(ones.size())};
 }
@@ -132,18 +132,20 @@ Matter read_matter(const Properties& p) {
 std::vector<ParameterDoc> matter_rows() {
   return {
       {"medium", "medium", "", "none",
-       "what the body is made of: a medium that is the same everywhere, whose reduced coefficients are used"},
-      {"sigma_a", "spectrum", "1/length", "0", "absorption coefficient, in place of a medium, with sigma_s"},
+       "material of the body: a medium without spatial variation, whose reduced coefficients are used"},
+      {"sigma_a", "spectrum", "1/length", "0",
+       "absorption coefficient; give sigma_a and sigma_s instead of a medium"},
       {"sigma_s", "spectrum", "1/length", "0", "scattering coefficient"},
-      {"sigma_t", "spectrum", "1/length", "1", "extinction coefficient, in place of these two, with albedo"},
-      {"albedo", "spectrum", "", "0.75",
-       "single-scattering albedo: the part of the extinction that scatters"},
-      {"g", "float", "", "0", "asymmetry, the mean cosine of the scattering angle, with coefficients"},
+      {"sigma_t", "spectrum", "1/length", "1",
+       "extinction coefficient; give sigma_t and albedo instead of sigma_a and sigma_s"},
+      {"albedo", "spectrum", "", "0.75", "single-scattering albedo: ratio of scattering to extinction"},
+      {"g", "float", "", "0", "asymmetry, the mean cosine of the scattering angle; used with coefficients"},
       {"reflectance", "texture", "", "none",
-       "in place of all of these: the colour of a thick body, without what its boundary reflects"},
+       "diffuse reflectance of a thick body, without reflection at its boundary; replaces medium and "
+       "coefficients"},
       {"mean_free_path", "spectrum", "length", "none",
-       "with reflectance: the reduced mean free path, 1/(sigma_a + sigma_s (1 - g))"},
-      {"scale", "float", "", "1", "factor of coefficients, divisor of mean free paths"}};
+       "reduced mean free path 1/(sigma_a + sigma_s (1 - g)), used with reflectance"},
+      {"scale", "float", "", "1", "factor of the coefficients, divisor of the mean free path"}};
 }
 
 }  // namespace aureole

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The matter of a translucent body, as the parameters of a BSSRDF give it: by a medium, by coefficients, or
-// by the colour that it shows.
+// The scattering material of a translucent body, given by the parameters of a BSSRDF: a medium, coefficients,
+// or a diffuse reflectance.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace aureole {
 
-/// Coefficients at each node of the scene's grid, 1/length of the scene.
+/// Coefficients at each node of the scene's grid, in 1/length of the scene.
 struct Matter {
   std::vector<double> absorption, scattering, asymmetry;  ///< sigma_a, sigma_s, g
 
@@ -20,19 +20,19 @@ struct Matter {
   double transport(std::size_t node) const { return absorption[node] + reduced_scattering(node); }
 };
 
-/// The colour of a thick body lit along its normal, without what its boundary reflects, and the reduced mean
-/// free path 1/(sigma_a + sigma_s (1 - g)).
+/// The reflectance of a thick body, without reflection at its boundary, and the reduced mean free path
+/// 1/(sigma_a + sigma_s (1 - g)).
 struct ShownMatter {
   TexturePtr reflectance;
   SampledSpectrum mean_free_path;  ///< in units of the scene, positive
 };
 
-/// Rows of the parameters of both, for plug-ins that read them.
+/// Returns the documentation of the parameters of both, for plug-ins that read them.
 std::vector<ParameterDoc> matter_rows();
 
-/// Whether the parameters give a colour.
+/// Whether the parameters give a reflectance.
 bool is_shown_matter(const Properties& properties);
-/// Throw located errors.
+/// Both throw located Errors.
 ShownMatter read_shown_matter(const Properties& properties);
 Matter read_matter(const Properties& properties);
 

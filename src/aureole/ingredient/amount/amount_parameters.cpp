@@ -35,11 +35,11 @@ optics::Amount read_amount(const Properties& p) {
 double read_density(const Properties& p) { return p.get_float("density", 0, Range::positive()); }
 
 std::vector<ParameterDoc> amount_docs() {
-  return {{"number_density", "float", "1/m^3", "none", "spheres in a cubic metre"},
-          {"volume_fraction", "float", "", "none", "part of the volume that they fill"},
+  return {{"number_density", "float", "1/m^3", "none", "number of spheres per cubic metre"},
+          {"volume_fraction", "float", "", "none", "fraction of the volume that the spheres fill"},
           {"mass_fraction", "float", "", "none",
-           "part of the mass; needs their density and that of the liquid or gas around them"},
-          {"density", "float", "kg/m^3", "none", "of the material of the spheres"}};
+           "fraction of the mass; needs the spheres' density and the density of the host medium"},
+          {"density", "float", "kg/m^3", "none", "density of the spheres' material"}};
 }
 
 }  // namespace aureole

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How much of its particles an ingredient has, as parameters give it.
+// Reads the concentration of an ingredient's particles from parameters.
 #pragma once
 
 #include <vector>
@@ -10,13 +10,13 @@
 
 namespace aureole {
 
-/// Exactly one of "number_density", "volume_fraction" and "mass_fraction". Errors are located.
+/// Reads exactly one of "number_density", "volume_fraction" and "mass_fraction". Errors are located.
 optics::Amount read_amount(const Properties& properties);
 
-/// Density of the particles' material in kg/m^3; 0 where none is stated.
+/// Returns the density of the particles' material in kg/m^3; 0 if not given.
 double read_density(const Properties& properties);
 
-/// The rows of these parameters.
+/// Returns the documentation of these parameters.
 std::vector<ParameterDoc> amount_docs();
 
 }  // namespace aureole

@@ -11,8 +11,8 @@
 
 namespace aureole {
 
-/// Throws an error at `parameter`, or at the medium where that is empty, where an extinction [per unit of length] is too large to be
-/// computed with: far beyond the limit, products with lengths overflow. NaN is too large.
+/// Throws an error where an extinction [1/length] exceeds the limit beyond which its products with lengths
+/// may overflow, or is NaN. The error is located at `parameter`, or at the medium if `parameter` is empty.
 inline void require_computable_extinction(const Properties& p, std::string_view parameter,
                                           double extinction) {
   constexpr double kLargest = 1e18;
@@ -22,8 +22,9 @@ inline void require_computable_extinction(const Properties& p, std::string_view 
   throw parameter.empty() ? Error(p.where(), text) : p.error(parameter, text);
 }
 
-/// The same where the extinction varies between `factor` times `least` and `factor` times the bounds of the grid. Light is extinct
-/// within a few free paths of what there is, but rays step along those of the cell's bound: as many as a cell holds of them in excess.
+/// Throws an error at `parameter` where a varying extinction would make rays take too many steps. The
+/// extinction lies between `factor * least` and `factor` times the bounds of `grid`. Rays step by free paths
+/// of each cell's bound, so a cell of diagonal L holds up to (bound - least) * factor * L null collisions.
 inline void require_computable_extinction(const Properties& p, std::string_view parameter,
                                           const MajorantGrid& grid, double least, double factor) {
   constexpr double kMostPaths = 1e6;

@@ -42,7 +42,8 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
     const double hottest = double(temperature_->maximum()),
                  light =
                      most * double(scale_) * n * n * black_body_radiance(p.context().grid.min_nm, hottest);
-    constexpr double kBrightest = 1e18;  // emission per length; far beyond it, sums along paths overflow
+    constexpr double kBrightest = 1e18;  // upper bound of the emission per length; far beyond it, sums along
+                                         // paths overflow
     if (!(light <= kBrightest))
       throw p.error("temperature",
                     fmt::format("at {:.3g} K the medium would shine too brightly to be computed "
@@ -56,8 +57,8 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
                                " phase functions; a medium has one (\"blendphase\" mixes two)");
   phase_ = phases.empty() ? make_default<PhaseFunction>(p, "phase") : phases.front();
   if (extinction_ && !extinction_->is_constant() && scale_ > 0) {
-    // Emission is met at null collisions: there must be some wherever there may be emission, whatever the
-    // extinction is there.
+    // Emission is collected at null collisions, so the majorant must be positive wherever there may be
+    // emission, even if the extinction is zero there.
     const double factor = double(scale_) * double(phase_->largest_projected_area());
     const Vec3 diagonal = extinction_->to_box().value_or(Transform()).inverse().vector({1, 1, 1});
     grid_ = majorants_of(*extinction_, emission_ ? float(1 / (double(length(diagonal)) * factor)) : 0.f);
@@ -98,22 +99,22 @@ bool GivenMedium::has_uniform_emission() const {
 std::vector<ParameterDoc> GivenMedium::rows() {
   return {
       {"sigma_t", "volume", "1/length", "1", "extinction coefficient"},
-      {"albedo", "volume", "", "0.75", "single-scattering albedo: the part of the extinction that scatters"},
+      {"albedo", "volume", "", "0.75", "single-scattering albedo: ratio of scattering to extinction"},
       {"sigma_a", "spectrum", "1/length", "0",
-       "absorption coefficient, with sigma_s instead of the two above"},
-      {"sigma_s", "spectrum", "1/length", "0", "scattering coefficient, with sigma_a"},
-      {"scale", "float", "", "1", "factor of all of these coefficients"},
-      {"emission", "volume", "W/(m^2 sr nm) per length", "none", "radiance emitted per length"},
+       "absorption coefficient; give sigma_a and sigma_s instead of sigma_t and albedo"},
+      {"sigma_s", "spectrum", "1/length", "0", "scattering coefficient; see sigma_a"},
+      {"scale", "float", "", "1", "factor of sigma_t, or of sigma_a and sigma_s"},
+      {"emission", "volume", "W/(m^2 sr nm) per length", "none", "emitted radiance per length"},
       {"temperature", "volume", "K", "none",
-       "the medium shines as a body of this temperature does, in proportion to its absorption (Kirchhoff's law)"},
+       "temperature of thermal emission: absorption coefficient times Planck radiance (Kirchhoff's law)"},
       {"sampling_weight", "float", "", "1",
-       "factor of the probability with which light sampling looks for its emission; 0: never"},
+       "factor of the probability that light sampling chooses this medium's emission; 0: never"},
       {"ior", "float", "", "1",
-       "refractive index within, by whose square a medium with a temperature shines more; boundaries refract "
-       "by their BSDF"},
+       "index of refraction n of the medium, which multiplies its thermal emission by n^2; refraction at the "
+       "boundary is set by the boundary's BSDF"},
       {"sample_emitters", "boolean", "", "true", "accepted without effect"},
       {"has_spectral_extinction", "boolean", "", "true", "accepted without effect"},
-      {"phase", "phase", "", "isotropic", "into which directions it scatters"}};
+      {"phase", "phase", "", "isotropic", "phase function: angular distribution of the scattered light"}};
 }
 
 }  // namespace aureole

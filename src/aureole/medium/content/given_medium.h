@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `GivenMedium`: a medium whose coefficients are given, not what is in it.
+// `GivenMedium`: a medium whose scattering and absorption coefficients are given directly.
 #pragma once
 
 #include <optional>
@@ -13,10 +13,10 @@ namespace aureole {
 
 class GivenMedium : public Medium {
 public:
-  /// Reads sigma_t and albedo, or sigma_a and sigma_s; scale, emission, temperature and index, and the phase
-  /// function. Throws located Errors.
+  /// Reads sigma_t and albedo, or sigma_a and sigma_s; then scale, emission, temperature, index of refraction
+  /// and phase function. Throws located Errors.
   explicit GivenMedium(const Properties& properties);
-  /// The rows of their table.
+  /// Returns the documentation of these parameters.
   static std::vector<ParameterDoc> rows();
 
   void eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const final;
@@ -29,10 +29,10 @@ public:
   float sampling_weight() const final { return sampling_weight_; }
 
 private:
-  VolumePtr extinction_, albedo_;      ///< or
-  VolumePtr absorption_, scattering_;  ///< these, which are constant
-  VolumePtr emission_;                 ///< or null
-  VolumePtr temperature_;              ///< [K], or null
+  VolumePtr extinction_, albedo_;      ///< null if sigma_a and sigma_s are given
+  VolumePtr absorption_, scattering_;  ///< constant in space; null if sigma_t and albedo are given
+  VolumePtr emission_;                 ///< null: no given emission
+  VolumePtr temperature_;              ///< [K]; null: no thermal emission
   float scale_ = 1, index2_ = 1, sampling_weight_ = 1;
   PhaseFunctionPtr phase_;
   std::optional<MajorantGrid> grid_;

@@ -17,8 +17,8 @@ namespace aureole {
 
 namespace {
 
-/// Between nodes a power of the wavelength, which scattering and absorption of small and of large particles
-/// are; linear where a value is 0.
+/// Interpolates values as powers of the wavelength between nodes, since scattering and absorption of both
+/// small and large particles follow such power laws. Linear where a value is 0.
 class PowerLaws {
 public:
   PowerLaws(std::vector<double> nm, std::vector<double> values)
@@ -39,14 +39,14 @@ private:
 /// The coefficients of a mixture [1/length] and its phase function.
 struct MixtureTables {
   SampledSpectrum extinction, scattering;
-  std::shared_ptr<const TabulatedPhase> phase;  ///< null: the default
+  std::shared_ptr<const TabulatedPhase> phase;  ///< null: the default phase function
 };
 
 MixtureTables tabulate_mixture(const optics::Suspension& content, const SpectralGrid& grid, double unit,
                                const optics::TellProgress& progress) {
   MixtureTables made;
-  // The host's absorption may vary much with the wavelength, and costs nothing: it is added at each node of
-  // the grid.
+  // The host's absorption may vary strongly with the wavelength but is cheap to evaluate, so it is added at
+  // each node of the grid.
   optics::ClearMedium host = content.host();
   const optics::SpectralFunction host_absorption = std::exchange(host.absorption, nullptr);
   const double left = 1 - content.volume_fraction();
@@ -56,7 +56,8 @@ MixtureTables tabulate_mixture(const optics::Suspension& content, const Spectral
     made.extinction = SampledSpectrum::from_function(grid, [&](double nm) { return unit * of_host(nm); });
     return made;
   }
-  // Finer than a phase function alone needs: coefficients are seen directly.
+  // The spectral steps are finer than a phase function alone needs, since the coefficients set the visible
+  // colour.
   constexpr double kLeastPerUnitOfLog = 16;
   std::vector<optics::RadiusDistribution> radii;
   for (const optics::Ingredient& i : content.ingredients()) radii.push_back(i.radii);
@@ -105,9 +106,8 @@ Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Mediu
 }
 
 ParameterDoc Mixture::density_row() {
-  return {
-      "density", "volume", "", "1",
-      "factor of all coefficients: how much of the medium there is at a point, such as a grid of a cloud"};
+  return {"density", "volume", "", "1",
+          "relative density of the medium, a factor of all coefficients; a grid makes it vary in space"};
 }
 
 void Mixture::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const {
@@ -127,7 +127,7 @@ Spectrum Mixture::majorant(const Vec3&, const Wavelengths& w) const {
 optics::ClearMedium read_clear_medium(const Properties& p, std::string_view name) {
   const Properties::Entry* e = p.find(name);
   const auto* material = e ? std::get_if<std::string>(&e->value) : nullptr;
-  // Read for all, so that a scene may state it for a medium that does not need it.
+  // The index is read in any case, so that a scene may state "dispersion" for a host that does not need it.
   const Ior ior = material && *material == "vacuum" ? Ior() : Ior::from(p, name, "water");
   if (!e || (material && *material == "water")) return optics::water();
   if (material && *material == "air") return optics::air();

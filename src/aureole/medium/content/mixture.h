@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Mixture`: a medium whose coefficients and phase function follow from what is in it.
+// `Mixture`: a medium whose coefficients and phase function are computed from its ingredients.
 #pragma once
 
 #include <optional>
@@ -30,22 +30,22 @@ public:
   bool emits() const final { return false; }
 
 private:
-  std::shared_ptr<const void> tables_;       ///< kept for equal mixtures
+  std::shared_ptr<const void> tables_;       ///< keeps the tables alive, so that equal mixtures share them
   SampledSpectrum extinction_, scattering_;  ///< [1/length]
   PhaseFunctionPtr phase_;
-  VolumePtr density_;  ///< or null: 1
+  VolumePtr density_;  ///< null: density 1 everywhere
   std::optional<MajorantGrid> grid_;
 };
 
-/// The liquid or gas that `name` gives: "water", "air", "vacuum", a dielectric or a refractive index; water
-/// where absent. Reads "dispersion".
+/// Returns the liquid or gas that the parameter `name` gives: "water", "air", "vacuum", a dielectric or an
+/// index of refraction. The default is water. Reads "dispersion".
 optics::ClearMedium read_clear_medium(const Properties& properties, std::string_view name);
 
-/// The children of the family "ingredient".
+/// Returns the children of the family "ingredient".
 std::vector<IngredientPtr> read_ingredients(const Properties& properties);
 
-/// The suspension of all of `ingredients`, beside those that `base` has, with their dyes dissolved in its host.
-/// An error in one of them alone is located there, an error in all of them together at the medium.
+/// Returns `base` with `ingredients` added: particles beside those of `base`, dyes dissolved in its host. An
+/// error caused by one ingredient alone is located at it, an error of their combination at the medium.
 optics::Suspension mix(const Properties& properties, const optics::Suspension& base,
                        const std::vector<IngredientPtr>& ingredients, bool dependent_scattering);
 

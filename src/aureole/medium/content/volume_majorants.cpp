@@ -7,8 +7,8 @@ namespace aureole {
 
 namespace {
 
-/// Cells of the bounds along an axis with so many samples: four samples wide, since a walk through narrower
-/// ones costs more than it saves (docs/performance.md).
+/// Number of majorant cells along an axis with `samples` samples. A cell is four samples wide, since
+/// traversing smaller cells costs more than it saves (docs/performance.md).
 int cells_for(int samples) {
   constexpr int kSamplesPerCell = 4, kMost = 256;
   return std::clamp((samples + kSamplesPerCell - 1) / kSamplesPerCell, 1, kMost);

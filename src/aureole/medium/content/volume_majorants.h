@@ -6,7 +6,8 @@
 
 namespace aureole {
 
-/// Bounds of a volume that varies in space, in cells of its box: `least` where they are smaller.
+/// Returns upper bounds of a volume that varies in space, in cells of its box. No bound is smaller than
+/// `least`.
 MajorantGrid majorants_of(const Volume& volume, float least = 0);
 
 }  // namespace aureole

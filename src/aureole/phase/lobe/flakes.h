@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Microflakes: tiny mirrors whose normals are those of an ellipsoid (Heitz, Dupuy, Crassin & Dachsbacher
-// 2015, "The SGGX microflake distribution"). A symmetric, positive definite matrix S says how large the
-// ellipsoid looks: a(w) = sqrt(w^T S w) is the area that it shows along the unit vector w. The density of
-// normals is
+// Microflakes: tiny mirrors whose normals are distributed as those of an ellipsoid (Heitz, Dupuy, Crassin &
+// Dachsbacher 2015, "The SGGX microflake distribution"). The symmetric, positive definite matrix S gives the
+// ellipsoid's projected area along the unit vector w, a(w) = sqrt(w^T S w). The density of normals is
 //     D(n) = 1/(pi sqrt(det S) (n^T S^-1 n)^2).
 #pragma once
 
@@ -16,8 +15,8 @@ namespace aureole {
 
 class Flakes {
 public:
-  /// The entries xx, yy, zz, xy, xz, yz of S. A matrix that is not positive definite becomes the nearest
-  /// multiple of the unit matrix with its trace, and that of empty space (all zero) the unit matrix.
+  /// Takes the entries xx, yy, zz, xy, xz, yz of S. A matrix that is not positive definite is replaced by the
+  /// multiple of the unit matrix with its trace, and the zero matrix of empty space by the unit matrix.
   explicit Flakes(const std::array<float, 6>& s) {
     if (factorize(s)) return;
     const float mean = (s[0] + s[1] + s[2]) / 3;
@@ -25,7 +24,7 @@ public:
     factorize({size, size, size, 0, 0, 0});
   }
 
-  /// Whether entries make a positive definite matrix that single precision can invert.
+  /// Whether these entries form a positive definite matrix that can be inverted in single precision.
   static bool is_valid(const std::array<float, 6>& s) {
     Flakes f;
     return f.factorize(s);
@@ -33,10 +32,10 @@ public:
 
   float area(const Vec3& w) const { return length(to_sphere(w)); }
 
-  /// The density of normals over the area that they show to wi, times 1/4 for the mirrors: value and density
-  /// [1/sr] of light from wi to wo.
+  /// Returns the phase function [1/sr], which is also the pdf of `sample`: D(h)/(4 a(wi)) with the half
+  /// vector h of wi and wo (Heitz et al. 2015, specular phase function).
   float eval(const Vec3& wi, const Vec3& wo) const {
-    // n^T S^-1 n for n = (wi + wo)/|wi + wo|. Straight on (wi = -wo) no normal is half way.
+    // n^T S^-1 n for n = (wi + wo)/|wi + wo|. In the forward direction (wi = -wo) there is no half vector.
     const Vec3 sum = wi + wo, m = solve(sum);
     const float l2 = length_squared(sum), m2 = length_squared(m);
     if (!(m2 > 0)) return 0;
@@ -44,8 +43,8 @@ public:
     return 0.25f * kInvPi * ratio * ratio / (determinant_root_ * area(wi));
   }
 
-  /// A direction into which a visible flake reflects light that comes from wi. The ellipsoid is a sphere
-  /// turned into it by L; normals that are visible on a sphere have the density of a cosine.
+  /// Samples a direction by reflecting wi in a visible normal. L maps the unit sphere to the ellipsoid; on a
+  /// sphere, visible normals have a cosine density.
   Vec3 sample(const Vec3& wi, Vec2 u) const {
     const Vec3 along = normalize(to_sphere(wi));
     const Vec3 n = normalize(from_sphere(Frame::from_normal(along).to_world(square_to_cosine_hemisphere(u))));
@@ -57,9 +56,9 @@ private:
 
   Flakes() = default;
 
-  /// Cholesky's S = L L^T. False where it fails.
+  /// Computes the Cholesky factorisation S = L L^T. Returns false if it fails.
   bool factorize(const std::array<float, 6>& s) {
-    // A pivot that is a rounding error of its diagonal entry makes the inverse one, too.
+    // A pivot that is only rounding error of its diagonal entry would spoil the inverse.
     constexpr float kRounding = 1e-5f;
     if (!(s[0] > kLeast)) return false;
     xx_ = std::sqrt(s[0]);

@@ -39,7 +39,7 @@ HemisphereTable::HemisphereTable(std::span<const double> x, std::span<const doub
 }
 
 void HemisphereTable::make_guide() {
-  // Buckets as fine as it takes to have few nodes in each.
+  // Buckets are made finer until each holds few nodes.
   constexpr int kMostInBucket = 3, kFinestBits = 8, kMantissaBits = 23;
   const float first = float(nodes_[1]);
   guide_base_ = std::bit_cast<int>(first);
@@ -50,8 +50,8 @@ void HemisphereTable::make_guide() {
     for (std::size_t i = 1; i + 1 < nodes_.size(); ++i)
       ++count[std::size_t((std::bit_cast<int>(float(nodes_[i])) - guide_base_) >> guide_shift_)];
     guide_.assign(count.size(), 0);
-    // The cell that holds the begin of a bucket: the number of nodes before, without that at zero. The first
-    // bucket begins within reach of zero, too.
+    // The cell that contains the start of a bucket: the number of nodes before it, not counting the node at
+    // zero. The first bucket also serves smaller x.
     std::size_t before = 0;
     for (std::size_t k = 0; k < count.size(); ++k) guide_[k] = std::uint16_t(before), before += count[k];
     if (*std::max_element(count.begin(), count.end()) <= kMostInBucket) break;
@@ -111,16 +111,16 @@ HemisphereTable::Place HemisphereTable::sample(int column, float share) const {
   const float* shares = &shares_[std::size_t(column) * nodes_.size()];
   const std::uint16_t* guide = &share_guide_[std::size_t(column) * cells];
   const float total = shares[cells];
-  // Below the end, so that the cell found holds some light.
+  // Clamped below the total, so that the cell found has a positive integral.
   share = std::min(share, total * kOneMinusEpsilon);
   const std::size_t k = std::min(std::size_t(share / total * float(cells)), cells - 1);
-  // The guide may be one bucket late by rounding.
+  // Rounding may shift the guide by one bucket.
   const std::size_t low = guide[k > 0 ? k - 1 : 0], high = k + 2 < cells ? guide[k + 2] : cells - 1;
   const std::size_t cell =
       std::size_t(std::upper_bound(shares + low + 1, shares + high + 1, share) - shares) - 1;
 
   const float mass = shares[cell + 1] - shares[cell];
-  // Not at the ends of a cell, where the density may be zero.
+  // Stay off the ends of a cell, where the density may be zero.
   const float r = mass > 0 ? std::clamp((share - shares[cell]) / mass, 0x1p-24f, kOneMinusEpsilon) : 0.5f;
   const float a = values_[cell * stride_ + std::size_t(column)],
               b = values_[(cell + 1) * stride_ + std::size_t(column)];

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of the scattering angle over half of the sphere, one per wavelength, on shared nodes: tabulated
-// over x = 1 - cos(angle from the pole), in [0, 1], and linear in x between nodes. The pole is the direction
-// straight on for one half and straight back for the other, so that either has its full precision. Equal
-// steps of x are equal solid angles, for which the shares of light are sums of trapezoids, whose inverse is a
-// square root.
+// Functions of the scattering angle over one hemisphere, one per wavelength, on shared nodes. They are
+// tabulated over x = 1 - cos(angle from the pole), in [0, 1], and linear in x between nodes. The pole is the
+// forward direction for one hemisphere and the backward direction for the other, so that both keep full
+// precision. Equal steps of x are equal solid angles. The cumulative distribution is a sum of trapezoids,
+// whose inverse needs one square root.
 #pragma once
 
 #include <cstddef>
@@ -22,15 +22,15 @@ public:
   /// `x` increases from 0 to 1; `values` has one row per x, of `columns` values >= 0.
   HemisphereTable(std::span<const double> x, std::span<const double> values, std::size_t columns);
 
-  /// A place between two rows.
+  /// A position between two nodes.
   struct Place {
     int cell = 0;
     float fraction = 0;  ///< in [0, 1]
   };
-  /// x may exceed its range by rounding.
+  /// Returns the position of x, which may exceed its range by rounding.
   Place find(float x) const;
 
-  /// Values at a place: of one column, and between each two neighbours of eight columns.
+  /// Values at a position: of one column, and interpolated between neighbouring columns per wavelength.
   float eval(const Place& p, int column) const {
     const float* row = row_of(p);
     return row[column] + p.fraction * (row[stride_ + std::size_t(column)] - row[column]);
@@ -42,15 +42,16 @@ public:
     return n.first + (n.second - n.first) * fractions;
   }
 
-  /// The integral of a column over the half, with solid angle 2 pi dx.
+  /// Returns the integral of a column over the hemisphere, with the solid angle 2 pi dx.
   double integral(int column) const { return integrals_[std::size_t(column)]; }
-  /// That of column times x: the integral of 1 - cos.
+  /// Returns the integral of the column times x = 1 - cos.
   double first_moment(int column) const;
   void scale(int column, double factor);
-  /// To be called when values do not change any more.
+  /// Prepares `sample`; to be called once the values are final.
   void prepare_samples();
 
-  /// A place with the density of a column; `share` in [0, its integral] is the light nearer to the pole.
+  /// Samples a position with the density of a column. `share` in [0, integral] is the cumulative integral
+  /// from the pole.
   Place sample(int column, float share) const;
   float x(const Place& p) const { return cells_[p.cell].begin + p.fraction * width(p.cell); }
 
@@ -58,7 +59,7 @@ public:
 
 private:
   struct Cell {
-    float begin, rate;  ///< x at the begin, 1/width
+    float begin, rate;  ///< x at the start, 1/width
   };
   const float* row_of(const Place& p) const { return &values_[std::size_t(p.cell) * stride_]; }
   float width(int cell) const { return 1 / cells_[cell].rate; }
@@ -69,11 +70,11 @@ private:
   std::vector<Cell> cells_;
   std::vector<float> values_;  // [node][column]
   std::vector<double> integrals_;
-  // The first cell for the leading bits of x as a floating-point number: buckets that are uniform in each
-  // octave, as fine near the pole as peaks are narrow there.
+  // The first cell for the leading bits of x as a floating-point number. These buckets are uniform in each
+  // octave, since peaks at the pole need finer ones.
   std::vector<std::uint16_t> guide_;
   int guide_base_ = 0, guide_shift_ = 23;
-  // Per column: the shares at all nodes, and the first cell for equal parts of the integral.
+  // Per column: the cumulative integral at all nodes, and the first cell for equal steps of the integral.
   std::vector<float> shares_;
   std::vector<std::uint16_t> share_guide_;
 };

@@ -11,15 +11,15 @@ namespace aureole {
 
 namespace {
 
-/// 2 pi n r/lambda of the effective radius.
+/// Returns the size parameter 2 pi n r/lambda of the effective radius.
 double size_parameter(const optics::RadiusDistribution& radii, double host_index, double nm) {
   return 2 * M_PI * host_index * radii.effective_radius() * 1e9 / nm;
 }
 
-/// Cells between the nodes. The features of phase functions move in proportion to the size parameter;
-/// resonances of spheres of one size repeat over about one unit of it, a spread of sizes blurs them. Rainbows
-/// do not blur: dispersion turns that of water by some 3 degrees per unit of ln(lambda), and it is 120 degrees
-/// x^(-2/3) wide (Airy), of which nodes must be a fourth apart.
+/// Returns the number of spectral cells. Features of phase functions move in proportion to the size parameter
+/// x. Resonances of spheres of one size repeat over about one unit of x; a spread of sizes blurs them.
+/// Rainbows are not blurred: dispersion turns the rainbow of water by some 3 degrees per unit of ln(lambda).
+/// It is 120 degrees x^(-2/3) wide (Airy), and nodes must be a fourth of that apart.
 double cells_for(const SpectralGrid& grid, const optics::RadiusDistribution& radii, double host_index) {
   constexpr double kSizeStep = 0.25, kRainbow = 4 * 3 / 120.0;
   const double width = std::log(grid.max_nm / grid.min_nm);
@@ -64,7 +64,7 @@ optics::EnsembleAccuracy mie_accuracy(std::span<const optics::RadiusDistribution
   for (const optics::RadiusDistribution& r : radii) x = std::max(x, size_parameter(r, host_index, nm));
   optics::EnsembleAccuracy a;
   a.averaging = 5e-3, a.phase_averaging = 3e-2;
-  // The work grows as the square of the size, times the number of radii.
+  // The cost grows as the square of the size, times the number of radii.
   a.most_radii = std::size_t(std::clamp(3e5 / x, 128.0, 1024.0));
   a.phase.relative = 1e-2, a.phase.floor = 1e-3;
   a.phase.most_nodes = 12000;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How finely the phase functions of spheres are tabulated for pictures.
+// Resolution and accuracy of the tabulated phase functions of spheres for rendering.
 #pragma once
 
 #include <span>
@@ -10,20 +10,20 @@
 
 namespace aureole {
 
-/// Wavelengths at which phase functions of populations with these radii are tabulated, increasing and uniform
-/// in 1/lambda, over the range of the grid: as many as the most demanding population needs, and at least
-/// `least_per_unit_of_log` for each factor e of the wavelength. Throws std::domain_error where the effective radius
-/// is too large for the shortest of them: time grows as the cube of their ratio.
+/// Returns the wavelengths [nm] at which phase functions of populations with these radii are tabulated. They
+/// increase uniformly in 1/lambda over the range of the grid. The most demanding population sets their
+/// number, with at least `least_per_unit_of_log` per factor e of the wavelength. Throws std::domain_error if
+/// the effective radius is too large for the shortest wavelength: the time grows as the cube of their ratio.
 std::vector<double> mie_wavelengths(const SpectralGrid& grid,
                                     std::span<const optics::RadiusDistribution> radii, double host_index,
                                     double least_per_unit_of_log = 9.6);
 
-/// That exception alone.
+/// Throws std::domain_error as `mie_wavelengths` does, without computing wavelengths.
 void require_sizes_for_tables(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
                               double host_index);
 
-/// Coarser than the library's own: a part in a hundred of a phase function is not seen in a picture. `nm` is
-/// the shortest wavelength.
+/// Returns accuracy settings coarser than the default, since errors of 1 % of a phase function are not
+/// visible in a picture. `nm` is the shortest wavelength.
 optics::EnsembleAccuracy mie_accuracy(std::span<const optics::RadiusDistribution> radii, double host_index,
                                       double nm);
 

@@ -30,8 +30,8 @@ struct Rows {
   std::vector<double> x, values;
 };
 
-/// The half around the direction straight on or straight back, ordered from its pole to the right angle,
-/// where a row is interpolated if there is none.
+/// Returns the hemisphere around the forward or backward direction, ordered from its pole to 90 degrees. A
+/// row at 90 degrees is interpolated if there is none.
 Rows half_of(std::span<const double> mu, std::span<const double> values, std::size_t columns, bool forward) {
   Rows rows;
   const std::size_t n = mu.size();
@@ -39,7 +39,7 @@ Rows half_of(std::span<const double> mu, std::span<const double> values, std::si
   const auto row = [&](std::size_t i) { return values.subspan(index(i) * columns, columns); };
   for (std::size_t i = 0; i < n; ++i) {
     const double at = forward ? 1 - mu[index(i)] : 1 + mu[index(i)];
-    // Nodes that single precision does not tell apart would make empty cells.
+    // Nodes equal in single precision would make empty cells.
     if (i > 0 && !(float(at) > float(rows.x.back()))) continue;
     if (float(at) < 1) {
       rows.x.push_back(at);

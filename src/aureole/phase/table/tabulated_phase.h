@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Phase functions tabulated over the scattering angle and the wavelength, linear in cos(theta) and in the
-// wavelength between nodes. Density and value are one and the same: between two nodes of wavelength a
-// direction is drawn from either, with probabilities that are the weights of the interpolation.
+// wavelength between nodes. The sampling pdf equals the value: between two wavelength nodes a direction is
+// sampled from one of them, chosen with the weights of the interpolation.
 #pragma once
 
 #include <cstddef>
@@ -15,25 +15,26 @@ namespace aureole {
 
 class TabulatedPhase {
 public:
-  /// `mu`, cosines of the scattering angle, increase from -1 (straight back) to 1 (straight on); `nm`
-  /// increases; `values` has a row per mu, of one value >= 0 per wavelength, in any unit: each wavelength is
-  /// normalised. Beyond the first and last wavelength their functions hold. Throws std::logic_error for
-  /// arrays that do not fit, std::domain_error where a wavelength has no light at all or a value is negative
-  /// or no finite number.
+  /// `mu`: increasing cosines of the scattering angle from -1 (backward) to 1 (forward). `nm`: increasing
+  /// wavelengths. `values`: one row per mu, with one value >= 0 per wavelength, in any unit, since each
+  /// wavelength is normalised. The first and last wavelength are used beyond the range. Throws
+  /// std::logic_error for arrays of wrong size, std::domain_error if all values of a wavelength are zero or a
+  /// value is negative or not finite.
   TabulatedPhase(std::span<const double> mu, std::span<const double> nm, std::span<const double> values,
                  const SpectralGrid& grid);
 
-  /// Value and density [1/sr]. `w` belongs to the grid.
+  /// Returns the value [1/sr], which is also the pdf of `sample`. `w` belongs to the grid.
   Spectrum eval(const Vec3& wi, const Vec3& wo, const Wavelengths& w) const;
 
   struct Sample {
     Vec3 wo;
-    Spectrum value;  ///< and density
+    Spectrum value;  ///< equal to the pdf
   };
-  /// Drawn for the hero. u1 chooses between two wavelengths; it is not looked at where there is only one.
+  /// Samples a direction for the hero wavelength. u1 chooses between two wavelength nodes; it is unused if
+  /// there is only one.
   Sample sample(const Vec3& wi, float u1, Vec2 u2, const Wavelengths& w) const;
 
-  /// Mean cosine of the scattering angle at a node of wavelength.
+  /// Returns the mean cosine of the scattering angle at a wavelength node.
   double asymmetry(int node) const;
   int wavelength_nodes() const { return wavelengths_; }
   std::size_t bytes() const { return forward_.bytes() + backward_.bytes(); }
@@ -43,7 +44,7 @@ private:
   Spectrum eval_at(const HemisphereTable& half, const Place& place, const Wavelengths& w) const;
 
   int wavelengths_ = 1;
-  SampledSpectrum position_;  ///< of a wavelength among the nodes
+  SampledSpectrum position_;  ///< position of a wavelength among the nodes
   HemisphereTable forward_, backward_;
 };
 

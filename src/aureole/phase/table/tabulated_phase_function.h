@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The phase function of a table, for plug-ins that make tables: of this family, and of media whose particles
-// are given.
+// A phase function backed by a table: the base of plug-ins that compute tables, in this family and in media
+// with given particles.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@
 
 namespace aureole {
 
-/// Phase functions of optics at increasing wavelengths, one per wavelength and all on one grid of angles, as
-/// `optics::Ensemble::phases` returns them. Throws as the constructor of `TabulatedPhase` does.
+/// Tabulates phase functions that `optics::Ensemble::phases` returns: one per wavelength, at increasing
+/// wavelengths, on one grid of angles. Throws as the constructor of `TabulatedPhase` does.
 inline TabulatedPhase tabulate(const optics::PhaseTables& phases, std::span<const double> nm,
                                const SpectralGrid& grid) {
   const std::vector<double>& mu = phases.tables.at(0).mu;
@@ -26,7 +26,7 @@ inline TabulatedPhase tabulate(const optics::PhaseTables& phases, std::span<cons
 
 class TabulatedPhaseFunction : public PhaseFunction {
 public:
-  /// `properties`: of the plug-in that makes the table, which is null in a scene with errors.
+  /// `properties`: of the plug-in that computes the table. `table`: null in a scene with errors.
   TabulatedPhaseFunction(const Properties& properties, std::shared_ptr<const TabulatedPhase> table)
       : PhaseFunction(properties), table_(std::move(table)) {}
 

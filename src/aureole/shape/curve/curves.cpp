@@ -21,7 +21,7 @@ std::shared_ptr<const AreaSampler> Curves::make_area_sampler(AreaUse use) const 
 void Curves::read(const Properties& properties) {
   const MeshFile file(properties);
   const auto m = properties.get_transform("to_world").matrix();
-  std::size_t start = 0;  // of the present curve
+  std::size_t start = 0;  // first control point of the current curve
   const auto finish_curve = [&](const char* at) {
     const std::size_t n = points_.size() - start;
     if (n > 0 && n < points_per_segment_)
@@ -67,7 +67,7 @@ SurfacePoint Curves::surface_point(const ShapeHit& hit, const Ray& ray, bool) co
   const CurvePoint at = locate(hit.primitive, met, hit.u);
   SurfacePoint s;
   s.p = (at.center + at.out * at.radius).to_float();
-  // Computed in double, rounded once; is_outside_hit finds the side from that.
+  // Computed in double precision and rounded once; is_outside_hit derives the side from it.
   s.p_error = abs(s.p) * (4 * 0x1p-24f) + abs(at.normal.to_float()) * float(at.radius * 1e-6);
   s.ng = at.normal.to_float();
   s.uv = {CurveFrame(at.tangent).u_of(at.out), float((double(hit.primitive) + at.v) / double(first_.size()))};
@@ -95,15 +95,15 @@ Double3 CurveFrame::direction(float u) const {
 }
 
 std::vector<ParameterDoc> curve_parameters() {
-  return {
-      {"filename", "file", "", "required",
-       "A text file with the control points: a line x, y, z, radius for each, an empty line between curves."},
-      {"bsdf", "bsdf", "", "diffuse of reflectance 0.5", "What the surface is made of."},
-      {"emitter", "emitter", "", "none", "Not possible: an error."},
-      {"sensor", "sensor", "", "none", "Not possible: an error."},
-      {"to_world", "transform", "", "identity",
-       "From the file's coordinates to those of the scene. Radii do not scale with it."},
-      {"silhouette_sampling_weight", "float", "", "1", "Accepted for Mitsuba's sake, has no effect."}};
+  return {{"filename", "file", "", "required",
+           "text file of control points: a line x, y, z, radius for each, an empty line between curves"},
+          {"bsdf", "bsdf", "", "diffuse of reflectance 0.5", "material of the surface"},
+          {"emitter", "emitter", "", "none", "not supported: an error"},
+          {"sensor", "sensor", "", "none", "not supported: an error"},
+          {"to_world", "transform", "", "identity",
+           "transform from the file's coordinates to world space; radii do not scale with it"},
+          {"silhouette_sampling_weight", "float", "", "1",
+           "accepted for compatibility with Mitsuba, without effect"}};
 }
 
 }  // namespace aureole

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Curves with a radius, such as hair: shared by `linearcurve` and `bsplinecurve`. Each intersects rays in its
-// own way; the hit is then moved onto the exact surface in double precision.
+// Curves with a radius, such as hair: the base of `linearcurve` and `bsplinecurve`. Each intersects rays by
+// its own method; the hit is then moved onto the exact surface in double precision.
 #pragma once
 
 #include "aureole/plugin/registry.h"
@@ -9,8 +9,8 @@
 
 namespace aureole {
 
-/// Two unit vectors across the tangent of a curve, `rotation` as near to the z axis as possible; texture
-/// coordinate u is the angle from `radius` towards `rotation`, over 2 pi (as Mitsuba 3).
+/// Two unit vectors perpendicular to a curve's tangent, with `rotation` as close to the z axis as possible.
+/// The texture coordinate u is the angle from `radius` towards `rotation`, divided by 2 pi (as in Mitsuba 3).
 struct CurveFrame {
   Double3 rotation, radius;
 
@@ -19,12 +19,12 @@ struct CurveFrame {
   Double3 direction(float u) const;
 };
 
-/// A place on the surface.
+/// A point on the surface of a curve.
 struct CurvePoint {
-  double v;                      ///< place along the segment
-  Double3 center, tangent, out;  ///< on the curve; unit vectors along it and from there to the surface
+  double v;                      ///< parameter along the segment
+  Double3 center, tangent, out;  ///< point on the curve; unit vectors along it and from there to the surface
   double radius;
-  Double3 normal;  ///< of the surface, unit length
+  Double3 normal;  ///< surface normal, unit length
 };
 
 class Curves : public Shape {
@@ -41,7 +41,7 @@ public:
     float radius;
   };
   const std::vector<ControlPoint>& points() const { return points_; }
-  /// The first control point of each segment.
+  /// Indices of the first control point of each segment.
   const std::vector<std::uint32_t>& segments() const { return first_; }
 
 protected:
@@ -49,7 +49,8 @@ protected:
   Curves(const Properties& properties, std::uint32_t points_per_segment);
 
   const ControlPoint* segment(std::uint32_t primitive) const { return &points_[first_[primitive]]; }
-  /// The place on the surface of a segment nearest to the point `met`, which is near it; `v` is a guess.
+  /// Returns the surface point of a segment nearest to the point `met`, which is close to it. `v` is an
+  /// initial guess.
   virtual CurvePoint locate(std::uint32_t primitive, const Double3& met, double v) const = 0;
 
 private:
@@ -61,7 +62,7 @@ private:
   Bounds3 bounds_;
 };
 
-/// The rows of the parameter table that both plug-ins share.
+/// Returns the documentation of the parameters that both plug-ins share.
 std::vector<ParameterDoc> curve_parameters();
 
 }  // namespace aureole

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A double-precision vector for computations where float cancellation would be too large: solid angles,
-// quadratics, transforms at load.
+// A double-precision vector for computations in which cancellation in float would be too large: solid angles,
+// quadratic equations, transforms at load time.
 #pragma once
 
 #include <cmath>
@@ -27,8 +27,8 @@ inline Double3 cross(const Double3& a, const Double3& b) {
 }
 inline double length(const Double3& a) { return std::sqrt(dot(a, a)); }
 inline Double3 normalize(const Double3& a) { return a * (1 / length(a)); }
-/// A right-handed pair of unit vectors across the unit vector n (Duff et al. 2017, "Building an orthonormal
-/// basis, revisited").
+/// Makes a right-handed pair of unit vectors perpendicular to the unit vector n (Duff et al. 2017, "Building
+/// an orthonormal basis, revisited").
 inline void make_basis(const Double3& n, Double3& s, Double3& t) {
   const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
   s = {1 + sign * n.x * n.x * a, sign * b, -sign * n.x};

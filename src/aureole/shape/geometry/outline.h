@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangles in place of round shapes, for what asks for their edges: the rims and outlines at which light is diffracted.
+// Triangle meshes that approximate round shapes, for algorithms that need edges: the rims and outlines that
+// diffract light.
 #pragma once
 
 #include <cmath>
@@ -21,24 +22,25 @@ struct OutlineMesh {
   }
 };
 
-/// A part of a shape beside `Shape`, found by dynamic_cast.
+/// An interface that round shapes implement besides `Shape`, found by dynamic_cast.
 class RoundShape {
 public:
   virtual ~RoundShape() = default;
 
-  /// Largest radius, of curvature or of a rim, in the coordinates of the shape's place.
+  /// Largest radius, of curvature or of a rim, in the shape's local coordinates.
   virtual double round_radius() const = 0;
-  /// Whether the surface bends away behind its outline, which a flat disc does not.
+  /// Whether the surface curves away behind its outline; false for a flat disc.
   virtual bool is_curved() const = 0;
-  /// Whether it is seen from within, as the walls of a room.
+  /// Whether it is visible from inside, as the walls of a room.
   virtual bool is_hollow() const { return false; }
-  /// Triangles with `pieces` sides around. Their edges lie on the shape or, by 12/pieces^2 of the radius at most, outside.
+  /// Returns triangles with `pieces` sides around the shape. Their edges lie on the shape or outside by at
+  /// most 12/pieces^2 of the radius.
   virtual OutlineMesh outline_mesh(int pieces) const = 0;
-  /// How many edges that mesh has, about.
+  /// Returns the approximate number of edges of that mesh.
   virtual double edge_count(int pieces) const = 0;
 };
 
-/// Corners of a regular polygon around the unit circle.
+/// Corners of a regular polygon circumscribed about the unit circle.
 inline std::vector<Double3> polygon_around_circle(int pieces) {
   std::vector<Double3> corners;
   const double step = 2 * 3.14159265358979323846 / pieces, r = 1 / std::cos(0.5 * step);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instancing: a group of shapes with an acceleration structure of its own, which stands in the scene many
+// Instancing: a group of shapes with its own acceleration structure, which appears in the scene any number of
 // times.
 #pragma once
 
@@ -7,11 +7,11 @@
 
 namespace aureole {
 
-/// Shapes in coordinates of their own. Not rendered; nested groups, instances and shapes of several parts are
-/// flattened, because Embree is built for one level of instances.
+/// Shapes in local coordinates. The group itself is not rendered. Nested groups, instances and shapes of
+/// several parts are flattened, because Embree is built with one level of instances.
 class ShapeGroup final : public Model {
 public:
-  /// Another group that belongs to this one.
+  /// A group nested in this one.
   struct Nested {
     std::shared_ptr<const ShapeGroup> group;
     Transform to_group;
@@ -19,7 +19,7 @@ public:
 
   explicit ShapeGroup(const Properties& properties);
 
-  /// Its own shapes, without the nested groups'.
+  /// The group's own shapes, without those of nested groups.
   const std::shared_ptr<const ShapeList>& list() const { return list_; }
   const std::vector<Nested>& nested() const { return nested_; }
 
@@ -27,12 +27,12 @@ private:
   void add(const Model& model);
   void add(const ShapePtr& shape, const BsdfPtr& bsdf, const SurfaceMedia& media);
 
-  ShapeList own_;  ///< while the group is put together
+  ShapeList own_;  ///< used while the group is assembled
   std::shared_ptr<const ShapeList> list_;
   std::vector<Nested> nested_;
 };
 
-/// A group in one place of the scene: an instance of its own shapes, and one of every group nested in it.
+/// An instance of a group: one instance of the group's own shapes, and one of every nested group.
 class InstanceModel final : public Model {
 public:
   explicit InstanceModel(const Properties& properties);

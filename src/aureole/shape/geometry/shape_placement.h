@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a shape that is given by an equation stands: the affine map from its own coordinates to the world,
-// and back, in double precision.
+// The placement of a shape that is defined by an equation: the affine map from local coordinates to world
+// space and its inverse, in double precision.
 #pragma once
 
 #include "aureole/math/transform.h"
@@ -10,7 +10,7 @@ namespace aureole {
 
 class Placement {
 public:
-  /// `t` must not be singular.
+  /// `t` must be invertible.
   explicit Placement(const Transform& t) {
     const auto &m = t.matrix(), i = t.inverse().matrix();
     for (int k = 0; k < 3; ++k) {
@@ -20,24 +20,25 @@ public:
     origin_ = {m[0][3], m[1][3], m[2][3]};
     double size = 0, inverse_size = 0;
     for (int k = 0; k < 3; ++k) size += length(column_[k]), inverse_size += length(row_[k]);
-    // The inverse errs by the condition number.
+    // The error of the inverse is proportional to the condition number.
     in_double_ = 16 * 0x1p-53 * (size * std::max(1.0, size * inverse_size / 9) + length(origin_));
   }
 
   const Double3& origin() const { return origin_; }
-  /// The image of the k-th axis.
+  /// Returns the image of the k-th axis.
   const Double3& axis(int k) const { return column_[k]; }
 
   Double3 vector(const Double3& v) const { return column_[0] * v.x + column_[1] * v.y + column_[2] * v.z; }
   Double3 point(const Double3& p) const { return origin_ + vector(p); }
-  /// A normal transformed by the inverse transpose: stays on its side of the surface; its length may change.
+  /// Transforms a normal by the inverse transpose: it stays on its side of the surface, but its length may
+  /// change.
   Double3 normal(const Double3& n) const { return row_[0] * n.x + row_[1] * n.y + row_[2] * n.z; }
   Double3 local_vector(const Double3& v) const { return {dot(row_[0], v), dot(row_[1], v), dot(row_[2], v)}; }
   Double3 local_point(const Double3& p) const { return local_vector(p - origin_); }
   bool mirrors() const { return dot(cross(column_[0], column_[1]), column_[2]) < 0; }
 
-  /// Bound of the rounding error of a point whose local coordinates are at most one and that was computed in
-  /// double and rounded to float; and of the arithmetic of a ray that leaves it.
+  /// Returns an upper bound of the rounding error of a point with local coordinates of at most 1, computed in
+  /// double and rounded to float. It includes the error of the arithmetic of a ray that leaves the point.
   Vec3 rounding_error(const Vec3& p) const {
     const auto in_double = float(in_double_);
     return abs(p) * (2 * 0x1p-24f) + Vec3{in_double, in_double, in_double};
@@ -48,7 +49,7 @@ private:
   double in_double_ = 0;
 };
 
-/// The box [lower, upper] rounded outwards.
+/// Returns the box [lower, upper], rounded outward.
 inline Bounds3 outward_bounds(const Double3& lower, const Double3& upper) {
   const auto down = [](double x) { return std::nextafter(float(x), -kInfinity); };
   const auto up = [](double x) { return std::nextafter(float(x), kInfinity); };

@@ -20,8 +20,8 @@ Bounds3 Ball::bounds() const {
 std::optional<double> Ball::intersect(const Double3& o, const Double3& d, double t_min, double t_max) const {
   const Double3 f = o - center;
   const double a = dot(d, d), b = -dot(f, d), c = dot(f, f) - radius * radius;
-  // The discriminant from the distance between centre and line: no cancellation for far balls (Haines et al.
-  // 2019).
+  // The discriminant is computed from the distance between centre and line, without cancellation for distant
+  // spheres (Haines et al. 2019).
   const Double3 across = f + d * (b / a);
   const double discriminant = radius * radius - dot(across, across);
   if (!(discriminant >= 0)) return std::nullopt;
@@ -46,7 +46,7 @@ float Ball::visible_pdf(const Double3& reference) const {
   if (!sees_from_outside(reference)) return float(1 / (4 * kPiD));
   const Double3 w = center - reference;
   const double sin2 = radius * radius / dot(w, w);
-  // 1 - cos of the cone without cancellation.
+  // 1 - cos of the cone's half-angle, without cancellation.
   return float(1 / (2 * kPiD * sin2 / (1 + std::sqrt(1 - sin2))));
 }
 
@@ -56,8 +56,8 @@ std::optional<Double3> Ball::sample_visible(const Double3& reference, Vec2 u) co
   if (!sees_from_outside(reference)) {
     const double z = 1 - 2 * double(u.x), r = std::sqrt(std::max(0.0, 1 - z * z));
     const Double3 d(r * cos_phi, r * sin_phi, z);
-    // The far root of the quadratic: for a point on the surface the near one is the point itself, and so is
-    // the far one for a direction that leads out.
+    // The far root of the quadratic. For a reference point on the surface the near root is the point itself,
+    // and so is the far root for a direction that points outward.
     const Double3 f = reference - center;
     const double b = -dot(f, d);
     const Double3 across = f + d * b;

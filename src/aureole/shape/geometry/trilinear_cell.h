@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The zero of a function that is trilinear between the eight corners of a unit cube: along a ray it is a cubic
-// (Hansson-Soderlund, Evans & Akenine-Moller 2022, "Ray tracing of signed distance function grids", JCGT 11(3)).
+// The zero of a function that is trilinear between the eight corners of a unit cube. Along a ray the function
+// is a cubic (Hansson-Soderlund, Evans & Akenine-Moller 2022, "Ray tracing of signed distance function
+// grids", JCGT 11(3)).
 #pragma once
 
 #include <algorithm>
@@ -12,18 +13,19 @@
 
 namespace aureole {
 
-/// c[0] + c[1] s + c[2] s^2 + c[3] s^3.
+/// The cubic c[0] + c[1] s + c[2] s^2 + c[3] s^3.
 struct Cubic {
   std::array<double, 4> c;
 
   double at(double s) const { return c[0] + s * (c[1] + s * (c[2] + s * c[3])); }
   double slope_at(double s) const { return c[1] + s * (2 * c[2] + s * 3 * c[3]); }
-  /// The first s in [0, 1] behind which the sign is another than before; zero counts as positive.
+  /// Returns the first s in [0, 1] at which the sign changes; zero counts as positive.
   std::optional<double> first_crossing() const;
 
 private:
   static bool is_inside(double f) { return f < 0; }
-  /// The crossing in [a, b], at whose ends the signs differ and between which the cubic has no turning point.
+  /// Returns the crossing in [a, b]. The signs at a and b differ, and the cubic has no turning point between
+  /// them.
   double crossing_between(double a, double b) const;
 };
 
@@ -33,7 +35,7 @@ inline std::optional<double> Cubic::first_crossing() const {
   const auto add = [&](double s) {
     if (s > ends[count - 1] && s < 1) ends[count++] = s;
   };
-  // Turning points, by the quadratic formula that does not cancel.
+  // Turning points, by the quadratic formula without cancellation.
   const double a = 3 * c[3], half_b = c[2], discriminant = half_b * half_b - a * c[1];
   if (discriminant > 0) {
     const double q = -(half_b + std::copysign(std::sqrt(discriminant), half_b));
@@ -50,7 +52,7 @@ inline std::optional<double> Cubic::first_crossing() const {
 inline double Cubic::crossing_between(double a, double b) const {
   const bool inside = is_inside(at(a));
   double s = a + (b - a) * at(a) / (at(a) - at(b));
-  // Newton's method, and bisection where it leaves the interval or is slow.
+  // Newton's method, with bisection where it leaves the interval or converges slowly.
   for (int i = 0; i < 100 && b - a > 1e-15; ++i) {
     if (!(s > a && s < b)) s = 0.5 * (a + b);
     const double f = at(s);
@@ -64,7 +66,7 @@ inline double Cubic::crossing_between(double a, double b) const {
 
 class TrilinearCell {
 public:
-  /// `corner` is numbered by x + 2 y + 4 z.
+  /// `corner` is indexed by x + 2 y + 4 z.
   explicit TrilinearCell(const std::array<double, 8>& corner) : f_(corner) {
     x_ = f_[1] - f_[0], y_ = f_[2] - f_[0], z_ = f_[4] - f_[0];
     xy_ = f_[3] - f_[2] - x_, yz_ = f_[6] - f_[4] - y_, xz_ = f_[5] - f_[4] - x_;
@@ -78,7 +80,7 @@ public:
     return {x_ + p.y * (xy_ + p.z * xyz_) + p.z * xz_, y_ + p.x * (xy_ + p.z * xyz_) + p.z * yz_,
             z_ + p.x * (xz_ + p.y * xyz_) + p.y * yz_};
   }
-  /// Of p + d s.
+  /// Returns the function along the ray p + d s.
   Cubic along(const Double3& p, const Double3& d) const {
     const Double3 g = gradient(p);
     const double dxy = d.x * d.y, dyz = d.y * d.z, dxz = d.x * d.z;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces given by equations as an Embree geometry: Embree finds the boxes, the surface meets the ray, in
-// double precision.
+// Surfaces defined by equations as Embree user geometries: Embree finds the bounding boxes, the surface
+// intersects the ray in double precision.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -15,13 +15,13 @@ namespace aureole {
 
 namespace detail {
 
-/// One primitive, or as many as the surface says.
+/// Whether the surface has several primitives; otherwise it is one.
 template <class Surface>
 constexpr bool kHasPrimitives = requires(const Surface& s) {
   s.primitive_count();
 };
 
-/// The distance at which ray i of a packet of n meets the surface.
+/// Returns the distance at which ray i of a packet of n rays hits the surface.
 template <class Surface>
 std::optional<float> packet_hit(const Surface& surface, unsigned primitive, RTCRayN* rays, unsigned n,
                                 unsigned i) {
@@ -47,7 +47,7 @@ void user_intersect(const RTCIntersectFunctionNArguments* args) {
     const auto t = packet_hit(surface, args->primID, rays, n, i);
     if (!t) continue;
     RTCRayN_tfar(rays, n, i) = *t;
-    // surface_point finds everything else from the distance.
+    // surface_point computes everything else from the distance.
     RTCHitN_Ng_x(hits, n, i) = 0, RTCHitN_Ng_y(hits, n, i) = 0, RTCHitN_Ng_z(hits, n, i) = 1;
     RTCHitN_u(hits, n, i) = 0, RTCHitN_v(hits, n, i) = 0;
     RTCHitN_primID(hits, n, i) = args->primID;
@@ -79,10 +79,10 @@ void user_bounds(const RTCBoundsFunctionArguments* args) {
 
 }  // namespace detail
 
-/// A committed Embree geometry; `surface` must outlive it. A Surface has
+/// Returns a committed Embree geometry; `surface` must outlive it. A Surface has
 ///   Bounds3 bounds() const, and
-///   std::optional<double> intersect(o, d, t_min, t_max) const: the nearest distance in (t_min, t_max);
-/// one of many primitives has primitive_count() besides, and both take the primitive first.
+///   std::optional<double> intersect(o, d, t_min, t_max) const: the nearest distance in (t_min, t_max).
+/// A surface of several primitives also has primitive_count(), and both functions take the primitive first.
 template <class Surface>
 RTCGeometry make_user_geometry(RTCDevice device, const Surface& surface) {
   RTCGeometry g = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The materials that a mesh's file names, such as an OBJ file with its .mtl files.
+// The materials that a mesh file names, such as an OBJ file with its .mtl files.
 #pragma once
 
 #include <filesystem>
@@ -9,9 +9,10 @@
 namespace aureole {
 
 struct FileMaterials {
-  std::vector<std::string> names;                ///< as triangles count them; the first has none
-  std::vector<bool> used;                        ///< by any triangle
-  std::vector<std::filesystem::path> libraries;  ///< files that say what the materials are
+  std::vector<std::string> names;                ///< in the order of the triangles' material indices; the
+                                                 ///< first has no name
+  std::vector<bool> used;                        ///< whether any triangle uses the material
+  std::vector<std::filesystem::path> libraries;  ///< files that define the materials
 };
 
 }  // namespace aureole

@@ -30,7 +30,7 @@ TrianglePlane exact_plane(const TriangleCorners& c) {
                   farthest * gamma_bound(7)};
 }
 
-/// Four floats; the fourth is whatever lies behind a Vec3 in memory.
+/// Four floats; the fourth is whatever follows a Vec3 in memory.
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = int __attribute__((vector_size(16)));
 Float4 load(const Vec3& v) {
@@ -46,7 +46,7 @@ float dot3(Float4 a, Float4 b) {
 }
 Float4 shuffle(Float4 v, Int4 order) { return __builtin_shuffle(v, order); }
 
-/// a x b, every component to within an ulp or two of its own (Kahan's difference of products by fused
+/// Returns a x b, every component to within an ulp or two (Kahan's difference of products by fused
 /// multiply-adds).
 Float4 accurate_cross(Float4 a, Float4 b) {
   constexpr Int4 kYzx = {1, 2, 0, 3}, kZxy = {2, 0, 1, 3};
@@ -63,7 +63,8 @@ Float4 accurate_cross(Float4 a, Float4 b) {
 #endif
 }
 
-/// The same in float, but for triangles so small or large that squares leave its range.
+/// Computes `exact_plane` in single precision, except for triangles so small or large that squares would
+/// leave the range of float.
 TrianglePlane plane_of(Float4 c0, Float4 c1, Float4 c2) {
   const Float4 e1 = c1 - c0, e2 = c2 - c0, e3 = c2 - c1;
   const Float4 n = accurate_cross(e1, e2);
@@ -74,15 +75,15 @@ TrianglePlane plane_of(Float4 c0, Float4 c1, Float4 c2) {
   const float per_length = 1 / std::sqrt(n2), length = std::sqrt(longest);
   const Float4 ng = n * per_length, an = abs(ng);
   const float farthest = std::max({dot3(an, abs(c0)), dot3(an, abs(c1)), dot3(an, abs(c2))});
-  // A thousandth more for the rounding of the bound itself.
+  // Enlarged by 0.1 % for the rounding of the bound itself.
   const float error =
       1.001f * (length * (gamma_bound(4) + gamma_bound(2) * std::sqrt(shortest * middle) * per_length) +
                 farthest * gamma_bound(7));
   return {to_vec3(ng), error};
 }
 
-/// acos to 2e-8 (Abramowitz & Stegun 1964, 4.4.46): the library's takes most of the time to load a mesh
-/// without normals.
+/// Returns acos to 2e-8 (Abramowitz & Stegun 1964, 4.4.46). The library's acos would dominate the time to
+/// load a mesh without normals.
 float fast_acos(float x) {
   const float a = std::min(std::abs(x), 1.f);
   float p = -0.0012624911f;
@@ -137,7 +138,7 @@ void Mesh::build(MeshData data, std::string_view source) {
   source_ = source;
   find_bounds();
   if (data_.triangles.empty()) remarks_.push_back("the mesh has no triangles");
-  // Embree reads 16 bytes at every vertex, and so do we: one more keeps the last read inside.
+  // Embree and this class read 16 bytes at every vertex; one more vertex keeps the last read in range.
   data_.positions.push_back({});
   find_planes();
 }
@@ -160,9 +161,9 @@ std::size_t Mesh::drop_degenerate() {
     const Vec3 &p0 = d.positions[d.triangles[i][0]], &p1 = d.positions[d.triangles[i][1]];
     const Vec3& p2 = d.positions[d.triangles[i][2]];
     const Vec3 n = cross(p1 - p0, p2 - p0);
-    // In float: the area must be visible to the ray caster, which is float too.
+    // Tested in float: the area must be positive for the ray caster, which computes in float, too.
     if (!(length_squared(n) > 0) || !is_finite(n)) {
-      // Underflow of tiny and overflow of huge triangles is no degeneracy.
+      // Underflow of tiny and overflow of huge triangles is not degeneracy.
       const Double3 exact = cross(Double3(p1) - Double3(p0), Double3(p2) - Double3(p0));
       const double l = length(exact);
       if (!(l > 0) || !std::isfinite(l)) continue;
@@ -212,9 +213,9 @@ void Mesh::orient_by_vertex_normals() {
 
 namespace {
 
-/// A triangle's normal times the angle at each corner; zero of a triangle too slender for float.
+/// Returns a triangle's normal times the angle at each corner; zero for triangles too thin for float.
 std::array<Vec3, 3> weighted_normals(const TriangleCorners& c) {
-  // Scaled to size 1: the fourth power of a length leaves the range of float soon.
+  // Scaled to size 1, since fourth powers of lengths easily leave the range of float.
   const Vec3 edge0 = c[1] - c[0], edge2 = c[0] - c[2];
   const float scale = 1 / std::max(max_component(abs(edge0)), max_component(abs(edge2)));
   const Vec3 e[3] = {edge0 * scale, (c[2] - c[1]) * scale, edge2 * scale};
@@ -233,8 +234,8 @@ std::array<Vec3, 3> weighted_normals(const TriangleCorners& c) {
 
 void Mesh::compute_vertex_normals() {
   data_.normals.assign(data_.positions.size(), Vec3{});
-  // Computed by all cores, a part of the mesh at a time; added in the order of the triangles, so that the
-  // sums are the same with any number of them.
+  // All cores compute one block of the mesh at a time. Sums are added in the order of the triangles, so that
+  // they do not depend on the number of cores.
   constexpr std::size_t kPart = 1 << 17;
   const std::size_t n = data_.triangles.size();
   std::vector<std::array<Vec3, 3>> weighted(std::min(n, kPart));
@@ -327,7 +328,7 @@ Vec3 Mesh::tangent(std::uint32_t primitive) const {
   const TriangleIndices& t = uv_triangle(primitive);
   const Vec2 d1 = data_.uvs[t[1]] - data_.uvs[t[0]], d2 = data_.uvs[t[2]] - data_.uvs[t[0]];
   const float determinant = d1.x * d2.y - d1.y * d2.x;
-  // dp/du = (d2.y e1 - d1.y e2) / determinant; only its direction matters.
+  // dp/du = (d2.y e1 - d1.y e2) / determinant; only its direction is needed.
   return determinant == 0 ? Vec3{} : (e1 * d2.y - e2 * d1.y) * std::copysign(1.f, determinant);
 }
 
@@ -341,7 +342,7 @@ std::size_t Mesh::memory_bytes() const {
 }
 
 std::vector<ParameterDoc> mesh_parameters(std::vector<ParameterDoc> own) {
-  own.push_back({"face_normals", "boolean", "", "false", "Ignores vertex normals: a faceted look."});
+  own.push_back({"face_normals", "boolean", "", "false", "ignore vertex normals: flat facets"});
   return own;
 }
 

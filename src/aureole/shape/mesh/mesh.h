@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Triangle meshes: what every mesh reader builds.
+// Triangle meshes: the class that every mesh reader builds.
 //
-// Conventions, the same as Mitsuba 3's:
-// - Everything is placed in the world at load. Vertex normals are transformed by the inverse transpose of
-//   `to_world`. If it mirrors, the order of the vertices is reversed, so that a closed surface keeps its normals
-//   outside. `flip_normals` reverses the order (vertices 0 and 2 swap) and negates the vertex normals.
-// - The geometric normal is cross(p1 - p0, p2 - p0), normalised. Where the file gives vertex normals, they
-//   decide which side is out (and which side of an area emitter shines): a triangle wound against the sum of
-//   its vertex normals is reversed at load.
-// - Without vertex normals in the file, they are computed, weighted by the angle at each corner (Thürmer &
-//   Wüthrich 1998, "Computing vertex normals from polygonal facets"), and shared by all triangles at a position;
-//   `face_normals` drops normals.
+// Conventions, as in Mitsuba 3:
+// - Everything is transformed to world space at load. Vertex normals are transformed by the inverse transpose
+//   of `to_world`. If it mirrors, the vertex order is reversed, so that a closed surface keeps outward normals.
+//   `flip_normals` reverses the order (vertices 0 and 2 swap) and negates the vertex normals.
+// - The geometric normal is cross(p1 - p0, p2 - p0), normalised. Vertex normals of the file, if any, decide
+//   which side is outside (and which side of an area emitter emits): a triangle wound against the sum of its
+//   vertex normals is reversed at load.
+// - Without vertex normals in the file they are computed, weighted by the angle at each corner (Thürmer &
+//   Wüthrich 1998, "Computing vertex normals from polygonal facets"), and shared by all triangles at a
+//   position; `face_normals` drops normals.
 // - Without texture coordinates uv are the barycentric coordinates (b1, b2).
 #pragma once
 
@@ -24,32 +24,32 @@
 
 namespace aureole {
 
-/// The data that a reader passes to Mesh, in world coordinates. Attribute indices are apart from position
-/// indices, so that a texture seam is not a crack; where they are empty, the position indices are used. A
-/// zero normal means "none here".
+/// The data that a reader passes to Mesh, in world space. Attribute indices are separate from position
+/// indices, so that a texture seam is not a crack; if empty, the position indices are used. A zero normal
+/// means that there is none.
 struct MeshData {
   std::vector<Vec3> positions;
   std::vector<Vec3> normals;  ///< empty: none in the file
   std::vector<Vec2> uvs;      ///< empty: none in the file
   std::vector<TriangleIndices> triangles, normal_triangles, uv_triangles;
-  std::vector<MeshAttribute> attributes;     ///< those that textures show
-  std::vector<std::string> attribute_names;  ///< all in the file, for messages
-  std::vector<std::uint32_t> materials;      ///< of each triangle; empty: one for all
+  std::vector<MeshAttribute> attributes;     ///< attributes that textures use
+  std::vector<std::string> attribute_names;  ///< all attributes in the file, for messages
+  std::vector<std::uint32_t> materials;      ///< material of each triangle; empty: one for all
 };
 
-/// Derived from a triangle's corners: the geometric normal, and a bound of the distance along it of an
-/// interpolated point from the plane. It has two parts: the interpolation's own rounding (Pharr, Jakob &
-/// Humphreys 2023, section 6.8.4), which is largest at a corner; and the distance at which the float ray
-/// caster may still see a hit at t > 0: it finds t from dot(p0 - o, n) / dot(d, n), whose numerator errs by
-/// some half ulps of |p0 - o|, and by as many of |p0 - o| |e| |e| / |n| from n itself, which counts for
-/// slender triangles. Without it a ray that leaves a point near the coordinate origin on a triangle with a
-/// far corner meets that triangle again.
+/// The geometric normal of a triangle, and an upper bound of the distance of an interpolated point from the
+/// plane, along the normal. The bound has two parts. The first is the rounding of the interpolation (Pharr,
+/// Jakob & Humphreys 2023, section 6.8.4), which is largest at a corner. The second is the distance at which
+/// the ray caster, in float, may still report a hit at t > 0. It computes t from dot(p0 - o, n) / dot(d, n),
+/// whose numerator errs by some half ulps of |p0 - o|. The error of n itself adds as many half ulps of |p0 -
+/// o| |e| |e| / |n|, which matters for thin triangles. Without the second part, a ray that leaves a point
+/// near the coordinate origin on a triangle with a distant corner hits that triangle again.
 struct TrianglePlane {
   Vec3 ng;
   float error;
 };
 
-/// A point of a triangle without its shading frame.
+/// A point on a triangle, without its shading frame.
 struct MeshPoint {
   Vec3 p, p_error, ng;
   Vec2 uv;
@@ -70,27 +70,27 @@ public:
   std::shared_ptr<const AreaSampler> make_area_sampler(AreaUse use) const override;
   std::string opening() const override;
 
-  /// The geometry as it is rendered; edges and neighbours are found from the position indices.
+  /// The geometry as rendered; edges and neighbours are found from the position indices.
   const MeshData& data() const { return data_; }
 
 protected:
   /// Reads to_world, flip_normals and face_normals.
   explicit Mesh(const Properties& properties);
 
-  /// A part of another mesh, of data that was built before.
+  /// Makes a part of another mesh from data that has been built before.
   Mesh(const Properties& properties, PartOfShape, MeshData data);
 
-  /// Whether a texture reads this attribute; others are not kept.
+  /// Whether a texture uses this attribute; others are not stored.
   bool wants_attribute(std::string_view name) const;
 
-  /// A position of the file in the world: computed in double, rounded once.
+  /// Returns a position of the file in world space: computed in double, rounded once.
   Vec3 place_point(double x, double y, double z) const;
-  /// A normal of the file in the world, of unit length, or zero where it has no direction.
+  /// Returns a unit normal of the file in world space, or zero if it has no direction.
   Vec3 place_normal(double x, double y, double z) const;
   bool face_normals() const { return face_normals_; }
 
-  /// Takes the data over: drops degenerate triangles, orients, computes normals. `source` is the parameter
-  /// that errors point to. Every index must be in range.
+  /// Takes over the data: drops degenerate triangles, orients, computes normals. `source` is the parameter at
+  /// which errors are located. Every index must be in range.
   void build(MeshData data, std::string_view source);
 
 private:
@@ -117,10 +117,10 @@ private:
   MeshData data_;
   std::vector<TrianglePlane> planes_;
   Bounds3 bounds_;
-  std::string source_;  ///< the parameter that errors point to
+  std::string source_;  ///< parameter at which errors are located
 };
 
-/// `own` followed by the rows of the parameter table that meshes share: face_normals.
+/// Returns `own` followed by the documentation of the parameter that meshes share: face_normals.
 std::vector<ParameterDoc> mesh_parameters(std::vector<ParameterDoc> own);
 
 }  // namespace aureole

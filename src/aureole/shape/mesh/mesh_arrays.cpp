@@ -8,7 +8,7 @@
 namespace aureole {
 namespace {
 
-/// Rows of `columns` finite numbers.
+/// Reads an array of n x `columns` finite numbers; null if absent.
 std::shared_ptr<const Array> rows(const Properties& p, const char* name, std::size_t columns) {
   const auto array = p.get_object<Array>(name);
   if (!array) return nullptr;
@@ -68,8 +68,7 @@ public:
 AUREOLE_PLUGIN(
     MeshOfArrays, "shape", "mesh",
     PluginDoc{
-        .summary = "A triangle mesh of arrays that a program gives; only in scenes made by one (Python's "
-                   "load_dict). Without "
+        .summary = "A triangle mesh from arrays, for scenes made by a program (Python's load_dict). Without "
                    "normals, they are computed from positions, weighted by angle.",
         .source = "Normals: Thuermer & Wuethrich 1998, \"Computing vertex normals from polygonal facets\".",
         .parameters =

@@ -27,7 +27,7 @@ Spectrum MeshAttribute::eval(const std::uint32_t* indices, const float* weights,
     for (int i = 0; i < count; ++i) sum += numbers_[indices[i]] * weights[i];
     return sum;
   }
-  // Spectra are interpolated, not coefficients, which mean nothing apart.
+  // Spectra are interpolated, since the coefficients of the upsampling model have no linear meaning.
   const Spectrum nm = UpsampledColor::model_range(w.nm);
   Spectrum sum = 0.f;
   for (int i = 0; i < count; ++i) sum += colors_[indices[i]].eval(nm) * weights[i];
@@ -51,7 +51,7 @@ SampledSpectrum MeshAttribute::mean(const SpectralGrid& grid) const {
     for (const float v : numbers_) sum += v;
     return SampledSpectrum::constant(grid, size() ? float(sum / double(size())) : 0);
   }
-  // Some of the colours of large meshes, at 64 wavelengths.
+  // For large meshes a subset of the colours, at 64 wavelengths.
   constexpr std::size_t kMost = 1 << 14;
   constexpr int kNodes = 64;
   const std::size_t stride = std::max<std::size_t>(1, size() / kMost);

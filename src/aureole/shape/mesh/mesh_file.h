@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by the mesh readers: a file in memory, a scanner for numbers in text, errors that name the file.
+// Utilities of the mesh readers: a file in memory, a scanner for numbers in text, errors that name the file.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@
 
 namespace aureole {
 
-/// A mesh file in memory, from the parameter `filename`. A zero byte follows the last one.
+/// A mesh file in memory, from the parameter `filename`. A zero byte follows its last byte.
 class MeshFile {
 public:
   /// Reads the whole file; throws Error located at `filename`.
   explicit MeshFile(const Properties& properties) : MeshFile(properties, properties.get_file("filename")) {}
-  /// The same for a file that this one refers to.
+  /// Reads a file that the mesh file refers to; throws Error located at `filename`.
   MeshFile(const Properties& properties, std::filesystem::path path);
 
   const std::filesystem::path& path() const { return path_; }
@@ -27,9 +27,9 @@ public:
   const char* end() const { return bytes_.get() + size_; }
   std::size_t size() const { return size_; }
 
-  /// An Error located at the parameter `filename` that also names the file.
+  /// Returns an Error located at the parameter `filename` that also names the file.
   [[nodiscard]] Error error(const std::string& message) const;
-  /// The same with the line of the file that holds `at`.
+  /// Returns such an Error that also gives the line of the file that contains `at`.
   [[nodiscard]] Error error_at(const char* at, const std::string& message) const;
 
 private:
@@ -54,10 +54,10 @@ struct Scanner {
     skip_blanks();
     return at >= end;
   }
-  /// The next word, empty at the end.
+  /// Returns the next word, empty at the end.
   std::string_view word();
-  /// A number; false, and nothing consumed but blanks, where there is none. Infinities and NaN are numbers
-  /// here.
+  /// Reads a number. If there is none it returns false and consumes only blanks. Infinities and NaN are
+  /// numbers here.
   bool number(double& value);
   bool integer(long long& value);
 };

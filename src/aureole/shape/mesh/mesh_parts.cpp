@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Functions of Mesh on its whole data: attributes, and division into parts.
+// Functions of Mesh on its whole data: attributes, and the division into parts.
 #include "aureole/shape/mesh/mesh_parts.h"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ Spectrum Mesh::eval_attribute(const MeshAttribute& a, const SurfacePoint& point,
 Mesh::Mesh(const Properties& properties, PartOfShape part, MeshData data)
     : Shape(properties, part), data_(std::move(data)) {
   find_bounds();
-  data_.positions.push_back({});  // see build()
+  data_.positions.push_back({});  // padding; see build()
   find_planes();
 }
 
@@ -46,10 +46,10 @@ public:
   MeshPart(const Properties& properties, MeshData data) : Mesh(properties, PartOfShape{}, std::move(data)) {}
 };
 
-/// Copies values that a part of the triangles uses and counts them anew.
+/// Copies the values that a part of the triangles uses and renumbers them.
 class Compactor {
 public:
-  /// `used` must be at least as long as any list of values.
+  /// `values`: at least the length of any list of values.
   explicit Compactor(std::size_t values) : renamed_(values, kNone) {}
 
   template <class T>
@@ -100,7 +100,7 @@ std::vector<ShapePtr> split_mesh(const Properties& properties, const MeshData& d
     if (!data.uvs.empty())
       compactor.copy(data.uvs, uvs_by_position ? data.triangles : data.uv_triangles, part, d.uvs,
                      d.uv_triangles);
-    // In the same order as the positions.
+    // Values copied with the positions have their order and need no indices of their own.
     if (normals_by_position) d.normal_triangles = {};
     if (uvs_by_position) d.uv_triangles = {};
     d.positions.reserve(d.positions.size() + 1);

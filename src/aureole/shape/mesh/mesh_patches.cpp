@@ -12,15 +12,16 @@ namespace aureole {
 
 namespace {
 
-/// Half of an edge shared by two triangles: the vertices (equal positions count as one), the triangle, the
-/// corner opposite.
+/// One triangle's half of an edge shared by two triangles: its vertices (equal positions count as one), the
+/// triangle and the opposite corner.
 struct HalfEdge {
   std::uint32_t from, to, triangle;
   std::uint8_t apex;
   std::uint64_t key() const { return std::uint64_t(std::min(from, to)) << 32 | std::max(from, to); }
 };
 
-/// For every vertex the first one at the same position: readers split vertices where attributes differ.
+/// Returns for every vertex the first one at the same position, since readers split vertices where attributes
+/// differ.
 std::vector<std::uint32_t> first_at_position(std::span<const Vec3> positions) {
   std::vector<std::uint32_t> order(positions.size()), first(positions.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -38,7 +39,7 @@ std::vector<std::uint32_t> first_at_position(std::span<const Vec3> positions) {
 
 enum class Figure { none, parallelogram, rectangle };
 
-/// The figure formed by two triangles with corners a, p, q and b, q, p.
+/// Classifies the figure formed by two triangles with corners a, p, q and b, q, p.
 Figure figure(const Vec3& a, const Vec3& p, const Vec3& q, const Vec3& b) {
   const Double3 ex = Double3(p) - Double3(a), ey = Double3(q) - Double3(a);
   const Double3 gap = Double3(b) - (Double3(a) + ex + ey);
@@ -90,7 +91,7 @@ MeshPatches MeshPatches::build(std::span<const Vec3> positions, std::span<const 
   MeshPatches result;
   std::vector<MeshPatch> partner(triangles.size());
   std::vector<bool> paired(triangles.size(), false);
-  // Rectangles first: they have the better sampling.
+  // Rectangles first, since they are sampled better.
   for (const Figure wanted : {Figure::rectangle, Figure::parallelogram})
     for (std::size_t i = 0; i + 1 < edges.size(); ++i) {
       const HalfEdge &e = edges[i], &f = edges[i + 1];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The patches of a mesh, sampled from a point.
+// Sampling of a mesh's patches from a reference point.
 #include <limits>
 #include <mutex>
 
@@ -12,31 +12,31 @@ namespace aureole {
 
 namespace {
 
-/// The place (x, y) of a point uniform over the area of a triangle.
+/// Samples coordinates (x, y) uniformly over the area of a triangle.
 Vec2 sample_triangle_area(Vec2 u) {
   const float s = std::sqrt(u.x);
   return {u.y * s, (1 - u.y) * s};
 }
 
-/// A point of a triangle by its barycentrics of vertices 1 and 2.
+/// A point on a triangle by its barycentrics of vertices 1 and 2.
 struct TrianglePoint {
   std::uint32_t triangle;
   Vec2 barycentric;
 };
 
-/// The triangle of the patch that holds the place, and the point in it.
+/// Returns the triangle of the patch that contains the coordinates `at`, and the point in it.
 TrianglePoint triangle_point(const MeshPatch& patch, Vec2 at) {
   float b[3];
   const bool far = patch.is_pair() && at.x + at.y > 1;
   const int k = patch.apex[far];
-  if (far)  // the second triangle has the shared edge the other way around
+  if (far)  // the second triangle traverses the shared edge in the opposite direction
     b[(k + 1) % 3] = 1 - at.x, b[(k + 2) % 3] = 1 - at.y, b[k] = at.x + at.y - 1;
   else
     b[(k + 1) % 3] = at.x, b[(k + 2) % 3] = at.y, b[k] = 1 - at.x - at.y;
   return {patch.triangle[far], {b[1], b[2]}};
 }
 
-/// The place of the point with these barycentrics in one of the patch's triangles.
+/// Returns the patch coordinates of a point with these barycentrics in one of the patch's triangles.
 Vec2 place_of(const MeshPatch& patch, int which, Vec2 barycentric) {
   const float b[3] = {1 - barycentric.x - barycentric.y, barycentric.x, barycentric.y};
   const int k = patch.apex[which];
@@ -71,10 +71,10 @@ public:
 
 private:
   void add_plane_error(MeshPatch& patch) const;
-  /// `made` holds the patch where there is no table of them.
+  /// Returns the patch; `made` stores it if there is no table of patches.
   const MeshPatch& patch(std::size_t index, MeshPatch& made) const;
   PatchView view(const Vec3& reference, const MeshPatch& patch) const;
-  /// A point of a patch as seen from somewhere; pdf is 0 where there is none.
+  /// A point of a patch, sampled from a reference point; pdf is 0 if there is none.
   struct PatchSample {
     Vec2 at;
     Vec3 p;
@@ -84,9 +84,9 @@ private:
   ShapeSample shape_sample(const MeshPatch& patch, Vec2 at, const Vec3& p, float pdf) const;
 
   const Mesh& mesh_;
-  MeshPatches patches_;  ///< empty where every triangle is a patch
+  MeshPatches patches_;  ///< empty if every triangle is a patch
   mutable std::once_flag uv_once_;
-  mutable std::optional<UvIndex> uv_index_;  ///< made where points are asked for by texture coordinates
+  mutable std::optional<UvIndex> uv_index_;  ///< made on demand, for lookups by texture coordinates
 };
 
 std::shared_ptr<const AreaSampler> Mesh::make_area_sampler(AreaUse use) const {
@@ -97,7 +97,7 @@ std::shared_ptr<const AreaSampler> Mesh::make_area_sampler(AreaUse use) const {
 
 MeshSampler::MeshSampler(const Mesh& mesh, AreaUse use) : mesh_(mesh) {
   if (use != AreaUse::emitter) return;
-  // Without the position that only keeps reads inside (see Mesh::build).
+  // Leaves out the last position, which only keeps reads in range (see Mesh::build).
   const std::span<const Vec3> positions(mesh.data_.positions);
   patches_ = MeshPatches::build(positions.first(positions.size() - 1), mesh.data_.triangles);
   for (MeshPatch& patch : patches_.patches) add_plane_error(patch);
@@ -156,7 +156,7 @@ MeshSampler::PatchSample MeshSampler::sample_visible(const Vec3& reference, cons
     if (p.is_rectangle) {
       s.at = sample_spherical_rectangle(reference, p.origin, p.along_x, p.along_y, u);
     } else {
-      // One of the triangles in proportion to its solid angle: uniform over both.
+      // Choosing a triangle in proportion to its solid angle makes the density uniform over both.
       const double split = seen.solid_angle[0] / seen.total();
       const int which = p.is_pair() && u.x >= split;
       const double rescaled = which ? (u.x - split) / (1 - split) : u.x / split;

@@ -11,10 +11,10 @@ namespace aureole {
 
 namespace {
 
-/// The file name after the options of a map statement ("-s 2 2 1 -bm 0.1 name.png"), which may contain
-/// blanks.
+/// Returns the file name after the options of a map statement ("-s 2 2 1 -bm 0.1 name.png"). The name may
+/// contain blanks.
 std::filesystem::path map_file(Scanner& s, const std::filesystem::path& folder) {
-  // The greatest number of arguments of each option, all numbers but for those of -imfchan, -clamp, ...
+  // The maximum number of arguments of each option, all numbers except for -imfchan, -clamp, ...
   static const std::map<std::string, int, std::less<>> kOptions = {
       {"-blendu", 1}, {"-blendv", 1}, {"-boost", 1}, {"-mm", 2},   {"-o", 3},       {"-s", 3}, {"-t", 3},
       {"-texres", 1}, {"-clamp", 1},  {"-bm", 1},    {"-type", 1}, {"-imfchan", 1}, {"-cc", 1}};
@@ -41,7 +41,7 @@ std::filesystem::path map_file(Scanner& s, const std::filesystem::path& folder) 
   return name.empty() ? std::filesystem::path() : folder / name;
 }
 
-/// One or three numbers in [0, 1]; false where there are none.
+/// Reads one or three numbers in [0, 1]; returns false if there are none.
 bool color(Scanner& s, std::array<double, 3>& c) {
   double v[3];
   if (!s.number(v[0])) return false;
@@ -60,7 +60,7 @@ SpectrumLiteral rgb(const std::array<double, 3>& c) {
   return s;
 }
 
-/// The picture as a texture, or null, with a note, where it cannot be read.
+/// Returns the picture as a texture, or null, with a note, if it cannot be read.
 ObjectPtr picture(const Properties& owner, const std::string& material, const std::filesystem::path& file,
                   bool raw) {
   try {
@@ -96,7 +96,7 @@ std::map<std::string, MtlMaterial> read_mtl(const MeshFile& file) {
       else if (keyword == "Ns")
         good = s.number(m->exponent) && m->exponent >= 0 && std::isfinite(m->exponent);
       else if (keyword == "d" || keyword == "Tr") {
-        // Some programs write the same number for d and Tr, though Tr = 1 - d: if both are given, d counts.
+        // Some programs write one number for both d and Tr, though Tr = 1 - d. If both are given, d is used.
         good = s.number(v) && v >= 0 && v <= 1;
         if (good && (keyword == "d" || !m->has_d)) m->opacity = keyword == "d" ? v : 1 - v;
         m->has_d |= keyword == "d";
@@ -114,7 +114,7 @@ std::map<std::string, MtlMaterial> read_mtl(const MeshFile& file) {
       } else if (keyword.starts_with("map_") || keyword == "bump" || keyword == "disp" || keyword == "norm" ||
                  keyword == "refl")
         m->ignored += (m->ignored.empty() ? "" : ", ") + keyword;
-      // Ka, Ni, Tf, sharpness and the like have no counterpart that matters.
+      // Ka, Ni, Tf, sharpness and similar statements have no counterpart.
       if (!good) throw file.error_at(at, "the value of " + keyword + " is not valid");
     }
     at = newline ? newline + 1 : file.end();
@@ -140,7 +140,7 @@ BsdfPtr bsdf_of_mtl(const std::string& name, const MtlMaterial& m, const Propert
                          {{"diffuse_reflectance", diffuse},
                           {"specular_reflectance", rgb(m.specular)},
                           {"exponent", m.exponent}});
-      // Beckmann's distribution comes nearest to cos^n for this roughness.
+      // With this roughness, Beckmann's distribution approximates cos^n best.
       if (!bsdf)
         bsdf = make_object(
             owner, "bsdf", "roughplastic",
@@ -156,7 +156,7 @@ BsdfPtr bsdf_of_mtl(const std::string& name, const MtlMaterial& m, const Propert
     note(problem.message() + "; Kd is used instead of the picture");
     bsdf = make_object(owner, "bsdf", "diffuse", {{"reflectance", rgb(m.diffuse)}});
   }
-  // Such files do not say which side is the front.
+  // The file format does not define the front side.
   bsdf = make_object(owner, "bsdf", "twosided", {{"", bsdf}});
 
   ObjectPtr opacity;

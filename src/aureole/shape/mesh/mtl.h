@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Materials of OBJ files: read from .mtl files and made into BSDFs.
+// Materials of OBJ files: reads .mtl files and converts their materials to BSDFs.
 #pragma once
 
 #include <array>
@@ -29,10 +29,10 @@ struct MtlMaterial {
 
 using MtlLibrary = std::map<std::string, MtlMaterial>;
 
-/// The materials of a file by name. Throws Error if the file is not a material library.
+/// Returns the materials of a file by name. Throws Error if the file is not a material library.
 MtlLibrary read_mtl(const MeshFile& file);
 
-/// The nearest BSDF. Notes about ignored statements are located at `filename` of `owner`.
+/// Returns the closest BSDF. Notes about ignored statements are located at `filename` of `owner`.
 BsdfPtr bsdf_of_mtl(const std::string& name, const MtlMaterial& material, const Properties& owner);
 
 }  // namespace aureole

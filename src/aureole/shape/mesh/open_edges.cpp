@@ -8,7 +8,7 @@
 namespace aureole {
 
 std::size_t count_open_edges(std::span<const Mesh* const> meshes) {
-  // Corners, sorted by position, get the number of their position.
+  // Corners, sorted by position, get the index of their position.
   std::vector<std::pair<Vec3, std::uint32_t>> corners;
   for (const Mesh* mesh : meshes)
     for (const TriangleIndices& t : mesh->data().triangles)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gaps of meshes.
+// Open edges of meshes.
 #pragma once
 
 #include <span>
@@ -9,8 +9,9 @@
 
 namespace aureole {
 
-/// The edges that an odd number of triangles share, of several meshes together. Vertices at one position are one:
-/// seams of texture coordinates and normals are no gaps, nor are borders between parts of a mesh.
+/// Counts the edges that belong to an odd number of triangles, in several meshes together. Vertices at equal
+/// positions count as one, so that seams of texture coordinates and normals, and borders between parts, are
+/// not open edges.
 std::size_t count_open_edges(std::span<const Mesh* const> meshes);
 
 /// "3 edges belong to one triangle alone", or an empty string for 0.

@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kSequences[] = {"xyzw", "rgba", "0123", "1234"};
 constexpr std::size_t kColors = 1;
 
-/// "NAME_c" as NAME and c; an empty name where the property is not of this form.
+/// Splits "NAME_c" into NAME and c; the name is empty if the property is not of this form.
 std::pair<std::string, char> split(const Property& p) {
   const std::size_t n = p.name.size();
   if (p.is_list || n < 3 || p.name[n - 2] != '_') return {};

@@ -29,10 +29,10 @@ struct Element {
   std::size_t count = 0;
   std::vector<Property> properties;
 
-  /// Index of a property, or -1.
+  /// Returns the index of a property, or -1.
   int find(std::string_view property) const;
   bool has_lists() const;
-  /// Bytes of one record, a list counted as empty.
+  /// Returns the number of bytes of one record with empty lists.
   std::size_t least_bytes() const;
 };
 
@@ -44,7 +44,7 @@ struct Header {
   const char* body = nullptr;  ///< the first byte after the header
 };
 
-/// Throws Error that names the line.
+/// Throws an Error that names the line.
 Header read_header(const MeshFile& file);
 
 }  // namespace aureole::ply

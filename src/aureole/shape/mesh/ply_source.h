@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The body of a PLY file as a sequence of values, in text or in binary of either byte order.
+// Reads the body of a PLY file as a sequence of values, in text or in binary of either byte order.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace aureole::ply {
 
-/// Takes values from the body of the file, one after the other.
+/// Reads values from a text body, one after the other.
 class TextSource {
 public:
   TextSource(const MeshFile& file, const char* at) : file_(file), s_{at, file.end()} {}
@@ -21,7 +21,7 @@ public:
     if (!s_.number(v)) throw file_.error_at(s_.at, "expected a number");
     return v;
   }
-  /// A value takes a digit and a blank.
+  /// Upper bound: a value takes at least a digit and a blank.
   std::size_t values_left() const { return std::size_t(s_.end - s_.at) / 2 + 1; }
   void require(std::size_t) {}
   bool finished() {
@@ -64,7 +64,7 @@ public:
     return 0;
   }
   std::size_t values_left() const { return std::size_t(end_ - at_); }
-  /// The next `bytes` bytes can be taken without further checks.
+  /// Throws unless `bytes` more bytes are available, so that they need no further checks.
   void require(std::size_t bytes) {
     if (std::size_t(end_ - at_) < bytes) throw file_.error("the file is truncated");
   }

@@ -17,7 +17,7 @@ UvIndex::UvIndex(std::vector<Triangle> triangles) : triangles_(std::move(triangl
     if (!(u1 >= 0 && u0 <= 1 && v1 >= 0 && v0 <= 1)) return {0, -1, 0, -1};
     return {cell_of(u0), cell_of(u1), cell_of(v0), cell_of(v1)};
   };
-  // Where pictures are repeated over a mesh, triangles cover many cells: these become larger.
+  // Where pictures repeat over a mesh, triangles cover many cells, so larger cells are used.
   const auto entries = [&] {
     double sum = 0;
     for (const Triangle& t : triangles_) {
@@ -35,7 +35,7 @@ UvIndex::UvIndex(std::vector<Triangle> triangles) : triangles_(std::move(triangl
     for (int y = c.y0; y <= c.y1; ++y)
       for (int x = c.x0; x <= c.x1; ++x) use(size_t(y) * size_t(side_) + size_t(x));
   };
-  // Counting sort: the counts become ends, and filling from the back makes them beginnings.
+  // Counting sort: the counts become ends, and filling backward turns them into starts.
   for (const Triangle& t : triangles_) for_each_cell(t, [&](size_t cell) { ++begin_[cell]; });
   std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
   in_cells_.resize(begin_.back());

@@ -9,9 +9,9 @@ namespace aureole {
 
 namespace {
 
-/// Where the squared diameter is below this share of the squared distance, uniform area is nearly as good.
+/// Squared diameter over squared distance below which uniform area sampling is nearly as good.
 constexpr double kFar = 0.1;
-/// Below this solid angle [sr], and nearer to the plane than this many radii, the cone loses its digits.
+/// Below this solid angle [sr], or closer to the plane than this many radii, the cone loses its precision.
 constexpr double kSmallArea = 1e-6, kInPlane = 1e-6;
 
 }  // namespace
@@ -28,7 +28,7 @@ DiscView DiscView::of(const Double3& reference, const Double3& center, const Dou
   const double h = dot(from_center, n);
   if (!(h > kInPlane * radius) || 4 * radius * radius < kFar * dot(from_center, from_center)) return view;
 
-  // In the plane of symmetry, through the reference point and across the disc: coordinates (outward, down).
+  // In the plane of symmetry through the reference point: coordinates (outward, down).
   const Double3 foot = from_center - n * h;
   const double l = length(foot);
   Double3 outward, across;
@@ -37,10 +37,10 @@ DiscView DiscView::of(const Double3& reference, const Double3& center, const Dou
   const double near = std::hypot(radius - l, h), far = std::hypot(radius + l, h);
   const double near_x = (radius - l) / near, near_y = h / near, far_x = -(radius + l) / far, far_y = h / far;
   const double sum = std::hypot(near_x + far_x, near_y + far_y);
-  // The axis bisects the directions to the two ends.
+  // The axis bisects the directions to the two extreme points of the rim.
   const double axis_x = (near_x + far_x) / sum, axis_y = (near_y + far_y) / sum;
   const double cos_x = sum / 2, sin_x = std::hypot(near_x - far_x, near_y - far_y) / 2;
-  // The chord across, through the point where the axis meets the disc.
+  // The perpendicular chord through the point where the axis intersects the disc.
   const double off_center = l + h * axis_x / axis_y, distance = h / axis_y;
   const double half_chord2 = (radius - off_center) * (radius + off_center);
   if (!(half_chord2 > 0)) return view;
@@ -61,11 +61,11 @@ DiscView DiscView::of(const Double3& reference, const Double3& center, const Dou
 
 DiscView::Rim DiscView::rim(double cos_phi, double sin_phi) const {
   const double c2 = cos_phi * cos_phi, s2 = sin_phi * sin_phi;
-  // tan^2 of the polar angle is 1 / q; 1 - cos of it without cancellation.
+  // tan^2 of the polar angle is 1 / q; 1 - cos follows without cancellation.
   const double q = c2 * cot2_x_ + s2 * cot2_y_;
   const double cosine = std::sqrt(q / (1 + q));
   const double one_minus_cos = 1 / ((1 + q) * (1 + cosine));
-  // Of the azimuth: r^2 / (2 pi a b), r the radius of the projected ellipse.
+  // Density of the azimuth: r^2 / (2 pi a b), with the radius r of the projected ellipse.
   const double azimuth = a_ * b_ / (2 * kPiD * (c2 * b_ * b_ + s2 * a_ * a_));
   return {one_minus_cos, azimuth / one_minus_cos};
 }

@@ -9,12 +9,12 @@ namespace aureole {
 
 namespace {
 
-/// Below this solid angle [sr] (an edge-on patch) the spherical constructions lose their digits.
+/// Below this solid angle [sr] (an edge-on patch) the spherical constructions lose their precision.
 constexpr double kSmallSolidAngle = 3e-4;
-/// A reference point this close [sr] to seeing a full hemisphere lies on the patch, to within rounding.
+/// A reference point this close [sr] to a solid angle of a hemisphere lies on the patch, to within rounding.
 constexpr double kHemisphere = 2 * kPiD - 1e-6;
 
-/// The angle between two vectors, accurate for all angles.
+/// Returns the angle between two vectors, accurate for all angles.
 double angle_between(const Double3& a, const Double3& b) {
   return std::atan2(length(cross(a, b)), dot(a, b));
 }
@@ -25,7 +25,7 @@ double triangle_solid_angle(const Vec3& reference, const TriangleCorners& corner
   const Double3 o(reference), a = Double3(corners[0]) - o, b = Double3(corners[1]) - o,
                               c = Double3(corners[2]) - o;
   const double la = length(a), lb = length(b), lc = length(c);
-  // a . (b x c) from differences: no cancellation for a small, far triangle.
+  // a . (b x c) from differences, without cancellation for a small, distant triangle.
   const double determinant = dot(a, cross(b - a, c - a));
   const double denominator = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
   return 2 * std::atan2(std::abs(determinant), denominator);
@@ -38,7 +38,7 @@ Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& cor
                 e2 = Double3(corners[2]) - Double3(corners[0]);
   const Double3 a = normalize(to0), b = normalize(to0 + e1), c = normalize(to0 + e2);
 
-  // Arvo's names: alpha is the angle at a, cos_c the cosine of side ab.
+  // Arvo's notation: alpha is the angle at a, cos_c the cosine of side ab.
   const double alpha = angle_between(cross(a, b), cross(a, c));
   const double cos_alpha = std::cos(alpha), sin_alpha = std::sin(alpha), cos_c = dot(a, b);
   const double part = u.x * solid_angle;  // area of the sub-triangle that ends on side ac
@@ -50,7 +50,7 @@ Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& cor
   const Double3 side = normalize(c - a * dot(a, c));
   const Double3 c_hat = a * cos_b + side * std::sqrt(std::max(0.0, 1 - cos_b * cos_b));
 
-  // Along the arc from b to c_hat, by 1 - cos so that a small triangle keeps its digits.
+  // Along the arc from b to c_hat, by 1 - cos so that a small triangle stays accurate.
   const Double3 chord = c_hat - b;
   const double one_minus_z = u.y * 0.5 * dot(chord, chord);
   const Double3 across = c_hat - b * dot(b, c_hat);
@@ -58,7 +58,7 @@ Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& cor
   const double sin_z = std::sqrt(std::max(0.0, one_minus_z * (2 - one_minus_z)));
   const Double3 d = across_length > 0 ? b * (1 - one_minus_z) + across * (sin_z / across_length) : b;
 
-  // Where d meets the plane: d k = to0 + b1 e1 + b2 e2 (Cramer's rule).
+  // The intersection of d with the plane: d k = to0 + b1 e1 + b2 e2 (Cramer's rule).
   const Double3 m = cross(d, e2);
   const double determinant = dot(e1, m);
   double b1 = -dot(to0, m) / determinant;
@@ -81,8 +81,8 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
   const double x0 = dot(from, x), y0 = dot(from, y), x1 = x0 + width, y1 = y0 + height;
 
   // The planes through the reference point and the edges y = y0, x = x1, y = y1, x = x0 have the normals (0,
-  // z0, -y0), (-z0, 0, x1), (0, -z0, y1), (z0, 0, -x0) up to length; the cosines of the angles between
-  // neighbours come from their z alone.
+  // z0, -y0), (-z0, 0, x1), (0, -z0, y1), (z0, 0, -x0) up to length. The cosines of the angles between
+  // neighbours depend only on their z.
   const auto inverse_hypot = [](double p, double q) { return 1 / std::sqrt(p * p + q * q); };
   const double b0 = -y0 * inverse_hypot(z0, y0), b1 = y1 * inverse_hypot(z0, y1);
   const double c0 = -x0 * inverse_hypot(z0, x0), c1 = x1 * inverse_hypot(z0, x1);
@@ -90,7 +90,7 @@ Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const
   const double g0 = inner(b0, c1), g1 = inner(c1, b1), g2 = inner(b1, c0), g3 = inner(c0, b0);
   const double k = 2 * kPiD - g2 - g3, solid_angle = g0 + g1 - k;
 
-  // Column: cosine of the angle whose left part has the share u.x.
+  // Column: cosine of the angle that bounds the fraction u.x of the solid angle.
   const double phi = u.x * solid_angle + k;
   const double f = (std::cos(phi) * b0 - b1) / std::sin(phi);
   const double cu = std::clamp(std::copysign(1 / std::sqrt(f * f + b0 * b0), f), -1.0, 1.0);

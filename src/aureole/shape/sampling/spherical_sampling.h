@@ -1,46 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sampling of plane figures by the solid angle they fill: free of the variance that distance and cosine give
-// to area sampling. All in double: the angles of a small spherical triangle sum to little more than pi.
+// Sampling of plane figures by solid angle, without the variance that distance and cosine cause in area
+// sampling. All in double precision: the angles of a small spherical triangle sum to little more than pi.
 #pragma once
 
 #include "aureole/shape/mesh/mesh_patches.h"
 
 namespace aureole {
 
-/// Solid angle of a triangle (van Oosterom & Strackee 1983, "The solid angle of a plane triangle", eq. 8),
-/// unsigned.
+/// Returns the unsigned solid angle of a triangle [sr] (van Oosterom & Strackee 1983, "The solid angle of a
+/// plane triangle", eq. 8).
 double triangle_solid_angle(const Vec3& reference, const TriangleCorners& corners);
 
-/// Barycentrics (b1, b2) of a point chosen uniformly in the solid angle of a triangle (Arvo 1995, "Stratified
-/// sampling of spherical triangles", section 3). `solid_angle` is that of `triangle_solid_angle`.
+/// Samples a point uniformly in the solid angle of a triangle; returns its barycentrics (b1, b2) (Arvo 1995,
+/// "Stratified sampling of spherical triangles", section 3). `solid_angle` comes from `triangle_solid_angle`.
 Vec2 sample_spherical_triangle(const Vec3& reference, const TriangleCorners& corners, double solid_angle,
                                Vec2 u);
 
-/// Coordinates in [0, 1]^2 along the edges of a rectangle of a point chosen uniformly in its solid angle
-/// (Ureña, Fajardo & King 2013, "An area-preserving parametrization for spherical rectangles", section 4).
+/// Samples a point uniformly in the solid angle of a rectangle; returns its coordinates in [0, 1]^2 along the
+/// edges (Ureña, Fajardo & King 2013, "An area-preserving parametrization for spherical rectangles", section
+/// 4).
 Vec2 sample_spherical_rectangle(const Vec3& reference, const Vec3& corner, const Vec3& along_x,
                                 const Vec3& along_y, Vec2 u);
 
-/// Density of uniform sampling of an area, as solid angle seen from `reference` [1/sr]; 0 where it is seen
-/// edge-on.
+/// Returns the pdf of uniform area sampling, converted to solid angle from `reference` [1/sr]; 0 if the area
+/// is edge-on.
 inline float area_sampling_pdf(const Vec3& reference, const Vec3& p, const Vec3& ng, float area) {
   const Vec3 w = p - reference;
   const float distance_squared = dot(w, w), distance = std::sqrt(distance_squared),
               projected = std::abs(dot(w, ng));
-  // The normal is rounded to float: anything below is edge-on.
+  // The normal is rounded to float: smaller cosines count as edge-on.
   if (!(projected > 1e-7f * distance) || !(area > 0)) return 0;
   return distance_squared * distance / (projected * area);
 }
 
-/// How a patch is sampled from a reference point, decided from the two alone so that sampling and density
-/// agree.
+/// The technique by which a patch is sampled from a reference point. It depends on these two alone, so that
+/// sampling and pdf agree.
 struct PatchView {
   enum class Technique { none, area, solid_angle };
   Technique technique = Technique::none;
-  double solid_angle[2] = {0, 0};  ///< of each triangle
+  double solid_angle[2] = {0, 0};  ///< solid angle of each triangle
 
   double total() const { return solid_angle[0] + solid_angle[1]; }
-  /// Far away uniform area and uniform solid angle differ little, and area sampling costs a sixth.
+  /// Whether the patch is so distant that uniform area and uniform solid angle differ little; area sampling
+  /// costs a sixth.
   static bool is_far(const Vec3& reference, const MeshPatch& patch) {
     return patch.longest_squared < kFar * length_squared(patch.center - reference);
   }

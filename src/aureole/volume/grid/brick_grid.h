@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // `BrickGrid`: values on a regular grid, stored in bricks of 8 x 8 x 8 voxels. Each brick repeats the first
-// layer of its neighbours, so that the eight corners of an interpolation lie in one brick at fixed distances;
-// the borders repeat what lies beyond them. A look-up has no branches. Bricks that hold one value throughout
-// are stored once per value: the empty part of a sparse grid takes four bytes for 512 voxels. Against a plain
-// array look-ups take a fifth longer at 128^3 voxels and a tenth less at 256^3 (bench/volume_bench.cpp).
+// layer of its neighbours, so that the eight corners of an interpolation are in one brick at fixed offsets.
+// Border bricks repeat the values beyond the border, so that lookups have no branches. Bricks of one value
+// are stored once per value: an empty part of a sparse grid takes four bytes per 512 voxels. Compared with a
+// plain array, lookups take a fifth longer at 128^3 voxels and a tenth less at 256^3
+// (bench/volume_bench.cpp).
 #pragma once
 
 #include <algorithm>
@@ -26,9 +27,9 @@ public:
 
   BrickGrid() = default;
 
-  /// `fetch(x, y, z)` gives the value of a voxel inside the grid; `uniform(lower, upper)` the value of all
-  /// voxels in [lower, upper] where it knows that there is one, else nothing. Beyond its borders the grid is
-  /// repeated, or each border goes on. Throws Error where the bricks would not fit into an index of 32 bits.
+  /// `fetch(x, y, z)` returns the value of a voxel inside the grid. `uniform(lower, upper)` returns the value
+  /// of all voxels in [lower, upper] if they are known to be equal, else nothing. Beyond its borders the grid
+  /// is repeated, or its border values continue. Throws Error if the bricks exceed an index of 32 bits.
   template <class Fetch, class Uniform>
   BrickGrid(const std::array<int, 3>& size, bool repeat, const Fetch& fetch, const Uniform& uniform)
       : size_(size), repeat_(repeat) {
@@ -57,7 +58,8 @@ public:
     return values_.size() * sizeof(T) + index_.size() * sizeof(std::uint32_t);
   }
 
-  /// The value of a voxel in [-1, size - 1]; those of its upper neighbours lie at 1, stride_y() and stride_z().
+  /// Returns the value of a voxel in [-1, size - 1]; its upper neighbours are at offsets 1, stride_y() and
+  /// stride_z().
   const T* corner(int x, int y, int z) const {
     const unsigned sx = unsigned(x + 1), sy = unsigned(y + 1), sz = unsigned(z + 1);
     const std::size_t brick =
@@ -69,8 +71,8 @@ public:
   std::ptrdiff_t stride_y() const { return stride_y_; }
   std::ptrdiff_t stride_z() const { return stride_z_; }
 
-  /// Calls visit(value) for the values of the voxels from spans[i][0] to spans[i][1] along each axis, which lie
-  /// in [-1, size], those in a brick with one value only once.
+  /// Calls visit(value) for the values of the voxels from spans[i][0] to spans[i][1] along each axis, within
+  /// [-1, size]. A brick with one value is visited once.
   template <class Visit>
   void for_each_in(const std::array<std::array<int, 2>, 3>& spans, const Visit& visit) const {
     std::array<int, 3> first, last, at;
@@ -84,7 +86,7 @@ public:
           std::array<int, 3> from, to;
           for (std::size_t i = 0; i < 3; ++i) {
             from[i] = std::max(spans[i][0], at[i] * kEdge - 1);
-            // Voxels of the last brick's border belong to it alone.
+            // Voxels on the last brick's border belong to that brick alone.
             to[i] = at[i] == last[i] ? spans[i][1] : at[i] * kEdge + kEdge - 2;
           }
           const T* v = values_.data() + std::size_t(index_[brick_number(at)]) * brick_size_;
@@ -100,7 +102,7 @@ public:
         }
   }
 
-  /// Calls visit(value) for values that include all that are stored.
+  /// Calls visit(value) for all stored values; copies of border voxels are included.
   template <class Visit>
   void for_each(const Visit& visit) const {
     for (const T& v : values_) visit(v);
@@ -113,7 +115,7 @@ private:
   template <class Fetch, class Uniform>
   void add_brick(const std::array<int, 3>& at, const Fetch& fetch, const Uniform& uniform,
                  std::vector<T>& brick) {
-    std::array<int, 3> from, to;  // without the wrapping
+    std::array<int, 3> from, to;  // range without wrapping
     bool inside = true;
     for (std::size_t i = 0; i < 3; ++i) {
       from[i] = at[i] * kEdge - 1, to[i] = std::min(from[i] + extent_[i] - 1, size_[i]);
@@ -136,7 +138,7 @@ private:
           std::find_if(known_.begin(), known_.end(), [&](const auto& k) { return k.first == *one; });
       if (known != known_.end()) {
         index_.push_back(known->second);
-        std::swap(*known, known_.front());  // its neighbours are likely to have the same
+        std::swap(*known, known_.front());  // its neighbours probably have this value, too
         return;
       }
       std::fill(brick.begin(), brick.end(), *one);
@@ -148,7 +150,7 @@ private:
     values_.insert(values_.end(), brick.begin(), brick.end());
   }
 
-  /// The voxel inside the grid that stands for one at or beyond its border.
+  /// Returns the voxel inside the grid that replaces a voxel at or beyond its border.
   int wrapped(int i, std::size_t axis) const {
     const int n = size_[axis];
     if (repeat_) return i < 0 ? n - 1 : i % n;
@@ -160,14 +162,14 @@ private:
   }
 
   std::array<int, 3> size_{}, bricks_{};
-  std::array<int, 3> extent_{};  ///< of a brick: kEdge + 1, or less in a grid of one brick
+  std::array<int, 3> extent_{};  ///< size of a brick: kEdge + 1, or less in a grid of one brick
   bool repeat_ = false;
   int stride_y_ = 0, stride_z_ = 0;
   std::size_t brick_size_ = 0;
-  std::vector<std::uint32_t> index_;                ///< of the brick at each place
-  std::vector<T> values_;                           ///< of the bricks
-  std::vector<bool> is_uniform_;                    ///< of a brick
-  std::vector<std::pair<T, std::uint32_t>> known_;  ///< bricks with one value
+  std::vector<std::uint32_t> index_;                ///< index of each brick's values
+  std::vector<T> values_;                           ///< values of all stored bricks
+  std::vector<bool> is_uniform_;                    ///< whether a stored brick has one value
+  std::vector<std::pair<T, std::uint32_t>> known_;  ///< stored bricks with one value
 };
 
 }  // namespace aureole

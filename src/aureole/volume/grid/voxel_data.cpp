@@ -88,7 +88,8 @@ VoxelData read_vol(const std::filesystem::path& file) {
   for (std::size_t i = 0; i < 3; ++i)
     data.size[i] = h.size[i], data.lower[i] = double(h.box[i]), data.upper[i] = double(h.box[3 + i]);
   data.channels = h.channels;
-  // Compared with the size of the file before memory is taken: a damaged header may claim any number.
+  // Compared with the size of the file before memory is allocated, since a damaged header may claim any
+  // number.
   const std::uint64_t count = std::uint64_t(h.size[0]) * std::uint64_t(h.size[1]) * std::uint64_t(h.size[2]);
   const std::uint64_t bytes_per_voxel = bytes_per_number(h.encoding) * std::uint64_t(h.channels);
   const std::uint64_t present = file_bytes - sizeof h;

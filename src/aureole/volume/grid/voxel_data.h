@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `VoxelData`: the numbers of a dense grid as a file or a program gives them.
+// `VoxelData`: the numbers of a dense grid, read from a file or given by a program.
 #pragma once
 
 #include <array>
@@ -13,11 +13,11 @@
 namespace aureole {
 
 struct VoxelData {
-  std::array<int, 3> size{};             ///< voxels along x, y, z
-  int channels = 1;                      ///< numbers of a voxel
-  std::array<double, 3> lower{0, 0, 0};  ///< the box that the voxels fill, in the coordinates of the file
+  std::array<int, 3> size{};             ///< number of voxels along x, y, z
+  int channels = 1;                      ///< numbers per voxel
+  std::array<double, 3> lower{0, 0, 0};  ///< the box that the voxels fill, in the file's coordinates
   std::array<double, 3> upper{1, 1, 1};
-  std::vector<float> values;  ///< channels of a voxel together, then x, then y, then z
+  std::vector<float> values;  ///< a voxel's channels are contiguous, then x, then y, then z
 
   std::size_t voxel(int x, int y, int z) const {
     return ((std::size_t(z) * std::size_t(size[1]) + std::size_t(y)) * std::size_t(size[0]) +
@@ -26,22 +26,22 @@ struct VoxelData {
   }
 };
 
-/// Mitsuba's format .vol: the letters VOL; the version 3 (a byte); then little-endian: the encoding (int32: 1 =
-/// float32, 2 = float16, 3 = a byte that stands for [0, 1]), the sizes along x, y and z (int32 each), the number
-/// of channels (int32), the box (six float32: its lower corner, its upper one) and the numbers, x fastest, of a
-/// voxel all channels together. Throws Error without a location.
+/// Reads Mitsuba's format .vol: the letters VOL; the version 3 (a byte); then little-endian: the encoding
+/// (int32: 1 = float32, 2 = float16, 3 = a byte that represents [0, 1]), the sizes along x, y and z (int32
+/// each), the number of channels (int32), the box (six float32: lower corner, upper corner) and the numbers,
+/// x fastest, with a voxel's channels contiguous. Throws Error without a location.
 VoxelData read_vol(const std::filesystem::path& file);
 
-/// An array of depth x height x width [x channels] numbers. Throws Error without a location.
+/// Converts an array of depth x height x width [x channels] numbers. Throws Error without a location.
 VoxelData voxels_of_array(const Array& array);
 
-/// Throws Error without a location where a number is not finite.
+/// Throws Error without a location if a number is not finite.
 void check_finite(const VoxelData& data);
 
-/// The grid that the file `filename` or, from a program, the array named `array` holds. All its numbers are
-/// finite; what is wrong is a located error.
+/// Reads the grid of the file `filename` or, given by a program, of the array `array`. All its numbers are
+/// finite. Errors are located.
 VoxelData read_voxels(const Properties& p, const char* array);
-/// The parameter that `read_voxels` took it from.
+/// Returns the parameter from which `read_voxels` took the grid.
 inline const char* voxels_parameter(const Properties& p, const char* array) {
   return p.has(array) ? array : "filename";
 }

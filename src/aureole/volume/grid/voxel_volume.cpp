@@ -9,7 +9,7 @@ namespace aureole {
 
 namespace {
 
-/// The largest value of a colour over all wavelengths.
+/// Returns the largest value of a colour over all wavelengths.
 float most_of(const UpsampledColor& c) { return c.range().second; }
 
 float interpolate(const float* v, std::ptrdiff_t sy, std::ptrdiff_t sz, float tx, float ty, float tz) {
@@ -22,8 +22,8 @@ float interpolate(const float* v, std::ptrdiff_t sy, std::ptrdiff_t sz, float tx
   return a + (along_y(v + sz) - a) * tz;
 }
 
-/// The spectra of eight colours, interpolated. Runs of one chromaticity are evaluated once: smoke has the same
-/// one everywhere.
+/// Interpolates the spectra of eight colours. Successive corners of one chromaticity are evaluated once,
+/// since smoke has a constant chromaticity.
 Spectrum interpolate(const UpsampledColor* v, std::ptrdiff_t sy, std::ptrdiff_t sz, float tx, float ty,
                      float tz, const Spectrum& nm) {
   Spectrum sum;
@@ -44,11 +44,12 @@ Spectrum interpolate(const UpsampledColor* v, std::ptrdiff_t sy, std::ptrdiff_t 
   return sum;
 }
 
-/// Parts of the range of wavelengths in which the envelope is constant.
+/// Wavelength intervals in which the envelope is constant.
 constexpr int kEnvelopeParts = 94;  // 5 nm
 constexpr float kPartNm = (SigmoidPolynomial::kMaxNm - SigmoidPolynomial::kMinNm) / kEnvelopeParts;
 
-/// The largest value of a sigmoid polynomial on an interval: it is monotonic, its argument a parabola.
+/// Returns the largest value of a sigmoid polynomial on an interval: the sigmoid is monotonic, its argument a
+/// parabola.
 float most_between(const SigmoidPolynomial& p, float from_nm, float to_nm) {
   float most = std::max(p.at(from_nm), p.at(to_nm));
   if (p.c0 != 0) {
@@ -73,10 +74,10 @@ VoxelFilter VoxelFilter::read(const Properties& p) {
 
 std::vector<ParameterDoc> VoxelFilter::rows() {
   return {{"filter_type", "string", "", "trilinear",
-           "between the centres of voxels: trilinear, or nearest for no interpolation"},
+           "interpolation between the centres of voxels: trilinear, or nearest for none"},
           {"wrap_mode", "string", "", "clamp",
-           "outside of the box: clamp to its faces, repeat, or mirror. A medium ends at the box of its "
-           "extinction all the same"}};
+           "outside the box: clamp to its faces, repeat, or mirror. A medium still ends at the box of its "
+           "extinction"}};
 }
 
 void VoxelVolume::set_size(const std::array<int, 3>& size) {
@@ -137,7 +138,7 @@ VoxelVolume::Place VoxelVolume::place(const Vec3& p) const {
     x = x > 0 ? std::min(x, n) : 0.f;  // NaN becomes 0
     if (!filter_.nearest) {
       x -= .5f;
-      // With `repeat` the halves of voxels at the borders lie between the last voxel and the first.
+      // With `repeat`, the outer halves of border voxels lie between the last voxel and the first.
       if (filter_.wrap != VoxelWrap::repeat) x = std::min(std::max(x, 0.f), n - 1);
     }
     const float floor = std::floor(x);
@@ -184,7 +185,7 @@ void VoxelVolume::eval_channels(const Vec3& p, float* out) const {
 template <class Value, class Grid>
 void VoxelVolume::bound_grid(const Grid& grid, const Value& value, const std::array<int, 3>& cells,
                              std::span<float> bounds) const {
-  // The voxels that a cell depends on, for each axis.
+  // The voxels on which a cell depends, for each axis.
   std::array<std::vector<std::array<int, 2>>, 3> spans;
   for (std::size_t i = 0; i < 3; ++i) {
     const int n = size_[i];
@@ -192,9 +193,9 @@ void VoxelVolume::bound_grid(const Grid& grid, const Value& value, const std::ar
     for (int c = 0; c < cells[i]; ++c) {
       const double from = double(n) * c / cells[i] - double(slip_[i]) - shift;
       const double to = double(n) * (c + 1) / cells[i] + double(slip_[i]) - shift;
-      // Beyond the borders there are only copies of the voxels at them, and with `repeat` those of the other
-      // side, which count for cells at either border.
-      // Clamped before the conversion: far from the origin rounding slips by more voxels than an int counts.
+      // Beyond the borders there are only copies of border voxels; with `repeat`, those of the other side
+      // count for cells at either border. Positions are clamped before the conversion: far from the origin,
+      // rounding errors may exceed the range of int.
       const double lower = std::clamp(std::floor(from), -1.0, n - 1.0);
       const double upper = std::clamp(std::floor(to) + (filter_.nearest ? 0 : 1), 0.0, double(n));
       spans[i].push_back({int(lower), int(upper)});
@@ -222,7 +223,7 @@ void VoxelVolume::bound(const std::array<int, 3>& cells, std::span<float> bounds
           grid, [](float v) { return v; }, cells, bounds);
   } else
     bound_grid(colors_, most_of, cells, bounds);
-  // Rounding of the interpolation.
+  // Margin for the rounding of the interpolation.
   constexpr float kRounding = 1e-6f;
   for (float& b : bounds) b *= 1 + kRounding;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `VoxelVolume`: a volume whose values lie on a regular grid, whatever file they come from.
+// `VoxelVolume`: a volume with values on a regular grid, from any file format.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,10 @@
 
 namespace aureole {
 
-/// The grid continued beyond its borders.
+/// Continuation of the grid beyond its borders.
 enum class VoxelWrap { clamp, repeat, mirror };
 
-/// How positions become values; the parameters filter_type and wrap_mode.
+/// Interpolation and continuation; the parameters filter_type and wrap_mode.
 struct VoxelFilter {
   bool nearest = false;
   VoxelWrap wrap = VoxelWrap::clamp;
@@ -25,9 +25,9 @@ struct VoxelFilter {
   static std::vector<ParameterDoc> rows();
 };
 
-/// Values in the box [0, 1]^3, of which the voxel (x, y, z) fills one of the size[0] * size[1] * size[2] equal
-/// parts; its value is that of its centre, between the centres it is interpolated linearly along each axis, or
-/// holds in the whole voxel. Colours become spectra voxel by voxel, and the spectra are interpolated.
+/// Values in the box [0, 1]^3, which size[0] * size[1] * size[2] equal voxels fill. The value of a voxel is
+/// that at its centre. Between centres it is interpolated linearly along each axis, or it is constant in each
+/// voxel. Colours become spectra voxel by voxel, and the spectra are interpolated.
 class VoxelVolume : public Volume {
 public:
   Spectrum eval(const Vec3& p, const Wavelengths& w) const final;
@@ -47,16 +47,16 @@ protected:
   using Numbers = BrickGrid<float>;
   using Colors = BrickGrid<UpsampledColor>;
 
-  /// Singular transforms must have been excluded.
+  /// `to_box` must be invertible.
   VoxelVolume(const Properties& properties, const Transform& to_box, const VoxelFilter& filter)
       : Volume(properties), to_box_(to_box), filter_(filter) {}
-  /// One grid for each number of a voxel: of one the value, of several numbers that are no colours.
+  /// Sets one grid per number of a voxel: one number is the value, several are numbers that are not colours.
   void set(std::vector<Numbers> numbers);
   void set(Colors colors);
   bool repeats() const { return filter_.wrap == VoxelWrap::repeat; }
 
 private:
-  /// A place in the grid: the lower corner of the eight voxels around it, and how far it is from there.
+  /// A position in the grid: the lower corner of the eight voxels around it, and the offset from there.
   struct Place {
     int x, y, z;
     float tx, ty, tz;
@@ -70,13 +70,13 @@ private:
   Transform to_box_;
   VoxelFilter filter_;
   std::array<int, 3> size_{};
-  float rows_[3][4];  ///< from the world to coordinates in voxels
-  float slip_[3];     ///< rounding of these coordinates inside the box
-  // One of the two is not empty.
+  float rows_[3][4];  ///< world space to coordinates in units of voxels
+  float slip_[3];     ///< rounding error of these coordinates inside the box
+  // Exactly one of the two is not empty.
   std::vector<Numbers> numbers_;
   Colors colors_;
   float minimum_ = 0, maximum_ = 0;
-  std::vector<float> envelope_;  ///< of colours, in equal parts of the range of wavelengths
+  std::vector<float> envelope_;  ///< of colours, in equal wavelength intervals
 };
 
 }  // namespace aureole

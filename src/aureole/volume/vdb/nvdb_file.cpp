@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// NanoVDB keeps a grid as one block of memory in which nodes point at one another by distances. Its own headers
-// trust them; here every distance is checked before it is followed, so that a damaged file is an error.
+// NanoVDB stores a grid as one block of memory in which nodes refer to each other by offsets. Its own headers
+// trust them; here every offset is checked before it is used, so that a damaged file is an error.
 #include <blosc.h>
 #include <fmt/format.h>
 #include <nanovdb/NanoVDB.h>
@@ -22,7 +22,7 @@ namespace {
 
 enum class Codec : std::uint16_t { none, zip, blosc };
 
-// The head of a segment of a file, and what it tells of each of its grids.
+// The header of a segment of a file, and the headers of its grids.
 struct SegmentHead {
   char magic[8];
   std::uint32_t version;
@@ -55,7 +55,7 @@ public:
   char* data() { return reinterpret_cast<char*>(memory_.get()); }
   std::uint64_t size() const { return size_; }
 
-  /// The node at a distance from another one.
+  /// Returns the node at an offset from another one.
   template <class Node>
   const Node* at(const void* from, std::int64_t distance, std::uint64_t bytes = sizeof(Node)) const {
     const std::int64_t place = static_cast<const std::byte*>(from) - memory_.get();
@@ -84,7 +84,7 @@ std::array<float, 3> numbers(const nanovdb::Vec3<T>& v) {
   return {float(v[0]), float(v[1]), float(v[2])};
 }
 
-/// Goes through the nodes of a tree. `Build` is the type of the grid; quantised ones decode to float.
+/// Visits the nodes of a tree. `Build` is the type of the grid; quantised ones decode to float.
 template <class Build>
 class Walk {
 public:
@@ -112,7 +112,7 @@ private:
   void visit(const void* from, std::int64_t distance, const nanovdb::Coord& origin) {
     using Data = typename Node::DataType;
     const Data* node = block_.at<Data>(from, distance);
-    // Damaged distances could name one node a million times.
+    // Damaged offsets could refer to one node a million times.
     visited_ += sizeof(Data);
     if (visited_ > block_.size()) fail_damaged();
     if constexpr (Node::LEVEL == 0) {
@@ -145,7 +145,7 @@ private:
 
   const Block& block_;
   SparseVoxels& out_;
-  std::uint64_t visited_ = 0;  ///< bytes of nodes
+  std::uint64_t visited_ = 0;  ///< bytes of all visited nodes
 };
 
 class File {
@@ -258,7 +258,7 @@ void convert(Block& block, const std::string& name, SparseVoxels& out) {
 }  // namespace
 
 void read_nvdb(const std::filesystem::path& path, const std::optional<std::string>& wanted, SparseFile& out) {
-  // Names first: the default grid is known when all of them are.
+  // Names first: the default grid is known only after all of them.
   struct Entry {
     GridHead head;
     Codec codec;

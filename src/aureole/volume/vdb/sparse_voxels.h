@@ -10,11 +10,11 @@
 namespace aureole {
 
 struct SparseVoxels {
-  static constexpr int kEdge = 8;  ///< of a block
+  static constexpr int kEdge = 8;  ///< edge of a block, in voxels
   static constexpr std::size_t kBlockVoxels = std::size_t(kEdge) * kEdge * kEdge;
 
   using Coordinates = std::array<int, 3>;
-  /// One value for all voxels from `lower` to `upper`; both are multiples of kEdge, the upper one less 1.
+  /// One value for all voxels from `lower` to `upper`; `lower` and `upper` + 1 are multiples of kEdge.
   struct Tile {
     Coordinates lower, upper;
     std::array<float, 3> value;
@@ -22,15 +22,15 @@ struct SparseVoxels {
 
   std::string name;
   int channels = 1;  ///< 1 or 3
-  /// From coordinates that are whole numbers at the voxels' centres to the grid's own space; row-major, for column
-  /// vectors.
+  /// Transform to the grid's space from coordinates that are integers at the voxels' centres; row-major, for
+  /// column vectors.
   std::array<std::array<double, 4>, 4> to_space{};
-  std::array<float, 3> background{};  ///< the value everywhere else
+  std::array<float, 3> background{};  ///< value outside tiles and blocks
   std::vector<Tile> tiles;
-  std::vector<Coordinates> blocks;  ///< the lowest voxel of each, multiples of kEdge
-  std::vector<float> values;  ///< of the blocks: x fastest, then y, then z; of a voxel all channels together
-  Coordinates lower{}, upper{};  ///< bounds of the active voxels
-  bool empty = true;             ///< there are no active voxels
+  std::vector<Coordinates> blocks;  ///< lowest voxel of each block, multiples of kEdge
+  std::vector<float> values;        ///< of the blocks: channels of a voxel, then x, y, z
+  Coordinates lower{}, upper{};     ///< bounds of the active voxels
+  bool empty = true;                ///< whether there are no active voxels
 
   void extend(const Coordinates& least, const Coordinates& most) {
     for (std::size_t i = 0; i < 3; ++i) {
@@ -41,8 +41,8 @@ struct SparseVoxels {
   }
 };
 
-/// Adds a leaf of OpenVDB or NanoVDB, whose numbers run fastest along z: `is_active(i)`, and `value(i)` of all
-/// channels, for the i-th voxel.
+/// Adds a leaf of OpenVDB or NanoVDB, in which z is fastest: `is_active(i)`, and `value(i)` of all channels,
+/// for the i-th voxel.
 template <class IsActive, class Value>
 void add_block(SparseVoxels& voxels, const SparseVoxels::Coordinates& origin, const IsActive& is_active,
                const Value& value) {
@@ -72,15 +72,15 @@ void add_block(SparseVoxels& voxels, const SparseVoxels::Coordinates& origin, co
       }
 }
 
-/// The result of reading a file with several grids.
+/// The result of reading one grid from a file.
 struct SparseFile {
-  std::string error;               ///< about the file, where it cannot be read
-  std::vector<std::string> grids;  ///< names of all that it has
-  bool found = false;              ///< the grid that was asked for is among them
-  SparseVoxels voxels;             ///< that grid
+  std::string error;               ///< error of the file, if it cannot be read
+  std::vector<std::string> grids;  ///< names of all grids in the file
+  bool found = false;              ///< whether the requested grid is among them
+  SparseVoxels voxels;             ///< the requested grid
 };
 
-/// The grid that is read where none is named: "density" or else the first.
+/// Returns the grid that is read if no name is given: "density", or else the first.
 inline std::size_t default_grid(const std::vector<std::string>& names) {
   for (std::size_t i = 0; i < names.size(); ++i)
     if (names[i] == "density") return i;

@@ -15,7 +15,7 @@ namespace aureole {
 
 namespace {
 
-/// Folders where the module may lie: that of the program or of the Python module, and where they are installed.
+/// Folders that may contain the module: next to the program or the Python module, or its installation folder.
 std::vector<std::filesystem::path> module_folders() {
   std::vector<std::filesystem::path> folders;
   const auto add = [&](const std::filesystem::path& of) {

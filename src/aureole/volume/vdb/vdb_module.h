@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The reader of .vdb files is a module of its own (libaureole_vdb.so), which is loaded by the first such file:
-// linked with the program, OpenVDB's library of 57 MB would add 45 ms to each of its starts.
+// The reader of .vdb files is a separate module (libaureole_vdb.so), loaded for the first such file. Linked
+// with the program, OpenVDB's library of 57 MB would add 45 ms to each start.
 #pragma once
 
 #include "aureole/volume/vdb/sparse_voxels.h"

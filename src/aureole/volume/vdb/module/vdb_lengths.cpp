@@ -9,7 +9,7 @@ namespace aureole {
 namespace {
 
 constexpr std::int64_t kMagic = 0x56444220;
-constexpr std::uint32_t kFirstVersion = 222;  // of OpenVDB 1.0
+constexpr std::uint32_t kFirstVersion = 222;  // version of OpenVDB 1.0
 
 class Reader {
 public:
@@ -26,7 +26,7 @@ public:
   }
   void skip(std::int64_t bytes) { go_to(std::int64_t(in_.tellg()) + bytes); }
   void skip_text() { skip(number<std::uint32_t>()); }
-  /// A text of at most so many characters; longer ones are skipped.
+  /// Reads a text of at most `most` characters; longer ones are skipped.
   std::string text(std::uint32_t most) {
     const auto length = number<std::uint32_t>();
     if (length > most) return skip(length), "";
@@ -42,7 +42,7 @@ public:
       const auto length = number<std::uint32_t>();
       const std::int64_t value = position();
       if (lists_leaves && length >= sizeof(std::uint32_t)) {
-        // Room is made for a number for each of the leaves, which have a mask of 64 bytes in the file.
+        // The reader allocates a number for each leaf, and each leaf has a mask of 64 bytes in the file.
         if (number<std::uint32_t>() > size_ / 64) good_ = false;
       }
       go_to(value + length);
@@ -60,7 +60,7 @@ private:
   bool good_ = true;
 };
 
-/// Whether all lengths behind the version lead to places within the file.
+/// Whether all lengths after the version refer to positions within the file.
 bool lengths_are_good(Reader& in) {
   in.skip(2 * sizeof(std::uint32_t));  // version of the library
   const bool has_offsets = in.number<char>() != 0;
@@ -70,9 +70,9 @@ bool lengths_are_good(Reader& in) {
   for (std::int32_t i = 0; i < grids && in.good(); ++i) {
     in.skip_text();  // name
     in.skip_text();  // type
-    in.skip_text();  // the grid that it is an instance of
+    in.skip_text();  // parent grid, if it is an instance
     const auto grid = in.number<std::int64_t>();
-    in.skip(sizeof(std::int64_t));  // where its values begin
+    in.skip(sizeof(std::int64_t));  // start of its values
     const auto end = in.number<std::int64_t>();
     if (!has_offsets) return in.good();  // the grids follow one another without a list
     in.go_to(grid);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The header of a .vdb file, which OpenVDB believes: damaged lengths make it ask for gigabytes.
+// Checks the header of a .vdb file. OpenVDB does not: damaged lengths make it allocate gigabytes.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace aureole {
 
-/// The fault in the header; empty: none. The version has to be a known one, up to `newest`, and all texts in the
-/// header, in the list of grids and in the grids' own headers have to end within the file. A file that is no .vdb
-/// file at all is refused by OpenVDB itself.
+/// Returns the fault in the header; empty: none. The version must be known, up to `newest`. All texts in the
+/// header, in the list of grids and in the grids' own headers must end within the file. OpenVDB itself
+/// rejects a file of another format.
 std::string fault_of_vdb_header(const char* path, std::uint32_t newest);
 
 }  // namespace aureole

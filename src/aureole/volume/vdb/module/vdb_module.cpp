@@ -17,7 +17,7 @@
 namespace aureole {
 namespace {
 
-/// A fault in a file that OpenVDB can read.
+/// A fault in a file that OpenVDB itself accepts.
 struct Fault : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -31,7 +31,7 @@ std::array<float, 3> numbers(const openvdb::math::Vec3<T>& v) {
 
 SparseVoxels::Coordinates coordinates(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 
-/// False where the grid has another type.
+/// Converts a grid; returns false if it has another type.
 template <class Grid>
 bool convert(const openvdb::GridBase::Ptr& base, int channels, SparseVoxels& out) {
   const auto grid = openvdb::gridPtrCast<Grid>(base);
@@ -59,9 +59,9 @@ bool convert(const openvdb::GridBase::Ptr& base, int channels, SparseVoxels& out
   return true;
 }
 
-/// Grids of a file in the order of their names. `openvdb::io::File` does the same with a stream of its own, which goes
-/// on at the end of a file as if it held zeros, so that a damaged count makes nodes until memory is full. This one
-/// throws there.
+/// The grids of a file in the order of their names. `openvdb::io::File` reads from its own stream, which
+/// continues past the end of a file as if it contained zeros, so that a damaged count makes nodes until
+/// memory is full. This class throws there.
 class Grids : public openvdb::io::Archive {
 public:
   explicit Grids(const char* path) : in_(path, std::ios::binary) {
@@ -93,7 +93,7 @@ public:
     for (const auto& [name, entry] : listed_) all.push_back(openvdb::io::GridDescriptor::nameAsString(name));
     return all;
   }
-  /// Null where there is none of this name.
+  /// Returns null if there is no grid of this name.
   openvdb::GridBase::Ptr read(const std::string& wanted) {
     if (const auto found = read_.find(wanted); found != read_.end()) return found->second;
     const auto entry = std::find_if(listed_.begin(), listed_.end(), [&](const auto& e) {
@@ -107,7 +107,7 @@ public:
     };
     fill(entry->second);
     if (const auto& [descriptor, grid] = entry->second; descriptor.isInstance()) {
-      // It has the tree of another one.
+      // An instance uses the tree of another grid.
       NamedGridMap both{{descriptor.uniqueName(), grid}};
       if (const auto parent = listed_.find(descriptor.instanceParentName());
           parent != listed_.end() && !parent->second.first.isInstance()) {
