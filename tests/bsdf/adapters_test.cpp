@@ -7,7 +7,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/image.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/model.h"

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/sensor/placed_sensor.h"
 #include "aureole/shape/model.h"
