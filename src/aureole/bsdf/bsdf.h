@@ -9,14 +9,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "aureole/parameter/ior.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/shape/surface_point.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
-
-class RefractiveIndex;
 
 enum class TransportMode { radiance, importance };
 
@@ -47,6 +46,11 @@ struct BsdfContext {
   /// null if it is the exterior index of the scene file. Interfaces between media follow it, coatings of
   /// opaque bodies do not.
   const Spectrum* exterior_index = nullptr;
+
+  /// The index outside an interface: `exterior_index` if there is one, else `stated`.
+  Spectrum eval_exterior(const Ior& stated) const {
+    return exterior_index ? *exterior_index : stated.eval(wavelengths);
+  }
 };
 
 struct BsdfSample {
@@ -121,32 +125,5 @@ using BsdfPtr = std::shared_ptr<const Bsdf>;
 inline float cos_theta(const Vec3& w) { return w.z; }
 inline float abs_cos_theta(const Vec3& w) { return std::abs(w.z); }
 inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }  ///< about the local normal
-
-/// Checks that the index of `material` is known at all wavelengths that the sensor sees. Where it is not: an
-/// error, located at `name`, if the sensor sees more than the visible range, else a note; the index continues
-/// with its value at the end.
-void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
-                       const RefractiveIndex& index);
-
-/// A refractive index given as a number or a material's name, per wavelength of the path.
-class Ior {
-public:
-  /// Reads `name` ("bk7", 1.5, ...); a name with dispersion data disperses. Errors are located and suggest
-  /// names.
-  static Ior from(const Properties& properties, std::string_view name, const std::string& fallback);
-  Spectrum eval(const Wavelengths& w) const { return dispersive_ ? table_.eval(w) : Spectrum(constant_); }
-  /// The exterior index: that of the context if it has one.
-  Spectrum eval_exterior(const BsdfContext& ctx) const {
-    return ctx.exterior_index ? *ctx.exterior_index : eval(ctx.wavelengths);
-  }
-  bool is_dispersive() const { return dispersive_; }
-  /// The index at the sodium D line (589.3 nm) or the constant.
-  float at_sodium_d() const { return constant_; }
-
-private:
-  bool dispersive_ = false;
-  float constant_ = 1;
-  SampledSpectrum table_;
-};
 
 }  // namespace aureole

@@ -65,6 +65,11 @@ TexturePtr get_texture(const Properties& properties, std::string_view name, doub
 /// The texture given under `name`, or null where absent.
 TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role);
 
+/// The spectrum given under `name`, tabulated on the scene's grid; nothing where absent. A texture that varies
+/// over a surface is an error located at the parameter.
+std::optional<SampledSpectrum> get_optional_spectrum(const Properties& properties, std::string_view name,
+                                                     SpectrumRole role);
+
 /// A texture or number in [0, 1] to be read with `eval_scalar`: an opacity or a weight. Without a fallback it
 /// is required.
 TexturePtr get_fraction(const Properties& properties, std::string_view name, std::optional<double> fallback);
