@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that includes run one way: core <- math <- spectrum <- optics <- plugin <- parameter <- families <- scene <- transport <-
+"""Checks that includes run one way: core <- math <- spectrum <- optics <- plugin <- parameter <- families <- asset <- scene <- transport <-
 integrator <- loading <- render, instrument <- apps <- python.
 Plug-ins may include the interfaces of other families, not their plug-ins. Prints every arrow that points the wrong way, and files that
 have the name of another one: a name says which file is meant, in an error, a list of open files or a talk."""
@@ -10,13 +10,13 @@ import sys
 
 LAYERS = [["core"], ["math"], ["spectrum"], ["optics", "pigment"], ["plugin"], ["parameter"],
           ["shape", "texture", "bsdf", "aperture", "correlation", "volume", "phase", "ingredient", "medium", "bssrdf", "emitter", "sensor", "film", "filter", "sampler"],
-          ["scene"], ["transport"], ["integrator"], ["loading"], ["render", "instrument"], ["apps"], ["python"]]
+          ["asset"], ["scene"], ["transport"], ["integrator"], ["loading"], ["render", "instrument"], ["apps"], ["python"]]
 RANK = {name: i for i, layer in enumerate(LAYERS) for name in layer}
 ALONE = {"apps": "apps", "python/bindings": "python"}  # folders without subfolders
 PHYSICS = {"optics", "pigment"}  # never see a renderer type, not even a float Spectrum
 PHYSICS_CORE = {"parallel_for", "random"}  # of core what the library aureole_optics has (src/aureole/optics/CMakeLists.txt)
 # Headers of a family that other families may include; where a family is not named here, <family>/<family>.h alone.
-INTERFACES = {"shape": {"shape", "model", "surface_point", "area_sampler", "shape_area", "mesh/mesh_attribute"},
+INTERFACES = {"shape": {"shape", "surface_point", "area_sampler", "shape_area", "mesh/mesh_attribute"},
               "phase": {"phase", "mean_cosine", "table/tabulated_phase_function", "table/mie_tables"},
               "emitter": {"emitter", "light"}, "sensor": {"sensor", "placed_sensor"}}
 OPTICS_ROOMS = {"interface": 0, "particle": 0, "aperture": 0, "sky": 0, "diffraction": 1, "arrangement": 1, "medium": 1, "stack": 1, "layer": 2}  # a room includes lower ones

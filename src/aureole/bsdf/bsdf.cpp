@@ -6,6 +6,6 @@
 namespace aureole {
 
 AUREOLE_FAMILY(FamilyInfo{
-    .name = "bsdf", .fallback = "diffuse", .hangs_on_shapes = true, .is_reusable = true});
+    .name = "bsdf", .fallback = "diffuse", .belongs_to_shapes = true, .is_reusable = true});
 
 }  // namespace aureole

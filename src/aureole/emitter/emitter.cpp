@@ -44,7 +44,7 @@ AUREOLE_FAMILY(FamilyInfo{
                    {"sampling_weight", "float", "", "1",
                     "factor of the probability with which light sampling chooses this emitter; 0: never, so "
                     "that it is only seen where rays meet it by chance"}},
-    .hangs_on_shapes = true,
+    .belongs_to_shapes = true,
     .is_reusable = true});
 
 }  // namespace aureole

@@ -26,9 +26,9 @@ private:
   void add(const Node& child);
   void keep(const Node& node, const std::string& family, const ObjectPtr& object);
   /// The sensor that sits on a shape is one of the scene's.
-  void take_sensor(const Node& node, const Model& model);
-  /// Adds the model's surfaces, instances and lights to the parts of the scene.
-  void append_parts(const Node& node, const Model& model);
+  void take_sensor(const Node& node, const Asset& asset);
+  /// Adds the asset's surfaces, instances and lights to the parts of the scene.
+  void append_primitives(const Node& node, const Asset& asset);
 
   Builder& builder_;
   const References& references_;

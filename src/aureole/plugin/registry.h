@@ -66,7 +66,7 @@ struct FamilyInfo {
   std::string fallback = "";        ///< the default plug-in where a scene states none; empty: no default
   std::vector<ParameterDoc> parameters = {};  ///< rows that all of its plug-ins share
   bool parameters_are_of_render = false;      ///< these control rendering only: not in the scene's hash
-  bool hangs_on_shapes = false;  ///< children of a shape of this family do not change its geometry
+  bool belongs_to_shapes = false;  ///< children of a shape of this family do not change its geometry
   /// An object depends on its parameters, the wavelengths and the unit of length alone: where these stay, it
   /// outlives changes of the scene.
   bool is_reusable = false;

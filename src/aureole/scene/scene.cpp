@@ -45,7 +45,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   if (!parts_.sensor) throw Error("the scene has no sensor");
   Bounds3 places;
   std::unordered_set<const ShapeList*> groups;
-  for (const ModelPart& part : parts_.surfaces) {
+  for (const Primitive& part : parts_.surfaces) {
     if (part.instance && groups.insert(&part.instance->list()).second)
       for (const ShapePtr& shape : part.instance->list().shapes)
         require_near(shape->properties(), shape->bounds());
@@ -70,7 +70,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
     const bool unchanged =
         reuse && reuse->tracer_ == tracer_ && reuse->parts_.diffraction == parts_.diffraction &&
         std::equal(parts_.surfaces.begin(), parts_.surfaces.end(), reuse->parts_.surfaces.begin(),
-                   reuse->parts_.surfaces.end(), [](const ModelPart& a, const ModelPart& b) {
+                   reuse->parts_.surfaces.end(), [](const Primitive& a, const Primitive& b) {
                      return a.shape == b.shape && a.bsdf == b.bsdf && a.instance == b.instance;
                    });
     edges_ = unchanged ? reuse->edges_ : std::make_shared<const SceneEdges>(parts_, *parts_.diffraction);
@@ -104,7 +104,7 @@ Wavelengths Scene::middle_wavelengths() const {
 
 void Scene::light_edges(const Scene* reuse) {
   const Wavelengths middle = middle_wavelengths();
-  const auto same_emitter = [](const ModelPart& a, const ModelPart& b) { return a.emitter == b.emitter; };
+  const auto same_emitter = [](const Primitive& a, const Primitive& b) { return a.emitter == b.emitter; };
   if (reuse && reuse->edges_ == edges_ && reuse->parts_.emitters == parts_.emitters &&
       std::equal(parts_.surfaces.begin(), parts_.surfaces.end(), reuse->parts_.surfaces.begin(),
                  reuse->parts_.surfaces.end(), same_emitter)) {
@@ -135,7 +135,7 @@ void Scene::place_sensor(Bounds3 places) const {
   // Rays between two of these places have directions of twice their coordinates.
   const float reach = 2 * reach_of(places);
   if (reach <= tracer_->farthest()) return;
-  for (const ModelPart& instance : parts_.surfaces)
+  for (const Primitive& instance : parts_.surfaces)
     if (instance.instance && !(instance.instance->farthest(kFarthest) >= reach))
       throw misplaced(
           *instance.element,
@@ -143,7 +143,7 @@ void Scene::place_sensor(Bounds3 places) const {
 }
 
 void Scene::make_lights() {
-  for (const ModelPart& part : parts_.surfaces)
+  for (const Primitive& part : parts_.surfaces)
     if (part.emitter) {
       Light light;
       light.emitter = part.emitter.get(), light.shape = part.shape.get();
@@ -178,7 +178,7 @@ void Scene::make_surfaces() {
   // Instances of one group share its surfaces.
   std::size_t count = parts_.surfaces.size();
   std::unordered_map<const ShapeList*, std::size_t> first;
-  for (const ModelPart& part : parts_.surfaces)
+  for (const Primitive& part : parts_.surfaces)
     if (part.instance && first.try_emplace(&part.instance->list(), count).second)
       count += part.instance->list().shapes.size();
   std::vector<std::pair<std::size_t, const Bssrdf*>> entries;
@@ -194,7 +194,7 @@ void Scene::make_surfaces() {
       surfaces_[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i], list->media[i]);
   const Light* light = emitters_.data();
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
-    const ModelPart& part = parts_.surfaces[i];
+    const Primitive& part = parts_.surfaces[i];
     Surface& surface = surfaces_[i];
     if (part.instance) {
       surface.instance = part.instance.get();
@@ -225,11 +225,11 @@ void Scene::find_media() {
     any_medium_outside_ |= surface.outside != nullptr;
   }
   any_passable_ |= has_media_;
-  const auto extend = [](Bounds3& box, const ModelPart& part, auto has) {
+  const auto extend = [](Bounds3& box, const Primitive& part, auto has) {
     const auto* list = part.instance ? &part.instance->list().media : nullptr;
     if (list ? std::any_of(list->begin(), list->end(), has) : has(part.media)) box.extend(part.bounds());
   };
-  for (const ModelPart& part : parts_.surfaces) {
+  for (const Primitive& part : parts_.surfaces) {
     extend(media_bounds_, part, [](const SurfaceMedia& m) { return m.given() && m.priority == 0; });
     extend(priority_bounds_, part, [](const SurfaceMedia& m) { return m.priority != 0; });
   }

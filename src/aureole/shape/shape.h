@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shape family: geometry that rays meet. A shape holds no BSDF, light or sensor: `Model` (model.h)
+// The shape family: geometry that rays meet. A shape holds no BSDF, light or sensor: `Asset` (asset/asset.h)
 // associates these with it, and the scene's `Surface` records hold them.
 #pragma once
 

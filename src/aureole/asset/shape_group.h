@@ -3,13 +3,13 @@
 // times.
 #pragma once
 
-#include "aureole/shape/model.h"
+#include "aureole/asset/asset.h"
 
 namespace aureole {
 
-/// Shapes in coordinates of their own. Not rendered; nested groups, instances and shapes of several parts are
+/// Shapes in coordinates of their own. Not rendered; nested groups, instances and shapes of several primitives are
 /// flattened, because Embree is built for one level of instances.
-class ShapeGroup final : public Model {
+class ShapeGroup final : public Asset {
 public:
   /// Another group that belongs to this one.
   struct Nested {
@@ -24,7 +24,7 @@ public:
   const std::vector<Nested>& nested() const { return nested_; }
 
 private:
-  void add(const Model& model);
+  void add(const Asset& asset);
   void add(const ShapePtr& shape, const BsdfPtr& bsdf, const SurfaceMedia& media);
 
   ShapeList own_;  ///< while the group is put together
@@ -33,9 +33,9 @@ private:
 };
 
 /// A group in one place of the scene: an instance of its own shapes, and one of every group nested in it.
-class InstanceModel final : public Model {
+class InstanceAsset final : public Asset {
 public:
-  explicit InstanceModel(const Properties& properties);
+  explicit InstanceAsset(const Properties& properties);
 
   const std::shared_ptr<const ShapeGroup>& group() const { return group_; }
   const Transform& to_world() const { return to_world_; }
