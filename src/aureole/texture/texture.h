@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "aureole/plugin/properties.h"
-#include "aureole/shape/mesh/mesh_attribute.h"
 #include "aureole/shape/surface_point.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
+
+class AttributeName;
+class MeshAttribute;
 
 /// The quantity that rgb or a number stands for, as in Mitsuba's spectral mode: a reflectance in [0, 1], an
 /// unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has luminance 1).

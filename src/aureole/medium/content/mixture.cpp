@@ -9,8 +9,8 @@
 #include "aureole/medium/content/extinction_limit.h"
 #include "aureole/medium/content/volume_majorants.h"
 #include "aureole/parameter/ior.h"
-#include "aureole/phase/table/mie_tables.h"
-#include "aureole/phase/table/tabulated_phase_function.h"
+#include "aureole/phase/mie_tables.h"
+#include "aureole/phase/tabulated_phase_function.h"
 #include "aureole/plugin/table_progress.h"
 
 namespace aureole {
