@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "aureole/asset/asset.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/random.h"
 #include "aureole/math/warp.h"
@@ -257,11 +258,11 @@ void bench_wavelengths(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(distribution.sample(random.next()));
 }
 
-ModelPart build_part(const std::string& xml) { return build<Model>(xml)->parts().at(0); }
+Primitive build_part(const std::string& xml) { return build<Asset>(xml)->primitives().at(0); }
 
 /// A room with 27 spheres or cubes: rays start inside it and hit a surface.
-std::vector<ModelPart> room_of(const std::string& type) {
-  std::vector<ModelPart> shapes;
+std::vector<Primitive> room_of(const std::string& type) {
+  std::vector<Primitive> shapes;
   shapes.push_back(build_part(
       R"(<shape type="cube"><boolean name="flip_normals" value="true"/><transform name="to_world"><scale value="4"/></transform></shape>)"));
   for (int i = 0; i < 27; ++i)
@@ -273,7 +274,7 @@ std::vector<ModelPart> room_of(const std::string& type) {
 }
 
 void bench_rays(benchmark::State& state, const std::string& type, bool occlusion) {
-  const std::vector<ModelPart> shapes = room_of(type);
+  const std::vector<Primitive> shapes = room_of(type);
   const RayTracer tracer(shapes);
   Random random;
   std::vector<Ray> rays;

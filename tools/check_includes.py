@@ -1,24 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Checks that includes run one way: core <- math <- spectrum <- optics <- plugin <- families <- scene <- transport <-
-integrator <- loading <- render, instrument <- apps <- python.
-Plug-ins may include the interfaces of other families, not their plug-ins. Prints every include against that order, and files that
-have the name of another one: a name says which file is meant, in an error, a list of open files or a talk."""
+"""Checks that includes run one way: core <- math <- spectrum <- optics, pigment <- plugin <- parameter <- families <- asset <- scene <-
+transport <- integrator <- loading <- render, instrument <- apps <- python.
+The families are ranked, too: one may include the interfaces of those before it, not their plug-ins. Prints every include against that order, rooms that include each other, and files that have the name of another one: a name says which file is meant, in an error, a
+list of open files or a talk."""
 import os
 import re
 import sys
+from graphlib import CycleError, TopologicalSorter
 
-LAYERS = [["core"], ["math"], ["spectrum"], ["optics", "pigment"], ["plugin"],
-          ["shape", "texture", "bsdf", "aperture", "correlation", "volume", "phase", "ingredient", "medium", "bssrdf", "emitter", "sensor", "film", "filter", "sampler"],
-          ["scene"], ["transport"], ["integrator"], ["loading"], ["render", "instrument"], ["apps"], ["python"]]
+FAMILIES = ["shape", "texture", "volume", "filter", "film", "sampler", "aperture", "correlation", "ingredient", "phase", "medium", "bsdf",
+            "bssrdf", "emitter", "sensor"]
+LAYERS = [["core"], ["math"], ["spectrum"], ["optics", "pigment"], ["plugin"], ["parameter"], FAMILIES,
+          ["asset"], ["scene"], ["transport"], ["integrator"], ["loading"], ["render", "instrument"], ["apps"], ["python"]]
 RANK = {name: i for i, layer in enumerate(LAYERS) for name in layer}
 ALONE = {"apps": "apps", "python/bindings": "python"}  # folders without subfolders
 PHYSICS = {"optics", "pigment"}  # never see a renderer type, not even a float Spectrum
 PHYSICS_CORE = {"parallel_for", "random"}  # of core what the library aureole_optics has (src/aureole/optics/CMakeLists.txt)
 # Headers of a family that other families may include; where a family is not named here, <family>/<family>.h alone.
-INTERFACES = {"shape": {"shape", "model", "surface_point", "area_sampler", "shape_area", "mesh/mesh_attribute"},
-              "bsdf": {"bsdf", "fresnel/complex_index", "fresnel/fresnel", "pigment/palette_file"}, "phase": {"phase", "mean_cosine", "table/tabulated_phase_function", "table/mie_tables"},
-              "volume": {"volume", "grid/voxel_data"}, "emitter": {"emitter", "light"}, "sensor": {"sensor", "placed_sensor"}}
+INTERFACES = {"shape": {"shape", "surface_point", "area_sampler", "shape_area"},
+              "phase": {"phase", "mean_cosine", "mie_tables", "tabulated_phase_function"}}
 OPTICS_ROOMS = {"interface": 0, "particle": 0, "aperture": 0, "sky": 0, "diffraction": 1, "arrangement": 1, "medium": 1, "stack": 1, "layer": 2}  # a room includes lower ones
 
 
@@ -31,6 +32,7 @@ root = os.path.join(sys.argv[1] if len(sys.argv) > 1 else ".", "")
 problems = []
 places = {}  # by name
 count = 0
+arrows = {}  # which rooms each one includes
 for base in ("src/aureole", "apps", "python/bindings"):
     for folder, _, files in os.walk(os.path.join(root, base)):
         for name in files:
@@ -53,6 +55,8 @@ for base in ("src/aureole", "apps", "python/bindings"):
                 count += 1
                 there, inside = m.groups()
                 where = f"{os.path.relpath(path, root)}:{number}"
+                if there != here:
+                    arrows.setdefault(here, set()).add(there)
                 if there not in RANK:
                     problems.append(f"{where}: includes unknown folder {there}")
                 elif RANK[there] > RANK[here]:
@@ -65,9 +69,15 @@ for base in ("src/aureole", "apps", "python/bindings"):
                     problems.append(f"{where}: optics must not include pigment, which is above it")
                 elif here == there == "optics" and not may_include(os.path.basename(folder), inside):
                     problems.append(f"{where}: optics/{os.path.basename(folder)} must not include optics/{inside}")
-                elif RANK[there] == RANK[here] and there != here and RANK[here] == RANK["bsdf"]:
+                elif here in FAMILIES and there in FAMILIES and there != here:
                     header = re.search(rf'"aureole/{there}/(.*)\.h"', line)
-                    if not header or header.group(1) not in INTERFACES.get(there, {there}):
+                    if FAMILIES.index(there) > FAMILIES.index(here):
+                        problems.append(f"{where}: {here} must not include {there}, which comes after it in the order of the families")
+                    elif not header or header.group(1) not in INTERFACES.get(there, {there}):
                         problems.append(f"{where}: {here} may include {there} through its interface only")
+try:
+    TopologicalSorter(arrows).prepare()
+except CycleError as cycle:
+    problems.append("these rooms include each other: " + " <- ".join(cycle.args[1]))
 print("\n".join(problems) if problems else f"{count} includes, all in order")
 sys.exit(1 if problems else 0)

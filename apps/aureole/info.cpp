@@ -21,7 +21,7 @@ void print_tables(const Scene& scene) {
   std::set<const void*> seen, counted;
   std::vector<std::pair<const Object*, TableHolder::Tables>> found;
   std::size_t all = 0;
-  for (const ModelPart& part : scene.parts().surfaces)
+  for (const Primitive& part : scene.parts().surfaces)
     visit_nested(*part.element, [&](const ObjectPtr& o) {
       const auto* holder = dynamic_cast<const TableHolder*>(o.get());
       if (!holder || !seen.insert(o.get()).second) return;
@@ -57,18 +57,18 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
   if (!b.empty())
     fmt::print("bounds       ({:g}, {:g}, {:g}) to ({:g}, {:g}, {:g})\n", b.lower.x, b.lower.y, b.lower.z,
                b.upper.x, b.upper.y, b.upper.z);
-  const std::vector<ModelPart>& parts = scene.parts().surfaces;
+  const std::vector<Primitive>& parts = scene.parts().surfaces;
   std::size_t primitives = 0;
-  for (const ModelPart& part : parts) primitives += part.primitive_count();
+  for (const Primitive& part : parts) primitives += part.triangle_count();
   fmt::print("shapes       {} with {} primitives\n", parts.size(), primitives);
   std::size_t instances = 0;
-  for (const ModelPart& part : parts) {
+  for (const Primitive& part : parts) {
     if (part.instance) {
       ++instances;
       continue;
     }
     fmt::print("  {:<12} {:<24} {:>9} primitives  bsdf {}{}\n", part.element->type(),
-               part.element->id().empty() ? "-" : part.element->id(), part.primitive_count(),
+               part.element->id().empty() ? "-" : part.element->id(), part.triangle_count(),
                part.bsdf->properties().type(), part.emitter ? "  emits" : "");
     for (const auto& r : part.remarks) fmt::print("    {}\n", r);
   }

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/asset/asset.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
@@ -44,12 +45,12 @@ std::shared_ptr<const Bsdf> find_bsdf(const Scene& scene, const std::string& fil
     if (its_id == id) found = bsdf;
     if (std::find(known.begin(), known.end(), its_id) == known.end()) known.push_back(its_id);
   };
-  for (const ModelPart& part : scene.parts().surfaces) {
+  for (const Primitive& part : scene.parts().surfaces) {
     offer(part.element->id(), part.bsdf);
     visit_nested(*part.element, [&](const ObjectPtr& o) {
-      const auto model = std::dynamic_pointer_cast<const Model>(o);
-      const bool has_parts = model && !model->parts().empty();
-      offer(o->id(), has_parts ? model->parts()[0].bsdf : std::dynamic_pointer_cast<const Bsdf>(o));
+      const auto asset = std::dynamic_pointer_cast<const Asset>(o);
+      const bool has_parts = asset && !asset->primitives().empty();
+      offer(o->id(), has_parts ? asset->primitives()[0].bsdf : std::dynamic_pointer_cast<const Bsdf>(o));
     });
   }
   if (found) return found;

@@ -37,7 +37,7 @@ MediumPtr find_medium(const Scene& scene, const std::string& file, const std::st
     const auto medium = std::dynamic_pointer_cast<const Medium>(o);
     if (medium && std::find(all.begin(), all.end(), medium) == all.end()) all.push_back(medium);
   };
-  for (const ModelPart& part : scene.parts().surfaces) visit_nested(*part.element, offer);
+  for (const Primitive& part : scene.parts().surfaces) visit_nested(*part.element, offer);
   visit_nested(scene.sensor().properties(), offer);
   std::vector<std::string> known;
   for (const MediumPtr& medium : all) {

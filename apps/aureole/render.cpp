@@ -225,7 +225,7 @@ RenderOptions render_options(const Arguments& a) {
 
 void print_notes(const LoadedScene& loaded) {
   for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
-  for (const ModelPart& part : loaded.scene->parts().surfaces)
+  for (const Primitive& part : loaded.scene->parts().surfaces)
     for (const auto& remark : part.remarks)
       fmt::print(stderr, "note: {}: {}\n", part.element->where().str(), remark);
 }

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <filesystem>
 
+#include "aureole/asset/asset.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/image.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/model.h"
 #include "aureole/spectrum/refractive_index.h"
 #include "aureole/texture/texture.h"
 #include "harness/bsdf_harness.h"
@@ -153,7 +153,7 @@ const Wavelengths kFlat = Wavelengths::at(SpectralGrid{}, 555);
 
 /// A point of a square of the world's frame.
 struct Square {
-  std::shared_ptr<const Shape> shape = build<Model>(R"(<shape type="rectangle"/>)")->shape();
+  std::shared_ptr<const Shape> shape = build<Asset>(R"(<shape type="rectangle"/>)")->shape();
   SurfacePoint at(Vec2 uv) const {
     SurfacePoint point;
     point.uv = uv;
@@ -332,7 +332,7 @@ const char* const kShapes[] = {
 TEST(BumpMap, NormalIsThatOfTheDisplacedSurface) {
   int tested = 0;
   for (const char* xml : kShapes) {
-    const auto shape = build<Model>(xml)->shape();
+    const auto shape = build<Asset>(xml)->shape();
     const auto height =
         raw_picture("heights.png",
                     R"(<transform name="to_uv"><rotate z="1" angle="20"/><scale x="2" y="1"/></transform>)");
@@ -345,7 +345,7 @@ TEST(BumpMap, NormalIsThatOfTheDisplacedSurface) {
       Vec3 expected =
           normalize(cross(dp_du - n * dot(n, dp_du) + n * slope.x, dp_dv - n * dot(n, dp_dv) + n * slope.y));
       if (dot(expected, n) < 0) expected = -expected;
-      const Vec3 wi{0, 0, 1}, wo = normalize({0.1f, 0.2f, 1});
+      const Vec3 wi{0, 0, 1}, wo = normalize(Vec3{0.1f, 0.2f, 1});
       bump->eval_pdf(wi, wo, ctx);
       expect_near(recorder->seen.n, expected, 1e-4);
       expect_frame(recorder->seen, point.shading.s);
@@ -359,7 +359,7 @@ TEST(BumpMap, NormalIsThatOfTheDisplacedSurface) {
 
 TEST(NormalMap, NormalIsThatOfThePicture) {
   for (const char* xml : kShapes) {
-    const auto shape = build<Model>(xml)->shape();
+    const auto shape = build<Asset>(xml)->shape();
     const auto picture = raw_picture("normals.png");
     const auto [recorder, map] = record("normalmap", picture);
     for (const SurfacePoint& point : points_of(*shape)) {

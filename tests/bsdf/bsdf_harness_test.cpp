@@ -10,7 +10,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/random.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/spectrum/refractive_index.h"
 #include "harness/effort.h"

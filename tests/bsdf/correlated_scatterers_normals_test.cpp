@@ -12,8 +12,8 @@
 #include <random>
 #include <span>
 
+#include "aureole/asset/asset.h"
 #include "aureole/core/image.h"
-#include "aureole/shape/model.h"
 #include "aureole/texture/texture.h"
 #include "bsdf/bsdf_test_support.h"
 #include "harness/effort.h"
@@ -82,7 +82,7 @@ struct Square {
     out.close();
     // Any map asks for the tangent, which the default BSDF would not.
     shape =
-        build<Model>(
+        build<Asset>(
             R"(<shape type="obj"><string name="filename" value="square.obj"/><boolean name="flip_tex_coords" value="false"/><bsdf type="normalmap"><texture
            name="normalmap" type="bitmap"><string name="filename" value="tilts.exr"/><boolean name="raw"
            value="true"/></texture><bsdf type="diffuse"/></bsdf></shape>)",

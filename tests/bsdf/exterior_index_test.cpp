@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "harness/properties_builder.h"
 

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/pigment/palette_file.h"
 #include "aureole/core/image.h"
 #include "aureole/math/warp.h"
+#include "aureole/parameter/palette_file.h"
 #include "aureole/pigment/saunderson.h"
 #include "harness/bsdf_harness.h"
 #include "harness/paths.h"

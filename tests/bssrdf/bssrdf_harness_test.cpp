@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "aureole/bssrdf/bssrdf.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/plugin/registry.h"
 #include "harness/properties_builder.h"
 

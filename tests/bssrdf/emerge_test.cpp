@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "aureole/instrument/check/significance.h"
 #include "aureole/loading/load.h"
+#include "aureole/math/significance.h"
 #include "harness/rendered.h"
 
 namespace aureole::testing {

@@ -7,7 +7,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "tests/loading/load_text.h"
 
 namespace aureole::test {

@@ -16,8 +16,8 @@
 
 #include "aureole/core/image.h"
 #include "aureole/instrument/check/direction_grid.h"
-#include "aureole/instrument/check/significance.h"
 #include "aureole/loading/load.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "harness/effort.h"

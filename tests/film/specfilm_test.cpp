@@ -7,7 +7,7 @@
 
 #include "aureole/film/film.h"
 #include "aureole/film/spectral_bins.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"
 #include "aureole/spectrum/observer.h"

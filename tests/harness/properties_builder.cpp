@@ -3,9 +3,9 @@
 
 #include <pugixml.hpp>
 
+#include "aureole/asset/asset.h"
 #include "aureole/core/units.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/model.h"
 
 namespace aureole::testing {
 

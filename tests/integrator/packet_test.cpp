@@ -10,9 +10,9 @@
 #include <span>
 #include <vector>
 
-#include "aureole/instrument/check/significance.h"
 #include "aureole/integrator/integrator.h"
 #include "aureole/loading/load.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/scene/scene.h"
 

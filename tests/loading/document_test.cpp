@@ -24,7 +24,7 @@ const char* const kScene = R"(<scene version="3.0.0">
 
 std::vector<ShapePtr> shapes_of(const SceneDocument& d) {
   std::vector<ShapePtr> shapes;
-  for (const ModelPart& part : d.scene()->parts().surfaces) shapes.push_back(part.shape);
+  for (const Primitive& part : d.scene()->parts().surfaces) shapes.push_back(part.shape);
   return shapes;
 }
 
@@ -154,9 +154,9 @@ TEST(SceneDocument, ShapesOfGroupsStayTheirs) {
     d.edit({{"shape.bsdf.reflectance", std::string("<float value='") + reflectance + "'/>"}});
     EXPECT_EQ(d.scene()->parts().surfaces[0].bsdf,
               std::dynamic_pointer_cast<const Bsdf>(d.object("shape.bsdf")));
-    const auto nested = std::dynamic_pointer_cast<Model>(d.object("group.shape"));
+    const auto nested = std::dynamic_pointer_cast<Asset>(d.object("group.shape"));
     ASSERT_NE(nested, nullptr);
-    EXPECT_EQ(nested->parts()[0].bsdf->properties().type(), "conductor");
+    EXPECT_EQ(nested->primitives()[0].bsdf->properties().type(), "conductor");
   }
 }
 

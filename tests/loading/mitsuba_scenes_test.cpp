@@ -7,10 +7,10 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/integrator/integrator.h"
 #include "aureole/loading/load.h"
 #include "aureole/loading/stages.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "harness/paths.h"
 
 namespace aureole {

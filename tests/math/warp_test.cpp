@@ -7,7 +7,7 @@
 #include <functional>
 
 #include "aureole/instrument/check/direction_bins.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 
 namespace aureole {
 namespace {

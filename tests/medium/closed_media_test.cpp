@@ -28,7 +28,7 @@ public:
   const Scene& scene() const { return *scene_; }
   /// The medium within the first shape that has one.
   const Medium& medium() const {
-    for (const ModelPart& part : scene_->parts().surfaces)
+    for (const Primitive& part : scene_->parts().surfaces)
       if (part.media.inside) return *part.media.inside;
     throw std::logic_error("no medium");
   }

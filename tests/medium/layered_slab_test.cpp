@@ -12,7 +12,7 @@
 #include <fstream>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/pigment/palette_file.h"
+#include "aureole/parameter/palette_file.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 #include "harness/rendered.h"

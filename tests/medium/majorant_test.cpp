@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/medium/medium.h"
 #include "volume/volume_test_support.h"
 

@@ -8,8 +8,8 @@
 #include <set>
 #include <sstream>
 
+#include "aureole/asset/asset.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/model.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 

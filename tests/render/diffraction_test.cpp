@@ -9,12 +9,12 @@
 #include <numbers>
 #include <vector>
 
-#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/core/keyed_random.h"
 #include "aureole/optics/faddeeva.h"
 #include "aureole/render/output.h"
 #include "aureole/render/plan.h"
 #include "aureole/render/statistics.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "harness/effort.h"
 #include "harness/paths.h"
 #include "harness/rendered.h"

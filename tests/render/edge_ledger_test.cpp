@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The power balance of edges: the power removed from light that passes beside them is the power that they diffract.
-#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/transport/edge_ledger.h"
 
 #include <fmt/format.h>
@@ -18,6 +17,7 @@
 #include "aureole/core/keyed_random.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "harness/effort.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"

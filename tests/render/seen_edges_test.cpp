@@ -9,8 +9,8 @@
 #include <map>
 #include <numbers>
 
-#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/loading/load.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/scene/scene.h"
 #include "harness/effort.h"
 #include "harness/rendered.h"

@@ -11,7 +11,7 @@
 #include <set>
 
 #include "aureole/core/random.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "tests/harness/properties_builder.h"
 
 namespace aureole::testing {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which shapes of a scene diffract, and the edges of round ones: their far field against Airy's pattern.
-#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/scene/edge/diffracting_shapes.h"
 
 #include <gtest/gtest.h>
@@ -14,6 +13,7 @@
 #include "aureole/core/keyed_random.h"
 #include "aureole/loading/load.h"
 #include "aureole/optics/diffraction/edge_kernel.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "harness/paths.h"
 #include "harness/rendered.h"
 #include "loading/load_text.h"
@@ -224,7 +224,7 @@ TEST(EdgeClusters, SendWhatPairsOfEdgesDo) {
 // Edges farther behind one another than three sigma do not interfere: two discs send the light of each.
 TEST(EdgeClusters, AreFlat) {
   const auto one = discs({0}, 15), two = discs({0, 75e-6}, 15);
-  EXPECT_EQ(two->edges()->clusters().size(), 0u);
+  EXPECT_EQ(two->diffraction()->edges().clusters().size(), 0u);
   const Vec3 d_i{0, 0, -1}, d_o = normalize(Vec3{0.02f, 0.01f, -1});
   const auto sent = [&](const Scene& scene) {
     const SceneEdges& edges = scene.diffraction()->edges();

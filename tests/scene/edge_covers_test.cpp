@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Sheets one behind another within a beam are one obstacle: their edges diffract light as those of the union in one plane, which is made
 // of other triangles.
-#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/scene/edge/edge_covers.h"
 
 #include <gtest/gtest.h>
@@ -9,6 +8,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "loading/load_text.h"
 #include "scene/triangles.h"
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <map>
 
-#include "aureole/instrument/check/significance.h"
 #include "aureole/loading/load.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/scene/scene.h"
 

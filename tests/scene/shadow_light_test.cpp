@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/scene/edge/shadow_light.h"
 
 #include <gtest/gtest.h>
 
 #include "aureole/loading/load.h"
+#include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/scene/scene.h"
 #include "loading/load_text.h"
 

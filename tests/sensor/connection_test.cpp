@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/asset/asset.h"
+#include "aureole/math/significance.h"
 #include "aureole/sensor/placed_sensor.h"
-#include "aureole/shape/model.h"
 #include "tests/harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -98,8 +98,8 @@ struct Made {
 Made make(const std::string& xml) {
   Made m{build_object(xml), {}};
   const Vec3 center{0.1f, 0.2f, 0.3f};
-  if (const auto* model = dynamic_cast<const Model*>(m.root.get()))
-    m.placed = PlacedSensor::of(*model->sensor(), model->sensor_area(), center, 1.3f);
+  if (const auto* asset = dynamic_cast<const Asset*>(m.root.get()))
+    m.placed = PlacedSensor::of(*asset->sensor(), asset->sensor_area(), center, 1.3f);
   else
     m.placed = PlacedSensor::of(dynamic_cast<const Sensor&>(*m.root), nullptr, center, 1.3f);
   return m;

@@ -5,10 +5,10 @@
 
 #include <cmath>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/asset/asset.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/sensor/placed_sensor.h"
-#include "aureole/shape/model.h"
 #include "tests/harness/properties_builder.h"
 
 namespace aureole::testing {
@@ -195,11 +195,11 @@ const Case kMeters[] = {
 
 struct PlacedMeter {
   explicit PlacedMeter(const std::string& xml)
-      : object(build_object(xml)), model(dynamic_cast<const Model&>(*object)) {
-    sensor = PlacedSensor::of(*model.sensor(), model.sensor_area(), {}, 3);
+      : object(build_object(xml)), asset(dynamic_cast<const Asset&>(*object)) {
+    sensor = PlacedSensor::of(*asset.sensor(), asset.sensor_area(), {}, 3);
   }
   std::shared_ptr<Object> object;
-  const Model& model;
+  const Asset& asset;
   PlacedSensor sensor;
 };
 

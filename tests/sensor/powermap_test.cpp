@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/render/job.h"
 #include "aureole/render/statistics.h"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/sensor/placed_sensor.h"
 #include "tests/harness/properties_builder.h"
 

@@ -19,19 +19,19 @@ TEST_F(Derivatives, AgreeWithDifferences) {
   const Transform t = Transform::rotate(1, 2, 3, 50) * Transform::scale(1, 0.6, 1.3);
   const Transform turned = Transform::rotate(3, 1, 2, 70) * Transform::scale(0.8, 0.8, 0.8);
   const ObjectPtr group =
-      ShapeBuilder("shapegroup").set("", ObjectPtr(ShapeBuilder("sphere").build_model())).build_model();
-  const std::vector<std::shared_ptr<Model>> models = {
-      ShapeBuilder("sphere").to_world(turned).build_model(),
-      ShapeBuilder("disk").to_world(t).build_model(),
-      ShapeBuilder("cylinder").to_world(t).build_model(),
-      ShapeBuilder("rectangle").to_world(t).build_model(),
-      ShapeBuilder("linearcurve").set("filename", file).to_world(turned).build_model(),
-      ShapeBuilder("bsplinecurve").set("filename", file).to_world(turned).build_model(),
-      ShapeBuilder("instance").set("", group).to_world(t).build_model()};
-  for (const std::shared_ptr<Model>& model : models) {
-    const std::string type = model->properties().type();
-    const RayTracer tracer(model->parts());
-    const ModelPart& part = model->parts()[0];
+      ShapeBuilder("shapegroup").set("", ObjectPtr(ShapeBuilder("sphere").build_asset())).build_asset();
+  const std::vector<std::shared_ptr<Asset>> assets = {
+      ShapeBuilder("sphere").to_world(turned).build_asset(),
+      ShapeBuilder("disk").to_world(t).build_asset(),
+      ShapeBuilder("cylinder").to_world(t).build_asset(),
+      ShapeBuilder("rectangle").to_world(t).build_asset(),
+      ShapeBuilder("linearcurve").set("filename", file).to_world(turned).build_asset(),
+      ShapeBuilder("bsplinecurve").set("filename", file).to_world(turned).build_asset(),
+      ShapeBuilder("instance").set("", group).to_world(t).build_asset()};
+  for (const std::shared_ptr<Asset>& asset : assets) {
+    const std::string type = asset->properties().type();
+    const RayTracer tracer(asset->primitives());
+    const Primitive& part = asset->primitives()[0];
     const auto intersect = [&](const Ray& ray) -> std::optional<SurfacePoint> {
       const RayTracer::Hit hit = tracer.intersect(ray);
       if (!hit) return {};

@@ -92,9 +92,9 @@ TEST_F(ObjTest, WhatIsRead) {
   ASSERT_EQ(m.remarks().size(), 2u);
   EXPECT_NE(m.remarks()[0].find("fewer than three"), std::string::npos);
   EXPECT_NE(m.remarks()[1].find("\"l\""), std::string::npos);
-  const auto model = builder(text).build_model();
-  ASSERT_EQ(model->parts().size(), 1u);
-  const auto& remarks = model->parts()[0].remarks;
+  const auto asset = builder(text).build_asset();
+  ASSERT_EQ(asset->primitives().size(), 1u);
+  const auto& remarks = asset->primitives()[0].remarks;
   ASSERT_EQ(remarks.size(), 3u);
   EXPECT_NE(remarks[2].find("\"red\""), std::string::npos);  // and no face is blue
 }

@@ -2,7 +2,7 @@
 // Surfaces that bound a medium and have a gap are noted.
 #include <gtest/gtest.h>
 
-#include "aureole/shape/model.h"
+#include "aureole/asset/asset.h"
 #include "harness/paths.h"
 #include "harness/properties_builder.h"
 
@@ -12,7 +12,7 @@ namespace {
 std::string note_of(const std::string& type, const std::string& children,
                     const std::string& medium = R"(<medium name="interior" type="homogeneous"/>)") {
   Diagnostics diagnostics;
-  const auto model = testing::build<Model>("<shape type=\"" + type + "\">" + children + medium + "</shape>",
+  const auto asset = testing::build<Asset>("<shape type=\"" + type + "\">" + children + medium + "</shape>",
                                            testing::make_context(360, 830, &diagnostics), example_file);
   EXPECT_FALSE(diagnostics.has_errors());
   return diagnostics.notes().empty() ? "" : diagnostics.notes().front();

@@ -206,11 +206,11 @@ TEST(SdfGrid, PlaneAtTheBorderAndBounds) {
 
 TEST(SdfGrid, Instances) {
   const ObjectPtr group =
-      ShapeBuilder("shapegroup").set("", ObjectPtr(ball(10).builder().build_model())).build_model();
-  const auto one = ball(10).builder().to_world(Transform::translate(2, 0, 0)).build_model();
+      ShapeBuilder("shapegroup").set("", ObjectPtr(ball(10).builder().build_asset())).build_asset();
+  const auto one = ball(10).builder().to_world(Transform::translate(2, 0, 0)).build_asset();
   const auto other =
-      ShapeBuilder("instance").set("", group).to_world(Transform::translate(2, 0, 0)).build_model();
-  const RayTracer a(one->parts()), b(other->parts());
+      ShapeBuilder("instance").set("", group).to_world(Transform::translate(2, 0, 0)).build_asset();
+  const RayTracer a(one->primitives()), b(other->primitives());
   Random random(4);
   for (int i = 0; i < 500; ++i) {
     const Ray ray{Vec3{2.5f, 0.5f, 0.5f} + random.direction() * 2, random.direction()};

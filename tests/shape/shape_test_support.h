@@ -10,9 +10,9 @@
 #include <fstream>
 #include <random>
 
+#include "aureole/asset/asset.h"
 #include "aureole/emitter/emitter.h"
 #include "aureole/plugin/registry.h"
-#include "aureole/shape/model.h"
 
 namespace aureole::test {
 
@@ -70,9 +70,9 @@ public:
   ShapePtr build() const { return std::dynamic_pointer_cast<const Shape>(info_->create(properties_)); }
   /// Its area sampler for an emitter.
   std::shared_ptr<const AreaSampler> build_sampler() const { return sampler_of(build()); }
-  /// With all that hangs on it.
-  std::shared_ptr<Model> build_model() const {
-    return std::dynamic_pointer_cast<Model>(make_element(*info_, properties_));
+  /// With its BSDF, emitter, sensor and media.
+  std::shared_ptr<Asset> build_asset() const {
+    return std::dynamic_pointer_cast<Asset>(make_element(*info_, properties_));
   }
 
 private:
@@ -80,17 +80,19 @@ private:
   Properties properties_;
 };
 
-/// A shape as a part of a scene, without what hangs on it.
-inline ModelPart part_of(const ShapePtr& shape) {
-  ModelPart part;
-  part.shape = shape, part.element = shape->shared_properties();
-  return part;
+/// A shape as a primitive of a scene, without BSDF, emitter and media.
+inline Primitive primitive_of(const ShapePtr& shape) {
+  Primitive primitive;
+  primitive.shape = shape, primitive.element = shape->shared_properties();
+  return primitive;
 }
 
-/// A model of any shape, made without its parameters.
-class GivenModel final : public Model {
+/// An asset of any shape, made without its parameters.
+class GivenAsset final : public Asset {
 public:
-  explicit GivenModel(const ShapePtr& shape) : Model(shape->properties()) { parts_ = {part_of(shape)}; }
+  explicit GivenAsset(const ShapePtr& shape) : Asset(shape->properties()) {
+    primitives_ = {primitive_of(shape)};
+  }
 };
 
 /// An Embree scene of one shape.
@@ -189,7 +191,7 @@ protected:
 /// The error that building gives, or an empty string.
 inline std::string build_error(const ShapeBuilder& builder) {
   try {
-    builder.build_model();
+    builder.build_asset();
     return "";
   } catch (const Error& e) {
     return e.what();

@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "aureole/core/image.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/spectrum/upsampling_fit.h"
 #include "aureole/texture/texture.h"
 #include "harness/properties_builder.h"

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "aureole/instrument/check/significance.h"
 #include "aureole/loading/load.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 #include "aureole/scene/scene.h"
 #include "aureole/transport/connection.h"

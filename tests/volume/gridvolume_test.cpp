@@ -4,7 +4,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/plugin/array.h"
 #include "aureole/plugin/registry.h"
 #include "harness/paths.h"

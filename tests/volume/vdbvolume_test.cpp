@@ -6,7 +6,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "harness/paths.h"
 #include "volume/volume_test_support.h"
 

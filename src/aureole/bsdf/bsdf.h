@@ -8,14 +8,13 @@
 #include <cstdint>
 #include <optional>
 
+#include "aureole/parameter/ior.h"
 #include "aureole/plugin/object.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/shape/surface_point.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
-
-class RefractiveIndex;
 
 enum class TransportMode { radiance, importance };
 
@@ -46,6 +45,11 @@ struct BsdfContext {
   /// null if it is the exterior index of the scene file. Interfaces between media use it, coatings of opaque
   /// bodies do not.
   const Spectrum* exterior_index = nullptr;
+
+  /// The index outside an interface: `exterior_index` if there is one, else `stated`.
+  Spectrum eval_exterior(const Ior& stated) const {
+    return exterior_index ? *exterior_index : stated.eval(wavelengths);
+  }
 };
 
 struct BsdfSample {
@@ -123,32 +127,5 @@ using BsdfPtr = std::shared_ptr<const Bsdf>;
 inline float cos_theta(const Vec3& w) { return w.z; }
 inline float abs_cos_theta(const Vec3& w) { return std::abs(w.z); }
 inline Vec3 reflect(const Vec3& w) { return {-w.x, -w.y, w.z}; }  ///< about the local normal
-
-/// Checks that the index of `material` is known at all wavelengths of the sensor. If not: an error, located
-/// at `name`, if the sensor exceeds the visible range, else a note. Outside the known range the nearest known
-/// value is used.
-void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
-                       const RefractiveIndex& index);
-
-/// An index of refraction given as a number or a material's name, evaluated per wavelength of the path.
-class Ior {
-public:
-  /// Reads `name` ("bk7", 1.5, ...); a name with dispersion data is dispersive. Errors are located and
-  /// suggest names.
-  static Ior from(const Properties& properties, std::string_view name, const std::string& fallback);
-  Spectrum eval(const Wavelengths& w) const { return dispersive_ ? table_.eval(w) : Spectrum(constant_); }
-  /// Returns the exterior index: that of the context if it has one.
-  Spectrum eval_exterior(const BsdfContext& ctx) const {
-    return ctx.exterior_index ? *ctx.exterior_index : eval(ctx.wavelengths);
-  }
-  bool is_dispersive() const { return dispersive_; }
-  /// Returns the index at the sodium D line (589.3 nm), or the constant index.
-  float at_sodium_d() const { return constant_; }
-
-private:
-  bool dispersive_ = false;
-  float constant_ = 1;
-  SampledSpectrum table_;
-};
 
 }  // namespace aureole

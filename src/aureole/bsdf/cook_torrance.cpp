@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/bsdf/microfacet/beckmann.h"
 #include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 
 namespace aureole {
 namespace {

@@ -14,11 +14,12 @@
 #include <stdexcept>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/complex_index.h"
 #include "aureole/bsdf/spheres/sphere_tables.h"
 #include "aureole/correlation/correlation.h"
+#include "aureole/parameter/complex_index.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/plugin/table_holder.h"
+#include "aureole/texture/texture.h"
 
 namespace aureole {
 namespace {
@@ -37,7 +38,8 @@ public:
 
     const Ior medium = Ior::from(p, "ext_ior", "air");
     layer.medium = [=](double nm) { return double(medium.eval(Wavelengths::at(grid, float(nm)))[0]); };
-    layer.relative_index = [around = layer.medium, inside = read_complex_index(p, "int_ior", "water")](
+    const auto k = get_optional_spectrum(p, "k", SpectrumRole::unbounded);
+    layer.relative_index = [around = layer.medium, inside = read_complex_index(p, "int_ior", "water", k)](
                                double nm) { return inside(nm) / around(nm); };
     for (int i = 0; i <= grid.cells; ++i)
       if (const auto m = layer.relative_index(grid.node(i)); !(std::abs(m) <= kLargestIndex && m.real() > 0))

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
@@ -31,7 +31,7 @@ public:
     // eta: index beyond the interface over the index on the side of wi.
     const bool disperses = dispersive_ || ctx.exterior_index;
     Spectrum etas(eta_);
-    if (disperses) etas = interior_.eval(ctx.wavelengths) / exterior_.eval_exterior(ctx);
+    if (disperses) etas = interior_.eval(ctx.wavelengths) / ctx.eval_exterior(exterior_);
     if (wi.z < 0) etas = disperses ? Spectrum(1.f) / etas : Spectrum(1.f / eta_);
     const float eta = etas[0];
     const DielectricFresnel hero = fresnel_dielectric(cos_i, eta);

@@ -9,9 +9,9 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/bsdf/near_field.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {

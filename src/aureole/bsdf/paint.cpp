@@ -9,13 +9,13 @@
 #include <optional>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/bsdf/microfacet/rough_coating.h"
 #include "aureole/bsdf/parameter/scalar_texture.h"
-#include "aureole/bsdf/pigment/palette_file.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/parameter/palette_file.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {

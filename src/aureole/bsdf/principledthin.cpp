@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/bsdf/microfacet/ggx.h"
 #include "aureole/bsdf/microfacet/principled_lobes.h"
 #include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 
 namespace aureole {
 namespace {

@@ -6,12 +6,12 @@
 #include <optional>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/bsdf/microfacet/microfacet.h"
 #include "aureole/bsdf/microfacet/microfacet_energy.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/interface/fresnel_equations.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
@@ -222,7 +222,7 @@ private:
 
   float index(const BsdfContext&, float) const { return eta_; }
   Spectrum index(const BsdfContext& ctx, const Spectrum&) const {
-    return interior_.eval(ctx.wavelengths) / exterior_.eval_exterior(ctx);
+    return interior_.eval(ctx.wavelengths) / ctx.eval_exterior(exterior_);
   }
 
   /// Returns nodes for tables over the index, interior over exterior.

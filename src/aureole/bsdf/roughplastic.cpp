@@ -8,11 +8,11 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/bsdf/microfacet/microfacet.h"
 #include "aureole/bsdf/microfacet/rough_coating.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {

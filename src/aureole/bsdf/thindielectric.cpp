@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
@@ -31,7 +31,7 @@ public:
     Spectrum r;
     if (dispersive_ || ctx.exterior_index)
       r = thin_slab(
-          fresnel_dielectric(cos_i, interior_.eval(ctx.wavelengths) / exterior_.eval_exterior(ctx)));
+          fresnel_dielectric(cos_i, interior_.eval(ctx.wavelengths) / ctx.eval_exterior(exterior_)));
     else
       r = thin_slab(fresnel_dielectric(cos_i, eta_).reflectance);
     if (u1 < r[0]) {

@@ -24,7 +24,7 @@ AUREOLE_FAMILY(FamilyInfo{
          {"ext_ior", "float or string", "", "air",
           "index of refraction outside, as a number or the name of a material"},
          {"dispersion", "boolean", "", "true", "named materials use their dispersion data if available"}},
-    .hangs_on_shapes = true,
+    .belongs_to_shapes = true,
     .is_reusable = true});
 
 }  // namespace aureole

@@ -45,7 +45,7 @@ AUREOLE_FAMILY(FamilyInfo{
          {"sampling_weight", "float", "", "1",
           "factor of the probability that light sampling chooses this emitter; 0: never, so that only "
           "rays that hit it by chance find it"}},
-    .hangs_on_shapes = true,
+    .belongs_to_shapes = true,
     .is_reusable = true});
 
 }  // namespace aureole

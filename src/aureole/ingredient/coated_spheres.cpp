@@ -2,11 +2,12 @@
 // Coated spheres: a core of one material with a coat of another, by the theory of Aden and Kerker.
 #include <stdexcept>
 
-#include "aureole/bsdf/fresnel/complex_index.h"
 #include "aureole/ingredient/amount/amount_parameters.h"
 #include "aureole/ingredient/ingredient.h"
+#include "aureole/parameter/complex_index.h"
 #include "aureole/plugin/radius_parameters.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
 
 namespace aureole {
 namespace {
@@ -16,8 +17,10 @@ std::shared_ptr<const optics::ParticleKind> read_kind(const Properties& p) {
     if (!p.has(name))
       throw p.error(name,
                     "the parameter \"" + std::string(name) + "\" is required, a number or a material's name");
-  const auto core = read_complex_index(p, "int_ior", "water");
-  const auto coat = read_complex_index(p, "coat_ior", "water", "coat_k");
+  const auto core =
+      read_complex_index(p, "int_ior", "water", get_optional_spectrum(p, "k", SpectrumRole::unbounded));
+  const auto coat = read_complex_index(p, "coat_ior", "water",
+                                       get_optional_spectrum(p, "coat_k", SpectrumRole::unbounded), "coat_k");
   if (p.has("core_fraction") == p.has("coat_thickness"))
     throw p.error("core_fraction", "give either \"core_fraction\" or \"coat_thickness\"");
   if (p.has("coat_thickness"))

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Homogeneous spheres with a distribution of sizes, by Mie's theory.
-#include "aureole/bsdf/fresnel/complex_index.h"
 #include "aureole/ingredient/amount/amount_parameters.h"
 #include "aureole/ingredient/ingredient.h"
+#include "aureole/parameter/complex_index.h"
 #include "aureole/plugin/radius_parameters.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/texture/texture.h"
 
 namespace aureole {
 namespace {
@@ -20,7 +21,8 @@ public:
                    .density = read_density(p)} {
     if (!p.has("int_ior"))
       throw p.error("int_ior", "the parameter \"int_ior\" is required, a number or a material's name");
-    particles_.particles = optics::sphere_kind(read_complex_index(p, "int_ior", "water"));
+    const auto k = get_optional_spectrum(p, "k", SpectrumRole::unbounded);
+    particles_.particles = optics::sphere_kind(read_complex_index(p, "int_ior", "water", k));
   }
 
   void add_to(IngredientList& list) const override { list.particles.push_back(particles_); }

@@ -48,7 +48,7 @@ public:
         throw Error(bsdf.properties().where(),
                     "\"bdpt\" cannot walk backwards through fibres of hair: use \"path\" or \"ptracer\"");
     };
-    for (const ModelPart& part : scene.parts().surfaces) {
+    for (const Primitive& part : scene.parts().surfaces) {
       if (part.bsdf) refuse_fibres(*part.bsdf);
       if (part.instance)
         for (const BsdfPtr& bsdf : part.instance->list().bsdfs) refuse_fibres(*bsdf);

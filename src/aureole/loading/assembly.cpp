@@ -67,9 +67,9 @@ void SceneAssembly::keep(const Node& node, const std::string& family, const Obje
   }
   if (family == "sensor") parts.sensor = typed<Sensor>(object);
   if (family == "shape") {
-    const auto model = typed<Model>(object);
-    append_parts(node, *model);
-    take_sensor(node, *model);
+    const auto asset = typed<Asset>(object);
+    append_primitives(node, *asset);
+    take_sensor(node, *asset);
   }
   if (family != "emitter" || references_.is_nested(node)) return;
   const auto emitter = typed<Emitter>(object);
@@ -79,27 +79,27 @@ void SceneAssembly::keep(const Node& node, const std::string& family, const Obje
     parts.emitters.push_back(emitter);
 }
 
-void SceneAssembly::take_sensor(const Node& node, const Model& model) {
-  if (!model.sensor()) return;
+void SceneAssembly::take_sensor(const Node& node, const Asset& asset) {
+  if (!asset.sensor()) return;
   if (!sensor_) {
-    sensor_ = &node, parts.sensor = model.sensor(), parts.sensor_area = model.sensor_area();
-  } else if (parts.sensor != model.sensor()) {
+    sensor_ = &node, parts.sensor = asset.sensor(), parts.sensor_area = asset.sensor_area();
+  } else if (parts.sensor != asset.sensor()) {
     if (!references_.is_nested(node))
-      diagnostics_.note(model.sensor()->properties().where(),
+      diagnostics_.note(asset.sensor()->properties().where(),
                         "only the first sensor is used; this one is ignored");
   } else if (!parts.sensor_area) {
-    parts.sensor_area = model.sensor_area();
-  } else if (parts.sensor_area != model.sensor_area()) {
-    diagnostics_.error(model.sensor()->properties().where(),
+    parts.sensor_area = asset.sensor_area();
+  } else if (parts.sensor_area != asset.sensor_area()) {
+    diagnostics_.error(asset.sensor()->properties().where(),
                        "this irradiance meter sits on two shapes; give each its own");
   }
 }
 
-void SceneAssembly::append_parts(const Node& node, const Model& model) {
-  if (model.parts().empty() && !references_.is_nested(node))
+void SceneAssembly::append_primitives(const Node& node, const Asset& asset) {
+  if (asset.primitives().empty() && !references_.is_nested(node))
     diagnostics_.note(node.where, "nothing of this " + node.get("type") + " is rendered: it has no effect");
-  if (!appended_.insert(&model).second) return;
-  parts.surfaces.insert(parts.surfaces.end(), model.parts().begin(), model.parts().end());
+  if (!appended_.insert(&asset).second) return;
+  parts.surfaces.insert(parts.surfaces.end(), asset.primitives().begin(), asset.primitives().end());
 }
 
 }  // namespace aureole

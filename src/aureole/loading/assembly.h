@@ -27,9 +27,9 @@ private:
   void add(const Node& child);
   void keep(const Node& node, const std::string& family, const ObjectPtr& object);
   /// Uses the sensor on a shape as the scene's sensor.
-  void take_sensor(const Node& node, const Model& model);
-  /// Adds the model's surfaces, instances and lights to the scene.
-  void append_parts(const Node& node, const Model& model);
+  void take_sensor(const Node& node, const Asset& asset);
+  /// Adds the asset's surfaces, instances and lights to the scene.
+  void append_primitives(const Node& node, const Asset& asset);
 
   Builder& builder_;
   const References& references_;

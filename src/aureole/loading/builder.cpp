@@ -152,7 +152,7 @@ ObjectPtr Builder::create(const Node& node, const PluginInfo& plugin, const Prop
   try {
     ObjectPtr object;
     if (pool_ && plugin.family == "shape")
-      object = make_model(plugin, properties, *pool_->geometry_source(keys_.of(node)));
+      object = make_asset(plugin, properties, *pool_->geometry_source(keys_.of(node)));
     else
       object = make_element(plugin, properties);
     if (!object) throw Error("the plug-in made no object");

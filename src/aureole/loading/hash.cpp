@@ -106,7 +106,7 @@ public:
     for (const Node& child : node.children) {
       if (without_children_of_shape) {
         const Node* target = references_.follow(child);
-        if (target && hangs_on_shape(*target)) continue;
+        if (target && belongs_to_shape(*target)) continue;
       }
       hash.text(child.get("name"));  // the name of a reference is not part of its target's hash
       hash.number(key(child));
@@ -116,9 +116,9 @@ public:
   }
 
 private:
-  bool hangs_on_shape(const Node& node) const {
+  bool belongs_to_shape(const Node& node) const {
     if (const FamilyInfo* family = Registry::instance().family(object_family(node)))
-      return family->hangs_on_shapes;
+      return family->belongs_to_shapes;
     const auto given = node.tag == "given" ? given_.find(node.get("key")) : given_.end();
     if (given == given_.end() || !given->second) return false;
     const Object* object = given->second.get();

@@ -9,9 +9,9 @@
 #include <unordered_map>
 #include <vector>
 
+#include "aureole/asset/asset.h"
 #include "aureole/loading/references.h"
 #include "aureole/plugin/properties.h"
-#include "aureole/shape/model.h"
 
 namespace aureole {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <vector>
 
-#include "aureole/bsdf/pigment/palette_file.h"
 #include "aureole/core/error.h"
 #include "aureole/medium/content/extinction_limit.h"
 #include "aureole/medium/medium.h"
+#include "aureole/parameter/palette_file.h"
 #include "aureole/phase/mean_cosine.h"
 #include "aureole/pigment/transport_coefficients.h"
 #include "aureole/plugin/registry.h"

@@ -14,6 +14,6 @@ MediumPtr only_medium(const Properties& properties) {
 }
 
 AUREOLE_FAMILY(FamilyInfo{
-    .name = "medium", .fallback = "homogeneous", .hangs_on_shapes = true, .is_reusable = true});
+    .name = "medium", .fallback = "homogeneous", .belongs_to_shapes = true, .is_reusable = true});
 
 }  // namespace aureole

@@ -13,7 +13,7 @@
 #include "aureole/medium/content/mixture.h"
 #include "aureole/optics/medium/recipes.h"
 #include "aureole/optics/particle/hard_spheres.h"
-#include "aureole/phase/table/mie_tables.h"
+#include "aureole/phase/mie_tables.h"
 
 namespace aureole {
 namespace {

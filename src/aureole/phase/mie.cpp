@@ -6,15 +6,16 @@
 #include <stdexcept>
 #include <vector>
 
-#include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/complex_index.h"
 #include "aureole/core/parallel.h"
 #include "aureole/optics/particle/ensemble.h"
-#include "aureole/phase/table/mie_tables.h"
-#include "aureole/phase/table/tabulated_phase_function.h"
+#include "aureole/parameter/complex_index.h"
+#include "aureole/parameter/ior.h"
+#include "aureole/phase/mie_tables.h"
+#include "aureole/phase/tabulated_phase_function.h"
 #include "aureole/plugin/radius_parameters.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/plugin/table_progress.h"
+#include "aureole/texture/texture.h"
 
 namespace aureole {
 namespace {
@@ -24,7 +25,8 @@ std::shared_ptr<const TabulatedPhase> make_table(const Properties& p) {
   const optics::RadiusDistribution radii = read_radii(p);
   const Ior medium = Ior::from(p, "ext_ior", "air");
   const auto host = [=](double nm) { return double(medium.eval(Wavelengths::at(grid, float(nm)))[0]); };
-  const auto index = read_complex_index(p, "int_ior", "water");
+  const auto index =
+      read_complex_index(p, "int_ior", "water", get_optional_spectrum(p, "k", SpectrumRole::unbounded));
   return p.shared_model<TabulatedPhase>([&] {
     try {
       const std::vector<double> nm = mie_wavelengths(grid, {&radii, 1}, host(grid.min_nm));

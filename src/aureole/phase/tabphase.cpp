@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "aureole/phase/table/tabulated_phase_function.h"
+#include "aureole/phase/tabulated_phase_function.h"
 #include "aureole/plugin/number_list.h"
 #include "aureole/plugin/registry.h"
 

@@ -66,7 +66,7 @@ struct FamilyInfo {
   std::string fallback = "";        ///< the default plug-in if a scene gives none; empty: no default
   std::vector<ParameterDoc> parameters = {};  ///< rows that all of its plug-ins share
   bool parameters_are_of_render = false;      ///< they control rendering only: excluded from the hash
-  bool hangs_on_shapes = false;               ///< as children of a shape they do not change its geometry
+  bool belongs_to_shapes = false;             ///< as children of a shape they do not change its geometry
   /// An object depends only on its parameters, the wavelengths and the unit of length. While these stay the
   /// same, it is reused in later versions of the scene.
   bool is_reusable = false;

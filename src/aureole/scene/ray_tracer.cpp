@@ -89,7 +89,7 @@ void RayTracer::occluded_lanes(const RayPacket& rays, int n, bool* blocked, Quer
   for (int i = 0; i < n; ++i) blocked[i] = p.tfar[i] < 0 || !valid[i];
 }
 
-RayTracer::RayTracer(std::span<const ModelPart> parts, const RayTracer* reuse) {
+RayTracer::RayTracer(std::span<const Primitive> parts, const RayTracer* reuse) {
   if (reuse) {
     device_ = reuse->device_;
   } else {
@@ -105,7 +105,7 @@ RayTracer::RayTracer(std::span<const ModelPart> parts, const RayTracer* reuse) {
   scene_ = owned_scene_.get();
   std::unordered_map<const ShapeList*, const Group*> group_of_list;
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    const ModelPart& part = parts[i];
+    const Primitive& part = parts[i];
     items_.push_back({part.shape, part.instance});
     if (part.instance) {
       const Group*& group = group_of_list[&part.instance->list()];
@@ -168,7 +168,7 @@ const RayTracer::Group& RayTracer::group_of(const ShapeList& list, const RayTrac
   return *groups_.emplace_back(std::move(made));
 }
 
-bool RayTracer::is_for(std::span<const ModelPart> parts) const {
+bool RayTracer::is_for(std::span<const Primitive> parts) const {
   // Instances of one group come together: its shapes are compared once for many.
   const ShapeList *a = nullptr, *b = nullptr;
   const auto same_shapes = [&](const ShapeList& x, const ShapeList& y) {
@@ -178,7 +178,7 @@ bool RayTracer::is_for(std::span<const ModelPart> parts) const {
     return true;
   };
   return std::equal(items_.begin(), items_.end(), parts.begin(), parts.end(),
-                    [&](const Item& item, const ModelPart& part) {
+                    [&](const Item& item, const Primitive& part) {
                       if (item.instance && part.instance)
                         return item.instance->is_in_same_place(*part.instance) &&
                                same_shapes(item.instance->list(), part.instance->list());

@@ -12,7 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "aureole/shape/model.h"
+#include "aureole/asset/primitive.h"
 
 namespace aureole {
 
@@ -42,13 +42,13 @@ class RayTracer {
 public:
   /// Builds the acceleration structure. Reuses the device, geometries of equal shapes and structures of equal
   /// groups of another tracer, which may be tracing meanwhile. Throws Error where memory runs out.
-  explicit RayTracer(std::span<const ModelPart> parts, const RayTracer* reuse = nullptr);
+  explicit RayTracer(std::span<const Primitive> parts, const RayTracer* reuse = nullptr);
   RayTracer(const RayTracer&) = delete;
   RayTracer& operator=(const RayTracer&) = delete;
 
   /// Whether it was built for these parts: the same shapes, and instances of the same shapes with the same
   /// transforms.
-  bool is_for(std::span<const ModelPart> parts) const;
+  bool is_for(std::span<const Primitive> parts) const;
 
   struct Hit : ShapeHit {
     std::uint32_t shape = ~0u;  ///< index into the shapes; ~0 where nothing was met

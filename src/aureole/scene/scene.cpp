@@ -40,7 +40,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
   if (!parts_.sensor) throw Error("the scene has no sensor");
   Bounds3 places;
   std::unordered_set<const ShapeList*> groups;
-  for (const ModelPart& part : parts_.surfaces) {
+  for (const Primitive& part : parts_.surfaces) {
     if (part.instance && groups.insert(&part.instance->list()).second)
       for (const ShapePtr& shape : part.instance->list().shapes)
         require_near(shape->properties(), shape->bounds());
@@ -100,7 +100,7 @@ void Scene::place_sensor(Bounds3 places) const {
   // Rays between two of these places have directions of twice their coordinates.
   const float reach = 2 * reach_of(places);
   if (reach <= surfaces_.tracer->farthest()) return;
-  for (const ModelPart& instance : parts_.surfaces)
+  for (const Primitive& instance : parts_.surfaces)
     if (instance.instance && !(instance.instance->farthest(kFarthest) >= reach))
       throw misplaced(
           *instance.element,
@@ -108,7 +108,7 @@ void Scene::place_sensor(Bounds3 places) const {
 }
 
 void Scene::make_lights() {
-  for (const ModelPart& part : parts_.surfaces)
+  for (const Primitive& part : parts_.surfaces)
     if (part.emitter) {
       Light light;
       light.emitter = part.emitter.get(), light.shape = part.shape.get();
@@ -143,7 +143,7 @@ void Scene::make_surfaces() {
   // Instances of one group share its surfaces.
   std::size_t count = parts_.surfaces.size();
   std::unordered_map<const ShapeList*, std::size_t> first;
-  for (const ModelPart& part : parts_.surfaces)
+  for (const Primitive& part : parts_.surfaces)
     if (part.instance && first.try_emplace(&part.instance->list(), count).second)
       count += part.instance->list().shapes.size();
   std::vector<std::pair<std::size_t, const Bssrdf*>> entries;
@@ -159,7 +159,7 @@ void Scene::make_surfaces() {
       surfaces_.all[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i], list->media[i]);
   const Light* light = emitters_.data();
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
-    const ModelPart& part = parts_.surfaces[i];
+    const Primitive& part = parts_.surfaces[i];
     Surface& surface = surfaces_.all[i];
     if (part.instance) {
       surface.instance = part.instance.get();
@@ -190,11 +190,11 @@ void Scene::find_media() {
     any_medium_outside_ |= surface.outside != nullptr;
   }
   surfaces_.any_passable |= has_media_;
-  const auto extend = [](Bounds3& box, const ModelPart& part, auto has) {
+  const auto extend = [](Bounds3& box, const Primitive& part, auto has) {
     const auto* list = part.instance ? &part.instance->list().media : nullptr;
     if (list ? std::any_of(list->begin(), list->end(), has) : has(part.media)) box.extend(part.bounds());
   };
-  for (const ModelPart& part : parts_.surfaces) {
+  for (const Primitive& part : parts_.surfaces) {
     extend(media_bounds_, part, [](const SurfaceMedia& m) { return m.given() && m.priority == 0; });
     extend(priority_bounds_, part, [](const SurfaceMedia& m) { return m.priority != 0; });
   }

@@ -143,7 +143,7 @@ void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<Sam
     if (at == found.end()) at = found.insert(found.end(), {medium.get(), {}});
     at->second.push_back(box);
   };
-  for (const ModelPart& part : parts_.surfaces) {
+  for (const Primitive& part : parts_.surfaces) {
     if (!part.instance) {
       add(part.media.inside, part.bounds());
       continue;
@@ -183,10 +183,10 @@ struct OpenBody {
 
 OpenBody look_into(const Scene& scene, std::size_t index) {
   constexpr int kRays = 256;
-  const std::vector<ModelPart>& parts = scene.parts().surfaces;
+  const std::vector<Primitive>& parts = scene.parts().surfaces;
   const Bounds3 box = parts[index].bounds();
   std::vector<const Shape*> body;
-  for (const ModelPart& part : parts)
+  for (const Primitive& part : parts)
     if (part.shape && part.element == parts[index].element) body.push_back(part.shape.get());
   OpenBody found;
   for (std::uint32_t k = 0; k < kRays; ++k) {
@@ -226,7 +226,7 @@ OpenBody look_into(const Scene& scene, std::size_t index) {
 
 /// A medium within a body that has a gap, through which one sees out of the scene, would go on outside without an end.
 void check_open_bodies(const Scene& scene) {
-  const std::vector<ModelPart>& parts = scene.parts().surfaces;
+  const std::vector<Primitive>& parts = scene.parts().surfaces;
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const SurfaceMedia& media = parts[i].media;
     if (!parts[i].shape || !media.inside || media.inside == media.outside || parts[i].encloses_medium)

@@ -7,14 +7,16 @@
 #include <optional>
 #include <vector>
 
+#include "aureole/asset/primitive.h"
 #include "aureole/plugin/properties.h"
 #include "aureole/scene/edge/beam_width.h"
-#include "aureole/shape/model.h"
+#include "aureole/sensor/sensor.h"
+#include "aureole/shape/shape_area.h"
 
 namespace aureole {
 
 struct SceneParts {
-  std::vector<ModelPart> surfaces;                       ///< with the emitters that sit on them
+  std::vector<Primitive> surfaces;                       ///< with the emitters that sit on them
   std::vector<std::shared_ptr<const Emitter>> emitters;  ///< those on no shape
   std::shared_ptr<const Sensor> sensor;
   std::shared_ptr<const ShapeArea> sensor_area;  ///< of the shape that the sensor sits on, or null

@@ -5,11 +5,11 @@
 
 #include <cstdint>
 
+#include "aureole/asset/primitive.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bssrdf/bssrdf.h"
 #include "aureole/emitter/light.h"
 #include "aureole/shape/instance.h"
-#include "aureole/shape/model.h"
 #include "aureole/shape/shape.h"
 
 namespace aureole {

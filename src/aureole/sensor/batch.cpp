@@ -4,7 +4,7 @@
 
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/placed_sensor.h"
-#include "aureole/shape/model.h"
+#include "aureole/sensor/sensor_shape.h"
 
 namespace aureole {
 namespace {
@@ -91,16 +91,16 @@ private:
   struct Member {
     std::shared_ptr<const Sensor> sensor;
     std::shared_ptr<const ShapeArea> area;
-    std::shared_ptr<const Model> model;  ///< the model that contains the surface
+    std::shared_ptr<const SensorShape> shape;  ///< the shape that contains the surface
   };
 
   void add(const ObjectPtr& child) {
     if (auto sensor = std::dynamic_pointer_cast<const Sensor>(child)) {
       members_.push_back({std::move(sensor), nullptr, nullptr});
-    } else if (auto model = std::dynamic_pointer_cast<const Model>(child)) {
-      if (!model->sensor())
-        throw Error(model->properties().where(), "a shape in a batch needs a sensor of its own");
-      members_.push_back({model->sensor(), model->sensor_area(), std::move(model)});
+    } else if (auto shape = std::dynamic_pointer_cast<const SensorShape>(child)) {
+      if (!shape->sensor())
+        throw Error(shape->properties().where(), "a shape in a batch needs a sensor of its own");
+      members_.push_back({shape->sensor(), shape->sensor_area(), std::move(shape)});
     } else {
       throw Error(child->properties().where(), "a batch holds sensors, and shapes with sensors");
     }

@@ -3,7 +3,7 @@
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/sensor/placed_sensor.h"
-#include "aureole/shape/model.h"
+#include "aureole/sensor/sensor_shape.h"
 
 namespace aureole {
 namespace {
@@ -29,8 +29,8 @@ public:
       if (!std::holds_alternative<ObjectPtr>(target->value))
         throw p.error("target", "expected a point or a shape");
       target_ = Target::shape;
-      model_ = p.get_object<Model>("target");
-      if (const ShapePtr shape = model_->shape())
+      element_ = p.get_object<SensorShape>("target");
+      if (const ShapePtr shape = element_->shape())
         surface_ = std::make_unique<const ShapeArea>(shape->make_area_sampler(AreaUse::sensor));
       if (!surface_ || !(surface_->area() > 0)) throw p.error("target", "the shape has no area");
     }
@@ -96,7 +96,7 @@ private:
 
   Target target_ = Target::scene;
   Vec3 direction_, point_;
-  std::shared_ptr<const Model> model_;  ///< the model that contains the target's surface
+  std::shared_ptr<const SensorShape> element_;  ///< the shape that contains the target's surface
   std::unique_ptr<const ShapeArea> surface_;
   float offset_ = -1;  ///< negative: rays start outside the scene
 };

@@ -102,7 +102,7 @@ AUREOLE_FAMILY(FamilyInfo{
                    {"srf", "spectrum", "", "1", "spectral response that multiplies the film's"},
                    {"shutter_open", "float", "s", "0", "accepted without effect"},
                    {"shutter_close", "float", "s", "0", "accepted without effect"}},
-    .hangs_on_shapes = true,
+    .belongs_to_shapes = true,
     .is_reusable = true});
 
 }  // namespace aureole

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "aureole/shape/instance.h"
+
 #include <cmath>
 
-#include "aureole/plugin/registry.h"
+#include "aureole/plugin/properties.h"
 #include "aureole/shape/geometry/double3.h"
-#include "aureole/shape/geometry/shape_group.h"
+#include "aureole/shape/shape.h"
 
 namespace aureole {
 
@@ -27,9 +29,9 @@ Vec3 transposed(const Rows& m, const Vec3& v) {
 
 }  // namespace
 
-Instance::Instance(std::shared_ptr<const ShapeList> list, const Transform& to_world,
+Instance::Instance(std::shared_ptr<const ShapeList> list, const Bounds3& bounds, const Transform& to_world,
                    const Properties& properties)
-    : list_(std::move(list)) {
+    : list_(std::move(list)), bounds_(bounds) {
   Double3 column[3];
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 4; ++k) to_world_[i][k] = float(to_world.matrix()[i][k]);
@@ -127,7 +129,7 @@ float Instance::farthest(float limit) const {
 }
 
 Bounds3 Instance::bounds() const {
-  const Bounds3& b = list_->bounds;
+  const Bounds3& b = bounds_;
   Bounds3 all;
   for (int corner = 0; corner < 8 && !b.empty(); ++corner) {
     Vec3 p;
@@ -141,45 +143,5 @@ Bounds3 Instance::bounds() const {
   }
   return all;
 }
-
-InstanceModel::InstanceModel(const Properties& properties) : Model(properties) {
-  const auto groups = properties.get_children<ShapeGroup>("shapegroup");
-  if (groups.size() != 1)
-    throw Error(properties.where(), "an instance needs one shapegroup: write <ref id=\"...\"/> with its id");
-  group_ = groups.front();
-  to_world_ = properties.get_transform("to_world");
-  take_apart(*group_, to_world_);
-}
-
-void InstanceModel::take_apart(const ShapeGroup& group, const Transform& to_world) {
-  if (!group.list()->shapes.empty()) {
-    ModelPart part;
-    part.instance = std::make_shared<const Instance>(group.list(), to_world, properties());
-    part.element = shared_properties();
-    parts_.push_back(std::move(part));
-  }
-  for (const ShapeGroup::Nested& n : group.nested()) take_apart(*n.group, to_world * n.to_group);
-}
-
-AUREOLE_PLUGIN(
-    InstanceModel, "shape", "instance",
-    PluginDoc{
-        .summary =
-            "An instance of a `shapegroup` in the scene. Its shapes have the BSDFs that they have in the "
-            "group. Any affine to_world is allowed, mirroring included.",
-        .source = "",
-        .parameters = {{"shapegroup", "shape", "", "required", "the group, usually by <ref id=\"...\"/>"},
-                       {"to_world", "transform", "", "identity",
-                        "transform from the group's coordinates to world space"}},
-        .examples = {R"(<shape type="instance">
-  <shape type="shapegroup">
-    <shape type="sphere"/>
-  </shape>
-  <transform name="to_world">
-    <scale x="2" y="1" z="0.5"/>
-    <translate x="3"/>
-  </transform>
-</shape>)"},
-        .takes_shared_parameters = false});
 
 }  // namespace aureole

@@ -18,8 +18,10 @@ struct ShapeList;
 
 class Instance {
 public:
-  /// `list` contains the shapes; errors are located at `to_world` of `properties`.
-  Instance(std::shared_ptr<const ShapeList> list, const Transform& to_world, const Properties& properties);
+  /// `list` (asset/primitive.h) has the shapes, which lie in `bounds`; errors are located at `to_world` of
+  /// `properties`.
+  Instance(std::shared_ptr<const ShapeList> list, const Bounds3& bounds, const Transform& to_world,
+           const Properties& properties);
 
   const ShapeList& list() const { return *list_; }
   bool is_in_same_place(const Instance& other) const { return to_world_ == other.to_world_; }
@@ -40,6 +42,7 @@ private:
   using Rows = std::array<std::array<float, 4>, 3>;
 
   std::shared_ptr<const ShapeList> list_;
+  Bounds3 bounds_;  ///< of the shapes, in the group's coordinates
   // In single precision, as the ray caster stores it: the rounded transform defines the instance's position.
   Rows to_world_, to_group_;
   Rows error_;  ///< bound of the ray caster's error for an origin o: error_ applied to (|o|, 1)

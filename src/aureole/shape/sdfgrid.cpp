@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <array>
 
+#include "aureole/parameter/voxel_data.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/geometry/shape_placement.h"
 #include "aureole/shape/geometry/trilinear_cell.h"
 #include "aureole/shape/geometry/user_geometry.h"
 #include "aureole/shape/shape.h"
-#include "aureole/volume/grid/voxel_data.h"
 
 namespace aureole {
 namespace {

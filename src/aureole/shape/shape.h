@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shape family: geometry that rays intersect. A shape has no BSDF, light or sensor: `Model` (model.h)
+// The shape family: geometry that rays intersect. A shape has no BSDF, light or sensor: `Asset` (asset/asset.h)
 // associates these with it, and the scene's `Surface` records store them.
 #pragma once
 

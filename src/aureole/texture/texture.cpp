@@ -165,6 +165,14 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
   return make_constant(properties, name, tabulate_number(properties, name, number, role));
 }
 
+std::optional<SampledSpectrum> get_optional_spectrum(const Properties& properties, std::string_view name,
+                                                     SpectrumRole role) {
+  const TexturePtr texture = get_optional_texture(properties, name, role);
+  if (!texture) return {};
+  if (!texture->is_constant()) throw properties.error(name, "must not vary over the surface");
+  return texture->average();
+}
+
 TexturePtr get_texture(const Properties& properties, std::string_view name, double fallback,
                        SpectrumRole role) {
   const auto given = [&] { return get_optional_texture(properties, name, role); };

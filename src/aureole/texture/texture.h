@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "aureole/plugin/properties.h"
-#include "aureole/shape/mesh/mesh_attribute.h"
 #include "aureole/shape/surface_point.h"
 #include "aureole/spectrum/wavelengths.h"
 
 namespace aureole {
+
+class AttributeName;
+class MeshAttribute;
 
 /// The quantity that an rgb colour or a number denotes, as in Mitsuba's spectral mode: a reflectance in [0,
 /// 1], an unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has
@@ -65,6 +67,11 @@ TexturePtr get_texture(const Properties& properties, std::string_view name, doub
 
 /// Returns the texture given under `name`, or null if absent.
 TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role);
+
+/// The spectrum given under `name`, tabulated on the scene's grid; nothing where absent. A texture that varies
+/// over a surface is an error located at the parameter.
+std::optional<SampledSpectrum> get_optional_spectrum(const Properties& properties, std::string_view name,
+                                                     SpectrumRole role);
 
 /// Returns a texture or number in [0, 1] for `eval_scalar`, such as an opacity or a weight. It is required if
 /// there is no fallback.

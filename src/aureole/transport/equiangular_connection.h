@@ -23,7 +23,8 @@ inline std::optional<Equiangular> equiangular_positions(const Scene& scene, cons
   if (!leaf) return {};
   const Bounds3& box = tree.leaf(*leaf).box;
   const Equiangular positions(state.ray, t_max, box.center(), 0.5f * length(box.diagonal()));
-  constexpr float kNear = 1, kReach = 4;  // optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md)
+  constexpr float kNear = 1,
+                  kReach = 4;  // optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md)
   const float sigma = mean(state.medium->majorant(state.ray.d, w)) * state.medium->majorants().max_bound();
   if (!positions.is_valid() || !(sigma * positions.distance() < kNear) ||
       !(sigma * positions.nearest() < kReach))

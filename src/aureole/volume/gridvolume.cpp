@@ -2,7 +2,7 @@
 // Values on a dense grid, from Mitsuba's format .vol.
 #include <fmt/format.h>
 
-#include "aureole/volume/grid/voxel_data.h"
+#include "aureole/parameter/voxel_data.h"
 #include "aureole/volume/grid/voxel_volume.h"
 
 namespace aureole {

@@ -10,7 +10,7 @@
 #include <numbers>
 #include <random>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "bsdf/layer/mixture_cases.h"
 #include "harness/effort.h"
 

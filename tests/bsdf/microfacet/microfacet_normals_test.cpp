@@ -6,7 +6,7 @@
 
 #include "aureole/bsdf/microfacet/microfacet.h"
 #include "aureole/instrument/check/direction_bins.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 
 namespace aureole::testing {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/spectrum/refractive_index.h"
 #include "harness/bsdf_harness.h"
 #include "harness/effort.h"

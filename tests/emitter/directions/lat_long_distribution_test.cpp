@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 #include "aureole/math/warp.h"
 
 namespace aureole {

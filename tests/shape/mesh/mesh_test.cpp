@@ -268,20 +268,20 @@ TEST(Patches, OthersStayTriangles) {
   EXPECT_EQ(patches(), 2u);
 }
 
-TEST(Model, Children) {
+TEST(Asset, Children) {
   const auto two = [] {
-    ShapeBuilder("rectangle").emitting().set("other", test::make_dark_emitter()).build_model();
+    ShapeBuilder("rectangle").emitting().set("other", test::make_dark_emitter()).build_asset();
   };
   EXPECT_THROW(two(), Error);
-  const auto model = ShapeBuilder("rectangle").build_model();
-  ASSERT_EQ(model->parts().size(), 1u);
-  EXPECT_TRUE(model->parts()[0].bsdf);
-  EXPECT_EQ(model->parts()[0].emitter, nullptr);
-  EXPECT_EQ(model->parts()[0].area, nullptr);
-  const auto lamp = ShapeBuilder("rectangle").emitting().build_model();
-  EXPECT_TRUE(lamp->parts()[0].emitter);
-  ASSERT_TRUE(lamp->parts()[0].area);
-  EXPECT_EQ(lamp->parts()[0].area->patch_count(), 1u);
+  const auto asset = ShapeBuilder("rectangle").build_asset();
+  ASSERT_EQ(asset->primitives().size(), 1u);
+  EXPECT_TRUE(asset->primitives()[0].bsdf);
+  EXPECT_EQ(asset->primitives()[0].emitter, nullptr);
+  EXPECT_EQ(asset->primitives()[0].area, nullptr);
+  const auto lamp = ShapeBuilder("rectangle").emitting().build_asset();
+  EXPECT_TRUE(lamp->primitives()[0].emitter);
+  ASSERT_TRUE(lamp->primitives()[0].area);
+  EXPECT_EQ(lamp->primitives()[0].area->patch_count(), 1u);
 }
 
 }  // namespace

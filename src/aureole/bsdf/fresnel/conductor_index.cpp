@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/bsdf/fresnel/conductor_index.h"
 
-#include "aureole/bsdf/fresnel/fresnel.h"
-#include "aureole/bsdf/fresnel/radio_index.h"
+#include "aureole/parameter/radio_index.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/spectrum/refractive_index.h"
 
 namespace aureole {

@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/spectrum/fresnel.h"
 
 namespace aureole {
 

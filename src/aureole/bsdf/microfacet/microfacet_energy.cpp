@@ -4,9 +4,9 @@
 #include <array>
 #include <atomic>
 
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/core/parallel.h"
 #include "aureole/math/warp.h"
+#include "aureole/spectrum/fresnel.h"
 
 namespace aureole {
 

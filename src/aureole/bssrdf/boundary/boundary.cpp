@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <vector>
 
-#include "aureole/bsdf/fresnel/fresnel.h"
 #include "aureole/math/warp.h"
 #include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/spectrum/fresnel.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {

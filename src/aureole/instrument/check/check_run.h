@@ -13,7 +13,7 @@
 #include "aureole/instrument/check/delta_lobes.h"
 #include "aureole/instrument/check/deviation.h"
 #include "aureole/instrument/check/scattering_function.h"
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 
 namespace aureole::check {
 

@@ -6,7 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "aureole/core/error.h"
-#include "aureole/instrument/corona/simplex.h"
+#include "aureole/math/simplex.h"
 
 namespace aureole {
 namespace {

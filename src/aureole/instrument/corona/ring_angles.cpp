@@ -7,7 +7,7 @@
 #include "aureole/core/error.h"
 #include "aureole/core/units.h"
 #include "aureole/instrument/corona/corona_fit.h"
-#include "aureole/instrument/corona/simplex.h"
+#include "aureole/math/simplex.h"
 #include "aureole/math/vec.h"
 
 namespace aureole {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "aureole/instrument/corona/simplex.h"
+#include "aureole/math/simplex.h"
 
 namespace aureole {
 namespace {

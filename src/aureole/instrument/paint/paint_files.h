@@ -6,7 +6,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "aureole/bsdf/pigment/palette_file.h"
+#include "aureole/parameter/palette_file.h"
 #include "aureole/pigment/fit.h"
 #include "aureole/pigment/match.h"
 

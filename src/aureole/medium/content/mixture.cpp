@@ -5,12 +5,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "aureole/bsdf/bsdf.h"
 #include "aureole/core/parallel.h"
 #include "aureole/medium/content/extinction_limit.h"
 #include "aureole/medium/content/volume_majorants.h"
-#include "aureole/phase/table/mie_tables.h"
-#include "aureole/phase/table/tabulated_phase_function.h"
+#include "aureole/parameter/ior.h"
+#include "aureole/phase/mie_tables.h"
+#include "aureole/phase/tabulated_phase_function.h"
 #include "aureole/plugin/table_progress.h"
 
 namespace aureole {

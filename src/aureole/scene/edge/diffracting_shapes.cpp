@@ -20,7 +20,7 @@ constexpr int kLeastPieces = 16, kMostPieces = 1024;
 /// Calls visit(shape, bsdf, part) for every shape, instanced ones once for each instance.
 template <class Visit>
 void for_each_shape(const SceneParts& parts, const Visit& visit) {
-  for (const ModelPart& part : parts.surfaces) {
+  for (const Primitive& part : parts.surfaces) {
     if (part.instance) {
       const ShapeList& list = part.instance->list();
       for (std::size_t i = 0; i < list.shapes.size(); ++i) visit(*list.shapes[i], *list.bsdfs[i], part);
@@ -51,7 +51,7 @@ const EdgeDiffraction* edge_diffraction_of(const Bsdf& bsdf) {
 const Bsdf* first_diffracting_bsdf(const SceneParts& parts) {
   const Bsdf* found = nullptr;
   std::unordered_set<const Bsdf*> seen;
-  for_each_shape(parts, [&](const Shape&, const Bsdf& bsdf, const ModelPart&) {
+  for_each_shape(parts, [&](const Shape&, const Bsdf& bsdf, const Primitive&) {
     if (found || !seen.insert(&bsdf).second) return;
     if (const EdgeDiffraction* mark = edge_diffraction_of(bsdf); mark && mark->is_enabled()) found = &bsdf;
   });
@@ -62,11 +62,11 @@ DiffractingShapes::DiffractingShapes(const SceneParts& parts) {
   const double shortest_m = parts.context->grid.min_nm * 1e-9;
   wave_number_ = 2 * std::numbers::pi * parts.context->length_unit_m / shortest_m;
   std::unordered_set<const Bsdf*> seen;
-  for_each_shape(parts, [&](const Shape&, const Bsdf& bsdf, const ModelPart&) {
+  for_each_shape(parts, [&](const Shape&, const Bsdf& bsdf, const Primitive&) {
     if (seen.insert(&bsdf).second && edge_diffraction_of(bsdf)) marked_.push_back(&bsdf);
   });
   only_marked_ = !marked_.empty();
-  for_each_shape(parts, [&](const Shape& shape, const Bsdf& bsdf, const ModelPart& part) {
+  for_each_shape(parts, [&](const Shape& shape, const Bsdf& bsdf, const Primitive& part) {
     add(shape, bsdf, bool(part.emitter), part.instance.get());
   });
   add_round_shapes();

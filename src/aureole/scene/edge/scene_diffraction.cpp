@@ -18,7 +18,7 @@ bool all_same(const SceneParts& a, const SceneParts& b, const Same& same) {
 
 bool has_same_edges(const DiffractionInput& in, const DiffractionInput& before) {
   return before.surfaces.tracer == in.surfaces.tracer && before.parts.diffraction == in.parts.diffraction &&
-         all_same(in.parts, before.parts, [](const ModelPart& a, const ModelPart& b) {
+         all_same(in.parts, before.parts, [](const Primitive& a, const Primitive& b) {
            return a.shape == b.shape && a.bsdf == b.bsdf && a.instance == b.instance;
          });
 }
@@ -26,7 +26,7 @@ bool has_same_edges(const DiffractionInput& in, const DiffractionInput& before) 
 bool has_same_lights(const DiffractionInput& in, const DiffractionInput& before) {
   return before.parts.emitters == in.parts.emitters &&
          all_same(in.parts, before.parts,
-                  [](const ModelPart& a, const ModelPart& b) { return a.emitter == b.emitter; });
+                  [](const Primitive& a, const Primitive& b) { return a.emitter == b.emitter; });
 }
 
 bool has_same_sensor(const DiffractionInput& in, const DiffractionInput& before) {

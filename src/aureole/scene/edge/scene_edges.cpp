@@ -23,7 +23,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
     throw BeamWidthError(
         "beams are narrower than half of the longest wavelength, which has no direction then");
   Bounds3 box;
-  for (const ModelPart& part : parts.surfaces) box.extend(part.bounds());
+  for (const Primitive& part : parts.surfaces) box.extend(part.bounds());
   if (!box.empty()) diameter_ = length(box.diagonal());
   widest_beam_ = float(width_.at(longest) / unit_m_);
   index_ = EdgeIndex(shapes.sets, EdgeIndex::Of::edges);
@@ -48,7 +48,7 @@ SceneEdges::SceneEdges(const SceneParts& parts, const BeamWidth& width)
         "the longest wavelength is longer than the scene, whose edges cannot diffract it as edges do");
   remark_crowds();
   const auto is_mirror = [](const BsdfPtr& bsdf) { return bsdf && has(bsdf->lobes(), Lobe::delta); };
-  has_mirrors_ = std::ranges::any_of(parts.surfaces, [&](const ModelPart& part) {
+  has_mirrors_ = std::ranges::any_of(parts.surfaces, [&](const Primitive& part) {
     return is_mirror(part.bsdf) ||
            (part.instance && std::ranges::any_of(part.instance->list().bsdfs, is_mirror));
   });

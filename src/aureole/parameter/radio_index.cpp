@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/bsdf/fresnel/radio_index.h"
+#include "aureole/parameter/radio_index.h"
 
 #include <algorithm>
 #include <stdexcept>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/bsdf/pigment/palette_file.h"
+#include "aureole/parameter/palette_file.h"
 
 #include <algorithm>
 #include <cmath>

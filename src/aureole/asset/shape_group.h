@@ -3,13 +3,13 @@
 // times.
 #pragma once
 
-#include "aureole/shape/model.h"
+#include "aureole/asset/asset.h"
 
 namespace aureole {
 
 /// Shapes in local coordinates. The group itself is not rendered. Nested groups, instances and shapes of
-/// several parts are flattened, because Embree is built with one level of instances.
-class ShapeGroup final : public Model {
+/// several primitives are flattened, because Embree is built with one level of instances.
+class ShapeGroup final : public Asset {
 public:
   /// A group nested in this one.
   struct Nested {
@@ -24,7 +24,7 @@ public:
   const std::vector<Nested>& nested() const { return nested_; }
 
 private:
-  void add(const Model& model);
+  void add(const Asset& asset);
   void add(const ShapePtr& shape, const BsdfPtr& bsdf, const SurfaceMedia& media);
 
   ShapeList own_;  ///< used while the group is assembled
@@ -33,9 +33,9 @@ private:
 };
 
 /// An instance of a group: one instance of the group's own shapes, and one of every nested group.
-class InstanceModel final : public Model {
+class InstanceAsset final : public Asset {
 public:
-  explicit InstanceModel(const Properties& properties);
+  explicit InstanceAsset(const Properties& properties);
 
   const std::shared_ptr<const ShapeGroup>& group() const { return group_; }
   const Transform& to_world() const { return to_world_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/shape/model.h"
+#include "aureole/asset/asset.h"
 
 #include <algorithm>
 #include <optional>
@@ -89,19 +89,19 @@ MtlLibrary read_libraries(const Properties& geometry, const FileMaterials& mater
   return all;
 }
 
-/// Returns why the parts of a model together enclose no volume; empty if they do.
-std::string opening_of(const std::vector<ModelPart>& parts) {
-  if (parts.size() == 1) return parts[0].shape->opening();
+/// Returns why the primitives of an asset together enclose no volume; empty if they do.
+std::string opening_of(const std::vector<Primitive>& primitives) {
+  if (primitives.size() == 1) return primitives[0].shape->opening();
   std::vector<const Mesh*> meshes;
-  for (const ModelPart& part : parts)
-    if (const auto* mesh = dynamic_cast<const Mesh*>(part.shape.get())) meshes.push_back(mesh);
+  for (const Primitive& primitive : primitives)
+    if (const auto* mesh = dynamic_cast<const Mesh*>(primitive.shape.get())) meshes.push_back(mesh);
   return open_edges_text(count_open_edges(meshes));
 }
 
 /// A shape with its BSDF, emitter and sensor.
-class ShapeModel final : public Model {
+class ShapeAsset final : public Asset {
 public:
-  ShapeModel(const PluginInfo& plugin, const Properties& element, GeometrySource& source) : Model(element) {
+  ShapeAsset(const PluginInfo& plugin, const Properties& element, GeometrySource& source) : Asset(element) {
     build(plugin, element, source);
     check_media(element);
   }
@@ -114,17 +114,18 @@ private:
   void take_bssrdf(const Properties& element);
   /// Returns the element's parameters without BSDF, emitter, sensor and media.
   static Properties geometry_of(const Properties& element);
-  void hang(GeometrySource& source);
-  /// Divides a mesh into parts by the BSDFs of the file's materials.
+  /// Gives the shape its emitter and its sensor.
+  void attach(GeometrySource& source);
+  /// Divides a mesh into primitives by the BSDFs of the file's materials.
   void divide(const Properties& geometry, const FileMaterials& materials, const MtlLibrary& library,
               const MeshParts* kept, GeometrySource& source);
   BsdfPtr find_bsdf(const Properties& geometry, const MtlLibrary& library, const std::string& name,
                     GeometrySource& source) const;
-  void add_part(const ShapePtr& shape, const BsdfPtr& bsdf) {
-    ModelPart part;
-    part.shape = shape, part.bsdf = bsdf, part.element = shared_properties();
-    part.media = media_;
-    parts_.push_back(std::move(part));
+  void add_primitive(const ShapePtr& shape, const BsdfPtr& bsdf) {
+    Primitive primitive;
+    primitive.shape = shape, primitive.bsdf = bsdf, primitive.element = shared_properties();
+    primitive.media = media_;
+    primitives_.push_back(std::move(primitive));
   }
 
   BsdfPtr bsdf_;  ///< BSDF of the element, or null
@@ -132,7 +133,7 @@ private:
   SurfaceMedia media_;
 };
 
-Properties ShapeModel::geometry_of(const Properties& element) {
+Properties ShapeAsset::geometry_of(const Properties& element) {
   Properties geometry(element.type(), element.id(), element.where(), element.shared_context(),
                       element.plugin());
   for (const Properties::Entry& e : element.entries()) {
@@ -145,17 +146,17 @@ Properties ShapeModel::geometry_of(const Properties& element) {
   return geometry;
 }
 
-void ShapeModel::check_media(const Properties& element) {
+void ShapeAsset::check_media(const Properties& element) {
   if (media_.bssrdf) {
-    const std::string opening = opening_of(parts_);
+    const std::string opening = opening_of(primitives_);
     if (!opening.empty())
       element.note("bssrdf", "the surface of this body is open (" + opening +
                                  "): it counts as one that goes on below without end");
   }
   if (!media_.given() || media_.outside == media_.inside) return;
-  const std::string opening = opening_of(parts_);
+  const std::string opening = opening_of(primitives_);
   if (opening.empty()) {
-    for (ModelPart& part : parts_) part.encloses_medium = true;
+    for (Primitive& primitive : primitives_) primitive.encloses_medium = true;
     return;
   }
   element.note(media_.inside ? "interior" : "exterior",
@@ -164,7 +165,7 @@ void ShapeModel::check_media(const Properties& element) {
                    "shapes close it");
 }
 
-void ShapeModel::take_bssrdf(const Properties& element) {
+void ShapeAsset::take_bssrdf(const Properties& element) {
   media_.bssrdf = only_child<const Bssrdf>(element, "bssrdf");
   if (!media_.bssrdf) return;
   if (bsdf_)
@@ -179,7 +180,7 @@ void ShapeModel::take_bssrdf(const Properties& element) {
   bsdf_ = media_.bssrdf->boundary();
 }
 
-void ShapeModel::build(const PluginInfo& plugin, const Properties& element, GeometrySource& source) {
+void ShapeAsset::build(const PluginInfo& plugin, const Properties& element, GeometrySource& source) {
   emitter_ = only_child<Emitter>(element, "emitter");
   sensor_ = only_child<Sensor>(element, "sensor");
   bsdf_ = only_child<Bsdf>(element, "bsdf");
@@ -208,7 +209,7 @@ void ShapeModel::build(const PluginInfo& plugin, const Properties& element, Geom
       element.take_reads(geometry);
       library = read_libraries(geometry, *kept->materials);
       divide(geometry, *kept->materials, *library, kept.get(), source);
-      if (!parts_.empty()) return;
+      if (!primitives_.empty()) return;
     }
   ObjectPtr made;
   try {
@@ -220,21 +221,21 @@ void ShapeModel::build(const PluginInfo& plugin, const Properties& element, Geom
   const auto shape = std::dynamic_pointer_cast<const Shape>(made);
   if (!shape) throw std::logic_error("the plug-in \"" + plugin.name + "\" is registered in a wrong family");
   element.take_reads(geometry);
-  add_part(shape, bsdf_ ? bsdf_ : default_bsdf(element, emitter_ != nullptr));
-  parts_[0].remarks = shape->remarks();
+  add_primitive(shape, bsdf_ ? bsdf_ : default_bsdf(element, emitter_ != nullptr));
+  primitives_[0].remarks = shape->remarks();
   check_attributes(*shape, shown);
-  hang(source);
+  attach(source);
   const auto materials = is_bare ? shape->materials() : nullptr;
   if (!materials) return;
   if (!library) library = read_libraries(geometry, *materials);
   divide(geometry, *materials, *library, nullptr, source);
 }
 
-void ShapeModel::hang(GeometrySource& source) {
-  const ShapePtr& shape = parts_[0].shape;
+void ShapeAsset::attach(GeometrySource& source) {
+  const ShapePtr& shape = primitives_[0].shape;
   if (emitter_) {
-    parts_[0].emitter = emitter_;
-    parts_[0].area = area_for(*emitter_, shape, AreaUse::emitter, source);
+    primitives_[0].emitter = emitter_;
+    primitives_[0].area = area_for(*emitter_, shape, AreaUse::emitter, source);
   }
   if (sensor_) {
     const AreaUse use = emitter_ ? AreaUse::emitter : AreaUse::sensor;
@@ -243,7 +244,7 @@ void ShapeModel::hang(GeometrySource& source) {
   }
 }
 
-BsdfPtr ShapeModel::find_bsdf(const Properties& geometry, const MtlLibrary& library, const std::string& name,
+BsdfPtr ShapeAsset::find_bsdf(const Properties& geometry, const MtlLibrary& library, const std::string& name,
                               GeometrySource& source) const {
   if (SceneLookup* scene = geometry.context().scene)
     if (const auto found = std::dynamic_pointer_cast<const Bsdf>(scene->find("bsdf", name))) {
@@ -257,7 +258,7 @@ BsdfPtr ShapeModel::find_bsdf(const Properties& geometry, const MtlLibrary& libr
   return source.material(geometry, name, found->second);
 }
 
-void ShapeModel::divide(const Properties& geometry, const FileMaterials& materials, const MtlLibrary& library,
+void ShapeAsset::divide(const Properties& geometry, const FileMaterials& materials, const MtlLibrary& library,
                         const MeshParts* kept, GeometrySource& source) {
   const BsdfPtr fallback = default_bsdf(properties(), false);
   std::vector<BsdfPtr> kinds;
@@ -280,19 +281,19 @@ void ShapeModel::divide(const Properties& geometry, const FileMaterials& materia
   const bool is_one = std::count(has_triangles.begin(), has_triangles.end(), true) < 2;
   if (kept && (is_one || kept->part_of != made->part_of)) return;
 
-  std::vector<std::string> remarks = kept ? kept->remarks : parts_[0].remarks;
+  std::vector<std::string> remarks = kept ? kept->remarks : primitives_[0].remarks;
   if (!unknown.empty())
     remarks.push_back("no BSDF has the id of a material, nor does an .mtl file define it: " + unknown +
                       "; the default is used");
   if (is_one) {
     for (std::size_t k = 0; k < kinds.size(); ++k)
-      if (has_triangles[k]) parts_[0].bsdf = kinds[k];
-    parts_[0].remarks = std::move(remarks);
+      if (has_triangles[k]) primitives_[0].bsdf = kinds[k];
+    primitives_[0].remarks = std::move(remarks);
     return;
   }
   if (!kept) {
-    const ShapePtr whole = parts_[0].shape;
-    parts_.clear();
+    const ShapePtr whole = primitives_[0].shape;
+    primitives_.clear();
     made->materials = whole->materials();
     made->shapes = whole->split(made->part_of);
     made->remarks = whole->remarks();
@@ -300,44 +301,28 @@ void ShapeModel::divide(const Properties& geometry, const FileMaterials& materia
     kept = made.get();
   }
   for (std::size_t k = 0; k < kinds.size(); ++k)
-    if (kept->shapes[k]) add_part(kept->shapes[k], kinds[k]);
-  parts_[0].remarks = std::move(remarks);
+    if (kept->shapes[k]) add_primitive(kept->shapes[k], kinds[k]);
+  primitives_[0].remarks = std::move(remarks);
 }
 
 }  // namespace
 
-std::size_t ModelPart::primitive_count() const {
-  return instance ? instance->list().primitive_count() : shape->primitive_count();
-}
-
-std::size_t ShapeList::primitive_count() const {
-  std::size_t sum = 0;
-  for (const ShapePtr& s : shapes) sum += s->primitive_count();
-  return sum;
-}
-
-std::size_t ShapeList::memory_bytes() const {
-  std::size_t sum = sizeof(*this);
-  for (const ShapePtr& s : shapes) sum += s->memory_bytes();
-  return sum;
-}
-
-std::shared_ptr<Model> make_model(const PluginInfo& plugin, const Properties& element,
+std::shared_ptr<Asset> make_asset(const PluginInfo& plugin, const Properties& element,
                                   GeometrySource& source) {
   // Shapes with their own geometry document a `bsdf`; groups and instances do not.
-  const auto model = std::dynamic_pointer_cast<Model>(
+  const auto asset = std::dynamic_pointer_cast<Asset>(
       plugin.documents("bsdf") ? element.make([&](const Properties& p) -> ObjectPtr {
-        return std::make_shared<ShapeModel>(plugin, p, source);
+        return std::make_shared<ShapeAsset>(plugin, p, source);
       })
                                : plugin.create(element));
-  if (!model) throw std::logic_error("the plug-in \"" + plugin.name + "\" is registered in a wrong family");
-  return model;
+  if (!asset) throw std::logic_error("the plug-in \"" + plugin.name + "\" is registered in a wrong family");
+  return asset;
 }
 
 ObjectPtr make_element(const PluginInfo& plugin, const Properties& element) {
   if (plugin.family != "shape") return plugin.create(element);
   GeometrySource source;
-  return make_model(plugin, element, source);
+  return make_asset(plugin, element, source);
 }
 
 }  // namespace aureole

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The renderer's single-precision Fresnel terms against those in double precision, which have their own
 // tests.
-#include "aureole/bsdf/fresnel/fresnel.h"
+#include "aureole/spectrum/fresnel.h"
 
 #include <gtest/gtest.h>
 

@@ -1,36 +1,38 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/shape/geometry/shape_group.h"
+#include "aureole/asset/shape_group.h"
 
 namespace aureole {
 
-ShapeGroup::ShapeGroup(const Properties& properties) : Model(properties) {
-  for (const auto& child : properties.get_children<Model>("shape")) {
+ShapeGroup::ShapeGroup(const Properties& properties) : Asset(properties) {
+  for (const auto& child : properties.get_children<Asset>("shape")) {
     add(*child);
     // The scene reports the repairs of its own shapes, but not of shapes inside groups, so they are noted
     // here.
     if (Diagnostics* diagnostics = properties.context().diagnostics)
-      for (const ModelPart& part : child->parts())
-        for (const std::string& remark : part.remarks) diagnostics->note(child->properties().where(), remark);
+      for (const Primitive& primitive : child->primitives())
+        for (const std::string& remark : primitive.remarks)
+          diagnostics->note(child->properties().where(), remark);
   }
   if (own_.shapes.empty() && nested_.empty()) properties.note("shape", "the group holds no shapes");
   list_ = std::make_shared<const ShapeList>(std::move(own_));
 }
 
-void ShapeGroup::add(const Model& model) {
-  for (const ModelPart& part : model.parts())
-    if (part.emitter)
-      throw Error(part.emitter->properties().where(),
+void ShapeGroup::add(const Asset& asset) {
+  for (const Primitive& primitive : asset.primitives())
+    if (primitive.emitter)
+      throw Error(primitive.emitter->properties().where(),
                   "a shape of a group cannot be an emitter: instances do not shine");
-  if (const auto& sensor = model.sensor())
+  if (const auto& sensor = asset.sensor())
     throw Error(sensor->properties().where(), "a shape of a group cannot be a sensor");
-  if (const auto* group = dynamic_cast<const ShapeGroup*>(&model)) {
+  if (const auto* group = dynamic_cast<const ShapeGroup*>(&asset)) {
     for (std::size_t i = 0; i < group->list_->shapes.size(); ++i)
       add(group->list_->shapes[i], group->list_->bsdfs[i], group->list_->media[i]);
     nested_.insert(nested_.end(), group->nested_.begin(), group->nested_.end());
-  } else if (const auto* instance = dynamic_cast<const InstanceModel*>(&model)) {
+  } else if (const auto* instance = dynamic_cast<const InstanceAsset*>(&asset)) {
     nested_.push_back({instance->group(), instance->to_world()});
   } else {
-    for (const ModelPart& part : model.parts()) add(part.shape, part.bsdf, part.media);
+    for (const Primitive& primitive : asset.primitives())
+      add(primitive.shape, primitive.bsdf, primitive.media);
   }
 }
 

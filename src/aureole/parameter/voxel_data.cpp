@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/volume/grid/voxel_data.h"
+#include "aureole/parameter/voxel_data.h"
 
 #include <fmt/format.h>
 #include <immintrin.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/instrument/check/significance.h"
+#include "aureole/math/significance.h"
 
 #include <algorithm>
 #include <boost/math/distributions/binomial.hpp>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // Instances against the same shapes placed at load, groups within groups, and what scenes make of them.
+#include "aureole/asset/shape_group.h"
 #include "aureole/loading/load.h"
 #include "aureole/scene/ray_tracer.h"
 #include "aureole/scene/scene.h"
 #include "aureole/shape/geometry/double3.h"
-#include "aureole/shape/geometry/shape_group.h"
 #include "aureole/shape/mesh/mesh.h"
 #include "shape/shape_test_support.h"
 
@@ -14,20 +14,20 @@ namespace {
 using test::Random;
 using test::ShapeBuilder;
 
-using ModelPtr = std::shared_ptr<Model>;
+using AssetPtr = std::shared_ptr<Asset>;
 
-ModelPtr model_of(const ShapePtr& shape) { return std::make_shared<test::GivenModel>(shape); }
-ModelPtr group_of(const std::vector<ModelPtr>& models) {
+AssetPtr asset_of(const ShapePtr& shape) { return std::make_shared<test::GivenAsset>(shape); }
+AssetPtr group_of(const std::vector<AssetPtr>& assets) {
   ShapeBuilder b("shapegroup");
-  for (const ModelPtr& m : models) b.set("", ObjectPtr(m));
-  return b.build_model();
+  for (const AssetPtr& m : assets) b.set("", ObjectPtr(m));
+  return b.build_asset();
 }
-ModelPtr instance_of(const ModelPtr& group, const Transform& t) {
-  return ShapeBuilder("instance").set("", ObjectPtr(group)).to_world(t).build_model();
+AssetPtr instance_of(const AssetPtr& group, const Transform& t) {
+  return ShapeBuilder("instance").set("", ObjectPtr(group)).to_world(t).build_asset();
 }
 /// The point of a hit on one of the parts, with a tangent.
-SurfacePoint point_of(const std::vector<ModelPart>& parts, const RayTracer::Hit& hit, const Ray& ray) {
-  const ModelPart& part = parts[hit.shape];
+SurfacePoint point_of(const std::vector<Primitive>& parts, const RayTracer::Hit& hit, const Ray& ray) {
+  const Primitive& part = parts[hit.shape];
   if (!part.instance) return part.shape->surface_point(hit, ray, true);
   return part.instance->surface_point(*part.instance->list().shapes[hit.geometry], hit, ray, true);
 }
@@ -70,8 +70,8 @@ TEST(Instance, IsTheShapePlacedAtLoad) {
   for (const bool mirrored : {false, true})
     for (int n = 0; n < 20; ++n) {
       const Transform t = random_transform(random, mirrored);
-      const std::vector<ModelPart> placed = {test::part_of(bump(t))};
-      const std::vector<ModelPart> instanced = instance_of(group_of({model_of(bump({}))}), t)->parts();
+      const std::vector<Primitive> placed = {test::primitive_of(bump(t))};
+      const std::vector<Primitive> instanced = instance_of(group_of({asset_of(bump({}))}), t)->primitives();
       const RayTracer a(placed), b(instanced);
       for (int i = 0; i < 3; ++i) {
         EXPECT_LE(instanced[0].bounds().lower[i], placed[0].bounds().lower[i] + 1e-5f);
@@ -127,7 +127,7 @@ TEST(Instance, RaysLeaveWithoutMeetingTheInstanceAgain) {
     const ShapePtr shape = n % 4 == 0   ? ShapeBuilder("disk").to_world(in_group).build()
                            : n % 4 == 1 ? ShapeBuilder("sphere").to_world(in_group).build()
                                         : ShapeBuilder("rectangle").to_world(in_group).build();
-    const std::vector<ModelPart> parts = instance_of(group_of({model_of(shape)}), t)->parts();
+    const std::vector<Primitive> parts = instance_of(group_of({asset_of(shape)}), t)->primitives();
     const RayTracer tracer(parts);
     const Transform all = t * in_group;
     for (int i = 0; i < 200; ++i) {
@@ -164,8 +164,8 @@ TEST(Instance, EveryKindOfShape) {
   std::filesystem::remove(file);
   for (const ShapePtr& shape : kinds) {
     const Transform t = random_transform(random, false), back = t.inverse();
-    const std::vector<ModelPart> alone = {test::part_of(shape)},
-                                 instanced = instance_of(group_of({model_of(shape)}), t)->parts();
+    const std::vector<Primitive> alone = {test::primitive_of(shape)},
+                                 instanced = instance_of(group_of({asset_of(shape)}), t)->primitives();
     const RayTracer a(alone), b(instanced);
     int hits = 0, differ = 0;
     for (int i = 0; i < 2000; ++i) {
@@ -188,14 +188,15 @@ TEST(Instance, EveryKindOfShape) {
 
 TEST(Instance, FindsTheShapeOfTheGroup) {
   std::vector<ShapePtr> shapes;
-  std::vector<ModelPtr> models;
+  std::vector<AssetPtr> assets;
   for (int i = 0; i < 20; ++i) {
     shapes.push_back(ShapeBuilder("sphere").set("radius", 0.4).set("center", Vec3{float(i), 0, 0}).build());
-    models.push_back(model_of(shapes.back()));
+    assets.push_back(asset_of(shapes.back()));
   }
-  const ModelPtr group = group_of(models);
-  const std::vector<ModelPart> instances = {instance_of(group, {})->parts().at(0),
-                                            instance_of(group, Transform::translate(0, 5, 0))->parts().at(0)};
+  const AssetPtr group = group_of(assets);
+  const std::vector<Primitive> instances = {
+      instance_of(group, {})->primitives().at(0),
+      instance_of(group, Transform::translate(0, 5, 0))->primitives().at(0)};
   const RayTracer tracer(instances);
   for (int y = 0; y < 2; ++y)
     for (int i = 0; i < 20; ++i) {
@@ -208,14 +209,14 @@ TEST(Instance, FindsTheShapeOfTheGroup) {
       EXPECT_EQ(p.instance, instances[std::size_t(y)].instance.get());
     }
   // One copy of the shapes, shared.
-  EXPECT_EQ(instances[0].primitive_count(), 20u);
+  EXPECT_EQ(instances[0].triangle_count(), 20u);
   EXPECT_EQ(&instances[0].instance->list(), &instances[1].instance->list());
   EXPECT_LT(2 * sizeof(Instance), 4000u);
 }
 
 TEST(Instance, TwoScenesAtOnceAndLaterOnes) {
-  const std::vector<ModelPart> shapes =
-      instance_of(group_of({ShapeBuilder("sphere").build_model()}), {})->parts();
+  const std::vector<Primitive> shapes =
+      instance_of(group_of({ShapeBuilder("sphere").build_asset()}), {})->primitives();
   auto first = std::make_unique<RayTracer>(shapes);
   const RayTracer second(shapes);
   const Ray ray{{0, 0, 5}, {0, 0, -1}};
@@ -226,26 +227,26 @@ TEST(Instance, TwoScenesAtOnceAndLaterOnes) {
 }
 
 TEST(Instance, GroupsWithinGroupsAreTakenApart) {
-  const ModelPtr leaf = group_of({ShapeBuilder("sphere").build_model()});
-  const ModelPtr pair = group_of({instance_of(leaf, Transform::translate(-2, 0, 0)),
+  const AssetPtr leaf = group_of({ShapeBuilder("sphere").build_asset()});
+  const AssetPtr pair = group_of({instance_of(leaf, Transform::translate(-2, 0, 0)),
                                   instance_of(leaf, Transform::translate(2, 0, 0)),
-                                  group_of({ShapeBuilder("disk").build_model()})});
-  const ModelPtr quad = group_of(
+                                  group_of({ShapeBuilder("disk").build_asset()})});
+  const AssetPtr quad = group_of(
       {instance_of(pair, Transform::translate(0, 10, 0)), instance_of(pair, Transform::rotate(0, 0, 1, 90))});
-  const ModelPtr top = instance_of(quad, Transform::scale(2, 2, 2));
-  EXPECT_EQ(top->parts().size(), 6u);
-  const RayTracer tracer(top->parts());
+  const AssetPtr top = instance_of(quad, Transform::scale(2, 2, 2));
+  EXPECT_EQ(top->primitives().size(), 6u);
+  const RayTracer tracer(top->primitives());
   for (const Vec3& p : {Vec3{-4, 20, 0}, {4, 20, 0}, {0, 20, 0}, {0, -4, 0}, {0, 4, 0}, {0, 0, 0}})
     EXPECT_TRUE(tracer.intersect({{p.x, p.y, 50}, {0, 0, -1}})) << p.x << " " << p.y;
   EXPECT_FALSE(tracer.intersect({{-4, 0, 50}, {0, 0, -1}}));
 }
 
 TEST(Instance, ErrorsAreLocated) {
-  const ModelPtr lamp = ShapeBuilder("sphere").emitting().build_model();
+  const AssetPtr lamp = ShapeBuilder("sphere").emitting().build_asset();
   const std::string shining = test::build_error(ShapeBuilder("shapegroup").set("", ObjectPtr(lamp)));
   EXPECT_NE(shining.find("cannot be an emitter"), std::string::npos) << shining;
   EXPECT_NE(test::build_error(ShapeBuilder("instance")).find("scene.xml:7:3"), std::string::npos);
-  const ModelPtr g = group_of({ShapeBuilder("sphere").build_model()});
+  const AssetPtr g = group_of({ShapeBuilder("sphere").build_asset()});
   EXPECT_NE(test::build_error(ShapeBuilder("instance").set("", ObjectPtr(g)).set("", ObjectPtr(g))), "");
   const std::string tiny = test::build_error(
       ShapeBuilder("instance").set("", ObjectPtr(g)).to_world(Transform::scale(1e-30, 1, 1)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/phase/table/mie_tables.h"
+#include "aureole/phase/mie_tables.h"
 
 #include <fmt/format.h>
 

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/bsdf/fresnel/complex_index.h"
+#include "aureole/parameter/complex_index.h"
 
-#include "aureole/bsdf/bsdf.h"
-#include "aureole/bsdf/fresnel/radio_index.h"
+#include "aureole/parameter/ior.h"
+#include "aureole/parameter/radio_index.h"
 #include "aureole/pigment/grain_index.h"
 #include "aureole/spectrum/refractive_index.h"
-#include "aureole/texture/texture.h"
 
 namespace aureole {
 namespace {
@@ -51,9 +50,8 @@ std::optional<std::function<std::complex<double>(double)>> grain_index(const Pro
 
 std::function<std::complex<double>(double)> read_complex_index(const Properties& p, std::string_view name,
                                                                const std::string& fallback,
+                                                               const std::optional<SampledSpectrum>& k,
                                                                std::string_view k_name) {
-  const TexturePtr k = get_optional_texture(p, k_name, SpectrumRole::unbounded);
-  if (k && !k->is_constant()) throw p.error(k_name, "must not vary over the surface");
   if (const Properties::Entry* e = p.find(name))
     if (const auto* metal_name = std::get_if<std::string>(&e->value)) {
       if (auto radio = radio_index(p, name, *metal_name)) {
@@ -70,16 +68,15 @@ std::function<std::complex<double>(double)> read_complex_index(const Properties&
         return [metal](double nm) { return metal->at(nm); };
       }
     }
-  if (auto grain = grain_index(p, name, k != nullptr)) {
+  if (auto grain = grain_index(p, name, k.has_value())) {
     if (!k) return *grain;
-    const SampledSpectrum absorption = k->average();
-    return [grain = *grain, absorption, grid = p.context().grid](double nm) {
+    return [grain = *grain, absorption = *k, grid = p.context().grid](double nm) {
       return std::complex<double>(grain(nm).real(), absorption.eval(Wavelengths::at(grid, float(nm)))[0]);
     };
   }
   const SpectralGrid grid = p.context().grid;
   const SampledSpectrum real = real_index(p, name, fallback);
-  const SampledSpectrum absorption = k ? k->average() : SampledSpectrum::constant(grid, 0);
+  const SampledSpectrum absorption = k ? *k : SampledSpectrum::constant(grid, 0);
   return [=](double nm) {
     const Wavelengths w = Wavelengths::at(grid, float(nm));
     return std::complex<double>(real.eval(w)[0], absorption.eval(w)[0]);

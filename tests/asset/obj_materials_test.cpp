@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Materials of OBJ files: BSDFs of the scene by their ids, and those of .mtl files.
+#include "aureole/asset/mtl.h"
 #include "aureole/core/image.h"
 #include "aureole/loading/load.h"
 #include "aureole/shape/mesh/mesh.h"
-#include "aureole/shape/mesh/mtl.h"
 #include "shape/shape_test_support.h"
 
 namespace aureole {
@@ -40,7 +40,7 @@ protected:
   static std::string notes(const LoadedScene& s) {
     std::string all;
     for (const auto& n : s.notes) all += n + "\n";
-    for (const ModelPart& part : s.scene->parts().surfaces)
+    for (const Primitive& part : s.scene->parts().surfaces)
       for (const auto& r : part.remarks) all += r + "\n";
     return all;
   }
@@ -58,7 +58,7 @@ TEST_F(ObjMaterials, AreTheBsdfsWithTheirNames) {
   EXPECT_NEAR(seen(s, 1.4f, 0.5f)[0], 0.2f, 1e-6f);
   EXPECT_NEAR(seen(s, 5.2f, 0.3f)[0], 0.5f, 1e-6f);  // no material
   std::size_t triangles = 0;
-  for (const ModelPart& part : s.scene->parts().surfaces) {
+  for (const Primitive& part : s.scene->parts().surfaces) {
     const ShapePtr& shape = part.shape;
     triangles += shape->primitive_count();
     EXPECT_EQ(shape->properties().type(), "obj");
@@ -110,7 +110,7 @@ TEST_F(ObjMaterials, OneMaterialForAllMakesNoParts) {
   const LoadedScene s = load("", diffuse("red", "0.1"), obj);
   ASSERT_EQ(s.scene->parts().surfaces.size(), 1u);
   EXPECT_NEAR(seen(s, 0.4f, 0.5f)[0], 0.1f, 1e-6f);
-  EXPECT_EQ(s.scene->parts().surfaces[0].primitive_count(), 4u);
+  EXPECT_EQ(s.scene->parts().surfaces[0].triangle_count(), 4u);
 }
 
 TEST_F(ObjMaterials, PartsOfAGroupAreInstanced) {

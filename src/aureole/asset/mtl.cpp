@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/shape/mesh/mtl.h"
+#include "aureole/asset/mtl.h"
 
 #include <algorithm>
 #include <cmath>
