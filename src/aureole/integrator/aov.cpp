@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Further channels beside the picture: properties of the first surface that a sensor's ray hits.
+// Arbitrary output variables (AOVs): properties of the first surface that a sensor's ray hits.
 #include <algorithm>
 #include <array>
 #include <span>
 
-#include "aureole/integrator/further_channels.h"
+#include "aureole/integrator/aov_channels.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/transport/batch.h"
 
@@ -95,8 +95,7 @@ private:
     for (const char c : found->channels) names_.push_back(name + "." + c);
   }
 
-  // Order of the channels, as Mitsuba's: the colours of all nested integrators, their own further channels,
-  // the surface.
+  // Order of the channels, as in Mitsuba: the colours of all nested integrators, their own AOVs, the surface.
   void write_colour(const RadianceEstimate& r, const Wavelengths& w, float out[4]) const {
     meter_.rgb(r.estimate, w, out);
     out[3] = r.alpha;

@@ -11,7 +11,7 @@ namespace aureole {
 
 namespace {
 
-/// Light that arrives at a receiver from an emitter that no ray meets, as an estimate of the radiance along
+/// Light that arrives at a receiver from an emitter that no ray can hit, as an estimate of the radiance along
 /// the path's ray: divided by the integral of the response.
 Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path) {
   // A walk from the sensor has no vertex -1: its numbers are free.

@@ -26,14 +26,14 @@ public:
   static constexpr const char* kFamily = "an integrator";
   using Object::Object;
 
-  /// Follows the paths of a batch, at most kBatch, which are usually samples of one pixel: sets the result
-  /// and the further channels of each, and appends their splats. A path's numbers do not depend on the other
-  /// paths of its batch, nor on `log`.
+  /// Follows the paths of a batch, at most kBatch, which are usually samples of one pixel. Sets the result
+  /// and the AOVs of each, and appends their splats. Results do not depend on the other paths of the batch,
+  /// nor on `log`.
   virtual void trace(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                      const BatchLog& log) const = 0;
 
-  /// The same, with the light that arrives at a receiver (sensor/sensor.h) straight from emitters which no
-  /// ray meets, such as a point, where `shows_emitters`.
+  /// Follows the paths and, where `shows_emitters`, adds the light that a receiver (sensor/sensor.h) has
+  /// directly from emitters that no ray can hit, such as a point.
   void estimate(const Scene& scene, std::span<Path> paths, std::vector<Splat>& splats,
                 const BatchLog& log) const;
   /// Whether the result has light that arrives from emitters unscattered.

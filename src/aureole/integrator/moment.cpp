@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "aureole/integrator/further_channels.h"
+#include "aureole/integrator/aov_channels.h"
 #include "aureole/plugin/registry.h"
 
 namespace aureole {

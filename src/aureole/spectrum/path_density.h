@@ -82,8 +82,7 @@ struct BasicPathDensity {
   Spectrum met(const Spectrum& radiance, float light_pdf, const Wavelengths& w) const {
     return seen(radiance) / (w.pdf * sum(r_u + r_l * light_pdf));
   }
-  /// What the sensor measures of light of that radiance which is emitted towards the last vertex, without any
-  /// pdf but the hero's.
+  /// Measured light of that radiance, emitted towards the last vertex, over the hero's pdf alone.
   Spectrum seen(const Spectrum& radiance) const { return L::measured(beta.of(L::emitted(radiance))); }
 
   /// The estimate of a light path that is scattered with value `f` at its last vertex and counts with

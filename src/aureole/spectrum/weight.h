@@ -42,7 +42,7 @@ struct Unpolarised {
   }
   /// Light that emitters and media emit with this radiance.
   static Light emitted(const Spectrum& radiance) { return radiance; }
-  /// What the film measures of light.
+  /// The spectrum that the film measures of light.
   static Spectrum measured(const Light& light) { return light; }
 
   static Light scaled(const Light& light, const Spectrum& s) { return light * s; }

@@ -11,7 +11,7 @@
 
 namespace aureole {
 
-/// The most paths of a batch.
+/// Upper bound of the number of paths of a batch.
 inline constexpr int kBatch = RayPacket::kSize;
 
 /// Room for one T per path of a batch. Records are made in place when they are needed, since they are large:
@@ -20,7 +20,7 @@ template <class T>
 class PerPath {
 public:
   static_assert(std::is_trivially_destructible_v<T>);
-  /// Puts what `make` returns in place of the path's record.
+  /// Makes the record of a path in place by `make`.
   template <class Make>
   T& make(int path, Make&& make) {
     return *new (room_[size_t(path)].bytes) T(make());
@@ -44,7 +44,7 @@ struct PathList {
   const int* end() const { return path + count; }
 };
 
-/// The rays of some paths.
+/// The rays of some paths of a batch.
 class BatchRays {
 public:
   void add(int path, const Ray& ray) {
@@ -61,7 +61,7 @@ public:
     // At most as many have been added as used, so that only entries already read are overwritten.
     for (int i = 0; i < n; ++i) use(paths_.path[i], hits_[i]);
   }
-  /// The same for segments: `use(path, open)`.
+  /// Tests all rays as segments and calls `use(path, open)` for each in order.
   template <class Use>
   void test_visibility(const RayTracer& tracer, Use&& use) {
     bool blocked[kBatch];

@@ -29,7 +29,7 @@ struct TestSegment : Segment {
   Vec3 target;  ///< the far end, if there is one
   bool infinite;
   bool through_emitters;  ///< surfaces of lights do not occlude it
-  /// What has passed so far, times the weight of the estimate. In scenes with media `finish` completes it.
+  /// Transmittance so far, times the MIS weight of the estimate. In scenes with media `finish` completes it.
   Spectrum passage;
 
   // In scenes with media (transport/medium_segment.h):
@@ -38,7 +38,7 @@ struct TestSegment : Segment {
   /// it, the latter as if the medium were clear.
   Spectrum own, other;
   Spectrum transmitted;         ///< transmittance of the media so far
-  Spectrum transmitted_before;  ///< the same without the present medium
+  Spectrum transmitted_before;  ///< `transmitted` before the present medium
   const Medium* source;  ///< the medium whose emission it brings, which must be at its end; null: a surface
   bool others_pass;      ///< other techniques pass media with certainty, as if these were clear
 
@@ -84,7 +84,7 @@ struct BasicConnection : TestSegment {
   typename L::Weight near;
   typename L::Light far;
 
-  /// What the connection adds to the estimate.
+  /// The estimate of the connection, per wavelength.
   Spectrum estimate() const { return L::measured(near.of(L::scaled(far, passage))); }
 };
 using Connection = BasicConnection<Unpolarised>;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the rest of transport knows of diffraction: the factor by which it changes the light of a segment, and
-// the state that it keeps in a path. Whether a scene has edges that diffract is asked here and in
-// transport/edge_walk.h alone.
+// Diffraction as the rest of transport uses it: the factor that changes the light of a segment, and the state
+// of a path. Only this file and transport/edge_walk.h ask whether a scene has edges that diffract.
 #pragma once
 
 #include "aureole/transport/edge_ledger.h"

@@ -4,23 +4,30 @@
 // next step begins. Replaying one path is the same code.
 //
 // Steps are functions of a class, `Walk` or another one, of which `path` is an index into the batch:
-//     const Ray& ray(int path);                           the ray that the path goes on along
-//     Event arrive(int path, const RayTracer::Hit& hit);  what it has hit: `surface` and `medium` are vertices, `crossed` is none; else
-//                                                         the path has ended
-//     void lose(int path);                                the ray has left the range of float: the path ends, and its sample must
-//                                                         become invalid
+//     const Ray& ray(int path);             the ray that the path goes on along
+//     Event arrive(int path, const RayTracer::Hit& hit);
+//                                           what the ray has hit: `surface` and `medium` are vertices, `crossed`
+//                                           is none; else the path has ended
+//     void lose(int path);                  the ray has left the range of float: the path ends, and its sample
+//                                           must become invalid
 // and, for steps that have them,
-//     int connection_count(int path);                     upper bound of the number of connections of the vertex; 1 need not be true
-//     bool connect(int path, int k, Connection& out);     makes the k-th connection; false where there is none
-//     void end_connection(int path, int k, const Connection& c, bool open);   k = -1: from a point along the ray
-//     bool needs_march();                                 whether connections may cross surfaces
+//     int connection_count(int path);       upper bound of the number of connections of the vertex
+//     bool connect(int path, int k, Connection& out);
+//                                           makes the k-th connection; false where there is none
+//     void end_connection(int path, int k, const Connection& c, bool open);
+//                                           k = -1: from a position along the ray
+//     bool needs_march();                   whether connections may cross surfaces
 //     const Wavelengths& wavelengths(int path);
-//     std::uint32_t connection_key(int path);             for random numbers of the vertex's connections
-//     void connect_edges(const PathList& vertices);       further next-event estimation, once for all vertices
-//     void put_segments(BatchConnections<Connection>* room);         storage of connections that `arrive` makes, from points along the ray
-//     void finish_lines();                                follows lines of sight that `arrive` has begun
-//     bool scatter(int path);                             false: the path ends here, or continues below the surface
-//     PathList emerge();                                  paths that continued below a surface, at a vertex again
+//     std::uint32_t connection_key(int path);
+//                                           for random numbers of the vertex's connections
+//     void connected_all(const PathList& vertices);
+//     void connect_edges(const PathList& vertices);
+//                                           further next-event estimation, once for all vertices
+//     void put_segments(BatchConnections<Connection>* room);
+//                                           storage of connections that `arrive` makes, from positions along the ray
+//     void finish_lines();                  follows lines of sight that `arrive` has begun
+//     bool scatter(int path);               false: the path ends here, or continues below the surface
+//     PathList emerge();                    paths that continued below a surface, at a vertex again
 #pragma once
 
 #include <type_traits>

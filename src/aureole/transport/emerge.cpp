@@ -12,28 +12,28 @@ namespace aureole {
 
 namespace {
 
-/// The ways in which exits of one entry are found.
+/// The probe rays of one entry.
 class Probes {
 public:
   Probes(const SurfacePoint& entry, const Wavelengths& w)
       : entry_(entry), ctx_{w, entry}, bssrdf_(*entry.surface->exit->bssrdf), reach_(bssrdf_.reach(ctx_)) {
     const Frame frame = Frame::from_normal(entry.ng);
     axes_ = {frame.n, frame.s, frame.t};
-    // Where the surface curves the tangents' rays find what the normal's pass at a small angle.
+    // Where the surface curves, rays along the tangents hit parts that rays along the normal graze.
     probabilities_ = {0.5f, 0.25f, 0.25f};
-    // Within the rounding of positions no ray can tell places apart.
+    // Rays cannot resolve points that are nearer than the rounding of positions.
     least_ = 16 * length(entry.p_error);
   }
 
-  /// A distance in one of the planes.
+  /// Samples the distance from the entry.
   float draw_distance(const EmergenceRandom& random) const {
     return bssrdf_.sample_distance(random.place.x, ctx_);
   }
-  /// Light leaves where it entered: at a distance that is too short for rays.
+  /// Whether light leaves where it has entered: the distance is too short for rays.
   bool is_here(float distance) const { return distance < least_; }
   BssrdfEval here(float distance) const { return bssrdf_.eval_pdf(distance, ctx_); }
 
-  /// A ray of unit direction at that distance, which ends where exits are no longer looked for.
+  /// The probe ray at that distance, of unit direction; it ends where exits are no longer sampled.
   Ray ray(float r, const EmergenceRandom& random) const {
     const std::size_t k = random.axis < 0.5f ? 0 : random.axis < 0.75f ? 1 : 2;
     const Vec2 turn = cos_sin_2pi(random.place.y);
@@ -42,7 +42,7 @@ public:
     return {foot + axes_[k] * depth, -axes_[k], 2 * depth};
   }
 
-  /// P and the density per area of the surface with which a point is found.
+  /// P, and the pdf per area of the surface with which a point is sampled.
   BssrdfEval at(const SurfacePoint& exit) const {
     const Vec3 offset = exit.p - entry_.p;
     BssrdfEval e;
@@ -57,8 +57,8 @@ public:
   }
 
 private:
-  /// Of the ray at the distance r in its plane. It ends at the sphere that holds nearly all light, but what
-  /// lies flat beyond it is found, too. The same for all wavelengths.
+  /// Half the length of the probe ray at the distance r in its plane, for all wavelengths. The ray ends at
+  /// the sphere that contains nearly all light, but also samples a flat surface beyond it.
   float half_length(float r) const {
     const float left = reach_ * reach_ - r * r;
     return std::max(left > 0 ? std::sqrt(left) : 0.f, r);
@@ -87,7 +87,7 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
   }
   const Ray whole = probes.ray(distance, random);
   const Vec3 end = whole.o + whole.d * whole.t_max;
-  // A ray that touches a surface again and again would never end.
+  // Upper bound of the hits: a ray along a surface would never end.
   constexpr int kMostPoints = 1000;
   float total = 0, kept = 0;
   std::uint64_t state = random.key;
@@ -100,7 +100,7 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
     ray.t_max = dot(end - ray.o, ray.d);
     if (point.surface == entry.surface && point.instance == entry.instance) {
       const BssrdfEval e = probes.at(point);
-      // Its contribution to the path, the same whichever wavelength is the hero.
+      // Its contribution to the path does not depend on which wavelength is the hero.
       const float density = mean(ratio * e.pdf),
                   share = density > 0 ? mean(throughput * e.value) / density : 0;
       if (share > 0 && share < kInfinity) {

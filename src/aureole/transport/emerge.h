@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a path that has entered a translucent body leaves it, by the BSSRDF of its surface (bssrdf/bssrdf.h).
+// Subsurface scattering by the BSSRDF of a surface (bssrdf/bssrdf.h): light enters at one point and leaves at
+// another.
 //
-// Exits are found by rays across a disc (King, Kulla, Conty & Fajardo 2013, "BSSRDF importance sampling"):
-// the BSSRDF draws a distance from the entry, which is taken in one of three planes, across the normal or a
-// tangent there, and a ray along that axis meets the same shape at some points. A point's density per area is
-// the sum over the three axes of the density in their planes times the cosine that projects the surface onto
-// it. Of the points on a ray one is chosen, in proportion to what it contributes.
+// Exits are sampled by probe rays (King, Kulla, Conty & Fajardo 2013, "BSSRDF importance sampling"). The
+// BSSRDF samples a distance from the entry in one of three planes, perpendicular to the normal or a tangent;
+// a ray along that axis hits the same shape at some points. A point's pdf per area is the sum over the three
+// axes of the pdf in the plane times the cosine of the projection. One of the points on a ray is chosen in
+// proportion to its contribution.
 #pragma once
 
 #include "aureole/spectrum/path_density.h"
@@ -29,23 +30,24 @@ struct EmergenceRandom {
   std::uint32_t key;
 };
 
-/// Draws where light leaves that has entered at `entry`, a point of a surface that has an exit. `throughput`
-/// and `ratio` are those of the path so far, by which points are chosen. False where the ray meets no such
+/// Samples the exit of light that has entered at `entry`, a point of a surface with a BSSRDF. Points are
+/// chosen by `throughput` and `ratio` (`r_u`) of the path so far. False where the probe ray hits no such
 /// point.
 bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
             const EmergenceRandom& random, const Spectrum& throughput, const Spectrum& ratio, Emergence& out);
 
-/// The factor of the path so far, per wavelength.
+/// Throughput of the path so far, per wavelength.
 template <class L, PathStart kStart>
 Spectrum throughput_of(const BasicPathDensity<L, kStart>& path) {
   return L::magnitude(path.beta);
 }
 
-/// The direction from which a path seems to come where it emerges: outside of both normals alike.
+/// The direction towards the previous vertex that an exit is given: outside of the geometric and the shading
+/// normal.
 inline Vec3 out_of(const SurfacePoint& exit) { return normalize(exit.ng + exit.shading.n); }
 
-/// The same for a path of that density, whose vertex number `vertex` this is: `density` becomes that at the
-/// exit, and `state` that of a ray that has come to it from outside.
+/// Samples the exit of a path from its vertex number `vertex`: `density` becomes that at the exit, and the
+/// ray of `state` one that arrives there from outside.
 template <class Density>
 bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w, SampleStream& samples,
             int vertex, Density& density, RayState& state, SurfacePoint& exit) {
@@ -61,8 +63,8 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
   return true;
 }
 
-/// The same for path number `i` of a batch, whose entry is vertices[i] and was vertex number `vertex`: the
-/// exit takes the entry's place there and has a number of its own.
+/// Samples the exit of path number `i` of a batch, whose entry is vertices[i], vertex number `vertex`. The
+/// exit replaces it there and has a number of its own.
 template <Space kSpace, class L, class Density>
 bool emerge(const Scene& scene, PerPath<BasicVertex<kSpace, L>>& vertices, int i, const Wavelengths& w,
             SampleStream& samples, TransportMode mode, int& vertex, Density& density, RayState& state) {

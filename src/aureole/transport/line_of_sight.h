@@ -8,12 +8,13 @@ namespace aureole {
 
 /// Steps for `follow`. `Viewer` has
 ///     const Wavelengths& wavelengths(int path);
-///     void lose(int path);                                as in driver.h
+///     void lose(int path);                     as in driver.h
 ///     void see(int path, const Light& light, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance);
-///                                                         for each light along the ray of direction d: its point (null if it is at
-///                                                         infinity), and the radiance that arrives
-///     SegmentEmission emission(int path);                 ratios of pdfs with which the ray finds emission of media
-///     void see(int path, const Spectrum& light);          emission of media that arrives, over the pdfs of finding it
+///                                              for each light along the ray of direction d: its point (null:
+///                                              infinity) and the radiance that arrives
+///     SegmentEmission emission(int path);      ratios of pdfs with which the ray finds emission of media
+///     void see(int path, const Spectrum& light);
+///                                              emission of media that arrives, over the pdfs of finding it
 template <class Viewer>
 class LinesOfSight {
 public:
@@ -55,7 +56,7 @@ public:
   }
 
 private:
-  /// What passes from the present hit to the origin of the line, by way of which edges diffract a part.
+  /// Transmittance and diffraction factor from the present hit to the origin of the line.
   Spectrum arriving(int path) const {
     const TestSegment& line = lines_[path];
     return line.passage * diffraction_factor(scene_, line.origin, line.d, line.behind,

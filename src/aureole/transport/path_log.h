@@ -24,8 +24,7 @@ struct PathEvent {
     edge,        ///< the path turns around an edge that diffracts light, at `p`
     escape,      ///< the ray leaves the scene along `d`
     emission,    ///< emission found by hitting a light at `p`, or in the direction `d`
-    connection,  ///< next-event estimation with a light at `p` or, infinite, in the direction `d`; or another connection from the present
-                 ///< vertex of a path from the sensor
+    connection,  ///< a connection with a light at `p` (infinite: along `d`) or with a vertex of a light path
     sensor,      ///< a connection with the sensor at `p`, seen at `film`
     other,       ///< further light, which `text` describes
   };
@@ -38,12 +37,12 @@ struct PathEvent {
   float throughput = 0;   ///< relative to that at the start of the path
   int vertex = 0;    ///< of a connection with a light path: number of segments of that path up to its vertex
   bool open = true;  ///< a connection is not occluded
-  /// What the event adds to the estimate, as RadianceEstimate::estimate; 0 where it adds none.
+  /// Contribution to the estimate, as RadianceEstimate::estimate; 0 where there is none.
   Spectrum estimate{0.f};
   Vec2 film{};                          ///< pixels from the film's top left corner
   const SurfacePoint* point = nullptr;  ///< of `surface` and `exit`; valid during the call
   const Light* light = nullptr;         ///< of `start`
-  std::size_t part = 0;                 ///< of that light
+  std::size_t part = 0;                 ///< the sampled part of `light`
   const Medium* in_medium = nullptr;    ///< of `start` and `medium`
   const char* text = "";
 };

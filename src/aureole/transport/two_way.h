@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// MIS of paths that are found from both ends (Veach 1997, chapter 10), in the recursive form of van Antwerpen
+// MIS of bidirectional path tracing (Veach 1997, chapter 10), in the recursive form of van Antwerpen
 // 2011, "Recursive MIS computation for streaming BDPT on the GPU", and Georgiev, Krivanek, Davidovic &
 // Slusallek 2012, "Light transport simulation with vertex connection and merging", Eq. 31 to 34, per
 // wavelength.
@@ -25,18 +25,18 @@
 
 namespace aureole {
 
-/// Throughput and densities of one of the two subpaths. The base's `r_l` is, of either, that of the
-/// technique that connects the last vertex with the one before it.
+/// Throughput and pdfs of one of the two subpaths. The base's `r_l` is the ratio of the technique that
+/// connects the last vertex with the one before it.
 template <PathStart kStart, class L = Unpolarised>
 struct TwoWayDensity : BasicPathDensity<L, kStart> {
   using Base = BasicPathDensity<L, kStart>;
 
-  /// The sum over the techniques that connect nearer to the beginning, without the density of scattering from
-  /// the last vertex back to the one before it.
+  /// Sum over the techniques that connect nearer to the start of the subpath, without the pdf of scattering
+  /// from the last vertex back to the one before it.
   Spectrum earlier{0.f};
 
-  /// Goes on from a vertex: `reverse` is the density of scattering back (`Vertex::reverse_pdf`), `across`
-  /// that of arriving here from ahead (`Vertex::density_across`).
+  /// Continues from a vertex. `reverse` is the pdf of scattering back (`Vertex::reverse_pdf`), `across` the
+  /// factor of arriving here from the next vertex (`Vertex::density_across`).
   void scatter(const BasicScatter<L>& s, const Spectrum& reverse, const Spectrum& across) {
     const Spectrum connections = s.delta ? reverse * earlier : reverse * earlier + this->r_l;
     earlier = min(min(connections, kMost) * across * (1 / s.pdf[0]), kMost);
@@ -46,9 +46,9 @@ struct TwoWayDensity : BasicPathDensity<L, kStart> {
     Base::pass(p);
     earlier *= p.flight;
   }
-  /// Has left an edge that diffracts light, for which `extend` was called, in a direction of the density
-  /// `pdf`. A path that is found with its edges from this end is found with them from no other one
-  /// (integrator/bdpt/subpath.h). `is_connected`: a connection finds the next vertex, too.
+  /// Leaves an edge that diffracts light, for which `extend` was called, in a direction of that pdf. Edges
+  /// that one endpoint samples are sampled by no other technique (integrator/bdpt/techniques.h).
+  /// `is_connected`: a connection finds the next vertex, too.
   void leave_edge(float pdf, bool is_connected) {
     earlier = 0.f;
     this->r_l = is_connected ? this->r_u * (1 / pdf) : Spectrum(0.f);
@@ -67,8 +67,9 @@ struct TwoWayDensity : BasicPathDensity<L, kStart> {
     }
   }
 
-  /// All techniques that connect nearer to the beginning, `reverse` being the density of scattering back from
-  /// the last vertex. To be multiplied by the density of the last vertex, found from ahead.
+  /// Sum over the techniques that connect nearer to the start of the subpath, given the pdf `reverse` of
+  /// scattering back from the last vertex. To be multiplied by the pdf of sampling the last vertex from the
+  /// other endpoint.
   Spectrum others(const Spectrum& reverse) const { return reverse * earlier + this->r_l; }
 
 private:
@@ -76,20 +77,20 @@ private:
   static constexpr float kMost = 1e25f;
 };
 
-/// The density with which paths of light begin with the ray of direction `d` from `point` or, that being
-/// null, from an emitter that sits on no shape: per area and per solid angle, or masses.
+/// Pdf with which light paths start with the ray of direction `d` from `point` or, that being null, from an
+/// emitter without a shape: per area and per solid angle, or masses.
 inline float emission_density(const Scene& scene, const Light& light, std::size_t part,
                               const SurfacePoint* point, const Vec3& d) {
   const RayDensity ray = light.pdf_ray(part, point, d);
   return scene.lights().probability_by_power(light, part) * ray.position * ray.direction;
 }
 
-/// Where a path of light begins.
+/// The start of a light path.
 struct Emission {
   LightChoice choice{};
   EmittedRay ray;
 
-  /// The density with which a connection from `from` would have found this place: per solid angle, or a mass
+  /// Pdf with which a connection from `from` would have sampled this position: per solid angle, or the mass
   /// of a delta emitter.
   float connection_density(const Scene& scene, const LightReference& from) const {
     const Light& light = *choice.light;

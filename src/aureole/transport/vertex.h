@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Vertex`: where a path is scattered, on a surface or in a medium, in world space. Integrators are built
-// from these functions; none names a concrete plug-in.
+// `Vertex`: a point where a path is scattered, on a surface or in a medium, in world space. No integrator
+// names a concrete plug-in: they use these functions.
 #pragma once
 
 #include "aureole/bsdf/bsdf.h"
@@ -32,8 +32,8 @@ struct BasicScatter {
   Vec3 d;  ///< in the world, unit length
   typename L::Weight value;
   Spectrum
-      transmittance;  ///< where the path crosses the surface, over the probability of that; `value` is not set then
-  Spectrum pdf;  ///< per wavelength: a density [1/sr], or where `delta` a probability (mass)
+      transmittance;  ///< set instead of `value` where the path crosses the surface: over its probability
+  Spectrum pdf;       ///< per wavelength: a density [1/sr], or where `delta` a probability (mass)
   bool delta;
   float eta;  ///< index of refraction of the medium that d leads into over that of where the path comes from
 };
@@ -71,15 +71,15 @@ public:
     wi_side_ = dot(point_.ng, to_previous_);
   }
 
-  /// The shading normal on the side that light may be scattered from; zero where that is both. Choosing
-  /// lights and directions, and their densities, all depend on it.
+  /// The shading normal on the side from which the BSDF scatters light; zero where it scatters from both.
+  /// Light sampling and its pdfs depend on it.
   Vec3 facing() const {
     return has(surface().lobes, Lobe::transmit) ? Vec3{} : wi_.z < 0 ? -point_.shading.n : point_.shading.n;
   }
   /// Whether connections can contribute at this vertex.
   bool is_smooth() const { return has(surface().lobes, Lobe::diffuse | Lobe::glossy); }
 
-  /// The value and density for a direction; false where nothing is scattered there.
+  /// Sets the value and the pdf of scattering into `d`; false where the value is zero.
   bool respond(const Vec3& d, BasicResponse<L>& out) const {
     const Vec3 wo = point_.shading.to_local(d);
     if (!is_consistent(wo, d)) return false;
@@ -90,26 +90,25 @@ public:
     return true;
   }
 
-  /// Of a path that comes along -d, in the other mode of transport: the density of its scattering to where
-  /// this one comes from, for a direction that `respond` accepts.
+  /// Pdf of the reversed event, in the other mode of transport: of a path that arrives along -d and is
+  /// scattered towards the previous vertex. For a direction that `respond` accepts.
   Spectrum reverse_pdf(const Vec3& d) const {
     BsdfContext reverse = context_;
     reverse.mode =
         context_.mode == TransportMode::radiance ? TransportMode::importance : TransportMode::radiance;
     return surface().bsdf->pdf(point_.shading.to_local(d), wi_, reverse);
   }
-  /// The same for a direction that `scatter` has found. Of a delta lobe it is the mass of `scatter` times the
-  /// ratio of the solid angles of the two sides, d(d) / d(to_previous), so that either way of sampling the
-  /// path has the density of one measure: masses of the two directions have the same spectral shape, and
-  /// their scale, which all techniques share, cancels.
+  /// Pdf of the reversed event for a direction that `scatter` has sampled. For a delta lobe it is the mass of
+  /// `scatter` times the ratio of solid angles d(d) / d(to_previous). Then both directions of sampling have a
+  /// pdf of one measure: their masses have the same spectral shape, and the scale cancels.
   Spectrum reverse_pdf(const BasicScatter<L>& s) const {
     if (!s.delta) return reverse_pdf(s.d);
     if (s.eta == 1) return s.pdf;
     return s.pdf * std::abs(wi_.z / (s.eta * s.eta * dot(point_.shading.n, s.d)));
   }
 
-  /// Samples a direction: `surface` where the path is scattered, `crossed` where it passes straight through
-  /// as if there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
+  /// Samples a direction. Returns `surface` where the path is scattered, `crossed` where it crosses a null
+  /// component, `entered` where it is refracted into a surface with a BSSRDF, `blocked` where it ends.
   Event scatter(float u1, Vec2 u2, BasicScatter<L>& out) const {
     const std::optional<BsdfSample> s = surface().bsdf->sample(wi_, u1, u2, context_);
     if (!s || !(s->pdf[0] > 0)) return Event::blocked;
@@ -217,8 +216,8 @@ private:
   TransportMode mode_;
 };
 
-/// Either of the two. Made in place. Of a scene in `Space::empty` vertices are on surfaces, and none has a
-/// priority.
+/// A vertex on a surface or in a medium, made in place. In `Space::empty` all vertices are on surfaces, and
+/// none has a priority.
 template <Space kSpace, class L = Unpolarised>
 class BasicVertex {
 public:
@@ -234,7 +233,7 @@ public:
       : medium_(point, to_previous, w, mode), in_medium_(true) {}
 
   bool is_surface() const { return !in_medium(); }
-  /// Of a vertex on a surface.
+  /// These three are for vertices on surfaces.
   const SurfaceVertex<L>& on_surface() const { return surface_; }
   const SurfacePoint& point() const { return surface_.point(); }
   const Surface& surface() const { return surface_.surface(); }
@@ -243,15 +242,15 @@ public:
   RayOrigin origin() const {
     return in_medium() ? RayOrigin::in_space(medium_.point().p) : RayOrigin::of(surface_.point());
   }
-  /// The light that shines from here, or null.
+  /// The light that the surface emits, or null.
   const Light* light() const { return in_medium() ? nullptr : surface().light; }
   /// Whether connections can contribute at this vertex.
   bool is_smooth() const { return in_medium() || surface_.is_smooth(); }
-  /// Whether the path may pass without being scattered.
+  /// Whether the surface has a null component, which the path may cross.
   bool is_passable() const { return !in_medium() && surface().passable; }
-  /// Whether the path may go on below the surface.
+  /// Whether the surface has a BSSRDF.
   bool has_exit() const { return !in_medium() && surface().has_exit(); }
-  /// `scatter` looks at u1, or something at the key.
+  /// Whether `scatter` uses `u1`, or the BSDF uses the key.
   bool needs_choice() const {
     return in_medium() ? medium_.point().medium->phase().needs_choice() : surface().needs_choice;
   }
@@ -273,31 +272,31 @@ public:
     surface_.prepare(key);
     if (kSpace == Space::any && surface().priority != 0) surface_.set_exterior(interiors);
   }
-  /// The normal on the side that light may be scattered from; zero where that is all around. Choosing lights
-  /// and directions, and their densities, all depend on it.
+  /// The normal on the side from which light is scattered; zero in a medium and where a BSDF scatters from
+  /// both sides. Light sampling and its pdfs depend on it.
   Vec3 facing() const { return in_medium() ? Vec3{} : surface_.facing(); }
-  /// The value and density for a direction; false where nothing is scattered there.
+  /// Sets the value and the pdf of scattering into `d`; false where the value is zero.
   bool respond(const Vec3& d, BasicResponse<L>& out) const {
     return in_medium() ? medium_.respond(d, out) : surface_.respond(d, out);
   }
-  // For two-way methods, which compare the ways in which a path can be found:
-  /// The density with which a path that comes along -d, in the other mode of transport, is scattered to where
-  /// this one comes from.
+  // For bidirectional methods, which need the pdfs of other techniques:
+  /// Pdf of the reversed event: a path that arrives along -d, in the other mode of transport, is scattered
+  /// towards the previous vertex.
   Spectrum reverse_pdf(const Vec3& d) const {
     return in_medium() ? medium_.reverse_pdf(d) : surface_.reverse_pdf(d);
   }
-  /// The same for a direction that `scatter` has found.
+  /// Pdf of the reversed event for a direction that `scatter` has sampled.
   Spectrum reverse_pdf(const BasicScatter<L>& s) const {
     return in_medium() ? medium_.reverse_pdf(s.d) : surface_.reverse_pdf(s);
   }
-  /// Density of an arrival along d or -d in the measure of vertices, area or volume, per area across d: the
-  /// cosine on a surface, the extinction in a medium.
+  /// Factor from area perpendicular to `d` to the measure of the vertex: the cosine on a surface (area), the
+  /// extinction coefficient in a medium (volume).
   Spectrum density_across(const Vec3& d) const {
     return in_medium() ? medium_.extinction(d) : Spectrum(std::abs(dot(surface_.point().ng, d)));
   }
 
-  /// Samples a direction: `surface` or `medium` where the path is scattered, `crossed` where it passes as if
-  /// there were no vertex, `entered` where it goes on below the surface, `blocked` where it ends.
+  /// Samples a direction; returns what `SurfaceVertex::scatter` does, or `medium` where a phase function
+  /// scatters the path.
   Event scatter(float u1, Vec2 u2, BasicScatter<L>& out) const {
     return in_medium() ? medium_.scatter(u1, u2, out) : surface_.scatter(u1, u2, out);
   }

@@ -19,7 +19,8 @@
 //   bool kScattersInMedia   distance sampling in media; else paths pass media by their transmittance
 // `Self` may replace these functions (hooks); the ones here do nothing or what most integrators do:
 //   samples(i)                       the random numbers of the path
-//   emission(i, light, point, L)     the path has hit a light, or has left the scene where the light is at infinity (point null)
+//   emission(i, light, point, L)     the path has hit a light, or has left the scene towards a light at infinity
+//                                    (point null)
 //   emission_in_media(i)             receives the emission of media along the ray, or null
 //   before_distance(i, hit)          the ray is in a medium and was traced
 //   after_distance(i, p, chosen)     the path will be scattered in the medium at `p`

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "aureole/integrator/further_channels.h"
+#include "aureole/integrator/aov_channels.h"
 
 #include <algorithm>
 #include <set>

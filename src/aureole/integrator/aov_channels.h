@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shared by integrators with further channels beside the picture: nested integrators, and colours of
-// estimates.
+// Shared by integrators with AOVs: nested integrators, and colours of estimates.
 #pragma once
 
 #include <array>
