@@ -37,6 +37,8 @@ struct PathEvent {
   float throughput = 0;   ///< relative to that at the start of the path
   int vertex = 0;    ///< of a connection with a light path: number of segments of that path up to its vertex
   bool open = true;  ///< a connection is not occluded
+  bool along_ray = false;  ///< the connection begins at a sampled position along the ray, which is no vertex
+  Vec3 from{};             ///< where a connection begins, in world space
   /// Contribution to the estimate, as RadianceEstimate::estimate; 0 where there is none.
   Spectrum estimate{0.f};
   Vec2 film{};                          ///< pixels from the film's top left corner

@@ -113,13 +113,15 @@ public:
   /// none.
   bool begin_at_edge(int i, Vec2& film) requires kDiffracts { return edges_.begin(self(), i, film); }
 
-  void log_connection(const Connection& c, bool open, int vertex = 0) const {
+  void log_connection(const Connection& c, bool open, int vertex = 0, bool along_ray = false) const {
     log_({.kind = PathEvent::Kind::connection,
           .p = c.target,
           .d = c.d,
           .infinite = c.infinite,
           .vertex = vertex,
           .open = open,
+          .along_ray = along_ray,
+          .from = c.origin,
           .estimate = c.estimate()});
   }
   void log_emission(int i, const SurfacePoint* point, const Spectrum& estimate) const {

@@ -75,9 +75,9 @@ public:
                             has_media() ? key(p.samples, s.vertex, Stream::connection) : 0, out,
                             r_equiangular);
   }
-  void connected(int i, int, const Connection& c, bool open) {
+  void connected(int i, int k, const Connection& c, bool open) {
     if (open) path(i).result.estimate += c.estimate();
-    if (log_.follows(i)) this->log_connection(c, open);
+    if (log_.follows(i)) this->log_connection(c, open, 0, k < 0);
   }
 
   // Hooks of the walk:
@@ -130,17 +130,26 @@ public:
 
   // For lines of sight:
   SegmentEmission emission(int i) const { return {.r_u = states_[i].line_start.r_u}; }
-  void see(int i, const Spectrum& light) {
-    Path& p = path(i);
-    p.result.estimate += states_[i].line_start.seen(light) / p.wavelengths.pdf;
-    if (log_.follows(i))
-      log_({.kind = PathEvent::Kind::other, .estimate = light, .text = "seen through media"});
-  }
-  void see(int i, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
-    if (!is_black(radiance)) see(i, radiance * (1 / sum(states_[i].line_start.r_u)));
+  void see(int i, const Spectrum& light) { add_seen(i, nullptr, {}, light); }
+  void see(int i, const Light&, const SurfacePoint* point, const Vec3& d, const Spectrum& radiance) {
+    if (!is_black(radiance)) add_seen(i, point, d, radiance * (1 / sum(states_[i].line_start.r_u)));
   }
 
 private:
+  /// Adds emission along a line of sight: of a light at `point` or along `d`, or of media.
+  void add_seen(int i, const SurfacePoint* point, const Vec3& d, const Spectrum& light) {
+    Path& p = path(i);
+    const Spectrum estimate = states_[i].line_start.seen(light) / p.wavelengths.pdf;
+    p.result.estimate += estimate;
+    if (log_.follows(i))
+      log_({.kind = PathEvent::Kind::other,
+            .p = point ? point->p : Vec3{},
+            .d = d,
+            .infinite = !point,
+            .estimate = estimate,
+            .text = "seen through media"});
+  }
+
   bool connect_to_emission(int i, Connection& out) requires kAny {
     const State& s = states_[i];
     const Vertex& vertex = vertices_[i];
