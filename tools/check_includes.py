@@ -79,5 +79,14 @@ try:
     TopologicalSorter(arrows).prepare()
 except CycleError as cycle:
     problems.append("these rooms include each other: " + " <- ".join(cycle.args[1]))
-print("\n".join(problems) if problems else f"{count} includes, all in order")
+# Edges that diffract light are an affair of two rooms: few other files may name their types.
+EDGE_NAMES = re.compile(r"aureole/scene/edge/|aureole/transport/edge|\b(SceneEdges|EdgePaths|EdgeWalk|LightWay|LitEdges|SeenEdges|AfterEdge)\b")
+EDGE_ROOMS = re.compile(r"src/aureole/(scene/edge/|transport/edge|optics/diffraction/)")
+MOST_EDGE_FILES = 6
+edge_files = sorted(path for path in places.values() if not EDGE_ROOMS.match(path)
+                    and EDGE_NAMES.search(open(os.path.join(root, path), encoding="utf-8").read()))
+if len(edge_files) > MOST_EDGE_FILES:
+    problems.append(f"{len(edge_files)} files outside of scene/edge and transport/edge* name edges that diffract, at most {MOST_EDGE_FILES} may: "
+                    + ", ".join(edge_files))
+print("\n".join(problems) if problems else f"{count} includes, all in order; {len(edge_files)} files outside of their rooms name edges that diffract")
 sys.exit(1 if problems else 0)

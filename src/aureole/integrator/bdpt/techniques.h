@@ -6,7 +6,7 @@
 // edge is sampled from the vertex before it, as seen from the sensor, unless that is a mirror or smooth
 // glass, which nothing can be connected with. That edge, and all edges nearer to the light, are found from
 // the light. So of the techniques for a path with edges those are left that connect it between the last edge
-// which the light path finds and the first one which the sensor's path finds (transport/edge_walk.h). An edge
+// which the light path finds and the first one which the sensor's path finds. An edge
 // that the sensor has found is connected with the vertices of light paths, and the one next to a light is
 // sampled for both of its neighbours, as in `path`.
 #pragma once
