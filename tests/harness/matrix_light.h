@@ -45,14 +45,13 @@ struct MatrixLight {
 
   /// f M(p), M a matrix of the position, transposed for light that travels the reverse direction.
   static Weight lift(const Spectrum& f, const Vec3& p, const Vec3& in, const Vec3& out) {
-    const auto entry = [&](float k) {
-      return 0.5f + 0.45f * std::sin(k * (p.x + 2 * p.y - 1.5f * p.z) + 3 * k);
-    };
-    const float aa = entry(0.8f), ab = entry(1.7f), ba = entry(-2.3f), bb = entry(3.1f);
-    const bool forward = dot(in + out, Vec3{0.3f, -0.7f, 0.5f}) > 0;
+    // Light of the second component becomes light of the first one, or the reverse where it travels backwards.
+    const float part = 0.9f + 0.1f * std::sin(2.2f * (p.x + 2 * p.y - 1.5f * p.z) + 1);
+    const float aa = 0.15f, ab = 0.85f * part, ba = 0.85f * (1 - part), bb = 0.15f;
+    const bool forward = dot(in + out, Vec3{0.1f, -0.05f, 1}) > 0;
     return forward ? Weight(f, aa, ab, ba, bb) : Weight(f, aa, ba, ab, bb);
   }
-  static Light emitted(const Spectrum& radiance) { return {radiance, radiance * 0.25f}; }
+  static Light emitted(const Spectrum& radiance) { return {radiance, radiance * 0.1f}; }
   static Spectrum measured(const Light& light) { return light.a; }
 
   static Light scaled(const Light& l, const Spectrum& s) { return {l.a * s, l.b * s}; }

@@ -89,7 +89,7 @@ TEST_F(MitsubaScenes, OfFreeSpaceDiffractionLoadUnchanged) {
     for (const std::string& note : s.notes) notes += note + "\n";
     EXPECT_NE(notes.find("\"wavelengths\" becomes the film's band about 1"), std::string::npos) << notes;
     EXPECT_EQ(s.integrator->properties().type(), "bdpt");
-    EXPECT_TRUE(s.integrator->needs().edges);
+    EXPECT_TRUE(s.integrator->needs().diffraction);
     EXPECT_EQ(notes.find("picture will be black"), std::string::npos) << notes;
   }
 }
