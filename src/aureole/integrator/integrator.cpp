@@ -26,7 +26,7 @@ Spectrum received(const Scene& scene, const Receiver& receiver, const Path& path
   const RayOrigin from{receiver.p, receiver.p_error, receiver.ng};
   Connection c;
   if (direct->infinite)
-    c.set(from.spawn(direct->wo));
+    c.set(from, direct->wo);
   else
     c.set(from, direct->wo, RayOrigin::of(*direct));
   c.near = Weight(Spectrum(share));

@@ -20,9 +20,11 @@ bool is_lost(const Scene& scene, TestSegment& c) {
 }
 
 void travel(TestSegment& c, float t, const Wavelengths& w, SegmentEmission* emission) {
-  const float unit = length(c.ray.d);  // of the ray's distances
-  c.key = c.key * 0x9e3779b9u + 1;     // each medium on the segment has random numbers of its own
-  const Transmittance s = transmittance(*c.medium, {c.ray.o, c.d}, t * unit, w, c.key, emission);
+  // The ray's distances have a unit of their own, and end off the surfaces that bound the medium.
+  const float distance = t * length(c.ray.d) + c.offset + (t >= c.ray.t_max ? c.end_offset : 0.f);
+  c.key = c.key * 0x9e3779b9u + 1;  // each medium on the segment has random numbers of its own
+  const Transmittance s =
+      transmittance(*c.medium, {c.ray.o - c.d * c.offset, c.d, kInfinity}, distance, w, c.key, emission);
   c.transmitted_before = c.transmitted;
   c.transmitted *= s.value;
   c.passage *= s.roulette;
@@ -35,6 +37,7 @@ Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
   }
   c.pass(point, c.d, c.d);
   c.ray.o = offset_origin(point, c.d);
+  c.offset = dot(c.ray.o - point.p, c.d);
   if (c.infinite) {
     c.ray.t_max = kInfinity;
     return Event::crossed;

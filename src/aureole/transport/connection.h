@@ -25,8 +25,9 @@ enum class Event : std::uint8_t {
 /// A segment whose visibility is tested. Its ray ends at t = 1 unless it is infinite, and need not have unit
 /// length.
 struct TestSegment : Segment {
-  Vec3 d;       ///< unit direction
-  Vec3 target;  ///< the far end, if there is one
+  Vec3 d;            ///< unit direction
+  Vec3 target;       ///< the far end, if there is one, off the surface that it lies on
+  float end_offset;  ///< distance from `target` to that surface
   bool infinite;
   bool through_emitters;  ///< surfaces of lights do not occlude it
   /// Transmittance so far, times the MIS weight of the estimate. In scenes with media `finish` completes it.
@@ -44,6 +45,8 @@ struct TestSegment : Segment {
 
   /// Sets a segment from a point along `direction` to another, off the surfaces that they lie on.
   void set(const RayOrigin& from, const Vec3& direction, const RayOrigin& to);
+  /// Sets an infinite segment from a point along `direction`.
+  void set(const RayOrigin& from, const Vec3& direction);
   /// Sets an infinite segment along a ray.
   void set(const Ray& ray);
   /// Sets the medium and the interiors where it begins, in scenes with media.
@@ -121,12 +124,19 @@ inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const
   target = offset_origin(to.p, error, to.ng, -direction);
   ray.d = target - ray.o, ray.t_max = 1;
   d = direction;
+  offset = dot(ray.o - from.p, direction), end_offset = dot(to.p - target, direction);
   infinite = through_emitters = false;
+}
+
+inline void TestSegment::set(const RayOrigin& from, const Vec3& direction) {
+  set(from.spawn(direction));
+  origin = from.p, offset = from.offset(ray);
 }
 
 inline void TestSegment::set(const Ray& r) {
   ray = r;
   origin = r.o, d = r.d;
+  offset = end_offset = 0;
   infinite = true, through_emitters = false;
 }
 

@@ -179,6 +179,7 @@ public:
     density.extend(Weight(value), 1.f, true);
     state = at.state;
     state.ray = RayOrigin::in_space(at.point.p).spawn(d);
+    state.offset = 0;
     after = {at.point.on_edge(), true, pdf};
     ++scattered;
     return true;

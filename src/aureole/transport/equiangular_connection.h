@@ -19,10 +19,11 @@ namespace aureole {
 inline std::optional<Equiangular> equiangular_positions(const Scene& scene, const RayState& state,
                                                         float t_max, const Wavelengths& w, float u) {
   const LightTree& tree = scene.lights().tree();
-  const auto leaf = tree.choose_along(state.ray, t_max, u);
+  const Ray ray = state.from_surface();
+  const auto leaf = tree.choose_along(ray, t_max, u);
   if (!leaf) return {};
   const Bounds3& box = tree.leaf(*leaf).box;
-  const Equiangular positions(state.ray, t_max, box.center(), 0.5f * length(box.diagonal()));
+  const Equiangular positions(ray, t_max + state.offset, box.center(), 0.5f * length(box.diagonal()));
   constexpr float kNear = 1,
                   kReach = 4;  // optical depths, by measurement (docs/decisions/0065-equiangular-sampling.md)
   const float sigma = mean(state.medium->majorant(state.ray.d, w)) * state.medium->majorants().max_bound();
@@ -40,11 +41,12 @@ bool connect_along(const Scene& scene, const RayState& state, BasicPathDensity<L
                    std::uint32_t key, BasicConnection<L>& out) {
   const Medium& medium = *state.medium;
   const float t = positions.sample(u);
-  const Vec3 p = state.ray.o + state.ray.d * t;
+  const Ray ray = state.from_surface();
+  const Vec3 p = ray.o + ray.d * t;
   MediumCoefficients at;
   medium.eval(p, state.ray.d, w, at);
   if (is_black(at.sigma_s)) return false;
-  const Spectrum passed = transmittance_to(medium, state.ray, t, w, key);
+  const Spectrum passed = transmittance_to(medium, ray, t, w, key);
   const Spectrum r_equiangular = path.r_u * positions.pdf(t);
   path.pass({passed * at.sigma_s, passed * at.sigma_t, 1.f});
   const BasicVertex<Space::any, L> vertex({p, &medium}, -state.ray.d, w, TransportMode::radiance);

@@ -26,6 +26,7 @@ public:
     line.set(start.ray);
     line.behind = 0;
     line.through_emitters = through_emitters;
+    line.offset = start.offset;
     if (scene_.has_media()) line.begin_in(start, key);
     keys_[path] = key;
     line.passage = 1.f;

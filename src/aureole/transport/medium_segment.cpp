@@ -166,7 +166,7 @@ void cut_at_collision(RayState& state, const Wavelengths& w, float first) {
   medium.eval(state.ray.o, state.ray.d, w, at);
   const float hero = at.sigma_t[0];
   // Room for rounding: which of two is nearer, the event or a surface, is decided by `fly`.
-  if (hero > 0) state.ray.t_max = free_path(first) / hero * 1.00001f;
+  if (hero > 0) state.ray.t_max = std::max(free_path(first) / hero * 1.00001f - state.offset, 0.f);
 }
 
 float emission_rate(const Medium& medium, const Vec3& p, const Vec3& d, const Spectrum& sigma_t,

@@ -72,8 +72,9 @@ bool sample_distance(const RayState& state, float t_max, const Wavelengths& w, S
   Passage passage;
   float t;
   bool scattered;
+  const Ray ray = state.from_surface();
   const auto sample = [&](SegmentEmission* emission) {
-    scattered = sample_distance(*state.medium, state.ray, t_max, w, random, passage, emission, t);
+    scattered = sample_distance(*state.medium, ray, t_max + state.offset, w, random, passage, emission, t);
   };
   if constexpr (Density::kBegin == PathStart::sensor) {
     if (estimate && state.medium->emits()) {
@@ -89,7 +90,7 @@ bool sample_distance(const RayState& state, float t_max, const Wavelengths& w, S
   }
   if (scattered) {
     chosen = density.r_u * passage.connection;
-    p = state.ray.o + state.ray.d * t;
+    p = ray.o + ray.d * t;
   }
   density.pass(passage);
   return scattered;

@@ -31,7 +31,7 @@ template <Space kSpace, class L, class Pdfs>
   BasicResponse<L> response;
   if (!vertex.respond(direct->wo, response)) return false;
   if (direct->infinite)
-    out.set(vertex.origin().spawn(direct->wo));
+    out.set(vertex.origin(), direct->wo);
   else
     out.set(vertex.origin(), direct->wo, RayOrigin::of(*direct));
   out.near = beta.after(response.value);

@@ -19,6 +19,8 @@ struct RayOrigin {
 
   /// The ray that leaves along the unit direction `d`, off the surface that the point lies on.
   Ray spawn(const Vec3& d) const { return {offset_origin(p, p_error, ng, d), d, kInfinity}; }
+  /// Distance along a ray of unit direction that `spawn` has given from the point to its origin.
+  float offset(const Ray& ray) const { return dot(ray.o - p, ray.d); }
 };
 
 }  // namespace aureole

@@ -14,6 +14,12 @@ struct RayState {
   Ray ray;
   const Medium* medium = nullptr;  ///< at the origin of the ray, or null
   InteriorList interiors;          ///< closed shapes with a priority that the origin lies in
+  /// Distance from the surface that the ray leaves to its origin, which lies off that surface by the bound of its
+  /// rounding error: media count from the surface. Kept up to date in scenes with media.
+  float offset = 0;
+
+  /// The ray from the surface that it leaves.
+  Ray from_surface() const { return {ray.o - ray.d * offset, ray.d, ray.t_max}; }
 
   /// Whether a surface that the ray hits is inactive, because a shape of higher priority fills the space
   /// around it.

@@ -258,7 +258,9 @@ public:
   /// needed (`Scene::has_media`).
   void leave(const Vec3& d, bool has_media, RayState& state) const {
     if (has_media && !in_medium()) state.pass(surface_.point(), state.ray.d, d);
-    state.ray = origin().spawn(d);
+    const RayOrigin from = origin();
+    state.ray = from.spawn(d);
+    if (has_media) state.offset = from.offset(state.ray);
   }
   /// The state of a ray that leaves along `d`, without that ray; `state` has led here.
   RayState leaving(const Vec3& d, const RayState& state) const {

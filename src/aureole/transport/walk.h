@@ -284,7 +284,7 @@ template <class Self, class Kind>
                        self().emission_in_media(i), p, self().emission_sampling(i), chosen))
     return Event::crossed;
   self().after_distance(i, p, chosen);
-  edges_.attenuate(self(), i, s.segment.behind + length(p - s.segment.ray.o));
+  edges_.attenuate(self(), i, s.segment.behind + dot(p - s.segment.ray.o, s.segment.ray.d));
   if (log_.follows(i)) log_vertex(i, PathEvent::Kind::medium, p, nullptr);
   if (kFromSensor && s.depth == 0) path.result.alpha = 1;
   if (!limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering || !s.density.has_light())
@@ -304,9 +304,9 @@ template <class Self, class Kind>
   State& s = states_[i];
   Path& path = paths_[size_t(i)];
   SegmentEmission emission;
-  const Transmittance light = transmittance(*s.segment.medium, s.segment.ray, t_max, path.wavelengths,
-                                            key(self().samples(i), s.vertex, Stream::distance),
-                                            s.segment.medium->emits() ? &emission : nullptr);
+  const Transmittance light = transmittance(
+      *s.segment.medium, s.segment.from_surface(), t_max + s.segment.offset, path.wavelengths,
+      key(self().samples(i), s.vertex, Stream::distance), s.segment.medium->emits() ? &emission : nullptr);
   if constexpr (kFromSensor)
     if (!is_black(emission.radiance))
       path.result.estimate += s.density.seen(emission.radiance) / path.wavelengths.pdf;
@@ -435,7 +435,9 @@ auto Walk<Self, Kind>::begin_at_light(int i, Vec2 u, float probability) -> std::
   s.density.beta = L::emitted(emitted->value);
   s.density.survive(pdf);
   s.first_throughput = s.density.hero_symmetric_throughput();
-  s.segment.ray = RayOrigin::of(*emitted).spawn(emitted->d);
+  const RayOrigin from = RayOrigin::of(*emitted);
+  s.segment.ray = from.spawn(emitted->d);
+  s.segment.offset = from.offset(s.segment.ray);
   s.segment.begin();
   find_interiors(scene_, choice->light, s.segment);
   if (log_.follows(i))

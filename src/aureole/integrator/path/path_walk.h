@@ -105,8 +105,9 @@ public:
   }
   void after_distance(int i, const Vec3& p, const Spectrum& chosen) {
     State& s = states_[i];
-    s.r_equiangular =
-        s.positions ? chosen * s.positions->pdf(dot(p - s.segment.ray.o, s.segment.ray.d)) : Spectrum(0.f);
+    s.r_equiangular = s.positions
+                          ? chosen * s.positions->pdf(dot(p - s.segment.from_surface().o, s.segment.ray.d))
+                          : Spectrum(0.f);
   }
   void scattered(int i, const Scatter& b) {
     if constexpr (kAny) {
