@@ -30,8 +30,8 @@ if have cbox "$cbox"; then
 fi
 if have matpreview "$matpreview"; then measure matpreview 3072 "$matpreview" -D width=64 -D height=48; fi
 measure condensation 1536 "$demo" -D width=48 -D height=32
-measure fog 960 "$root/scenes/media/fog.xml" -D width=40 -D height=24
-measure milk 960 "$root/scenes/milk/milk.xml" -D width=40 -D height=24
-measure caustic 2304 "$root/bench/two_way/caustic.xml" -D width=48 -D height=48
+measure fog 384 "$root/scenes/media/fog.xml" -D width=24 -D height=16
+measure milk 384 "$root/scenes/milk/milk.xml" -D width=24 -D height=16
+measure caustic 768 "$root/bench/two_way/caustic.xml" -D width=32 -D height=24
 star_box=$shared/data/cornell-box/box.xml
 if have "star box" "$star_box"; then measure "star box" 576 "$star_box" -D res=24 -D spp=16 --integrator path; fi

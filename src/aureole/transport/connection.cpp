@@ -37,7 +37,7 @@ Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
   }
   c.pass(point, c.d, c.d);
   c.ray.o = offset_origin(point, c.d);
-  c.offset = dot(c.ray.o - point.p, c.d);
+  c.offset = distance_from_surface(c.ray.o - point.p, c.d);
   if (c.infinite) {
     c.ray.t_max = kInfinity;
     return Event::crossed;

@@ -124,7 +124,8 @@ inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const
   target = offset_origin(to.p, error, to.ng, -direction);
   ray.d = target - ray.o, ray.t_max = 1;
   d = direction;
-  offset = dot(ray.o - from.p, direction), end_offset = dot(to.p - target, direction);
+  offset = distance_from_surface(ray.o - from.p, direction);
+  end_offset = distance_from_surface(target - to.p, direction);
   infinite = through_emitters = false;
 }
 

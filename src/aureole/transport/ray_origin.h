@@ -2,10 +2,20 @@
 // `RayOrigin`: a point that rays leave or connections end at, with the bounds of its rounding error.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "aureole/emitter/emitter.h"
 #include "aureole/shape/surface_point.h"
 
 namespace aureole {
+
+/// Distance along the unit direction `d` from a plane to a point that lies `shift` off it, along its normal.
+inline float distance_from_surface(const Vec3& shift, const Vec3& d) {
+  constexpr float kMinCosine = 1 / 16.f;  // at grazing incidence a surface is no plane
+  const float along = std::abs(dot(shift, d)), squared = length_squared(shift);
+  return squared > 0 ? squared / std::max(along, kMinCosine * std::sqrt(squared)) : 0.f;
+}
 
 struct RayOrigin {
   Vec3 p;
@@ -19,8 +29,8 @@ struct RayOrigin {
 
   /// The ray that leaves along the unit direction `d`, off the surface that the point lies on.
   Ray spawn(const Vec3& d) const { return {offset_origin(p, p_error, ng, d), d, kInfinity}; }
-  /// Distance along a ray of unit direction that `spawn` has given from the point to its origin.
-  float offset(const Ray& ray) const { return dot(ray.o - p, ray.d); }
+  /// Distance along a ray of unit direction that `spawn` has given from the surface to its origin.
+  float offset(const Ray& ray) const { return distance_from_surface(ray.o - p, ray.d); }
 };
 
 }  // namespace aureole
