@@ -104,10 +104,11 @@ template <class T>
 Result<T>::Result(Extents shape, int components) {
   if (components) shape.push_back(components);
   is_scalar_ = shape.empty();
-  constexpr double kMost = 1 << 28;  // 2 GiB of numbers; larger results are probably a mistake in the shapes
+  constexpr double kMaxCount =
+      1 << 28;  // 2 GiB of numbers; larger results are probably a mistake in the shapes
   double count = 1;
   for (const Py_ssize_t n : shape) count *= double(n);
-  if (count > kMost)
+  if (count > kMaxCount)
     throw Error("the arguments: expected at most 2^28 results, got the shape " + tuple_text(shape) +
                 ": call it for parts");
   nb::list sizes;

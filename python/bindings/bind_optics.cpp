@@ -38,14 +38,14 @@ template <class Store>
 void for_amplitudes(const Reals& x, const Complexes& m, const Reals& mu, const Store& store) {
   const std::size_t n = x.size(), angles = mu.size();
   if (n == 0 || angles == 0) return;
-  constexpr std::size_t kBlock = 64, kMostSpheres = 4096;
-  constexpr double kMostTerms = 5e5;  // about 50 MB
+  constexpr std::size_t kBlock = 64, kMaxSpheres = 4096;
+  constexpr double kMaxTerms = 5e5;  // about 50 MB
   const std::size_t blocks = (angles + kBlock - 1) / kBlock;
   std::vector<std::optional<Mie>> spheres;
   SignalCheck signals;
   for (std::size_t first = 0, last; first < n; first = last) {
     double terms = 0;
-    for (last = first; last < n && last - first < kMostSpheres && terms < kMostTerms; ++last)
+    for (last = first; last < n && last - first < kMaxSpheres && terms < kMaxTerms; ++last)
       terms += 64 + x.data()[last];
     spheres.assign(last - first, std::nullopt);
     for_each(

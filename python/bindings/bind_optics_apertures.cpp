@@ -34,9 +34,9 @@ nb::object transform_shape(const ApertureShape& shape, const nb::object& q) {
   nb::object result = numpy.attr("empty")(n, "complex128");
   const auto to = nb::cast<Array<Complex>>(result);
   // Phases of more radians than that would be rounding errors.
-  constexpr double kMostRadians = 1e9;
+  constexpr double kMaxRadians = 1e9;
   for (std::size_t i = 0; i < 2 * n; ++i)
-    if (!(std::abs(flat.data()[i]) * shape.bounding_radius() <= kMostRadians))
+    if (!(std::abs(flat.data()[i]) * shape.bounding_radius() <= kMaxRadians))
       throw Error("q: expected rad/m below 1e9/bounding_radius, got " + std::to_string(flat.data()[i]));
   for_each(n, [&shape, from = flat.data(), to = to.data()](std::size_t i) {
     to[i] = shape.transform(from[2 * i], from[2 * i + 1]);

@@ -32,10 +32,10 @@ std::tuple<std::vector<double>, std::vector<double>, std::vector<double>> sizes(
                                                                                 double second, bool by_volume,
                                                                                 double steps) {
   return naming("radius", [&] {
-    constexpr std::size_t kMost = 100000;
+    constexpr std::size_t kMaxNodes = 100000;
     const RadiusDistribution d = make(kind, radius, first, second, by_volume);
     std::vector<double> radii, weights;
-    for (const optics::RadiusNode& node : d.nodes(0, steps, kMost))
+    for (const optics::RadiusNode& node : d.nodes(0, steps, kMaxNodes))
       radii.push_back(node.radius), weights.push_back(node.weight);
     return std::tuple(
         std::move(radii), std::move(weights),

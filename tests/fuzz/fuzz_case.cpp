@@ -86,7 +86,7 @@ void avoid_small_wavelengths(pugi::xml_document& document) {
 /// Simulations of the default size take 3 s for each area fraction, of which a textured one needs a dozen: here they are small, or so large
 /// that they are refused.
 void avoid_large_simulations(pugi::xml_document& document) {
-  constexpr double kMostWork = 1e5, kRefused = 1e8;  // discs times snapshots
+  constexpr double kMaxWork = 1e5, kRefused = 1e8;  // discs times snapshots
   for (const pugi::xpath_node& found : document.select_nodes("//correlation[@type='simulated']")) {
     pugi::xml_node node = found.node();
     const auto number = [&](const char* name, double fallback) {
@@ -94,7 +94,7 @@ void avoid_large_simulations(pugi::xml_document& document) {
       return given ? given.attribute("value").as_double(fallback) : fallback;
     };
     const double work = number("discs", 1500) * number("snapshots", 1200);
-    if (!(work > kMostWork && work <= kRefused)) continue;
+    if (!(work > kMaxWork && work <= kRefused)) continue;
     for (const char* name : {"discs", "snapshots"}) {
       while (pugi::xml_node given = node.find_child_by_attribute("name", name)) node.remove_child(given);
       pugi::xml_node small = node.append_child("integer");

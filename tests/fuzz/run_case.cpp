@@ -16,7 +16,7 @@ namespace aureole::fuzz {
 
 namespace {
 
-constexpr double kLargestFilmBytes = 32 << 20, kMostSamples = 20000, kMostSeconds = 1;
+constexpr double kLargestFilmBytes = 32 << 20, kMaxSamples = 20000, kMaxSeconds = 1;
 /// No machine has the memory for such a film: the job has to refuse it.
 constexpr double kImpossibleBytes = 1e13;
 
@@ -89,8 +89,8 @@ Verdict render(const LoadedScene& loaded) {
   const RenderState& state = job.state();
   const double samples = (state.identity.width + 2.0 * state.identity.border) *
                          (state.identity.height + 2.0 * state.identity.border) * double(*options.end);
-  if (samples > kMostSamples) return {Verdict::too_large, "", 0};
-  if (samples * per_sample > kMostSeconds) return {Verdict::too_slow, "", 0};
+  if (samples > kMaxSamples) return {Verdict::too_large, "", 0};
+  if (samples * per_sample > kMaxSeconds) return {Verdict::too_slow, "", 0};
 
   const std::atomic<bool> stop{false};
   if (job.run(stop) != RenderJob::Outcome::finished) return {Verdict::failed, "the job did not finish", 0};

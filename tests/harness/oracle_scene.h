@@ -31,7 +31,7 @@ private:
   std::map<int, double> points_;
 };
 
-/// What a surface does to light that comes from the side of its normal; it is black from behind.
+/// Scattering of a surface for light from the side of its normal; it is black from behind.
 struct Material {
   enum class Kind { lambert, phong, mirror };
   Kind kind = Kind::lambert;

@@ -29,7 +29,7 @@ struct OracleVertex {
 /// The vertices of a path from the light to the pinhole.
 using OraclePath = std::vector<OracleVertex>;
 
-/// What the oracle takes from aureole, since the choice of a light by the tree of lights has tests of its
+/// Values that the oracle takes from aureole, since the choice of a light by the tree of lights has tests of its
 /// own. The light is that of the path's first vertex.
 struct LightProbabilities {
   /// Of connecting the point `p` with the light; `facing`: the side that scatters light, or zero.

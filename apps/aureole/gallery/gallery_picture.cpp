@@ -16,7 +16,7 @@ namespace aureole {
 namespace {
 
 /// A number of samples that jobs with a time limit never reach.
-constexpr std::int64_t kManySamples = 65536;
+constexpr std::int64_t kMaxSamples = 65536;
 
 Defines all_defines(const GalleryPicture& picture, GallerySize size) {
   Defines defines{{"width", std::to_string(picture.effort[size].width)},
@@ -34,7 +34,7 @@ Defines all_defines(const GalleryPicture& picture, GallerySize size) {
 }
 
 std::int64_t samples_of(const PictureEffort& effort) {
-  return effort.seconds > 0 ? kManySamples : effort.samples;
+  return effort.seconds > 0 ? kMaxSamples : effort.samples;
 }
 
 std::string quoted(const std::string& text) {

@@ -62,8 +62,8 @@ public:
 
     phase_nm_ = 2 * M_PI * shapes.correlation_radius * 1e9;
     const SpectralGrid& range = p.context().grid;
-    if (!(phase_nm_ * radius_scale_.minimum() >= kLeastPhase * range.max_nm &&
-          phase_nm_ * radius_scale_.maximum() <= kMostPhase * range.min_nm))
+    if (!(phase_nm_ * radius_scale_.minimum() >= kMinPhase * range.max_nm &&
+          phase_nm_ * radius_scale_.maximum() <= kMaxPhase * range.min_nm))
       throw p.error(
           "radius",
           "the scatterers are too small or too large for the wavelengths: 2 pi times their radius must be "
@@ -265,7 +265,7 @@ private:
                       float((reflected ? n_i : n_t) / n_i)};
   }
 
-  static constexpr double kLeastPhase = 1e-6, kMostPhase = 1e9;  // limits of k a for single precision
+  static constexpr double kMinPhase = 1e-6, kMaxPhase = 1e9;  // limits of k a for single precision
 
   LayerSubstrate substrate_;
   LayerObliquity obliquity_;

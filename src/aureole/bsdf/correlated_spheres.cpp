@@ -93,11 +93,11 @@ private:
     const auto size = [&](double nm) { return 2 * M_PI * layer.radius_nm * layer.medium(nm) / nm; };
     const double least = std::min(size(grid.min_nm), size(grid.max_nm)),
                  most = std::max(size(grid.min_nm), size(grid.max_nm)) * layer.sizes.largest();
-    if (!(least >= SphereTables::kLeastSize))
+    if (!(least >= SphereTables::kMinSize))
       throw p.error("radius",
                     "the spheres are too small for the wavelengths: 2 pi n radius/lambda must be at "
                     "least 0.01");
-    if (!(most <= SphereTables::kMostSize))
+    if (!(most <= SphereTables::kMaxSize))
       throw p.error("radius",
                     "the spheres are too large for the wavelengths: 2 pi n radius/lambda of the largest "
                     "must not exceed 5000; discs of \"correlated_scatterers\" diffract alike");

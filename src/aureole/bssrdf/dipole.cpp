@@ -42,8 +42,8 @@ public:
     if (!p.get_bool("single_scattering", false)) return;
     extinction_ = SampledSpectrum(grid, std::move(extinction)),
     albedo_ = SampledSpectrum(grid, std::move(albedo));
-    constexpr double kMost = 0.999;  // upper bound of |g|; for larger ones nothing is scattered back
-    single_.emplace(std::clamp(asymmetry, -kMost, kMost), relative_index().average());
+    constexpr double kMaxAsymmetry = 0.999;  // upper bound of |g|; for larger ones nothing is scattered back
+    single_.emplace(std::clamp(asymmetry, -kMaxAsymmetry, kMaxAsymmetry), relative_index().average());
     single_total_ = float(single_->total());
   }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::uint32_t kDeep = 0x800, kMultiPart = 0x1000;
 /// Upper bound of the compression ratio of whole images over all compression methods of the format.
-constexpr double kMostRatio = 20000;
+constexpr double kMaxRatio = 20000;
 
 class Cursor {
 public:
@@ -83,8 +83,8 @@ void check_exr_header(Bytes bytes, std::size_t max_pixels) {
                std::uint32_t(Cursor::integer_at(value.subspan(4)));
     }
     if (!empty) {
-      check_size(width, height, max_pixels, bytes.size(), kMostRatio / (per_pixel > 0 ? per_pixel : 1));
-      if (tile * per_pixel > kMostRatio * (double(bytes.size()) + 64))
+      check_size(width, height, max_pixels, bytes.size(), kMaxRatio / (per_pixel > 0 ? per_pixel : 1));
+      if (tile * per_pixel > kMaxRatio * (double(bytes.size()) + 64))
         throw Error("damaged EXR: impossible tiles");
     }
     more = (version & kMultiPart) && !empty;

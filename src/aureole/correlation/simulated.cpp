@@ -20,8 +20,8 @@ public:
     ensemble_.seed = std::uint64_t(properties.get_int("seed", 0, Range::non_negative()));
     ensemble_.discs = int(properties.get_int("discs", ensemble_.discs, {64, 20000}));
     ensemble_.snapshots = int(properties.get_int("snapshots", ensemble_.snapshots, {64, 1000000}));
-    constexpr double kMost = 1e8;  // takes minutes
-    if (double(ensemble_.discs) * ensemble_.snapshots > kMost)
+    constexpr double kMaxDiscs = 1e8;  // takes minutes
+    if (double(ensemble_.discs) * ensemble_.snapshots > kMaxDiscs)
       throw properties.error("snapshots", "discs times snapshots must not exceed 1e8");
   }
 

@@ -53,8 +53,8 @@ public:
 private:
   static std::shared_ptr<const optics::StructureFactor> from_picture(const std::filesystem::path& file,
                                                                      double extent) {
-    constexpr std::size_t kMostPixels = 4096 * 4096;
-    const Image image = read_image(file, nullptr, kMostPixels);
+    constexpr std::size_t kMaxPixels = 4096 * 4096;
+    const Image image = read_image(file, nullptr, kMaxPixels);
     int channel = image.channel("Y");
     if (channel < 0) channel = image.channel("R");
     if (channel < 0) throw std::domain_error("the picture has neither a Y nor an R channel");

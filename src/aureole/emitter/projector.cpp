@@ -107,11 +107,11 @@ private:
   /// lattice of points in it, plus a small fraction of the picture's mean, so that texels between lattice
   /// points are never missed.
   void build_distribution(int width, int height) {
-    constexpr int kMost = 256, kOfPattern = 64;
+    constexpr int kMaxSize = 256, kOfPattern = 64;
     const bool picture = width > 1 || height > 1;
-    const int columns = irradiance_->is_constant() ? 1 : picture ? std::min(width, kMost) : kOfPattern;
-    const int rows = irradiance_->is_constant() ? 1 : picture ? std::min(height, kMost) : kOfPattern;
-    const int points = std::max(width, height) > kMost ? 8 : 4;
+    const int columns = irradiance_->is_constant() ? 1 : picture ? std::min(width, kMaxSize) : kOfPattern;
+    const int rows = irradiance_->is_constant() ? 1 : picture ? std::min(height, kMaxSize) : kOfPattern;
+    const int points = std::max(width, height) > kMaxSize ? 8 : 4;
     const SpectralGrid& grid = properties().context().grid;
     const Wavelengths w =
         Wavelengths::at(grid, make_spectrum([&](int i) {

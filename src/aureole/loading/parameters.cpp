@@ -10,7 +10,7 @@ namespace {
 
 /// Limit of the total length of all substituted values: nested definitions such as b = $a$a double it each
 /// time.
-constexpr std::size_t kMostInserted = std::size_t(1) << 26;
+constexpr std::size_t kMaxInserted = std::size_t(1) << 26;
 
 bool is_identifier(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
 
@@ -63,9 +63,9 @@ std::string Parameters::substitute(std::string_view text, const SourceLocation& 
     if (Parameter* p = longest_match(rest)) {
       p->used = true;
       inserted_ += p->value.size();
-      if (inserted_ > kMostInserted)
+      if (inserted_ > kMaxInserted)
         throw Error(where, "the values of $" + p->name + " and other parameters make the scene longer than " +
-                               std::to_string(kMostInserted >> 20) + " MiB");
+                               std::to_string(kMaxInserted >> 20) + " MiB");
       result += p->value;
       i += p->name.size();
       continue;

@@ -19,7 +19,7 @@ namespace {
 /// Limits of nested elements and nested includes, since loading is recursive, and of the number of included
 /// files, which may double with every level. The limits are far above real scenes and far below the size of
 /// stack and memory.
-constexpr int kDeepestElement = 256, kDeepestInclude = 32, kMostIncludes = 1000;
+constexpr int kDeepestElement = 256, kDeepestInclude = 32, kMaxIncludes = 1000;
 
 /// Converts positions in the text that pugixml parses to lines and columns. pugixml parses in place, so that
 /// its names and values point into `buffer`, while `original` keeps the line ends that it overwrites.
@@ -198,9 +198,9 @@ private:
       diagnostics_.error(name->where, "recursive include: \"" + name->value + "\" includes itself");
       return;
     }
-    if (depth > kDeepestInclude || scene.files.size() > kMostIncludes) {
+    if (depth > kDeepestInclude || scene.files.size() > kMaxIncludes) {
       if (scene.complete)
-        diagnostics_.error(name->where, "more than " + std::to_string(kMostIncludes) +
+        diagnostics_.error(name->where, "more than " + std::to_string(kMaxIncludes) +
                                             " files are included, or more than " +
                                             std::to_string(kDeepestInclude) + " by one another");
       scene.complete = false;

@@ -15,7 +15,7 @@ constexpr std::size_t kDeepest = 512;
 /// Limit of the references below an object, each followed and counted. Evaluating a texture or BSDF that uses
 /// another one twice, which uses another one twice, ... takes exponential time. Shapes are exempt, because
 /// they may contain many references.
-constexpr std::uint64_t kMostReferences = 10000;
+constexpr std::uint64_t kMaxReferences = 10000;
 
 /// Returns the attribute that names a file for a parameter of `object`, or null.
 Attribute* file_name(const PluginInfo* object, Node& parameter) {
@@ -178,16 +178,16 @@ private:
       }
       const Extent below = find_cycles(next, path);
       extent.height = std::max(extent.height, below.height + 1);
-      extent.references = std::min(extent.references + below.references + refers, 2 * kMostReferences);
+      extent.references = std::min(extent.references + below.references + refers, 2 * kMaxReferences);
       if (path.size() + below.height > kDeepest) too_deep(child);
     }
     path.pop_back();
     const std::string family = object_family(node);
-    if (extent.references > kMostReferences && !family.empty() && family != "shape") {
+    if (extent.references > kMaxReferences && !family.empty() && family != "shape") {
       // Objects that refer to this one exceed the limit as well; one error is enough.
       if (!cut_all_)
         diagnostics_.error(node.where, "the references below this " + family + " lead to more than " +
-                                           std::to_string(kMostReferences) + " objects");
+                                           std::to_string(kMaxReferences) + " objects");
       cut_all_ = true;
     }
     extents_[&node] = extent;

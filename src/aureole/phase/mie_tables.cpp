@@ -34,24 +34,24 @@ double cells_for(const SpectralGrid& grid, const optics::RadiusDistribution& rad
 
 void require_sizes_for_tables(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
                               double host_index) {
-  constexpr double kMostSize = 5000;
+  constexpr double kMaxSize = 5000;
   for (const optics::RadiusDistribution& r : radii)
-    if (const double x = size_parameter(r, host_index, grid.min_nm); x > kMostSize)
+    if (const double x = size_parameter(r, host_index, grid.min_nm); x > kMaxSize)
       throw std::domain_error(fmt::format(
           "2 pi n radius/lambda is {:.0f} at the sensor's shortest wavelength, {:.6g} nm; up to {:.0f} is tabulated in a "
           "bearable time",
-          x, grid.min_nm, kMostSize));
+          x, grid.min_nm, kMaxSize));
 }
 
 std::vector<double> mie_wavelengths(const SpectralGrid& grid,
                                     std::span<const optics::RadiusDistribution> radii, double host_index,
                                     double least_per_unit_of_log) {
-  constexpr double kMost = 64;
+  constexpr double kMaxCells = 64;
   require_sizes_for_tables(grid, radii, host_index);
   const double least = least_per_unit_of_log * std::log(grid.max_nm / grid.min_nm);
   double cells = least;
   for (const optics::RadiusDistribution& r : radii) cells = std::max(cells, cells_for(grid, r, host_index));
-  const int nodes = int(std::ceil(std::min(cells, std::max(kMost, least)))) + 1;
+  const int nodes = int(std::ceil(std::min(cells, std::max(kMaxCells, least)))) + 1;
   const double range = 1 / grid.min_nm - 1 / grid.max_nm;
   std::vector<double> nm;
   for (int i = 0; i < nodes; ++i) nm.push_back(1 / (1 / grid.min_nm - range * i / (nodes - 1)));

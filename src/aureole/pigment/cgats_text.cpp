@@ -15,7 +15,7 @@
 namespace aureole::pigment {
 namespace {
 
-constexpr int kMostLines = 100000;
+constexpr int kMaxLines = 100000;
 
 /// Splits a line into words, separated by blanks or tabs. Quoted text is one word, even if it is empty.
 TextRow words_of(const std::string& line, int number) {
@@ -117,8 +117,8 @@ private:
     std::string line;
     while (std::getline(text_, line)) {
       if (++number_ == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);
-      if (number_ > kMostLines)
-        throw TextError(number_, 0, "the table has more than " + std::to_string(kMostLines) + " lines");
+      if (number_ > kMaxLines)
+        throw TextError(number_, 0, "the table has more than " + std::to_string(kMaxLines) + " lines");
       TextRow row = words_of(line, number_);
       if (!row.cells.empty()) return row;
     }

@@ -18,12 +18,12 @@ double contrast_ratio(Coefficients c, double thickness, const Surface& surface, 
 double hiding_thickness(const std::function<double(double)>& contrast, double start, double target) {
   require(target > 0 && target < 1, target, "contrast ratio", "must be in (0, 1)");
   require(start > 0 && std::isfinite(start), start, "thickness", "must be positive and finite");
-  constexpr double kFarthest = 1e12;
+  constexpr double kMaxRatio = 1e12;
   double high = start;
   while (!(contrast(high) >= target))
-    if ((high *= 2) > kFarthest * start) return std::numeric_limits<double>::infinity();
+    if ((high *= 2) > kMaxRatio * start) return std::numeric_limits<double>::infinity();
   double low = high;
-  while (low > start / kFarthest && contrast(low) >= target) low /= 2;
+  while (low > start / kMaxRatio && contrast(low) >= target) low /= 2;
   while (high - low > 1e-13 * high) {
     const double middle = 0.5 * (low + high);
     if (middle <= low || middle >= high) break;

@@ -13,9 +13,9 @@ namespace aureole::pigment {
 namespace {
 
 constexpr double kNegligible = 1e-4;  ///< fraction below which a paint is dropped from a recipe
-constexpr int kMostPaints = 6;
+constexpr int kMaxPaints = 6;
 using Triple = std::array<double, 3>;
-using Shares = std::array<double, kMostPaints>;
+using Shares = std::array<double, kMaxPaints>;
 
 double squared(const Triple& v) { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
@@ -97,7 +97,7 @@ Shares projected(const Shares& shares, const Mixer& mixer, const Bounds& bounds)
 }
 
 /// Solves the n x n system a x = b by elimination; it is symmetric, and positive definite by its damping.
-void solve(std::array<Shares, kMostPaints>& a, Shares& b, std::size_t n) {
+void solve(std::array<Shares, kMaxPaints>& a, Shares& b, std::size_t n) {
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j) {
       const double f = a[j][i] / a[i][i];
@@ -119,8 +119,8 @@ double descend(Mixer& mixer, const Bounds& bounds, Shares& shares) {
   for (int step = 0; step < 60 && value > 1e-18; ++step) {
     const std::size_t rest =
         std::size_t(std::max_element(shares.begin(), shares.begin() + std::ptrdiff_t(n)) - shares.begin());
-    std::array<Triple, kMostPaints> slope{};
-    std::array<std::size_t, kMostPaints> free{};
+    std::array<Triple, kMaxPaints> slope{};
+    std::array<std::size_t, kMaxPaints> free{};
     std::size_t count = 0;
     for (std::size_t i = 0; i < n; ++i) {
       if (i == rest) continue;
@@ -137,7 +137,7 @@ double descend(Mixer& mixer, const Bounds& bounds, Shares& shares) {
     if (count == 0) break;
     bool better = false;
     for (int attempt = 0; attempt < 12 && !better; ++attempt) {
-      std::array<Shares, kMostPaints> normal{};
+      std::array<Shares, kMaxPaints> normal{};
       Shares move{};
       for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t c = 0; c < 3; ++c) move[i] -= slope[free[i]][c] * r[c];
@@ -251,7 +251,7 @@ std::vector<Match> match(const Palette& original, const MatchTarget& target, con
   Palette palette = original;
   check(palette);
   clamp_negative(palette);
-  require(settings.max_paints >= 1 && settings.max_paints <= kMostPaints, settings.max_paints,
+  require(settings.max_paints >= 1 && settings.max_paints <= kMaxPaints, settings.max_paints,
           "number of paints", "must be from 1 to 6");
   require(settings.solutions >= 1, settings.solutions, "number of solutions", "must be positive");
   const bool spectral = !target.reflectance.empty();

@@ -12,7 +12,7 @@ namespace aureole {
 namespace {
 
 /// Above this size, samples of the pilot are traced again instead of being kept.
-constexpr double kMostPilotBytes = double(512 << 20);
+constexpr double kMaxPilotBytes = double(512 << 20);
 
 }  // namespace
 
@@ -230,7 +230,7 @@ void UnitRenderer::trace(const RenderState& layout, std::int64_t index, const Pi
 double UnitRenderer::kept_numbers(double pixels, int measured_channels, std::int64_t begin) {
   const double numbers = pixels * kPilotSamples * double(record_size(measured_channels));
   // A partial rendering that begins later contains no sample of the pilot.
-  return begin == 0 && numbers * sizeof(float) <= kMostPilotBytes ? numbers : 0;
+  return begin == 0 && numbers * sizeof(float) <= kMaxPilotBytes ? numbers : 0;
 }
 
 double UnitRenderer::pilot_bytes(double pixels, int measured_channels, std::int64_t begin) {

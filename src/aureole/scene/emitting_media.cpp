@@ -10,7 +10,7 @@ namespace aureole {
 
 namespace {
 
-constexpr int kMostCells = 64;     // along an axis
+constexpr int kMaxCells = 64;      // along an axis
 constexpr int kVaryingCells = 32;  // of media without a grid whose emission varies
 constexpr int kPlaces = 256;       // at which a region's spectrum is looked at
 
@@ -55,7 +55,7 @@ EmittingMedia::Region EmittingMedia::region_of(const Filled& filled) {
   Region r{&medium, {}, {}, {1, 1, 1}, 0, {}};
   if (const Majorants majorants = medium.majorants()) {
     r.to_unit = majorants.to_box();
-    for (std::size_t i = 0; i < 3; ++i) r.cells[i] = std::min(majorants.cells()[i], kMostCells);
+    for (std::size_t i = 0; i < 3; ++i) r.cells[i] = std::min(majorants.cells()[i], kMaxCells);
   } else {
     const Vec3 size = filled.box.diagonal();
     if (!(size.x > 0 && size.y > 0 && size.z > 0)) return r;
@@ -159,7 +159,7 @@ EmittingMedia::Place EmittingMedia::Region::place(float u, const Vec3& in_cell) 
   const std::size_t nx = std::size_t(cells[0]), ny = std::size_t(cells[1]);
   const Vec3 unit{(float(k % nx) + in_cell.x) / float(cells[0]),
                   (float(k / nx % ny) + in_cell.y) / float(cells[1]),
-                  // Of one cell the number that chose it is as good as another one.
+                  // With a single cell its choice has used no random number: `x` is still uniform.
                   cell.size() == 1 ? x : (float(k / nx / ny) + in_cell.z) / float(cells[2])};
   return {medium, from_unit.point(unit), float(double(density) / volume)};
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `EmittingMedia`: media that emit, as lights: a region of space for each, found in a tree as lights are, and a
-// place in it, drawn about as it emits.
+// `EmittingMedia`: media that emit, as lights: a region of space for each, found in a tree as lights are, and
+// a place in it, drawn about as it emits.
 #pragma once
 
 #include <span>
@@ -34,20 +34,20 @@ public:
     Vec3 p;
     float pdf;  ///< [1/length^3], the choice of the region included
   };
-  /// A place for the point `from` with the normal `facing` (zero: light may reach it from both sides), at which
-  /// the medium may be or not. `u` chooses the region and the cell, `in_cell` and `third` the place in it. False
-  /// where there is none.
+  /// A place for the point `from` with the normal `facing` (zero: light may reach it from both sides), at
+  /// which the medium may be or not. `u` chooses the region and the cell, `in_cell` and `third` the place in
+  /// it. False where there is none.
   bool sample(const Vec3& from, const Vec3& facing, float u, Vec2 in_cell, float third, Place& out) const;
   /// The density of that place of the medium.
   float pdf(const Medium& medium, const Vec3& from, const Vec3& facing, const Vec3& p) const;
   /// A place for a path that starts there, by power alone; the numbers as above.
   Place sample_by_power(float u, Vec2 in_cell, float third) const;
-  /// Of a medium, the inverse of its size: about what emission one walk through it sees [1/length].
+  /// Inverse of the size of a medium [1/length], the scale of the emission that one path through it finds.
   float inverse_size(const Medium& medium) const;
 
   /// The power of each region [W/nm up to the scale of all emitters], as far as it leaves it.
   const std::vector<SampledSpectrum>& powers() const { return powers_; }
-  /// That of all as the sensor sees it.
+  /// Power of all regions, weighted by the sensor's response.
   double power() const { return region_.total(); }
 
 private:

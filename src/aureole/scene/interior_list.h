@@ -10,7 +10,7 @@ namespace aureole {
 
 class InteriorList {
 public:
-  static constexpr int kMost = 8;  ///< further ones are left out
+  static constexpr int kMaxShapes = 8;  ///< further ones are left out
 
   /// The surface of the shape that fills the space, leaving out `but`; null: none of them.
   const Surface* filling(const Surface* but = nullptr) const {
@@ -30,7 +30,7 @@ public:
   void pass(const Surface& surface, bool inwards) {
     const int at = index_of(&surface);
     if (inwards) {
-      if (at == count_ && count_ < kMost) inside_[count_++] = &surface;
+      if (at == count_ && count_ < kMaxShapes) inside_[count_++] = &surface;
     } else if (at < count_) {
       for (int i = at + 1; i < count_; ++i) inside_[i - 1] = inside_[i];
       --count_;
@@ -47,7 +47,7 @@ private:
   }
 
   int count_ = 0;
-  const Surface* inside_[kMost];
+  const Surface* inside_[kMaxShapes];
 };
 
 }  // namespace aureole

@@ -14,12 +14,12 @@ namespace {
 
 // Not zero: a point on a plane through zero has no rounding error and so no offset, and its distance to the
 // plane is exactly 0.
-constexpr float kNearest = std::numeric_limits<float>::min();
+constexpr float kMinDistance = std::numeric_limits<float>::min();
 
 void load_ray(const Ray& ray, RTCRay& r) {
   r.org_x = ray.o.x, r.org_y = ray.o.y, r.org_z = ray.o.z;
   r.dir_x = ray.d.x, r.dir_y = ray.d.y, r.dir_z = ray.d.z;
-  r.tnear = kNearest, r.tfar = ray.t_max, r.time = 0;
+  r.tnear = kMinDistance, r.tfar = ray.t_max, r.time = 0;
   r.mask = ~0u, r.id = 0, r.flags = 0;
 }
 
@@ -53,7 +53,7 @@ void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) const {
     }
     std::memcpy(valid + lane, &good, sizeof good);
   }
-  std::fill_n(r.tnear, kLanes, kNearest);
+  std::fill_n(r.tnear, kLanes, kMinDistance);
   std::fill_n(r.time, kLanes, 0.f);
   std::fill_n(r.mask, kLanes, ~0u);
   std::fill_n(r.id, kLanes, 0u);

@@ -111,7 +111,7 @@ private:
   std::unordered_map<const Shape*, std::shared_ptr<const Geometry>> geometries_;
   std::vector<std::shared_ptr<const Group>> groups_;
   std::shared_ptr<RTCSceneTy> owned_scene_;
-  RTCScene scene_ = nullptr;  ///< the same
+  RTCScene scene_ = nullptr;  ///< `owned_scene_`, or a scene of another owner
   Bounds3 bounds_;
   float farthest_ = kFarthest;
 };

@@ -123,11 +123,11 @@ void Scene::make_lights() {
 }
 
 void Scene::bound_emitters() {
-  constexpr std::ptrdiff_t kFewEmitters = 8;
+  constexpr std::ptrdiff_t kMaxBoundedEmitters = 8;
   const auto& emitters = parts_.emitters;
   emits_everywhere_ = any_medium_emits_ || std::any_of(emitters.begin(), emitters.end(),
                                                        [](const auto& e) { return e->is_infinite(); });
-  many_shapes_shine_ = std::ptrdiff_t(emitters_.size() - emitters.size()) > kFewEmitters;
+  many_shapes_shine_ = std::ptrdiff_t(emitters_.size() - emitters.size()) > kMaxBoundedEmitters;
   if (many_shapes_shine_) return;
   for (const Light& light : emitters_)
     if (light.shape) {

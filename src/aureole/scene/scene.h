@@ -40,12 +40,12 @@ public:
     return surfaces_.surface_point(hit, ray);
   }
   const RayTracer& tracer() const { return *surfaces_.tracer; }
-  /// False where a ray meets no emitter's bounds, so that a ray that only looks for emission need not be
-  /// traced.
+  /// False where a ray misses the bounds of all emitters, so that a ray that can only find emission need not
+  /// be traced.
   bool may_meet_emitter(const Ray& ray) const { return emits_everywhere_ || may_meet_shining_shape(ray); }
-  /// The same of shapes alone, without the surroundings and media.
+  /// False where a ray misses the bounds of all shapes that emit; environments and media do not count.
   bool may_meet_shining_shape(const Ray& ray) const;
-  /// Every connection is either open or blocked, so that an occlusion test is enough.
+  /// Every connection is either visible or occluded, so that an occlusion query is enough.
   bool has_binary_visibility() const { return surfaces_.has_binary_visibility(); }
   /// Some space is not vacuum, or shapes overlap by priority: paths keep account of what they are in.
   bool has_media() const { return has_media_; }
@@ -79,7 +79,7 @@ public:
   const LightSampler& lights() const { return lights_; }
   /// The media that emit, of those that fill something; null: none.
   const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
-  /// What diffraction needs; null: light is not diffracted.
+  /// Data for diffraction; null: light is not diffracted.
   const SceneDiffraction* diffraction() const { return diffraction_.get(); }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return surfaces_.tracer->bounds(); }
@@ -104,14 +104,14 @@ private:
 
   SceneParts parts_;
   SceneSurfaces surfaces_;
-  std::vector<Light> emitters_;  ///< those of shapes first, in their order
+  std::vector<Light> emitters_;  ///< emitters of shapes first, in their order
   std::vector<const Light*> infinite_;
   PlacedSensor sensor_;
   LightSampler lights_;
   std::shared_ptr<const EmittingMedia> emitting_media_;
   std::shared_ptr<const SceneDiffraction> diffraction_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
-  std::vector<Bounds3> emitter_bounds_;  ///< of shapes that shine, where they are few
+  std::vector<Bounds3> emitter_bounds_;  ///< of shapes that emit, where they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;
   bool has_exits_ = false;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Properties of a scene's media as a whole: the medium around a place, which media are lights, which of them
-// connections cannot reach, and which are not closed: the one in a body with a gap, the one that the sensor is in.
+// connections cannot reach, and which are not closed: the one in a body with a gap, the one that the sensor
+// is in.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -60,7 +61,7 @@ void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
 
 const Medium* Scene::medium_at(const Ray& ray) const {
   if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return nullptr;
-  // A ray that meets none of these surfaces says nothing; one towards them does.
+  // A ray that hits none of these surfaces does not tell; one towards them does.
   const Vec3 inwards = media_bounds_.center() - ray.o;
   for (const Vec3& d : {ray.d, normalize(inwards)}) {
     Ray next{ray.o, d, kInfinity};
@@ -73,8 +74,8 @@ const Medium* Scene::medium_at(const Ray& ray) const {
   return nullptr;
 }
 
-/// Whether the front of a closed surface is outside: its normals may point inwards, around a bubble in a medium. Rays
-/// from afar tell; where none meets the surface the answer is no.
+/// Whether the front of a closed surface is outside: its normals may point inwards, around a bubble in a
+/// medium. Rays from afar tell; the result is false where none hits the surface.
 bool Scene::faces_outwards(std::size_t part) const {
   const Bounds3 box = parts_.surfaces[part].bounds();
   bool is_met = false;
@@ -94,7 +95,8 @@ bool Scene::faces_outwards(std::size_t part) const {
 }
 
 void Scene::find_closed_media() {
-  // Where a shape of higher priority is around, the surface of a medium is not there: then that one must close it.
+  // Where a shape of higher priority is around, the surface of a medium is not there: then that one must
+  // close it.
   const auto lets_pass = [](const Surface& s) { return s.passable || s.light; };
   const bool priorities_close =
       std::none_of(surfaces_.all.begin(), surfaces_.all.end(),
@@ -177,7 +179,8 @@ struct OpenBody {
   int leaks = 0;   ///< met nothing
   Vec3 leak;
 
-  /// A plane or the surface of a sea, below which a medium has no end, hardly meets itself; a bowl without a lid does.
+  /// A plane or the surface of a sea, below which a medium has no end, hardly meets itself; a bowl without a
+  /// lid does.
   bool is_body_with_gap() const { return 4 * itself >= rays && leaks >= 4 && 64 * leaks >= rays; }
 };
 
@@ -224,7 +227,8 @@ OpenBody look_into(const Scene& scene, std::size_t index) {
   return found;
 }
 
-/// A medium within a body that has a gap, through which one sees out of the scene, would go on outside without an end.
+/// A medium within a body that has a gap, through which one sees out of the scene, would go on outside
+/// without an end.
 void check_open_bodies(const Scene& scene) {
   const std::vector<Primitive>& parts = scene.parts().surfaces;
   for (std::size_t i = 0; i < parts.size(); ++i) {

@@ -17,7 +17,7 @@ namespace aureole {
 
 struct SceneParts {
   std::vector<Primitive> surfaces;                       ///< with the emitters that sit on them
-  std::vector<std::shared_ptr<const Emitter>> emitters;  ///< those on no shape
+  std::vector<std::shared_ptr<const Emitter>> emitters;  ///< emitters without a shape
   std::shared_ptr<const Sensor> sensor;
   std::shared_ptr<const ShapeArea> sensor_area;  ///< of the shape that the sensor sits on, or null
   /// The wavelengths and unit of length that all objects were built with; never null.

@@ -17,7 +17,7 @@ namespace aureole {
 struct alignas(64) Surface {
   const Shape* shape = nullptr;  ///< null: an instance
   const Bsdf* bsdf = nullptr;
-  const Light* light = nullptr;  ///< that shines from it, or null
+  const Light* light = nullptr;  ///< that it emits, or null
   /// Media on the side of the normal and on the other; null is vacuum.
   const Medium *outside = nullptr, *inside = nullptr;
 
@@ -25,7 +25,7 @@ struct alignas(64) Surface {
   const Instance* instance = nullptr;
   union {
     const Surface* members = nullptr;  ///< of an instance: its group's surfaces
-    /// Of a surface with a BSSRDF: the same surface as light leaves it that has entered elsewhere.
+    /// For a surface with a BSSRDF: the surface at which light leaves that has entered elsewhere.
     const Surface* exit;
     const Bssrdf* bssrdf;  ///< of such an exit
   };

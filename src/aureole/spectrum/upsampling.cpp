@@ -81,8 +81,8 @@ SigmoidPolynomial upsample_srgb(float r, float g, float b) {
 }
 
 UnboundedRgb upsample_unbounded(float r, float g, float b) {
-  constexpr float kMost = 1e37f;  // infinity would become NaN in the division
-  r = clamped(r, kMost), g = clamped(g, kMost), b = clamped(b, kMost);
+  constexpr float kMaxValue = 1e37f;  // infinity would become NaN in the division
+  r = clamped(r, kMaxValue), g = clamped(g, kMaxValue), b = clamped(b, kMaxValue);
   const float scale = 2.f * std::max({r, g, b});
   if (!(scale > 0.f)) return {};
   return {upsample_srgb(r / scale, g / scale, b / scale), scale};

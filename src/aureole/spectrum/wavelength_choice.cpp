@@ -139,7 +139,7 @@ struct LightKind {
 void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& light,
                       const SampledSpectrum& response) {
   constexpr double kAlike = 1e-3, kNothingInCommon = 2;
-  constexpr size_t kMostCompared = 8;  // per kind
+  constexpr size_t kMaxCompared = 8;  // per kind
   const SampledSpectrum seen = product(response, light);
   LightKind* nearest = nullptr;
   double least = kNothingInCommon;
@@ -154,7 +154,7 @@ void add_if_different(std::vector<LightKind>& kinds, const SampledSpectrum& ligh
     kinds.push_back({light, 1, {seen}});
     return;
   }
-  if (nearest->seen.size() < kMostCompared) nearest->seen.push_back(seen);
+  if (nearest->seen.size() < kMaxCompared) nearest->seen.push_back(seen);
   std::vector<float> nodes(nearest->light.nodes().begin(), nearest->light.nodes().end());
   for (size_t i = 0; i < nodes.size(); ++i) nodes[i] += light.nodes()[i];
   nearest->light = {light.grid(), std::move(nodes)};

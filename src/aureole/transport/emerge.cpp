@@ -88,11 +88,11 @@ bool emerge(const Scene& scene, const SurfacePoint& entry, const Wavelengths& w,
   const Ray whole = probes.ray(distance, random);
   const Vec3 end = whole.o + whole.d * whole.t_max;
   // Upper bound of the hits: a ray along a surface would never end.
-  constexpr int kMostPoints = 1000;
+  constexpr int kMaxPoints = 1000;
   float total = 0, kept = 0;
   std::uint64_t state = random.key;
   Ray ray = whole;
-  for (int i = 0; i < kMostPoints; ++i) {
+  for (int i = 0; i < kMaxPoints; ++i) {
     const RayTracer::Hit hit = scene.tracer().intersect(ray);
     if (!hit) break;
     const SurfacePoint point = scene.surface_point(hit, ray);

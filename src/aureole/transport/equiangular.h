@@ -18,7 +18,7 @@ public:
   Equiangular(const Ray& ray, float t_max, const Vec3& pivot, float radius) {
     const Vec3 to = pivot - ray.o;
     nearest_ = dot(to, ray.d);
-    distance_ = std::max(std::sqrt(std::max(length_squared(to) - nearest_ * nearest_, 0.f)), radius);
+    distance_ = std::max(length(cross(to, ray.d)), radius);
     begin_ = std::atan(-nearest_ / distance_);
     angle_ = std::atan((t_max - nearest_) / distance_) - begin_;
     t_max_ = t_max;

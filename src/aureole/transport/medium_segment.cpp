@@ -225,8 +225,8 @@ Transmittance transmittance(const Medium& medium, const Ray& ray, float t_max, c
       },
       [&](const Spectrum& passed, KeyedRandom& random) {
         // Roulette, the same for each hero.
-        constexpr float kLittle = 0.1f, kSurvival = 0.5f;
-        if (!(max_component(passed) * result.roulette < kLittle)) return true;
+        constexpr float kRouletteThreshold = 0.1f, kSurvival = 0.5f;
+        if (!(max_component(passed) * result.roulette < kRouletteThreshold)) return true;
         result.roulette = random.next() < kSurvival ? result.roulette / kSurvival : 0.f;
         return result.roulette > 0;
       });

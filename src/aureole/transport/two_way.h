@@ -39,7 +39,7 @@ struct TwoWayDensity : BasicPathDensity<L, kStart> {
   /// factor of arriving here from the next vertex (`Vertex::density_across`).
   void scatter(const BasicScatter<L>& s, const Spectrum& reverse, const Spectrum& across) {
     const Spectrum connections = s.delta ? reverse * earlier : reverse * earlier + this->r_l;
-    earlier = min(min(connections, kMost) * across * (1 / s.pdf[0]), kMost);
+    earlier = min(min(connections, kMaxPdf) * across * (1 / s.pdf[0]), kMaxPdf);
     Base::extend(s.value, s.pdf, s.delta);
   }
   void pass(const Passage& p) {
@@ -74,7 +74,7 @@ struct TwoWayDensity : BasicPathDensity<L, kStart> {
 
 private:
   /// Products of many densities stay finite.
-  static constexpr float kMost = 1e25f;
+  static constexpr float kMaxPdf = 1e25f;
 };
 
 /// Pdf with which light paths start with the ray of direction `d` from `point` or, that being null, from an

@@ -29,10 +29,10 @@ public:
       size_[i] = int(size);
       first_[i] = floor_block(from.lower[i]);
       blocks_[i] = floor_block(from.upper[i]) - first_[i] + 1;
-      if (count > kMostBlocks / std::size_t(blocks_[i]))
+      if (count > kMaxBlocks / std::size_t(blocks_[i]))
         throw Error(
             fmt::format("is too large: the box around the grid \"{}\" has more than {} blocks of 8^3 voxels",
-                        from.name, kMostBlocks));
+                        from.name, kMaxBlocks));
       count *= std::size_t(blocks_[i]);
     }
     map_.assign(count, kBackground);
@@ -79,8 +79,8 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMostBlocks = std::size_t(1) << 24;  ///< up to 2048^3 voxels
-  static constexpr std::int32_t kBackground = -1;                   // smaller numbers are tiles
+  static constexpr std::size_t kMaxBlocks = std::size_t(1) << 24;  ///< up to 2048^3 voxels
+  static constexpr std::int32_t kBackground = -1;                  // smaller numbers are tiles
 
   static int floor_block(int i) { return i >> 3; }
   std::array<int, 3> coordinates(const std::array<int, 3>& c) const {

@@ -383,7 +383,7 @@ TEST(ScattererModel, ClassesOfSizesNeverOverflow) {
   optics::ScattererMixture mixture({{a->shape(), 1, 0, false, sizes}}, 1e-6);
   const auto correlation = testing::build<Correlation>(R"(<correlation type="percus_yevick"/>)");
   mixture.correlate_sizes(0.3, [&](const optics::HardDiscMixture& m) {
-    EXPECT_LE(m.classes(), optics::ScattererMixture::kMostClasses);
+    EXPECT_LE(m.classes(), optics::ScattererMixture::kMaxClasses);
     return correlation->at(m);
   });
   EXPECT_GT(mixture.eval(1, 0).uncorrelated, 0);

@@ -44,8 +44,8 @@ public:
   /// `largest`: the largest number of terms.
   explicit SphereAngles(double largest) {
     constexpr double kFineEnd = 50, kRootTwo = std::numbers::sqrt2;
-    constexpr int kLeastCells = 64, kFineCells = int(kFineEnd / kStep), kCoarseCells = 384;
-    const double fine = std::max(largest / kStep, kLeastCells / kRootTwo);
+    constexpr int kMinCells = 64, kFineCells = int(kFineEnd / kStep), kCoarseCells = 384;
+    const double fine = std::max(largest / kStep, kMinCells / kRootTwo);
     if (fine * kRootTwo < kFineCells + kCoarseCells) {
       half_ = int(std::ceil(fine * kRootTwo));
       fine_ = coarse_ = float(half_ / kRootTwo);

@@ -51,13 +51,13 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   // Wavelength nodes: phases between rays through a sphere and rays past it vary with x; a spread of sizes
   // blurs narrower features.
   constexpr double kSizeStep = 0.2;
-  constexpr int kMostNodes = 128;
+  constexpr int kMaxNodes = 128;
   const double range = 1 / grid.min_nm - 1 / grid.max_nm, width = grid.max_nm / grid.min_nm - 1;
   double count = kTwoPi * layer.radius_nm * layer.medium(grid.min_nm) * range / kSizeStep;
   if (layer.spread > 0) count = std::min(count, 3 * width / layer.spread);
   // Smooth spectra need few nodes. The cost per node grows with the square of the size.
   const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0),
-               most = largest > 2000 ? kMostNodes / 2 : kMostNodes;
+               most = largest > 2000 ? kMaxNodes / 2 : kMaxNodes;
   const int cells_of_four = int(std::ceil(std::clamp(count, least, most) / kStride));
   wavelengths_ = cells_of_four * kStride + 1;
   first_ = 1 / grid.max_nm;

@@ -37,7 +37,7 @@ struct SphereLayer {
 class SphereTables {
 public:
   /// Bounds of 2 pi n radius/lambda.
-  static constexpr double kLeastSize = 0.01, kMostSize = 5000;
+  static constexpr double kMinSize = 0.01, kMaxSize = 5000;
 
   SphereTables(const SphereLayer& layer, const SpectralGrid& grid);
 

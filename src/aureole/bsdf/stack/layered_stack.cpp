@@ -348,8 +348,8 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
     const auto fine = [&](int wide, int most, double power) {
       return std::clamp(int(std::lround(wide * std::pow(width, -power))), wide, most);
     };
-    constexpr int kFewest = 24;  // directions, if the scene gives no number
-    auto directions = int(p_.get_int("directions", fine(kFewest, 64, 0.45), {8, 128}));
+    constexpr int kMinDirections = 24;  // directions, if the scene gives no number
+    auto directions = int(p_.get_int("directions", fine(kMinDirections, 64, 0.45), {8, 128}));
     const auto azimuths = int(p_.get_int("azimuths", fine(16, 40, 0.5), {4, 128}));
     const auto streams_for = [&](int wanted) {
       return std::min(optics::streams_for_directions(stacks.front(), wanted), 512);
@@ -359,7 +359,7 @@ std::shared_ptr<const StackTable> LayeredStack::tabulate() const {
           double(optics::kernel_pairs(stacks.front(), streams_for(wanted))) * (azimuths + 1), stacks.size());
     };
     if (!p_.has("directions"))
-      while (directions > kFewest && megabytes_for(directions) > kLargestMegabytes) --directions;
+      while (directions > kMinDirections && megabytes_for(directions) > kLargestMegabytes) --directions;
     const int streams = streams_for(directions);
     const double megabytes = megabytes_for(directions);
     if (megabytes > kLargestMegabytes)

@@ -21,7 +21,7 @@ namespace {
 /// much.
 constexpr double kSpread = 0.75;
 /// Added to the variance to keep it positive in every direction; larger than the rounding error.
-constexpr double kLeastVariance = 1e-6;
+constexpr double kMinVariance = 1e-6;
 
 /// The first and the last level split a cell into two rows of four columns; the second one splits it into two
 /// columns of four rows.
@@ -219,7 +219,7 @@ struct LatLongDistribution::Moments {
     constexpr int kIndex[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        local[i][j] = kSpread * (dd[kIndex[i][j]] / mass - mean[i] * mean[j]) + kLeastVariance * (i == j);
+        local[i][j] = kSpread * (dd[kIndex[i][j]] / mass - mean[i] * mean[j]) + kMinVariance * (i == j);
     const Vec3 axes[3] = {frame.to_world({1, 0, 0}), frame.to_world({0, 1, 0}), frame.to_world({0, 0, 1})};
     for (int a = 0; a < 3; ++a) {
       double rotated = 0;

@@ -9,8 +9,8 @@
 namespace aureole {
 namespace {
 
-constexpr float kLeastHeight = 0.75f;  // [pixels]: the steps of a digital outline
-constexpr float kLeastPart = 0.25f;    // two equal touching discs have a neck of at most half their radius
+constexpr float kMinHeight = 0.75f;  // [pixels]: the steps of a digital outline
+constexpr float kMinPart = 0.25f;    // two equal touching discs have a neck of at most half their radius
 
 class Basins {
 public:
@@ -25,7 +25,7 @@ public:
   /// Whether the pass at height `pass` separates the basins.
   bool are_two(int a, int b, float pass) const {
     const float lower = std::min(peak_[a], peak_[b]);
-    return lower - pass > std::max(kLeastHeight, kLeastPart * lower);
+    return lower - pass > std::max(kMinHeight, kMinPart * lower);
   }
   void merge(int a, int b) {
     if (peak_[a] < peak_[b]) std::swap(a, b);

@@ -39,11 +39,11 @@ std::vector<double> free_space(const Scene& scene, int samples) {
   const int side = std::max(1, int(std::lround(std::sqrt(samples))));
   // A few delta emitters are summed, which has no noise; with more of them, or other emitters, samples are
   // taken.
-  constexpr std::size_t kMostSummed = 64;
+  constexpr std::size_t kMaxSummed = 64;
   std::vector<const Light*> summed;
   for (const Light& light : scene.emitters())
     if (light.is_delta() && !light.shape && light.sampling_weight() > 0) summed.push_back(&light);
-  if (summed.size() > kMostSummed) summed.clear();
+  if (summed.size() > kMaxSummed) summed.clear();
   const auto is_summed = [&](const Light& light) {
     return std::find(summed.begin(), summed.end(), &light) != summed.end();
   };

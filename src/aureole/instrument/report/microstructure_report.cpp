@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kLargestFraction = 0.7;  // upper bound of `correlated_scatterers`
-constexpr double kLeastSpread = 0.02;     // smallest relative deviation of radii that a picture can resolve
+constexpr double kMinSpread = 0.02;       // smallest relative deviation of radii that a picture can resolve
 
 Json json(const Estimate& e, double unit = 1) {
   return {{"value", e.value / unit}, {"low", e.low / unit}, {"high", e.high / unit}};
@@ -148,7 +148,7 @@ std::string size_histogram(const Microstructure& m) {
 
 std::string scene_snippet(const Microstructure& m) {
   const double r = m.mean_radius.value, a = m.correlation_radius.value, um = 1e6;
-  const bool spread = m.deviation.value > kLeastSpread * r;
+  const bool spread = m.deviation.value > kMinSpread * r;
   double largest = 1;
   if (spread)
     for (const Bin& b : size_bins(m)) largest = std::max(largest, b.size);

@@ -109,10 +109,10 @@ void add_series(std::string& out, const PlotSeries& s, const Axes& a) {
 
 /// Width beside the axes for a legend of many lines, which would hide lines if inside; 0 for few lines.
 int legend_width(const Plot& plot) {
-  constexpr int kMostWithin = 4;
+  constexpr int kMaxWithin = 4;
   const auto named = std::count_if(plot.series.begin(), plot.series.end(),
                                    [](const PlotSeries& s) { return !s.label.empty(); });
-  return named > kMostWithin ? 160 : 0;
+  return named > kMaxWithin ? 160 : 0;
 }
 
 /// Adds the legend; `width` is the whole picture's width.

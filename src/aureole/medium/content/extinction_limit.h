@@ -27,19 +27,19 @@ inline void require_computable_extinction(const Properties& p, std::string_view 
 /// of each cell's bound, so a cell of diagonal L holds up to (bound - least) * factor * L null collisions.
 inline void require_computable_extinction(const Properties& p, std::string_view parameter,
                                           const MajorantGrid& grid, double least, double factor) {
-  constexpr double kMostPaths = 1e6;
+  constexpr double kMaxPaths = 1e6;
   const auto& cells = grid.cells();
   const Vec3 cell =
       grid.to_box().inverse().vector({1 / float(cells[0]), 1 / float(cells[1]), 1 / float(cells[2])});
   const double most = double(grid.maximum()) * factor,
                paths = (double(grid.maximum()) - least) * factor * double(length(cell));
-  if (!(paths <= kMostPaths))
+  if (!(paths <= kMaxPaths))
     throw p.error(
         parameter,
         fmt::format(
             "the extinction varies and goes up to {:.3g} per unit of length, which makes the diagonal "
             "of a cell of its bounds {:.3g} free paths long, and rays step along each; {:g} are possible",
-            most, paths, kMostPaths));
+            most, paths, kMaxPaths));
 }
 
 }  // namespace aureole

@@ -58,11 +58,11 @@ MixtureTables tabulate_mixture(const optics::Suspension& content, const Spectral
   }
   // The spectral steps are finer than a phase function alone needs, since the coefficients set the visible
   // colour.
-  constexpr double kLeastPerUnitOfLog = 16;
+  constexpr double kMinPerUnitOfLog = 16;
   std::vector<optics::RadiusDistribution> radii;
   for (const optics::Ingredient& i : content.ingredients()) radii.push_back(i.radii);
   const double index = host.index(grid.min_nm);
-  const std::vector<double> nm = mie_wavelengths(grid, radii, index, kLeastPerUnitOfLog);
+  const std::vector<double> nm = mie_wavelengths(grid, radii, index, kMinPerUnitOfLog);
   optics::EnsembleAccuracy accuracy = mie_accuracy(radii, index, grid.min_nm);
   accuracy.averaging = 2e-3;
   const optics::MediumSpectrum spectrum =

@@ -10,8 +10,8 @@ namespace {
 /// Number of majorant cells along an axis with `samples` samples. A cell is four samples wide, since
 /// traversing smaller cells costs more than it saves (docs/performance.md).
 int cells_for(int samples) {
-  constexpr int kSamplesPerCell = 4, kMost = 256;
-  return std::clamp((samples + kSamplesPerCell - 1) / kSamplesPerCell, 1, kMost);
+  constexpr int kSamplesPerCell = 4, kMaxCells = 256;
+  return std::clamp((samples + kSamplesPerCell - 1) / kSamplesPerCell, 1, kMaxCells);
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ private:
   double radius_;  ///< about the centroid
   /// integral of x^a y^b / (a! b! radius^(a+b)) about the centroid, times (-1)^((a+b)/2), by a + b, then a
   std::vector<double> moments_;
-  // Of all rings, each closed by its first vertex, padded to whole vectors; the edge of a vertex leads to the
-  // next one and is 0 after the last of a ring.
+  // Vertices of all rings, each closed by its first vertex, padded to whole vectors; the edge of a vertex
+  // leads to the next one and is 0 after the last of a ring.
   std::vector<double> x_, y_, edge_x_, edge_y_;
 };
 

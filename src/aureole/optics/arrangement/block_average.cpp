@@ -41,9 +41,9 @@ void BlockAverage::merge(const BlockAverage& other) {
 }
 
 int BlockAverage::plateau() const {
-  constexpr std::int64_t kFewest = 16;  // blocks: the standard error is known to better than 20 %
+  constexpr std::int64_t kMinBlocks = 16;  // blocks: the standard error is known to better than 20 %
   int k = 0;
-  while (k + 1 < int(levels_.size()) && levels_[size_t(k) + 1].blocks >= kFewest) {
+  while (k + 1 < int(levels_.size()) && levels_[size_t(k) + 1].blocks >= kMinBlocks) {
     const Level& next = levels_[size_t(k) + 1];
     const double noise = 1 / std::sqrt(2.0 * double(next.blocks - 1));
     if (next.error() <= levels_[k].error() * (1 + noise)) break;

@@ -24,7 +24,7 @@ double hard_disc_pressure(double area_fraction);
 /// g(2a+), number of neighbours in contact over that of random positions, of the same equation.
 double hard_disc_contact_value(double area_fraction);
 
-/// The same seed gives the same discs, bit by bit.
+/// Simulation of hard discs; one seed always gives the same discs, bit by bit.
 class HardDiscSimulation {
 public:
   /// Largest area fraction: beyond, fluid and hexatic phases coexist and equilibrium takes far longer

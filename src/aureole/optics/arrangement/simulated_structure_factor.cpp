@@ -16,11 +16,11 @@ namespace {
 /// Ends of the measured rings of wave vectors and of the tables, as |q| times the mean radius.
 constexpr double kMeasured = 20, kTable = 40;
 /// Most waves per side of the box: in large, dilute boxes the rings end at a smaller |q|.
-constexpr double kMostWaves = 2000;
+constexpr double kMaxWaves = 2000;
 
 std::vector<double> ring_edges(double mean_radius, double box) {
   std::vector<double> edges;
-  const double end = std::min(kMeasured, kMostWaves * 2 * std::numbers::pi / box * mean_radius);
+  const double end = std::min(kMeasured, kMaxWaves * 2 * std::numbers::pi / box * mean_radius);
   // Rings start at the box's longest wave and are narrow where S has its peaks.
   for (double u = std::min(0.9 * 2 * std::numbers::pi / box * mean_radius, 0.5); u < end;
        u += u < 6 ? 0.05 : 0.15)

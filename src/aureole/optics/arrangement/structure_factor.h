@@ -29,7 +29,8 @@ inline constexpr double kFractionTolerance = 1e-5;
 /// area_fraction <= kMaxAreaFraction.
 double hard_disc_structure_factor(double u, double area_fraction);
 
-/// The same for many area fractions at one u: nearly all of the time goes into these Bessel functions of u.
+/// The structure factor for many area fractions at one u: nearly all of the time goes into these Bessel
+/// functions of u.
 struct HardDiscWave {
   explicit HardDiscWave(double u);
   double structure_factor(double area_fraction) const;

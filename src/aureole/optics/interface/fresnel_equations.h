@@ -31,7 +31,7 @@ FresnelAmplitudes fresnel_amplitudes(double cos_i, double n_i, std::complex<doub
 /// critical angle.
 double fresnel_reflectance(double cos_i, double n_i, double n_t);
 
-/// The same for a conductor of index n_t = eta + i k.
+/// Fresnel reflectance of unpolarised light at a conductor of index n_t = eta + i k.
 double fresnel_reflectance_conductor(double cos_i, double n_i, std::complex<double> n_t);
 
 /// Reflected fraction of unpolarised power of a lossless slab thick against the coherence length and thin

@@ -49,8 +49,8 @@ struct LayerSpheres {
 CoherentLayer coherent_layer(double cos_i, double area_fraction, const LayerSpheres& spheres,
                              const MieAmplitudes& specular);
 
-/// The same for spheres of one size. Throws std::domain_error, with the value, unless cos_i is in [0, 1] and
-/// the area fraction in [0, kMaxAreaFraction].
+/// The coherent layer of spheres of one size. Throws std::domain_error, with the value, unless cos_i is in
+/// [0, 1] and the area fraction in [0, kMaxAreaFraction].
 CoherentLayer coherent_layer(double cos_i, double area_fraction, const Mie& sphere);
 
 }  // namespace aureole::optics

@@ -40,7 +40,7 @@ public:
     eval<4>(x, y, uncorrelated, coherent);
     return {uncorrelated[0], coherent[0]};
   }
-  /// The same for N points at once, whose places and weights are computed in vectors. Points beyond the map
+  /// Evaluates N points at once in vectors. Points beyond the map
   /// take the values at its edge.
   template <int N>
   void eval(const float* ux, const float* uy, float* uncorrelated, float* coherent) const;

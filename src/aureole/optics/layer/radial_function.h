@@ -42,7 +42,7 @@ public:
   /// sixteenth: by Porod's law what shapes with an edge scatter. With `decays` false 0 instead, for functions
   /// that oscillate about 0.
   RadialFunction(const std::function<double(double)>& f, int end, bool decays);
-  /// The same from the values of f at `places(end)`.
+  /// Tabulates f from its values at `places(end)`.
   RadialFunction(const std::vector<double>& values, int end, bool decays);
   static std::vector<double> places(int end);
 

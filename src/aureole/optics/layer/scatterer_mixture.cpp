@@ -116,7 +116,7 @@ ScattererMixture::ScattererMixture(std::vector<Scatterer> scatterers, double cor
 }
 
 MixtureIntensity ScattererMixture::eval(double ux, double uy) const {
-  std::complex<double> amplitudes[kMostClasses] = {};
+  std::complex<double> amplitudes[kMaxClasses] = {};
   double intensity = 0;
   for (const Part& part : parts_) part.add(ux, uy, amplitudes, intensity);
   if (!partial_) {
@@ -134,7 +134,7 @@ MixtureIntensity ScattererMixture::eval(double ux, double uy) const {
 }
 
 double ScattererMixture::independent_ring(double u) const {
-  std::complex<double> amplitudes[kMostClasses] = {};
+  std::complex<double> amplitudes[kMaxClasses] = {};
   const int n = isotropic_ ? 1 : 24 + int(std::ceil(1.2 * u));
   double intensity = 0;
   visit_half_ring(u, n, [&](double ux, double uy) {
@@ -171,8 +171,8 @@ void ScattererMixture::correlate_sizes(
     squares += sizes[i].weight * sizes[i].radius * sizes[i].radius;
     const bool last = i + 1 == sizes.size();
     const bool next_differs = last || sizes[i + 1].radius > sizes[i].radius * (1 + 1e-9);
-    if (!last && !(next_differs && int(radii.size()) + 1 < kMostClasses &&
-                   done >= double(radii.size() + 1) / kMostClasses))
+    if (!last && !(next_differs && int(radii.size()) + 1 < kMaxClasses &&
+                   done >= double(radii.size() + 1) / kMaxClasses))
       continue;
     double weight = 0, square = 0;
     for (std::size_t k = first; k <= i; ++k) {

@@ -47,12 +47,12 @@ public:
   /// correlation radius, instead of equal discs: discs of several sizes pack differently. From then on C = 0,
   /// and U has the interference of the amplitudes with the partial structure factors
   ///     U = sum_m P_m (<|F_m|^2> - |<F_m>|^2) + sum_ml sqrt(P_m P_l) Re(<F_m> conj <F_l>) S_ml,
-  /// m the classes of sizes, at most `kMostClasses`, for this one `area_fraction` of the discs.
+  /// m the classes of sizes, at most `kMaxClasses`, for this one `area_fraction` of the discs.
   void correlate_sizes(
       double area_fraction,
       const std::function<std::shared_ptr<const PartialStructureFactors>(const HardDiscMixture&)>& structure);
   bool has_correlated_sizes() const { return partial_ != nullptr; }
-  static constexpr int kMostClasses = 8;
+  static constexpr int kMaxClasses = 8;
 
   MixtureIntensity eval(double ux, double uy) const;
   /// Ring mean of sum P <|F|^2>, the intensity of random positions.

@@ -31,7 +31,7 @@ public:
     if (!map_ || !(u < map_->extent())) return envelope(ux, uy, u);
     return map_->eval(ux, uy);
   }
-  /// The same for N points at once.
+  /// Evaluates N points at once.
   template <int N>
   void eval(const float* ux, const float* uy, const float* u, float* uncorrelated, float* coherent) const {
     if (map_) {

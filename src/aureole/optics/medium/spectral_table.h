@@ -12,11 +12,11 @@ struct SpectralPoint {
   double lambda_nm, value;
 };
 
-/// Linear between points, constant beyond them. Throws std::domain_error where there is no point, wavelengths do
-/// not increase, or a value is negative or not finite.
+/// Linear between points, constant beyond them. Throws std::domain_error where there is no point, wavelengths
+/// do not increase, or a value is negative or not finite.
 SpectralFunction spectral_table(std::span<const SpectralPoint> points);
 
-/// The same value everywhere.
+/// A function that is constant over wavelength.
 SpectralFunction spectral_constant(double value);
 
 }  // namespace aureole::optics

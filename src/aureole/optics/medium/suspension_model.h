@@ -65,7 +65,7 @@ public:
                           const TellProgress& progress = nullptr) const;
 
   /// Effect of the option `hard_spheres` of an ingredient at a wavelength, whether it is on or not: worth a
-  /// remark where it is off and the scattering differs from 1 by more than 1 %. Nothing where the particles fill
+  /// note where it is off and the scattering differs from 1 by more than 1 %. Nothing where the particles fill
   /// more than `kMaxHardSphereFraction`.
   std::optional<DependentScattering> dependence(std::size_t ingredient, double lambda_nm,
                                                 const EnsembleAccuracy& accuracy = {},

@@ -76,7 +76,7 @@ void add_differential(const ParticlePopulation& population, std::span<const Radi
 
 }  // namespace
 
-/// Of one population at one wavelength, per particle.
+/// Averages over one population at one wavelength, per particle.
 struct Ensemble::Average {
   std::vector<RadiusNode> nodes;
   double extinction = 0, scattering = 0, cosine = 0;  // cosine: of scattering times asymmetry
@@ -251,8 +251,9 @@ std::vector<double> Ensemble::differential(std::size_t wavelength, std::span<con
 
 namespace {
 
-/// Estimates which part of adaptive rounds is done. How many angles the later ones need is not known: at first as many as
-/// the present one and a fifth more, then less and less (spheres of 2 to 60 um in light of 360 to 830 nm).
+/// Estimates which part of adaptive rounds is done. How many angles the later ones need is not known: at
+/// first as many as the present one and a fifth more, then less and less (spheres of 2 to 60 um in light of
+/// 360 to 830 nm).
 class RoundProgress {
 public:
   RoundProgress(const TellProgress& tell, std::size_t tasks) : tell_(tell), tasks_(double(tasks)) {}

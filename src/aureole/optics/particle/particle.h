@@ -63,7 +63,8 @@ std::shared_ptr<const ParticleKind> sphere_kind(IndexFunction index);
 /// Spheres with a coat; the core has `core_fraction` in (0, 1) of the outer radius.
 std::shared_ptr<const ParticleKind> coated_sphere_kind(IndexFunction core, IndexFunction coat,
                                                        double core_fraction);
-/// The same with a coat of one `thickness` in m whatever the radius; smaller particles are coat throughout.
+/// Coated spheres with a coat of the same `thickness` in m for every radius; smaller particles consist of the
+/// coat alone.
 std::shared_ptr<const ParticleKind> thin_coated_sphere_kind(IndexFunction core, IndexFunction coat,
                                                             double thickness);
 

@@ -153,7 +153,7 @@ PhaseTables tabulate_phases(const PhaseEvaluator& evaluate, std::size_t count, d
         result.error = std::max(result.error, worst);
         continue;
       }
-      // Of a smooth function half of the step has a quarter of the error.
+      // Half of the step has a quarter of the error where the function is smooth.
       if (worst <= 2 * accuracy.relative) {
         columns[s.middle()].is_node = true;
         result.error = std::max(result.error, worst / 2);

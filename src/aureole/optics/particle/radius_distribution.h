@@ -24,8 +24,8 @@ public:
   /// Log-normal: `sigma` in [0, 1.5] is the standard deviation of ln(radius), the logarithm of the geometric
   /// standard deviation; `median` is that of the number or of the volume.
   static RadiusDistribution log_normal(double median, double sigma, SizeWeighting by = SizeWeighting::number);
-  /// The same by mean radius and coefficient of variation (standard deviation over mean), both of the number
-  /// or of the volume.
+  /// Log-normal distribution by mean radius and coefficient of variation (standard deviation over mean), both
+  /// of the number or of the volume.
   static RadiusDistribution log_normal_of_mean(double mean, double variation,
                                                SizeWeighting by = SizeWeighting::number);
 
@@ -59,11 +59,11 @@ public:
   double mean_volume() const;  ///< mean of 4/3 pi r^3, m^3
   bool is_single() const { return single_; }
 
-  /// Midpoints of equal steps of t(r) = per_metre r + per_unit_of_log ln(r): the sum of weight times f(radius)
-  /// is the mean of f. Smooth f converge faster than any power of the number of nodes, as the densities
-  /// vanish smoothly at their ends (classes of a histogram: as its square). Intensities of particles oscillate
-  /// in proportion to their radius; `per_metre` follows those, and the logarithm small particles. Never more
-  /// than `most` nodes, in the same proportion, or one per class of a histogram.
+  /// Midpoints of equal steps of t(r) = per_metre r + per_unit_of_log ln(r): the sum of weight times
+  /// f(radius) is the mean of f. Smooth f converge faster than any power of the number of nodes, as the
+  /// densities vanish smoothly at their ends (classes of a histogram: as its square). Intensities of
+  /// particles oscillate in proportion to their radius; `per_metre` follows those, and the logarithm small
+  /// particles. Never more than `most` nodes, in the same proportion, or one per class of a histogram.
   std::vector<RadiusNode> nodes(double per_metre, double per_unit_of_log, std::size_t most) const;
 
 private:

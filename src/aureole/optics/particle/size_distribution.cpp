@@ -12,17 +12,17 @@ namespace aureole::optics {
 
 namespace {
 
-constexpr std::size_t kMostNodes = 64;
+constexpr std::size_t kMaxNodes = 64;
 
 /// Sizes grouped in equal steps of ln(size); a group has the mean square of its sizes.
 std::vector<SizeDistribution::Node> grouped(std::vector<SizeDistribution::Node> nodes) {
   const auto [least, most] = std::minmax_element(
       nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.size < b.size; });
   const double first = std::log(least->size),
-               step = std::max((std::log(most->size) - first) / kMostNodes, 1e-12);
-  std::vector<SizeDistribution::Node> groups(kMostNodes, {0, 0});
+               step = std::max((std::log(most->size) - first) / kMaxNodes, 1e-12);
+  std::vector<SizeDistribution::Node> groups(kMaxNodes, {0, 0});
   for (const auto& n : nodes) {
-    auto& g = groups[std::min(std::size_t((std::log(n.size) - first) / step), kMostNodes - 1)];
+    auto& g = groups[std::min(std::size_t((std::log(n.size) - first) / step), kMaxNodes - 1)];
     g.size += n.weight * n.size * n.size, g.weight += n.weight;
   }
   std::erase_if(groups, [](const auto& g) { return !(g.weight > 0); });
@@ -65,7 +65,7 @@ SizeDistribution SizeDistribution::histogram(std::istream& text) {
     if (count > 0) nodes.push_back({size, count});
   }
   if (nodes.empty()) throw std::domain_error("the histogram has no size with a positive count");
-  if (nodes.size() > kMostNodes) nodes = grouped(std::move(nodes));
+  if (nodes.size() > kMaxNodes) nodes = grouped(std::move(nodes));
   return SizeDistribution(std::move(nodes));
 }
 

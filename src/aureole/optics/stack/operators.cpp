@@ -143,7 +143,8 @@ Operators smooth_interface(const Channels& channels, double index_above, double 
   Vector r_above = Vector::Ones(above), r_below = Vector::Ones(below);
   Matrix t = Matrix::Zero(below, above);
   for (int i = 0; i < std::min(above, below); ++i) {
-    // The same from both sides; asked from the thinner medium it does not lose the digits of grazing angles.
+    // The reflectance is equal from both sides; computed from the medium of lower index it keeps its digits
+    // at grazing angles.
     const double n = std::min(index_above, index_below);
     r_above[i] = r_below[i] = fresnel_reflectance(channels.mu(i, n), n, std::max(index_above, index_below));
     t(i, i) = 1 - r_above[i];

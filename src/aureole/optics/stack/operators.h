@@ -19,8 +19,8 @@ namespace aureole::optics {
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-// Eigen's operator and inverse() are compiled anew for each kind of expression that they are a part of, with all their loops; these once.
-// An argument that is an expression is evaluated first.
+// Eigen's operator and inverse() are compiled anew for each kind of expression that they are a part of, with
+// all their loops; these once. An argument that is an expression is evaluated first.
 Matrix product(const Matrix& a, const Matrix& b);
 Matrix inverse(const Matrix& a);
 
@@ -72,8 +72,8 @@ Operators smooth_interface(const Channels& channels, double index_above, double 
 /// Reflects the share `reflectance` of all flux into all directions alike. Nothing passes.
 Operators lambertian_substrate(const Channels& channels, double index, double reflectance, int mode);
 
-/// Of a substrate with this BRDF, by azimuthal mode: matrices of reflection, averaged over the ranges of both
-/// channels. What a narrow lobe has too much by that is taken away: no channel reflects more than it gets.
+/// Reflection matrices of a substrate with this BRDF, by azimuthal mode, averaged over the ranges of both
+/// channels. A narrow lobe is scaled down where averaging would let a channel reflect more than it receives.
 std::vector<Matrix> substrate_kernels(const Channels& channels, double index,
                                       const std::function<double(double, double, double)>& brdf, int modes);
 

@@ -56,8 +56,8 @@ struct StackDescription {
   /// Reflectance, in [0, 1], of a Lambertian surface that ends the last layer: 0 is black. None: there is
   /// light below, too.
   std::optional<double> substrate;
-  /// Reflection by a substrate beside its Lambertian share, seen from the medium of the last layer: as a mirror,
-  /// by the cosine, and by a reciprocal BRDF in 1/sr of two cosines and the azimuth. Null: none.
+  /// Reflection by a substrate beside its Lambertian share, seen from the medium of the last layer: as a
+  /// mirror, by the cosine, and by a reciprocal BRDF in 1/sr of two cosines and the azimuth. Null: none.
   std::function<double(double)> mirror{};
   std::function<double(double, double, double)> brdf{};
   double index_below = 1;   ///< where there is no substrate
@@ -73,8 +73,8 @@ struct DiscreteOrdinates {
   /// Nakajima & Tanaka 1988, J. Quant. Spectrosc. Radiat. Transfer 40, 51, the method TMS. Without it the
   /// phase function ends at its moment `streams` - 1.
   bool delta_m = true;
-  /// Azimuthal modes that radiances are made of, at most `streams`; 0: so many. Rough interfaces have them all,
-  /// and lobes some degrees wide are done with fewer.
+  /// Azimuthal modes that radiances are made of, at most `streams`; 0: so many. Rough interfaces have them
+  /// all, and lobes some degrees wide are done with fewer.
   int modes = 0;
 };
 
@@ -110,9 +110,9 @@ struct StackField {
   double fluence_down = 0, fluence_up = 0;  ///< radiance integrated over the directions of each half
   double unscattered_flux_down = 0, unscattered_flux_up = 0;
   /// Coefficients of the two-flux equations dF_down/dz = -(K + S) F_down + S' F_up that make them exact here
-  /// (Bohren & Clothiaux 2006, chapter 5; Kubelka & Munk 1931 take them for constants), in 1/length: what of
-  /// a flux is absorbed per length, and what is scattered backward. Without `delta_m` and with 2 streams they
-  /// are the same everywhere. 0 where there is no flux.
+  /// (Bohren & Clothiaux 2006, chapter 5; Kubelka & Munk 1931 take them for constants), in 1/length: the
+  /// fraction of a flux that is absorbed per length, and the fraction scattered backward. Without `delta_m`
+  /// and with 2 streams they are the same everywhere. 0 where there is no flux.
   double absorption_down = 0, absorption_up = 0;    ///< K
   double backscatter_down = 0, backscatter_up = 0;  ///< S of light that goes down, and of what goes up
 };
@@ -139,7 +139,7 @@ public:
   /// it. By light, cosine, azimuth (radians).
   std::vector<double> radiance(std::span<const StackLight> lights, std::span<const double> cosines,
                                std::span<const double> azimuths) const;
-  /// The same within a layer, in all directions.
+  /// Radiance within a layer, in all directions.
   std::vector<double> radiance(std::span<const StackLight> lights, const StackPosition& position,
                                std::span<const double> cosines, std::span<const double> azimuths) const;
 

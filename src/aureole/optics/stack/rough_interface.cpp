@@ -75,7 +75,7 @@ public:
     return passed * facets_.density(m) * mask * at_i * -at_o / (i.mu * o.mu * square);
   }
 
-  /// Of the least tilted normal that turns one into the other, at azimuth 0.
+  /// Slope of the least tilted normal that turns one direction into the other, at azimuth 0.
   double slope(const Side& i, const Side& o) const {
     const double sine_i = std::sqrt(1 - i.mu * i.mu), sine_o = std::sqrt(1 - o.mu * o.mu);
     const double along = i.index * sine_i - o.index * sine_o;

@@ -15,7 +15,7 @@ namespace aureole::optics {
 struct StackKernels {
   struct Side {
     std::vector<double> cosines;
-    /// Of a beam of irradiance 1 along each of them. `passed` is 0 where there is a substrate.
+    /// Results for a beam of irradiance 1 along each cosine. `passed` is 0 where there is a substrate.
     std::vector<double> scattered;         ///< light that leaves in directions of its own, on either side
     std::vector<double> mirrored, passed;  ///< light that was not scattered
     /// Irradiance on a substrate, first arrivals alone; empty where there is none.
@@ -23,25 +23,26 @@ struct StackKernels {
   };
   Side above, below;  ///< below: empty where there is a substrate
   int azimuths = 0;
-  /// Of diffuse light that goes up from a substrate: the share returned by the layers, and the share that leaves.
+  /// Of diffuse light that goes up from a substrate: the share returned by the layers, and the share that
+  /// leaves.
   double returned = 0, left = 0;
-  /// f/n_o^2 in 1/sr, f as radiance per irradiance and n_o the index where it goes, without unscattered light:
-  /// by incident cosine, outgoing cosine, azimuth. The same with both exchanged: light from below that passes
-  /// is `transmitted` with its first two places exchanged.
+  /// f/n_o^2 in 1/sr, f as radiance per irradiance and n_o the index where it goes, without unscattered
+  /// light: by incident cosine, outgoing cosine, azimuth. The same with both exchanged: light from below that
+  /// passes is `transmitted` with its first two places exchanged.
   std::vector<double> reflected_above, transmitted, reflected_below;
 };
 
 /// Of stacks that have as many layers and interfaces of one kind, and the same indices on both sides, such as
-/// one at several wavelengths. Azimuth 0 is where light goes that continues in its own half-plane. The indices
-/// of layers may differ as long as the directions outside stay the same (`have_same_directions`); rough
-/// interfaces are then made for each stack, which takes its time. Each stack is one unit of work for
+/// one at several wavelengths. Azimuth 0 is where light goes that continues in its own half-plane. The
+/// indices of layers may differ as long as the directions outside stay the same (`have_same_directions`);
+/// rough interfaces are then made for each stack, which takes its time. Each stack is one unit of work for
 /// `parallel`.
 std::vector<StackKernels> stack_kernels(std::span<const StackDescription> stacks,
                                         const DiscreteOrdinates& method, std::span<const double> azimuths,
                                         const ParallelFor& parallel = serial_for);
 
-/// Whether the quadrature of both sides is the same for two stacks. Indices of layers may differ that are above
-/// those of both sides.
+/// Whether the quadrature of both sides is the same for two stacks. Indices of layers may differ that are
+/// above those of both sides.
 bool have_same_directions(const StackDescription& a, const StackDescription& b);
 
 /// Streams with which each side of a stack of these indices has at least so many directions.

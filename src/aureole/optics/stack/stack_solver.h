@@ -53,9 +53,9 @@ public:
   std::vector<Light> light(int mode, const Matrix& from_above, const Matrix& from_below,
                            std::span<const int> levels) const;
 
-  /// Of the whole stack.
+  /// Operators of the whole stack.
   Operators whole(int mode) const;
-  /// Of all that lies on a substrate; nothing where the stack is nothing else.
+  /// Operators of the layers above a substrate; nothing where there is none.
   std::optional<Operators> above_substrate(int mode) const;
   /// A mode above all others, in which nothing is scattered: light that keeps its direction.
   static constexpr int kUnscattered = 1 << 20;

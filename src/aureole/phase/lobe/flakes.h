@@ -20,7 +20,7 @@ public:
   explicit Flakes(const std::array<float, 6>& s) {
     if (factorize(s)) return;
     const float mean = (s[0] + s[1] + s[2]) / 3;
-    const float size = mean > kLeast ? mean : 1;
+    const float size = mean > kMinEigenvalue ? mean : 1;
     factorize({size, size, size, 0, 0, 0});
   }
 
@@ -52,7 +52,7 @@ public:
   }
 
 private:
-  static constexpr float kLeast = 1e-12f;
+  static constexpr float kMinEigenvalue = 1e-12f;
 
   Flakes() = default;
 
@@ -60,15 +60,15 @@ private:
   bool factorize(const std::array<float, 6>& s) {
     // A pivot that is only rounding error of its diagonal entry would spoil the inverse.
     constexpr float kRounding = 1e-5f;
-    if (!(s[0] > kLeast)) return false;
+    if (!(s[0] > kMinEigenvalue)) return false;
     xx_ = std::sqrt(s[0]);
     yx_ = s[3] / xx_, zx_ = s[4] / xx_;
     const float yy = s[1] - yx_ * yx_;
-    if (!(yy > kRounding * s[1]) || !(s[1] > kLeast)) return false;
+    if (!(yy > kRounding * s[1]) || !(s[1] > kMinEigenvalue)) return false;
     yy_ = std::sqrt(yy);
     zy_ = (s[5] - zx_ * yx_) / yy_;
     const float zz = s[2] - zx_ * zx_ - zy_ * zy_;
-    if (!(zz > kRounding * s[2]) || !(s[2] > kLeast)) return false;
+    if (!(zz > kRounding * s[2]) || !(s[2] > kMinEigenvalue)) return false;
     zz_ = std::sqrt(zz);
     determinant_root_ = xx_ * yy_ * zz_;
     return std::isfinite(determinant_root_) && determinant_root_ > 0;

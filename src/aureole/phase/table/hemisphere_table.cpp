@@ -40,7 +40,7 @@ HemisphereTable::HemisphereTable(std::span<const double> x, std::span<const doub
 
 void HemisphereTable::make_guide() {
   // Buckets are made finer until each holds few nodes.
-  constexpr int kMostInBucket = 3, kFinestBits = 8, kMantissaBits = 23;
+  constexpr int kMaxInBucket = 3, kFinestBits = 8, kMantissaBits = 23;
   const float first = float(nodes_[1]);
   guide_base_ = std::bit_cast<int>(first);
   const int end = std::bit_cast<int>(1.f);
@@ -54,7 +54,7 @@ void HemisphereTable::make_guide() {
     // zero. The first bucket also serves smaller x.
     std::size_t before = 0;
     for (std::size_t k = 0; k < count.size(); ++k) guide_[k] = std::uint16_t(before), before += count[k];
-    if (*std::max_element(count.begin(), count.end()) <= kMostInBucket) break;
+    if (*std::max_element(count.begin(), count.end()) <= kMaxInBucket) break;
   }
 }
 

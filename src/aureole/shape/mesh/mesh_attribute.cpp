@@ -52,9 +52,9 @@ SampledSpectrum MeshAttribute::mean(const SpectralGrid& grid) const {
     return SampledSpectrum::constant(grid, size() ? float(sum / double(size())) : 0);
   }
   // For large meshes a subset of the colours, at 64 wavelengths.
-  constexpr std::size_t kMost = 1 << 14;
+  constexpr std::size_t kMaxSamples = 1 << 14;
   constexpr int kNodes = 64;
-  const std::size_t stride = std::max<std::size_t>(1, size() / kMost);
+  const std::size_t stride = std::max<std::size_t>(1, size() / kMaxSamples);
   std::vector<double> nm(kNodes), sums(kNodes);
   for (int k = 0; k < kNodes; ++k) nm[k] = grid.min_nm + (grid.max_nm - grid.min_nm) * k / (kNodes - 1);
   std::size_t used = 0;

@@ -38,7 +38,7 @@ public:
       // The lower corner of an interpolation is one of -1, ..., size - 1.
       bricks_[i] = (size[i] + kEdge) / kEdge;
       extent_[i] = std::min(kEdge + 1, size[i] + 2);
-      if (std::size_t(bricks_[i]) > kMostBricks / count) throw Error("has more voxels than can be indexed");
+      if (std::size_t(bricks_[i]) > kMaxBricks / count) throw Error("has more voxels than can be indexed");
       count *= std::size_t(bricks_[i]);
     }
     stride_y_ = extent_[0], stride_z_ = extent_[0] * extent_[1];
@@ -109,8 +109,8 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMostBricks = std::size_t(1) << 28;
-  static constexpr std::size_t kMostUniform = 64;
+  static constexpr std::size_t kMaxBricks = std::size_t(1) << 28;
+  static constexpr std::size_t kMaxUniform = 64;
 
   template <class Fetch, class Uniform>
   void add_brick(const std::array<int, 3>& at, const Fetch& fetch, const Uniform& uniform,
@@ -142,7 +142,7 @@ private:
         return;
       }
       std::fill(brick.begin(), brick.end(), *one);
-      if (known_.size() < kMostUniform)
+      if (known_.size() < kMaxUniform)
         known_.insert(known_.begin(), {*one, std::uint32_t(is_uniform_.size())});
     }
     index_.push_back(std::uint32_t(is_uniform_.size()));

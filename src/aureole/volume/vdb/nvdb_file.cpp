@@ -47,8 +47,8 @@ static_assert(sizeof(SegmentHead) == 16 && sizeof(GridHead) == 176);
 class Block {
 public:
   explicit Block(std::uint64_t bytes) : size_(bytes) {
-    constexpr std::uint64_t kMost = std::uint64_t(1) << 38;
-    if (bytes < sizeof(nanovdb::GridData) + sizeof(nanovdb::TreeData<3>) || bytes > kMost)
+    constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 38;
+    if (bytes < sizeof(nanovdb::GridData) + sizeof(nanovdb::TreeData<3>) || bytes > kMaxBytes)
       throw Error(fmt::format("is damaged: it claims a grid of {} bytes", bytes));
     memory_.reset(new (std::align_val_t{kAlignment}) std::byte[bytes]);
   }
