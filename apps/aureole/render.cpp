@@ -256,7 +256,17 @@ RenderJob::Outcome run(const Arguments& a, const std::filesystem::path& output, 
   ProgressLine line(a.quiet);
   std::optional<Preview> preview;
   if (a.preview) preview.emplace(job, output, a.tone());
-  return job.run(stop_requested, [&](const Progress& p) { line.show(p); });
+  std::string problem;
+  return job.run(stop_requested, [&](const Progress& p) {
+    // `report` is called from the thread that writes checkpoints.
+    if (job.checkpoint_problem() != problem) {
+      problem = job.checkpoint_problem();
+      line.clear();
+      if (!problem.empty())
+        fmt::print(stderr, "note: no checkpoint: {}; the next one tries again\n", problem);
+    }
+    line.show(p);
+  });
 }
 
 void print_invalid_samples(const RenderJob& job) {
@@ -286,8 +296,6 @@ void print_speed(const RenderState& state) {
 /// Prints how the job ended and returns the exit code.
 int report(const Arguments& a, const std::filesystem::path& output, const RenderJob& job,
            RenderJob::Outcome outcome) {
-  if (!job.checkpoint_problem().empty())
-    fmt::print(stderr, "note: no checkpoint: {}\n", job.checkpoint_problem());
   const RenderState& state = job.state();
   print_invalid_samples(job);
   if (!a.quiet) {
@@ -298,6 +306,13 @@ int report(const Arguments& a, const std::filesystem::path& output, const Render
                                                                 std::uint64_t(state.identity.width) *
                                                                 std::uint64_t(state.identity.height)) {
     fmt::print(stderr, "error: no sample was valid\n");
+    return 1;
+  }
+  // A part, or an interrupted job, is its state file.
+  if (!job.checkpoint_problem().empty() && (!a.samples.empty() || outcome != RenderJob::Outcome::finished)) {
+    fmt::print(stderr,
+               "error: the samples are in the picture alone, there is no state file of them to {}: {}\n",
+               a.samples.empty() ? "resume from" : "merge", job.checkpoint_problem());
     return 1;
   }
   if (outcome == RenderJob::Outcome::interrupted) {

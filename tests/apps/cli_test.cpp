@@ -3,6 +3,7 @@
 // with exit code 2 and nothing written.
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,9 +27,15 @@ struct Outcome {
   std::string output;  ///< stdout and stderr
 };
 
-pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& log) {
+/// `largest_file`: writing more than so many bytes to a file fails, as on a full disc; 0: no limit.
+pid_t start(const std::vector<std::string>& arguments, const std::filesystem::path& log,
+            rlim_t largest_file = 0) {
   const pid_t pid = fork();
   if (pid == 0) {
+    if (largest_file > 0) {
+      const rlimit limit{largest_file, largest_file};
+      if (setrlimit(RLIMIT_FSIZE, &limit) != 0 || ::signal(SIGXFSZ, SIG_IGN) == SIG_ERR) _exit(97);
+    }
     if (!freopen(log.c_str(), "w", stdout) || dup2(1, 2) < 0) _exit(99);
     std::vector<char*> argv{const_cast<char*>(aureole_binary().c_str())};
     for (const auto& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
@@ -46,10 +53,10 @@ std::string content(const std::filesystem::path& file) {
 
 class Cli : public ::testing::Test {
 protected:
-  Outcome run(const std::vector<std::string>& arguments) {
+  Outcome run(const std::vector<std::string>& arguments, rlim_t largest_file = 0) {
     const auto log = folder.path / "log.txt";
     int status = 0;
-    waitpid(start(arguments, log), &status, 0);
+    waitpid(start(arguments, log, largest_file), &status, 0);
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status), content(log)};
   }
   std::string out() const { return (folder.path / "out.exr").string(); }
@@ -95,6 +102,30 @@ TEST_F(Cli, RendersAndSaysWhere) {
     EXPECT_FALSE(a.strings[name].empty()) << name;
   EXPECT_GT(a.floats["aureole:seconds"], 0);
   EXPECT_TRUE(std::filesystem::exists(folder.path / "out.png"));
+}
+
+TEST_F(Cli, APartWithoutItsStateIsAFailure) {
+  // A black picture is small, its state is not.
+  std::string text = small_scene_text();
+  for (std::size_t i; (i = text.find("<emitter")) != std::string::npos;)
+    text.erase(i, text.find("</emitter>", i) + 10 - i);
+  const std::string s = scene(text);
+  const std::vector<std::string> part{"render", s, "-o", out(), "--samples", "0:16"};
+  const Outcome kept = run(part);
+  EXPECT_EQ(kept.exit_code, 0) << kept.output;
+  const auto state = folder.path / "out.state";
+  const auto size = std::filesystem::file_size(state);
+  ASSERT_LT(std::filesystem::file_size(out()), size / 2);
+  std::filesystem::remove(state);
+
+  const Outcome lost = run(part, size / 2);
+  EXPECT_EQ(lost.exit_code, 1) << lost.output;
+  EXPECT_NE(lost.output.find("no state file"), std::string::npos) << lost.output;
+  EXPECT_FALSE(std::filesystem::exists(state));
+  EXPECT_TRUE(std::filesystem::exists(out())) << "the picture is not lost";
+  // A whole picture needs no state.
+  const Outcome whole = run({"render", s, "-o", out(), "--spp", "16"}, size / 2);
+  EXPECT_EQ(whole.exit_code, 0) << whole.output;
 }
 
 TEST_F(Cli, OtherCommands) {
