@@ -374,7 +374,8 @@ template <class Self, class Kind>
     below_.add(i);
     return false;
   }
-  s.from = {vertex.p(), vertex.facing()};
+  s.from.p = vertex.p();
+  if constexpr (kFromSensor) s.from.facing = vertex.facing();
   go_on(i, vertex, b.d, true);
   ++s.depth;
   if constexpr (kFromSensor) s.eta2 *= b.eta * b.eta;
