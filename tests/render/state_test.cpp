@@ -66,6 +66,24 @@ TEST(RenderState, SurvivesAFileAndRefusesABrokenOne) {
   EXPECT_THROW(RenderState::load(folder.path / "none.state"), Error);
 }
 
+TEST(RenderState, OfAnotherAssignmentOfRandomNumbersIsNotTakenUp) {
+  RenderOptions options;
+  options.end = 16;
+  RenderJob job(small_scene(9, 7), options);
+  TemporaryFolder folder;
+  job.state().save(folder.path / "one.state");
+  RenderState state = RenderState::load(folder.path / "one.state");
+  EXPECT_EQ(state.identity.random_version, job.state().identity.random_version);
+  EXPECT_GT(state.identity.random_version, 1) << "files without the number are of version 1";
+  state.identity.random_version = 1;
+  try {
+    job.resume(std::move(state));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("random numbers"), std::string::npos) << e.what();
+  }
+}
+
 TEST(RenderState, VarianceIsThatOfTheMeanOverReplicates) {
   const std::atomic<bool> go{false};
   RenderOptions options;
