@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Primitive`: geometry with the material, media and light that belong to it, of which scenes are made.
+// `Primitive`: geometry with its material, media and emitter. Scenes are made of primitives.
 #pragma once
 
 #include <memory>
@@ -14,16 +14,16 @@
 
 namespace aureole {
 
-/// The media at a surface: on the side of its normal and on the other. Where one of them is given, null is
-/// vacuum; where none is, the same medium lies on both sides.
+/// The media on the side of a surface's normal (`outside`) and on the other (`inside`). If one of them is
+/// given, null is vacuum; if none is given, the same medium is on both sides.
 struct SurfaceMedia {
   MediumPtr outside, inside;
-  int priority = 0;  ///< of a closed shape that may overlap others: the highest fills the space; 0: none
-  BssrdfPtr bssrdf = nullptr;  ///< stands for what is inside, or null
+  int priority = 0;            ///< priority of a nested dielectric: the highest fills an overlap; 0: none
+  BssrdfPtr bssrdf = nullptr;  ///< subsurface scattering in place of a medium inside, or null
   bool given() const { return outside || inside; }
 };
 
-/// One shape with its material and, if it shines, its emitter; or an instance, which has none of these.
+/// A shape with its material and, if it emits, its emitter; or an instance, which has none of these.
 struct Primitive {
   ShapePtr shape;
   BsdfPtr bsdf;
@@ -31,14 +31,14 @@ struct Primitive {
   std::shared_ptr<const Emitter> emitter;
   std::shared_ptr<const AreaSampler> area;  ///< for the emitter; null without one
   std::shared_ptr<const Instance> instance;
-  /// The element it comes from, for messages; never null.
+  /// The element that the primitive comes from, for messages; never null.
   std::shared_ptr<const Properties> element;
   std::vector<std::string> remarks;  ///< repairs made by the reader, for `aureole info` and a note
-  /// The asset that it belongs to bounds a medium and has no gap.
+  /// Whether the asset that the primitive belongs to bounds a medium and has no gap.
   bool encloses_medium = false;
 
   Bounds3 bounds() const { return instance ? instance->bounds() : shape->bounds(); }
-  std::size_t triangle_count() const;  ///< any shape that is no mesh counts as its `Shape::primitive_count`
+  std::size_t triangle_count() const;  ///< a shape that is not a mesh counts as `Shape::primitive_count`
 };
 
 /// Shapes that are instanced together, with the BSDF and the media of each.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Instancing: a group of shapes with its own acceleration structure, which appears in the scene any number of
+// Instancing: a group of shapes has its own acceleration structure and appears in the scene any number of
 // times.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers that most of the optics needs, in double precision.
+// Double-precision constants used in most of the optics.
 #pragma once
 
 #include <complex>

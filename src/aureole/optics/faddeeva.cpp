@@ -13,7 +13,8 @@ namespace {
 
 using std::numbers::pi;
 
-/// Integral of exp(-t^2 + 2 i beta t) from a >= 0 to infinity: sqrt(pi)/2 exp(-beta^2) erfc(a - i beta).
+/// Returns the integral of exp(-t^2 + 2 i beta t) from a >= 0 to infinity: sqrt(pi)/2 exp(-beta^2) erfc(a - i
+/// beta).
 Complex upper_tail(double a, double beta) {
   return 0.5 * std::sqrt(pi) * std::polar(std::exp(-a * a), 2 * a * beta) * faddeeva({beta, a});
 }
@@ -28,7 +29,7 @@ std::complex<double> gaussian_wave_integral(double a, double b, double beta) {
   if (a > b) return -gaussian_wave_integral(b, a, beta);
   if (a >= 0) return upper_tail(a, beta) - upper_tail(b, beta);
   if (b <= 0) return std::conj(upper_tail(-b, beta) - upper_tail(-a, beta));
-  // The whole line less what is missing on both sides.
+  // The integral over the whole line minus both tails.
   return std::sqrt(pi) * std::exp(-beta * beta) - upper_tail(b, beta) - std::conj(upper_tail(-a, beta));
 }
 

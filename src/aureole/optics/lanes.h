@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Four numbers in double precision at once, with sines, cosines and exponentials.
+// Four double-precision numbers in one vector, with sines, cosines and exponentials.
 #pragma once
 
 #include <cmath>
@@ -20,8 +20,8 @@ inline Lanes load_lanes(const double* p) {
 }
 inline void store_lanes(double* p, const Lanes& v) { std::memcpy(p, &v, sizeof v); }
 
-/// Sine and cosine to 2e-16, for |x| < 1e15: the multiple of pi/2 is taken off in two parts, then Taylor's
-/// series up to pi/4.
+/// Computes sine and cosine with errors near 2e-16 for |x| < 1e15. A multiple of pi/2 is subtracted in two
+/// parts; Taylor series cover the rest, up to pi/4.
 inline void sine_cosine(const Lanes& x, Lanes& sine, Lanes& cosine) {
   constexpr double kRound = 0x1.8p52;  // adding it leaves an integer in the last bits
   const Lanes shifted = x * 0.63661977236758134308 + kRound;
@@ -52,17 +52,17 @@ inline void sine_cosine(const Lanes& x, Lanes& sine, Lanes& cosine) {
   cosine = ((quadrant + 1) & 2) != 0 ? -b : b;
 }
 
-/// exp(-x) for x >= 0, to 4e-16 of it; 0 beyond 700.
+/// Returns exp(-x) for x >= 0 with a relative error of 4e-16; 0 beyond 700.
 inline Lanes exp_minus(const Lanes& x) {
   constexpr double kRound = 0x1.8p52;
   const Lanes shifted = x * -1.4426950408889634074 + kRound;
   const Lanes n = shifted - kRound;
   UnsignedLaneBits power;
   std::memcpy(&power, &shifted, sizeof power);
-  // -x less n ln 2, within ln(2)/2, in two parts.
+  // -x minus n ln 2, at most ln(2)/2 in magnitude, in two parts.
   Lanes r = -x - n * 0x1.62e42fefa39efp-1;
   r = r - n * 0x1.abc9e3b39803fp-56;
-  // Taylor's series.
+  // Taylor series of exp.
   Lanes e = r * (1 / 6227020800.0) + 1 / 479001600.0;
   e = e * r + 1 / 39916800.0;
   e = e * r + 1 / 3628800.0;
@@ -82,7 +82,7 @@ inline Lanes exp_minus(const Lanes& x) {
   std::memcpy(&e, &bits, sizeof e);
   return x < 700.0 ? e : Lanes{};
 }
-/// 1 - exp(-x) for x >= 0.
+/// Returns 1 - exp(-x) for x >= 0.
 inline Lanes one_less_exp_minus(const Lanes& x) { return x < 1e-5 ? x - 0.5 * x * x : 1 - exp_minus(x); }
 
 }  // namespace aureole::optics

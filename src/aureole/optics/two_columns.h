@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Measured tables as text: two numbers per line.
+// Reads measured tables as text, with two numbers per line.
 #pragma once
 
 #include <iosfwd>
@@ -8,9 +8,9 @@
 
 namespace aureole::optics {
 
-/// Pairs of numbers, one per line, separated by blanks or commas. '#' starts a comment; further columns, and
-/// lines of words before the first pair, are skipped. Throws std::domain_error that names the line, and where
-/// there are more than 100,000 lines.
+/// Reads pairs of numbers, one per line, separated by blanks or commas. '#' starts a comment. Further
+/// columns, and lines of words before the first pair, are skipped. Throws std::domain_error that names an
+/// invalid line, and for more than 100,000 lines.
 std::vector<std::pair<double, double>> read_two_columns(std::istream& text);
 
 }  // namespace aureole::optics

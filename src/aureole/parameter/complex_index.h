@@ -13,9 +13,9 @@
 
 namespace aureole {
 
-/// n + i k as a function of the wavelength in nm, from `name`: a number, the name of a dielectric, or that of
-/// a metal. Dielectrics take their absorption from `k`, which the caller has read from the parameter `k_name`
-/// (`get_optional_spectrum`), 0 where there is none; metals have their own. Errors are located and suggest names.
+/// Returns n + i k as a function of the wavelength in nm. `name` is a number, a dielectric or a metal. Metals
+/// have their own absorption; otherwise it is `k`, which the caller has read from the parameter `k_name`
+/// (`get_optional_spectrum`), or 0. Errors are located and suggest names.
 std::function<std::complex<double>(double)> read_complex_index(const Properties& properties,
                                                                std::string_view name,
                                                                const std::string& fallback,

@@ -23,7 +23,8 @@ std::string range_text(double min_nm, double max_nm) {
 
 void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
                        const RefractiveIndex& index) {
-  // Scenes with the default sensor, 360-830 nm, work everywhere: the eye hardly sees its ends.
+  // Scenes with the default sensor (360-830 nm) always load: the eye is insensitive at the ends of that
+  // range.
   constexpr SpectralGrid kVisible;
   const SpectralGrid& grid = properties.context().grid;
   const bool below = grid.min_nm<index.min_nm(), above = grid.max_nm> index.max_nm();
@@ -37,7 +38,7 @@ void check_index_range(const Properties& properties, std::string_view name, cons
 
 Ior Ior::from(const Properties& properties, std::string_view name, const std::string& fallback) {
   return properties.tolerate(Ior(), [&] {
-    // A plug-in that documents `dispersion` lets a scene ask for the constant indices that other renderers use.
+    // Where a plug-in documents `dispersion`, a scene can select the constant indices of other renderers.
     const bool may_disperse = !properties.plugin() || !properties.plugin()->documents("dispersion") ||
                               properties.get_bool("dispersion", true);
     Ior ior;
@@ -71,11 +72,11 @@ Ior Ior::from(const Properties& properties, std::string_view name, const std::st
     if (!constant)
       throw properties.error(
           name, "unknown material \"" + material + "\"" + did_you_mean(material, refractive_index_names()));
-    // A material that is a table even without dispersion is a conductor.
+    // A material that is tabulated even without dispersion is a conductor.
     if (constant->is_dispersive())
       throw properties.error(name, "\"" + material + "\" absorbs too strongly to be a dielectric");
-    // A default is the constant of other renderers, so that their scenes look the same; a material that a scene
-    // names is the real one.
+    // A default is the constant index of other renderers, for equal pictures. A material named in the scene
+    // has its dispersion.
     const auto index = find_refractive_index(material, named && may_disperse);
     ior.constant_ = float(index->at(kSodiumD).real());
     if (!index->is_dispersive()) return ior;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Indices of refraction as parameters give them: a number or the name of a material.
+// Indices of refraction (IOR) as parameters: a number or the name of a material.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@ namespace aureole {
 
 class RefractiveIndex;
 
-/// Checks that the index of `material` is known at all wavelengths that the sensor sees. Where it is not: an
-/// error, located at `name`, if the sensor sees more than the visible range, else a note; the index continues
-/// with its value at the end.
+/// Checks that the index of `material` is tabulated at all wavelengths of the sensor. Outside the table the
+/// index is constant: a note says so, or an error located at `name` if the sensor covers more than the
+/// visible range.
 void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
                        const RefractiveIndex& index);
 

@@ -38,8 +38,8 @@ VoxelData voxels_of_array(const Array& array);
 /// Throws Error without a location if a number is not finite.
 void check_finite(const VoxelData& data);
 
-/// Reads the grid of the file `filename` or, given by a program, of the array `array`. All its numbers are
-/// finite. Errors are located.
+/// Reads a grid from the file `filename` or, if a program gives it, from the array `array`. Throws located
+/// Errors, also if a number is not finite.
 VoxelData read_voxels(const Properties& p, const char* array);
 /// Returns the parameter from which `read_voxels` took the grid.
 inline const char* voxels_parameter(const Properties& p, const char* array) {

@@ -14,7 +14,7 @@ constexpr int kMaxCells = 64;      // along an axis
 constexpr int kVaryingCells = 32;  // of media without a grid whose emission varies
 constexpr int kPlaces = 256;       // at which a region's spectrum is looked at
 
-/// Wavelengths that share a response equally; of none, the range of the grid.
+/// Returns wavelengths at equal quantiles of a spectral response; if it is zero, equally spaced wavelengths.
 Wavelengths wavelengths_of(const SampledSpectrum& response) {
   const std::span<const float> nodes = response.nodes();
   double total = 0;
@@ -37,12 +37,12 @@ Wavelengths wavelengths_of(const SampledSpectrum& response) {
   return Wavelengths::at(grid, nm);
 }
 
-/// The part of what a body of this optical thickness emits that leaves it, about.
+/// Returns the approximate fraction of emitted light that escapes a body of this optical thickness.
 Spectrum escaping(const Spectrum& depth) {
   return make_spectrum([&](int i) { return depth[i] > 1e-3f ? -std::expm1(-depth[i]) / depth[i] : 1.f; });
 }
 
-/// Numbers that fill [0, 1)^3 evenly (the generalised golden ratio, Roberts 2018).
+/// Returns point i of a low-discrepancy sequence in [0, 1)^3 (generalised golden ratio, Roberts 2018).
 Vec3 even_place(int i) {
   const auto turn = [&](double by) { return float(std::fmod(0.5 + by * (i + 1), 1.0)); };
   return {turn(0.8191725133961645), turn(0.6710436067037893), turn(0.5497004779019703)};
@@ -98,7 +98,7 @@ EmittingMedia::EmittingMedia(std::span<const Filled> filled, const SampledSpectr
         256);
     r.cell = Piecewise1D(weights);
     if (!(r.cell.total() > 0)) continue;
-    // The spectrum, at wavelengths of the whole range, of places drawn as those of connections are.
+    // Estimate the spectrum over the full range of wavelengths, at positions sampled as in light sampling.
     const double size = std::cbrt(r.volume);
     constexpr int kNodes = 32;
     std::vector<double> nm(kNodes), power(kNodes);
@@ -124,7 +124,7 @@ EmittingMedia::EmittingMedia(std::span<const Filled> filled, const SampledSpectr
         power[std::size_t(first + i)] = 4 * double(kPi) * r.volume * double(sum[i]) / kPlaces;
     }
     const SampledSpectrum spectrum = SampledSpectrum::from_points(grid, nm, power);
-    // All that emits must be possible to choose, however little of it the sensor sees.
+    // A lower bound keeps every emissive region selectable, however little the sensor responds to it.
     seen.push_back(std::clamp(float(overlap(spectrum, response)), 1e-20f, 1e20f));
     const float weight = std::min(f.medium->sampling_weight(), 1e10f);
     EmissionBounds b{{}, {0, 0, 1}, -1, 0, seen.back() * weight, 0.25f};
@@ -159,7 +159,7 @@ EmittingMedia::Place EmittingMedia::Region::place(float u, const Vec3& in_cell) 
   const std::size_t nx = std::size_t(cells[0]), ny = std::size_t(cells[1]);
   const Vec3 unit{(float(k % nx) + in_cell.x) / float(cells[0]),
                   (float(k / nx % ny) + in_cell.y) / float(cells[1]),
-                  // With a single cell its choice has used no random number: `x` is still uniform.
+                  // With a single cell, the number that chose the cell can be reused as a coordinate.
                   cell.size() == 1 ? x : (float(k / nx / ny) + in_cell.z) / float(cells[2])};
   return {medium, from_unit.point(unit), float(double(density) / volume)};
 }
@@ -169,7 +169,7 @@ bool EmittingMedia::sample(const Vec3& from, const Vec3& facing, float u, Vec2 i
   const auto choice = tree_.choose(from, facing, u);
   if (!choice) return false;
   out = regions_[choice->leaf].place(choice->u, {in_cell.x, in_cell.y, third});
-  // Regions of one medium may overlap: the density of all of them.
+  // Regions of one medium may overlap: sum the pdfs of all of them.
   if (regions_.size() > 1) out.pdf = pdf(*out.medium, from, facing, out.p);
   return out.pdf > 0;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `EmittingMedia`: media that emit, as lights: a region of space for each, found in a tree as lights are, and
-// a place in it, drawn about as it emits.
+// `EmittingMedia`: emissive media as lights. Each is a region of space, chosen in a light tree; a position in
+// it is sampled approximately in proportion to the emission there.
 #pragma once
 
 #include <span>
@@ -15,51 +15,56 @@ namespace aureole {
 
 class EmittingMedia {
 public:
-  /// A medium, and a box of the world around what it fills.
+  /// A medium and a world-space box around the volume that it fills.
   struct Filled {
     const Medium* medium;
     Bounds3 box;
   };
   EmittingMedia() = default;
-  /// Tabulates what the media emit, as a sensor of that response sees it. Media that vary have the box of
-  /// their own grid; what emits nothing, or fills no volume, is left out.
+  /// Tabulates the emission of the media, weighted by the sensor's spectral response. A heterogeneous medium
+  /// takes the box of its own grid. Media that emit nothing or fill no volume are left out.
   EmittingMedia(std::span<const Filled> filled, const SampledSpectrum& response);
 
   bool empty() const { return regions_.empty(); }
-  /// Whether connections look for any of them (`Medium::sampling_weight`): requirement of `sample` and `pdf`.
+  /// Whether light sampling can choose any of them (see `Medium::sampling_weight`). `sample` and `pdf`
+  /// require it.
   bool can_be_connected() const { return can_be_connected_; }
 
   struct Place {
     const Medium* medium;
     Vec3 p;
-    float pdf;  ///< [1/length^3], the choice of the region included
+    float pdf;  ///< [1/length^3], includes the probability of choosing the region
   };
-  /// A place for the point `from` with the normal `facing` (zero: light may reach it from both sides), at
-  /// which the medium may be or not. `u` chooses the region and the cell, `in_cell` and `third` the place in
-  /// it. False where there is none.
+  /// Samples a position in an emissive medium for light sampling at the point `from`, which may lie inside
+  /// that medium. `facing` is the normal at `from`; zero if light may arrive from both sides. `u` chooses the
+  /// region and the cell, `in_cell` and `third` the position in the cell. Returns false if no position can be
+  /// sampled.
   bool sample(const Vec3& from, const Vec3& facing, float u, Vec2 in_cell, float third, Place& out) const;
-  /// The density of that place of the medium.
+  /// Returns the pdf [1/length^3] with which `sample` finds the point `p` of this medium.
   float pdf(const Medium& medium, const Vec3& from, const Vec3& facing, const Vec3& p) const;
-  /// A place for a path that starts there, by power alone; the numbers as above.
+  /// Samples a position at which a light path starts, by emitted power alone. The random numbers are those of
+  /// `sample`.
   Place sample_by_power(float u, Vec2 in_cell, float third) const;
-  /// Inverse of the size of a medium [1/length], the scale of the emission that one path through it finds.
+  /// Returns the inverse size of the medium [1/length]: about the pdf per length with which one ray through the
+  /// medium samples emission.
   float inverse_size(const Medium& medium) const;
 
-  /// The power of each region [W/nm up to the scale of all emitters], as far as it leaves it.
+  /// Emitted power of each region, less self-absorption [W/nm up to a scale common to all emitters].
   const std::vector<SampledSpectrum>& powers() const { return powers_; }
-  /// Power of all regions, weighted by the sensor's response.
+  /// Total power of all regions, weighted by the sensor's response.
   double power() const { return region_.total(); }
 
 private:
   struct Region {
     const Medium* medium;
-    Transform to_unit, from_unit;  ///< from the world to [0, 1]^3, of which the cells are equal parts
+    /// transforms between the world and [0, 1]^3, which the grid of cells divides
+    Transform to_unit, from_unit;
     std::array<int, 3> cells;
     double volume;
     Piecewise1D cell;
 
-    float pdf(const Vec3& p) const;  ///< zero outside
-    /// The place and its density in this region.
+    float pdf(const Vec3& p) const;  ///< returns 0 outside the region
+    /// Returns the sampled position and its pdf within this region.
     Place place(float u, const Vec3& in_cell) const;
   };
   static Region region_of(const Filled& filled);
@@ -68,7 +73,7 @@ private:
   std::vector<SampledSpectrum> powers_;
   LightTree tree_;
   bool can_be_connected_ = false;
-  Piecewise1D region_;  ///< by power
+  Piecewise1D region_;  ///< distribution of the regions by power
 };
 
 }  // namespace aureole

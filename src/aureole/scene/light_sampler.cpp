@@ -33,9 +33,9 @@ LightSampler::LightSampler(const std::vector<Light>& lights, const std::vector<d
     }
   }
   tree_ = LightTree(std::move(bounds));
-  // Without `focus` no light of the tree can be connected to: it is for light tracing only.
+  // If `focus` is zero everywhere, the tree's lights are for light tracing only and never chosen here.
   tree_probability_ = tree_.can_be_connected() ? 1.f : 0.f;
-  // Each light at infinity counts as much as all others together.
+  // Each light at infinity has as much weight as the whole tree.
   double weights = tree_probability_;
   for (const Light* l : infinite_) weights += l->sampling_weight();
   for (const Light* l : infinite_) infinite_probability_.push_back(float(l->sampling_weight() / weights));
@@ -49,7 +49,7 @@ LightSampler::LightSampler(const std::vector<Light>& lights, const std::vector<d
 std::optional<LightChoice> LightSampler::choose_among(const Vec3& p, const Vec3& n, float u) const {
   if (empty()) return {};
   for (size_t i = 0; i < infinite_.size(); ++i) {
-    // The sum of probabilities may be rounded below 1: the last one takes the remainder.
+    // The probabilities may sum to less than 1 by rounding: the last light takes the remainder.
     const bool last = i + 1 == infinite_.size() && !(tree_probability_ > 0);
     if (u < infinite_probability_[i] || last) return LightChoice{infinite_[i], 0, infinite_probability_[i]};
     u -= infinite_probability_[i];
@@ -64,7 +64,7 @@ std::optional<LightChoice> LightSampler::choose_by_power(Vec2 u) const {
   if (power_sums_.empty() || !(power_sums_.back() > 0)) return {};
   const double total = power_sums_.back();
   const double at = std::min(double(u.x) + double(u.y) * 0x1p-24, 1 - 0x1p-53) * total;
-  // The first sum beyond `at`: parts without power are never chosen.
+  // Find the first cumulative sum beyond `at`; parts without power are never chosen.
   const size_t i =
       std::min(size_t(std::upper_bound(power_sums_.begin(), power_sums_.end(), at) - power_sums_.begin()),
                power_sums_.size() - 1);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which light to connect to: one of the emitters at infinity, by their sampling weights, or one part of the
-// others, found in a tree over all parts (scene/light_tree.h).
+// `LightSampler`: chooses a light for next-event estimation. The choice is an emitter at infinity, by its
+// sampling weight, or one part of another light, found in a tree over all parts (scene/light_tree.h).
 #pragma once
 
 #include <optional>
@@ -20,32 +20,32 @@ struct LightChoice {
 class LightSampler {
 public:
   LightSampler() = default;
-  /// `powers`: one positive or zero number per light, its power as the film sees it times its sampling
-  /// weight.
-  /// `emitted`: the same for `choose_by_power`. The lights must outlive it, and have their indices.
+  /// `powers` has one number >= 0 per light: its power weighted by the film's response, times its sampling
+  /// weight. `emitted` has the corresponding numbers for `choose_by_power`. The lights must outlive the
+  /// sampler and have their indices.
   LightSampler(const std::vector<Light>& lights, const std::vector<double>& powers,
                const std::vector<double>& emitted);
 
-  /// A part of a light for the point p with normal n (zero for a point that light may reach from both
-  /// sides). Nothing where no light can reach p.
+  /// Chooses a part of a light for the point p with normal n (zero if light may arrive from both sides).
+  /// Returns nothing if no light can reach p.
   std::optional<LightChoice> choose(const Vec3& p, const Vec3& n, float u) const {
     return single_ ? single_ : choose_among(p, n, u);
   }
-  /// The probability of that choice.
+  /// Returns the probability with which `choose` finds this part.
   float probability(const Vec3& p, const Vec3& n, const Light& light, std::size_t part) const;
 
-  /// A part by its share of the power alone, for paths that start at lights; `u` is one number in two parts,
-  /// since a float cannot tell the parts of a large mesh apart.
+  /// Chooses a part in proportion to its power alone, for paths that start at lights. `u` is one random
+  /// number in two floats, since a single float cannot resolve the parts of a large mesh.
   std::optional<LightChoice> choose_by_power(Vec2 u) const;
-  /// The sum of what `choose_by_power` compares.
+  /// Returns the sum of the powers among which `choose_by_power` chooses.
   double power() const { return power_sums_.empty() ? 0 : power_sums_.back(); }
-  /// The probability of that choice.
+  /// Returns the probability with which `choose_by_power` finds this part.
   float probability_by_power(const Light& light, std::size_t part) const;
 
-  /// Whether there is only one choice, so that `choose` ignores u.
+  /// Whether there is only one candidate, so that `choose` ignores u.
   bool is_single() const { return single_.has_value(); }
   bool empty() const { return infinite_.empty() && tree_.empty(); }
-  /// Where those of the lights are that are not at infinity.
+  /// The tree over the parts of all lights that are not at infinity.
   const LightTree& tree() const { return tree_; }
   std::size_t leaf_count() const { return tree_.leaf_count(); }
 
@@ -54,15 +54,19 @@ private:
   float source_probability(std::size_t source) const;
   std::optional<LightChoice> choose_among(const Vec3& p, const Vec3& n, float u) const;
   std::vector<const Light*> infinite_;
-  std::vector<float> infinite_probability_;  ///< of each of them
+  std::vector<float> infinite_probability_;  ///< probability of each light in `infinite_`
   float tree_probability_ = 0;
-  std::optional<LightChoice> single_;  ///< the only one there is
+  std::optional<LightChoice> single_;  ///< the only candidate, if there is only one
   LightTree tree_;
-  std::vector<std::pair<const Light*, std::size_t>> parts_;  ///< at its leaves
-  std::vector<std::size_t> first_leaf_;    ///< of each light; kNone where it is not in the tree
-  std::vector<std::size_t> first_source_;  ///< of each light; kNone where it is never chosen by power
-  std::vector<std::pair<const Light*, std::size_t>> sources_;  ///< all parts, for choose_by_power
-  std::vector<double> power_sums_;                             ///< up to and including each
+  std::vector<std::pair<const Light*, std::size_t>> parts_;  ///< light and part at each leaf of the tree
+  /// index of each light's first leaf; kNone if it is not in the tree
+  std::vector<std::size_t> first_leaf_;
+  /// index of each light's first source; kNone if it is never chosen by power
+  std::vector<std::size_t> first_source_;
+  /// light and part of each candidate of `choose_by_power`
+  std::vector<std::pair<const Light*, std::size_t>> sources_;
+  /// cumulative power up to and including each source
+  std::vector<double> power_sums_;
 };
 
 }  // namespace aureole

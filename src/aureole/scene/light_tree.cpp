@@ -12,7 +12,7 @@ namespace {
 
 float sine_of(float cosine) { return std::sqrt(std::max(0.f, 1 - cosine * cosine)); }
 
-/// cos(max(0, a - b)) from cosines and sines of angles in [0, pi].
+/// Returns cos(max(0, a - b)) from cosines and sines of angles in [0, pi].
 float cos_difference(float cos_a, float sin_a, float cos_b, float sin_b) {
   return cos_a > cos_b ? 1.f : cos_a * cos_b + sin_a * sin_b;
 }
@@ -20,7 +20,7 @@ float sin_difference(float cos_a, float sin_a, float cos_b, float sin_b) {
   return cos_a > cos_b ? 0.f : sin_a * cos_b - cos_a * sin_b;
 }
 
-/// The smallest cone around two cones of normals.
+/// Grows the cone of normals of `a` to the smallest cone that contains both cones.
 void merge_cones(EmissionBounds& a, const EmissionBounds& b) {
   const float theta_a = std::acos(std::clamp(a.cos_normals, -1.f, 1.f));
   const float theta_b = std::acos(std::clamp(b.cos_normals, -1.f, 1.f));
@@ -55,7 +55,7 @@ EmissionBounds merged(const EmissionBounds& a, const EmissionBounds& b) {
   return r;
 }
 
-/// The surface-area orientation heuristic's measure of a cluster.
+/// Returns the cost of a cluster by the surface area orientation heuristic (Conty Estevez & Kulla 2018).
 float cost_measure(const EmissionBounds& b) {
   const float theta_o = std::acos(std::clamp(b.cos_normals, -1.f, 1.f));
   const float theta_e = std::acos(std::clamp(b.cos_emission, -1.f, 1.f));
@@ -65,7 +65,7 @@ float cost_measure(const EmissionBounds& b) {
       2 * kPi * (1 - b.cos_normals) +
       kPi / 2 * (2 * theta_w * sin_o - std::cos(theta_o - 2 * theta_w) - 2 * theta_o * sin_o + b.cos_normals);
   const Vec3 d = b.box.diagonal();
-  // A small length keeps clusters without area apart as well.
+  // A small added length makes the measure positive for flat or point-like clusters too.
   const float l = length(d) * 0.1f;
   return b.power * b.focus * solid * ((d.x + l) * (d.y + l) + (d.y + l) * (d.z + l) + (d.z + l) * (d.x + l));
 }
@@ -150,9 +150,9 @@ float LightTree::importance(const Node& node, const Vec3& p, const Vec3& n) {
   if (!(node.bounds.power * node.bounds.focus > 0)) return 0;
   const Vec3 to_p = p - node.center;
   const float distance_squared = length_squared(to_p);
-  // Inside or near the box the distance to its centre says nothing.
+  // Inside or near the box the distance to its centre is not a useful estimate.
   const float d2 = std::max(distance_squared, node.radius_squared);
-  // The cone from p that holds the box's bounding sphere.
+  // The cone with apex p around the box's bounding sphere.
   float cos_box = -1, sin_box = 0;
   if (distance_squared > node.radius_squared) {
     const float sin2 = node.radius_squared / distance_squared;
@@ -196,7 +196,8 @@ std::optional<LightTree::Choice> LightTree::choose(const Vec3& p, const Vec3& n,
 
 float LightTree::importance_along(const Node& node, const Ray& ray, float t_max) {
   if (!(node.bounds.power * node.bounds.focus > 0)) return 0;
-  // The integral of 1/d^2 along the ray: the angle that it covers from there, over the distance.
+  // The integral of 1/d^2 along the segment is the angle it subtends at the centre, over the distance of the
+  // centre from the line.
   const Vec3 to = node.center - ray.o;
   const float nearest = dot(to, ray.d);
   const float distance =

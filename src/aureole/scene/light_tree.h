@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// `LightTree`: a bounding-volume tree over parts of lights that is descended at random by an estimate of the
-// light that each side sends to a point (Conty Estevez & Kulla 2018, "Importance sampling of many lights with
-// adaptive tree splitting"; importance as in Pharr, Jakob & Humphreys 2023, section 12.6.3).
+// `LightTree`: a bounding volume hierarchy over parts of lights. It is traversed at random, with
+// probabilities in proportion to an estimate of the irradiance from each child (Conty Estevez & Kulla 2018,
+// "Importance sampling of many lights with adaptive tree splitting"; importance as in Pharr, Jakob &
+// Humphreys 2023, section 12.6.3).
 #pragma once
 
 #include <cstdint>
@@ -15,27 +16,28 @@ namespace aureole {
 class LightTree {
 public:
   LightTree() = default;
-  /// `power` of a leaf is its share of the power of all.
+  /// The `power` of each leaf is relative; only ratios between leaves matter.
   explicit LightTree(std::vector<EmissionBounds> leaves);
 
   struct Choice {
     std::size_t leaf;
     float probability;
-    float u;  ///< what is left of the random number
+    float u;  ///< remaining random number in [0, 1), reusable for sampling within the leaf
   };
-  /// A leaf for the point p with normal n (zero for a point that light may reach from both sides), where the
-  /// probability of asking for it was `probability`. Nothing where no light can reach p. Requires leaves.
+  /// Chooses a leaf for the point p with normal n (zero if light may arrive from both sides). The returned
+  /// probability is multiplied by the argument `probability`, that of using the tree at all. Returns nothing
+  /// if no light can reach p. Requires that the tree is not empty.
   std::optional<Choice> choose(const Vec3& p, const Vec3& n, float u, float probability = 1) const;
-  /// The probability of that choice.
+  /// Returns the probability with which `choose` finds this leaf.
   float probability(const Vec3& p, const Vec3& n, std::size_t leaf, float probability = 1) const;
-  /// A leaf by the light that it sends to the places along a ray up to the distance t_max, by distance and
-  /// power alone. Nothing where no connection finds any leaf.
+  /// Chooses a leaf for the segment of a ray up to the distance t_max, by estimated irradiance along the
+  /// segment from distance and power alone. Returns nothing if light sampling cannot choose any leaf.
   std::optional<std::size_t> choose_along(const Ray& ray, float t_max, float u) const;
 
   bool empty() const { return leaves_.empty(); }
   std::size_t leaf_count() const { return leaves_.size(); }
   const EmissionBounds& leaf(std::size_t i) const { return leaves_[i]; }
-  /// Whether connections can find any of the leaves (`EmissionBounds::focus`).
+  /// Whether light sampling can choose any of the leaves (`EmissionBounds::focus` > 0).
   bool can_be_connected() const { return !nodes_.empty() && nodes_[0].bounds.focus > 0; }
 
 private:

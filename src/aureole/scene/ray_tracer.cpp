@@ -33,7 +33,7 @@ RTCIntersectContext context_for(RayTracer::Rays kind) {
 
 }  // namespace
 
-/// Packets of 8 and of 16 lanes. Lanes beyond n and untraceable rays are not `valid`.
+/// Loads a packet of 8 or 16 lanes. Lanes beyond n and untraceable rays are not `valid`.
 template <class Rtc>
 void RayTracer::load(const RayPacket& rays, int n, Rtc& r, int* valid) const {
   constexpr int kLanes = sizeof r.org_x / sizeof(float), kVector = 8;
@@ -94,7 +94,7 @@ RayTracer::RayTracer(std::span<const Primitive> parts, const RayTracer* reuse) {
     device_ = reuse->device_;
   } else {
 #ifdef AUREOLE_STD_THREADS
-    // ThreadSanitizer cannot see how Embree's own threads, which build in TBB, wait for one another.
+    // ThreadSanitizer cannot observe the synchronisation of Embree's own threads, which build in TBB.
     device_ = {rtcNewDevice("threads=1"), rtcReleaseDevice};
 #else
     device_ = {rtcNewDevice(nullptr), rtcReleaseDevice};
@@ -169,7 +169,7 @@ const RayTracer::Group& RayTracer::group_of(const ShapeList& list, const RayTrac
 }
 
 bool RayTracer::is_for(std::span<const Primitive> parts) const {
-  // Instances of one group come together: its shapes are compared once for many.
+  // Instances of one group are consecutive, so that its list of shapes is compared only once.
   const ShapeList *a = nullptr, *b = nullptr;
   const auto same_shapes = [&](const ShapeList& x, const ShapeList& y) {
     if (&x == &y || (a == &x && b == &y)) return true;
@@ -229,9 +229,9 @@ void RayTracer::occluded(const RayPacket& rays, int n, bool* blocked) const {
     if (n == 1) blocked[0] = occluded(rays.get(0));
     return;
   }
-  // Never as coherent ones: compiled by GCC before 14, Embree's occludedCoherent may read its 16-bit mask of
-  // rays together with 48 uninitialised bits of the stack, and then it loops for ever. (Debian's 3.13.5 does,
-  // for 16 rays and instances or compact triangles; Embree's pull request 574 has the cure.)
+  // Packets are never marked coherent. Compiled by GCC before version 14, Embree's occludedCoherent may read
+  // its 16-bit ray mask together with 48 uninitialised bits of the stack, and then loops forever. (Debian's
+  // 3.13.5 does so for 16 rays and instances or compact triangles; Embree's pull request 574 fixes it.)
   RTCIntersectContext context = context_for(Rays::incoherent);
   if (n > 8)
     occluded_lanes<RTCRay16>(rays, n, blocked,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Ray casting: the one place that calls Embree (what differs between Embree 3 and 4 is behind this file;
-// shapes only make geometries).
+// Ray casting. Only this file calls Embree to trace rays and hides the differences between Embree 3 and 4;
+// shapes only create geometries.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -16,12 +16,12 @@
 
 namespace aureole {
 
-/// Embree takes coordinates up to this magnitude; an invalid ray makes builds of it that check their input,
-/// as Debian's does, end the program.
+/// Largest magnitude of a coordinate that Embree accepts. Builds of Embree that check their input, such as
+/// Debian's, terminate the program on an invalid ray.
 inline constexpr float kFarthest = 1.8e18f;
 static_assert(2 * kFarthestPlace <= double(kFarthest));
 
-/// Up to 16 rays that are traced together.
+/// A packet of up to 16 rays that are traced together.
 class RayPacket {
 public:
   static constexpr int kSize = 16;
@@ -40,27 +40,29 @@ private:
 
 class RayTracer {
 public:
-  /// Builds the acceleration structure. Reuses the device, geometries of equal shapes and structures of equal
-  /// groups of another tracer, which may be tracing meanwhile. Throws Error where memory runs out.
+  /// Builds the acceleration structure. It reuses the device, the geometries of equal shapes and the
+  /// structures of equal groups of another tracer, which may be in use meanwhile. Throws Error if memory runs
+  /// out.
   explicit RayTracer(std::span<const Primitive> parts, const RayTracer* reuse = nullptr);
   RayTracer(const RayTracer&) = delete;
   RayTracer& operator=(const RayTracer&) = delete;
 
-  /// Whether it was built for these parts: the same shapes, and instances of the same shapes with the same
+  /// Whether the tracer was built for these parts: equal shapes, and instances of equal shapes with equal
   /// transforms.
   bool is_for(std::span<const Primitive> parts) const;
 
   struct Hit : ShapeHit {
-    std::uint32_t shape = ~0u;  ///< index into the shapes; ~0 where nothing was met
+    std::uint32_t shape = ~0u;  ///< index into the shapes; ~0 if the ray hit nothing
     explicit operator bool() const { return shape != ~0u; }
-    /// Nothing was met because the ray could not be traced.
+    /// Whether the ray hit nothing because it could not be traced.
     bool is_lost() const { return shape == ~0u && geometry == kLost; }
     static constexpr std::uint32_t kLost = ~0u;
   };
-  /// Coordinates of origins and directions up to this magnitude can be traced: kFarthest, or less where an
-  /// instance magnifies them.
+  /// Largest coordinate of ray origins and directions that can be traced: kFarthest, or less if an instance
+  /// magnifies coordinates.
   float farthest() const { return farthest_; }
-  /// False for a ray with NaN in it or beyond that range: it is lost, and blocked where it is tested.
+  /// Returns false for a ray that contains NaN or exceeds that range. `intersect` reports such a ray as lost,
+  /// `occluded` as occluded.
   bool is_traceable(const Ray& ray) const {
     bool good = !std::isnan(ray.t_max);
     for (int i = 0; i < 3; ++i) good &= (std::abs(ray.o[i]) <= farthest_) & (std::abs(ray.d[i]) <= farthest_);
@@ -69,9 +71,9 @@ public:
   Hit intersect(const Ray& ray) const;
   bool occluded(const Ray& ray) const;
 
-  /// The first n rays of a packet at once. The answers are the same as one by one, bit for bit, but on
-  /// curves: splines by the last bits, and which of two segments was met in the ball that they share
-  /// (tests/integrator/packet_test.cpp).
+  /// Traces the first n rays of a packet at once. Results are bitwise equal to tracing the rays one by one,
+  /// except on curves. There the hit on a spline may differ in the last bits, and a hit in the ball that
+  /// joins two segments may be reported on either (tests/integrator/packet_test.cpp).
   enum class Rays { coherent, incoherent };
   void intersect(const RayPacket& rays, int n, Rays kind, Hit* hits) const;
   void occluded(const RayPacket& rays, int n, bool* blocked) const;
@@ -85,18 +87,18 @@ private:
   template <class Rtc, class Query>
   void occluded_lanes(const RayPacket& rays, int n, bool* blocked, Query&& query) const;
 
-  /// A shape or an instance of the scene.
+  /// A shape or an instance in the scene.
   struct Item {
     ShapePtr shape;
     std::shared_ptr<const Instance> instance;
   };
-  // Embree counts references to its geometry, but not to the shape whose buffers the geometry uses: `shape`
+  // Embree counts references to its geometry, but not to the shape that owns the geometry's buffers: `shape`
   // must outlive `handle`.
   struct Geometry {
     ShapePtr shape;
     std::shared_ptr<RTCGeometryTy> handle;
   };
-  /// The structure of a group's shapes.
+  /// The acceleration structure of a group's shapes.
   struct Group {
     std::vector<std::shared_ptr<const Geometry>> members;
     std::shared_ptr<RTCSceneTy> handle;
@@ -111,7 +113,7 @@ private:
   std::unordered_map<const Shape*, std::shared_ptr<const Geometry>> geometries_;
   std::vector<std::shared_ptr<const Group>> groups_;
   std::shared_ptr<RTCSceneTy> owned_scene_;
-  RTCScene scene_ = nullptr;  ///< `owned_scene_`, or a scene of another owner
+  RTCScene scene_ = nullptr;  ///< handle of `owned_scene_`, without the smart pointer
   Bounds3 bounds_;
   float farthest_ = kFarthest;
 };

@@ -12,7 +12,7 @@ namespace aureole {
 
 namespace {
 
-/// The largest coordinate of a box, 0 of an empty one, infinite where one is NaN.
+/// Returns the largest coordinate magnitude of a box; 0 if it is empty, infinity if a coordinate is NaN.
 float reach_of(const Bounds3& box) {
   float reach = 0;
   for (const Vec3& corner : {box.lower, box.upper})
@@ -21,14 +21,14 @@ float reach_of(const Bounds3& box) {
   return reach;
 }
 
-/// An error where the object's place is stated.
+/// Returns an error located at the parameter that positions the object.
 Error misplaced(const Properties& object, const std::string& message) {
   for (const char* name : {"to_world", "position", "origin", "center", "radius"})
     if (object.has(name)) return object.error(name, message);
   return Error(object.where(), "\"" + object.type() + "\": " + message);
 }
 
-/// Throws if the box exceeds kFarthestPlace.
+/// Throws Error if the box exceeds kFarthestPlace.
 void require_near(const Properties& object, const Bounds3& box) {
   if (reach_of(box) > float(kFarthestPlace))
     throw misplaced(object, "reaches beyond the coordinate 9e17, where rays end");
@@ -97,7 +97,7 @@ void Scene::place_sensor(Bounds3 places) const {
       throw misplaced(sensor_.properties(), "its rays begin beyond the coordinate 9e17, where rays end");
     places.extend(start);
   }
-  // Rays between two of these places have directions of twice their coordinates.
+  // The direction of a ray between two of these points has up to twice their coordinates.
   const float reach = 2 * reach_of(places);
   if (reach <= surfaces_.tracer->farthest()) return;
   for (const Primitive& instance : parts_.surfaces)
@@ -132,7 +132,7 @@ void Scene::bound_emitters() {
   for (const Light& light : emitters_)
     if (light.shape) {
       Bounds3 b = light.shape->bounds();
-      // By rounding a hit may lie this far outside of the bounds.
+      // Rounding may put a hit outside of the bounds by this margin.
       const Vec3 margin = (abs(b.lower) + abs(b.upper)) * 1e-5f;
       b.lower = b.lower - margin, b.upper = b.upper + margin;
       emitter_bounds_.push_back(b);
@@ -140,7 +140,7 @@ void Scene::bound_emitters() {
 }
 
 void Scene::make_surfaces() {
-  // Instances of one group share its surfaces.
+  // Instances of a group share the group's surfaces.
   std::size_t count = parts_.surfaces.size();
   std::unordered_map<const ShapeList*, std::size_t> first;
   for (const Primitive& part : parts_.surfaces)
@@ -223,8 +223,8 @@ void Scene::weigh_lights() {
     notes_.push_back("no emitter has power where the film sees: the picture will be black");
   wavelengths_ = std::make_unique<WavelengthDistribution>(
       choose_wavelengths(response, channel_responses(film(), grid), spectra));
-  // With sampling weight 0 an emitter is never chosen for connections, but BSDF samples may hit it. Light
-  // tracing has no second technique: there such an emitter keeps its power.
+  // An emitter with sampling weight 0 is never chosen by light sampling, but BSDF sampling may hit it. Light
+  // tracing has no second technique, so there such an emitter keeps its power.
   std::vector<double> emitted_powers = powers;
   for (std::size_t i = 0; i < emitters_.size(); ++i) {
     const float weight = emitters_[i].sampling_weight();
@@ -241,10 +241,10 @@ bool Scene::may_meet_shining_shape(const Ray& ray) const {
     float near = 0, far = ray.t_max;
     for (int k = 0; k < 3; ++k) {
       const float t0 = (b.lower[k] - ray.o[k]) * inverse[k], t1 = (b.upper[k] - ray.o[k]) * inverse[k];
-      // NaN, of a ray within a face, leaves the interval as it is.
+      // For a ray in the plane of a face the distance is NaN, and min and max leave the interval unchanged.
       near = std::max(near, std::min(t0, t1)), far = std::min(far, std::max(t0, t1));
     }
-    // Rounding of the distances, relative to themselves.
+    // The factor allows for relative rounding errors of the distances.
     if (near <= far * 1.0001f) return true;
   }
   return false;

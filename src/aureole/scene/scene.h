@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Scene`: surfaces, lights, sensor and acceleration structure, ready for rendering. It knows no file format
-// and no integrator.
+// `Scene`: surfaces, lights, sensor and acceleration structure, ready for rendering. It is independent of
+// file formats and integrators.
 #pragma once
 
 #include <memory>
@@ -23,71 +23,74 @@ struct DiffractionInput;
 
 class Scene {
 public:
-  /// Builds the surfaces, the ray tracer, the lights with their tree and the density of wavelengths. Reuses
-  /// unchanged structures of the ray tracer of `reuse`, a scene that may be rendering meanwhile: all of them
-  /// if only BSDFs, lights, sensors or textures differ. Throws Error where there is no sensor, or an object
-  /// with invalid numbers.
+  /// Builds the surfaces, the ray tracer, the light sampler and the distribution of wavelengths. It reuses
+  /// unchanged acceleration structures of `reuse`, a scene that may be rendering meanwhile; all of them if
+  /// only BSDFs, lights, sensors or textures differ. Throws Error if there is no sensor or if an object has
+  /// invalid numbers.
   explicit Scene(SceneParts parts, const Scene* reuse = nullptr);
-  // Neither copied nor moved: lights and surfaces hold pointers into it.
+  // A scene can be neither copied nor moved: lights and surfaces hold pointers into it.
   Scene(const Scene&) = delete;
   Scene& operator=(const Scene&) = delete;
 
   const SceneSurfaces& surfaces() const { return surfaces_; }
-  /// The nearest surface point along a ray.
+  /// Returns the nearest surface point along a ray.
   std::optional<SurfacePoint> intersect(const Ray& ray) const { return surfaces_.intersect(ray); }
-  /// The point that the ray tracer has hit.
+  /// Returns the surface point of a hit found by the ray tracer.
   SurfacePoint surface_point(const RayTracer::Hit& hit, const Ray& ray) const {
     return surfaces_.surface_point(hit, ray);
   }
   const RayTracer& tracer() const { return *surfaces_.tracer; }
-  /// False where a ray misses the bounds of all emitters, so that a ray that can only find emission need not
-  /// be traced.
+  /// Returns false if a ray intersects no emitter's bounds: a ray that only gathers emission need not be
+  /// traced then.
   bool may_meet_emitter(const Ray& ray) const { return emits_everywhere_ || may_meet_shining_shape(ray); }
-  /// False where a ray misses the bounds of all shapes that emit; environments and media do not count.
+  /// Returns false if a ray intersects no emissive shape's bounds. Environment emitters and media are not
+  /// considered.
   bool may_meet_shining_shape(const Ray& ray) const;
-  /// Every connection is either visible or occluded, so that an occlusion query is enough.
+  /// Whether every segment is either visible or occluded, so that an occlusion query is enough.
   bool has_binary_visibility() const { return surfaces_.has_binary_visibility(); }
-  /// Some space is not vacuum, or shapes overlap by priority: paths keep account of what they are in.
+  /// Whether some space is not vacuum or shapes have priorities: paths then track their current medium.
   bool has_media() const { return has_media_; }
-  /// Light may leave surfaces elsewhere than it has entered them.
+  /// Whether light may enter a surface at one point and leave it at another (subsurface scattering).
   bool has_exits() const { return has_exits_; }
-  /// Whether any light can be connected with a place in the medium. False where the medium lies within closed
-  /// surfaces that let nothing pass straight, and all lights are elsewhere.
+  /// Whether light sampling from points in the medium can succeed. False if opaque or refracting surfaces,
+  /// without straight transmission, enclose the medium and all lights are outside of them.
   bool lights_reach(const Medium& medium) const {
     for (const Closed& c : closed_)
       if (c.medium == &medium) return c.lights_inside;
     return true;
   }
-  /// Whether a place in the medium can be connected with `p`. False where such surfaces are between them.
+  /// Whether a straight segment between a point in the medium and `p` can be unoccluded. False if `p` is
+  /// outside the surfaces described at `lights_reach`.
   bool may_see(const Medium& medium, const Vec3& p) const {
     for (const Closed& c : closed_)
       if (c.medium == &medium) return c.may_contain(p);
     return true;
   }
-  /// The medium at the origin of a ray, or null, as the next surface without priority says at which a medium
-  /// ends.
+  /// Returns the medium at the origin of a ray, null for vacuum. It is determined from the next surface along
+  /// the ray that bounds a medium and has no priority.
   const Medium* medium_at(const Ray& ray) const;
-  /// The closed shapes with a priority that the origin of a ray lies in.
+  /// Adds to `inside` the closed shapes with a priority that contain the origin of a ray.
   void shapes_around(const Ray& ray, InteriorList& inside) const;
 
   const PlacedSensor& sensor() const { return sensor_; }
   const Film& film() const { return sensor_.film(); }
   const SceneParts& parts() const { return parts_; }
   const std::vector<Light>& emitters() const { return emitters_; }
-  /// Emitters at infinity that rays leaving the scene may see.
+  /// Emitters at infinity that a ray leaving the scene can hit; delta emitters are not among them.
   const std::vector<const Light*>& infinite_emitters() const { return infinite_; }
   const LightSampler& lights() const { return lights_; }
-  /// The media that emit, of those that fill something; null: none.
+  /// The emissive media that fill a volume; null if there are none.
   const EmittingMedia* emitting_media() const { return emitting_media_.get(); }
-  /// Data for diffraction; null: light is not diffracted.
+  /// Data for diffraction at edges; null if light is not diffracted.
   const SceneDiffraction* diffraction() const { return diffraction_.get(); }
   const WavelengthDistribution& wavelengths() const { return *wavelengths_; }
   Bounds3 bounds() const { return surfaces_.tracer->bounds(); }
-  /// Notes for the user about the scene as a whole.
+  /// Notes for the user about the whole scene.
   const std::vector<std::string>& notes() const { return notes_; }
 
 private:
-  /// Throws where rays of the sensor cannot be traced. `places`: of the objects in the scene.
+  /// Throws Error if the sensor's rays cannot be traced. `places` is the bounding box of the objects in the
+  /// scene.
   void place_sensor(Bounds3 places) const;
   void make_lights();
   void make_surfaces();
@@ -95,27 +98,27 @@ private:
   void bound_emitters();
   void weigh_lights();
   DiffractionInput diffraction_input() const;
-  /// Adds the spectra of their powers.
+  /// Finds the emissive media and appends their power spectra to `powers`.
   void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
   void find_closed_media();
   bool faces_outwards(std::size_t part) const;
-  /// Throws Error where the sensor is in a medium that its surfaces do not close.
+  /// Throws Error if the sensor is in a medium that the medium's surfaces do not enclose.
   void check_sensor_medium() const;
 
   SceneParts parts_;
   SceneSurfaces surfaces_;
-  std::vector<Light> emitters_;  ///< emitters of shapes first, in their order
+  std::vector<Light> emitters_;  ///< emitters on shapes first, in the order of the shapes
   std::vector<const Light*> infinite_;
   PlacedSensor sensor_;
   LightSampler lights_;
   std::shared_ptr<const EmittingMedia> emitting_media_;
   std::shared_ptr<const SceneDiffraction> diffraction_;
   std::unique_ptr<WavelengthDistribution> wavelengths_;
-  std::vector<Bounds3> emitter_bounds_;  ///< of shapes that emit, where they are few
+  std::vector<Bounds3> emitter_bounds_;  ///< bounds of the emissive shapes, if they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;
   bool has_exits_ = false;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
-  /// A medium that lies within closed surfaces which let no light pass straight, all within the box.
+  /// A medium that lies inside closed surfaces without straight transmission, and the box around them.
   struct Closed {
     const Medium* medium;
     Bounds3 box;
@@ -123,8 +126,8 @@ private:
     bool may_contain(const Vec3& p) const;
   };
   std::vector<Closed> closed_;
-  Bounds3 media_bounds_;     ///< of the surfaces on which a medium ends
-  Bounds3 priority_bounds_;  ///< of those with a priority
+  Bounds3 media_bounds_;     ///< bounds of the surfaces at which a medium begins or ends
+  Bounds3 priority_bounds_;  ///< bounds of the nested dielectrics (priority > 0)
   std::vector<std::string> notes_;
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Properties of a scene's media as a whole: the medium around a place, which media are lights, which of them
-// connections cannot reach, and which are not closed: the one in a body with a gap, the one that the sensor
-// is in.
+// Properties of a scene's media: which medium surrounds a point, which media are lights, which media light
+// sampling cannot reach, and which are not enclosed (in a body with a gap, or around the sensor).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,7 +15,7 @@ namespace aureole {
 
 namespace {
 
-/// With room for rounding.
+/// Returns the box with a margin for rounding errors.
 Bounds3 widened(const Bounds3& box) {
   const Vec3 margin = (abs(box.lower) + abs(box.upper)) * 1e-5f;
   return {box.lower - margin, box.upper + margin};
@@ -39,8 +38,8 @@ bool overlap(const Bounds3& a, const Bounds3& b) {
 
 void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
   if (!is_in(ray.o, priority_bounds_)) return;
-  // A shape that the ray leaves more often than it enters it lies around the origin. The last such exit comes
-  // first in a list of equal priorities, as if the shapes had been entered from afar.
+  // A shape that the ray leaves more often than it enters contains the origin. Entering the shapes in reverse
+  // order of these exits gives the order of equal priorities for a ray from far away.
   std::vector<std::pair<const Surface*, int>> left;
   Ray next{ray.o, ray.d, kInfinity};
   while (const auto point = intersect(next)) {
@@ -61,7 +60,7 @@ void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
 
 const Medium* Scene::medium_at(const Ray& ray) const {
   if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return nullptr;
-  // A ray that hits none of these surfaces does not tell; one towards them does.
+  // If the ray hits no such surface, try a ray towards the centre of the media's bounds.
   const Vec3 inwards = media_bounds_.center() - ray.o;
   for (const Vec3& d : {ray.d, normalize(inwards)}) {
     Ray next{ray.o, d, kInfinity};
@@ -74,8 +73,8 @@ const Medium* Scene::medium_at(const Ray& ray) const {
   return nullptr;
 }
 
-/// Whether the front of a closed surface is outside: its normals may point inwards, around a bubble in a
-/// medium. Rays from afar tell; the result is false where none hits the surface.
+/// Whether the front of a closed surface faces outwards; normals may point inwards, as around a bubble in a
+/// medium. Tests rays from outside; returns false if none of them hits the surface.
 bool Scene::faces_outwards(std::size_t part) const {
   const Bounds3 box = parts_.surfaces[part].bounds();
   bool is_met = false;
@@ -95,8 +94,8 @@ bool Scene::faces_outwards(std::size_t part) const {
 }
 
 void Scene::find_closed_media() {
-  // Where a shape of higher priority is around, the surface of a medium is not there: then that one must
-  // close it.
+  // A shape of higher priority makes the surface of a medium inactive, and must then enclose the medium
+  // itself.
   const auto lets_pass = [](const Surface& s) { return s.passable || s.light; };
   const bool priorities_close =
       std::none_of(surfaces_.all.begin(), surfaces_.all.end(),
@@ -105,7 +104,7 @@ void Scene::find_closed_media() {
   const auto is_open = [&](const Medium* medium) {
     return std::find(open.begin(), open.end(), medium) != open.end();
   };
-  // Where objects state what they are in, no surface need be around them.
+  // Objects that state their medium need not be enclosed by a surface.
   open.push_back(parts_.sensor->medium());
   for (const Light& light : emitters_) open.push_back(light.emitter->medium());
   for (std::size_t i = 0; i < surfaces_.all.size(); ++i) {
@@ -135,8 +134,8 @@ bool Scene::Closed::may_contain(const Vec3& p) const { return is_in(p, box); }
 
 void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers) {
   if (!any_medium_emits_) return;
-  // Volumes of the emitting media, by the surfaces that they lie within: a box for each closed one, one box
-  // around all where some are flat and close a volume together.
+  // The volumes of the emissive media from the surfaces around them: a box for each closed surface, or one
+  // box around all surfaces of the medium if some are flat and enclose a volume only together.
   std::vector<std::pair<const Medium*, std::vector<Bounds3>>> found;
   const auto add = [&](const MediumPtr& medium, const Bounds3& box) {
     if (!medium || !medium->emits()) return;
@@ -172,15 +171,15 @@ void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<Sam
 
 namespace {
 
-/// Hits of the rays that go from an open surface into the medium behind it.
+/// Counts the hits of rays that start at an open surface into the medium behind it.
 struct OpenBody {
   int rays = 0;
-  int itself = 0;  ///< met the same body from within
-  int leaks = 0;   ///< met nothing
+  int itself = 0;  ///< number of rays that hit the same body from inside
+  int leaks = 0;   ///< number of rays that hit nothing
   Vec3 leak;
 
-  /// A plane or the surface of a sea, below which a medium has no end, hardly meets itself; a bowl without a
-  /// lid does.
+  /// Distinguishes a bowl without a lid from a plane or a sea surface above an unbounded medium, whose rays
+  /// hardly ever hit the surface again.
   bool is_body_with_gap() const { return 4 * itself >= rays && leaks >= 4 && 64 * leaks >= rays; }
 };
 
@@ -195,7 +194,7 @@ OpenBody look_into(const Scene& scene, std::size_t index) {
   for (std::uint32_t k = 0; k < kRays; ++k) {
     std::uint32_t dimension = 0;
     const auto next = [&] { return unit_float(std::uint32_t(combine_bits(k, dimension++))); };
-    // A place of the surface, as it is met from around.
+    // Sample a point on the surface by a ray from a random direction.
     const float x = next(), y = next(), z = next();
     const Vec3 towards = box.lower + box.diagonal() * Vec3{x, y, z};
     const float u = next(), v = next();
@@ -227,8 +226,8 @@ OpenBody look_into(const Scene& scene, std::size_t index) {
   return found;
 }
 
-/// A medium within a body that has a gap, through which one sees out of the scene, would go on outside
-/// without an end.
+/// Throws Error for a medium inside a body with a gap through which rays leave the scene: the medium would
+/// continue outside without bound.
 void check_open_bodies(const Scene& scene) {
   const std::vector<Primitive>& parts = scene.parts().surfaces;
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -255,7 +254,7 @@ void Scene::check_sensor_medium() const {
           .sample_ray({sensor_.part.left + 0.5f * sensor_.part.width, 0.5f * sensor_.part.height},
                       {0.5f, 0.5f})
           .ray;
-  // Directions all around, along a spiral, so that they avoid the edges of boxes.
+  // Directions on a spiral over the sphere avoid the edges of axis-aligned boxes.
   constexpr int kDirections = 16, kLeaks = 2;
   const Surface* within = nullptr;
   int leaks = 0;
@@ -279,7 +278,7 @@ void Scene::check_sensor_medium() const {
       next.o = offset_origin(*point, next.d);
     }
   }
-  // One ray may slip through between two triangles.
+  // A single ray may leak between two adjacent triangles.
   if (within && leaks >= kLeaks)
     throw Error(sensor_.properties().where(),
                 fmt::format("the sensor is in the medium within \"{}\", which is not closed: from there one "

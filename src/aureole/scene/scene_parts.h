@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `SceneParts`: the objects that a scene is made of, from a file or from a program. All are immutable, so
-// that scenes may share them.
+// `SceneParts`: the objects of a scene, loaded from a file or made by a program. All are immutable, so that
+// scenes can share them.
 #pragma once
 
 #include <memory>
@@ -16,13 +16,13 @@
 namespace aureole {
 
 struct SceneParts {
-  std::vector<Primitive> surfaces;                       ///< with the emitters that sit on them
-  std::vector<std::shared_ptr<const Emitter>> emitters;  ///< emitters without a shape
+  std::vector<Primitive> surfaces;                       ///< primitives, including the emitters on them
+  std::vector<std::shared_ptr<const Emitter>> emitters;  ///< emitters that are not on a shape
   std::shared_ptr<const Sensor> sensor;
-  std::shared_ptr<const ShapeArea> sensor_area;  ///< of the shape that the sensor sits on, or null
-  /// The wavelengths and unit of length that all objects were built with; never null.
+  std::shared_ptr<const ShapeArea> sensor_area;  ///< area of the shape that the sensor sits on, or null
+  /// The wavelengths and the unit of length with which all objects were built; never null.
   std::shared_ptr<const BuildContext> context;
-  /// Edges diffract light in beams of that width; nothing: they do not.
+  /// Width of the beam within which edges diffract light; empty: no diffraction.
   std::optional<BeamWidth> diffraction;
 };
 

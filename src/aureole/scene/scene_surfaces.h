@@ -12,30 +12,31 @@
 namespace aureole {
 
 struct SceneSurfaces {
-  /// One for each of the scene's parts, then the surfaces of the shapes of groups, then the exits of surfaces
-  /// with a BSSRDF.
+  /// One surface for each primitive of the scene, then the surfaces of the shapes in groups, then the exits
+  /// of surfaces with a BSSRDF.
   std::vector<Surface> all;
   std::shared_ptr<const RayTracer> tracer;
-  bool any_passable = false;  ///< connections may have to cross surfaces or media
+  bool any_passable = false;  ///< whether segments may cross null surfaces or media
 
-  /// The nearest surface point along a ray.
+  /// Returns the nearest surface point along a ray.
   std::optional<SurfacePoint> intersect(const Ray& ray) const {
     const RayTracer::Hit hit = tracer->intersect(ray);
     if (!hit) return {};
     return surface_point(hit, ray);
   }
-  /// The point that the ray tracer has hit.
+  /// Returns the surface point of a hit found by the ray tracer.
   SurfacePoint surface_point(const RayTracer::Hit& hit, const Ray& ray) const {
     const Surface& found = all[hit.shape];
     const Surface& surface = found.instance ? found.members[hit.geometry] : found;
-    // One object in both cases, so that it is made where the caller wants it.
+    // A single object for both cases lets the compiler construct it directly in the caller (return value
+    // optimisation).
     SurfacePoint point = found.instance
                              ? found.instance->surface_point(*surface.shape, hit, ray, surface.needs_tangent)
                              : surface.shape->surface_point(hit, ray, surface.needs_tangent);
     point.surface = &surface;
     return point;
   }
-  /// Every connection is either visible or occluded, so that an occlusion query is enough.
+  /// Whether every segment is either visible or occluded, so that an occlusion query is enough.
   bool has_binary_visibility() const { return !any_passable; }
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `Surface`: the data that a hit looks up. One record for each shape, and for each shape of an instanced
-// group, in one array: a hit reads one cache line.
+// `Surface`: the data that a hit looks up. One array holds a record for each shape, and for each shape of an
+// instanced group; each record fills one cache line.
 #pragma once
 
 #include <cstdint>
@@ -15,32 +15,33 @@
 namespace aureole {
 
 struct alignas(64) Surface {
-  const Shape* shape = nullptr;  ///< null: an instance
+  const Shape* shape = nullptr;  ///< null for an instance
   const Bsdf* bsdf = nullptr;
-  const Light* light = nullptr;  ///< that it emits, or null
-  /// Media on the side of the normal and on the other; null is vacuum.
+  const Light* light = nullptr;  ///< the emitter on this surface, or null
+  /// Media on the side of the normal (`outside`) and on the other side (`inside`); null is vacuum.
   const Medium *outside = nullptr, *inside = nullptr;
 
-  /// For an instance, which is not a surface itself: its transform; else null.
+  /// An instance, which is not a surface itself, has its transform here; null for surfaces.
   const Instance* instance = nullptr;
   union {
-    const Surface* members = nullptr;  ///< of an instance: its group's surfaces
-    /// For a surface with a BSSRDF: the surface at which light leaves that has entered elsewhere.
+    const Surface* members = nullptr;  ///< for an instance: the surfaces of its group
+    /// For a surface with a BSSRDF: the surface record for light that leaves, after it entered at another
+    /// point.
     const Surface* exit;
-    const Bssrdf* bssrdf;  ///< of such an exit
+    const Bssrdf* bssrdf;  ///< for such an exit: its BSSRDF
   };
 
   // Copies of BSDF properties that every vertex needs.
   Lobe lobes = Lobe::none;
-  bool passable : 1 = false;      ///< some light may pass straight through it
-  bool bounds_media : 1 = false;  ///< `outside` and `inside` lie at it; else the same medium is on both sides
+  bool passable : 1 = false;      ///< whether it transmits some light without deflection
+  bool bounds_media : 1 = false;  ///< `outside` and `inside` are set; else the same medium is on both sides
   bool needs_choice : 1 = true, needs_tangent : 1 = true;
-  std::int8_t priority = 0;  ///< of overlapping dielectrics the highest counts
+  std::int8_t priority = 0;  ///< the dielectric with the highest priority fills an overlap; 0: none
 
-  /// Light that is refracted into it leaves elsewhere.
+  /// Whether refracted light that enters this surface leaves it at another point (BSSRDF).
   bool has_exit() const { return has(lobes, Lobe::enter); }
 
-  /// The medium on the side that the direction `d` leads to, where `around` is that of the other.
+  /// Returns the medium into which the direction `d` points; `around` is the medium on the other side.
   const Medium* medium_along(const Vec3& d, const Vec3& ng, const Medium* around) const {
     return bounds_media ? (dot(d, ng) > 0 ? outside : inside) : around;
   }
@@ -57,7 +58,7 @@ struct alignas(64) Surface {
         needs_choice(b.needs_choice()),
         needs_tangent(b.needs_tangent()),
         priority(std::int8_t(media.priority)) {}
-  /// The exit of a surface with a BSSRDF.
+  /// Makes the exit of a surface with a BSSRDF.
   Surface(const Surface& entry, const Bssrdf& b) : Surface(entry) {
     bsdf = &b.exit(), light = nullptr, bssrdf = &b;
     lobes = bsdf->lobes(), needs_choice = bsdf->needs_choice(), needs_tangent = bsdf->needs_tangent();

@@ -26,7 +26,7 @@ void BlockAverage::add(double value) {
 }
 
 void BlockAverage::merge(const BlockAverage& other) {
-  // An incomplete block is not passed to the level above, as at the end of a series.
+  // An incomplete block is not passed to the next level, as at the end of a series.
   if (levels_.size() < other.levels_.size()) levels_.resize(other.levels_.size());
   for (size_t k = 0; k < other.levels_.size(); ++k) {
     Level& a = levels_[k];

@@ -12,8 +12,8 @@ struct Estimate {
   double mean = 0, error = 0;  ///< error: one standard deviation of the mean
 };
 
-/// Values are added one by one and not kept: level k has the mean and variance of the means of blocks of 2^k
-/// values.
+/// A running average whose values are not stored. Level k keeps the mean and the variance of the means of
+/// blocks of 2^k values.
 class BlockAverage {
 public:
   void add(double value);
@@ -22,11 +22,12 @@ public:
 
   std::int64_t count() const { return levels_.empty() ? 0 : levels_[0].blocks; }
   double mean() const { return levels_.empty() ? 0 : levels_[0].mean; }
-  /// Standard error of the mean, from the shortest blocks at which it has stopped growing with the length of
-  /// the blocks, within its noise; 0 for fewer than two values.
+  /// Returns the standard error of the mean. It is taken at the shortest block length beyond which the error
+  /// no longer grows significantly; 0 for fewer than two values.
   double error() const;
   Estimate estimate() const { return {mean(), error()}; }
-  /// Integrated autocorrelation time in values, 1 where they are independent: n error^2/variance.
+  /// Returns the integrated autocorrelation time n error^2/variance, in numbers of values; 1 for independent
+  /// values.
   double correlation_time() const;
 
 private:

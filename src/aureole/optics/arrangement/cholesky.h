@@ -7,8 +7,8 @@
 
 namespace aureole::optics {
 
-/// A = L L^T of a matrix of n x n elements, row by row, of which the lower triangle is read. Unless
-/// `is_definite()` there is no factor, and neither `solve` nor `inverse` must be called.
+/// The factorisation A = L L^T of an n x n matrix in row-major order, of which only the lower triangle is
+/// read. If `is_definite()` is false there is no factor, and `solve` and `inverse` must not be called.
 class Cholesky {
 public:
   Cholesky(std::vector<double> a, int n) : n_(n), l_(std::move(a)) {
@@ -26,7 +26,7 @@ public:
 
   bool is_definite() const { return definite_; }
 
-  /// x of A x = b.
+  /// Returns x with A x = b.
   std::vector<double> solve(std::vector<double> b) const {
     for (int i = 0; i < n_; ++i) {
       for (int k = 0; k < i; ++k) b[i] -= at(i, k) * b[k];

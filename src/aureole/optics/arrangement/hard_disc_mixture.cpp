@@ -34,8 +34,8 @@ HardDiscMixture::HardDiscMixture(std::vector<double> radii, std::vector<double> 
     perimeter += fractions_[m] * 2 * kPi * radii_[m];
   }
   density_ = area_fraction / area;
-  // Second derivatives of -n0 ln(1 - n2) + n1^2/(4 pi (1 - n2)), n0, n1 and n2 the number, perimeter and area
-  // of discs per area.
+  // Second derivatives of -n0 ln(1 - n2) + n1^2/(4 pi (1 - n2)), where n0, n1 and n2 are the number,
+  // perimeter and area of discs per unit area.
   const double clear = 1 - area_fraction, n1 = density_ * perimeter;
   chi_[0] = 1 / clear;
   chi_[1] = n1 / (2 * kPi * clear * clear);

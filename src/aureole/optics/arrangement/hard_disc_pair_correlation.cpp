@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// rho (g(r) - 1) is the transform of S - 1 = -C/(1 + C), C = D + E: D = 4 w A(2u) belongs to the step of g at
-// contact, E = 4 w^2 J0(u) A(u) + (w^2 + 2 w^3) A(u)^2 is smaller, A(u) = 2 J1(u)/u and w = Fa/(1 - Fa). Of
-//     S - 1 = -D - E + D^2 + (2 D E + E^2 - C^3/(1 + C))
-// the first three have transforms in closed form (overlaps of discs and circles), and the rest falls as
-// u^-3.5, so that quadrature converges.
+// rho (g(r) - 1) is the transform of S - 1 = -C/(1 + C), with C = D + E, A(u) = 2 J1(u)/u and w = Fa/(1 -
+// Fa).
+// D = 4 w A(2u) belongs to the step of g at contact; E = 4 w^2 J0(u) A(u) + (w^2 + 2 w^3) A(u)^2 is smaller.
+// In S - 1 = -D - E + D^2 + (2 D E + E^2 - C^3/(1 + C)) the first three terms have transforms in closed form
+// (overlaps of discs and circles). The rest falls as u^-3.5, so its quadrature converges.
 #include "aureole/optics/arrangement/hard_disc_pair_correlation.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@
 namespace aureole::optics {
 namespace {
 
-/// Common area of two discs of radius 1 at a distance r.
+/// Returns the common area of two discs of radius 1 at a distance r.
 double overlap(double r) { return r < 2 ? 2 * std::acos(r / 2) - r / 2 * std::sqrt((2 - r) * (2 + r)) : 0; }
 
 }  // namespace
@@ -31,7 +31,7 @@ double hard_disc_pair_correlation(double r, double area_fraction) {
                             std::to_string(area_fraction));
   if (!(r >= 0 && r <= 200))
     throw std::domain_error("distances of hard discs must be in [0, 200] radii, got " + std::to_string(r));
-  // At contact, r = 2, the value is the limit from outside.
+  // At contact, r = 2, g is the limit from outside.
   if (area_fraction == 0) return r < 2 ? 0 : 1;
   const double w = area_fraction / (1 - area_fraction);
   const auto rest = [&](double u) {

@@ -12,7 +12,7 @@
 namespace aureole::optics {
 namespace {
 
-/// Discs keep this much further apart than they touch, so that rounding never makes them overlap.
+/// Relative margin between touching discs, so that rounding never makes them overlap.
 constexpr double kMargin = 1 + 1e-12;
 
 }  // namespace
@@ -50,9 +50,9 @@ HardDiscSimulation::HardDiscSimulation(std::vector<double> radii, double area_fr
   mixed_ = std::any_of(discs_.radius.begin(), discs_.radius.end(),
                        [&](double r) { return r != discs_.radius[0]; });
 
-  // A collision carries the motion over pi/4 diameters on average, which gives the mean free path from the
-  // pressure. Any chain length samples the equilibrium as long as all chains have the same; this one gives
-  // sqrt(n) collisions on average.
+  // A collision transfers the motion over pi/4 diameters on average, so the pressure gives the mean free
+  // path. Chains of any length sample the equilibrium as long as all chains have the same length; this one
+  // gives sqrt(n) collisions on average.
   const double n = discs_.size();
   const double free_path =
       std::min(kPi / 2 * mean / (hard_disc_pressure(area_fraction) - 1), discs_.box_x / 4);
@@ -62,8 +62,8 @@ HardDiscSimulation::HardDiscSimulation(std::vector<double> radii, double area_fr
   place_on_lattice();
   build_cells(largest);
   std::vector<double> target = discs_.radius;
-  // Discs start as large as the closest pair of lattice sites allows; those that have their radius then need
-  // no growth.
+  // The initial size is the largest that the closest pair of lattice sites allows. Discs that have reached
+  // their radius do not grow further.
   std::fill(discs_.radius.begin(), discs_.radius.end(), 0.0);
   double nearest = discs_.box_x;
   for (int i = 0; i < discs_.size(); ++i) nearest = std::min(nearest, room(i));
@@ -100,7 +100,7 @@ void HardDiscSimulation::place_on_lattice() {
 void HardDiscSimulation::build_cells(double largest_radius) {
   const double box[2] = {discs_.box_x, discs_.box_y};
   for (int axis = 0; axis < 2; ++axis) {
-    // About one cell per disc at most, however small the discs are.
+    // At most about one cell per disc, however small the discs are.
     const double limit = std::ceil(std::sqrt(double(discs_.size())));
     cells_[axis] =
         std::max(4, int(std::min(limit, std::floor(box[axis] / (2 * largest_radius) * (1 - 1e-9)))));
@@ -142,8 +142,8 @@ void HardDiscSimulation::remove(int disc) {
   slot_of_[last] = slot;
 }
 
-/// Largest radius at which the disc touches none of the discs in the 3 x 3 cells around it; at most the side
-/// of a cell.
+/// Returns the largest radius with which the disc touches no disc in the 3 x 3 cells around it; at most the
+/// side of a cell.
 double HardDiscSimulation::room(int disc) const {
   const size_t i = size_t(disc);
   const int cx = cell_of_[i] % cells_[0], cy = cell_of_[i] / cells_[0];
@@ -169,7 +169,7 @@ void HardDiscSimulation::grow(const std::vector<double>& target) {
     for (int i = 0; i < discs_.size(); ++i) {
       double& r = discs_.radius[i];
       if (r == target[i]) continue;
-      // A cell is at least as wide as the largest disc will be.
+      // `room` is at most a cell's side, which is at least the diameter of the largest final disc.
       r = std::max(r, std::min(target[i], room(i) - 2 * (kMargin - 1) * cell_size_[0]));
       all = all && r == target[i];
     }
@@ -182,7 +182,7 @@ void HardDiscSimulation::grow(const std::vector<double>& target) {
 }
 
 void HardDiscSimulation::chain(int disc, int axis) {
-  // p along the chain, t across it.
+  // p is the coordinate along the chain, t the one across it.
   double* p = (axis ? discs_.y : discs_.x).data();
   double* t = (axis ? discs_.x : discs_.y).data();
   const double box_p = axis ? discs_.box_y : discs_.box_x, box_t = axis ? discs_.box_x : discs_.box_y;
@@ -193,7 +193,7 @@ void HardDiscSimulation::chain(int disc, int axis) {
   int cp = axis ? cell_of_[disc] / cells_[0] : cell_of_[disc] % cells_[0];
   int ct = axis ? cell_of_[disc] % cells_[0] : cell_of_[disc] / cells_[0];
   while (true) {
-    // Discs beyond the next cell cannot be hit before this one ends, since cells are a diameter wide.
+    // Discs beyond the next cell cannot be hit before the current one ends, since cells are a diameter wide.
     const double at = p[disc], across = t[disc], own = radius[disc];
     const double to_edge = std::max((cp + 1) * cell_size_[axis] - at, 0.0);
     double free = std::min(left, to_edge), jump = 0;
@@ -233,7 +233,7 @@ void HardDiscSimulation::chain(int disc, int axis) {
       if (left <= 0) break;
       continue;
     }
-    if (free < to_edge) {  // the chain has its full length
+    if (free < to_edge) {  // the remaining length of the chain is used up
       p[disc] = at + free;
       break;
     }
@@ -291,9 +291,9 @@ void HardDiscSimulation::advance(double sweeps) {
   }
 }
 
-// Integrated autocorrelation times, 2 tau, of S at its peak, in sweeps, 6000 snapshots of 1500 discs: 1.4 for
-// Fa up to .3, 3 (.5), 6 (.6), 15 (.65), 35 (.68). S of the box's longest wave has 25 to 65 at any Fa, and
-// more in larger boxes.
+// Integrated autocorrelation times, 2 tau, of S at its peak, in sweeps, from 6000 snapshots of 1500 discs:
+// 1.4 for Fa up to 0.3, 3 (0.5), 6 (0.6), 15 (0.65), 35 (0.68). S at the box's longest wave has 25 to 65 at
+// any Fa, and more in larger boxes.
 double HardDiscSimulation::peak_correlation() const {
   return 1.4 + 35 * std::exp((area_fraction_ - 0.68) / 0.03);
 }

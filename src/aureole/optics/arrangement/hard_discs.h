@@ -18,42 +18,42 @@ struct HardDiscs {
   double area_fraction() const;
 };
 
-/// Pressure of a fluid of equal hard discs over that of an ideal gas (Henderson, "A simple equation of state
-/// for hard discs", 1975), (1 + Fa^2/8)/(1 - Fa)^2 = 1 + 2 Fa g(2a+).
+/// Returns the compressibility factor of a fluid of equal hard discs, its pressure over that of an ideal gas:
+/// (1 + Fa^2/8)/(1 - Fa)^2 = 1 + 2 Fa g(2a+) (Henderson, "A simple equation of state for hard discs", 1975).
 double hard_disc_pressure(double area_fraction);
-/// g(2a+), number of neighbours in contact over that of random positions, of the same equation.
+/// Returns the contact value g(2a+) of the pair correlation, by the same equation of state.
 double hard_disc_contact_value(double area_fraction);
 
-/// Simulation of hard discs; one seed always gives the same discs, bit by bit.
+/// Event-chain Monte Carlo simulation. Equal seeds give bitwise equal discs.
 class HardDiscSimulation {
 public:
-  /// Largest area fraction: beyond, fluid and hexatic phases coexist and equilibrium takes far longer
+  /// Largest area fraction. Beyond it fluid and hexatic phases coexist and equilibration takes far longer
   /// (Bernard & Krauth, "Two-step melting in two dimensions", 2011: from 0.70).
   static constexpr double kMaxAreaFraction = 0.68;
 
-  /// `n` discs of radius 1 in a square box, at first on a hexagonal lattice. Throws std::domain_error unless
-  /// 0 < area_fraction <= kMaxAreaFraction and the box is four diameters wide.
+  /// Makes `n` discs of radius 1 in a square box, initially on a hexagonal lattice. Throws std::domain_error
+  /// unless 0 < area_fraction <= kMaxAreaFraction and the box is at least four diameters wide.
   HardDiscSimulation(int n, double area_fraction, std::uint64_t seed);
-  /// A mixture of the given radii at random places: small discs on a lattice grow while they move; throws
-  /// std::domain_error where they cannot reach the area fraction.
+  /// Makes a mixture of the given radii at random positions: small discs on a lattice grow while they move.
+  /// Throws std::domain_error if they cannot reach the area fraction.
   HardDiscSimulation(std::vector<double> radii, double area_fraction, std::uint64_t seed);
 
-  /// Moves the discs. One sweep has about as many collisions as there are discs; in mixtures, discs of
-  /// unequal size also exchange their places where they fit.
+  /// Moves the discs. One sweep has about as many collisions as there are discs. In mixtures, discs of
+  /// unequal size also swap positions if they fit.
   void advance(double sweeps);
 
-  /// Sweeps after which the initial arrangement has no influence left, from autocorrelation times
-  /// (hard_discs.cpp).
+  /// Returns the number of sweeps after which the initial arrangement is forgotten, from autocorrelation
+  /// times (hard_discs.cpp).
   double equilibration_sweeps() const;
-  /// Sweeps between snapshots, so many that evaluating another one pays; the statistics have to account for
-  /// the correlation that is left.
+  /// Returns the number of sweeps between snapshots at which another snapshot is worth its cost. The
+  /// statistics must account for the remaining correlation.
   double decorrelation_sweeps() const;
 
   const HardDiscs& state() const { return discs_; }
 
-  /// Pressure over that of an ideal gas, mean over the chains since the last `reset_pressure`: the distance
-  /// a chain carries its motion over the chain's length (Michel, Kapfer & Krauth, "Generalized event-chain
-  /// Monte Carlo", 2014). `axis` 0 or 1: of the chains along x or y.
+  /// Returns the pressure over that of an ideal gas, averaged over the chains since `reset_pressure`: the
+  /// distance by which a chain transfers motion over the chain's length (Michel, Kapfer & Krauth,
+  /// "Generalized event-chain Monte Carlo", 2014). `axis`: chains along x (0) or y (1).
   double pressure(int axis) const;
   double pressure() const;
   void reset_pressure() { chains_[0] = chains_[1] = 0, carried_[0] = carried_[1] = 0; }

@@ -13,7 +13,7 @@ namespace {
 using FloatLanes [[gnu::vector_size(32)]] = float;
 constexpr int kFloatLanes = 8, kGroups = 4, kBlock = kFloatLanes * kGroups;  // discs summed at once
 
-/// cos and sin of k angle for k = 0..largest, [k][2][kBlock]; 0 for the lanes without a disc.
+/// Computes cos and sin of k angle for k = 0..largest, [k][2][kBlock]; 0 in lanes without a disc.
 void phase_powers(const double* angle, int used, int largest, float* out) {
   double c1[kBlock] = {}, s1[kBlock] = {}, c[kBlock] = {}, s[kBlock] = {};
   for (int i = 0; i < used; ++i) c1[i] = std::cos(angle[i]), s1[i] = std::sin(angle[i]), c[i] = 1;
@@ -63,7 +63,8 @@ RingStructureFactor::RingStructureFactor(double box_x, double box_y, const std::
     for (end = begin; end < found.size() && found[end].ring == found[begin].ring;) ++end;
     std::vector<Candidate> ring(found.begin() + std::ptrdiff_t(begin), found.begin() + std::ptrdiff_t(end));
     if (ring.size() > wanted) {
-      // Of twice as many vectors near the middle, every other one in the order of their directions.
+      // Keep every other vector, in the order of directions, of the 2 `wanted` vectors nearest the ring's
+      // middle.
       const double middle = 0.5 * (edges[ring[0].ring] + edges[size_t(ring[0].ring) + 1]);
       std::stable_sort(ring.begin(), ring.end(), [&](const Candidate& a, const Candidate& b) {
         return std::abs(a.q - middle) < std::abs(b.q - middle);
@@ -134,7 +135,7 @@ void RingStructureFactor::sum_waves(const HardDiscs& discs) {
 }
 
 void RingStructureFactor::add(const HardDiscs& discs) {
-  // The sides may differ by rounding.
+  // The box sides may differ by rounding.
   if (!(std::abs(discs.box_x / box_x_ - 1) < 1e-9 && std::abs(discs.box_y / box_y_ - 1) < 1e-9) ||
       (!class_of_.empty() && int(class_of_.size()) != discs.size()))
     throw std::domain_error("snapshots must have the box and the discs that the rings were made for");

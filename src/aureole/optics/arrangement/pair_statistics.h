@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Structure factors and pair correlation of discs in a periodic box, averaged over snapshots, with standard
-// errors that account for the correlation between snapshots. For patterns in windows without a period see
-// point_pattern.h.
+// Structure factors and pair correlation of discs in a periodic box, averaged over snapshots. Standard errors
+// account for the correlation between snapshots. See point_pattern.h for patterns in non-periodic windows.
 #pragma once
 
 #include <vector>
@@ -11,16 +10,16 @@
 
 namespace aureole::optics {
 
-/// The class (of sizes, for example) of each disc; empty: all discs are of class 0.
+/// The class of each disc, for example its size class; empty: all discs are of class 0.
 using DiscClasses = std::vector<int>;
 
-/// S(q) at wave vectors with the period of the box, to which the delta at q = 0 contributes nothing. With
-/// classes, the partial structure factors S_ml = <rho_m conj(rho_l)>/sqrt(N_m N_l) of Ashcroft & Langreth
-/// ("Structure of binary liquid mixtures", 1967), 1 for m = l and 0 else where positions are random.
+/// S(q) at wave vectors with the periodicity of the box, without the delta at q = 0. With several classes:
+/// the partial structure factors S_ml = <rho_m conj(rho_l)>/sqrt(N_m N_l) of Ashcroft & Langreth ("Structure
+/// of binary liquid mixtures", 1967). For random positions they are 1 if m = l, else 0.
 class RingStructureFactor {
 public:
-  /// Rings between successive `edges` (increasing, > 0); those without a wave vector are left out. Of a ring
-  /// with more than `per_ring` vectors only so many are used, near its middle and spread over all directions.
+  /// Defines rings between successive `edges` (increasing, > 0); rings without a wave vector are omitted. At
+  /// most about `per_ring` vectors of each ring are used, near its middle and spread over all directions.
   RingStructureFactor(double box_x, double box_y, const std::vector<double>& edges, int per_ring,
                       DiscClasses class_of = {});
 
@@ -30,10 +29,10 @@ public:
 
   int rings() const { return int(rings_.size()); }
   int classes() const { return classes_; }
-  double q(int ring) const { return rings_[ring].q; }  ///< mean of the vectors'
+  double q(int ring) const { return rings_[ring].q; }  ///< mean |q| of the ring's vectors
   int vectors(int ring) const { return rings_[ring].vectors; }
   const BlockAverage& partial(int ring, int m, int l) const;
-  const BlockAverage& total(int ring) const { return rings_[ring].total; }  ///< of all discs
+  const BlockAverage& total(int ring) const { return rings_[ring].total; }  ///< S(q) of all discs together
 
 private:
   struct Ring {
@@ -58,7 +57,7 @@ private:
   std::vector<float> powers_;  // scratch: powers of the phase of each disc of a block
 };
 
-/// g(r) in equal bins of [0, r_max), r_max at most half of the box.
+/// Pair correlation g(r) in equal bins of [0, r_max); r_max is at most half of the box.
 class PairHistogram {
 public:
   PairHistogram(double r_max, int bins);

@@ -15,12 +15,12 @@ namespace {
 /// Number of intervals of a correction between r = 0 and contact.
 constexpr int kInside = 8;
 
-/// The positive nodes of Gauss and Legendre's rule of 8 points, and their weights.
+/// The positive nodes of the Gauss-Legendre rule with 8 points, and their weights.
 constexpr double kNodes[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 constexpr double kWeights[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
                                 0.1012285362903763};
 
-/// Inverse of 1 - C.
+/// Returns the inverse of 1 - C.
 std::vector<double> structure(std::vector<double> direct, int n, bool& definite) {
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j) direct[i * n + j] = (i == j) - direct[i * n + j];
@@ -81,7 +81,7 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
   const double mean = mixture_.mean_radius();
   const double fa = mixture_.area_fraction(), crowding = 1 / ((1 - fa) * (1 - fa) * (1 - fa));
   corrections_.resize(pairs);
-  // Effective number of independent wave vectors of each ring, of which S has 2 real samples each.
+  // Effective number of independent wave vectors in each ring; each gives 2 real samples of S.
   std::vector<double> samples(rings);
   std::vector<std::vector<double>> inverse(rings);
   for (int r = 0; r < rings; ++r) {
@@ -95,7 +95,7 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
     const Cholesky factor(std::move(s), n);
     if (!factor.is_definite() || samples[r] < 2 * n + 8) continue;
     inverse[r] = factor.inverse();
-    // Mean of an inverse Wishart matrix.
+    // The mean of an inverse Wishart matrix gives the unbiased inverse.
     for (double& v : inverse[r]) v *= (2 * samples[r] - n - 1) / (2 * samples[r]);
   }
 
@@ -105,7 +105,7 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
       Correction& c = corrections_[pair(m, l)];
       const double contact = mixture_.radius(m) + mixture_.radius(l);
       for (int i = 0; i <= kInside; ++i) c.knots.push_back(contact * i / kInside);
-      // Features of the second shell, which grow sharp towards freezing, need fine steps.
+      // The second shell becomes sharper towards freezing and needs fine steps.
       for (double beyond = 0; beyond < 12.1; beyond += beyond < 5 ? 0.25 : beyond < 7 ? 0.5 : 1)
         c.knots.push_back(contact + beyond * mean);
       c.coefficients.assign(c.knots.size() - 1, 0.0);
@@ -114,7 +114,7 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
     }
   for (int r = 0; r < rings; ++r) theory[r] = theory_matrix(measured.q(r));
 
-  // Errors of 1/S follow from S itself; the second pass takes S from the first fit, not from the noisy data.
+  // Errors of 1/S follow from S itself; the second pass takes S from the first fit instead of the noisy data.
   for (int pass = 0; pass < 2; ++pass) {
     std::vector<std::vector<double>> expected(rings);
     for (int r = 0; r < rings; ++r) {
@@ -137,8 +137,8 @@ void PartialStructureFactors::fit(const RingStructureFactor& measured) {
         const int size = int(c.coefficients.size());
         const double contact = mixture_.radius(m) + mixture_.radius(l);
         std::vector<double> normal(size_t(size) * size, 0.0), right(size, 0.0), weight(rings, 0.0);
-        // Prior standard deviation, the order of magnitude that a correction can have: it only suppresses
-        // noise in combinations of coefficients that the data do not determine.
+        // The prior's standard deviation is the order of magnitude that a correction can have. It only
+        // suppresses noise in combinations of coefficients that the data do not determine.
         for (int i = 0; i < size; ++i) {
           const double beyond = (c.knots[i] - contact) / mean;
           const double prior = i <= kInside ? 0.3 * fa * crowding + 0.01
@@ -244,7 +244,7 @@ double PartialStructureFactors::look_up(const std::vector<float>& table, int pai
   const double at = q / step_;
   const int i = std::min(int(at), cells - 1);
   const double t = at - i;
-  // Catmull & Rom's cubic; even about 0.
+  // Catmull-Rom spline; the function is even about 0.
   const double a = i > 0 ? v[i - 1] : v[1], b = v[i], c = v[i + 1], d = i + 2 <= cells ? v[i + 2] : 2 * c - b;
   return b + 0.5 * t * (c - a + t * (2 * a - 5 * b + 4 * c - d + t * (3 * (b - c) + d - a)));
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Partial structure factors of hard discs of several sizes, from theory alone or corrected by a simulation.
+// Partial structure factors of hard discs of several sizes, from theory alone or with a correction from
+// simulations.
 #pragma once
 
 #include <vector>
@@ -9,18 +10,18 @@
 
 namespace aureole::optics {
 
-/// S_ml(q) in the normalisation of Ashcroft & Langreth (1967): 1 for m = l and 0 else where positions are
-/// random or q is large. The layer's intensity is J(q) = rho sum_ml sqrt(P_m P_l) F_m conj(F_l) S_ml(q),
-/// never negative, since the matrix S is positive definite at every q.
-///
-/// S = (1 - C)^-1, and the direct correlation C is smooth and of short range where S is not (Ornstein &
-/// Zernike). Simulated S are therefore fitted, ring by ring, by a correction of the theoretical C: piecewise
-/// linear functions of r inside of contact and out to six mean diameters beyond it, with a jump at contact.
+/// Partial structure factors S_ml(q), normalised as by Ashcroft & Langreth (1967): for random positions or
+/// large q they are 1 if m = l, else 0. The intensity of a layer is J(q) = rho sum_ml sqrt(P_m P_l) F_m
+/// conj(F_l) S_ml(q). It is never negative, since the matrix S is positive definite at every q.
+/// By the Ornstein-Zernike relation S = (1 - C)^-1. The direct correlation C is smooth and short-ranged,
+/// unlike S. Simulated S are therefore fitted, ring by ring, by a correction of the theoretical C. The
+/// correction is piecewise linear in r, inside contact and up to six mean diameters beyond it, with a jump at
+/// contact.
 class PartialStructureFactors {
 public:
-  /// Theory: Rosenfeld (1990). `q_max`: end of the table.
+  /// Tabulates the theory (Rosenfeld 1990) for q up to `q_max`.
   PartialStructureFactors(const HardDiscMixture& mixture, double q_max);
-  /// Corrected by `measured`, whose classes are those of the mixture.
+  /// Tabulates the theory corrected by `measured`, which must have the classes of the mixture.
   PartialStructureFactors(const HardDiscMixture& mixture, double q_max, const RingStructureFactor& measured);
 
   int classes() const { return mixture_.classes(); }
@@ -28,12 +29,13 @@ public:
   double fraction(int m) const { return mixture_.fraction(m); }
   const HardDiscMixture& mixture() const { return mixture_; }
 
-  /// q in rad per unit of the radii.
+  /// Returns S_ml(q), q in rad per unit of the radii.
   double eval(int m, int l, double q) const;
-  /// Standard error of `eval` due to the finite simulation; 0 for theory. For several classes it is several
-  /// times too large, since it takes the errors of the elements of C for independent.
+  /// Returns the standard error of `eval` due to the finite simulation; 0 for theory. For several classes it
+  /// is several times too large, since the elements of C are treated as independent.
   double error(int m, int l, double q) const;
-  /// Mean square of (measured - fit)/error over all rings: near 1 if the correction describes the data.
+  /// Returns the mean square of (measured - fit)/error over all rings; near 1 if the correction describes the
+  /// data.
   double chi_squared() const { return chi_squared_; }
 
 private:
@@ -48,7 +50,7 @@ private:
     std::vector<double> coefficients;  // c(r) - theory at the knots; 0 at the last
     std::vector<double> covariance;
     double scale = 0;  // sqrt(rho_m rho_l)
-    /// Transforms of the hat functions of the knots.
+    /// Returns the Fourier transforms of the hat functions at the knots.
     std::vector<double> basis(double q) const;
   };
 

@@ -30,7 +30,7 @@ double taper(double x, double side) {
   return s * s;
 }
 
-/// Integral of taper(x) exp(-i q x) over the side.
+/// Returns the integral of taper(x) exp(-i q x) over the side.
 std::complex<double> taper_transform(double q, double side) {
   const double s = std::abs(q) * side / (2 * kPi);
   double value;  // sinc/(1 - s^2), continued through s = 0 and 1
@@ -69,8 +69,8 @@ std::vector<Estimate> window_structure_factor(const std::vector<PointPattern>& f
     if (!(power > 0)) throw std::domain_error("all points of a window lie on its edge");
     const double density = sum / (0.25 * f.width * f.height);
     for (size_t k = 0; k < q.size(); ++k) {
-      // Wave vectors further apart than the bandwidth of the squared taper, 35/18 of 2 pi/side, are
-      // independent.
+      // Wave vectors are independent if they are further apart than the bandwidth of the squared taper, 35/18
+      // of 2 pi/side.
       const double bandwidth = 35.0 / 18 * 2 * kPi / std::sqrt(f.width * f.height);
       independent[k] += std::clamp(kPi * q[k] / bandwidth, 1.0, double(directions));
       for (int d = 0; d < directions; ++d) {
@@ -90,8 +90,8 @@ std::vector<Estimate> window_structure_factor(const std::vector<PointPattern>& f
     }
   }
   for (size_t k = 0; k < q.size(); ++k) {
-    // With enough independent wave vectors the standard deviation is that of the estimates themselves: in
-    // ordered patterns it is larger than the mean.
+    // With enough independent wave vectors the standard deviation is estimated from the values themselves: in
+    // ordered patterns it exceeds the mean.
     const double mean = result[k].mean;
     const double scatter = std::sqrt(std::max(squares[k] - mean * mean, 0.0));
     result[k].error = (independent[k] < 16 ? std::max(mean, scatter) : scatter) / std::sqrt(independent[k]);
@@ -129,7 +129,7 @@ std::vector<Estimate> window_pair_correlation(const std::vector<PointPattern>& f
         if (i == j || squared >= edges.back() * edges.back()) continue;
         const auto edge = std::upper_bound(edges.begin(), edges.end(), std::sqrt(squared));
         if (edge == edges.begin() || edge == edges.end()) continue;
-        // Weighted with the part of the window in which a pair this far apart can lie.
+        // The weight is the fraction of the window in which a pair with this separation can lie.
         pairs[part * bins + size_t(edge - edges.begin()) - 1] += 1 / ((f.width - dx) * (f.height - dy));
       }
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Structure factor and pair correlation of points in rectangular windows without a period, such as the
-// positions of droplets in micrographs.
+// Structure factor and pair correlation of points in rectangular, non-periodic windows, such as the positions
+// of droplets in micrographs.
 #pragma once
 
 #include <vector>
@@ -14,23 +14,24 @@ struct PointPattern {
   std::vector<double> x, y;  ///< in [0, width] x [0, height]
 };
 
-/// Smallest |q| at which S(q) can be estimated in a window: below, the transform of the mean density in the
-/// window dominates.
+/// Returns the smallest |q| at which S(q) can be estimated in a window. Below it the transform of the mean
+/// density dominates.
 double smallest_wave(const PointPattern& window);
 
-/// S at each of `q`, mean over directions and fields. Points are weighted by a taper, sin^2 along both sides
-/// (Hann), against the window's side lobes, and the transform of the mean density is subtracted; the result
-/// is S at a resolution of about 12/side in q. The power at one wave vector has a standard deviation equal to
-/// its mean, so that the error follows from the number of independent wave vectors. Throws std::domain_error
-/// for fields without points or points outside, and for q below `smallest_wave` of any field.
+/// Estimates S at each of `q`, averaged over directions and fields. Points are weighted by a Hann taper
+/// (sin^2 along both sides) against the window's side lobes, and the transform of the mean density is
+/// subtracted. The resolution in q is about 12/side.
+/// The power at one wave vector has a standard deviation equal to its mean, so the error follows from the
+/// number of independent wave vectors. Throws std::domain_error for fields without points or with points
+/// outside, and for q below `smallest_wave` of any field.
 std::vector<Estimate> window_structure_factor(const std::vector<PointPattern>& fields,
                                               const std::vector<double>& q, int directions = 48);
 
-/// g(r) between successive `edges` (r >= 0, increasing, up to half of the shorter side), with translational
-/// edge correction (Ohser & Stoyan, "On the second-order and orientation analysis of planar stationary point
-/// processes", 1981). Standard errors by jackknife: each of tiles x tiles parts of each field is left out
-/// once, as the first points of pairs (after Loh, "A valid and fast spatial bootstrap for correlation
-/// functions", 2008).
+/// Estimates g(r) between successive `edges` (r >= 0, increasing, up to half of the shorter side), with
+/// translational edge correction (Ohser & Stoyan, "On the second-order and orientation analysis of planar
+/// stationary point processes", 1981). Standard errors are by jackknife: each of tiles x tiles parts of each
+/// field is left out once, as the first points of pairs (after Loh, "A valid and fast spatial bootstrap for
+/// correlation functions", 2008).
 std::vector<Estimate> window_pair_correlation(const std::vector<PointPattern>& fields,
                                               const std::vector<double>& edges, int tiles = 3);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Means over rings |u| = constant of functions with f(-u) = f(u) or its conjugate, by the midpoint rule in
-// the angle over half a ring, which is exact with more points than the order of the highest harmonic.
+// Means over rings |u| = constant of functions for which f(-u) is f(u) or its conjugate. The midpoint rule in
+// the angle over half a ring is exact if there are more points than the order of the highest harmonic.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ void visit_half_ring(double u, int points, F&& f) {
   }
 }
 
-/// Mean of the number f(ux, uy).
+/// Returns the mean of f(ux, uy) over the ring.
 template <class F>
 double ring_mean(double u, int points, F&& f) {
   double sum = 0;

@@ -13,7 +13,8 @@
 namespace aureole::optics {
 namespace {
 
-/// Ends of the measured rings of wave vectors and of the tables, as |q| times the mean radius.
+/// Ends of the measured rings of wave vectors (kMeasured) and of the tables (kTable), as |q| times the mean
+/// radius.
 constexpr double kMeasured = 20, kTable = 40;
 /// Most waves per side of the box: in large, dilute boxes the rings end at a smaller |q|.
 constexpr double kMaxWaves = 2000;
@@ -28,7 +29,7 @@ std::vector<double> ring_edges(double mean_radius, double box) {
   return edges;
 }
 
-/// Whole numbers of discs of each class, by the largest remainders, none of them 0.
+/// Apportions whole numbers of discs to the classes by the largest remainders; each class has at least one.
 std::vector<int> whole_numbers(const HardDiscMixture& mixture, int discs) {
   std::vector<int> count;
   std::vector<double> rest;
@@ -85,7 +86,7 @@ HardDiscMeasurement measure_hard_discs(const HardDiscMixture& mixture, const Har
     }
   };
   parallel_for(kReplicas, simulate, 1);
-  // Merged in the order of the replicas, so that sums do not depend on threads.
+  // Replicas are merged in their order, so that sums do not depend on threads.
   HardDiscMeasurement all{realised, *results[0], 0};
   for (int replica = 0; replica < kReplicas; ++replica) {
     if (replica > 0) all.structure.merge(*results[replica]);

@@ -13,7 +13,8 @@ namespace aureole::optics {
 struct HardDiscEnsemble {
   static constexpr int kReplicas = 8;  ///< independent simulations, whatever the number of threads
 
-  /// Below this area fraction theory is closer than noise: its error is under 0.4 Fa^2.
+  /// Below this area fraction the error of the theory, under 0.4 Fa^2, is smaller than the noise of a
+  /// simulation.
   static constexpr double kTheoryBelow = 0.03;
 
   int discs = 1500;      ///< in each replica
@@ -28,27 +29,28 @@ struct HardDiscMeasurement {
   double pressure;  ///< over that of an ideal gas
 };
 
-/// Simulates a mixture, of any area fraction above 0.01, each replica on a thread of `parallel_for`. Throws
-/// std::domain_error as HardDiscSimulation does.
+/// Simulates a mixture of any area fraction above 0.01; the replicas run in parallel by `parallel_for`.
+/// Throws std::domain_error as HardDiscSimulation does.
 HardDiscMeasurement measure_hard_discs(const HardDiscMixture& mixture, const HardDiscEnsemble& ensemble = {},
                                        const ParallelFor& parallel_for = serial_for);
 
-/// S_ml of the mixture, by simulation. Each class has one disc at least; ask the result for its fractions.
+/// Returns S_ml of the mixture, by simulation. Each class has at least one disc, so its fraction may change:
+/// the result states the simulated fractions.
 PartialStructureFactors simulate_partial_structure_factors(const HardDiscMixture& mixture,
                                                            const HardDiscEnsemble& ensemble = {},
                                                            const ParallelFor& parallel_for = serial_for);
 
-/// S' of equal discs. Beyond the tabulated range, u = 40, it is that of Percus-Yevick to first order in c,
-/// the two fading into one another.
+/// S' of equal discs. Near the end of the tabulated range, u = 40, it blends into Percus-Yevick's S' to first
+/// order in c.
 class SimulatedStructureFactor final : public StructureFactor {
 public:
-  /// Throws std::domain_error unless 0 <= area_fraction <= HardDiscSimulation::kMaxAreaFraction; 0 has S'
-  /// = 1.
+  /// Throws std::domain_error unless 0 <= area_fraction <= HardDiscSimulation::kMaxAreaFraction. S' = 1 for
+  /// an area fraction of 0.
   explicit SimulatedStructureFactor(double area_fraction, const HardDiscEnsemble& ensemble = {},
                                     const ParallelFor& parallel_for = serial_for);
   using StructureFactor::eval;
   double eval(double u) const override { return table_.eval(0, 0, u); }
-  /// Standard error.
+  /// Returns the standard error of `eval`.
   double error(double u) const { return table_.error(0, 0, u); }
   double chi_squared() const { return table_.chi_squared(); }
 

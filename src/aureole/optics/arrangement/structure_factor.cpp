@@ -19,7 +19,7 @@ void check_percus_yevick(double area_fraction) {
                             std::to_string(area_fraction));
 }
 
-/// Mean over the ring of a function with S(-u) = S(u).
+/// Returns the mean over the ring of a function with S(-u) = S(u).
 double mean_over_ring(const StructureFactor& s, double u) {
   return ring_mean(u, 64 + int(4 * u), [&](double x, double y) { return s.eval(x, y); });
 }
@@ -32,7 +32,8 @@ HardDiscWave::HardDiscWave(double u)
 double HardDiscWave::structure_factor(double area_fraction) const {
   check_percus_yevick(area_fraction);
   const double ratio = area_fraction / (1 - area_fraction);
-  // Pairs exclude a disc of radius 2a; the other two terms count the overlaps of edges and of areas.
+  // The first term is the exclusion of a disc of radius 2a; the other two are the overlaps of edges and of
+  // areas.
   const double c = 4 * ratio * double_disc + 4 * ratio * ratio * j0 * disc +
                    (ratio * ratio + 2 * ratio * ratio * ratio) * disc * disc;
   return 1 / (1 + c);
@@ -90,7 +91,7 @@ TabulatedStructureFactor TabulatedStructureFactor::from_pair_correlation(const s
     const std::size_t i =
         std::min(std::size_t(std::upper_bound(r.begin(), r.end(), x) - r.begin()), r.size() - 1) - 1;
     const double t = (x - r[i]) / (r[i + 1] - r[i]);
-    // g - 1 is tapered to 0 over the second half of the range: a sudden end would leave ripples in S'.
+    // g - 1 is tapered to 0 over the second half of the range: truncation would leave ripples in S'.
     const double fade = x < end / 2 ? 1 : std::pow(std::cos(std::numbers::pi / 2 * (x / (end / 2) - 1)), 2);
     return (g[i] + t * (g[i + 1] - g[i]) - 1) * fade;
   };
@@ -162,13 +163,13 @@ LatticeStructureFactor::LatticeStructureFactor(Kind kind, double area_fraction, 
                             "this area fraction; at most " +
                             std::to_string(kLongestOrder / spacing_) + " spacings");
   const double b = 2 * std::numbers::pi / spacing_;
-  // Reciprocal of (1, 0), (1/2, sqrt(3)/2), or of (1, 0), (0, 1).
+  // Reciprocal basis of the lattice (1, 0), (1/2, sqrt(3)/2), or of (1, 0), (0, 1).
   bx_[0] = b, by_[0] = kind == Kind::hexagonal ? -b / std::numbers::sqrt3 : 0;
   bx_[1] = 0, by_[1] = kind == Kind::hexagonal ? 2 * b / std::numbers::sqrt3 : b;
   cell_ = bx_[0] * by_[1];
   if (random_) {
-    // Shells of equal |G| and their numbers of points: (2 reach + 1)^2 points hold all shells up to 0.8 reach
-    // b.
+    // Shells of equal |G| and their numbers of points: (2 reach + 1)^2 points contain all shells up to 0.8
+    // reach b.
     const int reach = 64;
     std::vector<double> radii;
     for (int i = -reach; i <= reach; ++i)
@@ -194,7 +195,7 @@ double LatticeStructureFactor::eval(double u) const {
   double sum = 0;
   const auto first = std::lower_bound(shells_.begin(), shells_.end(), std::pair{u - 8 / length_, 0});
   for (auto s = first; s != shells_.end() && s->first < u + 8 / length_; ++s) {
-    // Mean over the ring of exp(-|q - G|^2 L^2/2) is exp(-(q^2 + G^2) L^2/2) I0(q G L^2).
+    // The mean of exp(-|q - G|^2 L^2/2) over the ring is exp(-(q^2 + G^2) L^2/2) I0(q G L^2).
     const double g = s->first, x = u * g * l2, d = (u - g) * length_;
     const double scaled =
         x < 600 ? bessel_i0(x) * std::exp(-x) : (1 + 1 / (8 * x)) / std::sqrt(2 * std::numbers::pi * x);

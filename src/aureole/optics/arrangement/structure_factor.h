@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Interference of scatterers on correlated positions: the power they scatter over that of scatterers on
-// random positions is the structure factor S'(u) = 1 + rho0 * integral of (g(r) - 1) exp(-i q.r) d2r, without
-// the delta at q = 0, g the pair correlation, rho0 the number of scatterers per area, u = q a, and a the
-// correlation radius.
+// Interference of scatterers on correlated positions. The structure factor is their scattered power over that
+// of scatterers on random positions, S'(u) = 1 + rho0 * integral of (g(r) - 1) exp(-i q.r) d2r, without the
+// delta at q = 0. Here g is the pair correlation, rho0 the number of scatterers per area, a the correlation
+// radius and u = q a.
 #pragma once
 
 #include <cmath>
@@ -14,23 +14,23 @@ namespace aureole::optics {
 
 /// Largest area fraction of `hard_disc_structure_factor`: the fluid phase of hard discs ends near it.
 inline constexpr double kMaxAreaFraction = 0.7;
-/// No discs of one size can be packed denser than pi/sqrt(12).
+/// The largest area fraction of discs of one size is pi/sqrt(12).
 inline constexpr double kClosestDiscPacking = 0.9068996821171089;
 
-/// Area fractions this much beyond a limit count as the limit: they may have been rounded to single precision
-/// or to the digits given here.
+/// Area fractions that exceed a limit by at most this much count as the limit: they may have been rounded to
+/// single precision or to the digits given here.
 inline constexpr double kFractionTolerance = 1e-5;
 
-/// Structure factor without its delta of a fluid of equal hard discs at area fraction Fa = rho0 pi a^2.
-/// Percus-Yevick form of Rosenfeld ("Free-energy model for the inhomogeneous hard-sphere fluid in D
-/// dimensions", 1990, equations 4.4-4.6), written as in Yang, Kim, Pediredla & Jarosz ("A wave-optics BSDF
-/// for correlated scatterers", 2025, equations 15 and 16). Always positive; S'(0) = (1-Fa)^3/(1+Fa); 1 for
-/// large u. 1/S' is a cubic polynomial in Fa/(1 - Fa). Throws std::domain_error, with the value, unless 0 <=
-/// area_fraction <= kMaxAreaFraction.
+/// Returns the structure factor, without its delta, of a fluid of equal hard discs at area fraction Fa = rho0
+/// pi a^2. It has the Percus-Yevick form of Rosenfeld ("Free-energy model for the inhomogeneous hard-sphere
+/// fluid in D dimensions", 1990, equations 4.4-4.6), written as in Yang, Kim, Pediredla & Jarosz ("A
+/// wave-optics BSDF for correlated scatterers", 2025, equations 15 and 16).
+/// S' is always positive; S'(0) = (1-Fa)^3/(1+Fa); S' is 1 for large u. 1/S' is a cubic polynomial in Fa/(1 -
+/// Fa). Throws std::domain_error, with the value, unless 0 <= area_fraction <= kMaxAreaFraction.
 double hard_disc_structure_factor(double u, double area_fraction);
 
-/// The structure factor for many area fractions at one u: nearly all of the time goes into these Bessel
-/// functions of u.
+/// `hard_disc_structure_factor` for many area fractions at one u: computes the Bessel functions, which take
+/// most of the time, only once.
 struct HardDiscWave {
   explicit HardDiscWave(double u);
   double structure_factor(double area_fraction) const;
@@ -42,14 +42,14 @@ struct HardDiscWave {
 class StructureFactor {
 public:
   virtual ~StructureFactor() = default;
-  /// For |u|; of an anisotropic arrangement the mean over the ring. Never negative.
+  /// Returns S' for |u|; for an anisotropic arrangement its mean over the ring. Never negative.
   virtual double eval(double u) const = 0;
-  /// For a vector u = (ux, uy).
+  /// Returns S' for a vector u = (ux, uy).
   virtual double eval(double ux, double uy) const { return eval(std::hypot(ux, uy)); }
   virtual bool is_isotropic() const { return true; }
 };
 
-/// `hard_disc_structure_factor`.
+/// The structure factor of equal hard discs, `hard_disc_structure_factor`.
 class PercusYevickStructureFactor final : public StructureFactor {
 public:
   explicit PercusYevickStructureFactor(double area_fraction);
@@ -60,20 +60,20 @@ private:
   double area_fraction_;
 };
 
-/// Independent positions, 1 everywhere.
+/// Independent positions: S' = 1 everywhere.
 class PoissonStructureFactor final : public StructureFactor {
 public:
   using StructureFactor::eval;
   double eval(double) const override { return 1; }
 };
 
-/// A table of S', linear between increasing u, the first value below the first u and 1 above the last.
+/// A table of S', linearly interpolated in u. It has the first value below the first u and 1 above the last.
 class TabulatedStructureFactor final : public StructureFactor {
 public:
-  /// Throws std::domain_error where u does not increase or a value is negative or not finite.
+  /// Throws std::domain_error if u does not increase or a value is negative or not finite.
   TabulatedStructureFactor(std::vector<double> u, std::vector<double> values);
-  /// From a pair correlation g(r/a): the transform of its table, tapered to 1 at its end; negative values,
-  /// from noise and truncation, become 0.
+  /// Makes the table from a pair correlation g(r/a): the transform of its table, tapered to 1 at its end.
+  /// Negative values, from noise and truncation, become 0.
   static TabulatedStructureFactor from_pair_correlation(const std::vector<double>& r,
                                                         const std::vector<double>& g, double area_fraction);
   using StructureFactor::eval;
@@ -83,11 +83,11 @@ private:
   std::vector<double> u_, values_;
 };
 
-/// A table over the plane, bilinear in a square grid of (ux, uy) in [-extent, extent]^2, made symmetric
-/// (S'(-u) = S'(u)); 1 outside.
+/// A table over the plane, bilinear in a square grid of (ux, uy) in [-extent, extent]^2 and made symmetric,
+/// S'(-u) = S'(u). It is 1 outside the grid.
 class MappedStructureFactor final : public StructureFactor {
 public:
-  /// `values`: rows from uy = extent downwards, as a picture is seen.
+  /// `values` has rows from uy = extent downwards, in the order of an image.
   MappedStructureFactor(std::vector<float> values, int width, int height, double extent);
   double eval(double u) const override;
   double eval(double ux, double uy) const override;
@@ -113,21 +113,21 @@ public:
   double eval(double u) const override;
   double eval(double ux, double uy) const override;
   bool is_isotropic() const override { return random_; }
-  /// Where discs of the correlation radius touch: pi/sqrt(12) or pi/4.
+  /// Returns the area fraction at which discs of the correlation radius touch: pi/sqrt(12) or pi/4.
   static double closest_packing(Kind kind);
 
 private:
-  /// Of L in correlation radii: spots are 1/L wide, tables have points 1/48 apart.
+  /// Upper bound of L in correlation radii: spots are 1/L wide, and tables have points 1/48 apart.
   static constexpr double kLongestOrder = 25;
 
   Kind kind_;
   double spacing_, sigma_, length_, cosine_, sine_, cell_;  // relative to a; cell_: of the reciprocal lattice
   double bx_[2], by_[2];                                    // reciprocal basis, unturned
   bool random_;
-  std::vector<std::pair<double, int>> shells_;  ///< |G| and how many
+  std::vector<std::pair<double, int>> shells_;  ///< |G| and the number of lattice points in the shell
 };
 
-/// S'(u) of positions stretched by sqrt(ratio) in one direction and compressed as much across it.
+/// S'(u) of positions stretched by sqrt(ratio) in one direction and compressed by the same factor across it.
 class StretchedStructureFactor final : public StructureFactor {
 public:
   StretchedStructureFactor(std::shared_ptr<const StructureFactor> unstretched, double ratio, double angle);

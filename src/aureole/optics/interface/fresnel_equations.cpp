@@ -24,7 +24,7 @@ void check_real_index(double n) {
 }
 
 void check_complex_index(Complex n) {
-  // The real part may be tiny or 0, as of some metals, but not both parts.
+  // The real part may be tiny or 0, as for some metals, but not both parts.
   if (!(n.real() >= 0 && n.imag() >= 0 && std::isfinite(n.real()) && std::isfinite(n.imag()) &&
         std::abs(n) > 0))
     throw std::domain_error("complex refractive index eta + i k needs finite eta, k >= 0, not both 0, got " +
@@ -37,11 +37,11 @@ FresnelAmplitudes fresnel_amplitudes(double cos_i, double n_i, Complex n_t) {
   cos_i = checked_cosine(cos_i);
   check_real_index(n_i);
   check_complex_index(n_t);
-  // At exactly grazing incidence equal indices would give 0/0: there is no interface.
+  // At exactly grazing incidence equal indices would give 0/0, although there is no interface.
   if (n_t == Complex(n_i)) return {0.0, 0.0, 1.0, 1.0, cos_i};
 
-  // Normal component of the transmitted wave vector, n_t cos_t. Of its two roots the one with Im >= 0 decays,
-  // for exp(-i omega t).
+  // Normal component of the transmitted wave vector, n_t cos_t. For exp(-i omega t), its root with Im >= 0
+  // decays away from the interface.
   const double sin2 = (1 - cos_i) * (1 + cos_i);
   const double real = n_t.real() * n_t.real() - n_t.imag() * n_t.imag() - n_i * n_i * sin2;
   const double imag = 2 * n_t.real() * n_t.imag();
@@ -83,9 +83,8 @@ double thin_slab_reflectance(double cos_i, double n_ext, double n_int) {
 double fresnel_diffuse_reflectance(double eta) {
   check_real_index(eta);
   if (eta == 1) return 0;
-  // Below 1 the integrand has a kink at the critical angle. Changing the variable to the cosine on the other
-  // side, mu_i dmu_i = eta^2 mu_t dmu_t, leaves the smooth external integral, as R is the same from both
-  // sides.
+  // Below 1 the integrand has a kink at the critical angle. R is equal from both sides, so the substitution
+  // mu_i dmu_i = eta^2 mu_t dmu_t leaves the smooth external integral.
   if (eta < 1) return (1 - eta * eta) + eta * eta * fresnel_diffuse_reflectance(1 / eta);
   const auto integrand = [eta](double mu) { return 2 * mu * fresnel_reflectance(mu, 1, eta); };
   return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(integrand, 0.0, 1.0, 15, 1e-11);

@@ -13,8 +13,8 @@
 
 namespace aureole::optics {
 
-/// Ratios of complex electric-field amplitudes to that of the incident wave, for the polarisations
-/// perpendicular (s) and parallel (p) to the plane of incidence, and the transmitted wave's complex cosine.
+/// Ratios of complex electric-field amplitudes to the incident amplitude, for polarisation perpendicular (s)
+/// and parallel (p) to the plane of incidence, and the complex cosine of the transmitted wave.
 struct FresnelAmplitudes {
   std::complex<double> r_s, r_p, t_s, t_p;
   std::complex<double> cos_t;
@@ -27,23 +27,23 @@ struct FresnelAmplitudes {
 /// fractions of power are Re(n_t cos_t) |t_s|^2 / (n_i cos_i) and Re(n_t conj(cos_t)) |t_p|^2 / (n_i cos_i).
 FresnelAmplitudes fresnel_amplitudes(double cos_i, double n_i, std::complex<double> n_t);
 
-/// Reflected fraction of unpolarised power at a dielectric interface, (|r_s|^2 + |r_p|^2)/2; 1 beyond the
-/// critical angle.
+/// Returns the reflected fraction of unpolarised power at a dielectric interface, (|r_s|^2 + |r_p|^2)/2; 1
+/// beyond the critical angle.
 double fresnel_reflectance(double cos_i, double n_i, double n_t);
 
-/// Fresnel reflectance of unpolarised light at a conductor of index n_t = eta + i k.
+/// Returns the reflected fraction of unpolarised power at a conductor of index n_t = eta + i k.
 double fresnel_reflectance_conductor(double cos_i, double n_i, std::complex<double> n_t);
 
-/// Reflected fraction of unpolarised power of a lossless slab thick against the coherence length and thin
-/// against everything else, all interreflections added as powers: R + T^2 R / (1 - R^2) = 2R/(1 + R), with R
-/// of one face for unpolarised light and T = 1 - R (the `thindielectric` of Mitsuba 3, Jakob et al. 2022,
-/// which like this does not follow the two polarisations through the slab). `n_ext` is the index outside,
-/// `n_int` that of the slab.
+/// Returns the reflected fraction of unpolarised power of a lossless thin slab, with all interreflections
+/// added incoherently: R + T^2 R/(1 - R^2) = 2R/(1 + R). R is the reflectance of one face for unpolarised
+/// light and T = 1 - R. The slab is thicker than the coherence length and thin compared to everything else.
+/// The model is that of `thindielectric` in Mitsuba 3 (Jakob et al. 2022), which does not follow the two
+/// polarisations through the slab either. `n_ext` is the index outside, `n_int` the slab's.
 double thin_slab_reflectance(double cos_i, double n_ext, double n_int);
 
-/// Reflected fraction of ideally diffuse unpolarised light, integral of 2 R(mu) mu over mu in [0, 1]. `eta`
-/// is the index beyond the interface over the index on the side of the light: eta > 1 is the "external" and
-/// eta < 1 the "internal" diffuse reflectance. By quadrature, error below 1e-9.
+/// Returns the reflectance for ideally diffuse unpolarised light, the integral of 2 R(mu) mu over mu in [0,
+/// 1]. `eta` is the index beyond the interface over that on the incident side: eta > 1 is the "external" and
+/// eta < 1 the "internal" diffuse reflectance. The quadrature error is below 1e-9.
 double fresnel_diffuse_reflectance(double eta);
 
 }  // namespace aureole::optics

@@ -17,11 +17,12 @@ struct RadioMaterial {
   double min_ghz, max_ghz;
 };
 
-/// All rows of the table; of a material with two ranges two rows of one name.
+/// Returns all rows of the table. A material with two frequency ranges has two rows with the same name.
 const std::vector<RadioMaterial>& radio_materials();
 
-/// Relative permittivity eps' + i sigma/(omega eps_0), time dependence exp(-i omega t); its root is the index n + i k. Throws
-/// std::domain_error for a name that is not in the table, with the names, and for a frequency outside of a material's limits, with these.
+/// Returns the relative permittivity eps' + i sigma/(omega eps_0), with time dependence exp(-i omega t). Its
+/// square root is the index n + i k. Throws std::domain_error for an unknown name, listing the known ones,
+/// and for a frequency outside the material's range, stating that range.
 std::complex<double> radio_permittivity(std::string_view material, double frequency_hz);
 
 }  // namespace aureole::optics

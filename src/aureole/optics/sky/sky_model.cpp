@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-/// Written by tools/make_sky_table.py, which describes the layout; float32, little-endian.
+/// The table written by tools/make_sky_table.py, which describes the layout; float32, little-endian.
 extern "C" {
 extern const float aureole_sky_data[];
 }
@@ -28,7 +28,7 @@ const float* sun_data(std::size_t turbidity, std::size_t segment, std::size_t ch
   return aureole_sky_data + kSkySize + ((turbidity * kSegments + segment) * kChannels + channel) * kSunTerms;
 }
 
-/// Two neighbouring whole turbidities and the weight of the second.
+/// Two neighbouring integer turbidities and the weight of the second.
 struct Turbidities {
   std::size_t low;
   double weight;
@@ -80,7 +80,8 @@ double SkyModel::sky(std::size_t channel, double cos_zenith, double gamma) const
 
 double SkyModel::sun(std::size_t channel, double elevation) const {
   if (!(elevation >= 0)) return 0;
-  // Cubics over segments that grow with the cube of their number: the radiance changes fast near the horizon.
+  // Cubics over segments whose ends grow as the cube of their index: the radiance changes rapidly near the
+  // horizon.
   const std::size_t segment =
       std::min(std::size_t(std::cbrt(elevation / (M_PI / 2)) * kSegments), kSegments - 1);
   const double x = elevation - M_PI / 2 * std::pow(double(segment) / kSegments, 3);

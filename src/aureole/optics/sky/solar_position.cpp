@@ -17,7 +17,7 @@ SolarPosition solar_position(double days, double hour, double latitude_degrees, 
                            0.00034894 * std::sin(2 * anomaly) - 0.0001134 - 0.0000203 * std::sin(node);
   const double obliquity = 0.4090928 - 6.2140e-9 * days + 0.0000396 * std::cos(node);
 
-  // Celestial, then local coordinates.
+  // Celestial coordinates, then local horizontal ones.
   const double right_ascension = std::atan2(std::cos(obliquity) * std::sin(longitude), std::cos(longitude));
   const double declination = std::asin(std::sin(obliquity) * std::sin(longitude));
   const double sidereal_hours = 6.6974243242 + 0.0657098283 * days + hour;
@@ -30,7 +30,7 @@ SolarPosition solar_position(double days, double hour, double latitude_degrees, 
   p.azimuth = std::atan2(-std::sin(hour_angle), std::tan(declination) * std::cos(latitude) -
                                                     std::sin(latitude) * std::cos(hour_angle));
   if (p.azimuth < 0) p.azimuth += 2 * M_PI;
-  // Parallax: the radius of the earth over its distance from the sun.
+  // Parallax: the earth's radius over the earth-sun distance.
   p.zenith_angle += 6371.01 / 149597890 * std::sin(p.zenith_angle);
   return p;
 }

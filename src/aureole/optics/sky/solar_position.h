@@ -5,14 +5,15 @@
 namespace aureole::optics {
 
 struct SolarPosition {
-  double zenith_angle = 0;  ///< [rad], of the centre, without refraction
+  double zenith_angle = 0;  ///< [rad], of the sun's centre, without refraction
   double azimuth = 0;       ///< [rad], from north towards east
 };
 
-/// `days`: days and fractions from 1 January 2000, 12:00 UT (Julian date - 2451545); `hour`: of the day, UT;
-/// place in degrees, north and east positive. M. Blanco-Muriel, D. C. Alarcon-Padilla, T. Lopez-Moratalla &
-/// M. Lara-Coira, "Computing the solar vector", Solar Energy 70(5), 2001: within 0.01 degrees from 1999 to
-/// 2015, a few hundredths for decades around.
+/// Returns the sun's position. `days`: days and fractions since 1 January 2000, 12:00 UT (Julian date -
+/// 2451545); `hour`: hour of the day, UT; latitude and longitude in degrees, north and east positive (M.
+/// Blanco-Muriel, D. C. Alarcon-Padilla, T. Lopez-Moratalla & M. Lara-Coira, "Computing the solar vector",
+/// Solar Energy 70(5), 2001). The error is at most 0.01 degrees from 1999 to 2015 and a few hundredths for
+/// decades around.
 SolarPosition solar_position(double days, double hour, double latitude_degrees, double longitude_degrees);
 
 }  // namespace aureole::optics
