@@ -41,7 +41,7 @@ void BlockAverage::merge(const BlockAverage& other) {
 }
 
 int BlockAverage::plateau() const {
-  // minimum number of blocks: the standard error then has an error below 20 %
+  // Minimum number of blocks: the standard error is then known to better than 20 %.
   constexpr std::int64_t kFewest = 16;
   int k = 0;
   while (k + 1 < int(levels_.size()) && levels_[size_t(k) + 1].blocks >= kFewest) {
