@@ -25,32 +25,33 @@
 namespace aureole::optics {
 
 struct CoherentLayer {
-  /// Amplitudes over that of the incident wave, for light polarised perpendicular (0) and parallel (1) to the
+  /// Amplitudes relative to the incident wave, for light polarised perpendicular (0) and parallel (1) to the
   /// plane of incidence.
   std::array<std::complex<double>, 2> transmission, reflection;
 
-  /// Fractions of the power of unpolarised light.
+  /// Returns the coherently transmitted fraction of unpolarised power.
   double transmittance() const { return 0.5 * (std::norm(transmission[0]) + std::norm(transmission[1])); }
   double reflectance() const { return 0.5 * (std::norm(reflection[0]) + std::norm(reflection[1])); }
-  /// The rest: scattered into other directions or absorbed.
+  /// Returns the remaining fraction of power, which is scattered into other directions or absorbed.
   double loss() const {
     const double rest = 1 - transmittance() - reflectance();
     return rest > 0 ? rest : 0;
   }
 };
 
-/// The particles of a layer; means over them where they differ.
+/// The particles of a layer, by means over their distribution.
 struct LayerSpheres {
   double size_squared;           ///< x^2, x = k radius in the medium
   std::complex<double> forward;  ///< S(0)
 };
 
-/// `specular`: the S_j. cos_i in [0, 1]; at 0, grazing incidence, all light is reflected.
+/// Returns the amplitudes of the layer. `specular`: the S_j. cos_i is in [0, 1]; at 0, grazing incidence, all
+/// light is reflected.
 CoherentLayer coherent_layer(double cos_i, double area_fraction, const LayerSpheres& spheres,
                              const MieAmplitudes& specular);
 
-/// The same for spheres of one size. Throws std::domain_error, with the value, unless cos_i is in [0, 1] and
-/// the area fraction in [0, kMaxAreaFraction].
+/// Returns the amplitudes of a layer of spheres of one size. Throws std::domain_error, with the value, unless
+/// cos_i is in [0, 1] and the area fraction in [0, kMaxAreaFraction].
 CoherentLayer coherent_layer(double cos_i, double area_fraction, const Mie& sphere);
 
 }  // namespace aureole::optics
