@@ -67,7 +67,7 @@ private:
 /// cumulative distribution. Samples follow exactly the density that `eval` returns.
 class RadialDistribution {
 public:
-  /// `density` returns u g(u) >= 0 on any scale; `tail` is c of the part c/u^2 beyond `end` on the same scale.
+  /// `density` returns u g(u) >= 0 on any scale; beyond `end` it is `tail`/u^2 on the same scale.
   RadialDistribution(const std::function<double(double)>& density, int end, double tail);
 
   /// Returns g(u), normalised so that the integral of u g(u) du over [0, infinity) is 1.

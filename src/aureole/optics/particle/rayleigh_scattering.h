@@ -9,9 +9,10 @@
 
 namespace aureole::optics {
 
-/// Returns the Rayleigh phase function for unpolarised light in 1/sr, with integral 1 over the sphere. `rho`
-/// in [0, 6/7) is the depolarisation factor of unpolarised light at a right angle: 3/(16 pi) (1 + 3 g + (1 -
-/// g) mu^2)/(1 + 2 g), g = rho/(2 - rho) (Chandrasekhar, Radiative Transfer, 1960, section 18).
+/// Returns the Rayleigh phase function for unpolarised light in 1/sr, with integral 1 over the sphere
+/// (Chandrasekhar, Radiative Transfer, 1960, section 18):
+///     3/(16 pi) (1 + 3 g + (1 - g) mu^2)/(1 + 2 g),   g = rho/(2 - rho).
+/// `rho` in [0, 6/7) is the depolarisation factor of unpolarised light at a right angle.
 double rayleigh_phase(double mu, double rho = 0);
 
 /// Returns the King factor (6 + 3 rho)/(6 - 7 rho), the scattering of anisotropic molecules relative to

@@ -104,14 +104,16 @@ Operators UniformLayer::attenuation(double optical_thickness) const {
   return {Matrix::Zero(count_, count_), pass.asDiagonal(), Matrix::Zero(count_, count_)};
 }
 
-// With s = x_down + x_up, d = x_down - x_up the equation of transfer is ds/dtau = -(A + B) d, dd/dtau = -(A -
-// B) s. Between equal lights on both sides d = E s at the upper face, E = (A - B) tanh(h G)/G, and between
-// opposite ones s = O d, O = tanh(h G)/G (A + B), where G^2 = (A + B)(A - B) and h is half of the thickness.
-// A thin layer has tanh(z)/z by the third approximant of Lambert's continued fraction (Abramowitz & Stegun
-// 1964, 4.5.70), thicker ones by doubling: tanh(2 z) = 2 tanh(z)/ (1 + tanh(z)^2). D = 1 - tanh(z)^2 is
-// carried along, so that transmittance keeps its digits in thick layers. At albedo 1 fluxes sqrt(e) are a
-// left null vector of A - B and of E, whatever the rounding of the rest: energy does not drift with the
-// number of doublings, as it does where reflection and transmission are doubled.
+// With s = x_down + x_up and d = x_down - x_up the equation of transfer is
+//     ds/dtau = -(A + B) d,   dd/dtau = -(A - B) s.
+// For equal light incident from both sides d = E s at the upper face, E = (A - B) tanh(h G)/G. For opposite
+// light s = O d, O = tanh(h G)/G (A + B). Here G^2 = (A + B)(A - B) and h is half of the thickness.
+// For a thin layer tanh(z)/z is the third approximant of Lambert's continued fraction (Abramowitz & Stegun
+// 1964, 4.5.70). Thicker layers follow by doubling, tanh(2 z) = 2 tanh(z)/(1 + tanh(z)^2). D = 1 - tanh(z)^2
+// is computed along with it, so that the transmittance of thick layers keeps its relative precision.
+// At albedo 1 the fluxes sqrt(e) are a left null vector of A - B and of E, whatever the other rounding
+// errors. So energy does not drift with the number of doublings, as it does if reflection and transmission
+// are doubled.
 Operators UniformLayer::operators(double optical_thickness, int mode) const {
   if (!(optical_thickness > 0) || !scatters(mode)) return attenuation(optical_thickness);
   const auto [sum, difference] = rates(mode);
