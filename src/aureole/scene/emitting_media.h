@@ -45,8 +45,8 @@ public:
   /// Samples a position at which a light path starts, by emitted power alone. The random numbers are those of
   /// `sample`.
   Place sample_by_power(float u, Vec2 in_cell, float third) const;
-  /// Returns the inverse size of the medium [1/length]: about the pdf per length with which one ray through the
-  /// medium samples emission.
+  /// Returns the inverse size of the medium [1/length]: about the pdf per length with which a ray through it
+  /// samples emission.
   float inverse_size(const Medium& medium) const;
 
   /// Emitted power of each region, less self-absorption [W/nm up to a scale common to all emitters].

@@ -59,13 +59,13 @@ private:
   std::optional<LightChoice> single_;  ///< the only candidate, if there is only one
   LightTree tree_;
   std::vector<std::pair<const Light*, std::size_t>> parts_;  ///< light and part at each leaf of the tree
-  /// index of each light's first leaf; kNone if it is not in the tree
+  /// Index of each light's first leaf; kNone if it is not in the tree
   std::vector<std::size_t> first_leaf_;
-  /// index of each light's first source; kNone if it is never chosen by power
+  /// Index of each light's first source; kNone if it is never chosen by power
   std::vector<std::size_t> first_source_;
-  /// light and part of each candidate of `choose_by_power`
+  /// Light and part of each candidate of `choose_by_power`
   std::vector<std::pair<const Light*, std::size_t>> sources_;
-  /// cumulative power up to and including each source
+  /// Cumulative power up to and including each source
   std::vector<double> power_sums_;
 };
 

@@ -13,7 +13,7 @@ namespace aureole::optics {
 double circle_transform(double u) {
   u = std::abs(u);
   if (u < 0.05) {
-    // Power series of 2 J1(u)/u; the first term left out is u^8/737280 < 1e-16.
+    // Power series of 2 J1(u)/u; the first neglected term is u^8/737280 < 1e-16.
     const double u2 = u * u;
     return 1 - u2 / 8 * (1 - u2 / 24 * (1 - u2 / 48));
   }

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Between the frequencies of an FFT the transform is interpolated as in a non-uniform FFT of type 2 (Dutt &
 // Rokhlin 1993, "Fast Fourier transforms for nonequispaced data"; Keiner, Kunis & Potts 2009, "Using NFFT
-// 3"): the picture, padded to 1.5 times its size, is divided by the transform of a Kaiser-Bessel window; the
-// sum of 6 x 6 neighbouring frequencies, weighted with that window, then gives the transform anywhere, with
-// an aliasing error of 2e-5 of the area.
+// 3"). The image, padded to 1.5 times its size, is divided by the transform of a Kaiser-Bessel window. The
+// sum of 6 x 6 neighbouring frequencies, weighted with that window, then gives the transform at any
+// frequency. The aliasing error is 2e-5 of the area.
 #include "aureole/optics/aperture/mask_aperture.h"
 
 #include <kiss_fftr.h>
@@ -26,14 +26,14 @@ namespace {
 constexpr int kTaps = 6, kPad = kTaps / 2;
 constexpr double kPadding = 1.5;
 
-/// Shape of the window for that padding (Beatty, Nishimura & Pauly 2005, "Rapid gridding reconstruction with
-/// a minimal oversampling ratio", equation 5).
+/// Returns the window's shape parameter for that padding (Beatty, Nishimura & Pauly 2005, "Rapid gridding
+/// reconstruction with a minimal oversampling ratio", equation 5).
 double window_shape() {
   const double w = kTaps * (1 - 0.5 / kPadding);
   return std::numbers::pi * std::sqrt(w * w - 0.8);
 }
 
-/// Weights of the taps around a frequency, for kPositions + 1 places between two of them.
+/// Tabulated weights of the taps around a frequency, for kPositions + 1 positions between two taps.
 class Window {
 public:
   using Weights = std::array<float, 8>;
@@ -46,7 +46,7 @@ public:
             std::abs(z) <= 1 ? float(boost::math::cyl_bessel_i(0, beta * std::sqrt(1 - z * z))) : 0.f;
       }
   }
-  /// For the taps floor(u) - kPad + 1, ..., floor(u) + kPad; `fraction` = u - floor(u).
+  /// Returns the weights of the taps floor(u) - kPad + 1, ..., floor(u) + kPad; `fraction` = u - floor(u).
   Weights operator()(double fraction) const {
     const double p = fraction * kPositions;
     const int i = std::clamp(int(p), 0, kPositions - 1);
@@ -66,7 +66,7 @@ const Window& window() {
   return w;
 }
 
-/// One over the window's transform at position k - origin of n.
+/// Returns the reciprocal of the window's transform at position k - origin of n.
 std::vector<double> window_correction(int count, int origin, int n) {
   const double beta = window_shape();
   std::vector<double> factors;
@@ -77,7 +77,7 @@ std::vector<double> window_correction(int count, int origin, int n) {
   return factors;
 }
 
-/// sin(x)/x.
+/// Returns sin(x)/x.
 double sinc(double x) { return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; }
 
 struct FreePlan {
@@ -87,7 +87,7 @@ template <class T>
 using Plan = std::unique_ptr<std::remove_pointer_t<T>, FreePlan>;
 
 struct Box {
-  int x0, y0, x1, y1;  ///< x1, y1 are not in it
+  int x0, y0, x1, y1;  ///< x1 and y1 are excluded
 };
 
 Box open_part(const Mask& m) {
@@ -125,7 +125,7 @@ MaskAperture::MaskAperture(const Mask& mask, double pitch, bool centroid) : pitc
       part.at((x - box.x0) / step, (y - box.y0) / step) += mask.at(x, y) / float(step * step);
   pitch_ *= step;
 
-  // Centre of the first pixel of `part`, relative to the centre of the picture.
+  // Centre of the first pixel of `part`, relative to the centre of the image.
   const double first_x = pitch * (box.x0 - 0.5 * mask.width) + 0.5 * pitch_,
                first_y = pitch * (0.5 * mask.height - box.y0) - 0.5 * pitch_;
   double sum = 0, sum2 = 0, sum_x = 0, sum_y = 0;
@@ -164,7 +164,7 @@ void MaskAperture::make_spectrum(const Mask& mask) {
   stride_ = half + 2 * kPad;
   spectrum_.assign(std::size_t(rows_) * stride_, 0);
 
-  // FFTs of the picture's rows (in the spectrum y points upwards), then of all columns.
+  // FFTs of the image's rows (in the spectrum y points upwards), then of all columns.
   const Plan<kiss_fftr_cfg> row_plan(kiss_fftr_alloc(columns_, 0, nullptr, nullptr));
   const Plan<kiss_fft_cfg> column_plan(kiss_fft_alloc(rows_, 0, nullptr, nullptr));
   if (!row_plan || !column_plan) throw std::bad_alloc();
@@ -188,7 +188,8 @@ void MaskAperture::make_spectrum(const Mask& mask) {
     for (int j = 0; j < rows_; ++j) column[std::size_t(j) * stride_] = {column_out[j].r, column_out[j].i};
   }
 
-  // The picture is real, F(-q) = conj F(q): the columns that pad both ends are conjugates of others.
+  // The image is real, so F(-q) = conj F(q): the padding columns at both ends are conjugates of other
+  // columns.
   for (int row = 0; row < rows_; ++row) {
     const std::size_t here = std::size_t(row) * stride_ + kPad,
                       opposite = std::size_t((rows_ - row) % rows_) * stride_ + kPad;
@@ -201,7 +202,7 @@ void MaskAperture::make_spectrum(const Mask& mask) {
 
 std::complex<double> MaskAperture::transform(double qx, double qy) const {
   const double envelope = sinc(0.5 * qx * pitch_) * sinc(0.5 * qy * pitch_);
-  // Frequency as a part of the period, in [0, 1/2] of x and [0, 1) of y.
+  // Frequency as a fraction of the period, in [0, 1/2] for x and [0, 1) for y.
   double u = qx * pitch_ / (2 * std::numbers::pi), v = qy * pitch_ / (2 * std::numbers::pi);
   u -= std::floor(u);
   const bool mirrored = u > 0.5;

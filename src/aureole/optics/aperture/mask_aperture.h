@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// `MaskAperture`: an opening given by a picture: a sum of square pixels, each with a transmittance in [0, 1].
+// `MaskAperture`: an aperture given by an image: a sum of square pixels, each with a transmittance in [0, 1].
 // Up to the Nyquist frequency, |q_x|, |q_y| < pi/pitch, its transform approximates that of the shape in the
-// picture; beyond, it is the periodic spectrum of the samples times the sinc of a pixel and says nothing
-// about the shape.
+// image. Beyond, it is the periodic spectrum of the samples times the sinc of a pixel, which does not
+// represent the shape.
 #pragma once
 
 #include <cstddef>
@@ -25,16 +25,17 @@ class MaskAperture final : public ApertureShape {
 public:
   static constexpr int kMaxSide = 1024;
 
-  /// `pitch` is the side of a pixel. The origin is the centroid, or else the centre of the picture. Its empty
-  /// border is cut off. A mask still wider or higher than kMaxSide is averaged over squares of pixels. Throws
-  /// std::domain_error for values outside of [0, 1] and where nothing is open.
+  /// `pitch` is the side of a pixel. The origin is the centroid (`centroid`) or the centre of the image. The
+  /// image's empty border is removed. A mask that is then still wider or higher than kMaxSide is averaged
+  /// over squares of pixels. Throws std::domain_error for values outside [0, 1] and for a mask that is opaque
+  /// everywhere.
   MaskAperture(const Mask& mask, double pitch, bool centroid);
 
   double area() const override { return area_; }
   double squared_area() const override { return squared_area_; }
   double bounding_radius() const override { return bounding_radius_; }
-  /// Error below 1e-4 of the area. Interpolated in a Fourier transform of at most 10 MB, which the
-  /// constructor computes.
+  /// Returns F(q) with an error below 1e-4 of the area. It is interpolated in a Fourier transform of at most
+  /// 10 MB, which the constructor computes.
   std::complex<double> transform(double qx, double qy) const override;
 
 private:

@@ -54,8 +54,8 @@ PolygonAperture::PolygonAperture(const PolygonRegion& region)
     edge_y_.push_back(0);
   }
 
-  // Moments: integral of x^a y^b dA = sum_j (p_j x e_j)/(a + b + 2) integral over the edge of x^a y^b dt, a
-  // polynomial of degree a + b, which Gauss's rule integrates exactly.
+  // Moments: integral of x^a y^b dA = sum_j (p_j x e_j)/(a + b + 2) integral over the edge of x^a y^b dt. The
+  // integrand is a polynomial of degree a + b, which Gauss quadrature integrates exactly.
   moments_.assign((kOrder + 1) * (kOrder + 2) / 2, 0.0);
   using Rule = boost::math::quadrature::gauss<double, kOrder / 2 + 2>;
   double power_x[kOrder + 1] = {1}, power_y[kOrder + 1] = {1};
@@ -101,7 +101,8 @@ std::complex<double> PolygonAperture::series(double qx, double qy) const {
 
 std::complex<double> PolygonAperture::transform(double qx, double qy) const {
   const double q2 = qx * qx + qy * qy;
-  // Below, the remainder of the series is 1/17! of the area; above, the sum loses a digit or two.
+  // Below the threshold the remainder of the series is 1/17! of the area; above it the sum loses one or two
+  // digits.
   if (!(q2 * radius_ * radius_ > 1)) return series(qx, qy);
   constexpr std::size_t kBlock = 64;
   double cosines[kBlock + kLanes], sines[kBlock + kLanes];
@@ -116,7 +117,7 @@ std::complex<double> PolygonAperture::transform(double qx, double qy) const {
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     const std::size_t size = std::min(kBlock, count - begin);
     for (std::size_t i = 0; i < size; i += kLanes) exponentials(begin + i, cosines + i, sines + i);
-    // The end of the block's last edge.
+    // The end point of the block's last edge.
     if (begin + size < count)
       exponentials(begin + size, cosines + size, sines + size);
     else

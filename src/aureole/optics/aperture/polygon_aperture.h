@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `PolygonAperture`: an opening bounded by straight edges; it may have holes.
+// `PolygonAperture`: an aperture bounded by straight edges, possibly with holes.
 #pragma once
 
 #include <array>
@@ -16,7 +16,8 @@ public:
 
   double area() const override { return area_; }
   double bounding_radius() const override { return bounding_radius_; }
-  /// Error below 1e-12 of the area at any q, for shapes up to a thousand times as long as wide.
+  /// Returns F(q) with an error below 1e-12 of the area at any q, for shapes with an aspect ratio of up to
+  /// 1000.
   std::complex<double> transform(double qx, double qy) const override;
 
 private:
@@ -26,11 +27,12 @@ private:
 
   double area_, bounding_radius_;
   PlanePoint centroid_;
-  double radius_;  ///< about the centroid
-  /// integral of x^a y^b / (a! b! radius^(a+b)) about the centroid, times (-1)^((a+b)/2), by a + b, then a
+  double radius_;  ///< bounding radius about the centroid
+  /// The integral of x^a y^b / (a! b! radius^(a+b)) about the centroid, times (-1)^((a+b)/2), in the order of
+  /// a + b, then a.
   std::vector<double> moments_;
-  // Vertices of all rings, each closed by its first vertex, padded to whole vectors; the edge of a vertex
-  // leads to the next one and is 0 after the last of a ring.
+  // Vertices and edges of all rings. Each ring is closed by its first vertex, and the arrays are padded to
+  // whole vectors. The edge of a vertex leads to the next one and is 0 after the last vertex of a ring.
   std::vector<double> x_, y_, edge_x_, edge_y_;
 };
 

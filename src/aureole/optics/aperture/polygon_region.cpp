@@ -16,8 +16,8 @@ namespace {
 
 __extension__ using Wide = __int128;
 
-/// A point on a grid of 2^52 cells across the region, as fine as double precision, on which the tests of
-/// orientation are exact.
+/// A point on a grid of 2^52 cells across the region, as fine as double precision. Orientation tests on it
+/// are exact.
 struct GridPoint {
   std::int64_t x, y;
   bool operator==(const GridPoint&) const = default;
@@ -54,18 +54,18 @@ struct Edge {
         max_y(std::max(a.y, b.y)) {}
 };
 
-/// Sign of the area of a triangle.
+/// Returns the sign of the area of a triangle.
 int turn(GridPoint a, GridPoint b, GridPoint c) {
   const Wide v = Wide(b.x - a.x) * (c.y - a.y) - Wide(b.y - a.y) * (c.x - a.x);
   return v > 0 ? 1 : v < 0 ? -1 : 0;
 }
 
-/// For edges whose bounding boxes meet.
+/// Whether two edges touch, given that their bounding boxes overlap.
 bool touch(const Edge& e, const Edge& f) {
   return turn(e.a, e.b, f.a) * turn(e.a, e.b, f.b) <= 0 && turn(f.a, f.b, e.a) * turn(f.a, f.b, e.b) <= 0;
 }
 
-/// The second edge starts where the first one ends and does not run back along it.
+/// Whether the second edge starts at the end of the first one and does not run back along it.
 bool is_plain_corner(const Edge& e, const Edge& f) {
   if (!(e.b == f.a) || e.a == f.b) return false;
   const Wide along = Wide(e.b.x - e.a.x) * (f.b.x - f.a.x) + Wide(e.b.y - e.a.y) * (f.b.y - f.a.y);
@@ -85,15 +85,15 @@ std::string name_of(const std::vector<Ring>& rings, const Edge& e) {
          text(ring[(e.index + 1) % ring.size()]);
 }
 
-/// Height at which the lines through two edges cross; of parallel ones, that of an end.
+/// Returns the height y at which the lines through two edges cross; for parallel ones, that of an endpoint.
 double crossing_height(PlanePoint a, PlanePoint b, PlanePoint c, PlanePoint d) {
   const double area = (b.x - a.x) * (d.y - c.y) - (b.y - a.y) * (d.x - c.x);
   const double t = ((c.x - a.x) * (d.y - c.y) - (c.y - a.y) * (d.x - c.x)) / area;
   return t >= 0 && t <= 1 ? a.y + t * (b.y - a.y) : a.y;
 }
 
-/// Throws where a ring touches itself; returns the heights at which edges of different rings meet, most + 1
-/// of them at most.
+/// Returns the heights y of contacts between edges of different rings, at most `most` + 1 of them. Throws
+/// std::domain_error if a ring touches itself.
 std::vector<double> find_contacts(const std::vector<Ring>& rings, const Grid& grid, std::size_t most) {
   std::vector<Edge> edges;
   for (std::size_t r = 0; r < rings.size(); ++r)
@@ -136,7 +136,8 @@ void bound(const std::vector<Ring>& rings, PlanePoint& lower, PlanePoint& upper)
     }
 }
 
-/// Turns rings that do not meet: outer ones counter-clockwise, holes clockwise. As exact as `find_contacts`.
+/// Orients rings without contacts: outer ones counter-clockwise, holes clockwise. It is as exact as
+/// `find_contacts`.
 void orient(std::vector<Ring>& rings, const Grid& grid) {
   std::vector<std::vector<GridPoint>> points;
   for (const Ring& ring : rings) {
@@ -167,7 +168,8 @@ void orient(std::vector<Ring>& rings, const Grid& grid) {
     if (reverse[r]) std::reverse(rings[r].begin(), rings[r].end());
 }
 
-/// Area by the even-odd rule, from the rows between the heights of all vertices and crossings.
+/// Returns the area by the even-odd rule, summed over the rows between the heights of all vertices and
+/// crossings.
 double even_odd_area(const std::vector<Ring>& rings, std::vector<double> heights) {
   for (const Ring& ring : rings)
     for (const PlanePoint& p : ring) heights.push_back(p.y);
@@ -190,7 +192,7 @@ double even_odd_area(const std::vector<Ring>& rings, std::vector<double> heights
   return area;
 }
 
-/// The even-odd union by Clipper, which is given the rings turned by an angle.
+/// Returns the even-odd union by Clipper, which is given the rings rotated by an angle.
 std::vector<Ring> clipped(const std::vector<Ring>& rings, double angle) {
   const double c = std::cos(angle), s = std::sin(angle);
   std::vector<Ring> turned = rings;
@@ -226,7 +228,7 @@ std::vector<Ring> clipped(const std::vector<Ring>& rings, double angle) {
 
 PolygonRegion::PolygonRegion(std::vector<Ring> rings) : rings_(std::move(rings)) {
   bound(rings_, lower_, upper_);
-  // About the middle of the region, so that nothing cancels where that is far from the origin.
+  // Coordinates relative to the centre of the region avoid cancellation far from the origin.
   const PlanePoint middle{0.5 * (lower_.x + upper_.x), 0.5 * (lower_.y + upper_.y)};
   double moment_x = 0, moment_y = 0;
   for (const Ring& ring : rings_)
@@ -277,12 +279,12 @@ PolygonRegion PolygonRegion::even_odd(std::vector<Ring> rings) {
     return region;
   };
   if (contacts.empty()) {
-    // Rings that do not meet keep their coordinates to the last bit.
+    // Rings without contacts keep bitwise equal coordinates.
     orient(rings, grid);
     return checked(std::move(rings));
   }
-  // Where many edges of several rings coincide, Clipper sometimes returns a wrong union, and rarely so for
-  // more than one orientation.
+  // If many edges of several rings coincide, Clipper sometimes returns a wrong union, and rarely for more
+  // than one orientation.
   const double area = even_odd_area(rings, contacts);
   if (!(area > negligible)) throw std::domain_error("has no area");
   for (double angle : {0.0, 0.7, 2.0, 4.4}) {

@@ -6,11 +6,10 @@
 
 namespace aureole::optics {
 
-/// An ellipse with half axes along x and y. Its transform is that of the unit circle with the axes of q
-/// scaled.
+/// An ellipse with semi-axes along x and y. Its transform is that of the unit circle with scaled q.
 class EllipseAperture final : public ApertureShape {
 public:
-  /// Throws std::domain_error unless both are positive and finite.
+  /// Throws std::domain_error unless both semi-axes are positive and finite.
   EllipseAperture(double radius_x, double radius_y);
 
   double area() const override { return area_; }

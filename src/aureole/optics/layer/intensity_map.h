@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `IntensityMap`: the two parts U(u) and C(u) of the intensity of a mixture (scatterer_mixture.h) that is not
-// isotropic, tabulated over the plane for look-up in single precision.
+// `IntensityMap`: the two parts U(u) and C(u) of the intensity of an anisotropic mixture
+// (scatterer_mixture.h), tabulated over the plane for look-up in single precision.
 #pragma once
 
 #include <cmath>
@@ -17,9 +17,9 @@
 namespace aureole::optics {
 
 /// Nested grids, finer towards the centre: steps of 1/20 up to |ux|, |uy| = 8, 1/16 up to 16, 1/12 up to 32,
-/// 1/5 up to 64 and 1/2 beyond, between which a point takes the bicubic interpolant (four-point Lagrange).
-/// Transforms of a shape within a circle of radius 1 have no frequency above 2 and fall as 1/u or faster: the
-/// error stays below 1e-5 of the peak (the tests measure it).
+/// 1/5 up to 64 and 1/2 beyond. Interpolation is bicubic (four-point Lagrange). Transforms of a shape within
+/// a circle of radius 1 have no frequency above 2 and fall at least as 1/u, so the error stays below 1e-5 of
+/// the peak (the tests measure it).
 class IntensityMap {
 public:
   struct Pair {
@@ -27,12 +27,12 @@ public:
   };
   static constexpr int kLargestExtent = 240;
 
-  /// `extent`: largest |u| that is wanted; at most kLargestExtent is tabulated. `f` is called from the
-  /// threads of `parallel_for`.
+  /// `extent` is the largest |u| needed; at most kLargestExtent is tabulated. `f` is called from the threads
+  /// of `parallel_for`.
   IntensityMap(const std::function<MixtureIntensity(double, double)>& f, double extent,
                const ParallelFor& parallel_for = serial_for);
 
-  /// |ux| and |uy| where the map ends. Beyond it `eval` must not be called.
+  /// Returns the largest |ux| and |uy| of the map. `eval` must not be called beyond it.
   float extent() const { return extents_[kLevels - 1]; }
   Pair eval(float ux, float uy) const {
     const float x[4] = {ux, 0, 0, 0}, y[4] = {uy, 0, 0, 0};
@@ -40,11 +40,11 @@ public:
     eval<4>(x, y, uncorrelated, coherent);
     return {uncorrelated[0], coherent[0]};
   }
-  /// Evaluates N points at once in vectors. Points beyond the map
-  /// take the values at its edge.
+  /// Evaluates U and C at N points at once, with vectorised indices and weights. Points beyond the map take
+  /// the values at its edge.
   template <int N>
   void eval(const float* ux, const float* uy, float* uncorrelated, float* coherent) const;
-  /// At the places (x[i], y[i]): U to values[i], C to values[x.size() + i].
+  /// Evaluates the points (x[i], y[i]): writes U to values[i] and C to values[x.size() + i].
   void eval(std::span<const double> x, std::span<const double> y, std::span<double> values) const;
   std::size_t bytes() const { return nodes_.size() * sizeof(Pair); }
 
@@ -54,12 +54,13 @@ private:
   static constexpr int kLevels = 5;
   float extents_[kLevels], rates_[kLevels];  // rate: nodes per unit
   std::int32_t columns_[kLevels], first_[kLevels];
-  /// Nodes (U, C), level by level, for ux from -extent - step and uy from -step: the lower half plane is the
-  /// upper one turned by 180 degrees.
+  /// Nodes (U, C), level by level, for ux from -extent - step and uy from -step. The lower half plane is the
+  /// upper one rotated by 180 degrees.
   std::vector<Pair> nodes_;
 };
 
-/// GCC drops a vector size that depends on a parameter from an alias; a member type keeps it.
+/// A member type instead of an alias: GCC drops a vector size that depends on a template parameter from an
+/// alias.
 template <int N>
 struct IntensityMap::Vectors {
   typedef float Floats __attribute__((vector_size(sizeof(float) * N)));
@@ -90,7 +91,7 @@ void IntensityMap::eval(const float* ux, const float* uy, float* uncorrelated, f
   x = (x + extent) * rate, y = y * rate;
   const Ints column = __builtin_convertvector(x, Ints), row = __builtin_convertvector(y, Ints);
   const Ints node = first + row * columns + column;
-  // The cubics through nodes at -1, 0, 1, 2.
+  // The Lagrange cubics through nodes at -1, 0, 1, 2.
   const auto weights = [](const Floats& t, Floats(&w)[4]) {
     const Floats a = t * (1 / 6.f), m = t - 1, p = t + 1, q = t - 2;
     w[0] = -a * m * q, w[1] = p * m * q * 0.5f, w[2] = -t * p * q * 0.5f, w[3] = a * p * m;
@@ -110,7 +111,7 @@ void IntensityMap::eval(const float* ux, const float* uy, float* uncorrelated, f
     sum *= Row{wx[0][j], wx[0][j], wx[1][j], wx[1][j], wx[2][j], wx[2][j], wx[3][j], wx[3][j]};
     const Half half = Half{sum[0], sum[1], sum[2], sum[3]} + Half{sum[4], sum[5], sum[6], sum[7]};
     const float u = half[0] + half[2], c = half[1] + half[3];
-    // The interpolant swings a little below 0 next to zeros of order two.
+    // The interpolant may be slightly negative next to zeros of order two.
     uncorrelated[j] = u > 0 ? u : 0, coherent[j] = c > 0 ? c : 0;
   }
 }

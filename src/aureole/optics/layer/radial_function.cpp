@@ -56,8 +56,8 @@ RadialDistribution::RadialDistribution(const std::function<double(double)>& dens
     exact[i] = std::max(density(Cells::start(i)), 0.0);
     if (i > 0) total += 0.5 * (exact[i - 1] + exact[i]) * Cells::width(i - 1);
   }
-  exact[cells] = tail / end / end;  // continuous, and the tail keeps its power
-  // The distribution is the integral of the rounded nodes that `eval` reads, so that samples follow `eval`
+  exact[cells] = tail / end / end;  // makes the density continuous; the tail keeps its power
+  // The cumulative distribution integrates the rounded nodes that `eval` reads, so that samples follow `eval`
   // exactly.
   nodes_.resize(cells + 2);
   power_.resize(cells + 1);
@@ -90,9 +90,9 @@ double RadialDistribution::sample(double xi, double u_max) const {
   const std::size_t g = std::min(std::size_t(target / table * double(guide_.size())), guide_.size() - 1);
   int i = int(guide_[g]);
   const int last = int(power_.size()) - 2;
-  if (i > 0 && power_[i] > target) --i;  // rounding of the guide's place
+  if (i > 0 && power_[i] > target) --i;  // rounding of the index into the guide
   while (i < last && power_[i + 1] <= target) ++i;
-  // The root of t (a + t (b - a)/2) = rest, in the form that does not divide by b - a.
+  // The root of t (a + t (b - a)/2) = rest, in the form without division by b - a.
   const double a = nodes_[i], b = nodes_[i + 1], rest = (target - power_[i]) / Cells::width(i);
   const double denominator = a + std::sqrt(std::max(0.0, a * a + 2 * (b - a) * rest));
   const double t = denominator > 0 ? std::min(2 * rest / denominator, 1.0) : 0.0;

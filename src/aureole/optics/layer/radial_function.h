@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // `RadialFunction`: a smooth function of u >= 0 for look-up in single precision, without transcendental
-// functions; `RadialDistribution`: a density over u that is sampled exactly.
+// functions. `RadialDistribution`: a density over u that is sampled exactly.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace aureole::optics {
 
-/// Cells of [0, end]: of `kFine` per unit up to kSplit, of `kCoarse` per unit from there on.
+/// Cells of [0, end]: `kFine` per unit up to kSplit, `kCoarse` per unit beyond.
 template <int kFine, int kCoarse>
 struct RadialCells {
   static constexpr int kSplit = 64;
@@ -21,8 +21,8 @@ struct RadialCells {
     return i < kFineCells ? double(i) / kFine : kSplit + double(i - kFineCells) / kCoarse;
   }
   static double width(int i) { return i < kFineCells ? 1.0 / kFine : 1.0 / kCoarse; }
-  /// The cell that holds u, and the fraction of the cell that lies below u. The lines of both parts cross at
-  /// kSplit and the lower one counts, which saves a branch.
+  /// Finds the cell that contains u, and the position of u in it as a fraction. The linear index functions of
+  /// both ranges cross at kSplit and the smaller one applies, which saves a branch.
   template <class Real>
   static int find(Real u, Real& fraction) {
     const Real fine = u * Real(kFine), coarse = u * Real(kCoarse) + Real(kFineCells - kSplit * kCoarse);
@@ -33,20 +33,20 @@ struct RadialCells {
   }
 };
 
-/// A cubic in each cell, through four points of it. For functions without frequencies above 2, such as the
-/// squared transforms of shapes within a circle of radius 1: of a sinusoid of that frequency the error is
-/// 2e-7 of its amplitude up to u = 64 and 5e-5 beyond, rounding to single precision included.
+/// A cubic in each cell, through four of its points. It suits functions without frequencies above 2, such as
+/// the squared transforms of shapes within a circle of radius 1. For a sinusoid of that frequency the error
+/// is 2e-7 of its amplitude up to u = 64 and 5e-5 beyond, including rounding to single precision.
 class RadialFunction {
 public:
-  /// Tabulates f over [0, end], `end` a whole number. Beyond it c/u^3 with c the mean of f u^3 over the last
-  /// sixteenth: by Porod's law what shapes with an edge scatter. With `decays` false 0 instead, for functions
-  /// that oscillate about 0.
+  /// Tabulates f over [0, end]; `end` is a whole number. Beyond `end` the function is c/u^3, with c the mean
+  /// of f u^3 over the last sixteenth: by Porod's law shapes with an edge scatter so. With `decays` false it
+  /// is 0 there, for functions that oscillate about 0.
   RadialFunction(const std::function<double(double)>& f, int end, bool decays);
-  /// Tabulates f from its values at `places(end)`.
+  /// Makes the table from the values of f at `places(end)`.
   RadialFunction(const std::vector<double>& values, int end, bool decays);
   static std::vector<double> places(int end);
 
-  /// For u >= 0. GCC vectorises a loop of it, by gathers.
+  /// Returns the function at u >= 0. GCC vectorises a loop over it by gathers.
   float eval(float u) const {
     const float inside = u < end_ ? u : last_;
     float t;
@@ -64,20 +64,20 @@ private:
 };
 
 /// A density over u that is linear in each of its cells up to `end` and falls as 1/u^2 beyond, with its
-/// cumulative distribution: samples follow exactly the density that `eval` returns.
+/// cumulative distribution. Samples follow exactly the density that `eval` returns.
 class RadialDistribution {
 public:
-  /// `density`: values u g(u) >= 0 of any scale; `tail` that of the part c/u^2 beyond `end` on that scale.
+  /// `density` returns u g(u) >= 0 on any scale; beyond `end` it is `tail`/u^2 on the same scale.
   RadialDistribution(const std::function<double(double)>& density, int end, double tail);
 
-  /// g(u), such that the integral of u g(u) du over [0, infinity) is 1.
+  /// Returns g(u), normalised so that the integral of u g(u) du over [0, infinity) is 1.
   float eval(float u) const {
     u = u > 1e-15f ? u : 1e-15f;
     return density(u) / u;
   }
-  /// Integral of u' g(u') du' over [0, u], in [0, 1].
+  /// Returns the integral of u' g(u') du' over [0, u], in [0, 1].
   double cdf(double u) const;
-  /// The u in [0, u_max] with cdf(u) = xi cdf(u_max), for xi in [0, 1) and u_max > 0.
+  /// Returns the u in [0, u_max] with cdf(u) = xi cdf(u_max), for xi in [0, 1) and u_max > 0.
   double sample(double xi, double u_max) const;
   std::size_t bytes() const { return nodes_.size() * 4 + power_.size() * 8 + guide_.size() * 4; }
 
@@ -90,13 +90,14 @@ private:
     Real t;
     const int i = Cells::find(inside, t);
     const Real a = static_cast<Real>(nodes_[i]), b = static_cast<Real>(nodes_[i + 1]);
-    const Real decay = inside / u;  // 1 inside the table
+    const Real decay = inside / u;  // is 1 inside the table
     return (a + t * (b - a)) * decay * decay;
   }
 
   int end_;
-  std::vector<float> nodes_;   ///< at the start of each cell and at end_; one more, read but weighted 0
-  std::vector<double> power_;  ///< integral up to the start of each cell and up to end_
+  /// Values at the start of each cell and at end_; one more is read with weight 0
+  std::vector<float> nodes_;
+  std::vector<double> power_;         ///< integral up to the start of each cell and up to end_
   std::vector<std::uint32_t> guide_;  ///< the cell where a search starts, at equal steps of the distribution
   double tail_, total_;
 };

@@ -51,7 +51,7 @@ std::vector<RingAzimuths> RingAzimuths::of(int count, const Intensities& f, doub
     const int first = any.rings_[i].first, bins = int(any.rings_[i].bins);
     const double a = any.ring_start(i), b = any.ring_start(i + 1);
     constexpr int kAcross = 3, kAlong = 3;
-    std::vector<double> xs, ys, squares;  // of all places of the ring, and the squared lengths of (x, y)
+    std::vector<double> xs, ys, squares;  // squares: squared lengths of (x, y) at all points of the ring
     for (int k = 0; k < bins; ++k)
       for (int m = 0; m < kAlong; ++m) {
         const double p = (k + (m + 0.5) / kAlong) / bins, x = 1 - 2 * p, y = 1 - std::abs(x);
@@ -74,7 +74,7 @@ std::vector<RingAzimuths> RingAzimuths::of(int count, const Intensities& f, doub
             weights[k] += *value++ / squares[std::size_t(k) * kAlong + m];  // d azimuth/dp = 2/length^2
         sum += weights[k];
       }
-      // A floor of 1 %: features between the points of the sum keep a positive density.
+      // A floor of 1 % of the mean keeps the density positive for features between the sampled points.
       const double floor = sum > 0 ? 0.01 * sum / bins : 1.0;
       sum += floor * bins;
       double running = 0;

@@ -36,15 +36,15 @@ double radial_intensity(double u, double size_ratio, double area_fraction) {
 
 double radial_intensity_integral(double size_ratio, double area_fraction) {
   check_size_ratio(size_ratio);
-  // The integrand falls as u^-2 only. Without interference its integral is known, 2/size_ratio^2, and what
-  // interference changes falls as u^-3.5: from 400 on it holds less than 1e-6 of the integral.
+  // The integrand falls only as u^-2. Without interference its integral is known, 2/size_ratio^2. The change
+  // by interference falls as u^-3.5: less than 1e-6 of the integral is beyond 400.
   const auto change = [=](double u) {
     const double shape = circle_transform(size_ratio * u);
     return shape * shape * (hard_disc_structure_factor(u, area_fraction) - 1) * u;
   };
   using Rule = boost::math::quadrature::gauss<double, 10>;
   double sum = 0;
-  // S' is sharply peaked near u = 3 at high area fractions and swings with period pi further out.
+  // S' has a sharp peak near u = 3 at high area fractions and oscillates with period pi beyond.
   for (int i = 0; i < 128; ++i) sum += Rule::integrate(change, i / 8.0, (i + 1) / 8.0);
   for (int i = 16; i < 400; ++i) sum += Rule::integrate(change, double(i), double(i + 1));
   return 2 / (size_ratio * size_ratio) + sum;
@@ -55,7 +55,7 @@ ScattererLayer::ScattererLayer(double shape_radius, double correlation_radius, d
       correlation_radius_(checked_radius(correlation_radius, "correlation radius")),
       area_fraction_(area_fraction) {
   const double ratio = shape_radius / correlation_radius;
-  // J over its Poisson value, so that the normalisation of an empty layer is its limit and not 0/0.
+  // J relative to its Poisson value, so that the normalisation of an empty layer is the limit instead of 0/0.
   const double relative_total = 0.5 * ratio * ratio * radial_intensity_integral(ratio, area_fraction);
   shape_fraction_ = area_fraction * ratio * ratio;
   total_ = shape_fraction_ * relative_total;

@@ -13,7 +13,7 @@
 namespace aureole::optics {
 namespace {
 
-/// Ring means of amplitude and intensity of a shape; their highest harmonic is |q| times its radius.
+/// Ring means of a shape's amplitude and intensity; their highest harmonic is |q| times its radius.
 struct ShapeRing {
   double amplitude, intensity;
 };
@@ -22,7 +22,7 @@ ShapeRing shape_ring(const ApertureShape& shape, double q, double radius) {
   ShapeRing sum{};
   visit_half_ring(q, n, [&](double qx, double qy) {
     const std::complex<double> f = shape.transform(qx, qy);
-    sum.amplitude += f.real();  // the other half of the ring has its conjugate
+    sum.amplitude += f.real();  // the other half of the ring has the conjugates
     sum.intensity += std::norm(f);
   });
   return {sum.amplitude / n, sum.intensity / n};
@@ -33,11 +33,11 @@ ShapeRing shape_ring(const ApertureShape& shape, double q, double radius) {
 struct ScattererMixture::Part {
   Scatterer scatterer;
   double unit;     ///< 1/correlation radius
-  bool isotropic;  ///< circular, or turned at random
+  bool isotropic;  ///< circular, or with random rotation
   double cosine = 1, sine = 0;
-  /// Ring means of a shape without circular symmetry over w = |q| times its own radius, made once.
+  /// Ring means of a shape without circular symmetry over w = |q| times its own radius, computed once.
   std::unique_ptr<RadialFunction> amplitude, intensity;
-  std::vector<int> classes;  ///< of the nodes of sizes, where sizes are correlated
+  std::vector<int> classes;  ///< class of each node of the size distribution, if sizes are correlated
 
   Part(Scatterer s, double correlation_radius, const ParallelFor& parallel_for)
       : scatterer(std::move(s)), unit(1 / correlation_radius) {
@@ -61,7 +61,7 @@ struct ScattererMixture::Part {
     }
   }
 
-  /// Adds P <F>, to the class of the size or all to the first, and P <|F|^2> at u.
+  /// Adds P <F> at u to the sum of the size's class, or to the first sum, and P <|F|^2> to `intensity_sum`.
   void add(double ux, double uy, std::complex<double>* amplitude_sums, double& intensity_sum) const {
     const ApertureShape& shape = *scatterer.shape;
     for (std::size_t i = 0; i < scatterer.sizes.nodes().size(); ++i) {
@@ -69,7 +69,7 @@ struct ScattererMixture::Part {
       std::complex<double>& amplitude_sum = amplitude_sums[classes.empty() ? 0 : classes[i]];
       // F of a shape scaled by s is s^2 F(s q).
       const double scale = size * unit, factor = size * size * unit * unit, p = weight * scatterer.fraction;
-      // q in the shape's own unit: u/a times the size.
+      // q in the shape's own unit: u/a times the relative size.
       const double qx = ux * scale, qy = uy * scale;
       if (amplitude) {
         const double area = shape.area() * factor;
@@ -187,11 +187,11 @@ void ScattererMixture::correlate_sizes(
 }
 
 double correlation_power(const std::function<double(double)>& f) {
-  // C falls as u^-3 and S' - 1 as u^-1.5: less than 1e-6 of the integral lies beyond 400.
+  // C falls as u^-3 and S' - 1 as u^-1.5: less than 1e-6 of the integral is beyond 400.
   const auto change = [&](double u) { return f(u) * u; };
   using Rule = boost::math::quadrature::gauss<double, 10>;
   double sum = 0;
-  // S' is sharply peaked near u = 3 at high area fractions and swings with period pi further out.
+  // S' has a sharp peak near u = 3 at high area fractions and oscillates with period pi beyond.
   for (int i = 0; i < 128; ++i) sum += Rule::integrate(change, i / 8.0, (i + 1) / 8.0);
   for (int i = 16; i < 400; ++i) sum += Rule::integrate(change, double(i), double(i + 1));
   return sum;

@@ -20,7 +20,7 @@ int radial_end(const ScattererMixture& mixture, const std::optional<IntensityMap
   return mixture.is_isotropic() ? kRadialEnd : int(map->extent());
 }
 
-/// `RadialFunction` of an expensive f.
+/// Makes a `RadialFunction` of an expensive f in parallel.
 RadialFunction radial_function(const std::function<double(double)>& f, int end, bool decays,
                                const ParallelFor& parallel_for) {
   std::vector<double> values = RadialFunction::places(end);
@@ -33,7 +33,7 @@ RadialFunction radial_function(const std::function<double(double)>& f, int end, 
   return RadialFunction(values, end, decays);
 }
 
-/// Ring means of U and C.
+/// Returns the ring means of U and C.
 std::pair<RadialFunction, RadialFunction> ring_functions(const ScattererMixture& mixture,
                                                          const std::optional<IntensityMap>& map,
                                                          const ParallelFor& parallel_for) {
@@ -83,8 +83,8 @@ ScattererTable::ScattererTable(const ScattererMixture& mixture, double extent,
                         int(std::ceil(last)), true, parallel_for);
     uncorrelated_azimuths_.emplace(product, last, RingAzimuths::kSpots, parallel_for);
   } else if (map_) {
-    // A part that is zero everywhere has no azimuths to look for: U where all scatterers are alike, C where
-    // sizes are correlated.
+    // A part that is zero everywhere has no azimuthal distribution: U if all scatterers are equal, C if sizes
+    // are correlated.
     const auto parts = [&](std::span<const double> x, std::span<const double> y, std::span<double> values) {
       map_->eval(x, y, values);
       if (mixture.is_uniform()) std::fill_n(values.begin(), x.size(), 0.0);

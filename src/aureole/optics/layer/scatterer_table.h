@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// `ScattererTable`: U and C of a mixture for look-up in single precision, and the distributions of their
-// azimuths for sampling. In terms of u = q a one table serves all radii, wavelengths, indices and area
-// fractions.
+// `ScattererTable`: U and C of a mixture for look-up in single precision, and their azimuthal distributions
+// for sampling. In terms of u = q a one table serves all radii, wavelengths, indices and area fractions.
 #pragma once
 
 #include <optional>
@@ -15,23 +14,23 @@ namespace aureole::optics {
 
 class ScattererTable {
 public:
-  /// Tables up to |u| = `extent`; beyond 4096 (240 of mixtures that are not isotropic) the mean of the rings
-  /// takes their place, which falls as u^-3. `anisotropic` is the structure factor of positions that have no
-  /// circular symmetry, null otherwise: then azimuths are those of U + C S'. `mixture` and `anisotropic` are
-  /// evaluated on the threads of `parallel_for`.
+  /// Tabulates up to |u| = `extent`. Beyond 4096 (240 for anisotropic mixtures) it is replaced by the ring
+  /// mean, which falls as u^-3. `anisotropic` is the structure factor of positions without circular symmetry,
+  /// or null; if given, azimuths follow U + C S'. `mixture` and `anisotropic` are evaluated on the threads of
+  /// `parallel_for`.
   ScattererTable(const ScattererMixture& mixture, double extent,
                  std::shared_ptr<const StructureFactor> anisotropic = nullptr,
                  const ParallelFor& parallel_for = serial_for);
 
   using Pair = IntensityMap::Pair;
-  /// The ring means of U and C.
+  /// Returns the ring means of U and C.
   Pair ring(float u) const { return {uncorrelated_.eval(u), coherent_.eval(u)}; }
-  /// U and C at (ux, uy) of length u.
+  /// Returns U and C at (ux, uy) of length u.
   Pair eval(float ux, float uy, float u) const {
     if (!map_ || !(u < map_->extent())) return envelope(ux, uy, u);
     return map_->eval(ux, uy);
   }
-  /// Evaluates N points at once.
+  /// Returns U and C at N points at once.
   template <int N>
   void eval(const float* ux, const float* uy, const float* u, float* uncorrelated, float* coherent) const {
     if (map_) {
@@ -46,14 +45,15 @@ public:
       uncorrelated[j] = p.uncorrelated, coherent[j] = p.coherent;
     }
   }
-  /// Whether the mixture or its positions are not isotropic, so that azimuths have distributions.
+  /// Whether the mixture or its positions are anisotropic, so that azimuths have distributions.
   bool has_azimuths() const { return uncorrelated_azimuths_.has_value(); }
-  /// Both have the same bins; for an anisotropic correlation they are one distribution.
+  /// The azimuthal distributions of U and of C have equal bins; for an anisotropic correlation they are one
+  /// distribution.
   const RingAzimuths& uncorrelated_azimuths() const { return *uncorrelated_azimuths_; }
   const RingAzimuths& coherent_azimuths() const {
     return coherent_azimuths_ ? *coherent_azimuths_ : *uncorrelated_azimuths_;
   }
-  /// Ring mean of U + C S' with the anisotropic S'.
+  /// Returns the ring mean of U + C S' with the anisotropic S'.
   float product_ring(float u) const { return product_->eval(u); }
   bool is_product() const { return product_.has_value(); }
   double product_end() const { return product_->end(); }

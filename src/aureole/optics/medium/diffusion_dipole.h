@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that leaves a half-space where a thin beam has entered it, by the diffusion approximation with a
+// Light that leaves a half-space after a thin beam has entered it, in the diffusion approximation with a
 // source in the medium and its mirror image above (Farrell, Patterson & Wilson 1992; Jensen, Marschner, Levoy
-// & Hanrahan 2001, "A practical model for subsurface light transport", equation 4). Lengths in m.
+// & Hanrahan 2001, "A practical model for subsurface light transport", equation 4). Lengths are in m.
 #pragma once
 
 #include "aureole/optics/medium/diffusion.h"
@@ -10,30 +10,31 @@ namespace aureole::optics {
 
 class Dipole {
 public:
-  /// `index`: that of the half-space over that outside. A medium that does not scatter sends nothing back.
-  /// Throws std::domain_error where the medium has no extinction, or the index is not positive.
+  /// `index` is that of the half-space over that outside. A medium without scattering returns no light.
+  /// Throws std::domain_error if the medium has no extinction or the index is not positive.
   Dipole(const DiffusionCoefficients& medium, double index);
 
   double source_depth() const { return source_; }  ///< 1/sigma_tr
-  double image_height() const { return image_; }   ///< of the source's mirror image above the surface
+  double image_height() const { return image_; }   ///< height of the source's mirror image above the surface
   double effective() const { return effective_; }  ///< sqrt(3 sigma_a sigma_tr), 1/m
-  double albedo() const { return albedo_; }        ///< the reduced one
+  double albedo() const { return albedo_; }        ///< reduced albedo
 
-  /// Power per area (1/m^2) that leaves at a distance from the beam, of 1 W that has entered.
+  /// Returns the power per area (1/m^2) that leaves at a distance from the beam, for 1 W that has entered.
   double profile(double distance) const;
-  /// Its integral over the plane.
+  /// Returns the integral of `profile` over the plane.
   double total() const;
 
 private:
   double source_, image_, effective_, albedo_;
 };
 
-/// The total in closed form, alpha/2 (1 + exp(-4/3 A s)) exp(-s) with s = sqrt(3 (1 - alpha)), alpha the
-/// reduced albedo and A = (1 + F)/(1 - F), F the diffuse Fresnel reflectance from inside (Jensen et al. 2001,
-/// section 4.2).
+/// Returns the total reflectance in closed form, alpha/2 (1 + exp(-4/3 A s)) exp(-s) with s = sqrt(3 (1 -
+/// alpha)), alpha the reduced albedo and A = (1 + F)/(1 - F), F the diffuse Fresnel reflectance from inside
+/// (Jensen et al. 2001, section 4.2).
 double dipole_reflectance(double reduced_albedo, double index);
 
-/// The reduced albedo at which that is `reflectance`. Throws std::domain_error outside of [0, 1].
+/// Returns the reduced albedo at which `dipole_reflectance` is `reflectance`. Throws std::domain_error unless
+/// that is in [0, 1].
 double dipole_albedo(double reflectance, double index);
 
 }  // namespace aureole::optics

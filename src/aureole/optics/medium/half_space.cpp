@@ -14,7 +14,7 @@ namespace aureole::optics {
 
 namespace {
 
-/// Nodes and weights for integrals over cosines in [0, 1], with a node border at `kink`.
+/// Nodes and weights for integrals over cosines in [0, 1], divided at `kink`.
 struct Cosines {
   std::vector<double> mu, weight;
 
@@ -30,7 +30,8 @@ private:
     const double half = (to - from) / 2, middle = (from + to) / 2;
     for (std::size_t i = 0; i < Rule::abscissa().size(); ++i)
       for (const double sign : {-1.0, 1.0}) {
-        // The reflectance has a root of the distance to the kink: t^2 smooths it.
+        // The reflectance behaves as the square root of the distance to the kink: the substitution t^2
+        // smooths it.
         const double t = (1 + sign * Rule::abscissa()[i]) / 2;
         const bool above = from > 0;
         mu.push_back(above ? from + (to - from) * t * t : middle + half * (2 * t - 1));
@@ -39,8 +40,8 @@ private:
   }
 };
 
-/// H at the nodes: 1/H(mu) = sqrt(1 - albedo) + albedo/2 integral of mu' H(mu')/(mu + mu') (Chandrasekhar
-/// 1950, section 38), by iteration.
+/// Returns H at the nodes by iteration: 1/H(mu) = sqrt(1 - albedo) + albedo/2 integral of mu' H(mu')/(mu +
+/// mu') (Chandrasekhar 1950, section 38).
 std::vector<double> h_function(double albedo, const Cosines& c) {
   std::vector<double> h(c.size(), 1.0);
   for (int step = 0; step < 2000; ++step) {
@@ -49,7 +50,7 @@ std::vector<double> h_function(double albedo, const Cosines& c) {
     for (std::size_t i = 0; i < c.size(); ++i) {
       double sum = 0;
       for (std::size_t j = 0; j < c.size(); ++j) sum += c.weight[j] * c.mu[j] * h[j] / (c.mu[i] + c.mu[j]);
-      // The mean with the step before: without it the iteration swings.
+      // The mean with the previous iterate damps oscillations.
       next[i] = (h[i] + 1 / (std::sqrt(1 - albedo) + albedo / 2 * sum)) / 2;
       change = std::max(change, std::abs(next[i] - h[i]));
     }
@@ -59,7 +60,8 @@ std::vector<double> h_function(double albedo, const Cosines& c) {
   return h;
 }
 
-/// Solves a x = b by elimination; a is diagonally dominant (light is lost at every turn).
+/// Solves a x = b by elimination without pivoting; a is diagonally dominant, since light is lost at every
+/// reflection.
 std::vector<double> solve(std::vector<std::vector<double>> a, std::vector<double> b) {
   const std::size_t n = b.size();
   for (std::size_t k = 0; k < n; ++k)
@@ -88,8 +90,8 @@ double half_space_reflectance(double albedo, double index, Illumination illumina
   std::vector<double> inside(n);  // Fresnel reflectance for light from inside
   for (std::size_t i = 0; i < n; ++i) inside[i] = fresnel_reflectance(c.mu[i], index, 1);
 
-  // Radiance upwards per irradiance across a beam downwards: albedo/(4 pi) mu'/(mu + mu') H(mu) H(mu').
-  // Factors of 2 pi of azimuths are left out of radiances: `up` is 2 pi times the radiance.
+  // Upward radiance per downward irradiance perpendicular to a beam: albedo/(4 pi) mu'/(mu + mu') H(mu)
+  // H(mu'). Azimuthal factors of 2 pi are left out: `up` is 2 pi times the radiance.
   const auto reflected = [&](double mu, double h_mu, double from, double h_from) {
     return albedo / 2 * from / (mu + from) * h_mu * h_from;
   };

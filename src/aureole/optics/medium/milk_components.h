@@ -12,7 +12,7 @@ struct MilkComponents {
   double fat_index, fat_absorption_index;  ///< the latter times 1e6
   double riboflavin_absorbance;
 };
-/// 375 to 775 nm in steps of 25 nm.
+/// Returns the rows, from 375 to 775 nm in steps of 25 nm.
 std::span<const MilkComponents> milk_components();
 
 }  // namespace aureole::optics

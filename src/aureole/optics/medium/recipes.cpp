@@ -28,8 +28,8 @@ void require_range(double value, double low, double high, const char* name, cons
                           std::to_string(high) + "] " + unit + ", got " + std::to_string(value));
 }
 
-/// Micelles: the volume is log-normal in t = r/(150 nm - r), mean 43/(150 - 43), standard deviation 0.23 of t, as a
-/// density over r.
+/// Returns the radii of casein micelles as a density over r: the volume is log-normal in t = r/(150 nm - r),
+/// with mean 43/(150 - 43) and standard deviation 0.23.
 RadiusDistribution casein_radii() {
   constexpr double kLargest = 150e-9, kMean = 43e-9, kDeviation = 0.23;
   const double mean = kMean / (kLargest - kMean);
@@ -56,8 +56,8 @@ constexpr DropletRecipe kDroplets[] = {
 std::span<const MilkComponents> milk_components() { return kMilk; }
 
 double milk_fat_radius(double fat, double pressure) {
-  // Fits of Frisvad, Christensen & Jensen 2007 to measured means, in um: at 0 and at 50 MPa, between them a power of
-  // the pressure.
+  // Fits of Frisvad, Christensen & Jensen 2007 to measured means, in um, at 0 and 50 MPa. Between them the
+  // mean is a power of the pressure.
   const double raw =
       fat < 2 ? -0.2528033794 * fat * fat + 1.418606759 * fat : 1.456189142 * std::pow(fat, 0.36);
   if (!(pressure > 0)) return raw * 1e-6;
@@ -71,7 +71,7 @@ Suspension milk(const MilkRecipe& recipe) {
   require_range(recipe.pressure, 0, 200, "pressure of homogenisation", "MPa");
   constexpr double kFatDensity = 915, kCaseinDensity = 1110, kMilkDensity = 1030;  // kg/m^3
   constexpr double kVariation = 0.6, kCaseinInProtein = 0.76;
-  // 0.17 mg in 100 g (Fox & McSweeney 1998), in mol/L.
+  // 0.17 mg in 100 g (Fox & McSweeney 1998), converted to mol/L.
   const double riboflavin = 0.17e-3 / kRiboflavinMolarMass / 0.1 * kMilkDensity * 1e-3;
   const ClearMedium pure = water();
   ClearMedium solvent = pure;
@@ -82,7 +82,7 @@ Suspension milk(const MilkRecipe& recipe) {
   if (recipe.fat > 0) {
     const auto n = milk_column(&MilkComponents::fat_index);
     const auto k = milk_column(&MilkComponents::fat_absorption_index, 1e-6);
-    // The mean of the volume's distribution is the volume-to-surface mean, as in the authors' program.
+    // The mean is interpreted as the volume-to-surface mean, as in the authors' program.
     const double mean = milk_fat_radius(recipe.fat, recipe.pressure) / (1 + kVariation * kVariation);
     ingredients.push_back(
         {.name = "milk fat",

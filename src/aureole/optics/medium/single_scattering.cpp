@@ -15,13 +15,13 @@ namespace aureole::optics {
 SingleScattering::SingleScattering(double g, double index) {
   if (!(std::abs(g) < 1)) throw std::domain_error("asymmetry must be in (-1, 1), got " + std::to_string(g));
   if (!(index > 0)) throw std::domain_error("the index must be positive, got " + std::to_string(index));
-  // The sine of the angle outside as the variable: transmission ends where it is 1.
+  // The variable of integration is the sine of the angle outside: transmission ends where it is 1.
   using Rule = boost::math::quadrature::gauss<double, kNodes>;
   const double last = index > 1 ? std::asin(1 / index) : std::numbers::pi / 2;
   for (std::size_t i = 0; i < std::size_t(kNodes); ++i) {
     const std::size_t j = i / 2;
     const double a = (i % 2 ? 1 : -1) * Rule::abscissa()[j], t = (1 + a) / 2;
-    // Near the last angle the transmission falls as a root: 1 - (1 - t)^2 smooths it.
+    // Near the last angle the transmission behaves as a square root: 1 - (1 - t)^2 smooths it.
     const double theta = last * t * (2 - t), c = std::cos(theta);
     const double step = Rule::weights()[j] / 2 * last * 2 * (1 - t);
     rates[i] = 1 / std::tan(theta / 2);

@@ -17,7 +17,8 @@ const SpectralPoint kWaterAbsorption[] = {
 #include "aureole/optics/medium/data/water_absorption.inc"
 };
 
-/// M. Daimon and A. Masumura, Appl. Opt. 46 (2007) 3811, table 3, 20 C; 182 to 1129 nm.
+/// Returns the real index of water at 20 C, 182 to 1129 nm (M. Daimon and A. Masumura, Appl. Opt. 46 (2007)
+/// 3811, table 3).
 double water_real_index(double lambda_nm) {
   constexpr double kTerms[4][2] = {{5.684027565e-1, 5.101829712e-3},
                                    {1.726177391e-1, 1.821153936e-2},

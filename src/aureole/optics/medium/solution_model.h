@@ -9,45 +9,46 @@
 
 namespace aureole::optics {
 
-/// The host medium of particles: a liquid or gas that refracts, absorbs and, by its molecules, scatters.
+/// A medium without particles: a liquid or gas that refracts, absorbs and, by its molecules, scatters. It can
+/// host particles.
 struct ClearMedium {
   SpectralFunction index;                 ///< real part
-  SpectralFunction absorption = nullptr;  ///< sigma_a, 1/m; none: lossless
-  SpectralFunction scattering = nullptr;  ///< sigma_s by molecules, 1/m; none: none
-  SpectralFunction depolarization =
-      nullptr;         ///< depolarisation factor of `rayleigh_phase` for that scattering; null: 0
-  double density = 0;  ///< kg/m^3; 0: not known
+  SpectralFunction absorption = nullptr;  ///< sigma_a, 1/m; null: lossless
+  SpectralFunction scattering = nullptr;  ///< sigma_s by molecules, 1/m; null: 0
+  /// Depolarisation factor of that scattering (`rayleigh_phase`); null: 0.
+  SpectralFunction depolarization = nullptr;
+  double density = 0;  ///< kg/m^3; 0: unknown
 };
 
-/// Pure water at 20 C: Daimon & Masumura 2007 (index), Pope & Fry 1997 and Smith & Baker 1981 (absorption,
-/// 380 to 800 nm, constant beyond), Morel 1974 (scattering).
+/// Returns pure water at 20 C: index by Daimon & Masumura 2007, absorption by Pope & Fry 1997 and Smith &
+/// Baker 1981 (380 to 800 nm, constant beyond), scattering by Morel 1974.
 ClearMedium water();
-/// Dry air at 15 C and 1013.25 hPa: Peck & Reeder 1972, Bodhaine et al. 1999; no absorption.
+/// Returns dry air at 15 C and 1013.25 hPa: Peck & Reeder 1972, Bodhaine et al. 1999; no absorption.
 ClearMedium air();
-/// Nothing, n = 1.
+/// Returns a vacuum, n = 1.
 ClearMedium vacuum();
 
-/// The complex index of water, for droplets of it.
+/// Returns the complex index of water, for droplets.
 IndexFunction water_index();
 
-/// A dissolved substance that absorbs and is too small to scatter.
+/// A dissolved substance that absorbs and does not scatter.
 struct Dye {
   std::string name;
   SpectralFunction molar_absorptivity;  ///< decadic, L/(mol cm)
   double concentration = 0;             ///< mol/L
 };
 
-/// Dyes in a solvent: absorption coefficients add (Beer), the solvent's index, scattering and density stay.
-/// It is a `ClearMedium` with names, and what `Suspension` takes for a host.
+/// Dyes in a solvent: absorption coefficients add (Beer); the solvent's index, scattering and density are
+/// unchanged. It is a `ClearMedium` with names of its dyes and can be the host of a `Suspension`.
 class Solution {
 public:
-  /// Throws std::domain_error, with the name of the dye, for negative concentrations and dyes without a
+  /// Throws std::domain_error, with the name of the dye, for a negative concentration or a dye without a
   /// spectrum.
   Solution(ClearMedium solvent, std::vector<Dye> dyes);
 
   const ClearMedium& medium() const { return medium_; }
   const std::vector<Dye>& dyes() const { return dyes_; }
-  /// sigma_a, 1/m.
+  /// Returns sigma_a, 1/m.
   double absorption(double lambda_nm) const { return medium_.absorption(lambda_nm); }
   double index(double lambda_nm) const { return medium_.index(lambda_nm); }
 
@@ -56,9 +57,9 @@ private:
   std::vector<Dye> dyes_;
 };
 
-/// Riboflavin (vitamin B2) in water: PhotochemCAD's spectrum (Du et al. 1998), 375 to 775 nm, scaled to 33000
-/// L/(mol cm) at 266.5 nm (Koziol 1966) as Frisvad, Christensen & Jensen 2007 do. Its background, the mean
-/// above 540 nm, where riboflavin does not absorb, is subtracted.
+/// Returns the molar absorptivity of riboflavin (vitamin B2) in water: PhotochemCAD's spectrum (Du et al.
+/// 1998), 375 to 775 nm, scaled to 33000 L/(mol cm) at 266.5 nm (Koziol 1966) as by Frisvad, Christensen &
+/// Jensen 2007. Its background, the mean above 540 nm, where riboflavin does not absorb, is subtracted.
 SpectralFunction riboflavin_absorptivity();
 inline constexpr double kRiboflavinMolarMass = 376.36;  ///< g/mol
 

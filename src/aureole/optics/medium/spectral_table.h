@@ -12,11 +12,11 @@ struct SpectralPoint {
   double lambda_nm, value;
 };
 
-/// Linear between points, constant beyond them. Throws std::domain_error where there is no point, wavelengths
-/// do not increase, or a value is negative or not finite.
+/// Returns a function that is linear between the points and constant beyond them. Throws std::domain_error if
+/// there is no point, if wavelengths do not increase, or if a value is negative or not finite.
 SpectralFunction spectral_table(std::span<const SpectralPoint> points);
 
-/// A function that is constant over wavelength.
+/// Returns a function that is constant over wavelengths.
 SpectralFunction spectral_constant(double value);
 
 }  // namespace aureole::optics

@@ -12,7 +12,8 @@
 namespace aureole::optics {
 namespace {
 
-/// The molecules of a medium as particles: the coefficient in 1/m is the cross section in m^2 of one per m^3.
+/// The molecules of a medium as particles: the coefficient in 1/m is the cross section in m^2 at one particle
+/// per m^3.
 class Molecules final : public ParticleKind {
 public:
   explicit Molecules(const ClearMedium& medium)
@@ -55,8 +56,8 @@ private:
 Suspension::Suspension(ClearMedium host, std::vector<Ingredient> ingredients)
     : host_(std::move(host)), ingredients_(std::move(ingredients)) {
   if (!host_.index) throw std::domain_error("the medium around particles needs a refractive index");
-  // Volume fractions f = w rho/rho_particles of ingredients by mass follow from the density of the whole, which
-  // solves rho = sum over the others of f rho_particles + rho sum w + (1 - sum f) rho_host.
+  // Volume fractions f = w rho/rho_particles of ingredients by mass depend on the total density rho. It
+  // solves rho = sum over the other ingredients of f rho_particles + rho sum w + (1 - sum f) rho_host.
   double by_mass = 0, specific_volume = 0, others = 0, others_mass = 0;
   for (const Ingredient& i : ingredients_) {
     const std::string name = i.name.empty() ? "particles" : i.name;

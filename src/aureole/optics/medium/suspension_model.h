@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Media by what is in them: a liquid or gas, and the particles that float in it, each by material, sizes and
-// amount.
+// Media by their composition: a liquid or gas and suspended particles, each kind with a material, sizes and
+// an amount.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace aureole::optics {
 
-/// How much there is of one kind of particles, in the whole of the medium and all particles.
+/// The amount of one kind of particles, relative to the whole medium including all particles.
 struct Amount {
   enum class Kind {
     number,  ///< per m^3
     volume,  ///< fraction of the volume
-    mass     ///< fraction of the mass: needs densities
+    mass     ///< fraction of the mass; needs densities
   };
   Kind kind = Kind::volume;
   double value = 0;
@@ -28,23 +28,24 @@ struct Ingredient {
   std::shared_ptr<const ParticleKind> particles;
   RadiusDistribution radii;
   Amount amount;
-  double density = 0;  ///< of the particles' material, kg/m^3; 0: not known
-  /// The option of `ParticlePopulation`: correct for positions that are not independent.
+  double density = 0;  ///< of the particles' material, kg/m^3; 0: unknown
+  /// Whether positions are correlated as hard spheres (see `ParticlePopulation`).
   bool hard_spheres = false;
 };
 
 /// Coefficients and phase functions over wavelengths.
 struct MediumSpectrum {
-  /// Host and particles together, at increasing wavelengths.
+  /// Coefficients of host and particles together, at increasing wavelengths.
   std::vector<EnsembleCoefficients> coefficients;
-  /// At the same wavelengths; no tables where nothing scatters, or none were asked for.
+  /// Phase functions at the same wavelengths; no tables if nothing scatters or none were requested.
   PhaseTables phases;
 };
 
 class Suspension {
 public:
-  /// Throws std::domain_error, with the ingredient's name, where an amount is negative, a density is missing, or
-  /// there is more than fits: the closest packing of spheres, or `kMaxHardSphereFraction` with `hard_spheres`.
+  /// Throws std::domain_error, with the ingredient's name, if an amount is negative, a density is missing, or
+  /// the particles do not fit: the limit is the closest packing of spheres, or `kMaxHardSphereFraction` with
+  /// `hard_spheres`.
   Suspension(ClearMedium host, std::vector<Ingredient> ingredients);
 
   const ClearMedium& host() const { return host_; }
@@ -54,19 +55,20 @@ public:
   }  ///< per m^3
   double volume_fraction(std::size_t ingredient) const { return populations_[ingredient].volume_fraction(); }
   double volume_fraction() const;  ///< of all particles
-  /// kg/m^3; 0 where a density is not known.
+  /// Returns the density in kg/m^3; 0 if that of a component is unknown.
   double density() const;
-  /// Real index: that of the host (particles' share in the refraction of the whole is left out).
+  /// Returns the real index of the host; the particles' contribution to refraction is neglected.
   double index(double lambda_nm) const { return host_.index(lambda_nm); }
 
-  /// At each wavelength (nm, increasing) of a list. sigma_a of the host counts for the volume that is left to it.
+  /// Computes the spectrum at increasing wavelengths in nm. sigma_a of the host is scaled by its volume
+  /// fraction.
   MediumSpectrum spectrum(const std::vector<double>& lambda_nm, bool with_phases = true,
                           const EnsembleAccuracy& accuracy = {}, const ParallelFor& parallel_for = serial_for,
                           const TellProgress& progress = nullptr) const;
 
-  /// Effect of the option `hard_spheres` of an ingredient at a wavelength, whether it is on or not: worth a
-  /// note where it is off and the scattering differs from 1 by more than 1 %. Nothing where the particles fill
-  /// more than `kMaxHardSphereFraction`.
+  /// Returns the effect of the option `hard_spheres` of an ingredient at a wavelength, whether it is on or
+  /// not. Callers warn if it is off and scattering would change by more than 1 %. Returns nothing if the
+  /// particles fill more than `kMaxHardSphereFraction`.
   std::optional<DependentScattering> dependence(std::size_t ingredient, double lambda_nm,
                                                 const EnsembleAccuracy& accuracy = {},
                                                 const ParallelFor& parallel_for = serial_for) const;

@@ -22,8 +22,8 @@ void check_index(Complex m, const char* part) {
                             std::to_string(m.real()) + " + " + std::to_string(m.imag()) + "i");
 }
 
-/// Logarithmic derivatives of zeta_n(z) = z h_n^(1)(z) for n = 0 ... count, upward (stable), given those of
-/// psi_n (Yang 2003, equations 18 to 21).
+/// Returns the logarithmic derivatives of zeta_n(z) = z h_n^(1)(z) for n = 0 ... count, by the stable upward
+/// recurrence, given those of psi_n (Yang 2003, equations 18 to 21).
 std::vector<Complex> outgoing_derivatives(Complex z, const std::vector<Complex>& psi) {
   std::vector<Complex> d(psi.size());
   d[0] = kI;
@@ -55,7 +55,7 @@ CoatedMie::CoatedMie(double core_x, double x, Complex core, Complex coat) : Part
   const auto inner_zeta = outgoing_derivatives(inner, inner_psi);
   const auto outer_zeta = outgoing_derivatives(outer, outer_psi);
 
-  // ratio: psi_n(inner)/zeta_n(inner) over the same at `outer` (Yang 2003, equations 32 to 34).
+  // ratio: psi_n(inner)/zeta_n(inner) over psi_n(outer)/zeta_n(outer) (Yang 2003, equations 32 to 34).
   std::vector<Complex> electric(count + 1), magnetic(count + 1);
   Complex ratio = std::exp(-2 * (outer.imag() - inner.imag())) *
                   (std::exp(-2.0 * kI * inner.real()) - std::exp(-2 * inner.imag())) /

@@ -11,11 +11,12 @@ namespace aureole::optics {
 
 class CoatedMie : public PartialWaves {
 public:
-  /// `core_x` and `x`: 2 pi radius n_medium/lambda of the core and of the whole; `core` and `coat`: indices
-  /// over that of the medium. In the form of Yang, "Improved recursive algorithm for light scattering by a
-  /// multilayered sphere", Applied Optics 42 (2003) 1710, which has logarithmic derivatives and ratios only:
-  /// thick absorbing coats do not overflow. Throws std::domain_error, with the value, unless 0 < core_x <= x, x
-  /// is in the range of `Mie` and both indices are.
+  /// `core_x` and `x` are the size parameters 2 pi radius n_medium/lambda of the core and of the whole
+  /// sphere. `core` and `coat` are indices relative to the medium. The algorithm uses only logarithmic
+  /// derivatives and ratios, so thick absorbing coats do not overflow (Yang, "Improved recursive algorithm
+  /// for light scattering by a multilayered sphere", Applied Optics 42 (2003) 1710). Throws
+  /// std::domain_error, with the value, unless 0 < core_x <= x and x and both indices are in the range of
+  /// `Mie`.
   CoatedMie(double core_x, double x, std::complex<double> core, std::complex<double> coat);
 };
 

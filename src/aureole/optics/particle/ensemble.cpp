@@ -21,7 +21,7 @@ constexpr double kPerSize = 1 / 1.2, kPerLog = 8;
 
 double wave_number(double lambda_nm, double host) { return 2 * kPi * host / (lambda_nm * 1e-9); }
 
-/// Angles at which averages over radii are compared, and their opposites.
+/// Returns the angles at which averages over radii are compared; their supplements are compared too.
 std::vector<double> probes() {
   std::vector<double> mu;
   for (const double degrees :
@@ -30,8 +30,9 @@ std::vector<double> probes() {
   return mu;
 }
 
-/// Leaves out the largest and smallest radii that have less than 1e-4 of the forward peak, roughly
-/// proportional to x^6 of small particles and x^4 of large ones, and 1e-6 of the absorption, x^3 and x^2.
+/// Drops the largest and smallest radii that contribute less than 1e-4 of the forward peak and 1e-6 of the
+/// absorption. The forward peak is roughly proportional to x^6 for small particles and x^4 for large ones,
+/// the absorption to x^3 and x^2.
 std::vector<RadiusNode> without_ends(std::vector<RadiusNode> nodes, double k) {
   const auto forward = [&](const RadiusNode& n) {
     const double x2 = k * k * n.radius * n.radius;
@@ -53,7 +54,7 @@ std::vector<RadiusNode> without_ends(std::vector<RadiusNode> nodes, double k) {
   return {nodes.begin() + std::ptrdiff_t(first), nodes.begin() + std::ptrdiff_t(last)};
 }
 
-/// Adds the intensity of `nodes` in [begin, end) to `at` and `mirrored`.
+/// Adds the intensities of `nodes`, times the structure factor, to `at` and `mirrored`.
 void add_differential(const ParticlePopulation& population, std::span<const RadiusNode> nodes,
                       double lambda_nm, double host, std::span<const double> mu, std::span<double> at,
                       std::span<double> mirrored) {
@@ -76,13 +77,13 @@ void add_differential(const ParticlePopulation& population, std::span<const Radi
 
 }  // namespace
 
-/// Averages over one population at one wavelength, per particle.
+/// Averages over radii of one population at one wavelength, per particle.
 struct Ensemble::Average {
   std::vector<RadiusNode> nodes;
-  double extinction = 0, scattering = 0, cosine = 0;  // cosine: of scattering times asymmetry
+  double extinction = 0, scattering = 0, cosine = 0;  // cosine: scattering times asymmetry
   std::vector<double> at, mirrored;
   bool done = false, converged = false;
-  /// Of `done` ones, with structure factors.
+  /// Values with structure factors, computed once `done`.
   double correlated = 0, correlated_cosine = 0;
 };
 
@@ -136,7 +137,7 @@ Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<doub
   }
 }
 
-/// Doubles the number of radii of each average until that changes it no more.
+/// Doubles the number of radii of each average until it has converged.
 void Ensemble::refine(std::vector<Average>& averages, const ParallelFor& parallel_for) {
   const std::vector<double> mu = probes();
   const std::size_t kinds = populations_.size();
@@ -212,7 +213,7 @@ void Ensemble::refine(std::vector<Average>& averages, const ParallelFor& paralle
   }
 }
 
-/// Scattering and its mean cosine with structure factors, by Gauss's rule over mu.
+/// Computes scattering and its mean cosine with structure factors, by Gauss quadrature over mu.
 void Ensemble::correlate(std::vector<Average>& averages, const ParallelFor& parallel_for) {
   const std::size_t kinds = populations_.size();
   parallel_for(
@@ -224,11 +225,11 @@ void Ensemble::correlate(std::vector<Average>& averages, const ParallelFor& para
           a.correlated = a.scattering, a.correlated_cosine = a.cosine;
           if (!population.hard_spheres || a.nodes.empty()) continue;
           const double lambda = lambda_nm_[i / kinds], host = host_[i / kinds];
-          // |S|^2 has degree 2 x, the structure factor oscillates as exp(4 i x).
+          // |S|^2 is a polynomial of degree 2 x; the structure factor oscillates as exp(4 i x).
           const double x = wave_number(lambda, host) * a.nodes.back().radius;
           const int half = std::min(2000, 24 + int(2 * x));
           const Quadrature q = gauss_legendre(2 * half);
-          const std::span<const double> mu(q.x.data(), half);  // of [0, 1], to be mirrored
+          const std::span<const double> mu(q.x.data(), half);  // nodes in [0, 1]; each also represents -mu
           std::vector<double> at(half, 0), mirrored(half, 0);
           add_differential(population, a.nodes, lambda, host, mu, at, mirrored);
           a.correlated = a.correlated_cosine = 0;
@@ -251,8 +252,8 @@ std::vector<double> Ensemble::differential(std::size_t wavelength, std::span<con
 
 namespace {
 
-/// Estimates which part of adaptive rounds is done. How many angles the later ones need is not known: at
-/// first as many as the present one and a fifth more, then less and less (spheres of 2 to 60 um in light of
+/// Estimates the progress of an adaptive refinement, whose number of later angles is unknown. It is first
+/// assumed to be 1.2 times that of the present round, then less and less (fitted to spheres of 2 to 60 um at
 /// 360 to 830 nm).
 class RoundProgress {
 public:
@@ -304,7 +305,7 @@ PhaseTables Ensemble::phases(const ParallelFor& parallel_for, const TellProgress
       size = std::max(size, wave_number(lambda_nm_[w], host_[w]) * nodes.back().radius);
     }
   }
-  // The forward peak is 4/x wide, bows x^(-2/3).
+  // The forward peak is 4/x wide, rainbows are x^(-2/3) wide.
   const double step = std::min(kPi / 60, 0.5 * std::pow(size, -2.0 / 3));
   RoundProgress rounds(progress, tasks.size());
   return tabulate_phases(

@@ -13,8 +13,8 @@ double hard_sphere_structure_factor(double u, double f) {
   const double denominator = std::pow(1 - f, 4);
   const double alpha = (1 + 2 * f) * (1 + 2 * f) / denominator;
   const double beta = -6 * f * (1 + f / 2) * (1 + f / 2) / denominator, gamma = 0.5 * f * alpha;
-  // integral over s in [0, 1] of s^2 (alpha + beta s + gamma s^3) sin(A s)/(A s), -1/(24 f) of the direct
-  // correlation, at A = 2 u.
+  // The integral over s in [0, 1] of s^2 (alpha + beta s + gamma s^3) sin(A s)/(A s) is -1/(24 f) times the
+  // direct correlation function, with A = 2 u.
   const double a = 2 * std::abs(u), a2 = a * a;
   double integral = 0;
   if (a < 2) {

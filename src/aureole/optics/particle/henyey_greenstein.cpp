@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLargest = 0.99999;
 
-/// Both g are roots of z^2 - b z + c: moments follow the recurrence m_(l+1) = b m_l - c m_(l-1).
+/// Both g are roots of z^2 - b z + c, since the moments satisfy the recurrence m_(l+1) = b m_l - c m_(l-1).
 std::optional<DoubleHenyeyGreenstein> by_moments(double m1, double m2, double m3) {
   const double spread = m2 - m1 * m1;
   if (!(spread > 1e-12)) return std::nullopt;
@@ -43,12 +43,12 @@ double fit_henyey_greenstein(const PhaseTable& phase) { return phase.asymmetry()
 DoubleHenyeyGreenstein fit_double_henyey_greenstein(const PhaseTable& phase) {
   const double m1 = phase.legendre(1), m2 = phase.legendre(2), m3 = phase.legendre(3);
   if (const auto fit = by_moments(m1, m2, m3)) return *fit;
-  // Both g on ever finer grids about the best so far; the share follows from m1.
+  // Search both g on successively finer grids around the best pair; the share follows from m1.
   DoubleHenyeyGreenstein best{1, m1, m1};
   const auto error = [&](const DoubleHenyeyGreenstein& f) {
     const double e2 = f.share * f.g1 * f.g1 + (1 - f.share) * f.g2 * f.g2 - m2;
     const double e3 = f.share * std::pow(f.g1, 3) + (1 - f.share) * std::pow(f.g2, 3) - m3;
-    return 5 * e2 * e2 + 7 * e3 * e3;  // 2 l + 1: the squared difference of the series
+    return 5 * e2 * e2 + 7 * e3 * e3;  // the factors 2 l + 1 give the squared difference of the series
   };
   double least = error(best);
   constexpr int kSteps = 20;

@@ -18,8 +18,8 @@ void PartialWaves::match(std::span<const Complex> electric, std::span<const Comp
   for (int n = 1; n <= count; ++n) {
     const double next = (2 * n - 1) * per_x * chi - chi_before;
     chi_before = chi, chi = next;
-    // The denominators differ from the numerators by -i chi in place of psi. Written out: the products of
-    // std::complex look for infinities, which takes longer than all the rest.
+    // The denominators differ from the numerators by -i chi in place of psi. They are written out because
+    // products of std::complex check for infinities, which would dominate the cost.
     const auto coefficient = [&](Complex inside) {
       const double fr = inside.real() + n * per_x, fi = inside.imag();
       const double nr = fr * psi[n] - psi[n - 1], ni = fi * psi[n];
@@ -37,7 +37,7 @@ void PartialWaves::match(std::span<const Complex> electric, std::span<const Comp
 void PartialWaves::find_efficiencies() {
   double extinction = 0, scattering = 0, cosine = 0;
   Complex backward = 0;
-  // The small terms first: sums of large ones would swallow them.
+  // Small terms are summed first, so that large sums do not absorb them.
   for (int n = int(a_.size()); n > 0; --n) {
     const Complex a = a_[n - 1], b = b_[n - 1];
     const double weight = 2 * n + 1;
@@ -52,7 +52,7 @@ void PartialWaves::find_efficiencies() {
   }
   const double x2 = x_ * x_;
   extinction_ = 2 / x2 * extinction;
-  // Rounding must not let scattering exceed extinction.
+  // Rounding errors must not make scattering exceed extinction.
   scattering_ = std::min(2 / x2 * scattering, extinction_ > 0 ? extinction_ : 0);
   extinction_ = std::max(extinction_, 0.0);
   backscattering_ = std::norm(backward) / x2;
@@ -73,7 +73,7 @@ void PartialWaves::amplitudes(std::span<const double> mu, std::span<MieAmplitude
     const std::size_t lanes = std::min(kLanes, mu.size() - first);
     Vector cosine{};
     for (std::size_t i = 0; i < kLanes; ++i) cosine[i] = mu[first + std::min(i, lanes - 1)];
-    // pi_n and tau_n (Bohren & Huffman, equation 4.47): pi is odd or even as n - 1, tau as n.
+    // pi_n and tau_n (Bohren & Huffman, equation 4.47): pi_n has the parity of n - 1, tau_n that of n.
     Vector before{}, pi = cosine * 0 + 1;
     Vector s1r{}, s1i{}, s2r{}, s2i{}, m1r{}, m1i{}, m2r{}, m2i{};
     for (std::size_t k = 0; k < terms_.size(); ++k) {
@@ -105,9 +105,9 @@ void PartialWaves::intensities(std::span<const double> mu, std::span<double> at,
                                std::span<double> mirrored) const {
   constexpr std::size_t kLanes = 4;
   using Vector = double __attribute__((vector_size(sizeof(double) * kLanes)));
-  // Sums and differences of the amplitudes take half the products: with p = pi + tau and m = pi - tau,
-  //     S1 + S2 = sum w (a + b) p,   S1 - S2 = sum w (a - b) m,
-  // and at -mu p and m change places, with the sign (-1)^(n - 1).
+  // Sums and differences of the amplitudes need half as many products. With p = pi + tau and m = pi - tau
+  //     S1 + S2 = sum w (a + b) p,   S1 - S2 = sum w (a - b) m.
+  // At -mu, p and m are exchanged, with the sign (-1)^(n - 1).
   struct Step {
     double sum_r, sum_i, difference_r, difference_i;
     double forward, back;  // pi_(n+1) = forward mu pi_n - back pi_(n-1)

@@ -13,10 +13,10 @@
 namespace aureole::optics {
 namespace {
 
-/// Below this 2 pi radius n/lambda the two terms of Rayleigh's series have errors below 1e-8.
+/// Below this size parameter 2 pi radius n/lambda two terms of the Rayleigh series have errors below 1e-8.
 constexpr double kSmall = 1e-3;
 
-/// The series of a sphere, with areas in m^2.
+/// Adapts the series of a sphere to the interface `Particle`, with cross sections in m^2.
 template <class Series>
 class SphereParticle final : public Particle {
 public:

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Particles of any kind, as light sees them: cross sections and where they scatter. `Particle` is one at one
-// wavelength, `ParticleKind` makes it for a radius.
+// Optical properties of particles of any kind: cross sections and differential scattering. `Particle` is one
+// particle at one wavelength; `ParticleKind` makes it for a radius.
 //
-// The medium around is lossless for the waves: its real index alone enters (the far field of a particle in an
-// absorbing medium has no cross sections that add; Mishchenko, Optics Express 15 (2007) 13188). What the
-// medium itself absorbs is added to the coefficients of the whole, and is right as long as it absorbs little
-// over the size of a particle.
+// The surrounding medium is treated as lossless: only its real index enters. (In an absorbing medium the far
+// field of a particle has no cross sections that add; Mishchenko, Optics Express 15 (2007) 13188.) The
+// medium's own absorption is added to the coefficients of the whole. This is accurate if the medium absorbs
+// little over the size of a particle.
 #pragma once
 
 #include <complex>
@@ -27,18 +27,18 @@ public:
   virtual double extinction() const = 0;  ///< cross section, m^2
   virtual double scattering() const = 0;  ///< cross section, m^2
   double absorption() const { return extinction() - scattering(); }
-  virtual double geometric() const = 0;  ///< area of the shadow, m^2
+  virtual double geometric() const = 0;  ///< geometric cross section, m^2
   double albedo() const { return extinction() > 0 ? scattering() / extinction() : 1; }
   /// Mean cosine of the scattering angle.
   virtual double asymmetry() const = 0;
 
-  // Efficiencies: cross sections over the area of the shadow.
+  // Efficiencies: cross sections over the geometric cross section.
   double extinction_efficiency() const { return extinction() / geometric(); }
   double scattering_efficiency() const { return scattering() / geometric(); }
   double absorption_efficiency() const { return absorption() / geometric(); }
 
-  /// Differential scattering cross section of unpolarised light, m^2/sr, at each of many cosines of the
-  /// scattering angle and, where `mirrored` is not empty, at their opposites. Its integral over the sphere is
+  /// Computes the differential scattering cross section of unpolarised light, m^2/sr, at cosines of the
+  /// scattering angle and, unless `mirrored` is empty, at their negatives. Its integral over the sphere is
   /// `scattering()`. All spans have one size.
   virtual void differential(std::span<const double> mu, std::span<double> at,
                             std::span<double> mirrored = {}) const = 0;
@@ -52,19 +52,18 @@ public:
 class ParticleKind {
 public:
   virtual ~ParticleKind() = default;
-  /// A particle of a `radius` (m, the outer one) in a medium of real index `host`. Throws std::domain_error
-  /// where the theory does not reach.
+  /// Makes a particle of the outer `radius` (m) in a medium of real index `host`. Throws std::domain_error
+  /// outside the range of the theory.
   virtual std::unique_ptr<const Particle> make(double radius, double lambda_nm, double host) const = 0;
 };
 
-/// Homogeneous spheres (Mie).
+/// Homogeneous spheres (Mie theory).
 std::shared_ptr<const ParticleKind> sphere_kind(IndexFunction index);
 
-/// Spheres with a coat; the core has `core_fraction` in (0, 1) of the outer radius.
+/// Spheres with a coat; the core's radius is `core_fraction` in (0, 1) times the outer radius.
 std::shared_ptr<const ParticleKind> coated_sphere_kind(IndexFunction core, IndexFunction coat,
                                                        double core_fraction);
-/// Coated spheres with a coat of the same `thickness` in m for every radius; smaller particles consist of the
-/// coat alone.
+/// Spheres with a coat of fixed `thickness` in m; particles not larger than that consist of coat alone.
 std::shared_ptr<const ParticleKind> thin_coated_sphere_kind(IndexFunction core, IndexFunction coat,
                                                             double thickness);
 

@@ -13,7 +13,7 @@
 namespace aureole::optics {
 namespace {
 
-/// Integrals over the sphere between neighbouring nodes.
+/// Visits the integrals over the sphere between neighbouring nodes.
 template <class Visit>
 void for_each_step(const PhaseTable& t, const Visit& visit) {
   for (std::size_t i = 0; i + 1 < t.mu.size(); ++i)
@@ -37,7 +37,7 @@ double PhaseTable::integral() const {
 }
 
 double PhaseTable::legendre(int l) const {
-  // Three Gauss nodes in each step are exact for the product, of degree 4 at most.
+  // Three Gauss nodes in each step are exact for the product, whose degree is at most 4.
   const double at[] = {-std::sqrt(0.6), 0, std::sqrt(0.6)}, weight[] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
   double sum = 0, total = 0;
   for (std::size_t i = 0; i + 1 < mu.size(); ++i) {
@@ -63,7 +63,7 @@ double PhaseTable::sample(std::span<const double> cdf, double u) const {
   const std::size_t i =
       std::clamp<std::size_t>(std::upper_bound(cdf.begin(), cdf.end(), u) - cdf.begin(), 1, mu.size() - 1);
   const double width = mu[i] - mu[i - 1], share = (u - cdf[i - 1]) / (cdf[i] - cdf[i - 1]);
-  // The root of the quadratic cumulative density, in the form that does not cancel.
+  // The root of the quadratic cumulative distribution, in the form without cancellation.
   const double a = p[i - 1], b = p[i], root = std::sqrt(std::max(0.0, a * a + share * (b * b - a * a)));
   const double t = a + root > 0 ? share * (a + b) / (a + root) : share;
   return mu[i - 1] + std::clamp(t, 0.0, 1.0) * width;
@@ -71,10 +71,10 @@ double PhaseTable::sample(std::span<const double> cdf, double u) const {
 
 PhaseTables tabulate_phases(const PhaseEvaluator& evaluate, std::size_t count, double peak, double step,
                             const PhaseAccuracy& accuracy) {
-  // By the angle from the nearer pole, which both halves share.
+  // Columns are indexed by the angle from the nearer pole, which serves both hemispheres.
   struct Column {
     std::vector<double> front, back;
-    bool is_node = false;  // otherwise the middle of a step, known and not needed so far
+    bool is_node = false;  // otherwise the midpoint of a step, evaluated but not yet needed as a node
   };
   std::map<double, Column> columns;
   std::vector<std::vector<double>> at(count), mirrored(count);
@@ -136,7 +136,7 @@ PhaseTables tabulate_phases(const PhaseEvaluator& evaluate, std::size_t count, d
     std::vector<Step> next;
     for (const Step& s : open) {
       const Column &a = columns[s.low], &b = columns[s.high], &c = columns[s.middle()];
-      // cos(low) - cos(middle) over cos(low) - cos(high), without their cancellation.
+      // (cos(low) - cos(middle))/(cos(low) - cos(high)) without cancellation.
       const double quarter = 0.25 * (s.high - s.low),
                    t = std::sin(s.low + quarter) * std::sin(quarter) /
                        (std::sin(s.low + 2 * quarter) * std::sin(2 * quarter));
@@ -153,13 +153,13 @@ PhaseTables tabulate_phases(const PhaseEvaluator& evaluate, std::size_t count, d
         result.error = std::max(result.error, worst);
         continue;
       }
-      // Half of the step has a quarter of the error where the function is smooth.
+      // For a smooth function half of the step has a quarter of the error.
       if (worst <= 2 * accuracy.relative) {
         columns[s.middle()].is_node = true;
         result.error = std::max(result.error, worst / 2);
         continue;
       }
-      // The error falls as the square of the step: so many halvings may do.
+      // The error falls as the square of the step, which predicts the number of halvings.
       const int halvings = std::clamp(int(std::ceil(0.5 * std::log2(worst / (2 * accuracy.relative)))), 1, 4);
       std::vector<Step> pieces{s};
       for (int k = 0; k < halvings; ++k) {

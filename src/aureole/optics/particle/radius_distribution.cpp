@@ -12,8 +12,8 @@
 namespace aureole::optics {
 namespace {
 
-/// Standard deviations of ln(radius) to which log-normal distributions reach beyond the medians of number
-/// (below) and of radius^6 (above, what small particles scatter).
+/// Cutoff of log-normal distributions in standard deviations of ln(radius): below the median by number, and
+/// above the median of radius^6, to which scattering by small particles is proportional.
 constexpr double kReach = 5;
 
 void require(bool holds, const char* what, double value) {
@@ -28,7 +28,7 @@ void require_length(double value, const char* name) {
           value);
 }
 
-/// The x in [low, high] where `f` has fallen to `level`: `f` is monotonic there and crosses it.
+/// Returns the x in [low, high] at which the monotonic `f` crosses `level`.
 double crossing(const std::function<double(double)>& f, double low, double high, double level) {
   const bool rising = f(high) > f(low);
   for (int i = 0; i < 200; ++i) {
@@ -72,15 +72,14 @@ RadiusDistribution RadiusDistribution::log_normal_of_mean(double mean, double va
   return log_normal(mean * std::exp(-0.5 * s2), std::sqrt(s2), by);
 }
 
-/// r^alpha exp(-rate r^gamma).
+/// The distribution r^alpha exp(-rate r^gamma).
 RadiusDistribution RadiusDistribution::power_exponential(double alpha, double gamma, double rate) {
-  // In units of `scale` the exponential is exp(-t^gamma), so that no power of a radius leaves the range of
-  // doubles.
+  // In units of `scale` the exponential is exp(-t^gamma), so that no power of a radius overflows.
   const double scale = std::pow(rate, -1 / gamma);
   const double log_mass = std::lgamma((alpha + 1) / gamma) - std::log(gamma);
   const auto log_density = [=](double t) { return alpha * std::log(t) - std::pow(t, gamma) - log_mass; };
-  // Cut where, per step of ln(r), what is left of areas (below) and of sixth powers (above) is 1e-9 of it at
-  // its largest.
+  // Cutoffs where, per step of ln(r), the remaining area (below) and sixth power (above) are 1e-9 of their
+  // maximum.
   const auto end = [&](double power, double factor) {
     const auto log_share = [&](double y) { return log_density(std::exp(y)) + (power + 1) * y; };
     const double top = std::log((alpha + power + 1) / gamma) / gamma, level = log_share(top) - std::log(1e9);
@@ -153,7 +152,7 @@ RadiusDistribution RadiusDistribution::of_density(const std::function<double(dou
   require_length(smallest, "smallest radius");
   require_length(largest, "largest radius");
   require(largest > smallest, "largest radius must exceed the smallest", largest);
-  // Sums over equal steps of ln(r), as many as a table for the eye would never need.
+  // Sums over equal steps of ln(r), far more of them than a plotted table would need.
   constexpr int kSteps = 8192;
   const double step = std::log(largest / smallest) / kSteps;
   std::vector<RadiusNode> table;
@@ -206,8 +205,8 @@ std::vector<RadiusNode> RadiusDistribution::nodes(double per_metre, double per_u
     double sum = 0, r = c.low;
     const std::size_t first = nodes.size();
     for (int i = 0; i < count; ++i) {
-      // a (r - low) + b ln(r/low) = t, by Newton's method in ln(r), where the left side is convex: from above
-      // it converges without overshooting.
+      // Newton's method in ln(r) for a (r - low) + b ln(r/low) = t. The left side is convex in ln(r), so from
+      // above it converges without overshooting.
       const double t = (i + 0.5) * step;
       double y = i > 0 ? std::log(r) + step / (a * r + b) : std::log(c.low) + t / (a * c.low + b);
       for (int k = 0; k < 60; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How many particles have which radius, in metres, and the nodes by which optical quantities are averaged
-// over them. (`SizeDistribution` has relative sizes of the scatterers of a layer, in few nodes.)
+// Distributions of particle radii in metres, and quadrature nodes for averages of optical quantities.
+// (`SizeDistribution` has the relative sizes of a layer's scatterers, with few nodes.)
 #pragma once
 
 #include <functional>
@@ -9,23 +9,23 @@
 
 namespace aureole::optics {
 
-/// A radius in m, and its share of the number of particles.
+/// A radius in m and its fraction of the number of particles.
 struct RadiusNode {
   double radius, weight;
 };
 
-/// By which quantity a distribution of radii is stated: particles counted, or their volume.
+/// The quantity that a distribution of radii weights: number or volume of particles.
 enum class SizeWeighting { number, volume };
 
 class RadiusDistribution {
 public:
   static RadiusDistribution monodisperse(double radius);
 
-  /// Log-normal: `sigma` in [0, 1.5] is the standard deviation of ln(radius), the logarithm of the geometric
-  /// standard deviation; `median` is that of the number or of the volume.
+  /// Log-normal distribution: `sigma` in [0, 1.5] is the standard deviation of ln(radius), the logarithm of
+  /// the geometric standard deviation; `median` is the median radius by number or by volume.
   static RadiusDistribution log_normal(double median, double sigma, SizeWeighting by = SizeWeighting::number);
-  /// Log-normal distribution by mean radius and coefficient of variation (standard deviation over mean), both
-  /// of the number or of the volume.
+  /// Log-normal distribution with given mean radius and coefficient of variation (standard deviation over
+  /// mean), both by number or by volume.
   static RadiusDistribution log_normal_of_mean(double mean, double variation,
                                                SizeWeighting by = SizeWeighting::number);
 
@@ -38,37 +38,39 @@ public:
   /// Electromagnetic Scattering on Spherical Polydispersions, 1969, equation 60). `alpha` and `gamma` > 0.
   static RadiusDistribution modified_gamma(double mode_radius, double alpha, double gamma);
 
-  /// Measured counts. Radii between two neighbours' midpoints are equally frequent; the first and the last
-  /// class reach as far outwards as inwards. One radius alone is monodisperse. In any order.
+  /// A histogram of measured counts, in any order. The density is constant between the midpoints of
+  /// neighbouring radii; the first and the last class extend as far outwards as inwards. A single radius is
+  /// monodisperse.
   static RadiusDistribution histogram(std::span<const RadiusNode> counts);
 
-  /// Any density over [smallest, largest], smooth on the scale of its own width and negligible at both ends
-  /// (or zero beyond them). It is normalised here.
+  /// An arbitrary density over [smallest, largest], which is normalised here. It must be smooth on the scale
+  /// of its own width and negligible at both ends (or zero beyond them).
   static RadiusDistribution of_density(const std::function<double(double)>& density, double smallest,
                                        double largest, SizeWeighting by = SizeWeighting::number);
-  // All of these throw std::domain_error, with the value, for what is negative, not finite or inverted, and
-  // where there is no mass.
+  // All these functions throw std::domain_error, with the value, for negative, non-finite or inverted
+  // arguments and for a distribution without mass.
 
-  /// Mean of radius^power, m^power.
+  /// Returns the mean of radius^power, m^power.
   double moment(double power) const { return moment_(power); }
-  /// <r^3>/<r^2>, m.
+  /// Returns the effective radius <r^3>/<r^2>, m.
   double effective_radius() const { return moment(3) / moment(2); }
-  /// <(r - effective radius)^2 r^2>/(effective radius^2 <r^2>).
+  /// Returns the effective variance <(r - effective radius)^2 r^2>/(effective radius^2 <r^2>).
   double effective_variance() const;
   double mean_area() const;    ///< mean of pi r^2, m^2
   double mean_volume() const;  ///< mean of 4/3 pi r^3, m^3
   bool is_single() const { return single_; }
 
-  /// Midpoints of equal steps of t(r) = per_metre r + per_unit_of_log ln(r): the sum of weight times
-  /// f(radius) is the mean of f. Smooth f converge faster than any power of the number of nodes, as the
-  /// densities vanish smoothly at their ends (classes of a histogram: as its square). Intensities of
-  /// particles oscillate in proportion to their radius; `per_metre` follows those, and the logarithm small
-  /// particles. Never more than `most` nodes, in the same proportion, or one per class of a histogram.
+  /// Returns nodes at midpoints of equal steps of t(r) = per_metre r + per_unit_of_log ln(r). The sum of
+  /// weight times f(radius) is the mean of f. For smooth f it converges faster than any power of the number
+  /// of nodes, as the densities vanish smoothly at their ends (for a histogram: quadratically).
+  /// Scattered intensities oscillate in proportion to the radius: `per_metre` resolves these oscillations,
+  /// and the logarithm resolves small particles. There are at most `most` nodes, in the same proportion, or
+  /// one per class of a histogram.
   std::vector<RadiusNode> nodes(double per_metre, double per_unit_of_log, std::size_t most) const;
 
 private:
   struct Interval {
-    double low, high, weight;  // weight 0: `density_` has it
+    double low, high, weight;  // weight 0: given by `density_`
   };
   RadiusDistribution() = default;
   static RadiusDistribution power_exponential(double alpha, double gamma, double rate);

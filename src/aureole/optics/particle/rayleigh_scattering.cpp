@@ -44,7 +44,7 @@ RayleighSphere::RayleighSphere(double radius, double lambda_nm, std::complex<dou
   const std::complex<double> second = x * x / 15 * l * (m2 * m2 + 27.0 * m2 + 38.0) / (2.0 * m2 + 3.0);
   const double sixth = 1.2 * ((m2 - 2.0) / (m2 + 2.0)).real() * x * x;
   scattering_ = geometric_ * factor * 8 / 3 * std::pow(x, 4) * std::norm(l) * std::max(0.0, 1 + sixth);
-  // Radiation of the sphere damps its dipole: the last term.
+  // The last term is radiation damping of the sphere's dipole.
   const double radiated = 16.0 / 3 * std::pow(x, 4) * l.imag() * l.imag();
   absorption_ = geometric_ * std::max(0.0, 4 * x * (l * (1.0 + second)).imag() - radiated);
 }

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMaxNodes = 64;
 
-/// Sizes grouped in equal steps of ln(size); a group has the mean square of its sizes.
+/// Groups sizes in equal steps of ln(size); a group has the root mean square of its sizes.
 std::vector<SizeDistribution::Node> grouped(std::vector<SizeDistribution::Node> nodes) {
   const auto [least, most] = std::minmax_element(
       nodes.begin(), nodes.end(), [](const auto& a, const auto& b) { return a.size < b.size; });
@@ -44,7 +44,7 @@ SizeDistribution SizeDistribution::log_normal(double sigma) {
     throw std::domain_error("spread of sizes must be in [0, 0.7], got " + std::to_string(sigma));
   if (sigma == 0) return {};
   constexpr double kCut = 3;
-  // Rings of neighbouring sizes overlap up to u = 60 or so, beyond which the spread has smoothed them.
+  // Rings of neighbouring sizes overlap up to about u = 60; beyond, the spread has smoothed them.
   const int count = std::clamp(int(std::ceil(2 * kCut * sigma * 60)), 15, 63);
   std::vector<Node> nodes;
   for (int i = 0; i < count; ++i) {

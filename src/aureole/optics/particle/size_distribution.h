@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Distributions of the sizes of scatterers, as nodes and weights that sums over sizes use. Sizes are relative
-// to a nominal shape and dimensionless.
+// Size distributions of scatterers, as nodes and weights for sums over sizes. Sizes are relative to a nominal
+// shape and dimensionless.
 #pragma once
 
 #include <iosfwd>
@@ -15,22 +15,22 @@ public:
   };
   static constexpr double kMaxSpread = 0.7;
 
-  /// One size, 1.
+  /// A single size of 1.
   SizeDistribution() : nodes_{{1, 1}} {}
 
   /// Log-normal with median 1; `sigma` in [0, kMaxSpread] is the standard deviation of ln(size). Cut at 3
   /// sigma and renormalised; midpoints of equal steps in ln(size). Throws std::domain_error.
   static SizeDistribution log_normal(double sigma);
 
-  /// Lines of "size count", as `read_two_columns` takes them; more than 64 sizes are grouped. Throws
-  /// std::domain_error.
+  /// A histogram from lines of "size count" in the format of `read_two_columns`; more than 64 sizes are
+  /// grouped. Throws std::domain_error for invalid lines or values.
   static SizeDistribution histogram(std::istream& text);
 
-  /// Increasing sizes; weights sum to 1.
+  /// Returns nodes in increasing order of size; their weights sum to 1.
   const std::vector<Node>& nodes() const { return nodes_; }
   double largest() const { return nodes_.back().size; }
   bool is_single() const { return nodes_.size() == 1; }
-  /// Mean of size^power.
+  /// Returns the mean of size^power.
   double moment(int power) const;
 
 private:

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Phase functions by their moments, means of Legendre's polynomials, which is how discrete ordinates know
-// them.
+// Phase functions by their moments, the means of Legendre polynomials, which discrete ordinates require.
 #pragma once
 
 #include <memory>
@@ -13,21 +12,21 @@
 
 namespace aureole::optics {
 
-/// p(mu) = sum of (2 l + 1)/(4 pi) chi_l P_l(mu), in 1/sr, mu the cosine of the scattering angle; chi_0 = 1,
-/// chi_1 = g.
+/// Phase function p(mu) = sum of (2 l + 1)/(4 pi) chi_l P_l(mu), in 1/sr, with mu the cosine of the
+/// scattering angle; chi_0 = 1, chi_1 = g.
 class LegendrePhase {
 public:
   static LegendrePhase isotropic();
-  /// g in (-1, 1).
+  /// The Henyey-Greenstein phase function, g in (-1, 1).
   static LegendrePhase henyey_greenstein(double g);
   static LegendrePhase double_henyey_greenstein(const DoubleHenyeyGreenstein& mixture);
-  /// chi_0, chi_1, ...; those that are not given are 0. chi_0 must be 1, the others in [-1, 1]. Truncated
-  /// series of forward peaks have negative values somewhere; nothing here minds.
+  /// A phase function with the moments chi_0, chi_1, ...; further ones are 0. chi_0 must be 1, the others in
+  /// [-1, 1]. The truncated series of a forward peak is negative for some mu, which is allowed.
   static LegendrePhase of_moments(std::vector<double> chi);
-  /// Any table, for instance of Mie's theory. Its integral need not be 1.
+  /// A tabulated phase function, for instance by Mie theory. Its integral need not be 1.
   static LegendrePhase table(PhaseTable table);
 
-  /// chi_0 to chi_(count - 1). Of tables by Gauss quadrature in each step, exact to rounding errors.
+  /// Returns chi_0 to chi_(count - 1). For tables Gauss quadrature in each step is exact to rounding errors.
   std::vector<double> moments(int count) const;
   double eval(double mu) const;  ///< 1/sr
   double asymmetry() const { return moments(2)[1]; }
@@ -38,7 +37,7 @@ private:
   Kind kind_;
 };
 
-/// The sum that `LegendrePhase` is, of so many moments: 1/sr.
+/// Returns the sum of the series of `LegendrePhase` with these moments, in 1/sr.
 double legendre_series(std::span<const double> chi, double mu);
 
 }  // namespace aureole::optics

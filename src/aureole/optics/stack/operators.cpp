@@ -12,8 +12,8 @@ namespace {
 
 Matrix symmetric(const Matrix& a) { return 0.5 * (a + a.transpose()); }
 
-/// (1 - a b)^-1, all orders of reflection between two parts. A channel that is reflected totally by both, as
-/// in the glass of a slide, has neither light nor an inverse; its row is left out.
+/// Returns (1 - a b)^-1, all orders of interreflection between two parts. A channel with total reflection
+/// from both, as in the glass of a slide, has neither light nor an inverse, so its row is omitted.
 Eigen::PartialPivLU<Matrix> interreflection(const Matrix& a, const Matrix& b) {
   Matrix m = -product(a, b);
   m.diagonal() = m.diagonal().unaryExpr([](double x) { return x == -1 ? 1 : 1 + x; });
@@ -56,10 +56,10 @@ UniformLayer::UniformLayer(const Channels& channels, double index, double albedo
       scale_(albedo / (4 * std::numbers::pi * index * index)),
       forward_(Vector::Zero(count_)) {
   for (int i = 0; i < count_; ++i) mu_[i] = channels.mu(i, index);
-  // Scattered light that a quadrature of nodes mapped by refraction misses, or counts in excess, is given to
-  // (or taken from) the forward direction (Grant & Hunt 1969, Proc. R. Soc. A 313, 183; Wiscombe 1976,
+  // A quadrature with nodes mapped by refraction misses some scattered light, or counts an excess. The
+  // difference is added to the forward direction (Grant & Hunt 1969, Proc. R. Soc. A 313, 183; Wiscombe 1976,
   // J. Quant. Spectrosc. Radiat. Transfer 16, 637): energy is exact, and reciprocity is kept. With the double
-  // Gauss rule only rounding errors are left to correct.
+  // Gauss rule only rounding errors are corrected.
   const Vector lost = rates(0).difference * root_etendue_;
   forward_ = lost.array() / root_etendue_.array() - (1 - albedo) / mu_.array();
 }
@@ -71,9 +71,9 @@ bool UniformLayer::scatters(int mode) const {
 
 UniformLayer::Rates UniformLayer::rates(int mode) const {
   Rates rates{Matrix::Zero(count_, count_), Matrix::Zero(count_, count_)};
-  // Normalised associated functions sqrt((l - m)!/(l + m)!) P_l^m, times sqrt(e)/mu. The addition theorem
-  // with mu -> -mu gives each term the sign (-1)^(l + m), so terms of one parity are in A - B only, the
-  // others in A + B.
+  // Normalised associated Legendre functions sqrt((l - m)!/(l + m)!) P_l^m, times sqrt(e)/mu. In the addition
+  // theorem mu -> -mu gives each term the sign (-1)^(l + m), so terms of one parity contribute only to A - B,
+  // the others to A + B.
   const int terms = int(moments_.size()) - mode;
   if (scatters(mode)) {
     Matrix even(count_, (terms + 1) / 2), odd(count_, terms / 2);
@@ -104,18 +104,20 @@ Operators UniformLayer::attenuation(double optical_thickness) const {
   return {Matrix::Zero(count_, count_), pass.asDiagonal(), Matrix::Zero(count_, count_)};
 }
 
-// With s = x_down + x_up, d = x_down - x_up the equation of transfer is ds/dtau = -(A + B) d, dd/dtau = -(A -
-// B) s. Between equal lights on both sides d = E s at the upper face, E = (A - B) tanh(h G)/G, and between
-// opposite ones s = O d, O = tanh(h G)/G (A + B), where G^2 = (A + B)(A - B) and h is half of the thickness.
-// A thin layer has tanh(z)/z by the third approximant of Lambert's continued fraction (Abramowitz & Stegun
-// 1964, 4.5.70), thicker ones by doubling: tanh(2 z) = 2 tanh(z)/ (1 + tanh(z)^2). D = 1 - tanh(z)^2 is
-// carried along, so that transmittance keeps its digits in thick layers. At albedo 1 fluxes sqrt(e) are a
-// left null vector of A - B and of E, whatever the rounding of the rest: energy does not drift with the
-// number of doublings, as it does where reflection and transmission are doubled.
+// With s = x_down + x_up and d = x_down - x_up the equation of transfer is
+//     ds/dtau = -(A + B) d,   dd/dtau = -(A - B) s.
+// For equal light incident from both sides d = E s at the upper face, E = (A - B) tanh(h G)/G. For opposite
+// light s = O d, O = tanh(h G)/G (A + B). Here G^2 = (A + B)(A - B) and h is half of the thickness.
+// For a thin layer tanh(z)/z is the third approximant of Lambert's continued fraction (Abramowitz & Stegun
+// 1964, 4.5.70). Thicker layers follow by doubling, tanh(2 z) = 2 tanh(z)/(1 + tanh(z)^2). D = 1 - tanh(z)^2
+// is computed along with it, so that the transmittance of thick layers keeps its relative precision.
+// At albedo 1 the fluxes sqrt(e) are a left null vector of A - B and of E, whatever the other rounding
+// errors. So energy does not drift with the number of doublings, as it does if reflection and transmission
+// are doubled.
 Operators UniformLayer::operators(double optical_thickness, int mode) const {
   if (!(optical_thickness > 0) || !scatters(mode)) return attenuation(optical_thickness);
   const auto [sum, difference] = rates(mode);
-  constexpr double kThin = 0.25;  // largest z: the approximant is off by 1e-13
+  constexpr double kThin = 0.25;  // largest z: the approximant has an error of 1e-13
   const double rate = mu_.cwiseInverse().maxCoeff();
   const int doublings = std::max(0, int(std::ceil(std::log2(0.5 * optical_thickness * rate / kThin))));
   const double half = std::ldexp(0.5 * optical_thickness, -doublings);
@@ -143,8 +145,8 @@ Operators smooth_interface(const Channels& channels, double index_above, double 
   Vector r_above = Vector::Ones(above), r_below = Vector::Ones(below);
   Matrix t = Matrix::Zero(below, above);
   for (int i = 0; i < std::min(above, below); ++i) {
-    // The reflectance is equal from both sides; computed from the medium of lower index it keeps its digits
-    // at grazing angles.
+    // The reflectance is equal from both sides; computed from the side of lower index it is accurate at
+    // grazing angles.
     const double n = std::min(index_above, index_below);
     r_above[i] = r_below[i] = fresnel_reflectance(channels.mu(i, n), n, std::max(index_above, index_below));
     t(i, i) = 1 - r_above[i];
@@ -167,7 +169,7 @@ std::vector<Matrix> substrate_kernels(const Channels& channels, double index,
   constexpr int kWithin = 2;
   std::vector<Quadrature> within;
   for (int i = 0; i < n; ++i) within.push_back(channels.within(i, index, kWithin));
-  // phi = pi t^2 has many nodes about 0, where lobes are.
+  // The substitution phi = pi t^2 puts many nodes near 0, where lobes are.
   const Quadrature turn = gauss_legendre(32 + modes, 0, 1);
   const int steps = int(turn.x.size());
   Matrix by_mode(modes, steps);

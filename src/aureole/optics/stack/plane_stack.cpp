@@ -47,7 +47,7 @@ void check_position(const StackPosition& p, const StackDescription& d) {
 
 double index_outside(const StackDescription& d, bool below) { return below ? d.index_below : d.index_above; }
 
-/// The directions of the beams, for the solver, one for each.
+/// Returns the direction of each beam, for the solver.
 std::vector<IndexedCosine> beam_directions(std::span<const StackLight> lights, const StackDescription& d) {
   std::vector<IndexedCosine> directions;
   for (const StackLight& light : lights)
@@ -60,7 +60,7 @@ bool has_beam(std::span<const StackLight> lights) {
                      [](const StackLight& light) { return light.cosine.has_value(); });
 }
 
-/// Light on the stack, one column for each of `lights`, of irradiance 1. Beams are the first extra channels.
+/// Incident light, one column for each of `lights`, of irradiance 1. Beams are the first extra channels.
 struct Incident {
   Matrix above, below;
   Incident(std::span<const StackLight> lights, const StackDescription& d, const Channels& channels,
@@ -82,12 +82,12 @@ struct Incident {
   }
 };
 
-/// Sum of fluxes, by column.
+/// Returns the flux of each column.
 Eigen::RowVectorXd flux(const Channels& channels, double index, const Matrix& x) {
   return root_etendues(channels, index).transpose() * x;
 }
 
-/// Parts of light that were not scattered, at all levels: as StackSolver::unscattered.
+/// Returns the fractions of unscattered light at all levels, in the order of StackSolver::unscattered.
 Vector unscattered_light(const StackSolver& solver, const StackLight& light, int channel_of_beam) {
   const Channels& channels = solver.channels();
   const int start = light.from_below ? 2 * solver.last_level() + 1 : 0;
@@ -139,7 +139,7 @@ std::vector<StackFluxes> PlaneStack::fluxes(std::span<const StackLight> lights) 
   const StackSolver solver(description_, method_, false, beam_directions(lights, description_));
   const Channels& channels = solver.channels();
   const Incident incident(lights, description_, channels, 0);
-  // Above a substrate all levels count; without one what leaves.
+  // Above a substrate all levels count; without one the last level is the exit.
   const int bottom = solver.last_level() - (description_.substrate ? 1 : 0);
   const int levels[] = {0, bottom};
   const auto light = solver.light(0, incident.above, incident.below, levels);
@@ -153,7 +153,7 @@ std::vector<StackFluxes> PlaneStack::fluxes(std::span<const StackLight> lights) 
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const int channel = lights[i].cosine ? channels.extra()[beam++] : -1;
     const Vector paths = unscattered_light(solver, lights[i], channel);
-    // Light that a mirror returns was not scattered either.
+    // Light that a specular substrate reflects is unscattered too.
     const double u = paths[solver.last_level() + 1], d = description_.substrate
                                                              ? (1 - *description_.substrate) * paths[bottom] -
                                                                    paths[solver.last_level() + 1 + bottom]
@@ -210,7 +210,7 @@ std::vector<double> radiance_at(const StackSolver& solver, const StackDescriptio
   }
   if (!method.delta_m || beams == 0) return result;
 
-  // Single scattering as it is, instead of that of the series.
+  // Exact single scattering replaces that of the truncated series.
   const SingleScattering single(solver, d);
   std::size_t beam = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -278,7 +278,7 @@ std::vector<StackField> PlaneStack::fields(const StackLight& light,
     const double n = layer.index, extinction = layer.extinction() * solver.scaled(positions[i].layer).share;
     const Vector root = root_etendues(channels, n);
     const UniformLayer::Rates rates = solver.layer(positions[i].layer).rates(0);
-    // By channel: flux that is scattered backward per unit of (scaled) optical depth.
+    // Backscattered flux per unit of (scaled) optical depth, by channel.
     const Vector backward = 0.5 * (rates.sum - rates.difference) * root;
     StackField f;
     f.unscattered_flux_down = paths[levels[i]];

@@ -12,18 +12,18 @@
 namespace aureole::optics {
 namespace {
 
-/// Microfacets of one roughness everywhere around; normals by their cosine.
+/// Isotropic microfacets of one roughness; normals are given by their cosine.
 class Facets {
 public:
   explicit Facets(const StackInterface& interface) : kind_(interface.kind), alpha_(interface.alpha) {}
 
-  /// Density of normals, 1/sr (Walter et al. 2007, (25), (33)).
+  /// Returns the density of normals, 1/sr (Walter et al. 2007, (25), (33)).
   double density(double cosine) const {
     const double c2 = cosine * cosine, t2 = (1 - c2) / (c2 * alpha_ * alpha_),
                  unit = 1 / (kPi * alpha_ * alpha_ * c2 * c2);
     return kind_ == InterfaceKind::ggx ? unit / ((1 + t2) * (1 + t2)) : unit * std::exp(-t2);
   }
-  /// Smith's G1 of a direction (Walter et al. 2007, (34); for Beckmann the exact form, Smith 1967).
+  /// Returns Smith's G1 of a direction (Walter et al. 2007, (34); for Beckmann the exact form, Smith 1967).
   double unmasked(double cosine) const {
     const double t = alpha_ * std::sqrt(1 - cosine * cosine) / cosine;
     if (t == 0) return 1;
@@ -37,21 +37,22 @@ private:
   double alpha_;
 };
 
-/// A direction, as seen from the interface.
+/// A direction, on one side of the interface.
 struct Side {
   double index, mu;
   bool is_above;
   double unmasked = 1;  ///< Smith's G1
 };
 
-/// Basic radiance that leaves along `o`, per flux that comes along `i`: symmetric.
+/// Returns the basic radiance that leaves along `o`, per flux incident along `i`; symmetric in both.
 class Kernel {
 public:
   Kernel(const Facets& facets, double index_above, double index_below)
       : facets_(facets), index_above_(index_above), index_below_(index_below) {}
 
   double operator()(const Side& i, const Side& o, double cos_phi) const {
-    // Both away from the interface: the azimuth between them is that of the light's turn, and half a turn.
+    // Both directions point away from the interface, so their azimuth is that of propagation plus half a
+    // turn.
     const double sine_i = std::sqrt(1 - i.mu * i.mu), sine_o = std::sqrt(1 - o.mu * o.mu);
     const double along = -sine_i * sine_o * cos_phi;
     const double mask = i.unmasked * o.unmasked;
@@ -62,7 +63,8 @@ public:
           fresnel_reflectance(std::min(1.0, length / 2), i.index, i.is_above ? index_below_ : index_above_);
       return reflected * facets_.density(m) * mask / (4 * i.mu * o.mu * i.index * i.index);
     }
-    // The normal is along n_i i + n_o o, turned to the thinner side; both lie on different sides of it.
+    // The half vector n_i i + n_o o, on the side of lower index; `i` and `o` are on opposite sides of the
+    // facet.
     const double dot = along - i.mu * o.mu;
     const double square = i.index * i.index + o.index * o.index + 2 * i.index * o.index * dot;
     if (!(square > 0)) return 0;
@@ -75,7 +77,7 @@ public:
     return passed * facets_.density(m) * mask * at_i * -at_o / (i.mu * o.mu * square);
   }
 
-  /// Slope of the least tilted normal that turns one direction into the other, at azimuth 0.
+  /// Returns the slope of the least tilted normal that reflects or refracts `i` into `o`, at azimuth 0.
   double slope(const Side& i, const Side& o) const {
     const double sine_i = std::sqrt(1 - i.mu * i.mu), sine_o = std::sqrt(1 - o.mu * o.mu);
     const double along = i.index * sine_i - o.index * sine_o;
@@ -87,7 +89,8 @@ private:
   double index_above_, index_below_;
 };
 
-/// Directions of a channel: its own one, and others that share its range, for lobes narrower than that.
+/// The directions of a channel: its central one and others in its range, which resolve lobes narrower than
+/// that.
 struct Row {
   struct Part {
     Side side;
@@ -108,7 +111,7 @@ std::vector<Operators> rough_interface(const Channels& channels, double index_ab
   const auto channel_of = [&](int row) { return row < above ? row : row - above; };
   const auto index_of = [&](int row) { return row < above ? index_above : index_below; };
 
-  // Light that is refracted is turned by less than the facets are.
+  // Refraction deflects light by less than the tilt of the facets.
   const double contrast = std::abs(index_above - index_below) / std::max(index_above, index_below);
   const double lobe = interface.alpha * contrast;
   std::vector<Row> rows;
@@ -123,7 +126,7 @@ std::vector<Operators> rough_interface(const Channels& channels, double index_ab
     const Quadrature q = channels.within(channel, n, std::clamp(int(std::ceil(2 * width / lobe)), 2, 8));
     for (std::size_t i = 0; i < q.x.size(); ++i) rows[row].within.push_back({side(q.x[i]), q.weight[i]});
   }
-  // phi = pi t^2 has many nodes about 0, where lobes are.
+  // The substitution phi = pi t^2 puts many nodes near 0, where lobes are.
   const Quadrature turn = gauss_legendre(64 + 2 * modes, 0, 1);
   const int steps = int(turn.x.size());
   std::vector<double> cos_phi;
@@ -151,7 +154,7 @@ std::vector<Operators> rough_interface(const Channels& channels, double index_ab
       for (int m = 0; m < modes; ++m) kernels[m](i, j) = kernels[m](j, i) = means[m];
     }
 
-  // Energy: all rows times root are to be root.
+  // Energy conservation: the matrix times `root` must be `root`.
   Matrix& mean = kernels[0];
   const Vector missing = (root - mean * root).cwiseMax(0);
   const double sum = missing.dot(root);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Operators of a rough interface. Inside of the library only.
+// Operators of a rough interface, internal to the library.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace aureole::optics {
 
-/// By azimuthal mode, `modes` of them. The kernel is averaged over the ranges of both channels, so that lobes
-/// narrower than the step between two of them keep their energy. What is then missing of a channel's flux is
-/// spread over all channels in proportion to what they miss (reciprocal, and right for light that microfacets
-/// scatter more than once), and what is too much is taken away by factors of each channel (Sinkhorn & Knopp
-/// 1967): energy is exact.
+/// Returns the operators of `modes` azimuthal modes. The kernel is averaged over the ranges of both channels,
+/// so that lobes narrower than the channel spacing keep their energy. A channel's missing flux is distributed
+/// over all channels in proportion to what they miss. This is reciprocal and represents multiple scattering
+/// between microfacets. An excess is removed by a factor for each channel (Sinkhorn & Knopp 1967), so that
+/// energy is exact.
 std::vector<Operators> rough_interface(const Channels& channels, double index_above, double index_below,
                                        const StackInterface& interface, int modes);
 

@@ -9,11 +9,11 @@
 namespace aureole::optics {
 namespace {
 
-/// (n sin(theta))^2.
+/// Returns the squared invariant (n sin(theta))^2.
 double invariant(const IndexedCosine& c) { return c.index * c.index * (1 - c.mu) * (1 + c.mu); }
 
-/// Cosine in a medium of index n of what has this cosine in another; 0 where there is none. Written as a
-/// difference of indices, so that it is exact where they are equal. Never above 1 by rounding.
+/// Returns the cosine after refraction into a medium of index n; 0 under total internal reflection. The
+/// difference of indices makes it exact if they are equal. Rounding never makes it exceed 1.
 double refracted(const IndexedCosine& from, double n) {
   const double square = (n - from.index) * (n + from.index) + from.index * from.index * from.mu * from.mu;
   return square > 0 ? std::min(std::sqrt(square) / n, 1.0) : 0;
@@ -31,7 +31,8 @@ Channels::Channels(std::vector<double> indices, int half_streams, std::span<cons
   for (const double n : indices_) ends.push_back({n, 0});
   std::sort(ends.begin(), ends.end(),
             [](const IndexedCosine& a, const IndexedCosine& b) { return invariant(a) < invariant(b); });
-  // Two ends that are one but for rounding, for instance a cut at grazing incidence, leave no room for nodes.
+  // Limits that are equal up to rounding, for instance a cut at grazing incidence, would leave an empty
+  // piece.
   const double most = indices_.back() * indices_.back();
   std::vector<IndexedCosine> distinct;
   double last = 0;

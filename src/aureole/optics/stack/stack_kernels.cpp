@@ -22,8 +22,8 @@ std::set<double> indices_of(const StackDescription& stack) {
   return indices;
 }
 
-/// The ends of each side's cosines, each two times: an extra channel's own reflection into itself cannot be
-/// told from the light that it does not scatter, that into its twin can.
+/// Returns the limiting directions of each side, each twice: an extra channel's scattering into itself cannot
+/// be separated from its unscattered light, but scattering into its twin can.
 std::vector<IndexedCosine> end_directions(const StackDescription& d) {
   std::vector<IndexedCosine> ends{{d.index_above, 1}, {d.index_above, kGrazing}};
   if (!d.substrate && d.index_below != d.index_above) ends.push_back({d.index_below, kGrazing});
@@ -32,7 +32,8 @@ std::vector<IndexedCosine> end_directions(const StackDescription& d) {
   return ends;
 }
 
-/// The channels of a side from grazing to normal directions, and where light of each is looked for.
+/// The channels of a side from grazing to normal directions: `in` for incident light, `out` for outgoing
+/// light.
 struct SideChannels {
   std::vector<int> in, out;
   std::vector<double> cosines;
@@ -118,7 +119,8 @@ private:
         for (int o = 0; o < r.rows(); ++o) flux += root(o) * r(o, i) / root(i);
         for (int o = 0; o < t.rows(); ++o) flux += root(o) * t(o, i) / root(i);
         const Vector paths = solver_.unscattered(i, false).col(is_below ? 2 * levels - 1 : 0);
-        double mirrored = paths[levels], passed = below_ ? paths[levels - 1] : 0;  // what goes up, and down
+        // Unscattered light that leaves upward (`mirrored`) and downward (`passed`).
+        double mirrored = paths[levels], passed = below_ ? paths[levels - 1] : 0;
         if (is_below) std::swap(mirrored, passed);
         side.mirrored.push_back(mirrored), side.passed.push_back(passed);
         side.scattered.push_back(std::max(0.0, flux - mirrored - passed));
@@ -129,7 +131,7 @@ private:
     if (below_) add(result_.below, *below_, whole.r_below, Matrix(whole.t_down.transpose()), true);
   }
 
-  /// Light that comes down on the substrate, and diffuse light that goes up from it.
+  /// Adds the downward irradiance on the substrate, and the fractions for diffuse upward light from it.
   void add_reach() {
     const std::optional<Operators> layers = solver_.above_substrate(0);
     const int inside = solver_.channels().count(d_.layers.back().index);
@@ -192,7 +194,8 @@ std::vector<StackKernels> stack_kernels(std::span<const StackDescription> stacks
                                         const ParallelFor& parallel) {
   std::vector<StackKernels> result(stacks.size());
   if (stacks.empty()) return result;
-  for (const StackDescription& d : stacks) (void)PlaneStack(d, method);  // which checks it
+  // The constructor validates the description.
+  for (const StackDescription& d : stacks) (void)PlaneStack(d, method);
   const std::vector<IndexedCosine> ends = end_directions(stacks.front());
   const StackSolver first(stacks.front(), method, true, ends);
   parallel(
@@ -215,8 +218,8 @@ bool have_same_directions(const StackDescription& a, const StackDescription& b) 
   if (sides(a) != sides(b) || a.layers.size() != b.layers.size()) return false;
   const std::set<double> all_a = indices_of(a), all_b = indices_of(b);
   if (all_a == all_b) return true;
-  // The range of directions is cut at each index; below the larger of the sides' no cut may move, and there
-  // must be as many above, among which the streams are shared.
+  // The range of directions is divided at each index. Divisions below the larger outer index must be equal,
+  // and there must be equally many above, since the streams are distributed over all pieces.
   const double outside = std::max(sides(a)[0], sides(a)[1]);
   const auto below = [&](const std::set<double>& all) {
     return std::set<double>(all.begin(), all.upper_bound(outside));

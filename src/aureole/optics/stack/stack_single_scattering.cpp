@@ -7,7 +7,7 @@
 namespace aureole::optics {
 namespace {
 
-/// (exp(-a t) - exp(-b t))/(b - a), which is t exp(-a t) where both are one.
+/// Returns (exp(-a t) - exp(-b t))/(b - a), continued to t exp(-a t) at a = b.
 double two_ways(double a, double b, double t) {
   if (b < a) std::swap(a, b);
   const double d = (b - a) * t;
@@ -42,7 +42,8 @@ std::vector<double> SingleScattering::correction(const Beam& beam, int channel, 
         channel >= solver_.channels().count(n))
       continue;
     const double mu_in = solver_.channels().mu(beam.channel, n), mu_out = solver_.channels().mu(channel, n);
-    const double down = beam.paths[k], up = beam.paths[levels + k + 1];  // on the layer
+    // Unscattered light incident on the layer.
+    const double down = beam.paths[k], up = beam.paths[levels + k + 1];
     const double leaves_up = escape[levels + k], leaves_down = escape[k + 1];
     const double through = two_ways(1 / mu_in, 1 / mu_out, e.scaled), sum = 1 / mu_in + 1 / mu_out,
                  back = -std::expm1(-sum * e.scaled) / sum;
@@ -50,7 +51,7 @@ std::vector<double> SingleScattering::correction(const Beam& beam, int channel, 
     const double forward = scale * through * (down * leaves_down + up * leaves_up),
                  backward = scale * back * (down * leaves_up + up * leaves_down);
 
-    // albedo/(1 - albedo f) of the whole phase function, against the scaled albedo of the series.
+    // albedo/(1 - albedo f) of the whole phase function, compared with the scaled albedo of the series.
     const double whole = layer.scattering / (layer.extinction() * scaled.share);
     const auto difference = [&](double cosine) {
       return whole * layer.phase.eval(cosine) - scaled.albedo * legendre_series(scaled.moments, cosine);

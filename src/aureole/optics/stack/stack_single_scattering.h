@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light of a beam that is scattered once, in closed form, by the whole phase function and by its truncated
-// series: the correction of radiances after delta-M scaling (Nakajima & Tanaka 1988, the method TMS). Inside
-// of the library only.
+// Single scattering of a beam in closed form, by the whole phase function and by its truncated series: the
+// correction of radiances after delta-M scaling (Nakajima & Tanaka 1988, method TMS). Internal to the
+// library.
 #pragma once
 
 #include <span>
@@ -19,14 +19,15 @@ public:
   /// Whether there is anything to correct.
   bool corrects() const;
 
-  /// A beam of irradiance 1 on the stack, and where it goes by itself.
+  /// A beam of irradiance 1 on the stack, and its unscattered light at all levels.
   struct Beam {
     int channel;
     Vector paths;  ///< as StackSolver::unscattered
   };
   Beam light(int channel, bool from_below) const;
 
-  /// The part missing of the radiance in a channel, for each azimuth: the difference of both phase functions.
+  /// Returns the missing radiance in a channel for each azimuth, due to the difference of the two phase
+  /// functions.
   std::vector<double> correction(const Beam& beam, int channel, int level, bool goes_up,
                                  std::span<const double> azimuths) const;
 

@@ -16,7 +16,7 @@ namespace {
 
 using Element = StackSolver::Element;
 
-/// Wiscombe 1977, (3) to (7).
+/// Returns the layer after delta-M scaling (Wiscombe 1977, (3) to (7)).
 StackSolver::Scaled scaled_layer(const StackLayer& layer, const DiscreteOrdinates& method) {
   const double extinction = layer.extinction();
   StackSolver::Scaled s{1, extinction > 0 ? layer.scattering / extinction : 0,
@@ -142,7 +142,7 @@ std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_
                                                    const Matrix& from_below,
                                                    std::span<const int> levels) const {
   const int last = last_level();
-  int highest = last, deepest = 0;  // of the levels that are inside
+  int highest = last, deepest = 0;  // among the levels inside the stack
   bool needs_whole = false;
   for (const int level : levels) {
     if (level == 0 || level == last) {
@@ -153,7 +153,7 @@ std::vector<StackSolver::Light> StackSolver::light(int mode, const Matrix& from_
   }
   std::vector<Operators> parts;
   for (const Element& e : elements_) parts.push_back(operators(e, mode));
-  // upper[i]: all above level i; lower[i]: all below it.
+  // upper[i]: all elements above level i; lower[i]: all elements below it.
   std::vector<Operators> upper(last + 1), lower(last + 1);
   for (int i = 1; i <= deepest; ++i)
     upper[i] = i == 1 ? parts[0] : Operators::stacked(upper[i - 1], parts[i - 1]);

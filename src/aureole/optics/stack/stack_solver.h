@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A stack cut into elements (layers, interfaces, substrate), and the light at the levels between them, mode
-// by mode. Inside of the library only.
+// A stack divided into elements (layers, interfaces, substrate), and the light at the levels between them, by
+// azimuthal mode. Internal to the library.
 #pragma once
 
 #include <functional>
@@ -18,20 +18,21 @@ class StackSolver {
 public:
   struct Element {
     enum class Kind { layer, interface, substrate } kind;
-    int layer;                         ///< of the description; of an interface the one below it
-    double index_above, index_below;   ///< equal but for interfaces
-    double optical_thickness, scaled;  ///< of layers, and with the forward peak taken for light that goes on
-    int rough = -1;                    ///< of a rough interface which one
+    /// Index of the layer in the description; for an interface that of the layer below it.
+    int layer;
+    double index_above, index_below;   ///< differ only for interfaces
+    double optical_thickness, scaled;  ///< for layers; `scaled` treats the forward peak as unscattered
+    int rough = -1;                    ///< index of a rough interface
   };
-  /// A layer with its forward peak removed, if it is to be.
+  /// A layer after delta-M scaling, if that is used.
   struct Scaled {
-    double share = 1;  ///< of the extinction that is left
+    double share = 1;  ///< remaining fraction of the extinction
     double albedo = 0;
     std::vector<double> moments;
   };
 
-  /// With `azimuths` all modes can be asked for, else only mode 0. Rough interfaces are those of `like`, if
-  /// that is given: a stack that differs in what fills its layers and in its substrate only.
+  /// With `azimuths` all modes are available, else only mode 0. If `like` is given, its rough interfaces are
+  /// reused: the stacks may differ only in their layers' contents and substrates.
   StackSolver(const StackDescription& description, const DiscreteOrdinates& method, bool azimuths,
               std::span<const IndexedCosine> extra, std::span<const StackPosition> positions = {},
               std::span<const IndexedCosine> cuts = {}, const StackSolver* like = nullptr);
@@ -41,28 +42,28 @@ public:
   const Scaled& scaled(int layer) const { return scaled_[layer]; }
   const UniformLayer& layer(int layer) const { return layers_[layer]; }
   int last_level() const { return int(elements_.size()); }
-  int level(int position) const { return position_levels_[position]; }  ///< of those that were given
+  int level(int position) const { return position_levels_[position]; }  ///< level of each of `positions`
   double index(int level) const { return level == 0 ? index_above_ : elements_[level - 1].index_below; }
-  /// Modes that scatter at all.
+  /// Returns the number of modes in which light is scattered.
   int modes() const { return modes_; }
 
-  /// Light at levels, from what falls on the stack (columns).
+  /// Light at a level, per column of incident light.
   struct Light {
     Matrix down, up;
   };
   std::vector<Light> light(int mode, const Matrix& from_above, const Matrix& from_below,
                            std::span<const int> levels) const;
 
-  /// Operators of the whole stack.
+  /// Returns the operators of the whole stack.
   Operators whole(int mode) const;
-  /// Operators of the layers above a substrate; nothing where there is none.
+  /// Returns the operators of all elements above a substrate; nothing if the stack is only a substrate.
   std::optional<Operators> above_substrate(int mode) const;
-  /// A mode above all others, in which nothing is scattered: light that keeps its direction.
+  /// A mode above all others, without scattering: for light that keeps its direction.
   static constexpr int kUnscattered = 1 << 20;
 
-  /// Unscattered light of one channel at each level for unit light put in at one level: rows are where it
-  /// arrives, down at level i in row i, up in row last_level() + 1 + i; columns, numbered alike, are where it
-  /// was put in. `scaled`: forward peaks are not scattering.
+  /// Returns the unscattered light of one channel for unit light that starts at a level. Rows are the levels
+  /// of arrival: downward light at level i in row i, upward light in row last_level() + 1 + i. Columns are
+  /// the starting levels in the same order. `scaled`: forward peaks count as unscattered.
   Matrix unscattered(int channel, bool scaled) const;
 
 private:
@@ -76,12 +77,13 @@ private:
   std::function<double(double)> mirror_;
   Channels channels_;
   std::vector<UniformLayer> layers_;
-  std::vector<std::shared_ptr<const std::vector<Operators>>> rough_;  ///< by rough interface, and mode
-  std::vector<Matrix> brdf_;  ///< of the substrate, by mode, where it has one
+  /// Operators by rough interface and mode.
+  std::vector<std::shared_ptr<const std::vector<Operators>>> rough_;
+  std::vector<Matrix> brdf_;  ///< of the substrate, by mode; empty if it has none
   int modes_ = 1;
 };
 
-/// Optical thickness of what is given as infinite: less than 2e-8 of light passes it.
+/// Optical thickness that replaces infinity: less than 2e-8 of the light is transmitted.
 inline constexpr double kInfiniteOpticalThickness = 1e8;
 
 }  // namespace aureole::optics
