@@ -20,10 +20,10 @@ for argument; do
   esac
   previous=$argument
 done
-# The command includes the header whose precompiled form it makes. Were an older one there, ccache would take that for what is included, and
-# return the same again.
+# Not by the cache: it compares preprocessed text, which has no comments. After an edit of comments alone it would return the precompiled form
+# of the older headers, whose include guards the compiler does not recognise in the edited ones ("redefinition of class").
 [ -n "$header" ] && rm -f "$header" "$header.sum"
-"$ccache" "$@" || exit
+"$@" || exit
 [ -n "$header" ] && [ -f "$dependencies" ] || exit 0
 # "target: header \ header ...", without the generated header, which names all others by their paths.
 names=$(sed -e 's/^[^:]*://' -e 's/\\$//' "$dependencies" | tr -s ' ' '\n' | grep -v -e '^$' -e cmake_pch)
