@@ -6,8 +6,7 @@
 // S_j at the scattering angle pi - 2 theta_i and D = 1 + alpha S(0) + (alpha^2/4)(S(0)^2 - S_j^2),
 //     r_j = -alpha S_j/D,   t_j = (1 - (alpha^2/4)(S(0)^2 - S_j^2))/D.
 //
-// Energy. The layer is symmetric, so an even pair of incident waves is multiplied by t + r, an odd pair by t
-// - r:
+// Energy. The layer is symmetric: it multiplies an even pair of incident waves by t + r, an odd one by t - r,
 //     t +- r = (1 - s)/(1 + s),   s = (alpha/2)(S(0) +- S_j).
 // Neither magnitude exceeds 1 if Re s >= 0, which holds for every passive sphere: |pi_n| and |tau_n| are
 // largest forward, where the terms of S(0), n + 1/2 times a_n and b_n, have no negative real part. Hence
