@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Diffraction as the rest of transport uses it: the factor that changes the light of a segment, and the state
-// of a path. Only this file and transport/edge_walk.h ask whether a scene has edges that diffract.
+// of a path. The walk calls transport/edge_walk.h for paths around edges.
 #pragma once
 
 #include "aureole/transport/edge_ledger.h"

@@ -102,13 +102,8 @@ public:
   /// Throughput and pdfs at the present vertex.
   const Density& vertex_density(int i) const { return states_[i].density; }
   bool survives(int i);
-  /// The path's throughput relative to that at its start, for Russian roulette.
-  float relative_throughput(int i) const {
-    const State& s = states_[i];
-    const float throughput = self().vertex_density(i).hero_symmetric_throughput() * s.eta2;
-    if constexpr (kAny) return throughput / s.first_throughput;
-    return throughput;
-  }
+  /// The path's throughput at the present vertex relative to that at its start, for Russian roulette.
+  float relative_throughput(int i) const { return relative(i, self().vertex_density(i)); }
   /// Begins a path at an edge, which the sensor sees at `film` or a light irradiates; false where there is
   /// none.
   bool begin_at_edge(int i, Vec2& film) requires kDiffracts { return edges_.begin(self(), i, film); }
@@ -199,6 +194,13 @@ protected:
   typename Kind::Vertices vertices_;
 
 private:
+  /// Throughput relative to that at the start of the path, without the n^2 of radiance.
+  float relative(int i, const Density& density) const {
+    const State& s = states_[i];
+    const float throughput = density.hero_symmetric_throughput() * s.eta2;
+    if constexpr (kAny) return throughput / s.first_throughput;
+    return throughput;
+  }
   Event sample_medium(int i, float t_max);
   Event transmit(int i, float t_max);
   Event escape(int i);
@@ -242,12 +244,14 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
     go_on(i, vertex, s.segment.ray.d, false);
     return Event::crossed;
   }
+  // A hidden light lies within the segment, as an inactive surface does.
+  const bool is_hidden = kFromSensor && limits_.hide_emitters && s.depth == 0 && vertex.light();
   if constexpr (kAny)
-    if (ends_segment(vertex)) edges_.attenuate(self(), i, s.segment.behind);
+    if (!is_hidden && ends_segment(vertex)) edges_.attenuate(self(), i, s.segment.behind);
   if (log_.follows(i)) log_vertex(i, PathEvent::Kind::surface, vertex.p(), &vertex.point());
   if constexpr (kFromSensor) {
     if (const Light* light = vertex.light()) {
-      if (limits_.hide_emitters && s.depth == 0) {
+      if (is_hidden) {
         s.vertex += has_media();  // the ray behind has random numbers of its own
         go_on(i, vertex, s.segment.ray.d, false);
         return Event::crossed;
@@ -391,9 +395,7 @@ template <class Self, class Kind>
 bool Walk<Self, Kind>::survives(int i) {
   State& s = states_[i];
   if (s.depth >= limits_.roulette_depth) {
-    float throughput = s.density.hero_symmetric_throughput() * s.eta2;
-    if constexpr (kAny) throughput /= s.first_throughput;
-    const float survival = std::min(PathLimits::max_survival(scene_, s.depth), throughput);
+    const float survival = std::min(PathLimits::max_survival(scene_, s.depth), relative(i, s.density));
     if (!(get(self().samples(i), s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
   }

@@ -36,8 +36,8 @@ public:
   using Base::wavelengths;
   using typename Base::Connection;
 
-  /// `streams`: the random numbers are those of the so-manieth second stream of each sample. `earlier`:
-  /// another walk, to whose vertices those of this one are added, or null.
+  /// `streams`: how often `SampleStream::of_second_path` is applied to the random numbers of a sample.
+  /// `earlier`: another walk, to whose vertices the vertices of this one are added, or null.
   LightWalk(const WalkInput& in, const Techniques& techniques, std::vector<Splat>& splats, int streams = 1,
             const LightWalk* earlier = nullptr)
       : Base(in), techniques_(techniques), splats_(splats) {
