@@ -22,7 +22,7 @@ using testing::read_properties;
 class Probe final : public Object {
 public:
   explicit Probe(const Properties& p)
-      : Object(p), texture(get_texture(p, "t", 0.5, SpectrumRole(p.get_int("role", 0, Range{0, 2})))) {}
+      : Object(p), texture(get_texture(p, "t", 0.5, SpectrumRole(p.get_int("role", 0, Range{0, 3})))) {}
   TexturePtr texture;
 };
 TexturePtr read(SpectrumRole role, const std::string& parameter, double min_nm = 360, double max_nm = 830) {

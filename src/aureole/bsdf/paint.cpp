@@ -229,6 +229,7 @@ private:
     } catch (const Error& e) {
       throw properties.error("palette", e.what());
     }
+    note_palette_range(properties, properties.has("palette") ? "palette" : "recipe", palette);
     if (const int count = pigment::clamp_negative(palette))
       properties.note("palette", std::to_string(count) + " negative values of K and S count as zero");
     opaque_ = !properties.has("thickness");

@@ -23,7 +23,7 @@ public:
       : Emitter(p),
         placement_(get_placement(p)),
         intensity_(get_texture(p, "intensity", 1, SpectrumRole::emission)),
-        texture_(get_optional_texture(p, "texture", SpectrumRole::unbounded)) {
+        texture_(get_optional_texture(p, "texture", SpectrumRole::response)) {
     if (!intensity_->is_constant())
       throw p.error("intensity", "expected a spectrum; a picture to project belongs to \"texture\"");
     if (texture_ && texture_->is_constant())

@@ -209,7 +209,7 @@ private:
     // Other spectra are read through a copy of the properties that declares the name.
     Properties named(p.type(), p.id(), p.where(), p.shared_context());
     named.add(e.name, e.value, e.where);
-    return get_texture(named, e.name, 0, SpectrumRole::unbounded)->average();
+    return get_texture(named, e.name, 0, SpectrumRole::response)->average();
   }
 
   /// The preview colour is the colour of the radiance that is a combination of the responses and reproduces

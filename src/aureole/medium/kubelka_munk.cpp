@@ -89,6 +89,7 @@ private:
       throw p.error(
           "scale",
           "the parameter \"scale\" is required for this palette, whose K and S are relative: S of its white, per unit of length");
+    note_palette_range(p, p.has("palette") ? "palette" : "recipe", palette);
     if (const int count = pigment::clamp_negative(palette))
       p.note("palette", std::to_string(count) + " negative values of K and S count as zero");
     try {

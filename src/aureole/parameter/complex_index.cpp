@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/parameter/complex_index.h"
 
+#include "aureole/parameter/data_range.h"
 #include "aureole/parameter/ior.h"
 #include "aureole/parameter/radio_index.h"
 #include "aureole/pigment/grain_index.h"
@@ -38,10 +39,7 @@ std::optional<std::function<std::complex<double>(double)>> grain_index(const Pro
   }
   if (grain->absorbs && has_k)
     throw p.error("k", "\"" + *text + "\" has its own absorption: leave \"k\" out");
-  const SpectralGrid& grid = p.context().grid;
-  if (grid.min_nm < grain->min_nm - 1 || grid.max_nm > grain->max_nm + 1)
-    p.note(name, "\"" + *text + "\" is known from " + std::to_string(int(grain->min_nm)) + " to " +
-                     std::to_string(int(grain->max_nm)) + " nm; beyond, the values at the ends are taken");
+  note_data_range(p, name, "the index of \"" + *text + "\"", {grain->min_nm, grain->max_nm});
   if (p.get_bool("dispersion", true)) return grain->index;
   return [value = grain->index(589.3)](double) { return value; };
 }

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "aureole/parameter/data_range.h"
 #include "aureole/parameter/radio_index.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/refractive_index.h"
@@ -15,10 +16,6 @@ namespace {
 
 constexpr double kSodiumD = 589.3;
 
-std::string range_text(double min_nm, double max_nm) {
-  return fmt::format("{:.6g} to {:.6g} nm", min_nm, max_nm);
-}
-
 }  // namespace
 
 void check_index_range(const Properties& properties, std::string_view name, const std::string& material,
@@ -28,12 +25,12 @@ void check_index_range(const Properties& properties, std::string_view name, cons
   constexpr SpectralGrid kVisible;
   const SpectralGrid& grid = properties.context().grid;
   const bool below = grid.min_nm<index.min_nm(), above = grid.max_nm> index.max_nm();
-  const std::string known =
-      "the index of \"" + material + "\" is known from " + range_text(index.min_nm(), index.max_nm());
+  const std::string subject = "the index of \"" + material + "\"";
   if ((below && grid.min_nm < kVisible.min_nm) || (above && grid.max_nm > kVisible.max_nm))
-    throw properties.error(name, known + ", but the sensor sees " + range_text(grid.min_nm, grid.max_nm) +
+    throw properties.error(name, subject + " is known from " + range_text(index.min_nm(), index.max_nm()) +
+                                     ", but the sensor sees " + range_text(grid.min_nm, grid.max_nm) +
                                      "; narrow wavelength_min and wavelength_max, or give a number");
-  if (below || above) properties.note(name, known + "; outside that range its value at the end is used");
+  note_data_range(properties, name, subject, {index.min_nm(), index.max_nm()});
 }
 
 Ior Ior::from(const Properties& properties, std::string_view name, const std::string& fallback) {

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "aureole/core/error.h"
+#include "aureole/parameter/data_range.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/palette_text.h"
 #include "aureole/pigment/recipe.h"
@@ -41,6 +42,12 @@ std::vector<double> recipe_fractions(const pigment::Palette& palette, const std:
   } catch (const std::domain_error& e) {
     throw Error(option + ": " + e.what());
   }
+}
+
+void note_palette_range(const Properties& properties, std::string_view name,
+                        const pigment::Palette& palette) {
+  if (!palette.nm.empty())
+    note_data_range(properties, name, "K and S of the palette", {palette.nm.front(), palette.nm.back()});
 }
 
 SampledPaint sampled_paint(const SpectralGrid& grid, const pigment::Palette& palette,

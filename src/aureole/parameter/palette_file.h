@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "aureole/pigment/paints.h"
+#include "aureole/plugin/properties.h"
 #include "aureole/spectrum/spectrum.h"
 #include "aureole/spectrum/wavelengths.h"
 
@@ -21,6 +22,9 @@ pigment::Palette read_palette_file(const std::string& file);
 /// densities. Throws an Error that begins with `option` and suggests the nearest name for an unknown paint.
 std::vector<double> recipe_fractions(const pigment::Palette& palette, const std::string& recipe,
                                      bool by_volume, const std::string& option);
+
+/// Notes, at the parameter that named the palette, where the film's range exceeds its wavelengths.
+void note_palette_range(const Properties& properties, std::string_view name, const pigment::Palette& palette);
 
 /// K and S on a scene's grid.
 struct SampledPaint {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Mie scattering by spheres of one material, averaged over their sizes: coronas of fog and mist, rainbows and
 // glories. Phase functions are tabulated when the scene is built (optics/particle/ensemble.h). All
-// wavelengths share one grid of angles; nodes are uniform in 1/lambda, with linear interpolation between
-// them.
+// wavelengths share one grid of angles; their nodes are chosen by the error of linear interpolation.
 #include <stdexcept>
 #include <vector>
 
@@ -29,11 +28,18 @@ std::shared_ptr<const TabulatedPhase> make_table(const Properties& p) {
       read_complex_index(p, "int_ior", "water", get_optional_spectrum(p, "k", SpectrumRole::unbounded));
   return p.shared_model<TabulatedPhase>([&] {
     try {
-      const std::vector<double> nm = mie_wavelengths(grid, {&radii, 1}, host(grid.min_nm));
-      const optics::EnsembleAccuracy accuracy = mie_accuracy({&radii, 1}, host(nm.front()), nm.front());
-      const optics::Ensemble ensemble({{optics::sphere_kind(index), radii}}, nm, host, accuracy, for_ranges);
+      optics::EnsembleAccuracy accuracy = mie_accuracy({&radii, 1}, host(grid.min_nm), grid.min_nm);
+      accuracy.most_coefficient_radii = 0;
+      const auto ensemble = [&](const std::vector<double>& nm) {
+        return optics::Ensemble({{optics::sphere_kind(index), radii}}, nm, host, accuracy, for_ranges);
+      };
+      const std::vector<double> nm =
+          mie_spectrum(
+              grid, {&radii, 1}, host(grid.min_nm),
+              [&](const std::vector<double>& at) { return ensemble(at).coefficients(); }, false)
+              .phase_nm;
       return std::make_shared<const TabulatedPhase>(
-          tabulate(ensemble.phases(for_ranges, progress_of(p)), nm, grid));
+          tabulate(ensemble(nm).phases(for_ranges, progress_of(p)), nm, grid));
     } catch (const std::domain_error& e) {
       throw p.error("radius", e.what());
     }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Resolution and accuracy of the tabulated phase functions of spheres for rendering.
+// Resolution and accuracy of coefficients and phase functions of spheres that are tabulated for rendering.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -10,20 +11,33 @@
 
 namespace aureole {
 
-/// Returns the wavelengths [nm] at which phase functions of populations with these radii are tabulated. They
-/// increase uniformly in 1/lambda over the range of the grid. The most demanding population sets their
-/// number, with at least `least_per_unit_of_log` per factor e of the wavelength. Throws std::domain_error if
-/// the effective radius is too large for the shortest wavelength: the time grows as the cube of their ratio.
-std::vector<double> mie_wavelengths(const SpectralGrid& grid,
-                                    std::span<const optics::RadiusDistribution> radii, double host_index,
-                                    double least_per_unit_of_log = 9.6);
+/// Coefficients and phase functions over the wavelengths of a film, computed where interpolation needs them.
+struct MieSpectrum {
+  /// At increasing wavelengths, which are nodes of the grid. Between them scattering and absorption are
+  /// interpolated as powers of the wavelength.
+  std::vector<optics::EnsembleCoefficients> coefficients;
+  /// Those of the wavelengths [nm] at which phase functions are needed; between them they are linear.
+  std::vector<double> phase_nm;
+};
 
-/// Throws std::domain_error as `mie_wavelengths` does, without computing wavelengths.
+/// Computes coefficients at some wavelengths, without phase tables.
+using MieEvaluator = std::function<std::vector<optics::EnsembleCoefficients>(const std::vector<double>& nm)>;
+
+/// Chooses the wavelengths for particles with these radii. Steps are halved until interpolation in their middle
+/// is accurate to 2e-3, which leaves a quarter of that, or until they are steps of the grid. Criteria are
+/// scattering, absorption (or 1e-4 of the extinction, if that is more) and asymmetry; for phase functions it
+/// is 2 % at `Ensemble::probes`, as far as `most_phases` allows. Without `with_coefficients` the phase function
+/// and the asymmetry alone count. Throws std::domain_error as
+/// `require_sizes_for_tables` does.
+MieSpectrum mie_spectrum(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
+                         double host_index, const MieEvaluator& evaluate, bool with_coefficients = true);
+
+/// Throws std::domain_error if an effective radius is too large for the shortest wavelength: the time grows as
+/// the cube of their ratio.
 void require_sizes_for_tables(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
                               double host_index);
 
-/// Returns accuracy settings coarser than the default, since errors of 1 % of a phase function are not
-/// visible in a picture. `nm` is the shortest wavelength.
+/// Returns accuracy settings of tables for rendering. `nm` is the shortest wavelength.
 optics::EnsembleAccuracy mie_accuracy(std::span<const optics::RadiusDistribution> radii, double host_index,
                                       double nm);
 

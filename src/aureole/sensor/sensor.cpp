@@ -48,7 +48,7 @@ void Sensor::read_common(const Properties& p, Measures measures) {
                                  size_text(film_->width(), film_->height()));
     film_->use_box_filter();
   }
-  if (const TexturePtr srf = get_optional_texture(p, "srf", SpectrumRole::unbounded)) {
+  if (const TexturePtr srf = get_optional_texture(p, "srf", SpectrumRole::response)) {
     if (!srf->is_constant()) throw p.error("srf", "a response is one spectrum, not a picture");
     film_->multiply_response(srf->average());
     if (!(film_->response().maximum() > 0))

@@ -42,7 +42,14 @@ SampledSpectrum SampledSpectrum::constant(const SpectralGrid& grid, float value)
 }
 
 SampledSpectrum SampledSpectrum::from_points(const SpectralGrid& grid, std::span<const double> nm,
-                                             std::span<const double> values) {
+                                             std::span<const double> values, SpectrumEnds ends) {
+  if (ends == SpectrumEnds::held && (nm.front() > grid.min_nm || nm.back() < grid.max_nm)) {
+    std::vector<double> more_nm(nm.begin(), nm.end()), more_values(values.begin(), values.end());
+    if (nm.front() > grid.min_nm)
+      more_nm.insert(more_nm.begin(), grid.min_nm), more_values.insert(more_values.begin(), values.front());
+    if (nm.back() < grid.max_nm) more_nm.push_back(grid.max_nm), more_values.push_back(values.back());
+    return from_points(grid, more_nm, more_values);
+  }
   std::vector<double> moments(grid.cells + 1, 0.0);  // integral(s hat_i) in units of a cell
   const double h = grid.step();
   for (size_t k = 0; k + 1 < nm.size(); ++k) {

@@ -57,6 +57,12 @@ struct Wavelengths {
   static Wavelengths at(const SpectralGrid& grid, const Spectrum& nm, float pdf_per_nm = 1);
 };
 
+/// The value of a spectrum at wavelengths outside its points.
+enum class SpectrumEnds {
+  zero,  ///< zero: emission and responses, whose points say where there is light or a signal at all
+  held   ///< the value at the nearer end: properties of matter, which exist at every wavelength
+};
+
 /// A spectrum tabulated on a grid's nodes, piecewise linear between them.
 class SampledSpectrum {
 public:
@@ -65,13 +71,13 @@ public:
 
   static SampledSpectrum constant(const SpectralGrid& grid, float value);
 
-  /// Tabulates the piecewise linear function through (nm, value), zero outside [nm.front(), nm.back()]. Its
-  /// integral over the grid's range is kept, so that a line narrower than a cell keeps its power. Node values
+  /// Tabulates the piecewise linear function through (nm, value), continued as `ends` says outside
+  /// [nm.front(), nm.back()]. Its integral over the grid's range is kept, so that a line narrower than a cell keeps its power. Node values
   /// are hat-weighted means, integral(s hat_i) / integral(hat_i). They leave linear functions unchanged,
   /// except at the first and last node: their hats are one-sided, so that they return the value a third of a
   /// cell inside.
   static SampledSpectrum from_points(const SpectralGrid& grid, std::span<const double> nm,
-                                     std::span<const double> values);
+                                     std::span<const double> values, SpectrumEnds ends = SpectrumEnds::zero);
 
   /// Tabulates a smooth function of the wavelength in nm by its values at the nodes.
   static SampledSpectrum from_function(const SpectralGrid& grid, const std::function<double(double)>& f);

@@ -33,6 +33,9 @@ public:
   }
   float maximum() const override { return std::max(color0_->maximum(), color1_->maximum()); }
   float minimum() const override { return std::min(color0_->minimum(), color1_->minimum()); }
+  void note_ends(const Properties&, std::string_view) const override {
+    color0_->note_ends(properties(), "color0"), color1_->note_ends(properties(), "color1");
+  }
   TexturePtr in_role(SpectrumRole role) const override {
     return role == role_ ? nullptr : std::make_shared<const Checkerboard>(properties(), role);
   }

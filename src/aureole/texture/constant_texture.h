@@ -29,6 +29,24 @@ private:
   float value_ = 0, scalar_ = 0;
 };
 
+/// Points of a spectrum: as many values as wavelengths, which increase, and at least two.
+struct SpectrumPoints {
+  std::vector<double> nm, values;
+};
+
+/// A spectrum given by points. It is zero outside them until its role says otherwise (`ends_of`).
+class PointSpectrum : public ConstantTexture {
+public:
+  PointSpectrum(const Properties& properties, SpectrumPoints points, SpectrumEnds ends = SpectrumEnds::zero);
+
+  void note_ends(const Properties& user, std::string_view name) const final;
+  TexturePtr in_role(SpectrumRole role) const final;
+
+private:
+  SpectrumPoints points_;
+  SpectrumEnds ends_;
+};
+
 /// The spectrum of a linear sRGB colour, not multiplied by an illuminant. A colour in [0, 1] is the
 /// reflectance of that colour. A brighter colour, or any colour with `emission`, is scaled to a largest
 /// component of 1/2 for the upsampling, and its spectrum is scaled back, as in Mitsuba.

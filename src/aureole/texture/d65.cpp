@@ -16,6 +16,8 @@ public:
     const auto nested = properties.get_children<Texture>("texture");
     if (nested.size() > 1) throw Error(properties.where(), "\"d65\" takes one nested texture at most");
     if (!nested.empty()) nested_ = nested.front();
+    if (nested_)
+      if (TexturePtr filter = nested_->in_role(SpectrumRole::response)) nested_ = std::move(filter);
     if (properties.find("color")) {
       if (nested_) throw properties.error("color", "give either a color or a nested texture, not both");
       multiply(spectrum_of_rgb(d65_.grid(), get_rgb(properties, "color", true).rgb, true));

@@ -9,7 +9,7 @@
 namespace aureole {
 namespace {
 
-SampledSpectrum tabulate_irregular(const Properties& properties) {
+SpectrumPoints read_irregular(const Properties& properties) {
   std::vector<double> nm = get_wavelength_list(properties, "wavelengths");
   std::vector<double> values = get_numbers(properties, "values");
   if (nm.size() != values.size())
@@ -21,13 +21,12 @@ SampledSpectrum tabulate_irregular(const Properties& properties) {
   }
   for (std::size_t i = 1; i < nm.size(); ++i)
     if (!(nm[i] > nm[i - 1])) throw properties.error("wavelengths", "must increase or decrease");
-  return SampledSpectrum::from_points(properties.context().grid, nm, values);
+  return {std::move(nm), std::move(values)};
 }
 
-class Irregular final : public ConstantTexture {
+class Irregular final : public PointSpectrum {
 public:
-  explicit Irregular(const Properties& properties)
-      : ConstantTexture(properties, tabulate_irregular(properties)) {}
+  explicit Irregular(const Properties& properties) : PointSpectrum(properties, read_irregular(properties)) {}
   static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
     WavelengthRange range;
     for (const double nm : get_wavelength_list(p, "wavelengths")) range.extend(nm);
@@ -38,8 +37,9 @@ public:
 AUREOLE_PLUGIN(
     Irregular, "texture", "irregular",
     PluginDoc{
-        "A spectrum given by wavelengths and values, linear between them and zero outside. Its integral is "
-        "preserved, even for lines narrower than the renderer's wavelength grid.",
+        "A spectrum given by wavelengths and values, linear between them. Outside them a property of matter "
+        "keeps the value at the end, and a note says so; light, a sensor's response and a filter are zero. "
+        "Its integral is preserved, even for lines narrower than the renderer's wavelength grid.",
         "",
         {{"wavelengths", "string", "nm", "required",
           "two or more wavelengths in increasing or decreasing order; with units \"26GHz, 29GHz\""},

@@ -7,20 +7,19 @@
 namespace aureole {
 namespace {
 
-SampledSpectrum tabulate_regular(const Properties& properties) {
-  const std::vector<double> values = get_numbers(properties, "values");
+SpectrumPoints read_regular(const Properties& properties) {
+  std::vector<double> values = get_numbers(properties, "values");
   const double min = get_wavelength(properties, "wavelength_min");
   const double max = get_wavelength(properties, "wavelength_max");
   if (!(max > min)) throw properties.error("wavelength_max", "must be greater than wavelength_min");
   std::vector<double> nm(values.size());
   for (std::size_t i = 0; i < nm.size(); ++i) nm[i] = min + (max - min) * double(i) / double(nm.size() - 1);
-  return SampledSpectrum::from_points(properties.context().grid, nm, values);
+  return {std::move(nm), std::move(values)};
 }
 
-class Regular final : public ConstantTexture {
+class Regular final : public PointSpectrum {
 public:
-  explicit Regular(const Properties& properties)
-      : ConstantTexture(properties, tabulate_regular(properties)) {}
+  explicit Regular(const Properties& properties) : PointSpectrum(properties, read_regular(properties)) {}
   static std::optional<WavelengthRange> wavelength_range(const Properties& p) {
     return WavelengthRange{get_wavelength(p, "wavelength_min"), get_wavelength(p, "wavelength_max")};
   }
@@ -28,7 +27,9 @@ public:
 
 AUREOLE_PLUGIN(
     Regular, "texture", "regular",
-    PluginDoc{"A spectrum given by values at equidistant wavelengths, linear between them and zero outside.",
+    PluginDoc{"A spectrum given by values at equidistant wavelengths, linear between them. Outside them a "
+              "property of matter keeps the value at the end, and a note says so; light, a sensor's response "
+              "and a filter are zero.",
               "",
               {{"values", "string", "", "required", "two or more numbers, separated by commas or spaces"},
                {"wavelength_min", "wavelength", "nm", "required",

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aureole/parameter/data_range.h"
 #include "aureole/plugin/number_list.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/observer.h"
@@ -34,12 +35,16 @@ void check_number(const Properties& properties, std::string_view name, double v,
     throw properties.error(name, "a reflectance or transmittance lies in [0, 1], got " + text(v));
 }
 
-TexturePtr make_constant(const Properties& owner, std::string_view name, SampledSpectrum spectrum) {
+/// Returns the properties of a spectrum that is not an object of the scene: the location of its parameter.
+Properties spectrum_properties(const Properties& owner, std::string_view name) {
   SourceLocation where = owner.where();
   for (const Properties::Entry& e : owner.entries())
     if (e.name == name) where = e.where;
-  const Properties properties("spectrum", "", where, owner.shared_context());
-  return std::make_shared<ConstantTexture>(properties, std::move(spectrum));
+  return {"spectrum", "", where, owner.shared_context()};
+}
+
+TexturePtr make_constant(const Properties& owner, std::string_view name, SampledSpectrum spectrum) {
+  return std::make_shared<ConstantTexture>(spectrum_properties(owner, name), std::move(spectrum));
 }
 
 SampledSpectrum tabulate_number(const Properties& properties, std::string_view name, double v,
@@ -55,24 +60,26 @@ SampledSpectrum tabulate_number(const Properties& properties, std::string_view n
   return s;
 }
 
-SampledSpectrum tabulate(const Properties& properties, std::string_view name, const SpectrumLiteral& literal,
-                         SpectrumRole role) {
+TexturePtr make_spectrum_texture(const Properties& properties, std::string_view name,
+                                 const SpectrumLiteral& literal, SpectrumRole role) {
   const SpectralGrid& grid = properties.context().grid;
   switch (literal.kind) {
     case SpectrumLiteral::Kind::value:
       // Unlike a plain number, a spectrum with a single value is flat for emitters as well.
       check_number(properties, name, literal.value, role);
-      return SampledSpectrum::constant(grid, float(literal.value));
-    case SpectrumLiteral::Kind::rgb:
+      return make_constant(properties, name, SampledSpectrum::constant(grid, float(literal.value)));
+    case SpectrumLiteral::Kind::rgb: {
       for (double c : literal.rgb) check_number(properties, name, c, role);
-      if (role == SpectrumRole::emission)
-        return product(spectrum_of_rgb(grid, literal.rgb, true), d65_spectrum(grid, 1));
-      return spectrum_of_rgb(grid, literal.rgb, false);
+      const bool emits = role == SpectrumRole::emission;
+      SampledSpectrum spectrum = spectrum_of_rgb(grid, literal.rgb, emits);
+      return make_constant(properties, name, emits ? product(spectrum, d65_spectrum(grid, 1)) : spectrum);
+    }
     case SpectrumLiteral::Kind::points:
       for (double v : literal.values) check_number(properties, name, v, role);
       if (literal.nm.size() < 2 || literal.nm.size() != literal.values.size())
         throw properties.error(name, "a spectrum needs at least two wavelengths, each with its value");
-      return SampledSpectrum::from_points(grid, literal.nm, literal.values);
+      return std::make_shared<PointSpectrum>(spectrum_properties(properties, name),
+                                             SpectrumPoints{literal.nm, literal.values}, ends_of(role));
   }
   throw std::logic_error("unknown kind of spectrum");
 }
@@ -96,6 +103,21 @@ ConstantTexture::ConstantTexture(const Properties& properties, SampledSpectrum s
   flat_ = spectrum_.minimum() == spectrum_.maximum();
   value_ = spectrum_.maximum();
   scalar_ = flat_ ? value_ : float(spectrum_.average());
+}
+
+PointSpectrum::PointSpectrum(const Properties& properties, SpectrumPoints points, SpectrumEnds ends)
+    : ConstantTexture(properties, SampledSpectrum::from_points(properties.context().grid, points.nm,
+                                                               points.values, ends)),
+      points_(std::move(points)),
+      ends_(ends) {}
+
+void PointSpectrum::note_ends(const Properties& user, std::string_view name) const {
+  note_data_range(user, name, "the spectrum", {points_.nm.front(), points_.nm.back()});
+}
+
+TexturePtr PointSpectrum::in_role(SpectrumRole role) const {
+  return ends_of(role) == ends_ ? nullptr
+                                : std::make_shared<const PointSpectrum>(properties(), points_, ends_of(role));
 }
 
 float Texture::eval_scalar(const SurfacePoint& point) const {
@@ -143,7 +165,10 @@ std::vector<double> get_numbers(const Properties& properties, std::string_view n
   return numbers;
 }
 
-TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role) {
+namespace {
+
+/// Returns the texture given under `name`, or null, without notes.
+TexturePtr read_texture(const Properties& properties, std::string_view name, SpectrumRole role) {
   const Properties::Entry* e = properties.find(name);
   if (!e) return nullptr;
   double number = 0;
@@ -152,7 +177,7 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
   else if (const auto* i = std::get_if<std::int64_t>(&e->value))
     number = double(*i);
   else if (const auto* literal = std::get_if<SpectrumLiteral>(&e->value))
-    return make_constant(properties, name, tabulate(properties, name, *literal, role));
+    return make_spectrum_texture(properties, name, *literal, role);
   else if (std::holds_alternative<ObjectPtr>(e->value)) {
     TexturePtr texture = properties.get_object<Texture>(name);
     if (TexturePtr meant = texture->in_role(role)) texture = std::move(meant);
@@ -163,6 +188,17 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
     throw properties.error(name, "expected a number, a spectrum or a texture");
   check_number(properties, name, number, role);
   return make_constant(properties, name, tabulate_number(properties, name, number, role));
+}
+
+}  // namespace
+
+TexturePtr get_optional_texture(const Properties& properties, std::string_view name, SpectrumRole role) {
+  TexturePtr texture = read_texture(properties, name, role);
+  // The role of a texture's own spectra is that of the texture, which its user knows; that one notes.
+  const std::string family = properties.plugin() ? properties.plugin()->family : "";
+  if (texture && ends_of(role) == SpectrumEnds::held && family != "texture" && family != "volume")
+    texture->note_ends(properties, name);
+  return texture;
 }
 
 std::optional<SampledSpectrum> get_optional_spectrum(const Properties& properties, std::string_view name,

@@ -14,10 +14,22 @@ namespace aureole {
 class AttributeName;
 class MeshAttribute;
 
-/// The quantity that an rgb colour or a number denotes, as in Mitsuba's spectral mode: a reflectance in [0,
-/// 1], an unbounded quantity, or an emission, which multiplies CIE D65 (normalised so that rgb = 1 has
-/// luminance 1).
-enum class SpectrumRole { reflectance, unbounded, emission };
+/// The quantity that a parameter denotes. It decides what numbers and rgb colours mean, as in Mitsuba's
+/// spectral mode, and whether a spectrum continues beyond its points (`ends_of`).
+enum class SpectrumRole {
+  reflectance,  ///< of matter, in [0, 1]
+  unbounded,    ///< a property of matter, 0 or more: index of refraction, coefficient, absorbance, roughness
+  emission,     ///< of a light; multiplies CIE D65, normalised so that rgb = 1 has luminance 1
+  response      ///< of a sensor, or a filter before a light; 0 or more
+};
+
+/// Returns how a spectrum of this role continues beyond its points. Matter has its properties at every
+/// wavelength, and zero would make it clear, black or a vacuum there; so the value at the end is kept, and a
+/// note says so. Lights and sensors are dark and blind outside their points.
+constexpr SpectrumEnds ends_of(SpectrumRole role) {
+  return role == SpectrumRole::emission || role == SpectrumRole::response ? SpectrumEnds::zero
+                                                                          : SpectrumEnds::held;
+}
 
 class Texture : public Object {
 public:
@@ -44,7 +56,10 @@ public:
   virtual float maximum() const = 0;
   /// Smallest value over the surface and all wavelengths.
   virtual float minimum() const = 0;
-  /// The texture with its numbers and colours interpreted in that role; null if the role makes no difference.
+  /// Notes, at the parameter `name` of `user`, at which wavelengths of the film the spectra of the texture
+  /// have no data, so that the value at the end is used. Called for properties of matter (`ends_of`).
+  virtual void note_ends(const Properties& /*user*/, std::string_view /*name*/) const {}
+  /// The texture with its numbers, colours and spectra interpreted in that role; null if the role makes no difference.
   virtual std::shared_ptr<const Texture> in_role(SpectrumRole) const { return nullptr; }
   /// Columns and rows of a picture, for emitters that project the texture.
   virtual std::pair<int, int> resolution() const { return {1, 1}; }

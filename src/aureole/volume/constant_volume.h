@@ -19,6 +19,7 @@ public:
   bool is_constant() const final { return true; }
   float maximum() const final { return value_->maximum(); }
   float minimum() const final { return value_->minimum(); }
+  void note_ends() const final { value_->note_ends(properties(), "value"); }
   Spectrum envelope(const Wavelengths& w) const final { return value_->eval({}, w); }
 
 private:

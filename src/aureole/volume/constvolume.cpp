@@ -18,8 +18,8 @@ class ConstVolume final : public ConstantVolume {
 public:
   explicit ConstVolume(const Properties& p) : ConstantVolume(p, read_value(p, SpectrumRole::unbounded)) {}
 
-  VolumePtr as_emission() const override {
-    return std::make_shared<ConstantVolume>(properties(), read_value(properties(), SpectrumRole::emission));
+  VolumePtr in_role(SpectrumRole role) const override {
+    return std::make_shared<ConstantVolume>(properties(), read_value(properties(), role));
   }
 };
 

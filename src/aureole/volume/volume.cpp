@@ -69,10 +69,11 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
   if (role == SpectrumRole::reflectance && volume->maximum() > 1 + kTolerance)
     throw properties.error(
         name, fmt::format("must lie in [0, 1], but the volume goes up to {:.6g}", volume->maximum()));
-  if (role == SpectrumRole::emission) {
-    if (VolumePtr emission = volume->as_emission()) return emission;
-    return std::make_shared<Illuminated>(properties, volume);
+  if (ends_of(role) == SpectrumEnds::zero) {
+    if (VolumePtr meant = volume->in_role(role)) return meant;
+    if (role == SpectrumRole::emission) return std::make_shared<Illuminated>(properties, volume);
   }
+  if (properties.plugin() == nullptr || properties.plugin()->family != "texture") volume->note_ends();
   return volume;
 }
 

@@ -31,9 +31,12 @@ public:
   virtual int channels() const { return 1; }
   virtual void eval_channels(const Vec3& p, float* out) const { *out = eval_scalar(p); }
 
-  /// Returns the volume as an emission: numbers and colours multiply CIE D65, as in a scene file
-  /// (SpectrumRole). Null if all values are numbers or upsampled colours, which `get_volume` multiplies.
-  virtual std::shared_ptr<const Volume> as_emission() const { return nullptr; }
+  /// Returns the volume with its numbers, colours and spectra interpreted in that role (`SpectrumRole`). Null
+  /// if all values are numbers or upsampled colours, which `get_volume` multiplies by CIE D65 for emission.
+  virtual std::shared_ptr<const Volume> in_role(SpectrumRole) const { return nullptr; }
+
+  /// Notes at which wavelengths of the film the spectrum of the volume has no data, see `Texture::note_ends`.
+  virtual void note_ends() const {}
 
   /// Whether the value is constant in space.
   virtual bool is_constant() const { return false; }

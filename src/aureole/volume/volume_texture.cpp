@@ -28,6 +28,7 @@ public:
   bool is_constant() const override { return volume_->is_constant(); }
   float maximum() const override { return volume_->maximum(); }
   float minimum() const override { return volume_->minimum(); }
+  void note_ends(const Properties&, std::string_view) const override { volume_->note_ends(); }
   TexturePtr in_role(SpectrumRole role) const override {
     return role == role_ ? nullptr : std::make_shared<const VolumeTexture>(properties(), role);
   }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/medium/content/mixture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 #include "aureole/core/parallel.h"
 #include "aureole/medium/content/extinction_limit.h"
 #include "aureole/medium/content/volume_majorants.h"
+#include "aureole/parameter/data_range.h"
 #include "aureole/parameter/ior.h"
 #include "aureole/phase/mie_tables.h"
 #include "aureole/phase/tabulated_phase_function.h"
@@ -40,6 +43,9 @@ private:
 struct MixtureTables {
   SampledSpectrum extinction, scattering;
   std::shared_ptr<const TabulatedPhase> phase;  ///< null: the default phase function
+  /// Estimated error of the absorption by particles, relative to it or to 1e-3 of the extinction, if that is
+  /// more: the largest over the wavelengths.
+  double absorption_error = 0;
 };
 
 MixtureTables tabulate_mixture(const optics::Suspension& content, const SpectralGrid& grid, double unit,
@@ -56,17 +62,20 @@ MixtureTables tabulate_mixture(const optics::Suspension& content, const Spectral
     made.extinction = SampledSpectrum::from_function(grid, [&](double nm) { return unit * of_host(nm); });
     return made;
   }
-  // The spectral steps are finer than a phase function alone needs, since the coefficients set the visible
-  // colour.
-  constexpr double kMinPerUnitOfLog = 16;
   std::vector<optics::RadiusDistribution> radii;
   for (const optics::Ingredient& i : content.ingredients()) radii.push_back(i.radii);
   const double index = host.index(grid.min_nm);
-  const std::vector<double> nm = mie_wavelengths(grid, radii, index, kMinPerUnitOfLog);
   optics::EnsembleAccuracy accuracy = mie_accuracy(radii, index, grid.min_nm);
-  accuracy.averaging = 2e-3;
-  const optics::MediumSpectrum spectrum =
-      optics::Suspension(host, content.ingredients()).spectrum(nm, true, accuracy, for_ranges, progress);
+  const optics::Suspension particles(host, content.ingredients());
+  const MieSpectrum spectrum = mie_spectrum(grid, radii, index, [&](const std::vector<double>& at) {
+    return particles.spectrum(at, false, accuracy, for_ranges).coefficients;
+  });
+  std::vector<double> nm;
+  for (const optics::EnsembleCoefficients& c : spectrum.coefficients) {
+    nm.push_back(c.lambda_nm);
+    const double absorbed = std::max(c.absorption, 1e-3 * c.extinction());
+    if (absorbed > 0) made.absorption_error = std::max(made.absorption_error, c.absorption_error / absorbed);
+  }
   std::vector<double> absorption, scattering;
   for (const optics::EnsembleCoefficients& c : spectrum.coefficients)
     absorption.push_back(std::max(c.absorption, 0.0)), scattering.push_back(c.scattering);
@@ -74,14 +83,30 @@ MixtureTables tabulate_mixture(const optics::Suspension& content, const Spectral
   made.scattering = SampledSpectrum::from_function(grid, [&](double l) { return unit * sigma_s(l); });
   made.extinction = SampledSpectrum::from_function(
       grid, [&](double l) { return unit * (sigma_s(l) + sigma_a(l) + of_host(l)); });
-  if (!spectrum.phases.tables.empty())
-    made.phase = std::make_shared<const TabulatedPhase>(tabulate(spectrum.phases, nm, grid));
+  accuracy.most_coefficient_radii = 0;
+  const optics::PhaseTables phases =
+      particles.spectrum(spectrum.phase_nm, true, accuracy, for_ranges, progress).phases;
+  if (!phases.tables.empty())
+    made.phase = std::make_shared<const TabulatedPhase>(tabulate(phases, spectrum.phase_nm, grid));
   return made;
+}
+
+/// Notes where the film's range exceeds the data of the host and of the particles of a recipe.
+void note_ranges(const Properties& p, const optics::Suspension& content) {
+  const char* host = p.has("recipe")                               ? "recipe"
+                     : p.plugin() && p.plugin()->documents("host") ? "host"
+                                                                   : "solvent";
+  if (content.host().absorption)
+    note_data_range(p, host, "the absorption of the liquid",
+                    {content.host().data.min_nm, content.host().data.max_nm});
+  for (const optics::Ingredient& i : content.ingredients())
+    note_data_range(p, host, "the index of " + i.name, {i.data.min_nm, i.data.max_nm});
 }
 
 }  // namespace
 
 Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Medium(p) {
+  note_ranges(p, content);
   const auto tables = p.shared_model<MixtureTables>([&] {
     try {
       return std::make_shared<const MixtureTables>(
@@ -93,6 +118,12 @@ Mixture::Mixture(const Properties& p, const optics::Suspension& content) : Mediu
   if (tables) {
     tables_ = tables;
     scattering_ = tables->scattering, extinction_ = tables->extinction;
+    constexpr double kWorthANote = 0.01;
+    if (tables->absorption_error > kWorthANote)
+      p.note("ingredient",
+             fmt::format("absorption by the particles is known to {:.1g} % only: they absorb so little that "
+                         "they do it in resonances narrower than the steps between their radii",
+                         100 * tables->absorption_error));
     if (tables->phase) phase_ = std::make_shared<TabulatedPhaseFunction>(p, tables->phase);
   }
   if (!phase_) phase_ = make_default<PhaseFunction>(p, "phase");

@@ -13,7 +13,11 @@ namespace aureole::optics {
 /// the scattering properties of participating media using Lorenz-Mie theory", ACM Trans. Graph. 26 (2007)
 /// 60). Fat globules are log-normal by volume with a coefficient of variation of 0.6; their mean radius
 /// follows from the fat content and the homogenisation pressure. Casein micelles, 76 % of the protein, are
-/// log-normal by volume in r/(150 nm - r). The water between contains riboflavin.
+/// log-normal by volume in r/(150 nm - r). The water between contains riboflavin, and in proportion to the
+/// protein an absorber that the paper lacks; without it skim milk would be whiter than whole milk. Its
+/// spectrum is what measured milk absorbs beyond the known components (Jensen, Marschner, Levoy & Hanrahan, "A
+/// practical model for subsurface light transport", SIGGRAPH 2001, figure 5). The extinction coefficient of fat
+/// has no background.
 struct MilkRecipe {
   double fat = 3.0, protein = 3.4;  ///< % by mass; fat: skimmed 0.1, low-fat 1.5, whole 3.0
   double pressure = 0;              ///< homogenisation pressure, MPa; 0: not homogenised

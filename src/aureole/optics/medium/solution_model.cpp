@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 
 #include "aureole/optics/medium/absorption.h"
@@ -37,7 +38,8 @@ ClearMedium water() {
           .absorption = spectral_table(kWaterAbsorption),
           .scattering = water_scattering,
           .depolarization = spectral_constant(kWaterDepolarization),
-          .density = 998.2};
+          .density = 998.2,
+          .data = water_range()};
 }
 
 ClearMedium air() {
@@ -49,6 +51,10 @@ ClearMedium air() {
 }
 
 ClearMedium vacuum() { return {.index = spectral_constant(1)}; }
+
+DataRange water_range() {
+  return {std::begin(kWaterAbsorption)->lambda_nm, std::rbegin(kWaterAbsorption)->lambda_nm};
+}
 
 IndexFunction water_index() {
   return [absorption = spectral_table(kWaterAbsorption)](double lambda_nm) {

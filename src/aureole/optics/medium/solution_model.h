@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "aureole/optics/medium/spectral_table.h"
 #include "aureole/optics/particle/particle.h"
 
 namespace aureole::optics {
@@ -17,7 +18,8 @@ struct ClearMedium {
   SpectralFunction scattering = nullptr;  ///< sigma_s by molecules, 1/m; null: 0
   /// Depolarisation factor of that scattering (`rayleigh_phase`); null: 0.
   SpectralFunction depolarization = nullptr;
-  double density = 0;  ///< kg/m^3; 0: unknown
+  double density = 0;   ///< kg/m^3; 0: unknown
+  DataRange data = {};  ///< of the absorption
 };
 
 /// Returns pure water at 20 C: index by Daimon & Masumura 2007, absorption by Pope & Fry 1997 and Smith &
@@ -30,6 +32,8 @@ ClearMedium vacuum();
 
 /// Returns the complex index of water, for droplets.
 IndexFunction water_index();
+/// Returns the range of the measured absorption of water.
+DataRange water_range();
 
 /// A dissolved substance that absorbs and does not scatter.
 struct Dye {

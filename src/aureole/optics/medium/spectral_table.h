@@ -2,6 +2,7 @@
 // Measured spectra as functions of the wavelength.
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include "aureole/optics/particle/particle.h"
@@ -10,6 +11,11 @@ namespace aureole::optics {
 
 struct SpectralPoint {
   double lambda_nm, value;
+};
+
+/// The wavelengths over which a material was measured; its functions are constant beyond them.
+struct DataRange {
+  double min_nm = 0, max_nm = std::numeric_limits<double>::infinity();
 };
 
 /// Returns a function that is linear between the points and constant beyond them. Throws std::domain_error if

@@ -31,6 +31,7 @@ struct Ingredient {
   double density = 0;  ///< of the particles' material, kg/m^3; 0: unknown
   /// Whether positions are correlated as hard spheres (see `ParticlePopulation`).
   bool hard_spheres = false;
+  DataRange data = {};  ///< of the index of the particles
 };
 
 /// Coefficients and phase functions over wavelengths.

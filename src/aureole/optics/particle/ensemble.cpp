@@ -21,8 +21,8 @@ constexpr double kPerSize = 1 / 1.2, kPerLog = 8;
 
 double wave_number(double lambda_nm, double host) { return 2 * kPi * host / (lambda_nm * 1e-9); }
 
-/// Returns the angles at which averages over radii are compared; their supplements are compared too.
-std::vector<double> probes() {
+/// Returns the cosines of the probes in front of the particle; those behind it are their negatives.
+std::vector<double> front_probes() {
   std::vector<double> mu;
   for (const double degrees :
        {1.0, 3.0, 7.0, 12.0, 18.0, 25.0, 33.0, 42.0, 50.0, 58.0, 66.0, 74.0, 82.0, 89.0})
@@ -54,6 +54,27 @@ std::vector<RadiusNode> without_ends(std::vector<RadiusNode> nodes, double k) {
   return {nodes.begin() + std::ptrdiff_t(first), nodes.begin() + std::ptrdiff_t(last)};
 }
 
+/// Returns about `count` nodes, which share the weight of each of the given ones. Their number is proportional
+/// to its volume, and so to its part of a weak absorption: what matters is where that is, not how broad the
+/// distribution is.
+std::vector<RadiusNode> subdivided(std::span<const RadiusNode> nodes, double count) {
+  double volume = 0;
+  for (const RadiusNode& n : nodes) volume += n.weight * n.radius * n.radius * n.radius;
+  std::vector<RadiusNode> finer;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const RadiusNode& n = nodes[i];
+    // Half of the way to the neighbours; the outermost cells are symmetric.
+    const double below = i > 0 ? 0.5 * (n.radius - nodes[i - 1].radius) : 0,
+                 above = i + 1 < nodes.size() ? 0.5 * (nodes[i + 1].radius - n.radius) : below;
+    const double low = n.radius - (i > 0 ? below : above), width = above + (i > 0 ? below : above);
+    const double part = n.weight * n.radius * n.radius * n.radius / volume;
+    const int pieces = std::max(1, int(std::lround(count * part)));
+    for (int j = 0; j < pieces; ++j)
+      finer.push_back({pieces == 1 ? n.radius : low + width * (j + 0.5) / pieces, n.weight / pieces});
+  }
+  return finer;
+}
+
 /// Adds the intensities of `nodes`, times the structure factor, to `at` and `mirrored`.
 void add_differential(const ParticlePopulation& population, std::span<const RadiusNode> nodes,
                       double lambda_nm, double host, std::span<const double> mu, std::span<double> at,
@@ -79,13 +100,22 @@ void add_differential(const ParticlePopulation& population, std::span<const Radi
 
 /// Averages over radii of one population at one wavelength, per particle.
 struct Ensemble::Average {
-  std::vector<RadiusNode> nodes;
-  double extinction = 0, scattering = 0, cosine = 0;  // cosine: scattering times asymmetry
-  std::vector<double> at, mirrored;
+  double absorption = 0, scattering = 0, cosine = 0;  // cosine: scattering times asymmetry
+  double extinction() const { return absorption + scattering; }
+  std::size_t radii = 0;                           // number of the nodes of these sums
+  std::vector<double> at, mirrored;                // differential cross section at the probes
+  double last_change = 0;                          // of the absorption in the last round, absolute
+  std::vector<double> at_change, mirrored_change;  // of `at` and `mirrored`, absolute, in the last round
   bool done = false, converged = false;
-  /// Values with structure factors, computed once `done`.
-  double correlated = 0, correlated_cosine = 0;
+  std::vector<RadiusNode> nodes;                 // of the phase function
+  double correlated = 0, correlated_cosine = 0;  // scattering and cosine with structure factors
 };
+
+std::vector<double> Ensemble::probes() {
+  std::vector<double> mu = front_probes();
+  for (std::size_t i = mu.size(); i-- > 0;) mu.push_back(-mu[i]);
+  return mu;
+}
 
 Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<double> lambda_nm,
                    const SpectralFunction& host, const EnsembleAccuracy& accuracy,
@@ -110,8 +140,10 @@ Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<doub
   }
   const std::size_t kinds = populations_.size();
   std::vector<Average> averages(kinds * lambda_nm_.size());
-  refine(averages, parallel_for);
-  correlate(averages, parallel_for);
+  refine_phases(averages, parallel_for);
+  const std::vector<Average> of_phases = averages;
+  if (accuracy_.most_coefficient_radii > 0) refine_coefficients(averages, parallel_for);
+  correlate(averages, of_phases, parallel_for);
   nodes_.resize(averages.size());
   for (std::size_t w = 0; w < lambda_nm_.size(); ++w) {
     EnsembleCoefficients c;
@@ -120,101 +152,202 @@ Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<doub
     for (std::size_t i = 0; i < kinds; ++i) {
       Average& a = averages[w * kinds + i];
       const double density = populations_[i].number_density;
-      c.absorption += density * std::max(0.0, a.extinction - a.scattering);
+      c.absorption += density * a.absorption;
       c.independent_scattering += density * a.scattering;
       c.scattering += density * a.correlated;
       cosine += density * a.correlated_cosine;
       independent_cosine += density * a.cosine;
-      c.radii += a.nodes.size();
+      c.radii += a.nodes.size(), c.coefficient_radii += a.radii;
       c.converged = c.converged && a.converged;
+      c.absorption_error += density * a.last_change;
+      c.phase_converged = c.phase_converged && of_phases[w * kinds + i].converged;
       nodes_[w * kinds + i] = std::move(a.nodes);
       for (RadiusNode& n : nodes_[w * kinds + i]) n.weight *= density;
     }
     c.asymmetry = c.scattering > 0 ? cosine / c.scattering : 0;
     c.independent_asymmetry =
         c.independent_scattering > 0 ? independent_cosine / c.independent_scattering : 0;
-    coefficients_.push_back(c);
+    // The values in front, and those behind in reverse order, as in `probes`.
+    const auto at_probes = [&](auto front, auto behind) {
+      std::vector<double> all;
+      for (const auto part : {front, behind}) {
+        std::vector<double> sum(front_probes().size());
+        for (std::size_t i = 0; i < kinds; ++i)
+          for (std::size_t j = 0; j < sum.size(); ++j)
+            sum[j] += populations_[i].number_density * (of_phases[w * kinds + i].*part)[j] /
+                      c.independent_scattering;
+        if (part == behind) std::reverse(sum.begin(), sum.end());
+        all.insert(all.end(), sum.begin(), sum.end());
+      }
+      return all;
+    };
+    if (c.independent_scattering > 0) {
+      c.phase = at_probes(&Average::at, &Average::mirrored);
+      c.phase_error = at_probes(&Average::at_change, &Average::mirrored_change);
+    }
+    coefficients_.push_back(std::move(c));
   }
 }
 
-/// Doubles the number of radii of each average until it has converged.
-void Ensemble::refine(std::vector<Average>& averages, const ParallelFor& parallel_for) {
-  const std::vector<double> mu = probes();
+/// Returns the sums over `nodes` (one list for each average; an empty one gives zeros), with differential cross
+/// sections at `mu`.
+std::vector<Ensemble::Average> Ensemble::sum_over(std::span<const std::vector<RadiusNode>> nodes,
+                                                  std::span<const double> mu,
+                                                  const ParallelFor& parallel_for) const {
   const std::size_t kinds = populations_.size();
   struct Task {
     std::size_t average, first, last;
-    double extinction = 0, scattering = 0, cosine = 0;
-    std::vector<double> at = {}, mirrored = {};
+    Average sum = {};
   };
-  for (double density = 1;; density *= 2) {
-    std::vector<Average> finer(averages.size());
-    std::vector<Task> tasks;
-    for (std::size_t a = 0; a < averages.size(); ++a) {
-      if (averages[a].done) continue;
-      const double k = wave_number(lambda_nm_[a / kinds], host_[a / kinds]);
-      finer[a].nodes = without_ends(populations_[a % kinds].radii.nodes(
-                                        density * kPerSize * k, density * kPerLog, accuracy_.most_radii),
-                                    k);
-      for (std::size_t i = 0; i < finer[a].nodes.size(); i += kChunk)
-        tasks.push_back({.average = a, .first = i, .last = std::min(i + kChunk, finer[a].nodes.size())});
-    }
-    if (tasks.empty()) return;
-    parallel_for(
-        tasks.size(),
-        [&](std::size_t begin, std::size_t end) {
-          std::vector<double> at(mu.size()), mirrored(mu.size());
-          for (std::size_t t = begin; t < end; ++t) {
-            Task& task = tasks[t];
-            task.at.assign(mu.size(), 0), task.mirrored.assign(mu.size(), 0);
-            for (std::size_t i = task.first; i < task.last; ++i) {
-              const RadiusNode& node = finer[task.average].nodes[i];
-              const auto particle = populations_[task.average % kinds].kind->make(
-                  node.radius, lambda_nm_[task.average / kinds], host_[task.average / kinds]);
-              task.extinction += node.weight * particle->extinction();
-              task.scattering += node.weight * particle->scattering();
-              task.cosine += node.weight * particle->scattering() * particle->asymmetry();
-              particle->differential(mu, at, mirrored);
-              for (std::size_t j = 0; j < mu.size(); ++j)
-                task.at[j] += node.weight * at[j], task.mirrored[j] += node.weight * mirrored[j];
-            }
+  std::vector<Task> tasks;
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    for (std::size_t i = 0; i < nodes[a].size(); i += kChunk)
+      tasks.push_back({a, i, std::min(i + kChunk, nodes[a].size())});
+  parallel_for(
+      tasks.size(),
+      [&](std::size_t begin, std::size_t end) {
+        std::vector<double> at(mu.size()), mirrored(mu.size());
+        for (std::size_t t = begin; t < end; ++t) {
+          Task& task = tasks[t];
+          Average& sum = task.sum;
+          sum.at.assign(mu.size(), 0), sum.mirrored.assign(mu.size(), 0);
+          for (std::size_t i = task.first; i < task.last; ++i) {
+            const RadiusNode& node = nodes[task.average][i];
+            const auto particle = populations_[task.average % kinds].kind->make(
+                node.radius, lambda_nm_[task.average / kinds], host_[task.average / kinds]);
+            sum.absorption += node.weight * std::max(0.0, particle->absorption());
+            sum.scattering += node.weight * particle->scattering();
+            sum.cosine += node.weight * particle->scattering() * particle->asymmetry();
+            if (mu.empty()) continue;
+            particle->differential(mu, at, mirrored);
+            for (std::size_t j = 0; j < mu.size(); ++j)
+              sum.at[j] += node.weight * at[j], sum.mirrored[j] += node.weight * mirrored[j];
           }
-        },
-        1);
-    for (const Task& task : tasks) {
-      Average& a = finer[task.average];
-      a.at.resize(mu.size()), a.mirrored.resize(mu.size());
-      a.extinction += task.extinction, a.scattering += task.scattering, a.cosine += task.cosine;
-      for (std::size_t j = 0; j < mu.size(); ++j) a.at[j] += task.at[j], a.mirrored[j] += task.mirrored[j];
-    }
+        }
+      },
+      1);
+  std::vector<Average> sums(nodes.size());
+  for (std::size_t a = 0; a < nodes.size(); ++a)
+    sums[a].at.assign(mu.size(), 0), sums[a].mirrored.assign(mu.size(), 0), sums[a].radii = nodes[a].size();
+  for (const Task& task : tasks) {
+    Average& a = sums[task.average];
+    a.absorption += task.sum.absorption, a.scattering += task.sum.scattering, a.cosine += task.sum.cosine;
+    for (std::size_t j = 0; j < mu.size(); ++j)
+      a.at[j] += task.sum.at[j], a.mirrored[j] += task.sum.mirrored[j];
+  }
+  return sums;
+}
+
+namespace {
+
+bool close(double a, double b, double bound) { return std::abs(a - b) <= bound; }
+
+/// Returns the nodes of a distribution of radii, `density` times as dense as in the first round.
+std::vector<RadiusNode> nodes_of(const RadiusDistribution& radii, double density, double k,
+                                 std::size_t most) {
+  return without_ends(radii.nodes(density * kPerSize * k, density * kPerLog, most), k);
+}
+
+}  // namespace
+
+/// Ends an average at the upper bound of the number of radii, where the next nodes are hardly more.
+void Ensemble::stop_at_limit(Average& average, std::vector<RadiusNode>& next) {
+  if (average.radii == 0 || double(next.size()) >= 1.5 * double(average.radii)) return;
+  average.done = true;
+  next.clear();
+}
+
+/// Doubles the number of radii of each average until its phase function and asymmetry have converged.
+void Ensemble::refine_phases(std::vector<Average>& averages, const ParallelFor& parallel_for) const {
+  const std::vector<double> mu = front_probes();
+  const std::size_t kinds = populations_.size();
+  for (double density = 1;; density *= 2) {
+    std::vector<std::vector<RadiusNode>> nodes(averages.size());
+    bool open = false;
+    for (std::size_t a = 0; a < averages.size(); ++a)
+      if (!averages[a].done) {
+        const double k = wave_number(lambda_nm_[a / kinds], host_[a / kinds]);
+        nodes[a] = nodes_of(populations_[a % kinds].radii, density, k, accuracy_.most_radii);
+        stop_at_limit(averages[a], nodes[a]);
+        open = open || !averages[a].done;
+      }
+    if (!open) return;
+    std::vector<Average> finer = sum_over(nodes, mu, parallel_for);
     for (std::size_t i = 0; i < averages.size(); ++i) {
       Average &before = averages[i], &after = finer[i];
       if (before.done) continue;
-      const auto close = [&](double a, double b, double scale) {
-        return std::abs(a - b) <= accuracy_.averaging * scale;
-      };
-      bool converged = populations_[i % kinds].radii.is_single();
-      if (!converged && !before.nodes.empty()) {
-        converged = close(before.extinction, after.extinction, after.extinction) &&
-                    close(before.scattering, after.scattering, after.scattering) &&
-                    close(before.cosine, after.cosine, after.scattering) &&
-                    close(before.extinction - before.scattering, after.extinction - after.scattering,
-                          std::max(after.extinction - after.scattering, 1e-3 * after.extinction));
+      after.nodes = std::move(nodes[i]);
+      after.converged = populations_[i % kinds].radii.is_single();
+      after.last_change = after.converged ? 0 : std::abs(after.absorption - before.absorption);
+      after.at_change.assign(mu.size(), 0), after.mirrored_change.assign(mu.size(), 0);
+      if (!after.converged && before.radii > 0) {
         double squares = 0;
-        const auto compare = [&](double p, double q) { squares += q > 0 ? (p / q - 1) * (p / q - 1) : 0; };
+        const auto compare = [&](double p, double q, double& change) {
+          squares += q > 0 ? (p / q - 1) * (p / q - 1) : 0;
+          change = std::abs(p - q);
+        };
         for (std::size_t j = 0; j < mu.size(); ++j)
-          compare(before.at[j], after.at[j]), compare(before.mirrored[j], after.mirrored[j]);
-        converged = converged && std::sqrt(squares / (2.0 * mu.size())) <= accuracy_.phase_averaging;
+          compare(before.at[j], after.at[j], after.at_change[j]),
+              compare(before.mirrored[j], after.mirrored[j], after.mirrored_change[j]);
+        after.converged = close(before.cosine * after.scattering, after.cosine * before.scattering,
+                                accuracy_.averaging * after.scattering * before.scattering) &&
+                          std::sqrt(squares / (2.0 * double(mu.size()))) <= accuracy_.phase_averaging;
       }
-      const bool full = !before.nodes.empty() && after.nodes.size() < 1.5 * double(before.nodes.size());
+      after.done = after.converged;
       before = std::move(after);
-      before.converged = converged;
-      before.done = converged || full;
     }
   }
 }
 
-/// Computes scattering and its mean cosine with structure factors, by Gauss quadrature over mu.
-void Ensemble::correlate(std::vector<Average>& averages, const ParallelFor& parallel_for) {
+/// Doubles the number of radii of each average further, without phase functions, until its coefficients have
+/// converged. A weak absorber absorbs in resonances much narrower than the steps between radii; each round hits
+/// others. So the absorption is the mean of all rounds, weighted by their numbers of radii.
+void Ensemble::refine_coefficients(std::vector<Average>& averages, const ParallelFor& parallel_for) const {
+  const std::size_t kinds = populations_.size();
+  std::vector<double> evaluated(averages.size(), 0);  // radii in all rounds
+  for (std::size_t i = 0; i < averages.size(); ++i) {
+    averages[i].done = populations_[i % kinds].radii.is_single() || averages[i].nodes.size() < 2;
+    evaluated[i] = double(averages[i].radii);
+  }
+  for (double finer = 2;; finer *= 2) {
+    std::vector<std::vector<RadiusNode>> nodes(averages.size());
+    bool open = false;
+    for (std::size_t a = 0; a < averages.size(); ++a) {
+      Average& average = averages[a];
+      const double count = finer * double(average.nodes.size());
+      if (!average.done && count > double(accuracy_.most_coefficient_radii))
+        average.done = true, average.converged = false;
+      if (average.done) continue;
+      nodes[a] = subdivided(average.nodes, count);
+      open = true;
+    }
+    if (!open) return;
+    std::vector<Average> sums = sum_over(nodes, {}, parallel_for);
+    for (std::size_t i = 0; i < averages.size(); ++i) {
+      Average& average = averages[i];
+      const Average& sum = sums[i];
+      if (average.done) continue;
+      const double bound = accuracy_.averaging, part = double(sum.radii) / (evaluated[i] + double(sum.radii));
+      const double change = sum.absorption - average.absorption;
+      average.converged = close(average.scattering, sum.scattering, bound * sum.scattering) &&
+                          close(average.cosine, sum.cosine, bound * sum.scattering);
+      average.absorption += part * change, evaluated[i] += double(sum.radii);
+      average.last_change = (1 - part) * std::abs(change);
+      average.converged =
+          average.converged &&
+          average.last_change <=
+              bound * std::max(average.absorption, accuracy_.least_absorption * sum.extinction());
+      average.scattering = sum.scattering, average.cosine = sum.cosine;
+      average.radii = std::size_t(evaluated[i]);
+      average.done = average.converged;
+    }
+  }
+}
+
+/// Computes scattering and its mean cosine with structure factors, by Gauss quadrature over mu with the radii
+/// of the phase functions; `of_phases` has the sums over these radii.
+void Ensemble::correlate(std::vector<Average>& averages, const std::vector<Average>& of_phases,
+                         const ParallelFor& parallel_for) const {
   const std::size_t kinds = populations_.size();
   parallel_for(
       averages.size(),
@@ -236,6 +369,11 @@ void Ensemble::correlate(std::vector<Average>& averages, const ParallelFor& para
           for (std::size_t j = 0; j < mu.size(); ++j) {
             a.correlated += 2 * kPi * q.weight[j] * (at[j] + mirrored[j]);
             a.correlated_cosine += 2 * kPi * q.weight[j] * mu[j] * (at[j] - mirrored[j]);
+          }
+          // The structure factor's effect on these radii, applied to the more accurate sum without it.
+          if (of_phases[i].scattering > 0) {
+            const double scale = a.scattering / of_phases[i].scattering;
+            a.correlated *= scale, a.correlated_cosine *= scale;
           }
         }
       },

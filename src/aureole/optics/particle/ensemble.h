@@ -32,12 +32,18 @@ struct ParticlePopulation {
 };
 
 struct EnsembleAccuracy {
-  /// The number of radii is doubled until cross sections and asymmetry change by at most `averaging`, and the
-  /// phase function at 28 angles by at most `phase_averaging` (rms of relative changes). The remaining error
-  /// is about a third of that. The ripple structure of large spheres takes some 10 nodes per unit of 2 pi
-  /// radius n/lambda, most of all in backscattering.
-  double averaging = 1e-3, phase_averaging = 1e-2;
-  std::size_t most_radii = 16384;  ///< per population and wavelength; beyond, `converged` is false
+  /// The number of radii is doubled until scattering, extinction, asymmetry and absorption change by at most
+  /// `averaging`. Some 10 nodes per unit of 2 pi radius n/lambda suffice for scattering. A weak absorber takes
+  /// tens of thousands: it absorbs in resonances, whose width is about its k times the size parameter. A change
+  /// of the absorption by less than `averaging` times `least_absorption` of the extinction does not count.
+  double averaging = 1e-3, least_absorption = 1e-4;
+  /// Bound of the change of the phase function at `Ensemble::probes`: root mean square of the relative changes.
+  /// The remaining error is about a third of it.
+  double phase_averaging = 1e-2;
+  /// Upper bounds of the number of radii per population and wavelength, for phase functions and for
+  /// coefficients. If the latter are reached, `converged` is false. With `most_coefficient_radii` at 0 the
+  /// coefficients are those of the radii of the phase function.
+  std::size_t most_radii = 16384, most_coefficient_radii = 65536;
   PhaseAccuracy phase;
 };
 
@@ -48,8 +54,16 @@ struct EnsembleCoefficients {
   double asymmetry = 0;               ///< 0 if nothing is scattered
   double independent_scattering = 0;  ///< `scattering` without structure factors
   double independent_asymmetry = 0;   ///< `asymmetry` without structure factors
-  std::size_t radii = 0;              ///< number of nodes in use
-  bool converged = true;              ///< whether the averages over radii have the requested accuracy
+  std::size_t radii = 0;              ///< number of radii of the phase function
+  std::size_t coefficient_radii = 0;  ///< number of radii of the coefficients
+  bool converged = true;              ///< whether the coefficients have the requested accuracy
+  bool phase_converged = true;        ///< whether the phase function has it
+  /// Phase function at `Ensemble::probes`, 1/sr, without structure factors; empty if nothing is scattered.
+  std::vector<double> phase = {};
+  /// Estimated errors of the averages over radii: the changes by the last doubling of the radii; 0 for spheres
+  /// of one size.
+  double absorption_error = 0;
+  std::vector<double> phase_error = {};
 
   double extinction() const { return absorption + scattering; }
   double albedo() const { return extinction() > 0 ? scattering / extinction() : 1; }
@@ -71,6 +85,10 @@ public:
 
   const std::vector<EnsembleCoefficients>& coefficients() const { return coefficients_; }
 
+  /// Returns the cosines of the scattering angles at which averages of phase functions are compared, from 1 to
+  /// 179 degrees.
+  static std::vector<double> probes();
+
   /// Returns the scattering coefficient per solid angle, 1/(m sr), at one of the wavelengths.
   std::vector<double> differential(std::size_t wavelength, std::span<const double> mu) const;
 
@@ -81,8 +99,13 @@ public:
 
 private:
   struct Average;
-  void refine(std::vector<Average>& averages, const ParallelFor& parallel_for);
-  void correlate(std::vector<Average>& averages, const ParallelFor& parallel_for);
+  std::vector<Average> sum_over(std::span<const std::vector<RadiusNode>> nodes, std::span<const double> mu,
+                                const ParallelFor& parallel_for) const;
+  static void stop_at_limit(Average& average, std::vector<RadiusNode>& next);
+  void refine_phases(std::vector<Average>& averages, const ParallelFor& parallel_for) const;
+  void refine_coefficients(std::vector<Average>& averages, const ParallelFor& parallel_for) const;
+  void correlate(std::vector<Average>& averages, const std::vector<Average>& of_phases,
+                 const ParallelFor& parallel_for) const;
 
   std::vector<ParticlePopulation> populations_;
   std::vector<double> lambda_nm_, host_;
