@@ -53,7 +53,7 @@ double phase_error(const Coefficients& a, const Coefficients& b, const Coefficie
 
 /// Returns the error of scattering and absorption, which are powers of the wavelength.
 double coefficient_error(const Coefficients& a, const Coefficients& b, const Coefficients& c) {
-  constexpr double kTolerance = 2e-3, kLeastAbsorption = 1e-3;
+  constexpr double kTolerance = 2e-3, kLeastAbsorption = 1e-5;
   const double t = std::log(c.lambda_nm / a.lambda_nm) / std::log(b.lambda_nm / a.lambda_nm);
   const auto power = [t](double p, double q) {
     return p > 0 && q > 0 ? p * std::pow(q / p, t) : std::lerp(p, q, t);
@@ -182,10 +182,10 @@ optics::EnsembleAccuracy mie_accuracy(std::span<const optics::RadiusDistribution
   double x = 1;
   for (const optics::RadiusDistribution& r : radii) x = std::max(x, size_parameter(r, host_index, nm));
   optics::EnsembleAccuracy a;
-  a.averaging = 1e-3, a.least_absorption = 1e-3, a.phase_averaging = 1e-2;
+  a.averaging = 1e-3, a.least_absorption = 1e-5, a.phase_averaging = 1e-2;
   // The cost grows as the square of the size, times the number of radii.
   a.most_radii = std::size_t(std::clamp(1e6 / x, 128.0, 4096.0));
-  a.most_coefficient_radii = std::size_t(std::clamp(2e6 / x, 1024.0, 32768.0));
+  a.most_coefficient_radii = std::size_t(std::clamp(1e6 / x, 1024.0, 8192.0));
   a.phase.relative = 1e-2, a.phase.floor = 1e-3;
   a.phase.most_nodes = 12000;
   return a;

@@ -43,7 +43,7 @@ private:
 struct MixtureTables {
   SampledSpectrum extinction, scattering;
   std::shared_ptr<const TabulatedPhase> phase;  ///< null: the default phase function
-  /// Estimated error of the absorption by particles, relative to it or to 1e-3 of the extinction, if that is
+  /// Estimated error of the absorption by particles, relative to it or to 1e-5 of the extinction, if that is
   /// more: the largest over the wavelengths.
   double absorption_error = 0;
 };
@@ -73,7 +73,7 @@ MixtureTables tabulate_mixture(const optics::Suspension& content, const Spectral
   std::vector<double> nm;
   for (const optics::EnsembleCoefficients& c : spectrum.coefficients) {
     nm.push_back(c.lambda_nm);
-    const double absorbed = std::max(c.absorption, 1e-3 * c.extinction());
+    const double absorbed = std::max(c.absorption, 1e-5 * c.extinction());
     if (absorbed > 0) made.absorption_error = std::max(made.absorption_error, c.absorption_error / absorbed);
   }
   std::vector<double> absorption, scattering;

@@ -54,25 +54,20 @@ std::vector<RadiusNode> without_ends(std::vector<RadiusNode> nodes, double k) {
   return {nodes.begin() + std::ptrdiff_t(first), nodes.begin() + std::ptrdiff_t(last)};
 }
 
-/// Returns about `count` nodes, which share the weight of each of the given ones. Their number is proportional
-/// to its volume, and so to its part of a weak absorption: what matters is where that is, not how broad the
-/// distribution is.
-std::vector<RadiusNode> subdivided(std::span<const RadiusNode> nodes, double count) {
-  double volume = 0;
-  for (const RadiusNode& n : nodes) volume += n.weight * n.radius * n.radius * n.radius;
-  std::vector<RadiusNode> finer;
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    const RadiusNode& n = nodes[i];
-    // Half of the way to the neighbours; the outermost cells are symmetric.
-    const double below = i > 0 ? 0.5 * (n.radius - nodes[i - 1].radius) : 0,
-                 above = i + 1 < nodes.size() ? 0.5 * (nodes[i + 1].radius - n.radius) : below;
-    const double low = n.radius - (i > 0 ? below : above), width = above + (i > 0 ? below : above);
-    const double part = n.weight * n.radius * n.radius * n.radius / volume;
-    const int pieces = std::max(1, int(std::lround(count * part)));
-    for (int j = 0; j < pieces; ++j)
-      finer.push_back({pieces == 1 ? n.radius : low + width * (j + 0.5) / pieces, n.weight / pieces});
-  }
-  return finer;
+/// Returns the absorption cross section of a particle with the radius nodes[i], averaged over the radii nearer
+/// to it than to other nodes.
+double mean_absorption(const ParticleKind& kind, const Particle& particle, std::span<const RadiusNode> nodes,
+                       std::size_t i, double lambda_nm, double host) {
+  // Without absorption there is nothing to average; strong absorption leaves no narrow resonance.
+  const double part = particle.absorption() / particle.extinction();
+  if (nodes.size() < 2 || !(part > 1e-12)) return std::max(0.0, particle.absorption());
+  if (part > 0.3) return particle.absorption();
+  constexpr double kStep = 1e-5;
+  const std::size_t low = i > 0 ? i - 1 : i, high = std::min(i + 1, nodes.size() - 1);
+  const double radius = nodes[i].radius,
+               spacing = (nodes[high].radius - nodes[low].radius) / double(high - low);
+  return particle.mean_absorption(*kind.make(radius * (1 - kStep), lambda_nm, host),
+                                  *kind.make(radius * (1 + kStep), lambda_nm, host), 0.5 * spacing / radius);
 }
 
 /// Adds the intensities of `nodes`, times the structure factor, to `at` and `mirrored`.
@@ -215,7 +210,13 @@ std::vector<Ensemble::Average> Ensemble::sum_over(std::span<const std::vector<Ra
             const RadiusNode& node = nodes[task.average][i];
             const auto particle = populations_[task.average % kinds].kind->make(
                 node.radius, lambda_nm_[task.average / kinds], host_[task.average / kinds]);
-            sum.absorption += node.weight * std::max(0.0, particle->absorption());
+            // With phase functions the absorption serves no result; its closed form is left out.
+            const ParticleKind& kind = *populations_[task.average % kinds].kind;
+            sum.absorption +=
+                node.weight *
+                (mu.empty() ? mean_absorption(kind, *particle, nodes[task.average], i,
+                                              lambda_nm_[task.average / kinds], host_[task.average / kinds])
+                            : std::max(0.0, particle->absorption()));
             sum.scattering += node.weight * particle->scattering();
             sum.cosine += node.weight * particle->scattering() * particle->asymmetry();
             if (mu.empty()) continue;
@@ -299,47 +300,39 @@ void Ensemble::refine_phases(std::vector<Average>& averages, const ParallelFor& 
   }
 }
 
-/// Doubles the number of radii of each average further, without phase functions, until its coefficients have
-/// converged. A weak absorber absorbs in resonances much narrower than the steps between radii; each round hits
-/// others. So the absorption is the mean of all rounds, weighted by their numbers of radii.
+/// Doubles the number of radii of each average, from some per unit of the size parameter, until its coefficients
+/// have converged.
 void Ensemble::refine_coefficients(std::vector<Average>& averages, const ParallelFor& parallel_for) const {
   const std::size_t kinds = populations_.size();
-  std::vector<double> evaluated(averages.size(), 0);  // radii in all rounds
   for (std::size_t i = 0; i < averages.size(); ++i) {
-    averages[i].done = populations_[i % kinds].radii.is_single() || averages[i].nodes.size() < 2;
-    evaluated[i] = double(averages[i].radii);
+    averages[i].done = populations_[i % kinds].radii.is_single();
+    if (!averages[i].done) averages[i].radii = 0;
   }
-  for (double finer = 2;; finer *= 2) {
+  for (double density = 4;; density *= 2) {
     std::vector<std::vector<RadiusNode>> nodes(averages.size());
     bool open = false;
-    for (std::size_t a = 0; a < averages.size(); ++a) {
-      Average& average = averages[a];
-      const double count = finer * double(average.nodes.size());
-      if (!average.done && count > double(accuracy_.most_coefficient_radii))
-        average.done = true, average.converged = false;
-      if (average.done) continue;
-      nodes[a] = subdivided(average.nodes, count);
-      open = true;
-    }
+    for (std::size_t a = 0; a < averages.size(); ++a)
+      if (!averages[a].done) {
+        const double k = wave_number(lambda_nm_[a / kinds], host_[a / kinds]);
+        nodes[a] = nodes_of(populations_[a % kinds].radii, density, k, accuracy_.most_coefficient_radii);
+        stop_at_limit(averages[a], nodes[a]);
+        open = open || !averages[a].done;
+      }
     if (!open) return;
-    std::vector<Average> sums = sum_over(nodes, {}, parallel_for);
+    std::vector<Average> finer = sum_over(nodes, {}, parallel_for);
     for (std::size_t i = 0; i < averages.size(); ++i) {
-      Average& average = averages[i];
-      const Average& sum = sums[i];
-      if (average.done) continue;
-      const double bound = accuracy_.averaging, part = double(sum.radii) / (evaluated[i] + double(sum.radii));
-      const double change = sum.absorption - average.absorption;
-      average.converged = close(average.scattering, sum.scattering, bound * sum.scattering) &&
-                          close(average.cosine, sum.cosine, bound * sum.scattering);
-      average.absorption += part * change, evaluated[i] += double(sum.radii);
-      average.last_change = (1 - part) * std::abs(change);
-      average.converged =
-          average.converged &&
-          average.last_change <=
-              bound * std::max(average.absorption, accuracy_.least_absorption * sum.extinction());
-      average.scattering = sum.scattering, average.cosine = sum.cosine;
-      average.radii = std::size_t(evaluated[i]);
-      average.done = average.converged;
+      Average &before = averages[i], &after = finer[i];
+      if (before.done) continue;
+      const double bound = accuracy_.averaging;
+      after.last_change = std::abs(after.absorption - before.absorption);
+      after.converged =
+          before.radii > 0 && close(before.scattering, after.scattering, bound * after.scattering) &&
+          close(before.cosine, after.cosine, bound * after.scattering) &&
+          after.last_change <=
+              bound * std::max(after.absorption, accuracy_.least_absorption * after.extinction());
+      after.done = after.converged;
+      after.nodes = std::move(before.nodes);
+      before = std::move(after);
     }
   }
 }

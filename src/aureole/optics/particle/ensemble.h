@@ -33,17 +33,17 @@ struct ParticlePopulation {
 
 struct EnsembleAccuracy {
   /// The number of radii is doubled until scattering, extinction, asymmetry and absorption change by at most
-  /// `averaging`. Some 10 nodes per unit of 2 pi radius n/lambda suffice for scattering. A weak absorber takes
-  /// tens of thousands: it absorbs in resonances, whose width is about its k times the size parameter. A change
-  /// of the absorption by less than `averaging` times `least_absorption` of the extinction does not count.
-  double averaging = 1e-3, least_absorption = 1e-4;
+  /// `averaging`. Some 10 nodes per unit of 2 pi radius n/lambda suffice for scattering. The
+  /// resonances in which a weak absorber absorbs are narrower by far: each is averaged in closed form
+  /// (`Particle::mean_absorption`). A change of the absorption by less than `averaging` times `least_absorption` of the extinction does not count.
+  double averaging = 1e-3, least_absorption = 1e-6;
   /// Bound of the change of the phase function at `Ensemble::probes`: root mean square of the relative changes.
   /// The remaining error is about a third of it.
   double phase_averaging = 1e-2;
   /// Upper bounds of the number of radii per population and wavelength, for phase functions and for
   /// coefficients. If the latter are reached, `converged` is false. With `most_coefficient_radii` at 0 the
   /// coefficients are those of the radii of the phase function.
-  std::size_t most_radii = 16384, most_coefficient_radii = 65536;
+  std::size_t most_radii = 16384, most_coefficient_radii = 16384;
   PhaseAccuracy phase;
 };
 

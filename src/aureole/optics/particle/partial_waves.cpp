@@ -59,6 +59,49 @@ void PartialWaves::find_efficiencies() {
   asymmetry_ = scattering > 0 ? 2 * cosine / scattering : 0;
 }
 
+namespace {
+
+/// What a partial wave absorbs: Re a - |a|^2.
+double absorbed(Complex a) { return std::max(a.real() - std::norm(a), 0.0); }
+
+/// Returns the mean of `absorbed` from -h to h; the three values of a are those at -d, 0 and d.
+///
+/// With 1/a = 1 + u + i c a wave absorbs u/((1 + u)^2 + c^2). Without absorption c is a real quotient C/A of
+/// smooth functions, and u = 0; a weak absorption gives u = v/A^2. In a resonance, C runs through 0 while A is
+/// small: its width in c, (1 + u)/c', may be tiny. C and A are taken as linear in t, c = (p + q t)/(1 + r t), and
+/// v, too. The root of C is the resonance; in its neighbourhood u and c' are constant and the mean has a closed
+/// form. Elsewhere the value at 0 is the mean: where there is no narrow resonance near by, or where A changes
+/// much on the way to it.
+double mean_absorbed(Complex before, Complex a, Complex after, double d, double h) {
+  constexpr double kReach = 6, kMostChange = 1.5, kNarrow = 0.3;
+  const double middle = absorbed(a);
+  const double n0 = std::norm(before), n1 = std::norm(a), n2 = std::norm(after);
+  if (!(middle > 0 && std::min({n0, n1, n2}) > 1e-60)) return middle;
+  const double c0 = -before.imag() / n0, c = -a.imag() / n1, c2 = -after.imag() / n2;
+  const double slope = (c2 - c0) / (2 * d), curvature = (c2 - 2 * c + c0) / (d * d);
+  const double r = -curvature / (2 * slope), q = slope + r * c, root = -c / q, change = 1 + r * root;
+  if (!(std::abs(root) < kReach * h && change > 1 / kMostChange && change < kMostChange)) return middle;
+  const double v0 = absorbed(before) / n0 * (1 - r * d) * (1 - r * d),
+               v2 = absorbed(after) / n2 * (1 + r * d) * (1 + r * d), v1 = middle / n1;
+  const double there = v1 + (v2 - v0) / (2 * d) * root;
+  const double u = (there > 0 ? there : v1) / (change * change), speed = q / change, width = 1 + u;
+  if (!(std::abs(speed) * h > kNarrow * width)) return middle;
+  return u / (width * speed * 2 * h) *
+         (std::atan(speed * (h - root) / width) + std::atan(speed * (h + root) / width));
+}
+
+}  // namespace
+
+double PartialWaves::mean_absorption(const PartialWaves& below, const PartialWaves& above,
+                                     double half_width) const {
+  const double d = 0.5 * (above.x_ - below.x_);
+  double sum = 0;
+  for (std::size_t n = std::min({below.a_.size(), a_.size(), above.a_.size()}); n-- > 0;)
+    sum += (2 * double(n) + 3) * (mean_absorbed(below.a_[n], a_[n], above.a_[n], d, half_width) +
+                                  mean_absorbed(below.b_[n], b_[n], above.b_[n], d, half_width));
+  return 2 / (x_ * x_) * sum;
+}
+
 MieAmplitudes PartialWaves::amplitudes(double mu) const {
   MieAmplitudes s;
   amplitudes(std::span(&mu, 1), std::span(&s, 1));

@@ -29,6 +29,12 @@ public:
   double backscattering() const { return backscattering_; }
   /// Returns the mean cosine of the scattering angle; 0 if nothing is scattered.
   double asymmetry() const { return asymmetry_; }
+  /// Returns the absorption efficiency, averaged over the size parameters from x - half_width to x + half_width.
+  /// A weak absorber absorbs in resonances of single partial waves, which may be narrower than 1e-6 in x and
+  /// which `extinction() - scattering()` hits or misses. `below` and `above` are the body with size parameters
+  /// that differ from x by the same small step, such as 1e-5 x: the resonances near x follow from them.
+  double mean_absorption(const PartialWaves& below, const PartialWaves& above, double half_width) const;
+
   /// Returns scattering over extinction; 1 if the extinction is 0.
   double albedo() const { return extinction_ > 0 ? scattering_ / extinction_ : 1; }
 

@@ -28,6 +28,13 @@ public:
   double extinction() const override { return series_.extinction() * geometric_; }
   double scattering() const override { return series_.scattering() * geometric_; }
   double geometric() const override { return geometric_; }
+  double mean_absorption(const Particle& below, const Particle& above, double half_width) const override {
+    const auto *smaller = dynamic_cast<const SphereParticle*>(&below),
+               *larger = dynamic_cast<const SphereParticle*>(&above);
+    if (!smaller || !larger) return absorption();
+    return series_.mean_absorption(smaller->series_, larger->series_, half_width * series_.size()) *
+           geometric_;
+  }
   double asymmetry() const override { return series_.asymmetry(); }
   void differential(std::span<const double> mu, std::span<double> at,
                     std::span<double> mirrored) const override {

@@ -28,6 +28,13 @@ public:
   virtual double scattering() const = 0;  ///< cross section, m^2
   double absorption() const { return extinction() - scattering(); }
   virtual double geometric() const = 0;  ///< geometric cross section, m^2
+  /// Returns the absorption cross section, m^2, averaged over radii that differ from this one by up to the
+  /// fraction `half_width`; narrow resonances in between count. `below` and `above` are particles of the same
+  /// kind whose radii differ by the same small fraction, such as 1e-5.
+  virtual double mean_absorption(const Particle& /*below*/, const Particle& /*above*/,
+                                 double /*half_width*/) const {
+    return absorption();
+  }
   double albedo() const { return extinction() > 0 ? scattering() / extinction() : 1; }
   /// Mean cosine of the scattering angle.
   virtual double asymmetry() const = 0;
