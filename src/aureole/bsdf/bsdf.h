@@ -19,7 +19,7 @@ namespace aureole {
 enum class TransportMode { radiance, importance };
 
 /// Kind and side of a lobe; a BSDF's `lobes()` is the union over its lobes.
-enum class Lobe : unsigned {
+enum class Lobe : std::uint16_t {
   none = 0,
   diffuse = 1,
   glossy = 2,

@@ -87,6 +87,8 @@ public:
   const PluginInfo* plugin() const { return plugin_; }
   /// Sets a hash of everything written for the object except its name and id; 0: unknown.
   void set_content(std::uint64_t hash) { content_ = hash; }
+  /// That hash; 0 where it is not known.
+  std::uint64_t content() const { return content_; }
 
   /// For a shape: sorted names of the attributes that textures on it use. The shape's reader keeps only
   /// these.

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "aureole/scene/contact_search.h"
 #include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
@@ -60,6 +61,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
                          ? reuse->surfaces_.tracer
                          : std::make_shared<const RayTracer>(parts_.surfaces,
                                                              reuse ? reuse->surfaces_.tracer.get() : nullptr);
+  look_for_contacts();
   find_closed_media();
 
   const Bounds3 box = surfaces_.tracer->bounds();
@@ -196,10 +198,16 @@ void Scene::find_media() {
   };
   for (const Primitive& part : parts_.surfaces) {
     extend(media_bounds_, part, [](const SurfaceMedia& m) { return m.given() && m.priority == 0; });
-    extend(priority_bounds_, part, [](const SurfaceMedia& m) { return m.priority != 0; });
   }
-  has_media_ |= !priority_bounds_.empty();
+}
+
+void Scene::look_for_contacts() {
+  Contacts found = find_contacts(parts_, surfaces_);
+  has_contacts_ = found.any;
+  ranked_bounds_ = found.ranked;
+  has_media_ |= found.any || !found.ranked.empty();
   surfaces_.any_passable |= has_media_;
+  notes_.insert(notes_.end(), found.notes.begin(), found.notes.end());
 }
 
 void Scene::weigh_lights() {

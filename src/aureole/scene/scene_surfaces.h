@@ -24,6 +24,11 @@ struct SceneSurfaces {
     if (!hit) return {};
     return surface_point(hit, ray);
   }
+  /// Returns the surface of a hit found by the ray tracer.
+  const Surface& of(const RayTracer::Hit& hit) const {
+    const Surface& found = all[hit.shape];
+    return found.instance ? found.members[hit.geometry] : found;
+  }
   /// Returns the surface point of a hit found by the ray tracer.
   SurfacePoint surface_point(const RayTracer::Hit& hit, const Ray& ray) const {
     const Surface& found = all[hit.shape];

@@ -13,8 +13,11 @@ void find_interiors(const Scene& scene, const Light* light, RayState& state) {
 
 void find_interiors(const Scene& scene, RayState& state) {
   scene.shapes_around(state.ray, state.interiors);
-  const Surface* filling = state.interiors.filling();
-  state.medium = filling ? filling->inside : scene.medium_at(state.ray);
+  const InteriorList::Body filling = state.interiors.filling();
+  state.contact = nullptr;
+  state.medium = medium_across({}, filling, nullptr);
+  if (!filling.surface || (filling.surface->rank < 0 && !filling.surface->bounds_media))
+    state.medium = scene.medium_at(state.ray);
 }
 
 }  // namespace aureole
