@@ -101,5 +101,6 @@ void SceneAssembly::append_primitives(const Node& node, const Asset& asset) {
   if (!appended_.insert(&asset).second) return;
   parts.surfaces.insert(parts.surfaces.end(), asset.primitives().begin(), asset.primitives().end());
 }
+  for (const std::string& note : asset.placement_notes()) asset.properties().note("to_world", note);
 
 }  // namespace aureole
