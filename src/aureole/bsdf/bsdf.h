@@ -110,6 +110,11 @@ public:
   /// Sets the index of refraction on the side opposite to the normal; returns false if the BSDF has none.
   virtual bool interior_index(const Wavelengths& /*w*/, Spectrum& /*n*/) const { return false; }
 
+  /// Returns the largest fraction, over the surface, of diffuse light from one side that is lost because the
+  /// microfacets scatter it once: of light from within (opposite to the normal) or from outside. 0 for a
+  /// model that keeps all light, or if the scene file asks for the loss.
+  virtual double single_scattering_loss(bool /*from_within*/) const { return 0; }
+
   virtual Lobe lobes() const = 0;
   /// Whether `sample` uses u1, or `eval_pdf` or `sample` uses the context's key.
   virtual bool needs_choice() const { return true; }

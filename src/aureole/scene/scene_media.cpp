@@ -142,7 +142,7 @@ void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<Sam
       add(part.media.inside, part.bounds());
       continue;
     }
-    for (const SurfaceMedia& media : part.instance->list().media) add(media.inside, part.bounds());
+    for (const SurfaceMedia& media : part.member_media()) add(media.inside, part.bounds());
   }
   std::vector<EmittingMedia::Filled> filled;
   for (auto& [medium, boxes] : found) {
@@ -237,10 +237,31 @@ void check_open_bodies(const Scene& scene) {
   }
 }
 
+/// Throws Error if an object states that it lies in a medium that only instances have: it could lie in any of
+/// them.
+void check_stated_medium(const Scene& scene, const Medium* medium, const Properties& object) {
+  if (!medium) return;
+  for (const Surface& s : scene.surfaces().all)
+    if (s.inside == medium || s.outside == medium) return;
+  for (const Primitive& part : scene.parts().surfaces) {
+    if (part.placed_media.empty()) continue;
+    for (const SurfaceMedia& media : part.instance->list().media)
+      if (media.inside.get() == medium)
+        throw Error(object.where(),
+                    fmt::format("\"{}\" states that it lies in a medium that is not the same everywhere and "
+                                "that only instances place in the scene. Leave the medium out: the surfaces "
+                                "around tell which it is",
+                                object.type()));
+  }
+}
+
 }  // namespace
 
 void Scene::check_sensor_medium() const {
   check_open_bodies(*this);
+  check_stated_medium(*this, sensor_.sensor->medium(), sensor_.properties());
+  for (const Light& light : emitters_)
+    check_stated_medium(*this, light.emitter->medium(), light.properties());
   if (sensor_.sensor->medium() || media_bounds_.empty()) return;
   const Ray view =
       sensor_

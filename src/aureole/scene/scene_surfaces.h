@@ -12,8 +12,8 @@
 namespace aureole {
 
 struct SceneSurfaces {
-  /// One surface for each primitive of the scene, then the surfaces of the shapes in groups, then the exits
-  /// of surfaces with a BSSRDF.
+  /// One surface for each primitive of the scene, then the surfaces of the shapes in groups (for each instance
+  /// whose media or priorities are its own), then the exits of surfaces with a BSSRDF.
   std::vector<Surface> all;
   std::shared_ptr<const RayTracer> tracer;
   bool any_passable = false;  ///< whether segments may cross null surfaces or media
