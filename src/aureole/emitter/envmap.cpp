@@ -65,7 +65,7 @@ public:
   SampledSpectrum power_spectrum(const Light& light) const override {
     // The spectrum of the mean colour stands for the mean of the texels' spectra, which has the same colour:
     // only used to choose densities.
-    const UnboundedRgb mean = upsample_unbounded(mean_[0], mean_[1], mean_[2]);
+    const SigmoidSpectrum mean = upsample_unbounded(mean_[0], mean_[1], mean_[2]);
     std::vector<float> nodes(d65_.nodes().begin(), d65_.nodes().end());
     for (size_t i = 0; i < nodes.size(); ++i)
       nodes[i] *= scale_ * mean.at(float(d65_.grid().node(int(i)))) * 4 * kPi * kPi * light.scene_radius *
@@ -129,7 +129,7 @@ private:
         }
         weight_sum += weight;
         const size_t i = size_t(y) * size_t(width_) + size_t(x);
-        texels_[i] = UpsampledColor::of_unbounded(upsample_unbounded(c[0], c[1], c[2]));
+        texels_[i] = UpsampledColor::of(upsample_unbounded(c[0], c[1], c[2]));
         luminance[i] = 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
       }
     }
