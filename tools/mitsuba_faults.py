@@ -99,10 +99,20 @@ def flat_grid():
                 f'x="-0.5" y="-0.5"/><scale x="9" y="9"/></transform>{BLACK}</shape>', 64), 0
 
 
+def between_texels():
+    # The view is halfway between white texels and black ones.
+    sky = numpy.zeros((5, 8, 3), numpy.float32)
+    sky[1:4, 0] = 1
+    file = os.path.join(FILES.name, "sun.exr")
+    mitsuba.Bitmap(sky).write(file)
+    return ('<integrator type="path"/>' + camera(1024) +
+            f'<emitter type="envmap"><string name="filename" value="{file}"/></emitter>'), .5
+
+
 CASES = {"checkerboard read as a number": checkerboard, "direct: two samples of a point light": point_lights,
          "blendbsdf of a mirror and black": blend, "rotate about an axis of length 2": rotation,
          "irradiancemeter on a turned sphere": meter, "no extinction below 550 nm": clear_at_some_wavelengths,
-         "eumelanin of hair, 440 to 460 nm": melanin, "sdfgrid of 2 x 2 x 9 nodes": flat_grid}
+         "eumelanin of hair, 440 to 460 nm": melanin, "sdfgrid of 2 x 2 x 9 nodes": flat_grid, "envmap between white and black": between_texels}
 
 
 def of_mitsuba(content):

@@ -69,9 +69,15 @@ public:
       if (c.medium == &medium) return c.may_contain(p);
     return true;
   }
-  /// Returns the medium at the origin of a ray, null for vacuum. It is determined from the next surface along
-  /// the ray that bounds a medium and has no stated priority.
-  const Medium* medium_at(const Ray& ray) const;
+  /// Returns the medium at the origin of a ray, null for vacuum, given the bodies with a rank that contain it
+  /// (`shapes_around`). It is determined from the next surface along the ray that bounds a medium and lies in no
+  /// other body with a rank.
+  const Medium* medium_at(const Ray& ray, const InteriorList& inside) const;
+  const Medium* medium_at(const Ray& ray) const {
+    InteriorList inside;
+    shapes_around(ray, inside);
+    return medium_at(ray, inside);
+  }
   /// Adds to `inside` the bodies with a rank that contain the origin of a ray.
   void shapes_around(const Ray& ray, InteriorList& inside) const;
 
@@ -127,6 +133,7 @@ private:
     const Medium* medium;
     Bounds3 box;
     bool lights_inside;
+    bool is_ranked;  ///< among its surfaces are some of a body with a rank
     bool may_contain(const Vec3& p) const;
   };
   std::vector<Closed> closed_;

@@ -43,27 +43,39 @@ void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
     if (first->is_left) inside.pass(first->body, true);
 }
 
-const Medium* Scene::medium_at(const Ray& ray) const {
-  if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return nullptr;
-  // If the ray hits no such surface, try a ray towards the centre of the media's bounds.
+const Medium* Scene::medium_at(const Ray& ray, const InteriorList& inside) const {
+  const InteriorList::Body filling = inside.filling();
+  // A body without a medium and without a stated priority has the medium around it on both sides.
+  const bool decides = filling.surface && (filling.surface->rank > 0 || filling.surface->bounds_media);
+  const Medium* const filled = decides ? filling.surface->inside : nullptr;
+  if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return filled;
+  // If the ray hits no surface that tells it, try a ray towards the centre of the media's bounds.
   const Vec3 inwards = media_bounds_.center() - ray.o;
   for (const Vec3& d : {ray.d, normalize(inwards)}) {
+    InteriorList entered;  // bodies with a rank: what lies within them does not tell what is around the origin
+    const auto judge = [&](const SurfacePoint& point) -> std::optional<const Medium*> {
+      const Surface& s = *point.surface;
+      const InteriorList::Body body{&s, point.instance};
+      if (entered.empty() && decides && inside.contains(body)) return filled;
+      if (entered.empty() && s.bounds_media && s.rank <= 0) return s.medium_along(-d, point.ng, nullptr);
+      if (s.rank != 0) entered.pass(body, dot(d, point.ng) < 0);
+      return {};
+    };
     Ray next{ray.o, d, kInfinity};
     while (const auto point = intersect(next)) {
-      if (point->surface->bounds_media && point->surface->rank <= 0)
-        return point->surface->medium_along(-d, point->ng, nullptr);
-      if (point->surface->touches) {
+      if (!point->surface->touches) {
+        if (const auto found = judge(*point)) return *found;
+      } else {
         // The offset of the next origin would skip what lies here.
         thread_local std::vector<RayTracer::Hit> near;
         tracer().all_hits({next.o, d, length(point->p - next.o) + 2 * contact_distance(*point, d)}, 0, near);
         for (const RayTracer::Hit& hit : near)
-          if (const Surface& s = surfaces_.of(hit); s.bounds_media && s.rank <= 0)
-            return s.medium_along(-d, surface_point(hit, next).ng, nullptr);
+          if (const auto found = judge(surface_point(hit, next))) return *found;
       }
       next.o = offset_origin(*point, d);
     }
   }
-  return nullptr;
+  return filled;
 }
 
 /// Whether the front of a closed surface faces outwards; normals may point inwards, as around a bubble in a
@@ -112,9 +124,16 @@ void Scene::find_closed_media() {
     if (!medium || is_open(medium)) continue;
     auto known =
         std::find_if(closed_.begin(), closed_.end(), [&](const Closed& c) { return c.medium == medium; });
-    if (known == closed_.end()) known = closed_.insert(closed_.end(), {medium, {}, false});
+    if (known == closed_.end()) known = closed_.insert(closed_.end(), {medium, {}, false, false});
     known->box.extend(widened(parts_.surfaces[i].bounds()));
+    known->is_ranked |= surfaces_.all[i].rank != 0;
   }
+  // From a body with a rank one may see into others that it touches.
+  Bounds3 ranked;
+  for (const Closed& c : closed_)
+    if (c.is_ranked) ranked.extend(c.box);
+  for (Closed& c : closed_)
+    if (c.is_ranked) c.box = ranked;
   for (Closed& c : closed_)
     for (const Light& light : emitters_) {
       if (light.is_infinite()) continue;

@@ -31,7 +31,7 @@ void travel(TestSegment& c, float t, const Wavelengths& w, SegmentEmission* emis
 }
 
 Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
-  if (!(c.through_emitters && point.surface->light) && !c.is_inactive(point)) {
+  if (!(c.through_emitters && point.surface->light) && !c.is_inactive(point, w)) {
     c.passage *= null_transmittance(point, c.d, w);
     if (is_black(c.passage)) return Event::blocked;
     if (c.crossings_left != TestSegment::kUnlimited && point.surface->lobes != kNullLobe && --c.crossings_left < 0)

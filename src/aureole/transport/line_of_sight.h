@@ -53,7 +53,7 @@ public:
       return Event::escape;
     }
     return cross(scene_, hit, line, w, [&](const SurfacePoint& point) {
-      if (const Light* light = point.surface->light; light && !line.is_inactive(point))
+      if (const Light* light = point.surface->light; light && !line.is_inactive(point, w))
         viewer_.see(path, *light, &point, line.d, arriving(path) * light->eval(point, -line.d, w));
     });
   }

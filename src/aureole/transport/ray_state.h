@@ -27,15 +27,17 @@ struct RayState {
   /// The ray from the surface that it leaves.
   Ray from_surface() const { return {ray.o - ray.d * offset, ray.d, ray.t_max}; }
 
-  /// Whether a surface that the ray hits is inactive, because a body of higher rank fills the space around it.
-  bool is_inactive(const SurfacePoint& point) const {
+  /// Whether a surface that the ray hits is inactive: a body of higher rank fills the space around it, or one of the
+  /// same index of refraction lies on its other side.
+  bool is_inactive(const SurfacePoint& point, const Wavelengths& w) const {
     if (contact) return contact->is_inactive;
-    return point.surface->rank != 0 && interiors.hides({point.surface, point.instance});
+    return point.surface->rank != 0 && !interiors.empty() && is_inactive_body(point, w);
   }
   /// The bodies on the outside of a surface with a rank that the ray hits along `d`.
   const InteriorList& around(const SurfacePoint& point, const Vec3& d) const {
     return contact && dot(d, point.ng) > 0 ? contact->across : interiors;
   }
+  bool is_inactive_body(const SurfacePoint& point, const Wavelengths& w) const;
   /// Updates medium and interiors at a surface, which the path has hit along `from` and leaves along `to`, on
   /// either side.
   void pass(const SurfacePoint& point, const Vec3& from, const Vec3& to) {

@@ -270,7 +270,7 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
       return Vertex(s.segment.contact->point, -s.segment.ray.d, path.wavelengths, kMode);
     return Vertex(scene_, hit, s.segment.ray, path.wavelengths, kMode);
   });
-  if (kAny && s.segment.is_inactive(vertex.point())) {
+  if (kAny && s.segment.is_inactive(vertex.point(), path.wavelengths)) {
     ++s.vertex;  // the ray behind has random numbers of its own
     go_on(i, vertex, s.segment.ray.d, false);
     return Event::crossed;
