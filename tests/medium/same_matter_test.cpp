@@ -75,8 +75,9 @@ public:
       what = "overlapping, with priorities";
       int priority = int(uniform(1, 4));
       for (const Box& part : split(uniform(0.01, 0.2)))
-        shapes += cube(part, unit, matter(unit) + "<integer name=\"priority\" value=\"" +
-                                       std::to_string(priority = priority % 5 + 1) + "\"/>");
+        shapes += cube(part, unit,
+                       matter(unit) + "<integer name=\"priority\" value=\"" +
+                           std::to_string(priority = priority % 5 + 1) + "\"/>");
     } else if (kind == 3) {
       what = "instance";
       shapes = instance(cube(box_, unit, matter(unit)));
@@ -99,7 +100,9 @@ public:
   }
 
 private:
-  double uniform(double from, double to) { return from + (to - from) * (double(random_()) / 18446744073709551616.0); }
+  double uniform(double from, double to) {
+    return from + (to - from) * (double(random_()) / 18446744073709551616.0);
+  }
   bool chance(double p) { return uniform(0, 1) < p; }
   std::string pick(std::initializer_list<const char*> from) {
     return *(from.begin() + std::ptrdiff_t(uniform(0, double(from.size()))));
@@ -156,8 +159,8 @@ private:
            "/></transform>" + content + "</shape>";
   }
   static std::string instance(const std::string& shapes, const std::string& name = "group") {
-    return "<shape type=\"shapegroup\" id=\"" + name + "\">" + shapes + "</shape><shape type=\"instance\"><ref id=\"" +
-           name + "\"/></shape>";
+    return "<shape type=\"shapegroup\" id=\"" + name + "\">" + shapes +
+           "</shape><shape type=\"instance\"><ref id=\"" + name + "\"/></shape>";
   }
   /// The box as a mesh, each face of n x n squares.
   std::string mesh(const Box& box, double unit) {
@@ -198,8 +201,9 @@ private:
     for (int i = 1; i < count; ++i) {
       const double from = box_.from[axis], to = box_.to[axis];
       // Not through the core.
-      const double at = has_core_ ? (chance(0.5) ? uniform(from + 0.02, -0.26) : uniform(0.27 + overlap, to - 0.02))
-                                  : uniform(from + 0.02, to - 0.02);
+      const double at = has_core_
+                            ? (chance(0.5) ? uniform(from + 0.02, -0.26) : uniform(0.27 + overlap, to - 0.02))
+                            : uniform(from + 0.02, to - 0.02);
       cuts.push_back(at);
     }
     std::sort(cuts.begin(), cuts.end());
@@ -246,11 +250,13 @@ TEST(SameMatter, IsTheSamePictureHoweverItIsDescribed) {
     squares += z * z / scenes;
     if (test::kSanitized) continue;
     EXPECT_LE(std::abs(plain.all - other.all), kMostErrors * error + 1e-5 * plain.all)
-        << "AUREOLE_SEED=" << seed << ", scene " << i << ": " << what << "\n" << text << "\nagainst\n" << scene.plain();
+        << "AUREOLE_SEED=" << seed << ", scene " << i << ": " << what << "\n"
+        << text << "\nagainst\n"
+        << scene.plain();
   }
   // The mean of z^2 is 30/28 with a standard deviation of some 0.12.
   if (!test::kSanitized) EXPECT_LT(squares, 1.6);
-  std::filesystem::remove_all(folder);
+  if (!::testing::Test::HasFailure()) std::filesystem::remove_all(folder);
 }
 
 }  // namespace

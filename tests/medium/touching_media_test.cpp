@@ -34,7 +34,8 @@ const std::string kScatterer = medium(0.5, 0.5);
 /// Radiance along -z at the middle of the scene under a uniform sky of radiance 1.
 Picture seen(const std::string& shapes, const std::string& integrator = "path", int samples = 2048) {
   return render("<integrator type=\"" + integrator + "\"/>" +
-                camera("origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 2, 2, samples) + shapes + kSky);
+                camera("origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 2, 2, samples) + shapes +
+                kSky);
 }
 void expect_equal(const Picture& a, const Picture& b, const std::string& what) {
   EXPECT_NEAR(a.all, b.all, 4.5 * std::hypot(a.all_error, b.all_error)) << what;
@@ -60,8 +61,8 @@ TEST(TouchingMedia, AreOneBlockWhereTheyAreOfOneMatter) {
     expect_equal(seen(sheets, "path", 256), one, "100 sheets");
     const std::string group = "<shape type=\"shapegroup\" id=\"g\">" + block(-0.5, 0.5, matter) + "</shape>";
     const auto instance = [](double z) {
-      return "<shape type=\"instance\"><ref id=\"g\"/><transform name=\"to_world\"><translate z=\"" + number(z) +
-             "\"/></transform></shape>";
+      return "<shape type=\"instance\"><ref id=\"g\"/><transform name=\"to_world\"><translate z=\"" +
+             number(z) + "\"/></transform></shape>";
     };
     expect_equal(seen(group + instance(-0.5) + instance(0.5)), one, "instances");
   }
@@ -72,11 +73,11 @@ TEST(TouchingMedia, AreCrossedByConnectionsAndLinesOfSight) {
   const std::string two = block(0, 1, absorber(0.5)) + block(1, 2, absorber(1));
   const double expected = std::exp(-1.5);
   EXPECT_NEAR(seen(two, "direct", 4).all, expected, 1e-3 * expected);
-  const std::string
-      below = camera("origin=\"0, 0, -0.5\" target=\"0, 0, -1\" up=\"0, 1, 0\"", 2, 1, 16),
-      sun = "<emitter type=\"directional\"><vector name=\"direction\" x=\"0\" y=\"0\" z=\"-1\"/>"
-            "<spectrum name=\"irradiance\" value=\"1\"/></emitter>",
-      within = camera("origin=\"0, 0, 0.25\" target=\"0, 0, 4\" up=\"0, 1, 0\"", 1, 1, 16);
+  const std::string below = camera("origin=\"0, 0, -0.5\" target=\"0, 0, -1\" up=\"0, 1, 0\"", 2, 1, 16),
+                    sun =
+                        "<emitter type=\"directional\"><vector name=\"direction\" x=\"0\" y=\"0\" z=\"-1\"/>"
+                        "<spectrum name=\"irradiance\" value=\"1\"/></emitter>",
+                    within = camera("origin=\"0, 0, 0.25\" target=\"0, 0, 4\" up=\"0, 1, 0\"", 1, 1, 16);
   for (const char* integrator : {"path", "bdpt"}) {
     const std::string method = "<integrator type=\"" + std::string(integrator) + "\"/>";
     const double open = render(method + below + table(-1, 1, 1) + sun).all,
@@ -84,7 +85,8 @@ TEST(TouchingMedia, AreCrossedByConnectionsAndLinesOfSight) {
     EXPECT_NEAR(covered / open, expected, 1e-3 * expected) << integrator;
   }
   // A path that begins within one of them, at the near plane of the camera.
-  EXPECT_NEAR(render("<integrator type=\"direct\"/>" + within + two + kSky).all, std::exp(-0.5 * 0.74 - 1), 2e-4);
+  EXPECT_NEAR(render("<integrator type=\"direct\"/>" + within + two + kSky).all, std::exp(-0.5 * 0.74 - 1),
+              2e-4);
 }
 
 /// Reflectance of a smooth interface for light from within the denser side, averaged over a Lambertian distribution; n > 1.
@@ -97,7 +99,8 @@ double internal_reflectance(double n) {
       sum += 1;
       continue;
     }
-    const double ct = std::sqrt(1 - st2), s = (n * ci - ct) / (n * ci + ct), p = (ci - n * ct) / (ci + n * ct);
+    const double ct = std::sqrt(1 - st2), s = (n * ci - ct) / (n * ci + ct),
+                 p = (ci - n * ct) / (ci + n * ct);
     sum += 0.5 * (s * s + p * p);
   }
   return sum / kSteps;
@@ -108,7 +111,8 @@ TEST(TouchingMedia, AnOpaqueSurfaceUnderABodyIsInOpticalContact) {
   const double r = 0.5, outer = 0.04, inner = internal_reflectance(1.5),
                expected = outer + (1 - outer) * r * (1 - inner) / (1 - r * inner);
   const std::string coat = block(0, 0.1, kGlass, 20);
-  const std::string body = block(-1, 0, "<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"0.5\"/></bsdf>", 20);
+  const std::string body =
+      block(-1, 0, "<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"0.5\"/></bsdf>", 20);
   for (const std::string& below : {table(0, r, 20), body})
     for (const std::string& shapes : {coat + below, below + coat}) {
       const Picture p = seen(shapes, "path", 4096);
@@ -123,9 +127,10 @@ TEST(TouchingMedia, BodiesOfDifferentIndicesHaveOneInterface) {
   const double top = fresnel(1, 1.5), inner = fresnel(1.5, 1.33),
                expected = top + (1 - top) * (1 - top) * inner / (1 - top * inner);
   const std::string glass = block(0, 1, kGlass), water = block(-1, 0, kWater + medium(60, 0));
-  for (const std::string& shapes : {glass + water, water + glass,
-                                    block(0, 1, kGlass + priority(1)) + block(-1, 0, kWater + medium(60, 0) + priority(2)),
-                                    block(0, 1, kGlass + priority(2)) + block(-1, 1e-3, kWater + medium(60, 0) + priority(1))}) {
+  for (const std::string& shapes :
+       {glass + water, water + glass,
+        block(0, 1, kGlass + priority(1)) + block(-1, 0, kWater + medium(60, 0) + priority(2)),
+        block(0, 1, kGlass + priority(2)) + block(-1, 1e-3, kWater + medium(60, 0) + priority(1))}) {
     const Picture p = seen(shapes, "path", 1024);
     EXPECT_NEAR(p.all, expected, 4.5 * p.all_error + 1e-4);
     EXPECT_LT(p.all_error, 0.01 * expected);
@@ -134,8 +139,10 @@ TEST(TouchingMedia, BodiesOfDifferentIndicesHaveOneInterface) {
 
 TEST(TouchingMedia, ABodyWithinAnotherMayReachItsSurface) {
   // Milk set into glass, flush with its lower side, which is black: as if it ended just above.
-  const std::string water = "<bsdf type=\"dielectric\"><float name=\"int_ior\" value=\"1.33\"/><float name=\"ext_ior\" value=\"1.5\"/></bsdf>",
-                    glass = block(-1, 1, kGlass, 20);
+  const std::string
+      water =
+          "<bsdf type=\"dielectric\"><float name=\"int_ior\" value=\"1.33\"/><float name=\"ext_ior\" value=\"1.5\"/></bsdf>",
+      glass = block(-1, 1, kGlass, 20);
   const Picture flush = seen(glass + block(-1, 0, water + kScatterer, 15) + table(-1, 0, 30)),
                 apart = seen(glass + block(-0.9999, 0, water + kScatterer, 15) + table(-0.9999, 0, 30));
   expect_equal(flush, apart, "flush");
@@ -143,8 +150,8 @@ TEST(TouchingMedia, ABodyWithinAnotherMayReachItsSurface) {
 
 std::vector<std::string> notes_of(const std::string& shapes) {
   return load_scene_from_string("<scene version=\"3.0.0\"><integrator type=\"path\"/>" +
-                                    camera("origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 2, 2, 4) + "\n" +
-                                    shapes + kSky + "</scene>",
+                                    camera("origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 2, 2, 4) +
+                                    "\n" + shapes + kSky + "</scene>",
                                 "touching.xml")
       .notes;
 }
@@ -157,10 +164,14 @@ int count(const std::vector<std::string>& notes, const std::string& text) {
 TEST(TouchingMedia, WhatCannotBeDecidedIsNoted) {
   const std::string thin = kNull + medium(1, 0), dense = kNull + medium(2, 0);
   EXPECT_EQ(count(notes_of(block(-1, 0.5, thin) + block(0, 1, dense)), "fill the same space"), 1);
-  EXPECT_EQ(count(notes_of(block(-1, 0.5, thin) + block(0, 1, thin + priority(1))), "fill the same space"), 1);
-  EXPECT_EQ(count(notes_of(block(-1, 0.5, thin + priority(2)) + block(0, 1, dense + priority(1))), "fill the same space"), 0);
+  EXPECT_EQ(count(notes_of(block(-1, 0.5, thin) + block(0, 1, thin + priority(1))), "fill the same space"),
+            1);
+  EXPECT_EQ(count(notes_of(block(-1, 0.5, thin + priority(2)) + block(0, 1, dense + priority(1))),
+                  "fill the same space"),
+            0);
   EXPECT_EQ(count(notes_of(block(-1, 0, thin) + block(0, 1, dense)), "fill the same space"), 0) << "touching";
-  EXPECT_EQ(count(notes_of(block(-1, 1, thin) + block(-0.5, 0.5, dense, 5)), "fill the same space"), 0) << "within";
+  EXPECT_EQ(count(notes_of(block(-1, 1, thin) + block(-0.5, 0.5, dense, 5)), "fill the same space"), 0)
+      << "within";
   const std::string pane =
       "<shape type=\"rectangle\"><transform name=\"to_world\"><translate z=\"1\"/></transform><bsdf type=\"thindielectric\"/></shape>";
   EXPECT_EQ(count(notes_of(block(-1, 1, kGlass) + pane), "lies on"), 1);

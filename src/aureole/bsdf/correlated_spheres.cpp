@@ -73,7 +73,8 @@ public:
     // The delta lobes take both ends of the range of u1, so that they are found however improbable they are.
     if (u1 < reflected || !(lost > 0 || m.transmitted > 0))
       return BsdfSample{reflect(wi), s.reflected, s.reflected * m.rest, Lobe::delta | Lobe::reflect};
-    if (u1 >= reflected + lost || !(lost > 0)) return BsdfSample{-wi, s.transmitted, m.transmitted, kNullLobe};
+    if (u1 >= reflected + lost || !(lost > 0))
+      return BsdfSample{-wi, s.transmitted, m.transmitted, kNullLobe};
     const Vec3 wo = tables_->sample(wi, u2, ctx.wavelengths.nm[0]);
     const BsdfEval e = eval_pdf(wi, wo, ctx);
     if (!(e.pdf[0] > 0)) return {};

@@ -22,8 +22,7 @@ bool may_bound_body(const Surface& surface) {
 
 bool have_same_index(const Surface& a, const Surface& b, const Wavelengths& w) {
   Spectrum of_a, of_b;
-  return a.bsdf->interior_index(w, of_a) && b.bsdf->interior_index(w, of_b) &&
-         !any(of_a.v != of_b.v);
+  return a.bsdf->interior_index(w, of_a) && b.bsdf->interior_index(w, of_b) && !any(of_a.v != of_b.v);
 }
 
 namespace {
@@ -179,8 +178,9 @@ void Search::look_at(std::size_t i, std::size_t j, int per_side) {
       const int u = (axis + 1) % 3, v = (axis + 2) % 3;
       const Vec3 size = both.diagonal();
       at[u] = both.lower[u] + size[u] * (float(k % per_side) + unit_float(key)) / float(per_side);
-      at[v] = both.lower[v] +
-              size[v] * (float(k / per_side) + unit_float(std::uint32_t(combine_bits(key, 1)))) / float(per_side);
+      at[v] = both.lower[v] + size[v] *
+                                  (float(k / per_side) + unit_float(std::uint32_t(combine_bits(key, 1)))) /
+                                  float(per_side);
       follow({at - d * reach, d, 2 * reach}, i, j);
     }
   }
@@ -216,16 +216,17 @@ void Search::note_contacts() {
       if (!other_passes(x) || !other_passes(y)) continue;
       for (const Event* e : {&x, &y})
         if (e->body.first != 0) ranked_.insert(e->surface);
-      if (x.body.first == 0 || y.body.first == 0) note_laid_on(x.body.first == 0 ? x : y, x.body.first == 0 ? y : x);
+      if (x.body.first == 0 || y.body.first == 0)
+        note_laid_on(x.body.first == 0 ? x : y, x.body.first == 0 ? y : x);
     }
 }
 
 /// A surface that lets light pass and lies on a body.
 void Search::note_laid_on(const Event& laid, const Event& body) {
   if (laid.surface->lobes == kNullLobe || !laid_on_.insert({laid.surface, body.surface}).second) return;
-  found_.notes.push_back(fmt::format(
-      "{}: this surface lies on that of {}: light meets that one alone there. Move them apart",
-      laid.surface->shape->properties().where().str(), place_of(*body.surface)));
+  found_.notes.push_back(
+      fmt::format("{}: this surface lies on that of {}: light meets that one alone there. Move them apart",
+                  laid.surface->shape->properties().where().str(), place_of(*body.surface)));
 }
 
 void Search::note_overlaps() {
@@ -268,7 +269,8 @@ void Search::judge_overlaps() {
     const bool cut = a_within == b_within;
     if (cut) {
       ranked_.insert(&a), ranked_.insert(&b);
-      const bool same_matter = are_equal(a.inside, b.inside) && (have_same_index(a, b, w) || are_equal(a.bsdf, b.bsdf));
+      const bool same_matter =
+          are_equal(a.inside, b.inside) && (have_same_index(a, b, w) || are_equal(a.bsdf, b.bsdf));
       if ((a.rank == 0 || b.rank == 0) && !same_matter && a.body != b.body)
         found_.notes.push_back(fmt::format(
             "{}: this shape and the {} fill the same space and have no priorities to decide whose matter is there: "
@@ -300,7 +302,8 @@ void Search::rank() {
   }
   for (Surface& s : surfaces_.all)
     if (s.body != 0 && s.rank == 0)
-      if (const auto at = level.find(s.body); at != level.end()) s.rank = std::int8_t(at->second - kLevels - 1);
+      if (const auto at = level.find(s.body); at != level.end())
+        s.rank = std::int8_t(at->second - kLevels - 1);
   for (std::size_t i = 0; i < parts_.size(); ++i)
     for_surfaces(i, [&](const Surface& s) {
       if (s.rank != 0) found_.ranked.extend(parts_[i].bounds());

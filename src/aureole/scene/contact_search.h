@@ -22,8 +22,8 @@ inline float contact_distance(const SurfacePoint& point, const Vec3& d) {
 }
 
 struct Contacts {
-  bool any = false;          ///< whether a surface touches another one
-  Bounds3 ranked;            ///< bounds of the bodies with a rank
+  bool any = false;                ///< whether a surface touches another one
+  Bounds3 ranked;                  ///< bounds of the bodies with a rank
   std::vector<std::string> notes;  ///< what cannot be decided, for the user
 };
 

@@ -35,9 +35,8 @@ public:
   /// equal ranks, the body that was entered first fills it.
   bool hides(const Body& body) const {
     const Body other = filling(body);
-    return other.surface &&
-           (other.surface->rank > body.surface->rank ||
-            (other.surface->rank == body.surface->rank && index_of(other) < index_of(body)));
+    return other.surface && (other.surface->rank > body.surface->rank ||
+                             (other.surface->rank == body.surface->rank && index_of(other) < index_of(body)));
   }
   bool contains(const Body& body) const { return index_of(body) < count_; }
   /// Updates the list when the ray crosses a surface of a body into it (`inwards`) or out of it.

@@ -36,8 +36,8 @@ void keep_hit(const RTCFilterFunctionNArguments* args) {
   const unsigned n = args->N;
   const unsigned geometry = RTCHitN_geomID(args->hit, n, 0), instance = RTCHitN_instID(args->hit, n, 0, 0);
   const bool instanced = instance != RTC_INVALID_GEOMETRY_ID;
-  all.hits->push_back({{instanced ? geometry : 0, RTCHitN_primID(args->hit, n, 0),
-                        RTCHitN_u(args->hit, n, 0), RTCHitN_v(args->hit, n, 0), RTCRayN_tfar(args->ray, n, 0)},
+  all.hits->push_back({{instanced ? geometry : 0, RTCHitN_primID(args->hit, n, 0), RTCHitN_u(args->hit, n, 0),
+                        RTCHitN_v(args->hit, n, 0), RTCRayN_tfar(args->ray, n, 0)},
                        instanced ? instance : geometry});
   args->valid[0] = 0;
 }

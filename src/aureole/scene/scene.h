@@ -137,8 +137,8 @@ private:
     bool may_contain(const Vec3& p) const;
   };
   std::vector<Closed> closed_;
-  Bounds3 media_bounds_;     ///< bounds of the surfaces at which a medium begins or ends
-  Bounds3 ranked_bounds_;    ///< bounds of the bodies with a rank
+  Bounds3 media_bounds_;   ///< bounds of the surfaces at which a medium begins or ends
+  Bounds3 ranked_bounds_;  ///< bounds of the bodies with a rank
   std::vector<std::string> notes_;
 };
 

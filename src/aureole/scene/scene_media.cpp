@@ -33,7 +33,8 @@ void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
     const SurfacePoint point = surface_point(hit, ray);
     const InteriorList::Body body{point.surface, point.instance};
     const bool is_left = dot(ray.d, point.ng) > 0;
-    const auto known = std::find_if(bodies.begin(), bodies.end(), [&](const First& f) { return f.body == body; });
+    const auto known =
+        std::find_if(bodies.begin(), bodies.end(), [&](const First& f) { return f.body == body; });
     if (known == bodies.end())
       bodies.push_back({body, hit.t + 2 * contact_distance(point, ray.d), is_left});
     else if (hit.t <= known->end)
@@ -52,12 +53,14 @@ const Medium* Scene::medium_at(const Ray& ray, const InteriorList& inside) const
   // If the ray hits no surface that tells it, try a ray towards the centre of the media's bounds.
   const Vec3 inwards = media_bounds_.center() - ray.o;
   for (const Vec3& d : {ray.d, normalize(inwards)}) {
-    InteriorList entered;  // bodies with a rank: what lies within them does not tell what is around the origin
+    InteriorList
+        entered;  // bodies with a rank: what lies within them does not tell what is around the origin
     const auto judge = [&](const SurfacePoint& point) -> std::optional<const Medium*> {
       const Surface& s = *point.surface;
       const InteriorList::Body body{&s, point.instance};
       if (entered.empty() && decides && inside.contains(body)) return filled;
-      if (entered.empty() && s.bounds_media && s.rank <= 0) return s.medium_along(-d, point.ng, nullptr);
+      const bool tells = s.rank == 0 || (s.rank < 0 && inside.empty());
+      if (entered.empty() && s.bounds_media && tells) return s.medium_along(-d, point.ng, nullptr);
       if (s.rank != 0) entered.pass(body, dot(d, point.ng) < 0);
       return {};
     };
@@ -102,9 +105,8 @@ void Scene::find_closed_media() {
   // A shape of higher priority makes the surface of a medium inactive, and must then enclose the medium
   // itself.
   const auto lets_pass = [](const Surface& s) { return s.passable || s.light; };
-  const bool priorities_close =
-      std::none_of(surfaces_.all.begin(), surfaces_.all.end(),
-                   [&](const Surface& s) { return s.rank != 0 && lets_pass(s); });
+  const bool priorities_close = std::none_of(surfaces_.all.begin(), surfaces_.all.end(),
+                                             [&](const Surface& s) { return s.rank != 0 && lets_pass(s); });
   std::vector<const Medium*> open;
   const auto is_open = [&](const Medium* medium) {
     return std::find(open.begin(), open.end(), medium) != open.end();

@@ -103,7 +103,8 @@ Event cross(const SurfacePoint& point, TestSegment& segment, const Wavelengths& 
 
 /// A segment has hit a surface: as above, where others may touch it. Calls `meet(point)` before.
 template <class Meet>
-Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c, const Wavelengths& w, Meet&& meet) {
+Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c, const Wavelengths& w,
+            Meet&& meet) {
   if (scene.has_contacts() && scene.surfaces().of(hit).touches) {
     Contact contact;
     if (find_contact(scene, c.ray, hit, c, w, contact)) {

@@ -23,9 +23,7 @@ struct Face {
   Face(const SurfacePoint& p, const Vec3& d)
       : point(p), body{p.surface, p.instance}, inwards(dot(p.ng, d) < 0) {}
   const Surface& surface() const { return *point.surface; }
-  bool is_opaque() const {
-    return !has(surface().lobes, Lobe::transmit | Lobe::null | Lobe::enter);
-  }
+  bool is_opaque() const { return !has(surface().lobes, Lobe::transmit | Lobe::null | Lobe::enter); }
   bool is_null() const { return surface().lobes == kNullLobe; }
 };
 
@@ -39,10 +37,12 @@ public:
     const Vec3 d = ray.d * (1 / size);
     add(scene.surface_point(hit, ray), d);
     const float reach = contact_distance(all_[0].point, d);
-    // The bound of the other face's error may be larger than that of this one.
-    constexpr float kReach = 16, kTie = 1 - 0x1p-21f;
+    // The bound of the other face's error may be larger than that of this one. Before the hit, too: a face at the
+    // same distance may lie outside of an interval that begins there, by the rounding errors of its bounds.
+    constexpr float kReach = 16;
     thread_local std::vector<RayTracer::Hit> near;
-    scene.tracer().all_hits({ray.o, ray.d, std::min(hit.t + kReach * reach / size, ray.t_max)}, hit.t * kTie, near);
+    scene.tracer().all_hits({ray.o, ray.d, std::min(hit.t + kReach * reach / size, ray.t_max)},
+                            hit.t - reach / size, near);
     for (const RayTracer::Hit& h : near) {
       if (h.shape == hit.shape && h.geometry == hit.geometry && h.primitive == hit.primitive) continue;
       const SurfacePoint point = scene.surface_point(h, ray);
@@ -90,9 +90,8 @@ bool find_contact(const Scene& scene, const Ray& ray, const RayTracer::Hit& hit,
   const Faces faces(scene, ray, hit);
   if (faces.count() == 1) return false;
   const InteriorList& inside = state.interiors;
-  const Face* opaque = faces.find([&](const Face& f) {
-    return f.is_opaque() && !(f.surface().rank != 0 && inside.hides(f.body));
-  });
+  const Face* opaque = faces.find(
+      [&](const Face& f) { return f.is_opaque() && !(f.surface().rank != 0 && inside.hides(f.body)); });
   const bool any_ranked = faces.find([](const Face& f) { return f.surface().rank != 0; });
   if (!opaque && !any_ranked) return false;
   out.across = inside;
@@ -107,8 +106,9 @@ bool find_contact(const Scene& scene, const Ray& ray, const RayTracer::Hit& hit,
   out.is_inactive = false;
   // A pane or a mask that lies on a body has been noted at loading: light meets the body's surface alone.
   if (!chosen) {
-    out.is_inactive = before == behind || (!before.surface && !behind.surface) ||
-                      (before.surface && behind.surface && have_same_index(*before.surface, *behind.surface, w));
+    out.is_inactive =
+        before == behind || (!before.surface && !behind.surface) ||
+        (before.surface && behind.surface && have_same_index(*before.surface, *behind.surface, w));
     chosen = interface(faces, before, behind);
     if (!chosen) chosen = faces.begin(), out.is_inactive = true;
   }

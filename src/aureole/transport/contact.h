@@ -13,8 +13,8 @@ class Scene;
 struct RayState;
 
 struct Contact {
-  SurfacePoint point;   ///< the surface that acts as the interface; bounds of rounding errors are those of all
-  InteriorList across;  ///< the bodies around the ray once it has crossed all surfaces
+  SurfacePoint point;  ///< the surface that acts as the interface; bounds of rounding errors are those of all
+  InteriorList across;             ///< the bodies around the ray once it has crossed all surfaces
   const Medium* medium = nullptr;  ///< there
   bool is_inactive = false;        ///< whether light passes unchanged
 };

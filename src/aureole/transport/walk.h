@@ -246,7 +246,7 @@ private:
   }
 
   std::vector<Contact> contacts_;  ///< of the vertices, in scenes with surfaces that touch
-  PathList below_;  ///< paths that were refracted into a surface with a BSSRDF
+  PathList below_;                 ///< paths that were refracted into a surface with a BSSRDF
   EdgeWalk edges_;
 };
 
@@ -322,8 +322,7 @@ template <class Self, class Kind>
   edges_.attenuate(self(), i, s.segment.behind + dot(p - s.segment.ray.o, s.segment.ray.d));
   if (log_.follows(i)) log_vertex(i, PathEvent::Kind::medium, p, nullptr);
   if (kFromSensor && s.depth == 0) path.result.alpha = 1;
-  if (!reaches(i, 2) || s.in_media == limits_.max_scattering || !s.density.has_light())
-    return Event::blocked;
+  if (!reaches(i, 2) || s.in_media == limits_.max_scattering || !s.density.has_light()) return Event::blocked;
   if (!edges_.arrive(self(), i, p)) return Event::blocked;
   ++s.in_media;
   s.last = s.is_connected = false;

@@ -48,8 +48,12 @@ void show_all_hits(const Surface& surface, const RTCIntersectFunctionNArguments*
     hit.Ng_z = 1;
     hit.primID = args->primID, hit.geomID = args->geomID, hit.instID[0] = args->context->instID[0];
     int valid = -1;
-    RTCFilterFunctionNArguments shown{&valid, args->geometryUserPtr, args->context,
-                                      reinterpret_cast<RTCRayN*>(ray), reinterpret_cast<RTCHitN*>(&hit), 1};
+    RTCFilterFunctionNArguments shown{&valid,
+                                      args->geometryUserPtr,
+                                      args->context,
+                                      reinterpret_cast<RTCRayN*>(ray),
+                                      reinterpret_cast<RTCHitN*>(&hit),
+                                      1};
     ray->tfar = *t;
     args->context->filter(&shown);
     ray->tfar = far;
