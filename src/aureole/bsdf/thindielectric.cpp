@@ -29,7 +29,7 @@ public:
     const float cos_i = std::abs(wi.z);
     if (!(cos_i > 0)) return {};
     const Spectrum r = reflectance(cos_i, ctx);
-    const float mass = mean(r);  // that of crossing the pane must not depend on the wavelength
+    const float mass = mean(r);  // a null lobe's probability must not depend on the wavelength
     if (u1 < mass) {
       BsdfSample s{reflect(wi), r, mass, Lobe::delta | Lobe::reflect};
       if (reflectance_) s.value *= reflectance_->eval(ctx.point, ctx.wavelengths);
@@ -47,7 +47,7 @@ public:
   Lobe lobes() const override { return kNullLobe | Lobe::reflect | Lobe::through; }
 
 private:
-  /// Of the pane, with the reflections within it.
+  /// Reflectance of the pane, with the reflections within it.
   Spectrum reflectance(float cos_i, const BsdfContext& ctx) const {
     if (dispersive_ || ctx.exterior_index)
       return thin_slab(

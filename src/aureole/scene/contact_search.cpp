@@ -43,10 +43,10 @@ bool are_equal(const Object* a, const Object* b) {
   return a && b && a->properties().content() != 0 && a->properties().content() == b->properties().content();
 }
 
-/// A body in the scene: its number, and the instance through which a ray meets it.
+/// A body in the scene: its number, and the instance through which a ray hits it.
 using BodyKey = std::pair<std::uint32_t, const Instance*>;
 
-/// What the rays through a pair of bodies have measured.
+/// Lengths that rays through a pair of bodies have measured.
 struct Overlap {
   double both = 0, first_alone = 0, second_alone = 0;  ///< lengths in both bodies and in one of them
   const Surface *first = nullptr, *second = nullptr;
@@ -91,7 +91,7 @@ private:
   }
 
   void number_bodies();
-  std::vector<std::pair<std::size_t, std::size_t>> near_pairs() const;
+  std::vector<std::pair<std::size_t, std::size_t>> near_pairs();
   void look_at(std::size_t i, std::size_t j, int per_side);
   void follow(const Ray& ray, std::size_t i, std::size_t j);
   void note_contacts();
@@ -142,7 +142,7 @@ void Search::number_bodies() {
   }
 }
 
-std::vector<std::pair<std::size_t, std::size_t>> Search::near_pairs() const {
+std::vector<std::pair<std::size_t, std::size_t>> Search::near_pairs() {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   if (std::none_of(has_body_.begin(), has_body_.end(), [](bool b) { return b; })) return pairs;
   std::vector<std::pair<Bounds3, std::size_t>> boxes;
@@ -156,7 +156,11 @@ std::vector<std::pair<std::size_t, std::size_t>> Search::near_pairs() const {
       if (overlap(boxes[a].first, boxes[b].first))
         pairs.push_back(std::minmax(boxes[a].second, boxes[b].second));
     }
-    if (pairs.size() > kMostPairs) break;
+    if (pairs.size() <= kMostPairs) continue;
+    found_.notes.push_back(fmt::format(
+        "more than {} pairs of shapes are near each other: whether bodies touch or overlap was tried for these alone",
+        kMostPairs));
+    break;
   }
   return pairs;
 }
@@ -221,7 +225,7 @@ void Search::note_contacts() {
     }
 }
 
-/// A surface that lets light pass and lies on a body.
+/// Notes that a surface which transmits light lies on a body.
 void Search::note_laid_on(const Event& laid, const Event& body) {
   if (laid.surface->lobes == kNullLobe || !laid_on_.insert({laid.surface, body.surface}).second) return;
   found_.notes.push_back(

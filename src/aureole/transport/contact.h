@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces that touch: a ray that meets one of them crosses all within the offset of its origin, since the next
-// ray begins behind them. They count as one interface: that from the body that fills the space before to the one
-// behind (optical contact), or none where both have the same index of refraction.
+// `Contact`: surfaces that touch, as a ray hits them. A ray that hits one of them crosses all within the offset of its
+// origin, since the next ray begins behind them. They count as one interface: from the body that fills the space before
+// them to the one behind (optical contact), or none where both have the same index of refraction.
 #pragma once
 
 #include "aureole/scene/interior_list.h"
