@@ -164,7 +164,7 @@ int count(const std::vector<std::string>& notes, const std::string& text) {
 TEST(TouchingMedia, WhatCannotBeDecidedIsNoted) {
   const std::string thin = kNull + medium(1, 0), dense = kNull + medium(2, 0);
   EXPECT_EQ(count(notes_of(block(-1, 0.5, thin) + block(0, 1, dense)), "fill the same space"), 1);
-  EXPECT_EQ(count(notes_of(block(-1, 0.5, thin) + block(0, 1, thin + priority(1))), "fill the same space"),
+  EXPECT_EQ(count(notes_of(block(-1, 0.5, thin) + block(0, 1, dense + priority(1))), "fill the same space"),
             1);
   EXPECT_EQ(count(notes_of(block(-1, 0.5, thin + priority(2)) + block(0, 1, dense + priority(1))),
                   "fill the same space"),

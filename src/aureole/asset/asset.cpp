@@ -153,7 +153,8 @@ Properties ShapeAsset::geometry_of(const Properties& element) {
 /// so that a small loss takes much of it.
 void ShapeAsset::note_losses(const Properties& element) const {
   Diagnostics* diagnostics = element.context().diagnostics;
-  if (!diagnostics) return;
+  // In a scene with errors objects may lack their tables.
+  if (!diagnostics || diagnostics->has_errors()) return;
   constexpr double kNoted = 0.01;
   const auto scatters = [](const MediumPtr& medium) { return medium && medium->scatters(); };
   for (const Primitive& primitive : primitives_) {
