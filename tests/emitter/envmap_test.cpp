@@ -149,8 +149,9 @@ TEST(Envmap, PowerAndSamplesAreThoseOfTheInterpolatedColours) {
         const Vec2 u{(float(i) + jitter(2 * n)) / kLattice, (float(j) + jitter(2 * n + 1)) / kLattice};
         if (const auto s = light.sample_direct({}, 0, u, w)) {
           sampled += s->radiance * (1 / s->pdf);
-          if (i % 16 == 0 && j % 16 == 0)
+          if (i % 16 == 0 && j % 16 == 0) {
             EXPECT_NEAR(emitter->pdf_direct_escaped({}, {}, s->wo), s->pdf, 2e-3f * s->pdf);
+          }
         }
         integrated += emitter->eval_escaped(direction(double(u.x), double(u.y)), w) *
                       (2 * kPi * kPi * std::sin(kPi * u.y));

@@ -17,13 +17,10 @@ namespace aureole::testing {
 namespace {
 
 using aureole::test::error_of;
-using aureole::test::grid_xml;
+using aureole::test::grid_over_cube;
 using aureole::test::make_vol;
 using aureole::test::VolumeFolder;
 using aureole::test::write_bytes;
-
-constexpr const char* kFill =
-    "<translate x=\"-0.5\" y=\"-0.5\" z=\"-0.5\"/><scale value=\"2\"/>";  // [0, 1]^3 to [-1, 1]^3
 
 std::string to_world(const std::string& steps) {
   return "<transform name=\"to_world\">" + steps + "</transform>";
@@ -42,9 +39,10 @@ protected:
                    const std::string& steps = "", int channels = 1) {
     const auto file = write_bytes(folder_.path() / (name + std::to_string(++files_) + ".vol"),
                                   make_vol(size, channels, values).bytes());
-    std::string all = grid_xml(file, test::choice("filter_type", "nearest") + to_world(kFill + steps) +
-                                         (channels == 6 ? "<boolean name=\"raw\" value=\"true\"/>" : ""));
-    return all.insert(all.find(' '), " name=\"" + name + "\"");
+    return grid_over_cube(file, name,
+                          test::choice("filter_type", "nearest") +
+                              (channels == 6 ? "<boolean name=\"raw\" value=\"true\"/>" : ""),
+                          steps);
   }
   static std::string heterogeneous(const std::string& content, const std::string& name = "interior") {
     return "<medium type=\"heterogeneous\" name=\"" + name + "\">" + content + "</medium>";

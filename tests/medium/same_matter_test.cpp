@@ -255,7 +255,9 @@ TEST(SameMatter, IsTheSamePictureHoweverItIsDescribed) {
         << scene.plain();
   }
   // The mean of z^2 is 30/28 with a standard deviation of some 0.12.
-  if (!test::kSanitized) EXPECT_LT(squares, 1.6);
+  if (!test::kSanitized) {
+    EXPECT_LT(squares, 1.6);
+  }
   if (!::testing::Test::HasFailure()) std::filesystem::remove_all(folder);
 }
 

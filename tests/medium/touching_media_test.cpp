@@ -121,6 +121,27 @@ TEST(TouchingMedia, AnOpaqueSurfaceUnderABodyIsInOpticalContact) {
     }
 }
 
+TEST(TouchingMedia, IndicesAreThoseAtTheWavelengthsOfTheSensor) {
+  // In a narrow band spectra have fewer nodes than in the visible range; glass by name, in contact with itself.
+  const std::string named =
+      "<bsdf type=\"dielectric\"><string name=\"int_ior\" value=\"bk7\"/></bsdf>" + kScatterer;
+  const auto band = [](const std::string& shapes) {
+    return render(
+        "<integrator type=\"path\"/><sensor type=\"perspective\"><float name=\"fov\" value=\"2\"/>"
+        "<transform name=\"to_world\"><lookat origin=\"0, 0, 5\" target=\"0, 0, 0\" up=\"0, 1, 0\"/></transform>"
+        "<sampler type=\"sobol\"><integer name=\"sample_count\" value=\"1024\"/></sampler><film type=\"specfilm\">"
+        "<integer name=\"width\" value=\"2\"/><integer name=\"height\" value=\"2\"/><integer name=\"bins\" value=\"1\"/>"
+        "<float name=\"wavelength_min\" value=\"600\"/><float name=\"wavelength_max\" value=\"610\"/></film></sensor>" +
+        shapes +
+        "<emitter type=\"constant\"><spectrum name=\"radiance\" type=\"uniform\"><float name=\"value\" value=\"1\"/>"
+        "</spectrum></emitter>");
+  };
+  const Picture one = band(block(-1, 1, named));
+  EXPECT_GT(one.all, 0);
+  expect_equal(band(block(-1, 0, named) + block(0, 1, named)), one, "touching");
+  expect_equal(band(block(-1, 0.3, named) + block(-0.2, 1, named)), one, "overlapping");
+}
+
 TEST(TouchingMedia, BodiesOfDifferentIndicesHaveOneInterface) {
   // Glass on black water: reflections at the top and where they touch.
   const auto fresnel = [](double a, double b) { return std::pow((a - b) / (a + b), 2); };

@@ -13,13 +13,6 @@
 
 namespace aureole {
 
-bool may_bound_body(const Surface& surface) {
-  if (!surface.bsdf || surface.has_exit()) return false;
-  if (surface.rank != 0 || (surface.bounds_media && surface.outside != surface.inside)) return true;
-  Spectrum n;
-  return surface.bsdf->interior_index(Wavelengths::at(SpectralGrid{}, Spectrum(550.f)), n);
-}
-
 bool have_same_index(const Surface& a, const Surface& b, const Wavelengths& w) {
   Spectrum of_a, of_b;
   return a.bsdf->interior_index(w, of_a) && b.bsdf->interior_index(w, of_b) && !any(of_a.v != of_b.v);
@@ -29,7 +22,11 @@ namespace {
 
 constexpr std::size_t kMostPairs = 20000, kRaysOfAllPairs = 100000;
 
-bool lets_light_in(const Surface& s) { return has(s.lobes, Lobe::transmit | Lobe::null | Lobe::enter); }
+/// Wavelengths over the range of the scene's sensor, on whose grid indices are tabulated.
+Wavelengths sensor_wavelengths(const SpectralGrid& grid) {
+  const double step = (grid.max_nm - grid.min_nm) / kWavelengths;
+  return Wavelengths::at(grid, make_spectrum([&](int i) { return float(grid.min_nm + (i + 0.5) * step); }));
+}
 
 Bounds3 common(const Bounds3& a, const Bounds3& b) {
   Bounds3 box;
@@ -55,7 +52,8 @@ struct Overlap {
 /// The search: marks surfaces as it goes.
 class Search {
 public:
-  Search(const SceneParts& parts, SceneSurfaces& surfaces) : parts_(parts.surfaces), surfaces_(surfaces) {}
+  Search(const SceneParts& parts, SceneSurfaces& surfaces)
+      : parts_(parts.surfaces), surfaces_(surfaces), wavelengths_(sensor_wavelengths(parts.context->grid)) {}
 
   Contacts run() {
     number_bodies();
@@ -66,6 +64,7 @@ public:
     }
     judge_overlaps();
     rank();
+    bound_ranked();
     return std::move(found_);
   }
 
@@ -75,12 +74,11 @@ private:
     Surface* surface;
     BodyKey body;
     bool inwards;
+
+    bool is_of_body() const { return body.first != 0; }
+    bool lets_light_pass() const { return is_of_body() || !surface->is_opaque(); }
   };
 
-  Surface& surface_of(const RayTracer::Hit& hit) {
-    Surface& found = surfaces_.all[hit.shape];
-    return found.instance ? const_cast<Surface&>(found.members[hit.geometry]) : found;
-  }
   /// Calls f for each surface of a primitive: its own, or the surfaces of its group.
   template <class F>
   void for_surfaces(std::size_t part, F&& f) {
@@ -90,6 +88,13 @@ private:
     for (std::size_t k = 0; k < count; ++k) f(const_cast<Surface&>(own.members[k]));
   }
 
+  /// Whether the surface bounds a body that light may enter: with a medium or an index of refraction of its own.
+  bool may_bound_body(const Surface& surface) const {
+    if (!surface.bsdf || surface.has_exit()) return false;
+    if (surface.rank != 0 || (surface.bounds_media && surface.outside != surface.inside)) return true;
+    Spectrum n;
+    return surface.bsdf->interior_index(wavelengths_, n);
+  }
   void number_bodies();
   std::vector<std::pair<std::size_t, std::size_t>> near_pairs();
   void look_at(std::size_t i, std::size_t j, int per_side);
@@ -99,10 +104,12 @@ private:
   void note_overlaps();
   void judge_overlaps();
   void rank();
+  void bound_ranked();
   std::string place_of(const Surface& s) const;
 
   const std::vector<Primitive>& parts_;
   SceneSurfaces& surfaces_;
+  const Wavelengths wavelengths_;
   Contacts found_;
   std::vector<bool> has_body_;  ///< for each primitive
   std::uint32_t bodies_ = 0;
@@ -119,6 +126,11 @@ void Search::number_bodies() {
   std::unordered_map<const Properties*, std::size_t> count;
   for (const Primitive& part : parts_) ++count[part.element.get()];
   std::unordered_map<const Properties*, std::uint32_t> known;
+  const auto number_of = [&](const Primitive& part) {
+    const auto [entry, is_new] = known.try_emplace(part.element.get(), bodies_ + 1);
+    bodies_ += is_new;
+    return entry->second;
+  };
   has_body_.resize(parts_.size());
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Primitive& part = parts_[i];
@@ -129,15 +141,9 @@ void Search::number_bodies() {
         const bool is_closed =
             s.rank != 0 || part.encloses_medium || (is_whole && s.shape->opening().empty());
         if (!is_closed) return;
-        if (part.instance) {
-          s.body = ++bodies_;
-        } else {
-          std::uint32_t& number = known[part.element.get()];
-          s.body = number = number ? number : ++bodies_;
-        }
+        s.body = part.instance ? ++bodies_ : number_of(part);
       }
       has_body_[i] = true;
-      if (s.rank != 0) found_.ranked.extend(part.bounds());
     });
   }
 }
@@ -195,7 +201,7 @@ void Search::follow(const Ray& ray, std::size_t i, std::size_t j) {
   events_.clear();
   for (const RayTracer::Hit& hit : hits_) {
     if (hit.shape != i && hit.shape != j) continue;
-    Surface& s = surface_of(hit);
+    Surface& s = const_cast<Surface&>(surfaces_.of(hit));  // an element of `all`
     const SurfacePoint point = surfaces_.surface_point(hit, ray);
     events_.push_back(
         {hit.t, contact_distance(point, ray.d), &s, {s.body, point.instance}, dot(point.ng, ray.d) < 0});
@@ -209,25 +215,24 @@ void Search::note_contacts() {
     for (std::size_t l = k + 1; l < events_.size(); ++l) {
       const Event &x = events_[k], &y = events_[l];
       if (!(y.t - x.t <= x.tolerance + y.tolerance)) break;
-      if (x.body.first == 0 && y.body.first == 0) continue;
+      if (!x.is_of_body() && !y.is_of_body()) continue;
       // Within one body, rays that graze an edge cross two faces, too; faces that touch end the body and begin it
       // again.
       if (x.body == y.body && (x.inwards || !y.inwards)) continue;
       found_.any = true;
       for (const Event* e : {&x, &y})
-        if (e->body.first != 0 || lets_light_in(*e->surface)) e->surface->touches = true;
-      const auto other_passes = [](const Event& e) { return e.body.first != 0 || lets_light_in(*e.surface); };
-      if (!other_passes(x) || !other_passes(y)) continue;
+        if (e->lets_light_pass()) e->surface->touches = true;
+      if (!x.lets_light_pass() || !y.lets_light_pass()) continue;
       for (const Event* e : {&x, &y})
-        if (e->body.first != 0) ranked_.insert(e->surface);
-      if (x.body.first == 0 || y.body.first == 0)
-        note_laid_on(x.body.first == 0 ? x : y, x.body.first == 0 ? y : x);
+        if (e->is_of_body()) ranked_.insert(e->surface);
+      if (!x.is_of_body()) note_laid_on(x, y);
+      if (!y.is_of_body()) note_laid_on(y, x);
     }
 }
 
 /// Notes that a surface which transmits light lies on a body.
 void Search::note_laid_on(const Event& laid, const Event& body) {
-  if (laid.surface->lobes == kNullLobe || !laid_on_.insert({laid.surface, body.surface}).second) return;
+  if (laid.surface->is_null() || !laid_on_.insert({laid.surface, body.surface}).second) return;
   found_.notes.push_back(
       fmt::format("{}: this surface lies on that of {}: light meets that one alone there. Move them apart",
                   laid.surface->shape->properties().where().str(), place_of(*body.surface)));
@@ -237,10 +242,10 @@ void Search::note_overlaps() {
   std::map<BodyKey, std::pair<bool, const Surface*>> inside;
   float last = 0;
   for (const Event& e : events_)
-    if (e.body.first != 0) inside.try_emplace(e.body, false, e.surface);
+    if (e.is_of_body()) inside.try_emplace(e.body, false, e.surface);
   if (inside.size() < 2) return;
   for (const Event& e : events_) {
-    if (e.body.first == 0) continue;
+    if (!e.is_of_body()) continue;
     for (auto a = inside.begin(); a != inside.end(); ++a)
       for (auto b = std::next(a); b != inside.end(); ++b) {
         if (!a->second.first && !b->second.first) continue;
@@ -264,25 +269,24 @@ std::string Search::place_of(const Surface& s) const {
 
 void Search::judge_overlaps() {
   constexpr double kLeast = 1e-4;  // part of a length that counts
-  const Wavelengths w = Wavelengths::at(SpectralGrid{}, Spectrum(550.f));
   for (const auto& [pair, o] : overlaps_) {
     const double first = o.first_alone + o.both, second = o.second_alone + o.both;
     if (!(o.both > kLeast * std::min(first, second))) continue;
     Surface &a = const_cast<Surface&>(*o.first), &b = const_cast<Surface&>(*o.second);
     const bool a_within = o.first_alone <= kLeast * first, b_within = o.second_alone <= kLeast * second;
     const bool cut = a_within == b_within;
+    if (cut) ranked_.insert(&a), ranked_.insert(&b);
+    if (a.body == b.body) continue;  // two instances of one group
     if (cut) {
-      ranked_.insert(&a), ranked_.insert(&b);
       const bool same_matter =
-          are_equal(a.inside, b.inside) && (have_same_index(a, b, w) || are_equal(a.bsdf, b.bsdf));
-      if ((a.rank == 0 || b.rank == 0) && !same_matter && a.body != b.body)
+          are_equal(a.inside, b.inside) && (have_same_index(a, b, wavelengths_) || are_equal(a.bsdf, b.bsdf));
+      if ((a.rank == 0 || b.rank == 0) && !same_matter)
         found_.notes.push_back(fmt::format(
             "{}: this shape and the {} fill the same space and have no priorities to decide whose matter is there: "
             "it is taken to be that of {}. State a \"priority\" for both",
             a.shape->properties().where().str(), place_of(b),
             a.rank != 0 || b.rank != 0 ? "the one that has a priority" : "the first of them"));
     }
-    if (a.body == b.body) continue;
     // The body within the other one, or the first in the scene, is the one that fills the space.
     const bool a_first = cut ? a.body < b.body : a_within;
     above_.emplace(a_first ? a.body : b.body, a_first ? b.body : a.body);
@@ -308,6 +312,9 @@ void Search::rank() {
     if (s.body != 0 && s.rank == 0)
       if (const auto at = level.find(s.body); at != level.end())
         s.rank = std::int8_t(at->second - kLevels - 1);
+}
+
+void Search::bound_ranked() {
   for (std::size_t i = 0; i < parts_.size(); ++i)
     for_surfaces(i, [&](const Surface& s) {
       if (s.rank != 0) found_.ranked.extend(parts_[i].bounds());

@@ -33,8 +33,6 @@ struct Contacts {
 /// for this; contacts of less than a thousandth of these bounds may not be found.
 Contacts find_contacts(const SceneParts& parts, SceneSurfaces& surfaces);
 
-/// Whether the surface bounds a body that light may enter: with a medium or a refractive index of its own.
-bool may_bound_body(const Surface& surface);
 /// Whether two surfaces have the same index of refraction within.
 bool have_same_index(const Surface& a, const Surface& b, const Wavelengths& w);
 

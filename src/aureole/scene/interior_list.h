@@ -17,6 +17,9 @@ public:
     const Surface* surface = nullptr;
     const Instance* instance = nullptr;
 
+    /// Whether the body says which medium is within. One without a medium has that around it on both sides, unless
+    /// it states a priority: then vacuum is within.
+    bool decides_medium() const { return surface && (surface->rank > 0 || surface->bounds_media); }
     bool operator==(const Body& other) const {
       return surface && other.surface && surface->body == other.surface->body && instance == other.instance;
     }

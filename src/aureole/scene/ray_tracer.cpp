@@ -29,16 +29,20 @@ struct AllHitsContext {
   std::vector<RayTracer::Hit>* hits;
 };
 
+/// A hit by Embree's numbers; `instance` is that of the geometry's group, or invalid.
+RayTracer::Hit hit_of(unsigned geometry, unsigned instance, unsigned primitive, float u, float v, float t) {
+  const bool instanced = instance != RTC_INVALID_GEOMETRY_ID;
+  return {{instanced ? geometry : 0, primitive, u, v, t}, instanced ? instance : geometry};
+}
+
 /// Notes a hit and rejects it, so that Embree goes on to the others.
 void keep_hit(const RTCFilterFunctionNArguments* args) {
   if (args->valid[0] != -1) return;
   const auto& all = *reinterpret_cast<const AllHitsContext*>(args->context);
   const unsigned n = args->N;
-  const unsigned geometry = RTCHitN_geomID(args->hit, n, 0), instance = RTCHitN_instID(args->hit, n, 0, 0);
-  const bool instanced = instance != RTC_INVALID_GEOMETRY_ID;
-  all.hits->push_back({{instanced ? geometry : 0, RTCHitN_primID(args->hit, n, 0), RTCHitN_u(args->hit, n, 0),
-                        RTCHitN_v(args->hit, n, 0), RTCRayN_tfar(args->ray, n, 0)},
-                       instanced ? instance : geometry});
+  all.hits->push_back(hit_of(RTCHitN_geomID(args->hit, n, 0), RTCHitN_instID(args->hit, n, 0, 0),
+                             RTCHitN_primID(args->hit, n, 0), RTCHitN_u(args->hit, n, 0),
+                             RTCHitN_v(args->hit, n, 0), RTCRayN_tfar(args->ray, n, 0)));
   args->valid[0] = 0;
 }
 
@@ -214,9 +218,7 @@ RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene_, &context, &r);
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  const bool instanced = r.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
-  return {{instanced ? r.hit.geomID : 0, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar},
-          instanced ? r.hit.instID[0] : r.hit.geomID};
+  return hit_of(r.hit.geomID, r.hit.instID[0], r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar);
 }
 
 void RayTracer::all_hits(const Ray& ray, float t_min, std::vector<Hit>& hits) const {

@@ -46,8 +46,7 @@ void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
 
 const Medium* Scene::medium_at(const Ray& ray, const InteriorList& inside) const {
   const InteriorList::Body filling = inside.filling();
-  // A body without a medium and without a stated priority has the medium around it on both sides.
-  const bool decides = filling.surface && (filling.surface->rank > 0 || filling.surface->bounds_media);
+  const bool decides = filling.decides_medium();
   const Medium* const filled = decides ? filling.surface->inside : nullptr;
   if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return filled;
   // If the ray hits no surface that tells it, try a ray towards the centre of the media's bounds.

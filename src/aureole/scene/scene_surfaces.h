@@ -32,7 +32,7 @@ struct SceneSurfaces {
   /// Returns the surface point of a hit found by the ray tracer.
   SurfacePoint surface_point(const RayTracer::Hit& hit, const Ray& ray) const {
     const Surface& found = all[hit.shape];
-    const Surface& surface = found.instance ? found.members[hit.geometry] : found;
+    const Surface& surface = of(hit);
     // A single object for both cases lets the compiler construct it directly in the caller (return value
     // optimisation).
     SurfacePoint point = found.instance

@@ -44,6 +44,10 @@ struct alignas(64) Surface {
   std::int8_t rank = 0;
   std::uint32_t body = 0;  ///< number of the closed body with a rank that the surface belongs to
 
+  /// Whether light passes as if the surface were not there.
+  bool is_null() const { return lobes == kNullLobe; }
+  /// Whether no light gets to the other side.
+  bool is_opaque() const { return !has(lobes, Lobe::transmit | Lobe::null | Lobe::enter); }
   /// Whether refracted light that enters this surface leaves it at another point (BSSRDF).
   bool has_exit() const { return has(lobes, Lobe::enter); }
 

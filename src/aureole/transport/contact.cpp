@@ -23,8 +23,6 @@ struct Face {
   Face(const SurfacePoint& p, const Vec3& d)
       : point(p), body{p.surface, p.instance}, inwards(dot(p.ng, d) < 0) {}
   const Surface& surface() const { return *point.surface; }
-  bool is_opaque() const { return !has(surface().lobes, Lobe::transmit | Lobe::null | Lobe::enter); }
-  bool is_null() const { return surface().lobes == kNullLobe; }
 };
 
 /// The faces within the offset of a ray's origin, the hit first. More than these do not fit.
@@ -79,7 +77,7 @@ const Face* interface(const Faces& faces, const Body& before, const Body& behind
   const Face* out = before.surface ? faces.of(before, false) : nullptr;
   const Face* in = behind.surface ? faces.of(behind, true) : nullptr;
   if (!out || !in) return out ? out : in;
-  if (out->is_null() != in->is_null()) return out->is_null() ? in : out;
+  if (out->surface().is_null() != in->surface().is_null()) return out->surface().is_null() ? in : out;
   return out->surface().rank > in->surface().rank ? out : in;
 }
 
@@ -90,8 +88,9 @@ bool find_contact(const Scene& scene, const Ray& ray, const RayTracer::Hit& hit,
   const Faces faces(scene, ray, hit);
   if (faces.count() == 1) return false;
   const InteriorList& inside = state.interiors;
-  const Face* opaque = faces.find(
-      [&](const Face& f) { return f.is_opaque() && !(f.surface().rank != 0 && inside.hides(f.body)); });
+  const Face* opaque = faces.find([&](const Face& f) {
+    return f.surface().is_opaque() && !(f.surface().rank != 0 && inside.hides(f.body));
+  });
   const bool any_ranked = faces.find([](const Face& f) { return f.surface().rank != 0; });
   if (!opaque && !any_ranked) return false;
   out.across = inside;

@@ -23,12 +23,8 @@ struct Contact {
 /// bounds a medium.
 inline const Medium* medium_across(const InteriorList::Body& before, const InteriorList::Body& behind,
                                    const Medium* around) {
-  // A stated priority makes a body without a medium one of vacuum.
-  const auto decides = [](const InteriorList::Body& body) {
-    return body.surface && (body.surface->rank > 0 || body.surface->bounds_media);
-  };
-  if (decides(behind)) return behind.surface->inside;
-  return decides(before) ? before.surface->outside : around;
+  if (behind.decides_medium()) return behind.surface->inside;
+  return before.decides_medium() ? before.surface->outside : around;
 }
 
 /// For a hit of a surface that `touches` others: whether one of them lies here. `state` is that of the ray, whose

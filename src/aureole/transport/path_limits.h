@@ -35,7 +35,7 @@ struct PathLimits {
   }
 
   /// Whether crossing that surface counts.
-  bool counts(const Surface& surface) const { return counts_crossings && surface.lobes != kNullLobe; }
+  bool counts(const Surface& surface) const { return counts_crossings && !surface.is_null(); }
   /// Whether paths of so many segments count.
   bool reaches(int segments) const { return max_depth < 0 || segments <= max_depth; }
 

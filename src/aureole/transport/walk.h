@@ -83,15 +83,9 @@ public:
     return key(self().samples(i), states_[i].vertex, Stream::connection);
   }
   /// How many surfaces the k-th connection may cross that count for the limit of segments.
-  int crossings_left(int i, int k) {
-    if (!limits_.counts_crossings) return TestSegment::kUnlimited;
-    return limits_.max_depth - (states_[i].depth + states_[i].crossed + 2 + self().further_segments(i, k));
-  }
+  int crossings_left(int i, int k) { return crossings_beside(i, 2 + self().further_segments(i, k)); }
   /// As `crossings_left`, for what the ray itself leads to.
-  int crossings_before_light(int i) const {
-    if (!limits_.counts_crossings) return TestSegment::kUnlimited;
-    return limits_.max_depth - (states_[i].depth + states_[i].crossed + 1);
-  }
+  int crossings_before_light(int i) const { return crossings_beside(i, 1); }
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
   Event arrive(int i, const RayTracer::Hit& hit);
   bool scatter(int i);
@@ -171,6 +165,11 @@ protected:
   Self& self() { return static_cast<Self&>(*this); }
   const Self& self() const { return static_cast<const Self&>(*this); }
   bool has_media() const { return kAny && scene_.has_media(); }
+  /// How many further crossings the limit leaves to a path with so many segments more than scattering events.
+  int crossings_beside(int i, int further) const {
+    if (!limits_.counts_crossings) return TestSegment::kUnlimited;
+    return limits_.max_depth - (states_[i].depth + states_[i].crossed + further);
+  }
   /// Whether paths count that have so many segments more than scattering events.
   bool reaches(int i, int further) const {
     return limits_.reaches(states_[i].depth + states_[i].crossed + further);
