@@ -22,8 +22,8 @@ using namespace aureole;
 
 constexpr int kDefaultResolution = 48;
 
-/// White is the limit of ever larger x. A finite stand-in: linear interpolation towards it errs least if the
-/// node is near the x of its neighbours. White itself never reaches the table.
+/// White is the limit of ever larger x; this is a finite stand-in near the x of its neighbours. Light colours are
+/// looked up by what they lack from white, so that no lookup reaches this node.
 constexpr double kWhite = 0.99985;
 
 /// Represents black, where the coefficients are infinite but their products with the square root are not.

@@ -31,6 +31,12 @@ SKY = '<emitter type="constant"/>'
 BLACK = '<bsdf type="diffuse"><float name="reflectance" value="0"/></bsdf>'
 
 
+def band(low, high):
+    """A sky from `low` to `high` nm, of luminance 1."""
+    scale = 106.857 / sum(float(numpy.array(mitsuba.cie1931_xyz(nm)).ravel()[1]) for nm in numpy.arange(low + 0.5, high))
+    return f'<emitter type="constant"><spectrum name="radiance" value="{low}:{scale}, {high}:{scale}"/></emitter>'
+
+
 def path(content, samples=4096):
     return '<integrator type="path"/>' + camera(samples) + SKY + content
 
@@ -80,9 +86,7 @@ def clear_at_some_wavelengths():
 def melanin():
     # All light that meets a fibre at its middle leaves it, but for what eumelanin absorbs. d'Eon et al. (2011) have
     # 1.37 per radius in the blue; the spectrum of a reflectance, by which Mitsuba upsamples it, ends at 1.
-    blue = numpy.arange(440.5, 460)
-    scale = 106.857 / sum(float(numpy.array(mitsuba.cie1931_xyz(nm)).ravel()[1]) for nm in blue)
-    sky = f'<emitter type="constant"><spectrum name="radiance" value="440:{scale}, 460:{scale}"/></emitter>'
+    sky = band(440, 460)
     fibre = ('<bsdf type="hair"><float name="eumelanin" value="1"/><float name="pheomelanin" value="0"/><float '
              'name="int_ior" value="1.5"/><float name="ext_ior" value="1"/></bsdf>')
     through = math.exp(-2 * 1.37)
@@ -99,10 +103,72 @@ def flat_grid():
                 f'x="-0.5" y="-0.5"/><scale x="9" y="9"/></transform>{BLACK}</shape>', 64), 0
 
 
+def between_texels():
+    # The view is halfway between white texels and black ones.
+    sky = numpy.zeros((5, 8, 3), numpy.float32)
+    sky[1:4, 0] = 1
+    file = os.path.join(FILES.name, "sun.exr")
+    mitsuba.Bitmap(sky).write(file)
+    return ('<integrator type="path"/>' + camera(1024) +
+            f'<emitter type="envmap"><string name="filename" value="{file}"/></emitter>'), .5
+
+
+def lamp_behind_null():
+    # A disk of radius 5 irradiates the floor 5 below it with half its radiosity. The camera is below the null surface.
+    # Mitsuba moves a ray off a null surface by about 9e-5 (1 + largest coordinate) and does not count that step, but ends
+    # shadow rays 9e-4 of their length before the light. The step is longer here, so that the light occludes itself.
+    view = camera(4096).replace('"0, 0, 5"', '"100, 0, 1"').replace('target="0, 0, 0"', 'target="100, 0, 0"')
+    return ('<integrator type="volpath"/>' + view +
+            '<shape type="rectangle"><transform name="to_world"><scale value="50"/><translate x="100"/></transform></shape>'
+            '<shape type="disk"><transform name="to_world"><scale value="5"/><rotate x="1" angle="180"/><translate x="100" '
+            'z="5"/></transform><emitter type="area"><float name="radiance" value="1"/></emitter></shape>'
+            '<shape type="rectangle"><transform name="to_world"><scale value="25"/><translate x="100" z="2.5"/></transform>'
+            '<bsdf type="null"/></shape>'), .25
+
+
+def masked_floor():
+    # Mitsuba returns no light for a path that crosses null surfaces and then leaves a scene without environment, and drops
+    # with it what light sampling found at the mask. A fraction 1 - opacity of all paths is lost.
+    floor = ('<shape type="rectangle"><bsdf type="mask"><float name="opacity" value="0.4"/><bsdf type="diffuse"/></bsdf>'
+             '</shape><emitter type="point"><point name="position" x="0" y="0" z="1"/></emitter>')
+    return '<integrator type="path"/>' + camera(4096) + floor, .4 * .5 / math.pi
+
+
+def slab(extinction, view):
+    """A white sky behind a cube of an absorbing medium, 2 thick."""
+    return ('<integrator type="volpathmis"/>' + view + SKY + '<shape type="cube"><bsdf type="null"/><medium '
+            f'type="heterogeneous" name="interior">{extinction}<float name="albedo" value="0"/></medium></shape>')
+
+
+def coloured_grid():
+    # One colour in all voxels gives another spectrum than the same <rgb>, which Mitsuba renders for comparison: scaled so
+    # that its largest component is 1/2, upsampled and scaled back.
+    with open(os.path.join(FILES.name, "red.vol"), "wb") as file:
+        file.write(b"VOL\x03" + struct.pack("<5i6f", 1, 2, 2, 2, 3, 0, 0, 0, 1, 1, 1) + struct.pack("<3f", .8, .1, .1) * 8)
+    view = camera(65536).replace('origin="0, 0, 5"', 'origin="0.5, 0.5, 5"').replace('target="0, 0, 0"',
+                                                                                     'target="0.5, 0.5, 0"')
+    grid = f'<volume type="gridvolume" name="sigma_t"><string name="filename" value="{file.name}"/></volume>'
+    unit = ('<transform name="to_world"><scale value="0.5"/><translate x="0.5" y="0.5" z="0.5"/></transform>'
+            '<bsdf type="null"/>')
+    scenes = [slab(extinction, view).replace('<bsdf type="null"/>', unit).replace(SKY, band(640, 660))
+              for extinction in (grid, '<rgb name="sigma_t" value="0.8, 0.1, 0.1"/>')]
+    return scenes[0], of_mitsuba(scenes[1])
+
+
+def constant_extinction():
+    # The view is a quarter beside the axis, so that it meets the unit cube from z = 0 to 1 within the cube from -1 to 1.
+    view = camera(65536).replace('origin="0, 0, 5"', 'origin="0.25, 0.25, 5"').replace('target="0, 0, 0"',
+                                                                                    'target="0.25, 0.25, 0"')
+    return slab('<float name="sigma_t" value="1"/>', view), math.exp(-2)
+
+
 CASES = {"checkerboard read as a number": checkerboard, "direct: two samples of a point light": point_lights,
          "blendbsdf of a mirror and black": blend, "rotate about an axis of length 2": rotation,
          "irradiancemeter on a turned sphere": meter, "no extinction below 550 nm": clear_at_some_wavelengths,
-         "eumelanin of hair, 440 to 460 nm": melanin, "sdfgrid of 2 x 2 x 9 nodes": flat_grid}
+         "eumelanin of hair, 440 to 460 nm": melanin, "sdfgrid of 2 x 2 x 9 nodes": flat_grid,
+         "envmap between white and black": between_texels,
+         "volpath: lamp behind a null surface": lamp_behind_null, "path: masked floor, point light": masked_floor,
+         "gridvolume of one colour": coloured_grid, "heterogeneous, constant sigma_t": constant_extinction}
 
 
 def of_mitsuba(content):

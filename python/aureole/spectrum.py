@@ -260,13 +260,14 @@ def upsample(rgb: npt.ArrayLike, wavelength: npt.ArrayLike, *, unbounded: bool =
     unbounded : bool
         The spectrum is scaled to the colour's largest component: that of an emitter, to be multiplied by D65.
     method : {"fit", "table"}
-        Of colours in scene files, within Delta E 0.002 and some 20 us for each; or of textures, from a table, within
+        Of colours in scene files, within Delta E (CIE 1976) 0.002 and some 20 us for each; or of textures, from a table, within
         Delta E 0.25.
 
     Returns
     -------
     numpy.ndarray, shape ``rgb.shape[:-1] + wavelength.shape``
-        Reflectances in [0, 1], or a factor of the illuminant if `unbounded`.
+        Reflectances in [0, 1], nearly flat where all components are near 1, or a factor of the illuminant if
+        `unbounded`.
 
     References
     ----------

@@ -64,9 +64,8 @@ void upsample(const Array<const double, 2>& rgb, const Reals& nm, bool table, bo
     const double* c = rgb + 3 * i;
     double* to = result + i * wavelengths;
     if (table) {
-      const UnboundedRgb s = unbounded
-                                 ? upsample_unbounded(float(c[0]), float(c[1]), float(c[2]))
-                                 : UnboundedRgb{upsample_srgb(float(c[0]), float(c[1]), float(c[2])), 1};
+      const auto sample = unbounded ? &upsample_unbounded : &upsample_srgb;
+      const SigmoidSpectrum s = sample(float(c[0]), float(c[1]), float(c[2]));
       for (std::size_t k = 0; k < wavelengths; ++k) to[k] = s.at(float(nm[k]));
       return;
     }
@@ -75,9 +74,9 @@ void upsample(const Array<const double, 2>& rgb, const Reals& nm, bool table, bo
       std::fill(to, to + wavelengths, std::max(largest, 0.0));
       return;
     }
-    const double scale = unbounded ? 2 * largest : 1;
-    const SigmoidPolynomial p = fit_srgb({c[0] / scale, c[1] / scale, c[2] / scale});
-    for (std::size_t k = 0; k < wavelengths; ++k) to[k] = scale * p.at(float(nm[k]));
+    const Rgb color{c[0], c[1], c[2]};
+    const SigmoidSpectrum s = unbounded ? fit_unbounded(color) : fit_srgb(color);
+    for (std::size_t k = 0; k < wavelengths; ++k) to[k] = double(s.at(float(nm[k])));
   });
 }
 

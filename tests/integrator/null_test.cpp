@@ -107,8 +107,8 @@ std::string integer(const char* name, int v) {
   return "<integer name=\"" + std::string(name) + "\" value=\"" + std::to_string(v) + "\"/>";
 }
 std::string path(int max_depth = -1, const std::string& more = "") {
-  return "<integrator type=\"path\">" + integer("max_depth", max_depth) + integer("rr_depth", 50) + more +
-         "</integrator>";
+  return "<integrator type=\"path\"><boolean name=\"count_crossings\" value=\"false\"/>" +
+         integer("max_depth", max_depth) + integer("rr_depth", 50) + more + "</integrator>";
 }
 std::string direct(int light_samples, int bsdf_samples, const std::string& more = "") {
   return "<integrator type=\"direct\">" + integer("emitter_samples", light_samples) +
@@ -376,8 +376,9 @@ TEST(Depth, PassedSurfacesDoNotCount) {
     term *= 0.5;
   }
   // Roulette counts vertices, too: it never ends a path that has none.
-  const Picture p = render("<integrator type=\"path\">" + integer("rr_depth", 1) + integer("max_depth", 1) +
-                           "</integrator>" + view + room(shells));
+  const Picture p =
+      render("<integrator type=\"path\"><boolean name=\"count_crossings\" value=\"false\"/>" +
+             integer("rr_depth", 1) + integer("max_depth", 1) + "</integrator>" + view + room(shells));
   EXPECT_NEAR(p.all, 1, 1e-6);
   EXPECT_EQ(p.all_error, 0);
 }

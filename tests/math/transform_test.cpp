@@ -166,5 +166,22 @@ TEST_F(Transforms, FramesAreOrthonormalAndRightHanded) {
   }
 }
 
+TEST_F(Transforms, OrthogonalPart) {
+  for (int n = 0; n < 100; ++n) {
+    // A turn after a stretch along any axes: the turn is the orthogonal factor (Higham 1986).
+    const Vec3 a = vec(), b = vec();
+    const double mirror = n % 2 ? -1 : 1;
+    const Transform turn = Transform::rotate(double(a.x), double(a.y), double(a.z), 170 * double(uniform())) *
+                           Transform::scale(mirror, mirror, mirror);
+    const Transform axes = Transform::rotate(double(b.x), double(b.y), double(b.z), 170 * double(uniform()));
+    const Transform stretch =
+        axes * Transform::scale(std::exp(6 * double(uniform())), std::exp(double(uniform())), 0.01) *
+        axes.inverse();
+    const Transform q = (Transform::translate(1, 2, 3) * turn * stretch).orthogonal_part();
+    for (std::size_t i = 0; i < 4; ++i)
+      for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(q.matrix()[i][k], turn.matrix()[i][k], 1e-9) << n;
+  }
+}
+
 }  // namespace
 }  // namespace aureole

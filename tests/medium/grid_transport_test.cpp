@@ -12,7 +12,7 @@ namespace aureole::testing {
 namespace {
 
 using aureole::test::choice;
-using aureole::test::grid_xml;
+using aureole::test::grid_over_cube;
 using aureole::test::make_vol;
 using aureole::test::VolumeFolder;
 using aureole::test::write_bytes;
@@ -29,10 +29,7 @@ void expect_same(const Picture& a, const Picture& b, const std::string& what, do
 
 /// A grid that fills [-1, 1]^3, as the parameter `name`.
 std::string filling(const std::filesystem::path& file, const std::string& name, const std::string& filter) {
-  std::string all = grid_xml(file, choice("filter_type", filter) +
-                                       "<transform name=\"to_world\"><translate x=\"-0.5\" y=\"-0.5\" "
-                                       "z=\"-0.5\"/><scale value=\"2\"/></transform>");
-  return all.insert(all.find(' '), " name=\"" + name + "\"");
+  return grid_over_cube(file, name, choice("filter_type", filter));
 }
 
 /// A cube of a medium between a floor, a lamp near it and the sky.

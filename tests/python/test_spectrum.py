@@ -185,6 +185,13 @@ class TestUpsample:
         np.testing.assert_allclose(light, rgb, atol=0.05)
         np.testing.assert_array_equal(spectrum.upsample([0, 0, 0], NM, unbounded=True, method=method), 0)
 
+    @pytest.mark.parametrize("method", ["fit", "table"])
+    def test_near_white(self, method):
+        rgb = np.array([[0.99, 0.999, 0.99], [0.98, 1, 0.985], [1, 0.99, 0.98]])
+        s = spectrum.upsample(rgb, NM, method=method)
+        assert np.all(s >= 1 - 2 * (1 - rgb.min(axis=1, keepdims=True))) and np.all(s <= 1)
+        np.testing.assert_allclose(spectrum.to_srgb(NM, s, "D65", encoded=False), rgb, atol=4e-4)
+
     def test_shapes_and_ends(self):
         s = spectrum.upsample(np.full((2, 4, 3), [0.2, 0.5, 0.1]), [[300, 360], [830, 900]])
         assert s.shape == (2, 4, 2, 2)

@@ -80,7 +80,7 @@ TEST(TextureRoles, Numbers) {
 }
 
 TEST(TextureRoles, Colours) {
-  const SigmoidPolynomial p = fit_srgb({0.8, 0.2, 0.1}), half = fit_srgb({0.5, 0.125, 0.0625});
+  const SigmoidSpectrum p = fit_srgb({0.8, 0.2, 0.1}), half = fit_srgb({0.5, 0.125, 0.0625});
   const TabulatedSpectrum d65 = *find_illuminant("D65");
   for (double nm = 365; nm < 830; nm += 17) {  // on nodes
     const float l = float(nm);
@@ -305,7 +305,7 @@ TEST_F(BitmapTest, FiltersAndWrapModesAsMitsuba) {
 
 TEST_F(BitmapTest, TexelsAreUpsampledAsColours) {
   const auto t = load(write(colors(), "colors.exr"));
-  const SigmoidPolynomial red = upsample_srgb(1, 0.2f, 0.2f);
+  const SigmoidSpectrum red = upsample_srgb(1, 0.2f, 0.2f);
   for (double nm = 360; nm < 830; nm += 23) EXPECT_NEAR(at(*t, nm, {0.25f, 0.25f}), red.at(float(nm)), 1e-5);
   EXPECT_LE(t->maximum(), 1);
   EXPECT_GE(t->minimum(), 0);
@@ -341,7 +341,7 @@ TEST_F(BitmapTest, BrightTexelsScaleAndAreNoReflectance) {
   for (float& p : image.pixels) p *= 10;
   const auto file = write(image, "bright.exr");
   const auto t = load(file);
-  const UnboundedRgb red = upsample_unbounded(10, 2, 2);
+  const SigmoidSpectrum red = upsample_unbounded(10, 2, 2);
   for (double nm = 360; nm < 830; nm += 23) EXPECT_NEAR(at(*t, nm, {0.25f, 0.25f}), red.at(float(nm)), 1e-4);
   EXPECT_GT(t->maximum(), 1);
   const std::string xml =

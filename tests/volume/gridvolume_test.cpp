@@ -7,6 +7,7 @@
 #include "aureole/math/significance.h"
 #include "aureole/plugin/array.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/upsampling.h"
 #include "harness/paths.h"
 #include "volume/volume_test_support.h"
 
@@ -116,6 +117,24 @@ TEST(GridVolume, ColoursBecomeSpectraVoxelByVoxel) {
   EXPECT_EQ(volume->minimum(), 0);
 }
 
+TEST(GridVolume, LightColoursAreInterpolatedAsSpectra) {
+  VolumeFolder folder;
+  const std::vector<float> values{.95f, .99f, .9f, .1f, .2f, .3f, .99f, .98f, .999f, 4, 3, 2};
+  const VolumePtr volume =
+      build_grid(write_bytes(folder.path() / "l.vol", make_vol({4, 1, 1}, 3, values).bytes()));
+  const Wavelengths w = wavelengths();
+  const auto voxel = [&](std::size_t i, int j) {
+    const float *c = &values[3 * i], nm = w.nm[j];
+    return (i < 3 ? upsample_srgb(c[0], c[1], c[2]) : upsample_unbounded(c[0], c[1], c[2])).at(nm);
+  };
+  for (std::size_t i = 0; i < 3; ++i)
+    for (const float t : {0.f, .25f, .5f, .9f}) {
+      const Spectrum v = volume->eval({(float(i) + .5f + t) / 4, .5f, .5f}, w);
+      for (int j = 0; j < kWavelengths; ++j)
+        EXPECT_NEAR(v[j], (1 - t) * voxel(i, j) + t * voxel(i + 1, j), 1e-5f) << i << " " << t;
+    }
+}
+
 TEST(GridVolume, GreyColoursAreNumbers) {
   VolumeFolder folder;
   const VolumePtr volume =
@@ -169,6 +188,9 @@ TEST(GridVolume, BoundsHold) {
     std::vector<float> values = noise(std::size_t(n[0] * n[1] * n[2] * channels), std::uint64_t(round));
     // Sharp peaks on nothing, which bricks of one value are made of.
     for (float& v : values) v = v > .9f ? 3 * v : 0;
+    // Light colours, whose spectra are parts below white, beside black.
+    if (round % 6 == 5)
+      for (float& v : values) v = v > 0 ? 1 - .1f * v : round % 12 == 5 ? .98f : 0;
     const auto file = write_bytes(folder.path() / "b.vol", make_vol(n, channels, values).bytes());
     const std::string filter = round % 4 < 2 ? "trilinear" : "nearest";
     const std::string wrap = std::array{"clamp", "repeat", "mirror"}[std::size_t(round / 4 % 3)];

@@ -70,6 +70,16 @@ inline std::string grid_xml(const std::filesystem::path& file, const std::string
          parameters + "</volume>";
 }
 
+/// A <volume type="gridvolume"> of that file over [-1, 1]^3, which `steps` of a transform then move, as the parameter `name`.
+inline std::string grid_over_cube(const std::filesystem::path& file, const std::string& name,
+                                  const std::string& parameters, const std::string& steps = "") {
+  std::string all = grid_xml(file, parameters +
+                                       "<transform name=\"to_world\"><translate x=\"-0.5\" y=\"-0.5\" "
+                                       "z=\"-0.5\"/><scale value=\"2\"/>" +
+                                       steps + "</transform>");
+  return all.insert(all.find(' '), " name=\"" + name + "\"");
+}
+
 inline VolumePtr build_grid(const std::filesystem::path& file, const std::string& parameters = "") {
   return testing::build<Volume>(grid_xml(file, parameters));
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/asset/asset.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
 #include <set>
@@ -111,6 +113,7 @@ private:
   /// Notes a medium on one side of a surface with a gap. Other shapes of the scene may close the gap; the
   /// scene warns if they do not (scene/scene_media.cpp).
   void check_media(const Properties& element);
+  void note_losses(const Properties& element) const;
   void take_bssrdf(const Properties& element);
   /// Returns the element's parameters without BSDF, emitter, sensor and media.
   static Properties geometry_of(const Properties& element);
@@ -146,7 +149,37 @@ Properties ShapeAsset::geometry_of(const Properties& element) {
   return geometry;
 }
 
+/// Notes what rough interfaces lose around a medium that scatters. Its light hits the interface many times,
+/// so that a small loss takes much of it.
+void ShapeAsset::note_losses(const Properties& element) const {
+  Diagnostics* diagnostics = element.context().diagnostics;
+  // In a scene with errors objects may lack their tables.
+  if (!diagnostics || diagnostics->has_errors()) return;
+  constexpr double kNoted = 0.01;
+  const auto scatters = [](const MediumPtr& medium) { return medium && medium->scatters(); };
+  for (const Primitive& primitive : primitives_) {
+    const Bsdf& bsdf = *primitive.bsdf;
+    double loss = media_.bssrdf ? bsdf.single_scattering_loss(false) : 0;
+    if (has(bsdf.lobes(), Lobe::transmit)) {
+      if (scatters(media_.inside)) loss = std::max(loss, bsdf.single_scattering_loss(true));
+      if (scatters(media_.outside)) loss = std::max(loss, bsdf.single_scattering_loss(false));
+    }
+    if (!(loss >= kNoted)) continue;
+    const std::string how = media_.bssrdf
+                                ? "of the diffuse light that enters the body"
+                                : "of the diffuse light in the medium each time that it hits the surface";
+    diagnostics->note(
+        bsdf.properties().where(),
+        fmt::format("\"{}\" bounds matter that scatters, but its microfacets scatter light once and lose up "
+                    "to {:.1f} % {}. A \"roughdielectric\" loses none with <boolean "
+                    "name=\"energy_preserving\" value=\"true\"/>, which may also stand in <scene> for all "
+                    "rough BSDFs; \"false\" keeps the loss without this note",
+                    bsdf.properties().type(), 100 * loss, how));
+  }
+}
+
 void ShapeAsset::check_media(const Properties& element) {
+  note_losses(element);
   if (media_.bssrdf) {
     const std::string opening = opening_of(primitives_);
     if (!opening.empty())

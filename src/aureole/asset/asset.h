@@ -17,12 +17,15 @@ namespace aureole {
 class Asset : public SensorShape {
 public:
   const std::vector<Primitive>& primitives() const { return primitives_; }
+  /// Notes about where the asset is, for an asset that belongs to the scene itself and not to a group.
+  const std::vector<std::string>& placement_notes() const { return placement_notes_; }
   ShapePtr shape() const override { return primitives_.size() == 1 ? primitives_[0].shape : nullptr; }
 
 protected:
   using SensorShape::SensorShape;
 
   std::vector<Primitive> primitives_;
+  std::vector<std::string> placement_notes_;
 };
 
 /// The parts of a mesh whose file names materials.

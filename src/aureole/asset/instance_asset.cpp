@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "aureole/asset/placed_media.h"
 #include "aureole/asset/shape_group.h"
 
 namespace aureole {
@@ -9,18 +14,39 @@ InstanceAsset::InstanceAsset(const Properties& properties) : Asset(properties) {
     throw Error(properties.where(), "an instance needs one shapegroup: write <ref id=\"...\"/> with its id");
   group_ = groups.front();
   to_world_ = properties.get_transform("to_world");
-  take_apart(*group_, to_world_);
+  take_apart(*group_, to_world_, nullptr);
 }
 
-void InstanceAsset::take_apart(const ShapeGroup& group, const Transform& to_world) {
+void InstanceAsset::take_apart(const ShapeGroup& group, const Transform& to_world,
+                               const PlacedMedia* around) {
+  std::optional<PlacedMedia> media;
   if (!group.list()->shapes.empty()) {
     Primitive primitive;
     primitive.instance =
         std::make_shared<const Instance>(group.list(), group.list()->bounds, to_world, properties());
     primitive.element = shared_properties();
+    media.emplace(primitive.instance, around);
+    primitive.placed_media = media->of_shapes();
+    note_media(*primitive.instance, *media);
     primitives_.push_back(std::move(primitive));
   }
-  for (const ShapeGroup::Nested& n : group.nested()) take_apart(*n.group, to_world * n.to_group);
+  for (const ShapeGroup::Nested& n : group.nested())
+    take_apart(*n.group, to_world * n.to_group, media ? &*media : around);
+}
+
+void InstanceAsset::note_media(const Instance& instance, const PlacedMedia& media) {
+  if (media.has_oriented_particles() && !keeps_angles(instance))
+    placement_notes_.push_back(
+        "stretches a group with a medium of oriented particles: they are turned with it, but keep their "
+        "shape");
+  for (const MediumPtr& medium : media.not_moved()) {
+    const Properties& p = medium->properties();
+    placement_notes_.push_back(
+        fmt::format("a shape of the group has the medium{} at {} as its exterior, which is not the same "
+                    "everywhere and fills no shape of the group: it keeps its place in the scene and does "
+                    "not move with the instance",
+                    p.id().empty() ? "" : " \"" + p.id() + "\"", p.where().str()));
+  }
 }
 
 AUREOLE_PLUGIN(
@@ -28,7 +54,11 @@ AUREOLE_PLUGIN(
     PluginDoc{
         .summary =
             "One appearance of a `shapegroup` in the scene. Its shapes have the BSDFs that they have in "
-            "the group. Any affine to_world is allowed, mirroring included.",
+            "the group. Any affine to_world is allowed, mirroring included. Volumes of its shapes (textures, "
+            "media that fill them) have the group's coordinates and move with the instance; oriented "
+            "particles are turned, not deformed. Coefficients of media are per length of the scene: an "
+            "instance that is twice as large has twice the optical thickness. A medium that only surrounds "
+            "shapes of the group keeps its place in the scene.",
         .source = "",
         .parameters = {{"shapegroup", "shape", "", "required", "The group, usually by <ref id=\"...\"/>."},
                        {"to_world", "transform", "", "identity",

@@ -7,6 +7,10 @@ std::size_t Primitive::triangle_count() const {
   return instance ? instance->list().triangle_count() : shape->primitive_count();
 }
 
+std::span<const SurfaceMedia> Primitive::member_media() const {
+  return placed_media.empty() ? instance->list().media : placed_media;
+}
+
 std::size_t ShapeList::triangle_count() const {
   std::size_t sum = 0;
   for (const ShapePtr& s : shapes) sum += s->primitive_count();

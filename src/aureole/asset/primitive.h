@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,12 +32,17 @@ struct Primitive {
   std::shared_ptr<const Emitter> emitter;
   std::shared_ptr<const AreaSampler> area;  ///< for the emitter; null without one
   std::shared_ptr<const Instance> instance;
+  /// For an instance: the media of the group's shapes, placed with the instance (asset/placed_media.h). Empty
+  /// if they are those of the group.
+  std::vector<SurfaceMedia> placed_media;
   /// The element that the primitive comes from, for messages; never null.
   std::shared_ptr<const Properties> element;
   std::vector<std::string> remarks;  ///< repairs made by the reader, for `aureole info` and a note
   /// Whether the asset that the primitive belongs to bounds a medium and has no gap.
   bool encloses_medium = false;
 
+  /// Returns the media of the shapes of an instance's group.
+  std::span<const SurfaceMedia> member_media() const;
   Bounds3 bounds() const { return instance ? instance->bounds() : shape->bounds(); }
   std::size_t triangle_count() const;  ///< a shape that is not a mesh counts as `Shape::primitive_count`
 };

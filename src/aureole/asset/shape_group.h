@@ -7,6 +7,8 @@
 
 namespace aureole {
 
+class PlacedMedia;
+
 /// Shapes in local coordinates. The group itself is not rendered. Nested groups, instances and shapes of
 /// several primitives are flattened, because Embree is built with one level of instances.
 class ShapeGroup final : public Asset {
@@ -41,7 +43,9 @@ public:
   const Transform& to_world() const { return to_world_; }
 
 private:
-  void take_apart(const ShapeGroup& group, const Transform& to_world);
+  /// `around`: the media of the instance that contains `group`, or null.
+  void take_apart(const ShapeGroup& group, const Transform& to_world, const PlacedMedia* around);
+  void note_media(const Instance& instance, const PlacedMedia& media);
 
   std::shared_ptr<const ShapeGroup> group_;
   Transform to_world_;

@@ -54,6 +54,10 @@ public:
                 weight_at(ctx.point));
   }
 
+  double single_scattering_loss(bool from_within) const override {
+    return std::max(nested_[0]->single_scattering_loss(from_within),
+                    nested_[1]->single_scattering_loss(from_within));
+  }
   Lobe lobes() const override { return lobes_; }
 
 private:

@@ -19,7 +19,7 @@ namespace aureole {
 enum class TransportMode { radiance, importance };
 
 /// Kind and side of a lobe; a BSDF's `lobes()` is the union over its lobes.
-enum class Lobe : unsigned {
+enum class Lobe : std::uint16_t {
   none = 0,
   diffuse = 1,
   glossy = 2,
@@ -109,6 +109,11 @@ public:
 
   /// Sets the index of refraction on the side opposite to the normal; returns false if the BSDF has none.
   virtual bool interior_index(const Wavelengths& /*w*/, Spectrum& /*n*/) const { return false; }
+
+  /// Returns the largest fraction, over the surface, of diffuse light from one side that is lost because the
+  /// microfacets scatter it once: of light from within (opposite to the normal) or from outside. 0 for a
+  /// model that keeps all light, or if the scene file asks for the loss.
+  virtual double single_scattering_loss(bool /*from_within*/) const { return 0; }
 
   virtual Lobe lobes() const = 0;
   /// Whether `sample` uses u1, or `eval_pdf` or `sample` uses the context's key.

@@ -124,13 +124,16 @@ public:
   }
 
   Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
-    return nested_ ? nested_->null_transmittance(wi, ctx) * at(ctx).nested : 0.f;
+    const Point point = at(ctx);
+    Spectrum straight = substrate_.straight(wi, ctx) * point.delta;
+    if (nested_ && nested_->is_passable()) straight += nested_->null_transmittance(wi, ctx) * point.nested;
+    return straight;
   }
 
   Lobe lobes() const override {
     Lobe l = Lobe::delta | Lobe::glossy | Lobe::transmit;
     if (!substrate_.is_none()) l = l | Lobe::reflect;
-    if (substrate_.kind() != LayerSubstrate::Kind::interface) l = l | Lobe::through;
+    if (substrate_.is_passable()) l = l | Lobe::through | Lobe::null;
     return nested_ ? l | nested_->lobes() : l;
   }
 

@@ -62,17 +62,19 @@ public:
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0 && std::abs(wo.z) > 0)) return {};
     const SphereTables::Eval e = tables_->eval(wi, wo, ctx.wavelengths.nm);
-    return {e.value, e.pdf};
+    return {e.value, e.pdf * Masses(tables_->shares(std::abs(wi.z), ctx.wavelengths.nm)).rest};
   }
 
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const override {
     if (!(std::abs(wi.z) > 0)) return {};
     const SphereTables::Shares s = tables_->shares(std::abs(wi.z), ctx.wavelengths.nm);
+    const Masses m(s);
+    const float reflected = s.reflected[0] * m.rest[0], lost = s.lost[0] * m.rest[0];
     // The delta lobes take both ends of the range of u1, so that they are found however improbable they are.
-    if (u1 < s.reflected[0] || !(s.lost[0] > 0 || s.transmitted[0] > 0))
-      return BsdfSample{reflect(wi), s.reflected, s.reflected, Lobe::delta | Lobe::reflect};
-    if (u1 >= s.reflected[0] + s.lost[0] || !(s.lost[0] > 0))
-      return BsdfSample{-wi, s.transmitted, s.transmitted, Lobe::delta | Lobe::transmit | Lobe::through};
+    if (u1 < reflected || !(lost > 0 || m.transmitted > 0))
+      return BsdfSample{reflect(wi), s.reflected, s.reflected * m.rest, Lobe::delta | Lobe::reflect};
+    if (u1 >= reflected + lost || !(lost > 0))
+      return BsdfSample{-wi, s.transmitted, m.transmitted, kNullLobe};
     const Vec3 wo = tables_->sample(wi, u2, ctx.wavelengths.nm[0]);
     const BsdfEval e = eval_pdf(wi, wo, ctx);
     if (!(e.pdf[0] > 0)) return {};
@@ -80,14 +82,29 @@ public:
                       Lobe::glossy | ((wi.z > 0) == (wo.z > 0) ? Lobe::reflect : Lobe::transmit)};
   }
 
+  Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
+    return std::abs(wi.z) > 0 ? tables_->shares(std::abs(wi.z), ctx.wavelengths.nm).transmitted : 0.f;
+  }
+
   Lobe lobes() const override {
-    return Lobe::delta | Lobe::glossy | Lobe::reflect | Lobe::transmit | Lobe::through;
+    return kNullLobe | Lobe::glossy | Lobe::reflect | Lobe::transmit | Lobe::through;
   }
   bool needs_tangent() const override { return false; }
   Tables tables() const override { return {tables_.get(), tables_ ? tables_->bytes() : 0}; }
 
 private:
   static constexpr double kLargestIndex = 20;
+
+  /// Probabilities of `sample`: that of passing undeflected must not depend on the wavelength, so that it is the
+  /// mean of the fractions; `rest` is the factor of all others.
+  struct Masses {
+    float transmitted;
+    Spectrum rest;
+
+    explicit Masses(const SphereTables::Shares& s)
+        : transmitted(mean(s.transmitted)),
+          rest(safe_divide(Spectrum(1 - transmitted), s.reflected + s.lost)) {}
+  };
 
   static void check_size(const Properties& p, const SphereLayer& layer, const SpectralGrid& grid) {
     const auto size = [&](double nm) { return 2 * M_PI * layer.radius_nm * layer.medium(nm) / nm; };

@@ -40,6 +40,9 @@ public:
   bool interior_index(const Wavelengths& w, Spectrum& n) const override {
     return nested_->interior_index(w, n);
   }
+  double single_scattering_loss(bool from_within) const override {
+    return nested_->single_scattering_loss(from_within);
+  }
   Lobe lobes() const override { return nested_->lobes(); }
   bool needs_choice() const override { return nested_->needs_choice(); }
   bool is_constant() const override { return nested_->is_constant(); }

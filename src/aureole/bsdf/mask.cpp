@@ -47,6 +47,9 @@ public:
   }
   Vec3 shading_normal(const SurfacePoint& point) const override { return nested_->shading_normal(point); }
 
+  double single_scattering_loss(bool from_within) const override {
+    return nested_->single_scattering_loss(from_within);
+  }
   Lobe lobes() const override { return lobes_; }
 
 private:

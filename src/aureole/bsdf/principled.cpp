@@ -5,6 +5,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/microfacet/ggx.h"
+#include "aureole/bsdf/microfacet/microfacet_energy.h"
 #include "aureole/bsdf/microfacet/principled_lobes.h"
 #include "aureole/bsdf/parameter/scalar_texture.h"
 #include "aureole/plugin/registry.h"
@@ -112,6 +113,13 @@ public:
     return base_color_.eval(ctx);
   }
 
+  double single_scattering_loss(bool from_within) const override {
+    if (!transmits_ || properties().context().energy_preserving == false) return 0;
+    const Ggx g = principled::distribution(roughness_.maximum(), anisotropic_.maximum());
+    const double transmitting = double(spec_trans_.maximum()) * (1 - double(metallic_.minimum()));
+    return transmitting * loss_({NormalDistribution::ggx, g.alpha_x, g.alpha_y}, eta_, from_within);
+  }
+
   Lobe lobes() const override {
     const Lobe reflected = Lobe::diffuse | Lobe::glossy | Lobe::reflect;
     return transmits_ ? reflected | Lobe::transmit : reflected;
@@ -211,6 +219,7 @@ private:
   float diffuse_rate_, specular_rate_, clearcoat_rate_;
   bool transmits_;
   float eta_ = 1;  // index of the interior over that of the exterior
+  DiffuseLoss loss_;
 };
 
 AUREOLE_PLUGIN(

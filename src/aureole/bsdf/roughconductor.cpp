@@ -24,7 +24,7 @@ public:
         index_(ConductorIndex::from(properties)),
         reflectance_(get_optional_texture(properties, "specular_reflectance", SpectrumRole::reflectance)),
         roughness_(properties, true) {
-    if (properties.get_bool("energy_preserving", false))
+    if (read_energy_preserving(properties))
       loss_.emplace(roughness_, std::vector<float>{1},
                     [](const Microfacets& d, const Vec3& wi, float, int points) {
                       return mirrored_energy(d, wi, points);
@@ -110,16 +110,17 @@ AUREOLE_PLUGIN(
         "surfaces, EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based "
         "BRDFs, JCGT 3(2), 2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, "
         "SIGGRAPH courses 2017",
-        conductor_parameters(
-            {{"distribution", "string", "", "beckmann",
-              "distribution of the microfacet normals: beckmann or ggx"},
-             {"alpha", "texture", "", "0.1", "roughness; for beckmann sqrt(2) times the RMS slope"},
-             {"alpha_u", "texture", "", "alpha",
-              "roughness along dp/du; give alpha_u and alpha_v instead of alpha"},
-             {"alpha_v", "texture", "", "alpha", "roughness perpendicular to dp/du"},
-             {"sample_visible", "boolean", "", "true",
-              "sample visible normals (less noise), not all normals"},
-             {"energy_preserving", "boolean", "", "false", "add multiple scattering, which Mitsuba omits"}}),
+        conductor_parameters({{"distribution", "string", "", "beckmann",
+                               "distribution of the microfacet normals: beckmann or ggx"},
+                              {"alpha", "texture", "", "0.1",
+                               "roughness; for beckmann sqrt(2) times the RMS slope"},
+                              {"alpha_u", "texture", "", "alpha",
+                               "roughness along dp/du; give alpha_u and alpha_v instead of alpha"},
+                              {"alpha_v", "texture", "", "alpha", "roughness perpendicular to dp/du"},
+                              {"sample_visible", "boolean", "", "true",
+                               "sample visible normals (less noise), not all normals"},
+                              {"energy_preserving", "boolean", "", "the scene's, else false",
+                               "add multiple scattering, which Mitsuba omits"}}),
         {R"(<bsdf type="roughconductor">
     <string name="material" value="Al"/>
     <string name="distribution" value="ggx"/>

@@ -55,7 +55,7 @@ public:
     const std::vector<float> etas = index_nodes(properties.context().grid);
     if (etas.size() == 1 && etas[0] == 1)
       throw properties.error("int_ior", "the index is the same on both sides, which is no interface");
-    if (properties.get_bool("energy_preserving", false)) multiple_.emplace(roughness_, etas);
+    if (read_energy_preserving(properties)) multiple_.emplace(roughness_, etas);
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -73,6 +73,11 @@ public:
   bool interior_index(const Wavelengths& w, Spectrum& n) const override {
     n = interior_.eval(w);
     return true;
+  }
+  double single_scattering_loss(bool from_within) const override {
+    if (multiple_ || states_energy_preserving(properties())) return 0;
+    const float u = roughness_.range_u().y, v = roughness_.is_isotropic() ? u : roughness_.range_v().y;
+    return loss_(Microfacets(roughness_.type(), u, v), eta_, from_within);
   }
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect | Lobe::transmit; }
 
@@ -246,6 +251,7 @@ private:
   TexturePtr reflectance_, transmittance_;
   Roughness roughness_;
   std::optional<Multiple> multiple_;
+  DiffuseLoss loss_;
 };
 
 AUREOLE_PLUGIN(
@@ -255,7 +261,8 @@ AUREOLE_PLUGIN(
         "and refract as `dielectric` does. The interior is on the side opposite to the normal. A material "
         "given by name is dispersive as in `dielectric`. Single scattering makes very rough glass dark. "
         "With `energy_preserving` no light is lost: multiple scattering is added on both sides, "
-        "reciprocally, divided by the diffuse reflectance of a smooth interface.",
+        "reciprocally, divided by the diffuse reflectance of a smooth interface. A note says what is lost "
+        "where the interface bounds a medium that scatters, whose light hits it many times.",
         "B. Walter, S. Marschner, H. Li, K. Torrance, Microfacet models for refraction through rough "
         "surfaces, EGSR 2007; E. Heitz, Understanding the masking-shadowing function in microfacet-based "
         "BRDFs, JCGT 3(2), 2014; C. Kulla, A. Conty, Revisiting physically based shading at Imageworks, "
@@ -276,7 +283,8 @@ AUREOLE_PLUGIN(
           "roughness along dp/du; give alpha_u and alpha_v instead of alpha"},
          {"alpha_v", "texture", "", "alpha", "roughness perpendicular to dp/du"},
          {"sample_visible", "boolean", "", "true", "sample visible normals (less noise), not all normals"},
-         {"energy_preserving", "boolean", "", "false", "add multiple scattering, which Mitsuba omits"}},
+         {"energy_preserving", "boolean", "", "the scene's, else false",
+          "add multiple scattering, which Mitsuba omits"}},
         {R"(<bsdf type="roughdielectric">
     <string name="int_ior" value="water"/>
     <string name="ext_ior" value="air"/>

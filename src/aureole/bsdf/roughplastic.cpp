@@ -30,7 +30,7 @@ public:
         specular_(get_optional_texture(properties, "specular_reflectance", SpectrumRole::reflectance)),
         roughness_(properties, false),
         facets_(roughness_.constant()) {
-    const bool preserving = properties.get_bool("energy_preserving", false);
+    const bool preserving = read_energy_preserving(properties);
     low_ = high_ = interior_.at_sodium_d() / exterior_.at_sodium_d();
     if (dispersive_) find_range(properties.context().grid);
     if (low_ == 1 && high_ == 1)
@@ -164,7 +164,7 @@ AUREOLE_PLUGIN(
           "distribution of the microfacet normals: beckmann or ggx"},
          {"alpha", "float", "", "0.1", "roughness; for beckmann sqrt(2) times the RMS slope"},
          {"sample_visible", "boolean", "", "true", "sample visible normals (less noise), not all normals"},
-         {"energy_preserving", "boolean", "", "false",
+         {"energy_preserving", "boolean", "", "the scene's, else false",
           "transmit all light that the coating does not reflect, some of which Mitsuba loses"}},
         {R"(<bsdf type="roughplastic">
     <rgb name="diffuse_reflectance" value="0.1, 0.27, 0.36"/>

@@ -28,27 +28,37 @@ public:
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2, const BsdfContext& ctx) const override {
     const float cos_i = std::abs(wi.z);
     if (!(cos_i > 0)) return {};
-    Spectrum r;
-    if (dispersive_ || ctx.exterior_index)
-      r = thin_slab(
-          fresnel_dielectric(cos_i, interior_.eval(ctx.wavelengths) / ctx.eval_exterior(exterior_)));
-    else
-      r = thin_slab(fresnel_dielectric(cos_i, eta_).reflectance);
-    if (u1 < r[0]) {
-      BsdfSample s{reflect(wi), r, r, Lobe::delta | Lobe::reflect};
+    const Spectrum r = reflectance(cos_i, ctx);
+    const float mass = mean(r);  // a null lobe's probability must not depend on the wavelength
+    if (u1 < mass) {
+      BsdfSample s{reflect(wi), r, mass, Lobe::delta | Lobe::reflect};
       if (reflectance_) s.value *= reflectance_->eval(ctx.point, ctx.wavelengths);
       return s;
     }
-    const Spectrum t = Spectrum(1.f) - r;
-    BsdfSample s{-wi, t, t, Lobe::delta | Lobe::transmit | Lobe::through};
-    if (transmittance_) s.value *= transmittance_->eval(ctx.point, ctx.wavelengths);
-    return s;
+    return BsdfSample{-wi, transmittance(r, ctx), 1 - mass, kNullLobe};
+  }
+
+  Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const override {
+    const float cos_i = std::abs(wi.z);
+    return cos_i > 0 ? transmittance(reflectance(cos_i, ctx), ctx) : 0.f;
   }
 
   bool needs_tangent() const override { return false; }
-  Lobe lobes() const override { return Lobe::delta | Lobe::reflect | Lobe::transmit | Lobe::through; }
+  Lobe lobes() const override { return kNullLobe | Lobe::reflect | Lobe::through; }
 
 private:
+  /// Reflectance of the pane, with the reflections within it.
+  Spectrum reflectance(float cos_i, const BsdfContext& ctx) const {
+    if (dispersive_ || ctx.exterior_index)
+      return thin_slab(
+          fresnel_dielectric(cos_i, interior_.eval(ctx.wavelengths) / ctx.eval_exterior(exterior_)));
+    return thin_slab(fresnel_dielectric(cos_i, eta_).reflectance);
+  }
+  Spectrum transmittance(const Spectrum& reflected, const BsdfContext& ctx) const {
+    const Spectrum t = Spectrum(1.f) - reflected;
+    return transmittance_ ? t * transmittance_->eval(ctx.point, ctx.wavelengths) : t;
+  }
+
   Ior interior_, exterior_;
   bool dispersive_;
   float eta_;  // without dispersion
@@ -59,8 +69,9 @@ AUREOLE_PLUGIN(
     ThinDielectric, "bsdf", "thindielectric",
     PluginDoc{
         "A pane of a transparent material as one surface: both faces and all reflections between them, R' = "
-        "2R/(1 + R) with the reflectance R of one face. Transmitted light keeps its direction. As in "
-        "Mitsuba, polarisation within the pane is neglected.",
+        "2R/(1 + R) with the reflectance R of one face. Transmitted light keeps its direction: light sampling passes "
+        "through the pane, and crossing it is no path vertex (`count_crossings` of the integrator says whether it "
+        "counts for `max_depth`). As in Mitsuba, polarisation within the pane is neglected.",
         "M. Born, E. Wolf, Principles of Optics, 7th ed. 1999, section 1.5.2; the sum over reflections is "
         "geometric",
         {{"int_ior", "float or string", "", "1.5046",

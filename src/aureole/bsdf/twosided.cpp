@@ -52,6 +52,10 @@ public:
     return 0.f;
   }
 
+  double single_scattering_loss(bool from_within) const override {
+    // The back BSDF is turned around: light from within hits its outside.
+    return (from_within ? back_ : front_)->single_scattering_loss(false);
+  }
   Lobe lobes() const override { return differ() ? front_->lobes() | back_->lobes() : front_->lobes(); }
 
 private:

@@ -63,9 +63,9 @@ public:
   }
 
   SampledSpectrum power_spectrum(const Light& light) const override {
-    // The spectrum of the mean colour approximates the mean of the texels' spectra: only used to choose
-    // densities.
-    const UnboundedRgb mean = upsample_unbounded(mean_[0], mean_[1], mean_[2]);
+    // The spectrum of the mean colour stands for the mean of the texels' spectra, which has the same colour:
+    // only used to choose densities.
+    const SigmoidSpectrum mean = upsample_unbounded(mean_[0], mean_[1], mean_[2]);
     std::vector<float> nodes(d65_.nodes().begin(), d65_.nodes().end());
     for (size_t i = 0; i < nodes.size(); ++i)
       nodes[i] *= scale_ * mean.at(float(d65_.grid().node(int(i)))) * 4 * kPi * kPi * light.scene_radius *
@@ -114,7 +114,7 @@ private:
     double weight_sum = 0, sums[3] = {};
     bool negative = false;
     for (int y = 0; y < height_; ++y) {
-      const double sine = std::sin(M_PI * y / (height_ - 1));
+      const double weight = row_weight(y);
       for (int x = 0; x < width_; ++x) {
         float c[3];
         for (int k = 0; k < 3; ++k) {
@@ -125,17 +125,25 @@ private:
                           "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is not finite");
           // Resampled photographs often have slightly negative pixels beside bright ones.
           if (c[k] < 0) c[k] = 0, negative = true;
-          sums[k] += c[k] * sine;
+          sums[k] += c[k] * weight;
         }
-        weight_sum += sine;
+        weight_sum += weight;
         const size_t i = size_t(y) * size_t(width_) + size_t(x);
-        texels_[i] = UpsampledColor::of_unbounded(upsample_unbounded(c[0], c[1], c[2]));
+        texels_[i] = UpsampledColor::of(upsample_unbounded(c[0], c[1], c[2]));
         luminance[i] = 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
       }
     }
     if (negative) p.note(source, "negative values of the map count as 0");
     for (int k = 0; k < 3; ++k) mean_[k] = float(sums[k] / weight_sum);
     build_distribution(luminance);
+  }
+
+  /// The solid angle of a row, up to a common factor: its hat function times the sine of the polar angle,
+  /// integrated. Rows at the poles have half a hat, whose integral is small but not zero.
+  double row_weight(int y) const {
+    const double step = M_PI / (height_ - 1);
+    if (y == 0 || y == height_ - 1) return 1 - std::sin(step) / step;
+    return 2 * (1 - std::cos(step)) / step * std::sin(step * y);
   }
 
   /// Cells are no larger than texels; the bilinear patches between texel centres would cross the seam. Each
@@ -203,12 +211,11 @@ private:
     const UpsampledColor *a = &at(x0, y0), *b = &at(x0 + 1, y0), *c = &at(x0, y0 + 1),
                          *d = &at(x0 + 1, y0 + 1);
     const float wa = (1 - fx) * (1 - fy), wb = fx * (1 - fy), wc = (1 - fx) * fy, wd = fx * fy;
-    // Shapes and scales are interpolated separately, as in Mitsuba. Interpolating products would darken steep
-    // edges less, but pictures would differ from Mitsuba's.
+    // Spectra are interpolated, so that the colour between texels is the interpolated colour, to which
+    // light sampling is proportional.
     const Spectrum nm = UpsampledColor::model_range(w.nm);
-    const Spectrum shape = a->shape(nm) * wa + b->shape(nm) * wb + c->shape(nm) * wc + d->shape(nm) * wd;
-    const float scale = a->scale * wa + b->scale * wb + c->scale * wc + d->scale * wd;
-    return shape * d65_.eval(w) * (scale * scale_);
+    return (a->eval(nm) * wa + b->eval(nm) * wb + c->eval(nm) * wc + d->eval(nm) * wd) * d65_.eval(w) *
+           scale_;
   }
 
   Frame frame_;

@@ -114,6 +114,9 @@ AUREOLE_PLUGIN(
         with_diffraction_parameters(
             {{"max_depth", "integer", "", "-1",
               "longest path in segments: 1 shows emitters only, 2 direct light; -1: no limit"},
+             {"count_crossings", "boolean", "", "true",
+              "crossing a mask or a thin pane counts for `max_depth`, as in Mitsuba's `path`; those of `null` alone "
+              "never do. Scenes that name Mitsuba's `volpath` or `volpathmis` have false"},
              {"rr_depth", "integer", "", "5",
               "Russian roulette begins after this many vertices of either part of a path, 1000 at most"},
              {"max_scattering", "integer", "", "-1",
@@ -127,7 +130,7 @@ AUREOLE_PLUGIN(
              {"strategy_t", "integer", "vertices", "-1",
               "the same of the vertices from the sensor, itself included. 1: connections of paths of light with the "
               "sensor; -1: any"}}),
-        {R"(<integrator type="bdpt"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
+        {R"(<integrator type="bdpt"><integer name="max_depth" value="8"/><boolean name="count_crossings" value="false"/><integer name="rr_depth" value="5"/>
     <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/></integrator>)",
          R"(<integrator type="bdpt"><integer name="strategy_s" value="2"/><integer name="strategy_t" value="2"/></integrator>)",
          R"(<integrator type="bdpt"><boolean name="diffraction" value="true"/><string name="beam_width" value="50 wavelengths"/></integrator>)"}});

@@ -61,13 +61,16 @@ AUREOLE_PLUGIN(
         with_diffraction_parameters(
             {{"max_depth", "integer", "", "-1",
               "longest path in segments: 1 shows emitters only, 2 direct light; -1: no limit"},
+             {"count_crossings", "boolean", "", "true",
+              "crossing a mask or a thin pane counts for `max_depth`, as in Mitsuba's `path`; those of `null` alone "
+              "never do. Scenes that name Mitsuba's `volpath` or `volpathmis` have false"},
              {"rr_depth", "integer", "", "5",
               "Russian roulette begins after this many vertices, 1000 at most"},
              {"max_scattering", "integer", "", "-1",
               "paths that media scatter more often do not count: 1 is single scattering; -1: no limit"},
              {"hide_emitters", "boolean", "", "false",
               "camera rays pass through area emitters and see no environment"}}),
-        {R"(<integrator type="path"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
+        {R"(<integrator type="path"><integer name="max_depth" value="8"/><boolean name="count_crossings" value="false"/><integer name="rr_depth" value="5"/>
     <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/></integrator>)",
          R"(<integrator type="path"><boolean name="diffraction" value="true"/><string name="beam_width" value="50 wavelengths"/></integrator>)"}});
 

@@ -104,6 +104,9 @@ AUREOLE_PLUGIN(
         with_diffraction_parameters(
             {{"max_depth", "integer", "", "-1",
               "longest path in segments: 1 shows emitters only, 2 direct light; -1: no limit"},
+             {"count_crossings", "boolean", "", "true",
+              "crossing a mask or a thin pane counts for `max_depth`, as in Mitsuba's `path`; those of `null` alone "
+              "never do. Scenes that name Mitsuba's `volpath` or `volpathmis` have false"},
              {"rr_depth", "integer", "", "5",
               "Russian roulette begins after this many vertices, 1000 at most"},
              {"max_scattering", "integer", "", "-1",
@@ -111,7 +114,7 @@ AUREOLE_PLUGIN(
              {"hide_emitters", "boolean", "", "false",
               "the sensor sees through area emitters and sees no environment"},
              {"samples_per_pass", "integer", "", "-1", "accepted without effect"}}),
-        {R"(<integrator type="ptracer"><integer name="max_depth" value="8"/><integer name="rr_depth" value="5"/>
+        {R"(<integrator type="ptracer"><integer name="max_depth" value="8"/><boolean name="count_crossings" value="false"/><integer name="rr_depth" value="5"/>
     <integer name="max_scattering" value="1"/><boolean name="hide_emitters" value="false"/><integer name="samples_per_pass" value="16"/></integrator>)",
          R"(<integrator type="ptracer"><boolean name="diffraction" value="true"/><string name="beam_width" value="fresnel 2m"/></integrator>)"}});
 

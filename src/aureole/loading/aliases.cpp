@@ -12,8 +12,8 @@ constexpr std::string_view kBetterSampler = "it is stratified in every dimension
 
 const std::vector<PluginAlias> kAliases = {
     {"bsdf", "roughdiffuse", "oren_nayar", "the name of that model", {}},
-    {"integrator", "volpath", "path", kOneIntegrator, {}},
-    {"integrator", "volpathmis", "path", kOneIntegrator, {"use_spectral_mis"}},
+    {"integrator", "volpath", "path", kOneIntegrator, {}, "count_crossings"},
+    {"integrator", "volpathmis", "path", kOneIntegrator, {"use_spectral_mis"}, "count_crossings"},
     {"sampler", "ldsampler", "sobol", kBetterSampler, {"dimension"}},
     {"sampler", "multijitter", "sobol", kBetterSampler, {"jitter"}},
     {"sampler", "orthogonal", "sobol", kBetterSampler, {"jitter", "strength"}},

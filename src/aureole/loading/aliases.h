@@ -15,6 +15,8 @@ struct PluginAlias {
   std::string_view replacement;
   std::string_view reason;                ///< for the note to the user
   std::vector<std::string_view> ignored;  ///< parameters that the replacement does not have
+  /// A boolean parameter of the replacement that is false where the scene does not state it; empty: none.
+  std::string_view false_by_default = {};
 };
 
 /// Returns the replacement of a plug-in that is not registered itself, or null.

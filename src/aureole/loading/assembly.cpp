@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/loading/assembly.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "aureole/emitter/emitter.h"
@@ -31,9 +32,10 @@ void SceneAssembly::run(const Node& root, bool complete) {
 
 void SceneAssembly::add(const Node& child) {
   if (is_property(child)) {
-    if (child.get("name") != "length_unit")
+    const std::vector<std::string> known = {"length_unit", "energy_preserving"};
+    if (std::find(known.begin(), known.end(), child.get("name")) == known.end())
       diagnostics_.error(child.where, "unknown parameter \"" + child.get("name") + "\" of the scene" +
-                                          did_you_mean(child.get("name"), {"length_unit"}));
+                                          did_you_mean(child.get("name"), known));
     return;
   }
   if (child.tag == "alias") return;
@@ -99,6 +101,7 @@ void SceneAssembly::append_primitives(const Node& node, const Asset& asset) {
   if (asset.primitives().empty() && !references_.is_nested(node))
     diagnostics_.note(node.where, "nothing of this " + node.get("type") + " is rendered: it has no effect");
   if (!appended_.insert(&asset).second) return;
+  for (const std::string& note : asset.placement_notes()) asset.properties().note("to_world", note);
   parts.surfaces.insert(parts.surfaces.end(), asset.primitives().begin(), asset.primitives().end());
 }
 

@@ -109,6 +109,9 @@ ObjectPtr Builder::construct(const Node& node) {
     else
       good &= add_child(child, properties);
   }
+  if (alias && !alias->false_by_default.empty() && !properties.has(alias->false_by_default))
+    properties.add(std::string(alias->false_by_default), Properties::Value(std::in_place_type<bool>, false),
+                   node.where);
   // If a child is missing, the constructor would report errors that are mere consequences.
   ObjectPtr object = good ? create(node, *plugin, properties) : nullptr;
   if (!object && plugin) report_unknown_parameters(node, *plugin);

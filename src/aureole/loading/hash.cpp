@@ -151,7 +151,8 @@ std::uint64_t PoolKeys::content_of(const Node& node, const BuildContext& context
   Hash hash;
   hash.number(maker_->content(node));
   for (const double x :
-       {context.grid.min_nm, context.grid.max_nm, double(context.grid.cells), context.length_unit_m})
+       {context.grid.min_nm, context.grid.max_nm, double(context.grid.cells), context.length_unit_m,
+        context.energy_preserving ? double(*context.energy_preserving) : -1.0})
     hash.number(std::bit_cast<std::uint64_t>(x));
   return hash.value();
 }

@@ -12,6 +12,7 @@
 #include "aureole/loading/sensor_grid.h"
 #include "aureole/loading/stages.h"
 #include "aureole/loading/upgrade.h"
+#include "aureole/loading/values.h"
 
 namespace aureole {
 
@@ -52,6 +53,27 @@ double length_unit(const Node& root, Diagnostics& diagnostics) {
   return unit;
 }
 
+/// Returns the scene's default of the parameter `energy_preserving` of rough BSDFs; empty if it has none.
+std::optional<bool> energy_preserving(const Node& root, Diagnostics& diagnostics) {
+  std::optional<bool> chosen;
+  const Node* first = nullptr;
+  for (const Node& child : root.children) {
+    if (!is_property(child) || child.get("name") != "energy_preserving") continue;
+    if (first)
+      diagnostics.error(child.where, "energy_preserving is given twice: first at " + first->where.str());
+    first = &child;
+    const auto value = property_value(child, diagnostics);
+    if (!value) continue;
+    if (const bool* b = std::get_if<bool>(&*value))
+      chosen = *b;
+    else
+      diagnostics.error(
+          child.where,
+          "energy_preserving is true or false: write <boolean name=\"energy_preserving\" value=\"true\"/>");
+  }
+  return chosen;
+}
+
 /// Upgraded nodes, with the state needed to build objects from them.
 class Loading {
 public:
@@ -59,6 +81,7 @@ public:
       : owned_(std::move(owned)), parsed_(parsed), references(parsed, owned_->diagnostics) {
     owned_->context.diagnostics = &owned_->diagnostics;
     owned_->context.length_unit_m = length_unit(parsed.root, diagnostics());
+    owned_->context.energy_preserving = energy_preserving(parsed.root, diagnostics());
   }
 
   /// Calls `build` with a Builder whose spectra are tabulated on `grid`.

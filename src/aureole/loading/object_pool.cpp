@@ -76,8 +76,11 @@ bool ObjectPool::keeps(const std::string& family) {
 }
 
 void ObjectPool::begin(const BuildContext& context) {
-  if (!(context.grid == grid_) || context.length_unit_m != length_unit_m_) objects_.clear(), shapes_.clear();
+  if (!(context.grid == grid_) || context.length_unit_m != length_unit_m_ ||
+      context.energy_preserving != energy_preserving_)
+    objects_.clear(), shapes_.clear();
   grid_ = context.grid, length_unit_m_ = context.length_unit_m;
+  energy_preserving_ = context.energy_preserving;
   for (const auto& e : shapes_) e->taken = false;
 }
 

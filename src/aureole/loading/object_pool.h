@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -26,8 +27,8 @@ public:
   /// Tables shared by all builds.
   const std::shared_ptr<ModelCache>& models() const { return models_; }
 
-  /// Begins a build: marks all geometry as unused. Empties the pool if the spectral grid or the unit of
-  /// length has changed.
+  /// Begins a build: marks all geometry as unused. Empties the pool if the spectral grid, the unit of
+  /// length or the scene's `energy_preserving` has changed.
   void begin(const BuildContext& context);
   /// Whether objects of a family are kept entirely. For shapes only the geometry is kept (`geometry_source`).
   static bool keeps(const std::string& family);
@@ -69,6 +70,7 @@ private:
   std::shared_ptr<ModelCache> models_ = std::make_shared<ModelCache>();
   SpectralGrid grid_;
   double length_unit_m_ = 0;
+  std::optional<bool> energy_preserving_;
 };
 
 /// Keys of the elements of one tree, which must not change meanwhile. Files are represented by path, size and

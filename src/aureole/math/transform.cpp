@@ -97,6 +97,31 @@ Transform Transform::inverse() const {
   return Transform(r);
 }
 
+Transform Transform::orthogonal_part() const {
+  // Newton's iteration Q <- (s Q + (s Q)^-T)/2, which converges quadratically (Higham 1986, "Computing the
+  // polar decomposition - with applications"). The factor s, which makes the determinant's size 1, speeds up
+  // its first steps.
+  Matrix q = m_;
+  for (int i = 0; i < 3; ++i) q[i][3] = q[3][i] = 0;
+  q[3][3] = 1;
+  constexpr int kMaxSteps = 64;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const double s = std::cbrt(1 / std::abs(Transform(q).determinant3()));
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) q[i][k] *= s;
+    const Matrix inverse = Transform(q).inverse().m_;
+    double change = 0;
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const double next = 0.5 * (q[i][k] + inverse[k][i]);
+        change = std::max(change, std::abs(next - q[i][k]));
+        q[i][k] = next;
+      }
+    if (change < 1e-15) break;
+  }
+  return Transform(q);
+}
+
 Vec3 Transform::point(const Vec3& p) const {
   Vec3 r;
   for (int i = 0; i < 3; ++i) r[i] = float(m_[i][0] * p.x + m_[i][1] * p.y + m_[i][2] * p.z + m_[i][3]);

@@ -37,6 +37,9 @@ public:
   /// Whether the origin is mapped to coordinates of at most kFarthestPlace.
   bool stays_near() const;
   Transform inverse() const;  ///< requires !is_singular()
+  /// Returns the rotation nearest to the 3x3 submatrix, or the nearest rotation with a reflection if that
+  /// mirrors: the orthogonal factor of the polar decomposition. Requires !is_singular().
+  Transform orthogonal_part() const;
 
   Vec3 point(const Vec3& p) const;   ///< applies the affine part only
   Vec3 vector(const Vec3& v) const;  ///< applies the 3x3 submatrix

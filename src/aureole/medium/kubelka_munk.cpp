@@ -27,6 +27,8 @@ public:
     if (!phase_->is_isotropic_medium())
       throw Error(phase_->properties().where(),
                   "K and S are those of a medium that scatters alike for all directions of the light");
+    if (!phase_->is_uniform())
+      throw Error(phase_->properties().where(), "K and S are those of a medium that is the same everywhere");
     const SampledPaint paint = read_paint(p);
     const pigment::Convention convention =
         pigment::convention_named(p.get_choice("convention", "three_quarters", pigment::convention_names()));
@@ -48,6 +50,7 @@ public:
   bool is_uniform() const override { return true; }
   bool has_uniform_emission() const override { return true; }
   bool emits() const override { return false; }
+  bool scatters() const override { return coefficients_.scattering.maximum() > 0; }
 
 private:
   struct Coefficients {

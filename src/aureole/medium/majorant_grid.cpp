@@ -8,24 +8,36 @@ namespace aureole {
 
 MajorantGrid::MajorantGrid(const Transform& to_box, const std::array<int, 3>& cells,
                            std::vector<float> bounds)
-    : to_box_(to_box), cells_(cells), bounds_(std::move(bounds)) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 4; ++j) rows_[i][j] = float(to_box.matrix()[size_t(i)][size_t(j)] * cells[size_t(i)]);
-  for (const float b : bounds_) maximum_ = std::max(maximum_, b);
-  find_empty_blocks();
+    : to_box_(to_box), cells_(cells), count_(bounds.size()) {
+  set_rows();
+  for (const float b : bounds) maximum_ = std::max(maximum_, b);
+  find_empty_blocks(bounds);
+  const auto kept = std::make_shared<std::vector<float>>(std::move(bounds));
+  bounds_ = std::shared_ptr<const float[]>(kept, kept->data());
 }
 
-void MajorantGrid::find_empty_blocks() {
+MajorantGrid::MajorantGrid(const MajorantGrid& grid, const Transform& to_its_world) : MajorantGrid(grid) {
+  to_box_ = grid.to_box_ * to_its_world;
+  set_rows();
+}
+
+void MajorantGrid::set_rows() {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 4; ++j)
+      rows_[i][j] = float(to_box_.matrix()[size_t(i)][size_t(j)] * cells_[size_t(i)]);
+}
+
+void MajorantGrid::find_empty_blocks(std::vector<float>& bounds) const {
   const auto place = [](const std::array<int, 3>& n, int x, int y, int z) {
     return (size_t(z) * size_t(n[1]) + size_t(y)) * size_t(n[0]) + size_t(x);
   };
   // Empty blocks are found level by level: a block is empty if its sub-blocks of half the size are. Blocks at
   // the border may extend beyond the grid.
   std::array<int, 3> n = cells_;
-  std::vector<char> empty(bounds_.size());
-  for (size_t i = 0; i < bounds_.size(); ++i) {
-    bounds_[i] = std::max(bounds_[i], 0.f);
-    empty[i] = bounds_[i] == 0;
+  std::vector<char> empty(bounds.size());
+  for (size_t i = 0; i < bounds.size(); ++i) {
+    bounds[i] = std::max(bounds[i], 0.f);
+    empty[i] = bounds[i] == 0;
   }
   for (int level = 1; n[0] > 1 || n[1] > 1 || n[2] > 1; ++level) {
     const std::array<int, 3> half = n;
@@ -40,7 +52,7 @@ void MajorantGrid::find_empty_blocks() {
       for (int y = 0; y < cells_[1]; ++y)
         for (int x = 0; x < cells_[0]; ++x)
           if (merged[place(n, x >> level, y >> level, z >> level)])
-            bounds_[place(cells_, x, y, z)] = -float(level);
+            bounds[place(cells_, x, y, z)] = -float(level);
     empty = std::move(merged);
   }
 }
@@ -54,9 +66,9 @@ float MajorantGrid::at(const Vec3& p) const {
     if (!(x >= 0 && x <= float(n))) return 0;
     cell[i] = std::min(int(x), n - 1);
   }
-  return std::max(
-      bounds_[(size_t(cell[2]) * size_t(cells_[1]) + size_t(cell[1])) * size_t(cells_[0]) + size_t(cell[0])],
-      0.f);
+  const size_t index =
+      (size_t(cell[2]) * size_t(cells_[1]) + size_t(cell[1])) * size_t(cells_[0]) + size_t(cell[0]);
+  return std::max(bounds_[std::ptrdiff_t(index)], 0.f);
 }
 
 MajorantGrid::Walk::Walk(const MajorantGrid& grid, const Ray& ray, float t_max) {
@@ -96,7 +108,7 @@ MajorantGrid::Walk::Walk(const MajorantGrid& grid, const Ray& ray, float t_max) 
 
 bool MajorantGrid::Walk::next(Piece& piece) {
   while (t_ < end_) {
-    const float bound = grid_->bounds_[size_t(cell_)];
+    const float bound = grid_->bounds_[cell_];
     if (bound < 0) {
       cross_empty_block(int(-bound));
       continue;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "aureole/math/transform.h"
@@ -17,6 +18,9 @@ public:
   /// `to_box` maps world space to the box [0, 1]^3, which is divided into cells of equal size. `bounds` has
   /// one value per cell, x fastest.
   MajorantGrid(const Transform& to_box, const std::array<int, 3>& cells, std::vector<float> bounds);
+  /// The bounds of `grid`, shared with it, in another place: `to_its_world` maps world space to the space in
+  /// which `grid` lies.
+  MajorantGrid(const MajorantGrid& grid, const Transform& to_its_world);
 
   /// A segment of a ray along which one bound holds.
   struct Piece {
@@ -51,15 +55,18 @@ public:
   /// Returns the bound at a point in world space; zero outside the box.
   float at(const Vec3& p) const;
   float maximum() const { return maximum_; }
-  std::size_t memory_bytes() const { return bounds_.size() * sizeof(float); }
+  std::size_t memory_bytes() const { return count_ * sizeof(float); }
 
 private:
-  void find_empty_blocks();
+  void set_rows();
+  void find_empty_blocks(std::vector<float>& bounds) const;
 
   Transform to_box_;
   float rows_[3][4];  ///< world space to coordinates in units of cells
   std::array<int, 3> cells_;
-  std::vector<float> bounds_;  ///< of an empty cell: -k, where 2^k is the size of its empty block
+  /// Bounds of the cells; for an empty cell -k, where 2^k is the size of its empty block. Copies share them.
+  std::shared_ptr<const float[]> bounds_;
+  std::size_t count_ = 0;
   float maximum_ = 0;
 };
 

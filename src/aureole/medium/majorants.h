@@ -17,6 +17,8 @@ public:
   /// The bounds of a grid, which must outlive this object; the density is 0 outside of it.
   explicit Majorants(const MajorantGrid& grid) : grid_(&grid) {}
 
+  /// Returns the grid of bounds; null if the density is 1 everywhere.
+  const MajorantGrid* grid() const { return grid_; }
   /// Whether the density varies.
   explicit operator bool() const { return grid_ != nullptr; }
   /// The bound at a point of the world.

@@ -37,6 +37,8 @@ public:
   virtual bool is_uniform() const = 0;
   virtual bool has_uniform_emission() const = 0;
   virtual bool emits() const = 0;
+  /// Whether light can be scattered; false if the albedo is 0 everywhere.
+  virtual bool scatters() const { return true; }
   /// Factor of the probability with which next-event estimation chooses this medium's emission; 0: never.
   virtual float sampling_weight() const { return 1; }
 };

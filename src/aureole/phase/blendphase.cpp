@@ -60,6 +60,9 @@ public:
     return std::max(nested_[0]->largest_projected_area(), nested_[1]->largest_projected_area());
   }
   bool is_isotropic_medium() const override { return is_isotropic_; }
+  bool is_uniform() const override {
+    return weight_->is_constant() && nested_[0]->is_uniform() && nested_[1]->is_uniform();
+  }
   bool needs_choice() const override { return true; }
 
 private:

@@ -46,6 +46,8 @@ public:
   virtual float largest_projected_area() const { return 1; }
   /// Whether `projected_area` is 1 and the value depends only on the angle between wi and wo.
   virtual bool is_isotropic_medium() const { return true; }
+  /// Whether the values are the same at all points.
+  virtual bool is_uniform() const { return true; }
   /// Whether `sample` uses u1.
   virtual bool needs_choice() const { return false; }
 };

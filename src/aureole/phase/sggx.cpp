@@ -56,6 +56,7 @@ public:
   float projected_area(const Vec3& d, const Vec3& p) const override { return at(p).area(d); }
   float largest_projected_area() const override { return largest_area_; }
   bool is_isotropic_medium() const override { return false; }
+  bool is_uniform() const override { return !volume_; }
 
 private:
   void read_constant(const Properties& p) {

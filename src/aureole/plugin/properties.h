@@ -38,8 +38,10 @@ public:
 
 /// Settings of a scene with which its objects are built.
 struct BuildContext {
-  SpectralGrid grid;                   ///< wavelength grid of the sensor
-  double length_unit_m = 1.0;          ///< metres per scene unit
+  SpectralGrid grid;           ///< wavelength grid of the sensor
+  double length_unit_m = 1.0;  ///< metres per scene unit
+  /// Default of the parameter `energy_preserving` of rough BSDFs; empty: the scene states none.
+  std::optional<bool> energy_preserving;
   Diagnostics* diagnostics = nullptr;  ///< receives notes; may be null
   SceneLookup* scene = nullptr;        ///< null outside of a scene and after it is built
   std::shared_ptr<ModelCache> models;  ///< tables that equal objects share; null: nothing is shared
@@ -87,6 +89,8 @@ public:
   const PluginInfo* plugin() const { return plugin_; }
   /// Sets a hash of everything written for the object except its name and id; 0: unknown.
   void set_content(std::uint64_t hash) { content_ = hash; }
+  /// That hash; 0 where it is not known.
+  std::uint64_t content() const { return content_; }
 
   /// For a shape: sorted names of the attributes that textures on it use. The shape's reader keeps only
   /// these.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// `InteriorList`: the nested dielectrics that contain a point, namely closed shapes with a priority (Schmidt
-// & Budge 2002, "Simple nested dielectrics in ray traced images"). Where they overlap, the shape with the
-// highest priority fills the space, and the surfaces of the others are inactive.
+// `InteriorList`: the nested dielectrics that contain a point, namely closed bodies with a rank (Schmidt &
+// Budge 2002, "Simple nested dielectrics in ray traced images"). Where they overlap, the body with the
+// highest rank fills the space, and the surfaces of the others are inactive.
 #pragma once
 
 #include "aureole/scene/surface.h"
@@ -10,27 +10,43 @@ namespace aureole {
 
 class InteriorList {
 public:
-  static constexpr int kMaxShapes = 8;  ///< further ones are left out
+  static constexpr int kMaxBodies = 8;  ///< further ones are left out
 
-  /// Returns the surface of the shape that fills the space, ignoring `but`; null if there is none.
-  const Surface* filling(const Surface* but = nullptr) const {
-    const Surface* found = nullptr;
+  /// A body, by one of its surfaces. Instances of a group share the group's surfaces.
+  struct Body {
+    const Surface* surface = nullptr;
+    const Instance* instance = nullptr;
+
+    /// Whether the body says which medium is within. One without a medium has that around it on both sides, unless
+    /// it states a priority: then vacuum is within.
+    bool decides_medium() const { return surface && (surface->rank > 0 || surface->bounds_media); }
+    bool operator==(const Body& other) const {
+      return surface && other.surface && surface->body == other.surface->body && instance == other.instance;
+    }
+  };
+
+  /// Returns the body that fills the space, ignoring `but`; its surface is null if there is none.
+  Body filling() const { return filling(Body{}); }
+  Body filling(const Body& but) const {
+    Body found;
     for (int i = 0; i < count_; ++i)
-      if (inside_[i] != but && (!found || inside_[i]->priority > found->priority)) found = inside_[i];
+      if (!(inside_[i] == but) && (!found.surface || inside_[i].surface->rank > found.surface->rank))
+        found = inside_[i];
     return found;
   }
-  /// Whether a surface is inactive because a shape of higher priority fills the space. Among equal
-  /// priorities, the shape that was entered first fills it.
-  bool hides(const Surface& surface) const {
-    const Surface* other = filling(&surface);
-    return other && (other->priority > surface.priority ||
-                     (other->priority == surface.priority && index_of(other) < index_of(&surface)));
+  /// Whether the surfaces of a body are inactive because another one of higher rank fills the space. Among
+  /// equal ranks, the body that was entered first fills it.
+  bool hides(const Body& body) const {
+    const Body other = filling(body);
+    return other.surface && (other.surface->rank > body.surface->rank ||
+                             (other.surface->rank == body.surface->rank && index_of(other) < index_of(body)));
   }
-  /// Updates the list when the ray crosses a surface into its shape (`inwards`) or out of it.
-  void pass(const Surface& surface, bool inwards) {
-    const int at = index_of(&surface);
+  bool contains(const Body& body) const { return index_of(body) < count_; }
+  /// Updates the list when the ray crosses a surface of a body into it (`inwards`) or out of it.
+  void pass(const Body& body, bool inwards) {
+    const int at = index_of(body);
     if (inwards) {
-      if (at == count_ && count_ < kMaxShapes) inside_[count_++] = &surface;
+      if (at == count_ && count_ < kMaxBodies) inside_[count_++] = body;
     } else if (at < count_) {
       for (int i = at + 1; i < count_; ++i) inside_[i - 1] = inside_[i];
       --count_;
@@ -39,15 +55,15 @@ public:
   bool empty() const { return count_ == 0; }
 
 private:
-  /// Returns the index of the surface in the list, count_ if it is not there.
-  int index_of(const Surface* surface) const {
+  /// Returns the index of the body in the list, count_ if it is not there.
+  int index_of(const Body& body) const {
     int i = 0;
-    while (i < count_ && inside_[i] != surface) ++i;
+    while (i < count_ && !(inside_[i] == body)) ++i;
     return i;
   }
 
   int count_ = 0;
-  const Surface* inside_[kMaxShapes];
+  Body inside_[kMaxBodies];
 };
 
 }  // namespace aureole

@@ -23,6 +23,29 @@ void load_ray(const Ray& ray, RTCRay& r) {
   r.mask = ~0u, r.id = 0, r.flags = 0;
 }
 
+/// The context of a query for all hits. Embree hands it to `keep_hit`.
+struct AllHitsContext {
+  RTCIntersectContext context;  // first, so that its address is that of the whole
+  std::vector<RayTracer::Hit>* hits;
+};
+
+/// A hit by Embree's numbers; `instance` is that of the geometry's group, or invalid.
+RayTracer::Hit hit_of(unsigned geometry, unsigned instance, unsigned primitive, float u, float v, float t) {
+  const bool instanced = instance != RTC_INVALID_GEOMETRY_ID;
+  return {{instanced ? geometry : 0, primitive, u, v, t}, instanced ? instance : geometry};
+}
+
+/// Notes a hit and rejects it, so that Embree goes on to the others.
+void keep_hit(const RTCFilterFunctionNArguments* args) {
+  if (args->valid[0] != -1) return;
+  const auto& all = *reinterpret_cast<const AllHitsContext*>(args->context);
+  const unsigned n = args->N;
+  all.hits->push_back(hit_of(RTCHitN_geomID(args->hit, n, 0), RTCHitN_instID(args->hit, n, 0, 0),
+                             RTCHitN_primID(args->hit, n, 0), RTCHitN_u(args->hit, n, 0),
+                             RTCHitN_v(args->hit, n, 0), RTCRayN_tfar(args->ray, n, 0)));
+  args->valid[0] = 0;
+}
+
 RTCIntersectContext context_for(RayTracer::Rays kind) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
@@ -128,7 +151,7 @@ RayTracer::RayTracer(std::span<const Primitive> parts, const RayTracer* reuse) {
 
 std::shared_ptr<RTCSceneTy> RayTracer::new_scene() const {
   std::shared_ptr<RTCSceneTy> scene(rtcNewScene(device_.get()), rtcReleaseScene);
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
   rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_HIGH);
   return scene;
 }
@@ -195,9 +218,22 @@ RayTracer::Hit RayTracer::intersect(const Ray& ray) const {
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene_, &context, &r);
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-  const bool instanced = r.hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
-  return {{instanced ? r.hit.geomID : 0, r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar},
-          instanced ? r.hit.instID[0] : r.hit.geomID};
+  return hit_of(r.hit.geomID, r.hit.instID[0], r.hit.primID, r.hit.u, r.hit.v, r.ray.tfar);
+}
+
+void RayTracer::all_hits(const Ray& ray, float t_min, std::vector<Hit>& hits) const {
+  hits.clear();
+  if (!is_traceable(ray)) return;
+  RTCRayHit r;
+  load_ray(ray, r.ray);
+  r.ray.tnear = std::max(t_min, kMinDistance);
+  r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  AllHitsContext all;
+  rtcInitIntersectContext(&all.context);
+  all.context.filter = keep_hit;
+  all.hits = &hits;
+  rtcIntersect1(scene_, &all.context, &r);
+  std::stable_sort(hits.begin(), hits.end(), [](const Hit& a, const Hit& b) { return a.t < b.t; });
 }
 
 bool RayTracer::occluded(const Ray& ray) const {

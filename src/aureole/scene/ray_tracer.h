@@ -69,6 +69,9 @@ public:
     return good;
   }
   Hit intersect(const Ray& ray) const;
+  /// Replaces `hits` by all hits of the ray beyond the distance t_min, in order of distance. A ray through an edge
+  /// between two triangles may hit both. Rays that cannot be traced have no hits.
+  void all_hits(const Ray& ray, float t_min, std::vector<Hit>& hits) const;
   bool occluded(const Ray& ray) const;
 
   /// Traces the first n rays of a packet at once. Results are bitwise equal to tracing the rays one by one,

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "aureole/scene/contact_search.h"
 #include "aureole/scene/edge/scene_diffraction.h"
 #include "aureole/spectrum/wavelength_choice.h"
 
@@ -60,6 +61,7 @@ Scene::Scene(SceneParts parts, const Scene* reuse) : parts_(std::move(parts)) {
                          ? reuse->surfaces_.tracer
                          : std::make_shared<const RayTracer>(parts_.surfaces,
                                                              reuse ? reuse->surfaces_.tracer.get() : nullptr);
+  look_for_contacts();
   find_closed_media();
 
   const Bounds3 box = surfaces_.tracer->bounds();
@@ -140,30 +142,51 @@ void Scene::bound_emitters() {
 }
 
 void Scene::make_surfaces() {
-  // Instances of a group share the group's surfaces.
+  // Instances of a group share the group's surfaces, unless media are placed with the instance, or the shapes
+  // have priorities, for which a path must know which of the instances contain it (InteriorList).
+  struct Members {
+    const Primitive* instance;
+    std::size_t begin;
+  };
   std::size_t count = parts_.surfaces.size();
-  std::unordered_map<const ShapeList*, std::size_t> first;
-  for (const Primitive& part : parts_.surfaces)
-    if (part.instance && first.try_emplace(&part.instance->list(), count).second)
-      count += part.instance->list().shapes.size();
+  std::vector<Members> members;                                 // the surfaces of groups, in their order
+  std::unordered_map<const ShapeList*, std::size_t> shared;     // begin of the shared surfaces
+  std::vector<std::size_t> members_of(parts_.surfaces.size());  // begin of the surfaces of each instance
+  const auto has_priority = [](const SurfaceMedia& media) { return media.priority != 0; };
+  for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
+    const Primitive& part = parts_.surfaces[i];
+    if (!part.instance) continue;
+    const ShapeList& list = part.instance->list();
+    members_of[i] = count;
+    if (part.placed_media.empty() && std::none_of(list.media.begin(), list.media.end(), has_priority)) {
+      const auto [known, is_new] = shared.try_emplace(&list, count);
+      members_of[i] = known->second;
+      if (!is_new) continue;
+    }
+    members.push_back({&part, count});
+    count += list.shapes.size();
+  }
   std::vector<std::pair<std::size_t, const Bssrdf*>> entries;
   const auto note_entry = [&](std::size_t index, const SurfaceMedia& media) {
     if (media.bssrdf) entries.emplace_back(index, media.bssrdf.get());
   };
-  for (const auto& [list, begin] : first)
-    for (std::size_t i = 0; i < list->shapes.size(); ++i) note_entry(begin + i, list->media[i]);
+  for (const Members& m : members)
+    for (std::size_t i = 0; i < m.instance->member_media().size(); ++i)
+      note_entry(m.begin + i, m.instance->member_media()[i]);
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) note_entry(i, parts_.surfaces[i].media);
   surfaces_.all.resize(count + entries.size());
-  for (const auto& [list, begin] : first)
-    for (std::size_t i = 0; i < list->shapes.size(); ++i)
-      surfaces_.all[begin + i] = Surface(*list->shapes[i], *list->bsdfs[i], list->media[i]);
+  for (const Members& m : members) {
+    const ShapeList& list = m.instance->instance->list();
+    for (std::size_t i = 0; i < list.shapes.size(); ++i)
+      surfaces_.all[m.begin + i] = Surface(*list.shapes[i], *list.bsdfs[i], m.instance->member_media()[i]);
+  }
   const Light* light = emitters_.data();
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
     const Primitive& part = parts_.surfaces[i];
     Surface& surface = surfaces_.all[i];
     if (part.instance) {
       surface.instance = part.instance.get();
-      surface.members = &surfaces_.all[first.at(&part.instance->list())];
+      surface.members = &surfaces_.all[members_of[i]];
     } else {
       surface = Surface(*part.shape, *part.bsdf, part.media);
       if (part.emitter) surface.light = light++;
@@ -196,10 +219,16 @@ void Scene::find_media() {
   };
   for (const Primitive& part : parts_.surfaces) {
     extend(media_bounds_, part, [](const SurfaceMedia& m) { return m.given() && m.priority == 0; });
-    extend(priority_bounds_, part, [](const SurfaceMedia& m) { return m.priority != 0; });
   }
-  has_media_ |= !priority_bounds_.empty();
+}
+
+void Scene::look_for_contacts() {
+  Contacts found = find_contacts(parts_, surfaces_);
+  has_contacts_ = found.any;
+  ranked_bounds_ = found.ranked;
+  has_media_ |= found.any || !found.ranked.empty();
   surfaces_.any_passable |= has_media_;
+  notes_.insert(notes_.end(), found.notes.begin(), found.notes.end());
 }
 
 void Scene::weigh_lights() {

@@ -48,8 +48,11 @@ public:
   bool may_meet_shining_shape(const Ray& ray) const;
   /// Whether every segment is either visible or occluded, so that an occlusion query is enough.
   bool has_binary_visibility() const { return surfaces_.has_binary_visibility(); }
-  /// Whether some space is not vacuum or shapes have priorities: paths then track their current medium.
+  /// Whether some space is not vacuum, bodies have a rank, or surfaces touch bodies: paths then track their current
+  /// medium.
   bool has_media() const { return has_media_; }
+  /// Whether surfaces touch each other where a body begins or ends (scene/contact_search.h).
+  bool has_contacts() const { return has_contacts_; }
   /// Whether light may enter a surface at one point and leave it at another (subsurface scattering).
   bool has_exits() const { return has_exits_; }
   /// Whether light sampling from points in the medium can succeed. False if opaque or refracting surfaces,
@@ -66,10 +69,16 @@ public:
       if (c.medium == &medium) return c.may_contain(p);
     return true;
   }
-  /// Returns the medium at the origin of a ray, null for vacuum. It is determined from the next surface along
-  /// the ray that bounds a medium and has no priority.
-  const Medium* medium_at(const Ray& ray) const;
-  /// Adds to `inside` the closed shapes with a priority that contain the origin of a ray.
+  /// Returns the medium at the origin of a ray, null for vacuum, given the bodies with a rank that contain it
+  /// (`shapes_around`). It is determined from the next surface along the ray that bounds a medium and lies in no
+  /// other body with a rank.
+  const Medium* medium_at(const Ray& ray, const InteriorList& inside) const;
+  const Medium* medium_at(const Ray& ray) const {
+    InteriorList inside;
+    shapes_around(ray, inside);
+    return medium_at(ray, inside);
+  }
+  /// Adds to `inside` the bodies with a rank that contain the origin of a ray.
   void shapes_around(const Ray& ray, InteriorList& inside) const;
 
   const PlacedSensor& sensor() const { return sensor_; }
@@ -101,6 +110,7 @@ private:
   /// Finds the emissive media and appends their power spectra to `powers`.
   void find_emitting_media(const SampledSpectrum& response, std::vector<SampledSpectrum>& powers);
   void find_closed_media();
+  void look_for_contacts();
   bool faces_outwards(std::size_t part) const;
   /// Throws Error if the sensor is in a medium that the medium's surfaces do not enclose.
   void check_sensor_medium() const;
@@ -116,18 +126,19 @@ private:
   std::unique_ptr<WavelengthDistribution> wavelengths_;
   std::vector<Bounds3> emitter_bounds_;  ///< bounds of the emissive shapes, if they are few
   bool many_shapes_shine_ = false, emits_everywhere_ = false;
-  bool has_exits_ = false;
+  bool has_exits_ = false, has_contacts_ = false;
   bool has_media_ = false, any_medium_outside_ = false, any_medium_emits_ = false;
   /// A medium that lies inside closed surfaces without straight transmission, and the box around them.
   struct Closed {
     const Medium* medium;
     Bounds3 box;
     bool lights_inside;
+    bool is_ranked;  ///< among its surfaces are some of a body with a rank
     bool may_contain(const Vec3& p) const;
   };
   std::vector<Closed> closed_;
-  Bounds3 media_bounds_;     ///< bounds of the surfaces at which a medium begins or ends
-  Bounds3 priority_bounds_;  ///< bounds of the nested dielectrics (priority > 0)
+  Bounds3 media_bounds_;   ///< bounds of the surfaces at which a medium begins or ends
+  Bounds3 ranked_bounds_;  ///< bounds of the bodies with a rank
   std::vector<std::string> notes_;
 };
 

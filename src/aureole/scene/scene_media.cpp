@@ -8,69 +8,76 @@
 
 #include "aureole/core/random.h"
 #include "aureole/math/warp.h"
+#include "aureole/scene/boxes.h"
+#include "aureole/scene/contact_search.h"
 #include "aureole/scene/emitting_media.h"
 #include "aureole/scene/scene.h"
 
 namespace aureole {
 
-namespace {
-
-/// Returns the box with a margin for rounding errors.
-Bounds3 widened(const Bounds3& box) {
-  const Vec3 margin = (abs(box.lower) + abs(box.upper)) * 1e-5f;
-  return {box.lower - margin, box.upper + margin};
-}
-
-bool is_in(const Vec3& p, const Bounds3& box) {
-  const Bounds3 wide = widened(box);
-  for (int i = 0; i < 3; ++i)
-    if (!(p[i] >= wide.lower[i] && p[i] <= wide.upper[i])) return false;
-  return true;
-}
-
-bool overlap(const Bounds3& a, const Bounds3& b) {
-  for (int i = 0; i < 3; ++i)
-    if (!(a.lower[i] <= b.upper[i] && b.lower[i] <= a.upper[i])) return false;
-  return true;
-}
-
-}  // namespace
-
 void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
-  if (!is_in(ray.o, priority_bounds_)) return;
-  // A shape that the ray leaves more often than it enters contains the origin. Entering the shapes in reverse
-  // order of these exits gives the order of equal priorities for a ray from far away.
-  std::vector<std::pair<const Surface*, int>> left;
-  Ray next{ray.o, ray.d, kInfinity};
-  while (const auto point = intersect(next)) {
-    next.o = offset_origin(*point, ray.d);
-    const Surface* surface = point->surface;
-    if (surface->priority == 0) continue;
-    const int out = dot(ray.d, point->ng) > 0 ? 1 : -1;
+  if (!is_in(ray.o, ranked_bounds_)) return;
+  // A body that the ray leaves before it enters it contains the origin. Entering the bodies in reverse order of
+  // these exits gives the order of equal ranks for a ray from far away. All hits at once, since a march would skip
+  // surfaces that touch.
+  struct First {
+    InteriorList::Body body;
+    float end;  // farther hits of the body do not count
+    bool is_left;
+  };
+  std::vector<First> bodies;
+  thread_local std::vector<RayTracer::Hit> hits;
+  tracer().all_hits({ray.o, ray.d, kInfinity}, 0, hits);
+  for (const RayTracer::Hit& hit : hits) {
+    if (surfaces_.of(hit).rank == 0) continue;
+    const SurfacePoint point = surface_point(hit, ray);
+    const InteriorList::Body body{point.surface, point.instance};
+    const bool is_left = dot(ray.d, point.ng) > 0;
     const auto known =
-        std::find_if(left.begin(), left.end(), [&](const auto& entry) { return entry.first == surface; });
-    if (known == left.end())
-      left.emplace_back(surface, out);
-    else
-      known->second += out;
+        std::find_if(bodies.begin(), bodies.end(), [&](const First& f) { return f.body == body; });
+    if (known == bodies.end())
+      bodies.push_back({body, hit.t + 2 * contact_distance(point, ray.d), is_left});
+    else if (hit.t <= known->end)
+      known->is_left |= is_left;
   }
-  for (auto entry = left.rbegin(); entry != left.rend(); ++entry)
-    if (entry->second > 0) inside.pass(*entry->first, true);
+  for (auto first = bodies.rbegin(); first != bodies.rend(); ++first)
+    if (first->is_left) inside.pass(first->body, true);
 }
 
-const Medium* Scene::medium_at(const Ray& ray) const {
-  if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return nullptr;
-  // If the ray hits no such surface, try a ray towards the centre of the media's bounds.
+const Medium* Scene::medium_at(const Ray& ray, const InteriorList& inside) const {
+  const InteriorList::Body filling = inside.filling();
+  const bool decides = filling.decides_medium();
+  const Medium* const filled = decides ? filling.surface->inside : nullptr;
+  if (media_bounds_.empty() || (!any_medium_outside_ && !is_in(ray.o, media_bounds_))) return filled;
+  // If the ray hits no surface that tells it, try a ray towards the centre of the media's bounds.
   const Vec3 inwards = media_bounds_.center() - ray.o;
   for (const Vec3& d : {ray.d, normalize(inwards)}) {
+    InteriorList
+        entered;  // bodies with a rank: what lies within them does not tell what is around the origin
+    const auto judge = [&](const SurfacePoint& point) -> std::optional<const Medium*> {
+      const Surface& s = *point.surface;
+      const InteriorList::Body body{&s, point.instance};
+      if (entered.empty() && decides && inside.contains(body)) return filled;
+      const bool tells = s.rank == 0 || (s.rank < 0 && inside.empty());
+      if (entered.empty() && s.bounds_media && tells) return s.medium_along(-d, point.ng, nullptr);
+      if (s.rank != 0) entered.pass(body, dot(d, point.ng) < 0);
+      return {};
+    };
     Ray next{ray.o, d, kInfinity};
     while (const auto point = intersect(next)) {
-      if (point->surface->bounds_media && point->surface->priority == 0)
-        return point->surface->medium_along(-d, point->ng, nullptr);
+      if (!point->surface->touches) {
+        if (const auto found = judge(*point)) return *found;
+      } else {
+        // The offset of the next origin would skip what lies here.
+        thread_local std::vector<RayTracer::Hit> near;
+        tracer().all_hits({next.o, d, length(point->p - next.o) + 2 * contact_distance(*point, d)}, 0, near);
+        for (const RayTracer::Hit& hit : near)
+          if (const auto found = judge(surface_point(hit, next))) return *found;
+      }
       next.o = offset_origin(*point, d);
     }
   }
-  return nullptr;
+  return filled;
 }
 
 /// Whether the front of a closed surface faces outwards; normals may point inwards, as around a bubble in a
@@ -97,9 +104,8 @@ void Scene::find_closed_media() {
   // A shape of higher priority makes the surface of a medium inactive, and must then enclose the medium
   // itself.
   const auto lets_pass = [](const Surface& s) { return s.passable || s.light; };
-  const bool priorities_close =
-      std::none_of(surfaces_.all.begin(), surfaces_.all.end(),
-                   [&](const Surface& s) { return s.priority != 0 && lets_pass(s); });
+  const bool priorities_close = std::none_of(surfaces_.all.begin(), surfaces_.all.end(),
+                                             [&](const Surface& s) { return s.rank != 0 && lets_pass(s); });
   std::vector<const Medium*> open;
   const auto is_open = [&](const Medium* medium) {
     return std::find(open.begin(), open.end(), medium) != open.end();
@@ -111,7 +117,7 @@ void Scene::find_closed_media() {
     const Surface& s = surfaces_.all[i];
     if (s.outside) open.push_back(s.outside);
     const bool closes = i < parts_.surfaces.size() && parts_.surfaces[i].encloses_medium && !lets_pass(s) &&
-                        (s.priority == 0 || priorities_close);
+                        (s.rank == 0 || priorities_close);
     if (s.inside && !(closes && faces_outwards(i))) open.push_back(s.inside);
   }
   for (std::size_t i = 0; i < parts_.surfaces.size(); ++i) {
@@ -119,9 +125,16 @@ void Scene::find_closed_media() {
     if (!medium || is_open(medium)) continue;
     auto known =
         std::find_if(closed_.begin(), closed_.end(), [&](const Closed& c) { return c.medium == medium; });
-    if (known == closed_.end()) known = closed_.insert(closed_.end(), {medium, {}, false});
+    if (known == closed_.end()) known = closed_.insert(closed_.end(), {medium, {}, false, false});
     known->box.extend(widened(parts_.surfaces[i].bounds()));
+    known->is_ranked |= surfaces_.all[i].rank != 0;
   }
+  // From a body with a rank one may see into others that it touches.
+  Bounds3 ranked;
+  for (const Closed& c : closed_)
+    if (c.is_ranked) ranked.extend(c.box);
+  for (Closed& c : closed_)
+    if (c.is_ranked) c.box = ranked;
   for (Closed& c : closed_)
     for (const Light& light : emitters_) {
       if (light.is_infinite()) continue;
@@ -149,7 +162,7 @@ void Scene::find_emitting_media(const SampledSpectrum& response, std::vector<Sam
       add(part.media.inside, part.bounds());
       continue;
     }
-    for (const SurfaceMedia& media : part.instance->list().media) add(media.inside, part.bounds());
+    for (const SurfaceMedia& media : part.member_media()) add(media.inside, part.bounds());
   }
   std::vector<EmittingMedia::Filled> filled;
   for (auto& [medium, boxes] : found) {
@@ -244,10 +257,31 @@ void check_open_bodies(const Scene& scene) {
   }
 }
 
+/// Throws Error if an object states that it lies in a medium that only instances have: it could lie in any of
+/// them.
+void check_stated_medium(const Scene& scene, const Medium* medium, const Properties& object) {
+  if (!medium) return;
+  for (const Surface& s : scene.surfaces().all)
+    if (s.inside == medium || s.outside == medium) return;
+  for (const Primitive& part : scene.parts().surfaces) {
+    if (part.placed_media.empty()) continue;
+    for (const SurfaceMedia& media : part.instance->list().media)
+      if (media.inside.get() == medium)
+        throw Error(object.where(),
+                    fmt::format("\"{}\" states that it lies in a medium that is not the same everywhere and "
+                                "that only instances place in the scene. Leave the medium out: the surfaces "
+                                "around tell which it is",
+                                object.type()));
+  }
+}
+
 }  // namespace
 
 void Scene::check_sensor_medium() const {
   check_open_bodies(*this);
+  check_stated_medium(*this, sensor_.sensor->medium(), sensor_.properties());
+  for (const Light& light : emitters_)
+    check_stated_medium(*this, light.emitter->medium(), light.properties());
   if (sensor_.sensor->medium() || media_bounds_.empty()) return;
   const Ray view =
       sensor_
@@ -270,7 +304,7 @@ void Scene::check_sensor_medium() const {
         break;
       }
       const Surface& surface = *point->surface;
-      if (surface.bounds_media && surface.priority == 0) {
+      if (surface.bounds_media && surface.rank <= 0) {
         if (surface.inside && dot(next.d, point->ng) > 0) within = &surface;
         break;
       }

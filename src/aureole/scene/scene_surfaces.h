@@ -12,8 +12,8 @@
 namespace aureole {
 
 struct SceneSurfaces {
-  /// One surface for each primitive of the scene, then the surfaces of the shapes in groups, then the exits
-  /// of surfaces with a BSSRDF.
+  /// One surface for each primitive of the scene, then the surfaces of the shapes in groups (for each instance
+  /// whose media or priorities are its own), then the exits of surfaces with a BSSRDF.
   std::vector<Surface> all;
   std::shared_ptr<const RayTracer> tracer;
   bool any_passable = false;  ///< whether segments may cross null surfaces or media
@@ -24,10 +24,15 @@ struct SceneSurfaces {
     if (!hit) return {};
     return surface_point(hit, ray);
   }
+  /// Returns the surface of a hit found by the ray tracer.
+  const Surface& of(const RayTracer::Hit& hit) const {
+    const Surface& found = all[hit.shape];
+    return found.instance ? found.members[hit.geometry] : found;
+  }
   /// Returns the surface point of a hit found by the ray tracer.
   SurfacePoint surface_point(const RayTracer::Hit& hit, const Ray& ray) const {
     const Surface& found = all[hit.shape];
-    const Surface& surface = found.instance ? found.members[hit.geometry] : found;
+    const Surface& surface = of(hit);
     // A single object for both cases lets the compiler construct it directly in the caller (return value
     // optimisation).
     SurfacePoint point = found.instance

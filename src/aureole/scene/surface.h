@@ -36,8 +36,18 @@ struct alignas(64) Surface {
   bool passable : 1 = false;      ///< whether it transmits some light without deflection
   bool bounds_media : 1 = false;  ///< `outside` and `inside` are set; else the same medium is on both sides
   bool needs_choice : 1 = true, needs_tangent : 1 = true;
-  std::int8_t priority = 0;  ///< the dielectric with the highest priority fills an overlap; 0: none
+  /// Other surfaces lie so close to a part of this one that the offset of a ray's origin would skip them
+  /// (scene/contact_search.h).
+  bool touches : 1 = false;
+  /// Where bodies overlap, the one of the highest rank fills the space: a stated priority (above 0), or below
+  /// 0 the rank of a body without one that touches or cuts another (scene/contact_search.h). 0: takes no part.
+  std::int8_t rank = 0;
+  std::uint32_t body = 0;  ///< number of the closed body with a rank that the surface belongs to
 
+  /// Whether light passes as if the surface were not there.
+  bool is_null() const { return lobes == kNullLobe; }
+  /// Whether no light gets to the other side.
+  bool is_opaque() const { return !has(lobes, Lobe::transmit | Lobe::null | Lobe::enter); }
   /// Whether refracted light that enters this surface leaves it at another point (BSSRDF).
   bool has_exit() const { return has(lobes, Lobe::enter); }
 
@@ -57,7 +67,7 @@ struct alignas(64) Surface {
         bounds_media(media.given()),
         needs_choice(b.needs_choice()),
         needs_tangent(b.needs_tangent()),
-        priority(std::int8_t(media.priority)) {}
+        rank(std::int8_t(media.priority)) {}
   /// Makes the exit of a surface with a BSSRDF.
   Surface(const Surface& entry, const Bssrdf& b) : Surface(entry) {
     bsdf = &b.exit(), light = nullptr, bssrdf = &b;

@@ -88,6 +88,18 @@ Vec3 Instance::point_to_world(const Vec3& p) const {
   return linear(to_world_, p) + Vec3{to_world_[0][3], to_world_[1][3], to_world_[2][3]};
 }
 
+Vec3 Instance::point_to_group(const Vec3& p) const {
+  return linear(to_group_, p) + Vec3{to_group_[0][3], to_group_[1][3], to_group_[2][3]};
+}
+
+Transform Instance::affine(const Rows& rows) {
+  Transform::Matrix m{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 4; ++k) m[i][k] = double(rows[i][k]);
+  m[3][3] = 1;
+  return Transform(m);
+}
+
 SurfacePoint Instance::surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray,
                                      bool tangent) const {
   const Vec3 offset{to_group_[0][3], to_group_[1][3], to_group_[2][3]};

@@ -31,6 +31,10 @@ public:
   /// Returns the surface point of a hit on `shape`, one of the group's. Sets all members but `surface`.
   SurfacePoint surface_point(const Shape& shape, const ShapeHit& hit, const Ray& ray, bool tangent) const;
   Vec3 point_to_world(const Vec3& p) const;
+  Vec3 point_to_group(const Vec3& p) const;
+  /// Returns the transforms with which rays and points are transformed, rounded to single precision.
+  Transform to_world() const { return affine(to_world_); }
+  Transform to_group() const { return affine(to_group_); }
   SurfaceDerivatives to_world(const SurfaceDerivatives& d) const;
   Bounds3 bounds() const;
   /// Returns the magnitude of origins and directions of rays up to which the transformed ones are at most
@@ -40,6 +44,7 @@ public:
 private:
   /// Rows of the matrix of an affine map.
   using Rows = std::array<std::array<float, 4>, 3>;
+  static Transform affine(const Rows& rows);
 
   std::shared_ptr<const ShapeList> list_;
   Bounds3 bounds_;  ///< of the shapes, in the group's coordinates

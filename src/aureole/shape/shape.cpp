@@ -35,7 +35,8 @@ AUREOLE_FAMILY(FamilyInfo{
         {"exterior", "medium", "", "none", "medium on the side of the normal"},
         {"priority", "integer", "", "0",
          "nested dielectrics: where closed shapes overlap, the one with the highest priority (up to 127) "
-         "fills the common volume, and the surfaces of the others are inactive there; 0: takes no part"},
+         "fills the common volume, and the surfaces of the others are inactive there; 0: none is stated (docs/media.md says what holds where such "
+         "bodies touch or overlap)"},
         {"to_world", "transform", "", "identity", "transform from local coordinates to world space"},
         {"flip_normals", "boolean", "", "false", "reverse the normals, and with them the emitting side"},
         {"silhouette_sampling_weight", "float", "", "1",

@@ -52,6 +52,10 @@ inline Vec3 offset_origin(const Vec3& p, const Vec3& p_error, const Vec3& ng, co
   const float distance = dot(abs(ng), p_error + abs(p) * 0x1p-23f);
   return p + ng * (dot(d, ng) < 0 ? -distance : distance);
 }
+/// Distance of that origin from the surface.
+inline float offset_distance(const SurfacePoint& s) {
+  return dot(abs(s.ng), s.p_error + abs(s.p) * 0x1p-23f);
+}
 inline Vec3 offset_origin(const SurfacePoint& s, const Vec3& d) {
   return offset_origin(s.p, s.p_error, s.ng, d);
 }

@@ -45,10 +45,8 @@ float unwarped(float v, float z) {
 /// Clamps v to [0, most]; NaN becomes 0.
 float clamped(float v, float most) { return v > 0.f ? std::min(v, most) : 0.f; }
 
-}  // namespace
-
-SigmoidPolynomial upsample_srgb(float r, float g, float b) {
-  const float rgb[3] = {clamped(r, 1.f), clamped(g, 1.f), clamped(b, 1.f)};
+/// The sigmoid of a colour in [0, 1], not scaled.
+SigmoidPolynomial look_up(const float (&rgb)[3]) {
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) {
     const float v = rgb[0], spread = v * (1.f - v);
     if (!(spread > 0.f)) return {0.f, 0.f, std::copysign(SigmoidPolynomial::kSaturated, v - 0.5f)};
@@ -80,12 +78,33 @@ SigmoidPolynomial upsample_srgb(float r, float g, float b) {
   return {c[0], c[1], c[2]};
 }
 
-UnboundedRgb upsample_unbounded(float r, float g, float b) {
+}  // namespace
+
+SigmoidSpectrum upsample_srgb(float r, float g, float b) {
+  r = clamped(r, 1.f), g = clamped(g, 1.f), b = clamped(b, 1.f);
+  if (r == g && g == b) return {look_up({r, g, b}), 1.f};
+  const float scale = scale_below_white(r, g, b);
+  if (scale < 1.f) return {look_up({(1.f - r) / scale, (1.f - g) / scale, (1.f - b) / scale}), -scale};
+  // Here a sigmoid S and one less the sigmoid of the opposite colour are the same spectrum, but for the errors of
+  // the table, which differ. Coefficients are blended, so that spectra do not jump where k becomes 1.
+  constexpr float kFrom = 0.3f, kTo = 0.5f;  // of 1 - min(r, g, b)
+  SigmoidPolynomial p = look_up({r, g, b});
+  const float weight = (1.f - std::min({r, g, b}) - kFrom) / (kTo - kFrom);
+  if (weight < 1.f) {
+    const SigmoidPolynomial opposite = look_up({1.f - r, 1.f - g, 1.f - b});
+    p.c0 = weight * p.c0 - (1.f - weight) * opposite.c0;
+    p.c1 = weight * p.c1 - (1.f - weight) * opposite.c1;
+    p.c2 = weight * p.c2 - (1.f - weight) * opposite.c2;
+  }
+  return {p, 1.f};
+}
+
+SigmoidSpectrum upsample_unbounded(float r, float g, float b) {
   constexpr float kMaxValue = 1e37f;  // infinity would become NaN in the division
   r = clamped(r, kMaxValue), g = clamped(g, kMaxValue), b = clamped(b, kMaxValue);
   const float scale = 2.f * std::max({r, g, b});
   if (!(scale > 0.f)) return {};
-  return {upsample_srgb(r / scale, g / scale, b / scale), scale};
+  return {look_up({r / scale, g / scale, b / scale}), scale};
 }
 
 }  // namespace aureole

@@ -30,24 +30,39 @@ struct SigmoidPolynomial {
   }
 };
 
-/// The reflectance of a linear sRGB colour, from a table (`upsampling_table.S`). Components outside [0, 1]
-/// and NaN are clamped. Greys, black and white are exact: constant spectra. Other colours return to sRGB
-/// within Delta E 0.25 (mean 0.03) and 3e-3 in a component (tests/spectrum/upsampling_test.cpp). `fit_srgb`
-/// is exact to Delta E 2e-3 but some 500 times slower (20 us); it suits single colours, such as those of a
-/// scene file.
-SigmoidPolynomial upsample_srgb(float r, float g, float b);
-
-/// A spectrum scale * polynomial, which may exceed one.
-struct UnboundedRgb {
+/// A scaled sigmoid polynomial S: the spectrum scale * S, or 1 - |scale| S where the scale is negative. The
+/// second form is for light colours: what they lack from white, 1 - (r, g, b), is small, and so is |scale|.
+struct SigmoidSpectrum {
   SigmoidPolynomial polynomial;
   float scale = 0;
 
-  float at(float lambda_nm) const { return scale * polynomial.at(lambda_nm); }
+  float offset() const { return scale < 0.f ? 1.f : 0.f; }
+  float at(float lambda_nm) const { return scale * polynomial.at(lambda_nm) + offset(); }
 };
+
+/// The scale k of what a reflectance lacks from white: its spectrum is 1 - k S, where S has the colour
+/// (1 - (r, g, b)) / k. With m = 1 - min(r, g, b), k = 4m/3 + 0.6 (m / 0.3)^4 up to m = 0.3, and 1 from there
+/// on. So the spectrum lies in [1 - k, 1], and a colour that is nearly white has a spectrum that is nearly
+/// flat: there the largest component of the colour of S is 3/4, where sigmoids are smooth. Where k = 1, 1 - S
+/// is a sigmoid itself, the model of Jakob and Hanika. That model alone lets the spectrum of (0.99, 0.999,
+/// 0.99) fall to 0.34 at 700 nm, because the observer hardly sees that end.
+template <class Real>
+Real scale_below_white(Real r, Real g, Real b) {
+  const Real m = Real(1) - std::min({r, g, b});
+  const Real q = m * Real(1 / 0.3);
+  return q < Real(1) ? Real(0.4) * q + Real(0.6) * (q * q) * (q * q) : Real(1);
+}
+
+/// The reflectance of a linear sRGB colour, from a table (`upsampling_table.S`). Components outside [0, 1]
+/// and NaN are clamped. Greys, black and white are exact: constant spectra. Other colours return to sRGB
+/// within Delta E 0.25 (CIE 1976; mean 0.03) and 3e-3 in a component (tests/spectrum/upsampling_test.cpp).
+/// Colours near white have flat spectra (`scale_below_white`). `fit_srgb` is exact to Delta E 2e-3 but some
+/// 500 times slower (20 us); it suits single colours, such as those of a scene file.
+SigmoidSpectrum upsample_srgb(float r, float g, float b);
 
 /// The spectrum of an unbounded colour, such as that of an emitter (which also multiplies it by D65). The
 /// colour is divided by scale = 2 max(r, g, b), so that its largest component becomes 1/2, where spectra are
 /// smooth. Mitsuba 3 does the same. Negative components and NaN count as 0; black has scale 0.
-UnboundedRgb upsample_unbounded(float r, float g, float b);
+SigmoidSpectrum upsample_unbounded(float r, float g, float b);
 
 }  // namespace aureole

@@ -131,6 +131,13 @@ void integrate(const Triple& c, Triple& xyz, Mat3& jacobian) {
   }
 }
 
+/// Clamps components to [0, most]; NaN becomes 0.
+Rgb clamped(const Rgb& rgb, double most) {
+  Rgb c;
+  for (int i = 0; i < 3; ++i) c[i] = rgb[i] > 0 ? std::min(rgb[i], most) : 0.0;
+  return c;
+}
+
 /// The constant argument x whose spectrum is the grey v.
 double grey_argument(double v) {
   const double spread = v * (1.0 - v);
@@ -207,10 +214,8 @@ double refine_fit(const Rgb& linear_rgb, FitCoefficients& start) {
   return std::sqrt(error);
 }
 
-SigmoidPolynomial fit_srgb(const Rgb& linear_rgb) {
-  Rgb rgb;
-  for (int i = 0; i < 3; ++i)
-    rgb[i] = linear_rgb[i] > 0 ? std::min(linear_rgb[i], 1.0) : 0.0;  // NaN becomes 0
+SigmoidPolynomial fit_sigmoid(const Rgb& linear_rgb) {
+  const Rgb rgb = clamped(linear_rgb, 1.0);
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return {0, 0, static_cast<float>(grey_argument(rgb[0]))};
   // Continuation from the grey of equal mean towards the colour, with more steps if a fit has not converged.
   const double mean = (rgb[0] + rgb[1] + rgb[2]) / 3.0;
@@ -233,7 +238,22 @@ SigmoidPolynomial fit_srgb(const Rgb& linear_rgb) {
   return best.polynomial();
 }
 
-Rgb srgb_of_reflectance(const SigmoidPolynomial& spectrum) {
+SigmoidSpectrum fit_srgb(const Rgb& linear_rgb) {
+  const Rgb c = clamped(linear_rgb, 1.0);
+  const double scale = scale_below_white(c[0], c[1], c[2]);
+  if (!(scale < 1) || (c[0] == c[1] && c[1] == c[2])) return {fit_sigmoid(c), 1.f};
+  return {fit_sigmoid({(1 - c[0]) / scale, (1 - c[1]) / scale, (1 - c[2]) / scale}),
+          -static_cast<float>(scale)};
+}
+
+SigmoidSpectrum fit_unbounded(const Rgb& linear_rgb) {
+  const Rgb c = clamped(linear_rgb, 1e37);
+  const double scale = 2 * std::max({c[0], c[1], c[2]});
+  if (!(scale > 0)) return {};
+  return {fit_sigmoid({c[0] / scale, c[1] / scale, c[2] / scale}), static_cast<float>(scale)};
+}
+
+Rgb srgb_of_reflectance(const SigmoidSpectrum& spectrum) {
   Triple xyz{};
   for (const Colorimetry::Node& node : colorimetry().nodes) {
     const double s = spectrum.at(static_cast<float>(kCentre + kHalfWidth * node.t));

@@ -140,11 +140,11 @@ SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], b
   const double largest = std::max({rgb[0], rgb[1], rgb[2]});
   if (largest <= 0) return SampledSpectrum::constant(grid, 0);
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return SampledSpectrum::constant(grid, float(largest));
-  // Scaled so that the largest component is 1/2, where upsampled spectra are smooth. A reflectance must not
-  // be scaled: another spectrum of the same colour (a metamer) would look different under coloured light.
-  const double scale = !emission && largest <= 1 ? 1 : 2 * largest;
-  const SigmoidPolynomial p = fit_srgb({rgb[0] / scale, rgb[1] / scale, rgb[2] / scale});
-  return SampledSpectrum::from_function(grid, [&](double nm) { return scale * p.at(float(nm)); });
+  // A reflectance must not be scaled to a largest component of 1/2: another spectrum of the same colour (a
+  // metamer) would look different under coloured light.
+  const Rgb color{rgb[0], rgb[1], rgb[2]};
+  const SigmoidSpectrum s = !emission && largest <= 1 ? fit_srgb(color) : fit_unbounded(color);
+  return SampledSpectrum::from_function(grid, [&](double nm) { return double(s.at(float(nm))); });
 }
 
 SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, bool unbounded) {

@@ -31,9 +31,11 @@ void travel(TestSegment& c, float t, const Wavelengths& w, SegmentEmission* emis
 }
 
 Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
-  if (!(c.through_emitters && point.surface->light) && !c.is_inactive(*point.surface)) {
+  if (!(c.through_emitters && point.surface->light) && !c.is_inactive(point, w)) {
     c.passage *= null_transmittance(point, c.d, w);
     if (is_black(c.passage)) return Event::blocked;
+    if (c.crossings_left != TestSegment::kUnlimited && !point.surface->is_null() && --c.crossings_left < 0)
+      return Event::blocked;
   }
   c.pass(point, c.d, c.d);
   c.ray.o = offset_origin(point, c.d);

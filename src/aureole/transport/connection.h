@@ -30,6 +30,8 @@ struct TestSegment : Segment {
   float end_offset;  ///< distance from `target` to that surface
   bool infinite;
   bool through_emitters;  ///< surfaces of lights do not occlude it
+  static constexpr int kUnlimited = std::numeric_limits<int>::max();
+  int crossings_left = kUnlimited;  ///< crossings of surfaces that count for the limit of segments
   /// Transmittance so far, times the MIS weight of the estimate. In scenes with media `finish` completes it.
   Spectrum passage;
 
@@ -51,7 +53,7 @@ struct TestSegment : Segment {
   void set(const Ray& ray);
   /// Sets the medium and the interiors where it begins, in scenes with media.
   void begin_in(const RayState& start, std::uint32_t random_key) {
-    medium = start.medium, interiors = start.interiors;
+    medium = start.medium, interiors = start.interiors, contact = nullptr;
     key = random_key, transmitted = transmitted_before = 1.f;
     source = nullptr;
     others_pass = false;
@@ -99,11 +101,31 @@ void travel(TestSegment& segment, float t, const Wavelengths& w, SegmentEmission
 /// A segment has hit a surface: crossed, blocked, or escape where its end lies on that surface, too.
 Event cross(const SurfacePoint& point, TestSegment& segment, const Wavelengths& w);
 
+/// A segment has hit a surface: as above, where others may touch it. Calls `meet(point)` before.
+template <class Meet>
+Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c, const Wavelengths& w,
+            Meet&& meet) {
+  if (scene.has_contacts() && scene.surfaces().of(hit).touches) {
+    Contact contact;
+    if (find_contact(scene, c.ray, hit, c, w, contact)) {
+      c.contact = &contact;
+      meet(contact.point);
+      const Event event = cross(contact.point, c, w);
+      c.contact = nullptr;
+      return event;
+    }
+  }
+  const SurfacePoint point = scene.surface_point(hit, c.ray);
+  meet(point);
+  return cross(point, c, w);
+}
+
 /// Moves a segment on to what the ray tracer has found, through the media before it.
 inline Event cross(const Scene& scene, const RayTracer::Hit& hit, TestSegment& c, const Wavelengths& w) {
   if (hit.is_lost()) return c.lose(), Event::escape;
   if (scene.has_media() && c.medium) travel(c, hit ? hit.t : c.ray.t_max, w);
-  return hit ? cross(scene.surface_point(hit, c.ray), c, w) : Event::escape;
+  if (!hit) return Event::escape;
+  return cross(scene, hit, c, w, [](const SurfacePoint&) {});
 }
 
 /// Whether a segment that seems occluded could not be traced; then it counts as visible, with an invalid
@@ -127,6 +149,7 @@ inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const
   offset = distance_from_surface(ray.o - from.p, direction);
   end_offset = distance_from_surface(target - to.p, direction);
   infinite = through_emitters = false;
+  crossings_left = kUnlimited;
 }
 
 inline void TestSegment::set(const RayOrigin& from, const Vec3& direction) {
@@ -139,6 +162,7 @@ inline void TestSegment::set(const Ray& r) {
   origin = r.o, d = r.d;
   offset = end_offset = 0;
   infinite = true, through_emitters = false;
+  crossings_left = kUnlimited;
 }
 
 }  // namespace aureole

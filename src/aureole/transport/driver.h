@@ -92,7 +92,10 @@ template <class Steps, class Connection>
                                                 int k, BatchConnections<Connection>& connections) {
   for (const int path : paths) {
     Connection& c = connections.of_path[path];
-    if (steps.connect(path, k, c)) connections.rays.add(path, c.ray);
+    if (!steps.connect(path, k, c)) continue;
+    if constexpr (requires { steps.crossings_left(path, k); })
+      c.crossings_left = steps.crossings_left(path, k);
+    connections.rays.add(path, c.ray);
   }
   if (steps.needs_march()) return march_all(scene, steps, k, connections);
   connections.rays.test_visibility(scene.tracer(), [&](int path, bool open) {

@@ -68,7 +68,8 @@ public:
     if (!is_on_ || !walks_to_edges<typename W::Density>(scene_)) return false;
     auto& s = walk.state(i);
     const auto& vertex = walk.vertex(i);
-    if (!vertex.is_smooth() || !walk.limits().reaches(s.depth + 4 + kSegmentsBehind<W>)) return false;
+    if (!vertex.is_smooth() || !walk.limits().reaches(s.crossed + s.depth + 4 + kSegmentsBehind<W>))
+      return false;
     probability = EdgePaths::to_edge(scene_, vertex.p(), walk.wavelengths(i));
     return KeyedRandom(walk_key(walk, i)).next() < probability;
   }
@@ -129,8 +130,8 @@ public:
     for (const int i : vertices) {
       auto& s = walk.state(i);
       const auto& vertex = walk.vertex(i);
-      if ((W::kFromSensor && s.last) || !vertex.is_smooth() || !walk.limits().reaches(s.depth + 3) ||
-          !walk.has_technique(1, s.depth + 3))
+      if ((W::kFromSensor && s.last) || !vertex.is_smooth() ||
+          !walk.limits().reaches(s.crossed + s.depth + 3) || !walk.has_technique(1, s.depth + 3))
         continue;
       EdgePaths edges(scene_, walk.wavelengths(i),
                       key(walk.samples(i), s.vertex, Stream::diffracted_connection),

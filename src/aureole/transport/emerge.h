@@ -72,7 +72,7 @@ bool emerge(const Scene& scene, PerPath<BasicVertex<kSpace, L>>& vertices, int i
   if (!emerge(scene, vertices[i].point(), w, samples, ++vertex, density, state, exit)) return false;
   auto& made = vertices.make(i, [&] { return BasicVertex<kSpace, L>(exit, -state.ray.d, w, mode); });
   ++vertex;
-  made.prepare(0, state.interiors);
+  made.prepare(0, state);
   return true;
 }
 

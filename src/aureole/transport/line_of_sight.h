@@ -28,6 +28,8 @@ public:
     line.through_emitters = through_emitters;
     line.offset = start.offset;
     if (scene_.has_media()) line.begin_in(start, key);
+    if constexpr (requires { viewer_.crossings_before_light(path); })
+      line.crossings_left = viewer_.crossings_before_light(path);
     keys_[path] = key;
     line.passage = 1.f;
   }
@@ -50,10 +52,10 @@ public:
         viewer_.see(path, *light, nullptr, line.d, arriving(path) * light->eval_escaped(line.d, w));
       return Event::escape;
     }
-    const SurfacePoint point = scene_.surface_point(hit, line.ray);
-    if (const Light* light = point.surface->light; light && !line.is_inactive(*point.surface))
-      viewer_.see(path, *light, &point, line.d, arriving(path) * light->eval(point, -line.d, w));
-    return cross(point, line, w);
+    return cross(scene_, hit, line, w, [&](const SurfacePoint& point) {
+      if (const Light* light = point.surface->light; light && !line.is_inactive(point, w))
+        viewer_.see(path, *light, &point, line.d, arriving(path) * light->eval(point, -line.d, w));
+    });
   }
 
 private:

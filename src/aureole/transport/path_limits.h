@@ -9,7 +9,7 @@
 
 namespace aureole {
 
-/// The parameters `max_depth`, `rr_depth`, `max_scattering` and `hide_emitters`.
+/// The parameters `max_depth`, `count_crossings`, `rr_depth`, `max_scattering` and `hide_emitters`.
 struct PathLimits {
   /// Russian roulette begins here at the latest: inside a closed shape without losses no path would end
   /// without it.
@@ -19,7 +19,8 @@ struct PathLimits {
       : max_depth(int(p.get_int("max_depth", -1, {-1, 1e9}))),
         roulette_depth(std::min(int(p.get_int("rr_depth", 5, {1, 1e9})), kLatestRoulette)),
         max_scattering(int(p.get_int("max_scattering", -1, {-1, 1e9}))),
-        hide_emitters(p.get_bool("hide_emitters", false)) {}
+        hide_emitters(p.get_bool("hide_emitters", false)),
+        counts_crossings(p.get_bool("count_crossings", true) && max_depth >= 0) {}
 
   /// Direct light: two segments, or three around an edge that diffracts.
   static PathLimits direct(bool hide_emitters) { return PathLimits(3, kLatestRoulette, -1, hide_emitters); }
@@ -33,6 +34,8 @@ struct PathLimits {
     return scene.has_media() ? 1 - std::clamp(0.5f / float(depth + 1), 5e-5f, 1e-3f) : 0.95f;
   }
 
+  /// Whether crossing that surface counts.
+  bool counts(const Surface& surface) const { return counts_crossings && !surface.is_null(); }
   /// Whether paths of so many segments count.
   bool reaches(int segments) const { return max_depth < 0 || segments <= max_depth; }
 
@@ -40,6 +43,8 @@ struct PathLimits {
   int roulette_depth;
   int max_scattering;  ///< most scattering events in media; -1: no limit
   bool hide_emitters;
+  /// Whether crossing a surface that also scatters light, such as a mask or a thin pane, counts for `max_depth`.
+  bool counts_crossings = false;
 
 private:
   PathLimits(int depth, int roulette, int scattering, bool hide)

@@ -1,7 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/transport/ray_state.h"
 
+#include "aureole/scene/contact_search.h"
+
 namespace aureole {
+
+bool RayState::is_inactive_body(const SurfacePoint& point, const Wavelengths& w) const {
+  const InteriorList::Body body{point.surface, point.instance};
+  if (interiors.hides(body)) return true;
+  const Surface* other = interiors.filling(body).surface;
+  return other && have_same_index(*other, *point.surface, w);
+}
 
 void find_interiors(const Scene& scene, const Light* light, RayState& state) {
   if (!scene.has_media()) return;
@@ -13,8 +22,8 @@ void find_interiors(const Scene& scene, const Light* light, RayState& state) {
 
 void find_interiors(const Scene& scene, RayState& state) {
   scene.shapes_around(state.ray, state.interiors);
-  const Surface* filling = state.interiors.filling();
-  state.medium = filling ? filling->inside : scene.medium_at(state.ray);
+  state.contact = nullptr;
+  state.medium = scene.medium_at(state.ray, state.interiors);
 }
 
 }  // namespace aureole

@@ -3,9 +3,12 @@
 // where the straight part of a path has begun that the ray belongs to.
 #pragma once
 
+#include <utility>
+
 #include "aureole/medium/medium.h"
 #include "aureole/scene/interior_list.h"
 #include "aureole/scene/scene.h"
+#include "aureole/transport/contact.h"
 
 namespace aureole {
 
@@ -18,25 +21,40 @@ struct RayState {
   /// rounding error: media count from the surface. Kept up to date in scenes with media.
   float offset = 0;
 
+  /// Where the ray has met surfaces that touch: what lies across them; else null.
+  const Contact* contact = nullptr;
+
   /// The ray from the surface that it leaves.
   Ray from_surface() const { return {ray.o - ray.d * offset, ray.d, ray.t_max}; }
 
-  /// Whether a surface that the ray hits is inactive, because a shape of higher priority fills the space
-  /// around it.
-  bool is_inactive(const Surface& surface) const { return surface.priority != 0 && interiors.hides(surface); }
+  /// Whether a surface that the ray hits is inactive: a body of higher rank fills the space around it, or one of the
+  /// same index of refraction lies on its other side.
+  bool is_inactive(const SurfacePoint& point, const Wavelengths& w) const {
+    if (contact) return contact->is_inactive;
+    return point.surface->rank != 0 && !interiors.empty() && is_inactive_body(point, w);
+  }
+  /// The bodies on the outside of a surface with a rank that the ray hits along `d`.
+  const InteriorList& around(const SurfacePoint& point, const Vec3& d) const {
+    return contact && dot(d, point.ng) > 0 ? contact->across : interiors;
+  }
+  bool is_inactive_body(const SurfacePoint& point, const Wavelengths& w) const;
   /// Updates medium and interiors at a surface, which the path has hit along `from` and leaves along `to`, on
   /// either side.
   void pass(const SurfacePoint& point, const Vec3& from, const Vec3& to) {
     const Surface& surface = *point.surface;
-    if (surface.priority == 0) {
+    const bool inwards = dot(to, point.ng) < 0, is_reflected = inwards != (dot(from, point.ng) < 0);
+    if (const Contact* crossed = std::exchange(contact, nullptr)) {
+      if (!is_reflected) interiors = crossed->across, medium = crossed->medium;
+      return;
+    }
+    if (surface.rank == 0) {
       medium = surface.medium_along(to, point.ng, medium);
       return;
     }
-    const bool inwards = dot(to, point.ng) < 0;
-    if (inwards != (dot(from, point.ng) < 0)) return;  // reflected
-    interiors.pass(surface, inwards);
-    const Surface* filling = interiors.filling();
-    medium = filling ? filling->inside : surface.outside;
+    if (is_reflected) return;
+    const InteriorList::Body body{&surface, point.instance}, before = interiors.filling();
+    interiors.pass(body, inwards);
+    medium = medium_across(before.surface || inwards ? before : body, interiors.filling(), medium);
   }
 };
 

@@ -114,9 +114,10 @@ struct LightVertex {
 
   BasicVertex<Space::any, L> vertex;
   LightSubpathDensity<L> density;
-  int edges = 0;                          ///< segments from the light
-  int in_media = 0;                       ///< vertices in media so far, this one included
-  int count = 0;                          ///< number of vertices that `previous` leads to, this one included
+  int edges = 0;     ///< segments from the light
+  int crossed = 0;   ///< crossings of surfaces on the way that count for the limit of segments
+  int in_media = 0;  ///< vertices in media so far, this one included
+  int count = 0;     ///< number of vertices that `previous` leads to, this one included
   const LightVertex* previous = nullptr;  ///< the vertex before it that may be connected
 };
 

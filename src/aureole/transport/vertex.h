@@ -11,7 +11,7 @@
 
 namespace aureole {
 
-/// The scenes that code is compiled for: `empty` has no media, no shapes with a priority and no edges that
+/// The scenes that code is compiled for: `empty` has no media, no bodies with a rank, no surfaces that touch bodies and no edges that
 /// diffract light, so that paths among its surfaces need not ask for them at every step.
 enum class Space { empty, any };
 inline Space space_of(const Scene& scene) {
@@ -57,7 +57,7 @@ public:
   const Surface& surface() const { return *point_.surface; }
   /// Which shapes are around the surface decides the refractive index on its outside.
   void set_exterior(const InteriorList& inside) {
-    const Surface* other = inside.filling(&surface());
+    const Surface* other = inside.filling({&surface(), point_.instance}).surface;
     if (other && other->bsdf->interior_index(context_.wavelengths, exterior_))
       context_.exterior_index = &exterior_;
   }
@@ -217,7 +217,7 @@ private:
 };
 
 /// A vertex on a surface or in a medium, made in place. In `Space::empty` all vertices are on surfaces, and
-/// none has a priority.
+/// none has a rank.
 template <Space kSpace, class L = Unpolarised>
 class BasicVertex {
 public:
@@ -270,9 +270,11 @@ public:
   }
 
   /// To be called before the functions below, for a surface. `key` is for stochastic BSDFs.
-  void prepare(std::uint32_t key, const InteriorList& interiors) {
+  /// `state` is that of the ray that has led here.
+  void prepare(std::uint32_t key, const RayState& state) {
     surface_.prepare(key);
-    if (kSpace == Space::any && surface().priority != 0) surface_.set_exterior(interiors);
+    if (kSpace == Space::any && surface().rank != 0)
+      surface_.set_exterior(state.around(point(), state.ray.d));
   }
   /// The normal on the side from which light is scattered; zero in a medium and where a BSDF scatters from
   /// both sides. Light sampling and its pdfs depend on it.

@@ -32,6 +32,7 @@
 //   connection_count(i)              upper bound of the number of connections of the vertex
 //   connect(i, k, connection)        makes the k-th one; false where there is none
 //   connected(i, k, connection, open)   receives its result
+//   further_segments(i, k)           segments of the path beyond the k-th connection
 //   has_technique(s, t)              whether paths of s vertices from the light and t from the sensor count
 //   edge_samples()                   number of estimates of light that reaches a vertex around an edge
 //   has_indirect_light()             whether such a vertex also has light by way of surfaces
@@ -68,7 +69,9 @@ public:
   struct State : WalkState<Kind::kSpace, Density>, Kind::State {};
 
   explicit Walk(const WalkInput& in)
-      : scene_(in.scene), limits_(in.limits), paths_(in.paths), log_(in.log), edges_(in.scene) {}
+      : scene_(in.scene), limits_(in.limits), paths_(in.paths), log_(in.log), edges_(in.scene) {
+    if (kAny && in.scene.has_contacts()) contacts_.resize(kBatch);
+  }
 
   // For the driver:
   const Ray& ray(int i) const { return states_[i].segment.ray; }
@@ -79,6 +82,10 @@ public:
   std::uint32_t connection_key(int i) {
     return key(self().samples(i), states_[i].vertex, Stream::connection);
   }
+  /// How many surfaces the k-th connection may cross that count for the limit of segments.
+  int crossings_left(int i, int k) { return crossings_beside(i, 2 + self().further_segments(i, k)); }
+  /// As `crossings_left`, for what the ray itself leads to.
+  int crossings_before_light(int i) const { return crossings_beside(i, 1); }
   void lose(int i) { paths_[size_t(i)].result.invalidate(); }
   Event arrive(int i, const RayTracer::Hit& hit);
   bool scatter(int i);
@@ -145,6 +152,8 @@ public:
   void at_vertex(int) {}
   void extend(int i, const Scatter& b) { states_[i].density.extend(b.value, b.pdf, b.delta); }
   void scattered(int, const Scatter&) {}
+  /// Segments beyond the k-th connection.
+  int further_segments(int, int) const { return 0; }
   bool follows_last(int) const { return false; }
   bool may_cut_ray(int) const { return true; }
   int connection_count(int) const { return 1; }
@@ -156,6 +165,15 @@ protected:
   Self& self() { return static_cast<Self&>(*this); }
   const Self& self() const { return static_cast<const Self&>(*this); }
   bool has_media() const { return kAny && scene_.has_media(); }
+  /// How many further crossings the limit leaves to a path with so many segments more than scattering events.
+  int crossings_beside(int i, int further) const {
+    if (!limits_.counts_crossings) return TestSegment::kUnlimited;
+    return limits_.max_depth - (states_[i].depth + states_[i].crossed + further);
+  }
+  /// Whether paths count that have so many segments more than scattering events.
+  bool reaches(int i, int further) const {
+    return limits_.reaches(states_[i].depth + states_[i].crossed + further);
+  }
   /// The path goes on along `d`: `begins` a new segment at a vertex, else it has crossed a surface.
   void go_on(int i, const Vertex& vertex, const Vec3& d, bool begins) {
     Segment& segment = states_[i].segment;
@@ -201,6 +219,13 @@ private:
     if constexpr (kAny) return throughput / s.first_throughput;
     return throughput;
   }
+  /// The contact of surfaces that the path has hit; null where it has hit one surface alone.
+  const Contact* meet(int i, const RayTracer::Hit& hit) {
+    if (contacts_.empty() || !scene_.surfaces().of(hit).touches) return nullptr;
+    Contact& contact = contacts_[std::size_t(i)];
+    const Segment& segment = states_[i].segment;
+    return find_contact(scene_, segment.ray, hit, segment, wavelengths(i), contact) ? &contact : nullptr;
+  }
   Event sample_medium(int i, float t_max);
   Event transmit(int i, float t_max);
   Event escape(int i);
@@ -219,7 +244,8 @@ private:
           .in_medium = s.segment.medium});
   }
 
-  PathList below_;  ///< paths that were refracted into a surface with a BSSRDF
+  std::vector<Contact> contacts_;  ///< of the vertices, in scenes with surfaces that touch
+  PathList below_;                 ///< paths that were refracted into a surface with a BSSRDF
   EdgeWalk edges_;
 };
 
@@ -237,9 +263,13 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
   }
   if (!hit) return kFromSensor ? escape(i) : Event::escape;
   Path& path = paths_[size_t(i)];
-  Vertex& vertex =
-      vertices_.make(i, [&] { return Vertex(scene_, hit, s.segment.ray, path.wavelengths, kMode); });
-  if (kAny && s.segment.is_inactive(vertex.surface())) {
+  if constexpr (kAny) s.segment.contact = meet(i, hit);
+  Vertex& vertex = vertices_.make(i, [&] {
+    if (kAny && s.segment.contact)
+      return Vertex(s.segment.contact->point, -s.segment.ray.d, path.wavelengths, kMode);
+    return Vertex(scene_, hit, s.segment.ray, path.wavelengths, kMode);
+  });
+  if (kAny && s.segment.is_inactive(vertex.point(), path.wavelengths)) {
     ++s.vertex;  // the ray behind has random numbers of its own
     go_on(i, vertex, s.segment.ray.d, false);
     return Event::crossed;
@@ -259,8 +289,8 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
       self().emission(i, *light, &vertex.point(),
                       light->eval(vertex.point(), -s.segment.ray.d, path.wavelengths));
     }
-    s.last = !limits_.reaches(s.depth + 2);
-    if (s.last && !vertex.surface().passable) {
+    s.last = !reaches(i, 2);
+    if (s.last && (!vertex.surface().passable || limits_.counts(vertex.surface()))) {
       if (s.depth == 0) path.result.alpha = 1;
       return Event::blocked;
     }
@@ -270,7 +300,7 @@ Event Walk<Self, Kind>::arrive(int i, const RayTracer::Hit& hit) {
     if (!vertex.is_passable() && !edges_.arrive(self(), i, vertex.p())) return Event::blocked;
   s.pairs = self().samples(i).directions(++s.vertex);
   vertex.prepare(vertex.surface().needs_choice ? key(self().samples(i), s.vertex, Stream::bsdf) : 0,
-                 s.segment.interiors);
+                 s.segment);
   if constexpr (kAny) s.is_connected = false;
   self().at_vertex(i);
   return Event::surface;
@@ -291,8 +321,7 @@ template <class Self, class Kind>
   edges_.attenuate(self(), i, s.segment.behind + dot(p - s.segment.ray.o, s.segment.ray.d));
   if (log_.follows(i)) log_vertex(i, PathEvent::Kind::medium, p, nullptr);
   if (kFromSensor && s.depth == 0) path.result.alpha = 1;
-  if (!limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering || !s.density.has_light())
-    return Event::blocked;
+  if (!reaches(i, 2) || s.in_media == limits_.max_scattering || !s.density.has_light()) return Event::blocked;
   if (!edges_.arrive(self(), i, p)) return Event::blocked;
   ++s.in_media;
   s.last = s.is_connected = false;
@@ -344,13 +373,17 @@ template <class Self, class Kind>
   if constexpr (kDiffracts)
     if (edges_.is_left(self(), i, to_edge)) return edges_.leave_vertex(self(), i, to_edge);
   if constexpr (!kFromSensor) {
-    s.last = !limits_.reaches(s.depth + 3);
+    s.last = !reaches(i, 3);
     if (s.last && !vertex.is_passable() && !vertex.has_exit() && !self().follows_last(i)) return false;
   }
   const float lobe = vertex.needs_choice() ? get(self().samples(i), s.vertex, Choice::lobe) : 0.f;
   Scatter b;
   const Event event = vertex.scatter(lobe, get(s.pairs, Pair::scatter), b);
   if (event == Event::crossed) {
+    if (limits_.counts(vertex.surface())) {
+      if (s.last) return false;
+      ++s.crossed;
+    }
     s.density.attenuate(b.transmittance);
     if (kAny && to_edge > 0) s.density.survive(1 - to_edge);
     go_on(i, vertex, b.d, ends_segment(vertex));
@@ -403,7 +436,7 @@ bool Walk<Self, Kind>::survives(int i) {
   // The last ray can only find emission.
   bool finds_emission = true;
   if constexpr (kAny) finds_emission = !s.emission_counted;
-  return limits_.reaches(s.depth + 2) || (finds_emission && scene_.may_meet_emitter(s.segment.ray));
+  return reaches(i, 2) || (finds_emission && scene_.may_meet_emitter(s.segment.ray));
 }
 
 /// Subsurface scattering adds no segment to the path: light that leaves at an exit counts as scattered by the

@@ -39,8 +39,9 @@ struct WalkState : std::conditional_t<kSpace == Space::any, WalkStateInSpace, Wa
   Density density;  ///< up to and including the direction of the present ray
   LightReference
       from;  ///< the vertex that the present ray has left, from which connections may have found what it hits
-  int depth = 0;   ///< scattering events so far
-  int vertex = 0;  ///< number of the present vertex in the random numbers; crossed surfaces count
+  int depth = 0;    ///< scattering events so far
+  int crossed = 0;  ///< crossings of surfaces that count for the limit of segments
+  int vertex = 0;   ///< number of the present vertex in the random numbers; crossed surfaces count
   const float* pairs = nullptr;  ///< random numbers of the present vertex
   float eta2 = 1;  ///< squared index of refraction of the present medium over the sensor's: undoes the n^2 of
                    ///< radiance for Russian roulette; 1 in light paths

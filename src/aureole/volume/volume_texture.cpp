@@ -20,9 +20,9 @@ public:
   }
 
   Spectrum eval(const SurfacePoint& point, const Wavelengths& w) const override {
-    return volume_->eval(point.p, w);
+    return volume_->eval(place(point), w);
   }
-  float eval_scalar(const SurfacePoint& point) const override { return volume_->eval_scalar(point.p); }
+  float eval_scalar(const SurfacePoint& point) const override { return volume_->eval_scalar(place(point)); }
   bool has_gradient() const override { return volume_->is_constant(); }
   SampledSpectrum average(const Shape* shape) const override;
   bool is_constant() const override { return volume_->is_constant(); }
@@ -34,6 +34,11 @@ public:
   }
 
 private:
+  /// The volume belongs to the group of an instanced shape, and moves with it.
+  Vec3 place(const SurfacePoint& point) const {
+    return point.instance && !volume_->is_constant() ? point.instance->point_to_group(point.p) : point.p;
+  }
+
   SpectrumRole role_;
   VolumePtr volume_;
 };
@@ -71,7 +76,8 @@ SampledSpectrum VolumeTexture::average(const Shape* shape) const {
 AUREOLE_PLUGIN(
     VolumeTexture, "texture", "volume",
     PluginDoc{"A solid texture: the value of a `volume` at each point of a surface. The use of the texture "
-              "decides whether numbers and colours are reflectances or emissions.",
+              "decides whether numbers and colours are reflectances or emissions. On a shape of a group the "
+              "volume has the group's coordinates, so that it moves with every instance.",
               "",
               {{"volume", "volume", "", "required", "the volume, such as a `gridvolume`"}},
               {R"(<texture type="volume">

@@ -142,7 +142,7 @@ TEST(RoughValues, PlasticButForMitsubasInternalReflectance) {
         const double mu = (i + 0.5) / kSteps;
         integral += 2 * reflectance(mu) * mu / kSteps;
       }
-      EXPECT_NEAR(diffuse_scattered_reflectance(d, 1 / 1.5f), integral, 3e-4);
+      EXPECT_NEAR(diffuse_scattered_energy(d, 1 / 1.5f).reflected, integral, 3e-4);
     }
 
     const Vec3 wi = direction(r.theta_i, 0.2), wo = direction(r.theta_o, r.phi_o);

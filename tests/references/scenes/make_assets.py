@@ -294,6 +294,13 @@ def write_volumes():
     write_vol(VOLUMES / "smoke.vol", plume, (-1, 0, -1), (1, 2.5, 1))
     tint = np.stack([0.9 + 0 * y, 0.85 - 0.4 * y, 0.3 + 0.5 * y], -1)
     write_vol(VOLUMES / "tint.vol", tint[:4, :, :5])
+    # Extinction and albedo in colours that lie away from black and white, on grids of other sizes. The largest
+    # component of each extinction is 0.5, for which Mitsuba's grids have the spectrum of the same <rgb>.
+    z, y, x = np.meshgrid(*((np.arange(n) + 0.5) / n for n in (5, 4, 6)), indexing="ij")
+    extinction = np.stack([0.1 + 0.7 * x, 0.15 + 0.5 * y * (1 - x), 0.8 - 0.6 * z], -1)
+    write_vol(VOLUMES / "extinction.vol", 0.5 * extinction / extinction.max(-1, keepdims=True))
+    z, y, x = np.meshgrid(*((np.arange(n) + 0.5) / n for n in (3, 5, 4)), indexing="ij")
+    write_vol(VOLUMES / "albedo.vol", np.stack([0.3 + 0.5 * z, 0.7 - 0.4 * x, 0.35 + 0.3 * y], -1))
     # Two balls that flow together, and a ring, as distances at the nodes of a grid over [0, 1]^3.
     z, y, x = np.meshgrid(*([np.linspace(0, 1, 14)] * 3), indexing="ij")
     balls = [np.sqrt((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) - r

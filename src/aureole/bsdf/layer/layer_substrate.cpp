@@ -15,13 +15,16 @@ LayerSubstrate LayerSubstrate::from(const Properties& p) {
 
 std::optional<BsdfSample> LayerSubstrate::sample(const Vec3& wi, float u1, float weight, float mass,
                                                  const BsdfContext& ctx) const {
-  if (is_none()) return BsdfSample{-wi, weight, mass, Lobe::delta | Lobe::transmit | Lobe::through};
+  if (is_none()) return BsdfSample{-wi, weight, mass, kNullLobe};
   const Indices n = indices(wi.z, ctx.wavelengths);
   const Spectrum r = reflectance(std::abs(wi.z), n);
-  if (u1 < r[0]) return BsdfSample{reflect(wi), r * weight, r * mass, Lobe::delta | Lobe::reflect};
   Spectrum t = Spectrum(1.f) - r;
-  if (kind_ == Kind::pane)
-    return BsdfSample{-wi, t * weight, t * mass, Lobe::delta | Lobe::transmit | Lobe::through};
+  if (kind_ == Kind::pane) {
+    const float share = mean(r);  // the mass of a null lobe must not depend on the wavelength
+    if (u1 < share) return BsdfSample{reflect(wi), r * weight, share * mass, Lobe::delta | Lobe::reflect};
+    return BsdfSample{-wi, t * weight, (1 - share) * mass, kNullLobe};
+  }
+  if (u1 < r[0]) return BsdfSample{reflect(wi), r * weight, r * mass, Lobe::delta | Lobe::reflect};
   // Wavelengths with another index are refracted into other directions and have value 0 in this one.
   const Spectrum etas = n.beyond / n.here;
   const float eta = etas[0], cos_t = fresnel_dielectric(std::abs(wi.z), eta).cos_t;
@@ -31,6 +34,12 @@ std::optional<BsdfSample> LayerSubstrate::sample(const Vec3& wi, float u1, float
   BsdfSample s{wo, t * weight, t * mass, Lobe::delta | Lobe::transmit, eta};
   if (ctx.mode == TransportMode::radiance) s.value *= 1 / (eta * eta);
   return s;
+}
+
+Spectrum LayerSubstrate::straight(const Vec3& wi, const BsdfContext& ctx) const {
+  if (is_none()) return 1.f;
+  if (kind_ == Kind::interface) return 0.f;
+  return Spectrum(1.f) - reflectance(std::abs(wi.z), indices(wi.z, ctx.wavelengths));
 }
 
 }  // namespace aureole

@@ -52,10 +52,14 @@ public:
     return kind_ == Kind::pane ? thin_slab(r) : r;
   }
 
-  /// Samples reflection or transmission of undiffracted light at the plane, chosen by the hero's reflectance.
-  /// `weight` scales the values, `mass` the probabilities.
+  /// Samples reflection or transmission of undiffracted light at the plane, chosen by the reflectance: the hero's at
+  /// an interface, the mean of the wavelengths' at a pane. `weight` scales the values, `mass` the probabilities.
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, float weight, float mass,
                                    const BsdfContext& ctx) const;
+  /// Whether undiffracted light that passes goes straight on.
+  bool is_passable() const { return kind_ != Kind::interface; }
+  /// Fraction of the light from wi that passes and goes straight on; 0 at an interface, which refracts it.
+  Spectrum straight(const Vec3& wi, const BsdfContext& ctx) const;
 
 private:
   Spectrum index(const Ior& ior, const Wavelengths& w) const {

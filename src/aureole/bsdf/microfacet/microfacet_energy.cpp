@@ -63,19 +63,36 @@ double mirrored_energy(const Microfacets& d, const Vec3& wi, int points) {
   });
 }
 
-double diffuse_scattered_reflectance(const Microfacets& d, float eta) {
+ScatteredEnergy diffuse_scattered_energy(const Microfacets& d, float eta) {
   // The square of the cosine is uniform if the density is 2 mu. All strata have different lattices, so that
   // their errors, which the critical angle makes large, cancel.
   constexpr int kStrata = 64, kPoints = 1597;
-  double sum = 0;
+  ScatteredEnergy sum;
   for (int k = 0; k < kStrata; ++k)
-    sum += lattice_mean(kPoints, k * 0.7548776662466927, [&](int i, Vec2 u) {
-      const float c2 = (float(k) + float(fraction(0.5 + i * 0.4142135623730950))) / kStrata,
-                  r = std::sqrt(1 - c2);
-      const Vec2 a = cos_sin_2pi(float(fraction(i * 0.5698402909980532)));
-      return scatter(d, {r * a.x, r * a.y, std::sqrt(c2)}, eta, u).reflected;
-    });
-  return sum / kStrata;
+    sum = sum + lattice_mean(kPoints, k * 0.7548776662466927, [&](int i, Vec2 u) {
+            const float c2 = (float(k) + float(fraction(0.5 + i * 0.4142135623730950))) / kStrata,
+                        r = std::sqrt(1 - c2);
+            const Vec2 a = cos_sin_2pi(float(fraction(i * 0.5698402909980532)));
+            return scatter(d, {r * a.x, r * a.y, std::sqrt(c2)}, eta, u);
+          });
+  return sum * (1.0 / kStrata);
+}
+
+bool read_energy_preserving(const Properties& properties) {
+  return properties.get_bool("energy_preserving", properties.context().energy_preserving.value_or(false));
+}
+
+bool states_energy_preserving(const Properties& properties) {
+  return properties.has("energy_preserving") || properties.context().energy_preserving.has_value();
+}
+
+double DiffuseLoss::operator()(const Microfacets& d, float eta, bool from_within) const {
+  std::atomic<float>& known = known_[from_within ? 1 : 0];
+  if (known < 0) {
+    const ScatteredEnergy kept = diffuse_scattered_energy(d, from_within ? 1 / eta : eta);
+    known = std::max(float(1 - kept.reflected - kept.transmitted), 0.f);
+  }
+  return double(known.load());
 }
 
 LossTable::LossTable(const Roughness& roughness, std::vector<float> etas, const Energy& energy)

@@ -3,6 +3,7 @@
 // models lose: light reflected towards other facets.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <vector>
 
@@ -20,8 +21,23 @@ struct ScatteredEnergy {
 ScatteredEnergy scattered_energy(const Microfacets& d, const Vec3& wi, float eta, int points);
 /// Computes the fraction for facets that reflect all light.
 double mirrored_energy(const Microfacets& d, const Vec3& wi, int points);
-/// Returns the reflected fraction of diffuse light: the cosine-weighted mean of `scattered_energy`.
-double diffuse_scattered_reflectance(const Microfacets& d, float eta);
+/// Returns these fractions of diffuse light: the cosine-weighted mean of `scattered_energy`.
+ScatteredEnergy diffuse_scattered_energy(const Microfacets& d, float eta);
+
+/// Reads the parameter `energy_preserving`. Its default is that of the scene, else false.
+bool read_energy_preserving(const Properties& properties);
+/// Whether the scene file states that light may be lost or must not be.
+bool states_energy_preserving(const Properties& properties);
+
+/// The fraction of diffuse light that an interface loses by single scattering, computed on demand.
+class DiffuseLoss {
+public:
+  /// `eta`: index within over index outside. The object must always be asked with equal arguments.
+  double operator()(const Microfacets& d, float eta, bool from_within) const;
+
+private:
+  mutable std::atomic<float> known_[2] = {-1.f, -1.f};  ///< from outside and from within; negative: unknown
+};
 
 /// The lost fraction 1 - E(w), tabulated over the direction, the surface's roughnesses and the index of
 /// refraction.

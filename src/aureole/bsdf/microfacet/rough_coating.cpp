@@ -20,7 +20,7 @@ RoughCoating::RoughCoating(const Microfacets& d, double eta, bool energy_preserv
     mean += h * ((a + b) * mu + h * (a + 2 * b) / 3);
   }
   leaving = float(mean / (eta * eta));
-  f_int = energy_preserving ? 1 - leaving : float(diffuse_scattered_reflectance(d, float(1 / eta)));
+  f_int = energy_preserving ? 1 - leaving : float(diffuse_scattered_energy(d, float(1 / eta)).reflected);
 }
 
 }  // namespace aureole

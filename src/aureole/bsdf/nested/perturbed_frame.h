@@ -24,6 +24,9 @@ public:
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const final;
   std::optional<BsdfSample> sample(const Vec3& wi, float u1, Vec2 u2, const BsdfContext& ctx) const final;
   Spectrum null_transmittance(const Vec3& wi, const BsdfContext& ctx) const final;
+  double single_scattering_loss(bool from_within) const final {
+    return nested_->single_scattering_loss(from_within);
+  }
   Lobe lobes() const final { return nested_->lobes(); }
   Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const final {
     return nested_->diffuse_reflectance(wi, ctx);

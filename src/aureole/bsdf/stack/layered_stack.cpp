@@ -139,7 +139,8 @@ void LayeredStack::read_layers() {
       if (!(layer.thickness_m > 0)) throw p_.error("thickness", "must be above 0, or \"infinite\"");
     }
     const SourceLocation& where = media[i]->properties().where();
-    if (!media[i]->is_uniform()) throw Error(where, "the media of \"layered\" must be the same everywhere");
+    if (!media[i]->is_uniform() || !media[i]->phase().is_uniform())
+      throw Error(where, "the media of \"layered\" must be the same everywhere");
     if (media[i]->emits()) throw Error(where, "the media of \"layered\" do not emit light");
     if (!media[i]->phase().is_isotropic_medium())
       throw Error(where, "the media of \"layered\" must scatter alike for all directions of the light");

@@ -64,6 +64,9 @@ public:
     s->eta = 1;
     return s;
   }
+  double single_scattering_loss(bool from_within) const override {
+    return from_within ? 0 : nested_->single_scattering_loss(false);
+  }
   bool needs_tangent() const override { return nested_->needs_tangent(); }
   bool needs_choice() const override { return nested_->needs_choice(); }
   Lobe lobes() const override {

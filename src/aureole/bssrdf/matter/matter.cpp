@@ -48,7 +48,7 @@ Matter tabulate(const Medium& medium, const SpectralGrid& grid) {
 }
 
 Matter of_medium(const Properties& p, const Medium& medium) {
-  if (!medium.is_uniform())
+  if (!medium.is_uniform() || !medium.phase().is_uniform())
     throw Error(medium.properties().where(), "varies in space; a bssrdf needs the same medium everywhere");
   if (!medium.phase().is_isotropic_medium())
     throw Error(medium.properties().where(),

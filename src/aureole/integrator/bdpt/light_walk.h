@@ -110,7 +110,7 @@ public:
     s.arrived.arrive(!vertex.is_surface(), vertex.density_across(s.segment.ray.d), spread);
     if (!may_connect(i)) return;
     present.density = s.arrived;
-    present.edges = s.depth + 1, present.in_media = s.in_media;
+    present.edges = s.depth + 1, present.crossed = s.crossed, present.in_media = s.in_media;
     present.previous = s.kept, present.count = s.kept ? s.kept->count + 1 : 1;
     s.kept = &present;
   }

@@ -67,7 +67,7 @@ public:
   /// Whether paths that connect the present vertex with that one count.
   bool may_connect(int i, const LightVertex<L>& end) const {
     const State& s = states_[i];
-    return limits_.reaches(s.depth + 2 + end.edges) && techniques_.have(end.edges + 1, s.depth + 2) &&
+    return this->reaches(i, 2 + end.edges + end.crossed) && techniques_.have(end.edges + 1, s.depth + 2) &&
            (limits_.max_scattering < 0 || s.in_media + end.in_media <= limits_.max_scattering);
   }
   void weigh(const Spectrum& own, const Spectrum& other, const Wavelengths& w, TestSegment& out) const {
@@ -75,6 +75,10 @@ public:
   }
 
   // Hooks of the walk:
+  int further_segments(int i, int k) const {
+    const LightVertex<L>* end = states_[i].present_light;
+    return k > 0 ? end->edges + end->crossed : 0;
+  }
   bool has_technique(int s, int t) const { return techniques_.have(s, t); }
   const SensorSubpathDensity<L>& vertex_density(int i) const { return states_[i].arrived; }
   Spectrum* emission_in_media(int i) {

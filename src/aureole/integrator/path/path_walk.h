@@ -189,7 +189,7 @@ private:
   std::optional<Equiangular> connect_segment(int i, float t_max) {
     const State& s = states_[i];
     Path& p = path(i);
-    if (!may_sample_equiangular(s) || !limits_.reaches(s.depth + 2) || s.in_media == limits_.max_scattering ||
+    if (!may_sample_equiangular(s) || !this->reaches(i, 2) || s.in_media == limits_.max_scattering ||
         !s.density.has_light())
       return {};
     // The random numbers are those of the next vertex: the two estimates add up.
@@ -201,8 +201,10 @@ private:
     if (connect_along(scene_, s.segment, s.density, *positions, get(p.samples, s.vertex, Choice::distance),
                       get(p.samples, s.vertex + 1, Choice::light), get(pairs, Pair::connection),
                       p.wavelengths, key(p.samples, s.vertex, Stream::equiangular_connection),
-                      segments_->of_path[i]))
+                      segments_->of_path[i])) {
+      segments_->of_path[i].crossings_left = this->crossings_left(i, -1);
       segments_->rays.add(i, segments_->of_path[i].ray);
+    }
     return positions;
   }
 

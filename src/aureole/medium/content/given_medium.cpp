@@ -87,6 +87,11 @@ Spectrum GivenMedium::majorant(const Vec3&, const Wavelengths& w) const {
          factor;
 }
 
+bool GivenMedium::scatters() const {
+  return scale_ > 0 &&
+         (extinction_ ? extinction_->maximum() > 0 && albedo_->maximum() > 0 : scattering_->maximum() > 0);
+}
+
 bool GivenMedium::is_uniform() const {
   return has_uniform_emission() && !grid_ && (!albedo_ || albedo_->is_constant());
 }

@@ -24,6 +24,7 @@ public:
   Majorants majorants() const final { return grid_ ? Majorants(*grid_) : Majorants(); }
   const PhaseFunction& phase() const final { return *phase_; }
   bool emits() const final { return emission_ || temperature_; }
+  bool scatters() const final;
   bool is_uniform() const final;
   bool has_uniform_emission() const final;
   float sampling_weight() const final { return sampling_weight_; }

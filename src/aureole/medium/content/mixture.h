@@ -28,6 +28,7 @@ public:
   bool is_uniform() const final { return !grid_; }
   bool has_uniform_emission() const final { return true; }
   bool emits() const final { return false; }
+  bool scatters() const final { return scattering_.maximum() > 0; }
 
 private:
   std::shared_ptr<const void> tables_;       ///< keeps the tables alive, so that equal mixtures share them

@@ -21,7 +21,7 @@ bool is_in_the_way(const SceneSurfaces& surfaces, Ray ray) {
   for (int i = 0; i < 16; ++i) {
     const auto point = surfaces.intersect(ray);
     if (!point) return false;
-    if (point->surface->lobes != kNullLobe) return true;
+    if (!point->surface->is_null()) return true;
     const float passed = length(point->p - ray.o);
     ray = {offset_origin(*point, ray.d), ray.d, ray.t_max - passed};
   }

@@ -6,6 +6,7 @@
 #include <embree3/rtcore.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -36,10 +37,40 @@ std::optional<float> packet_hit(const Surface& surface, unsigned primitive, RTCR
   return t ? std::optional<float>(std::min(float(*t), far)) : std::nullopt;
 }
 
+/// For a query of all hits (`RayTracer::all_hits`), which traces one ray: shows each hit to the query's filter,
+/// which rejects it.
+template <class Surface>
+void show_all_hits(const Surface& surface, const RTCIntersectFunctionNArguments* args) {
+  RTCRay* ray = reinterpret_cast<RTCRay*>(RTCRayHitN_RayN(args->rayhit, 1));
+  const float near = ray->tnear, far = ray->tfar;
+  while (const auto t = packet_hit(surface, args->primID, reinterpret_cast<RTCRayN*>(ray), 1, 0)) {
+    RTCHit hit{};
+    hit.Ng_z = 1;
+    hit.primID = args->primID, hit.geomID = args->geomID, hit.instID[0] = args->context->instID[0];
+    int valid = -1;
+    RTCFilterFunctionNArguments shown{&valid,
+                                      args->geometryUserPtr,
+                                      args->context,
+                                      reinterpret_cast<RTCRayN*>(ray),
+                                      reinterpret_cast<RTCHitN*>(&hit),
+                                      1};
+    ray->tfar = *t;
+    args->context->filter(&shown);
+    ray->tfar = far;
+    // The distance was rounded; the next root lies beyond the next number.
+    ray->tnear = std::nextafter(*t, std::numeric_limits<float>::infinity());
+  }
+  ray->tnear = near;
+}
+
 template <class Surface>
 void user_intersect(const RTCIntersectFunctionNArguments* args) {
   const Surface& surface = *static_cast<const Surface*>(args->geometryUserPtr);
   const unsigned n = args->N;
+  if (args->context->filter && n == 1) {
+    if (args->valid[0] == -1) show_all_hits(surface, args);
+    return;
+  }
   RTCRayN* rays = RTCRayHitN_RayN(args->rayhit, n);
   RTCHitN* hits = RTCRayHitN_HitN(args->rayhit, n);
   for (unsigned i = 0; i < n; ++i) {

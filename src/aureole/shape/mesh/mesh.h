@@ -16,6 +16,7 @@
 
 #include <array>
 #include <cstdint>
+#include <mutex>
 
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/mesh/mesh_attribute.h"
@@ -118,6 +119,8 @@ private:
   std::vector<TrianglePlane> planes_;
   Bounds3 bounds_;
   std::string source_;  ///< parameter at which errors are located
+  mutable std::once_flag opening_is_known_;
+  mutable std::string opening_;  ///< the answer of `opening`, found when first asked for
 };
 
 /// Returns `own` followed by the documentation of the parameter that meshes share: face_normals.

@@ -47,8 +47,11 @@ std::string open_edges_text(std::size_t count) {
 }
 
 std::string Mesh::opening() const {
-  const Mesh* const self = this;
-  return open_edges_text(count_open_edges({&self, 1}));
+  std::call_once(opening_is_known_, [this] {
+    const Mesh* const self = this;
+    opening_ = open_edges_text(count_open_edges({&self, 1}));
+  });
+  return opening_;
 }
 
 }  // namespace aureole

@@ -27,37 +27,28 @@ float interpolate(const float* v, std::ptrdiff_t sy, std::ptrdiff_t sz, float tx
 Spectrum interpolate(const UpsampledColor* v, std::ptrdiff_t sy, std::ptrdiff_t sz, float tx, float ty,
                      float tz, const Spectrum& nm) {
   Spectrum sum;
+  float offset = 0;
   UpsampledColor last{};
   for (int corner = 0; corner < 8; ++corner) {
     const UpsampledColor& c = v[(corner & 1) + (corner >> 1 & 1) * sy + (corner >> 2) * sz];
-    const float weight =
-        c.scale * (corner & 1 ? tx : 1 - tx) * (corner & 2 ? ty : 1 - ty) * (corner & 4 ? tz : 1 - tz);
+    const float part = (corner & 1 ? tx : 1 - tx) * (corner & 2 ? ty : 1 - ty) * (corner & 4 ? tz : 1 - tz);
+    const float weight = c.scale * part;
     if (weight == 0) continue;
+    if (weight < 0) offset += part;
     if (c.c0 == last.c0 && c.c1 == last.c1 && c.c2 == last.c2) {
       last.scale += weight;
       continue;
     }
-    if (last.scale != 0) sum += last.eval(nm);
+    if (last.scale != 0) sum += last.shape(nm) * last.scale;
     last = {c.c0, c.c1, c.c2, weight};
   }
-  if (last.scale != 0) sum += last.eval(nm);
-  return sum;
+  if (last.scale != 0) sum += last.shape(nm) * last.scale;
+  return sum + offset;
 }
 
 /// Wavelength intervals in which the envelope is constant.
 constexpr int kEnvelopeParts = 94;  // 5 nm
 constexpr float kPartNm = (SigmoidPolynomial::kMaxNm - SigmoidPolynomial::kMinNm) / kEnvelopeParts;
-
-/// Returns the largest value of a sigmoid polynomial on an interval: the sigmoid is monotonic, its argument a
-/// parabola.
-float most_between(const SigmoidPolynomial& p, float from_nm, float to_nm) {
-  float most = std::max(p.at(from_nm), p.at(to_nm));
-  if (p.c0 != 0) {
-    const float vertex = -p.c1 / (2 * p.c0);
-    if (vertex > from_nm && vertex < to_nm) most = std::max(most, p.at(vertex));
-  }
-  return most;
-}
 
 }  // namespace
 
@@ -108,14 +99,14 @@ void VoxelVolume::set(Colors colors) {
   colors_.for_each([&](const UpsampledColor& c) {
     const auto [least, most] = c.range();
     minimum_ = std::min(minimum_, least), maximum_ = std::max(maximum_, most);
-    if (!(most > 0) || (c.c0 == last.c0 && c.c1 == last.c1 && c.c2 == last.c2)) return;
+    // Colours of one chromaticity, as in smoke, have one shape, if they are no part below white.
+    const bool same_shape = c.c0 == last.c0 && c.c1 == last.c1 && c.c2 == last.c2;
+    if (!(most > 0) || (same_shape && (c.scale == last.scale || (c.scale > 0 && last.scale > 0)))) return;
     last = c;
-    const SigmoidPolynomial polynomial{c.c0, c.c1, c.c2};
-    const float scale = c.scale / most;
     for (int i = 0; i < kEnvelopeParts; ++i) {
       const float from = SigmoidPolynomial::kMinNm + kPartNm * float(i);
       envelope_[std::size_t(i)] =
-          std::max(envelope_[std::size_t(i)], scale * most_between(polynomial, from, from + kPartNm));
+          std::max(envelope_[std::size_t(i)], c.range(from, from + kPartNm).second / most);
     }
   });
   constexpr float kRounding = 1e-5f;
