@@ -36,7 +36,7 @@ std::shared_ptr<const TabulatedPhase> make_table(const Properties& p) {
       const std::vector<double> nm =
           mie_spectrum(
               grid, {&radii, 1}, host(grid.min_nm),
-              [&](const std::vector<double>& at) { return ensemble(at).coefficients(); }, false)
+              [&](const std::vector<double>& at) { return ensemble(at).coefficients(); })
               .phase_nm;
       return std::make_shared<const TabulatedPhase>(
           tabulate(ensemble(nm).phases(for_ranges, progress_of(p)), nm, grid));

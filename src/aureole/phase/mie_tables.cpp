@@ -40,7 +40,7 @@ using Coefficients = optics::EnsembleCoefficients;
 
 /// Returns the error of the phase function and the asymmetry, which are linear, at the fraction t of the step.
 double phase_error(const Coefficients& a, const Coefficients& b, const Coefficients& c, double t) {
-  constexpr double kAsymmetry = 2e-3, kPhase = 2e-2, kFloor = 1e-3 / (4 * M_PI);
+  constexpr double kAsymmetry = 2e-3, kPhase = 1.5e-2, kFloor = 1e-3 / (4 * M_PI);
   double worst = std::abs(std::lerp(a.asymmetry, b.asymmetry, t) - c.asymmetry) / kAsymmetry;
   if (a.phase.size() != c.phase.size() || b.phase.size() != c.phase.size()) return worst;
   for (std::size_t i = 0; i < c.phase.size(); ++i) {
@@ -51,15 +51,40 @@ double phase_error(const Coefficients& a, const Coefficients& b, const Coefficie
   return worst;
 }
 
-/// Returns the error of scattering and absorption, which are powers of the wavelength.
-double coefficient_error(const Coefficients& a, const Coefficients& b, const Coefficients& c) {
-  constexpr double kTolerance = 2e-3, kLeastAbsorption = 1e-5;
-  const double t = std::log(c.lambda_nm / a.lambda_nm) / std::log(b.lambda_nm / a.lambda_nm);
-  const auto power = [t](double p, double q) {
-    return p > 0 && q > 0 ? p * std::pow(q / p, t) : std::lerp(p, q, t);
+/// Interpolates as a power of the wavelength, as scattering by both small and large particles is one; linearly
+/// where a value is 0. `t` is the fraction of the step in ln(wavelength).
+double power_law(double a, double b, double t) {
+  return a > 0 && b > 0 ? a * std::pow(b / a, t) : std::lerp(a, b, t);
+}
+
+double fraction_of_log(const Coefficients& a, const Coefficients& b, double nm) {
+  return std::clamp(std::log(nm / a.lambda_nm) / std::log(b.lambda_nm / a.lambda_nm), 0.0, 1.0);
+}
+
+double interpolated_scattering(const Coefficients& a, const Coefficients& b, double nm) {
+  return power_law(a.scattering, b.scattering, fraction_of_log(a, b, nm));
+}
+
+/// The ratio of the absorption to its estimate is interpolated. It is taken as 1 where neither end absorbs.
+double interpolated_absorption(const Coefficients& a, const Coefficients& b, double nm,
+                               const optics::SpectralFunction& estimate) {
+  constexpr double kRounding = 1e-10;  // of the extinction: less than that is no absorption
+  const auto ratio = [&](const Coefficients& c) {
+    const double estimated = estimate(c.lambda_nm);
+    return estimated > 0 && c.absorption > kRounding * c.extinction() ? c.absorption / estimated : 0;
   };
-  const double scattering = std::abs(power(a.scattering, b.scattering) - c.scattering);
-  const double absorption = std::abs(power(a.absorption, b.absorption) - c.absorption);
+  const double p = ratio(a), q = ratio(b);
+  return estimate(nm) * (p > 0 && q > 0   ? power_law(p, q, fraction_of_log(a, b, nm))
+                         : p > 0 || q > 0 ? std::max(p, q)
+                                          : 1);
+}
+
+/// Returns the error of scattering and absorption.
+double coefficient_error(const Coefficients& a, const Coefficients& b, const Coefficients& c,
+                         const optics::SpectralFunction& estimate) {
+  constexpr double kTolerance = 1e-3, kLeastAbsorption = 1e-4;
+  const double scattering = std::abs(interpolated_scattering(a, b, c.lambda_nm) - c.scattering);
+  const double absorption = std::abs(interpolated_absorption(a, b, c.lambda_nm, estimate) - c.absorption);
   const double tolerance = kTolerance * std::max(c.absorption, kLeastAbsorption * c.extinction()) +
                            2 * std::max({a.absorption_error, b.absorption_error, c.absorption_error});
   return std::max(c.scattering > 0 ? scattering / (kTolerance * c.scattering) : 0,
@@ -120,8 +145,26 @@ void require_sizes_for_tables(const SpectralGrid& grid, std::span<const optics::
           x, grid.min_nm, kMaxSize));
 }
 
+std::pair<const Coefficients&, const Coefficients&> MieSpectrum::step_at(double nm) const {
+  const auto above =
+      std::upper_bound(coefficients.begin() + 1, coefficients.end() - 1, nm,
+                       [](double l, const optics::EnsembleCoefficients& c) { return l < c.lambda_nm; });
+  return {above[-1], above[0]};
+}
+
+double MieSpectrum::scattering(double nm) const {
+  const auto [a, b] = step_at(nm);
+  return interpolated_scattering(a, b, nm);
+}
+
+double MieSpectrum::absorption(double nm) const {
+  const auto [a, b] = step_at(nm);
+  return interpolated_absorption(a, b, nm, estimated_absorption);
+}
+
 MieSpectrum mie_spectrum(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
-                         double host_index, const MieEvaluator& evaluate, bool with_coefficients) {
+                         double host_index, const MieEvaluator& evaluate,
+                         optics::SpectralFunction estimated_absorption) {
   require_sizes_for_tables(grid, radii, host_index);
   double count = 2, size = 1;
   for (const optics::RadiusDistribution& r : radii)
@@ -162,7 +205,8 @@ MieSpectrum mie_spectrum(const SpectralGrid& grid, std::span<const optics::Radiu
       // Averages over radii are smooth functions of the wavelength with some noise, which finer steps would
       // resolve. Phase functions are the noisiest, in the glory; the absorption is noisy until it converges.
       const bool again = is_single || s.halvings < 1;
-      const bool for_coefficients = with_coefficients && coefficient_error(a, b, c) > 1 &&
+      const bool for_coefficients = estimated_absorption &&
+                                    coefficient_error(a, b, c, estimated_absorption) > 1 &&
                                     (again || (a.converged && b.converged && c.converged));
       const bool for_phases = again && more_phases && phase_error(a, b, c, fraction_of(a, b, c)) > 1;
       if (for_coefficients || for_phases)
@@ -174,6 +218,7 @@ MieSpectrum mie_spectrum(const SpectralGrid& grid, std::span<const optics::Radiu
   MieSpectrum result;
   for (auto& [node, c] : found) result.coefficients.push_back(std::move(c));
   result.phase_nm = choose_phases(result.coefficients, most_phases(result.coefficients, size));
+  result.estimated_absorption = std::move(estimated_absorption);
   return result;
 }
 
@@ -182,7 +227,7 @@ optics::EnsembleAccuracy mie_accuracy(std::span<const optics::RadiusDistribution
   double x = 1;
   for (const optics::RadiusDistribution& r : radii) x = std::max(x, size_parameter(r, host_index, nm));
   optics::EnsembleAccuracy a;
-  a.averaging = 1e-3, a.least_absorption = 1e-5, a.phase_averaging = 1e-2;
+  a.averaging = 1e-3, a.least_absorption = 1e-4, a.phase_averaging = 7e-3;
   // The cost grows as the square of the size, times the number of radii.
   a.most_radii = std::size_t(std::clamp(1e6 / x, 128.0, 4096.0));
   a.most_coefficient_radii = std::size_t(std::clamp(1e6 / x, 1024.0, 8192.0));

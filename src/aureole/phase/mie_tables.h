@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "aureole/optics/particle/ensemble.h"
@@ -13,11 +14,21 @@ namespace aureole {
 
 /// Coefficients and phase functions over the wavelengths of a film, computed where interpolation needs them.
 struct MieSpectrum {
-  /// At increasing wavelengths, which are nodes of the grid. Between them scattering and absorption are
-  /// interpolated as powers of the wavelength.
+  /// At increasing wavelengths, which are nodes of the grid.
   std::vector<optics::EnsembleCoefficients> coefficients;
   /// Those of the wavelengths [nm] at which phase functions are needed; between them they are linear.
   std::vector<double> phase_nm;
+  /// An estimate of the absorption coefficient that is cheap at each wavelength.
+  optics::SpectralFunction estimated_absorption;
+
+  /// Interpolate between the nodes: scattering as a power of the wavelength, absorption as such a power times
+  /// its estimate.
+  double scattering(double nm) const;
+  double absorption(double nm) const;
+
+private:
+  std::pair<const optics::EnsembleCoefficients&, const optics::EnsembleCoefficients&> step_at(
+      double nm) const;
 };
 
 /// Computes coefficients at some wavelengths, without phase tables.
@@ -26,11 +37,11 @@ using MieEvaluator = std::function<std::vector<optics::EnsembleCoefficients>(con
 /// Chooses the wavelengths for particles with these radii. Steps are halved until interpolation in their middle
 /// is accurate to 2e-3, which leaves a quarter of that, or until they are steps of the grid. Criteria are
 /// scattering, absorption (or 1e-4 of the extinction, if that is more) and asymmetry; for phase functions it
-/// is 2 % at `Ensemble::probes`, as far as `most_phases` allows. Without `with_coefficients` the phase function
-/// and the asymmetry alone count. Throws std::domain_error as
-/// `require_sizes_for_tables` does.
+/// is 2 % at `Ensemble::probes`, as far as `most_phases` allows. Without `estimated_absorption` the phase
+/// function and the asymmetry alone count. Throws std::domain_error as `require_sizes_for_tables` does.
 MieSpectrum mie_spectrum(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
-                         double host_index, const MieEvaluator& evaluate, bool with_coefficients = true);
+                         double host_index, const MieEvaluator& evaluate,
+                         optics::SpectralFunction estimated_absorption = nullptr);
 
 /// Throws std::domain_error if an effective radius is too large for the shortest wavelength: the time grows as
 /// the cube of their ratio.

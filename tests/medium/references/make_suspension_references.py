@@ -2,11 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write suspension_references.inc: coefficients and phase functions of spheres in suspension by another program.
 
-    pip install numpy miepython==3.3.0
-    python tests/medium/references/make_suspension_references.py
+    pip install numpy numba miepython==3.3.0
+    MIEPYTHON_USE_JIT=1 python tests/medium/references/make_suspension_references.py
 
 Sums of miepython's (S. Prahl) efficiencies and phase functions over densely spaced radii, which takes minutes. The
-radii are far denser than those of the medium `suspension`: spheres that absorb little do so in narrow resonances.
+radii are far denser than those of the medium `suspension`: spheres that absorb little do so in narrow resonances, so
+that 64,000 radii of spheres of 4 um with k = 1e-5 leave an error of 2e-3.
 """
 import pathlib
 
@@ -32,11 +33,11 @@ CASES = [
     ("0.2um", "", 0.2, 1.33, 1.59, 1),
     ("1um", "", 1.0, 1.33, 1.59, 1),
     ("4um", "", 4.0, 1.0, 1.33 - 1e-5j, 1),
-    ("0.3um", SPREAD.format(0.3), log_normal(0.3, 0.3), 1.33, 1.59 - 1e-4j, 4000),
-    ("1um", SPREAD.format(0.1), log_normal(1, 0.1), 1.0, 1.33 - 1e-5j, 4000),
-    ("4um", SPREAD.format(0.1), log_normal(4, 0.1), 1.0, 1.33 - 1e-5j, 64000),
-    ("4um", GAMMA, modified_gamma(4, 6), 1.0, 1.33 - 1e-5j, 64000),
-    ("4um", GAMMA, modified_gamma(4, 6), 1.0, 1.33 - 1e-3j, 16000)]
+    ("0.3um", SPREAD.format(0.3), log_normal(0.3, 0.3), 1.33, 1.59 - 1e-4j, 40000),
+    ("1um", SPREAD.format(0.1), log_normal(1, 0.1), 1.0, 1.33 - 1e-5j, 100000),
+    ("4um", SPREAD.format(0.1), log_normal(4, 0.1), 1.0, 1.33 - 1e-5j, 1000000),
+    ("4um", GAMMA, modified_gamma(4, 6), 1.0, 1.33 - 1e-5j, 1000000),
+    ("4um", GAMMA, modified_gamma(4, 6), 1.0, 1.33 - 1e-3j, 100000)]
 
 
 def sums(nm, radii, host, index, count):
@@ -49,7 +50,7 @@ def sums(nm, radii, host, index, count):
         keep = weight * r ** 4 > 1e-9 * np.sum(weight * r ** 4)
         r, weight = r[keep], weight[keep] / weight.sum()
     x, m = 2 * np.pi * r * host / (1e-3 * nm), index / host
-    qext, qsca, _, g = [np.array(v) for v in zip(*(miepython.efficiencies_mx(m, one) for one in x))]
+    qext, qsca, _, g = miepython.efficiencies_mx(m, x)
     area = weight * np.pi * r ** 2
     scattering = np.sum(area * qsca)
     step = max(1, len(r) // 6000)

@@ -20,30 +20,11 @@ namespace aureole {
 
 namespace {
 
-/// Interpolates values as powers of the wavelength between nodes, since scattering and absorption of both
-/// small and large particles follow such power laws. Linear where a value is 0.
-class PowerLaws {
-public:
-  PowerLaws(std::vector<double> nm, std::vector<double> values)
-      : nm_(std::move(nm)), values_(std::move(values)) {}
-
-  double operator()(double nm) const {
-    const auto above = std::upper_bound(nm_.begin() + 1, nm_.end() - 1, nm);
-    const std::size_t i = std::size_t(above - nm_.begin()) - 1;
-    const double a = values_[i], b = values_[i + 1];
-    const double t = std::clamp(std::log(nm / nm_[i]) / std::log(nm_[i + 1] / nm_[i]), 0.0, 1.0);
-    return a > 0 && b > 0 ? a * std::pow(b / a, t) : std::lerp(a, b, t);
-  }
-
-private:
-  std::vector<double> nm_, values_;
-};
-
 /// The coefficients of a mixture [1/length] and its phase function.
 struct MixtureTables {
   SampledSpectrum extinction, scattering;
   std::shared_ptr<const TabulatedPhase> phase;  ///< null: the default phase function
-  /// Estimated error of the absorption by particles, relative to it or to 1e-5 of the extinction, if that is
+  /// Estimated error of the absorption by particles, relative to it or to 1e-4 of the extinction, if that is
   /// more: the largest over the wavelengths.
   double absorption_error = 0;
 };
@@ -67,22 +48,20 @@ MixtureTables tabulate_mixture(const optics::Suspension& content, const Spectral
   const double index = host.index(grid.min_nm);
   optics::EnsembleAccuracy accuracy = mie_accuracy(radii, index, grid.min_nm);
   const optics::Suspension particles(host, content.ingredients());
-  const MieSpectrum spectrum = mie_spectrum(grid, radii, index, [&](const std::vector<double>& at) {
-    return particles.spectrum(at, false, accuracy, for_ranges).coefficients;
-  });
-  std::vector<double> nm;
+  const MieSpectrum spectrum = mie_spectrum(
+      grid, radii, index,
+      [&](const std::vector<double>& at) {
+        return particles.spectrum(at, false, accuracy, for_ranges).coefficients;
+      },
+      [particles](double nm) { return particles.straight_absorption(nm); });
   for (const optics::EnsembleCoefficients& c : spectrum.coefficients) {
-    nm.push_back(c.lambda_nm);
-    const double absorbed = std::max(c.absorption, 1e-5 * c.extinction());
+    const double absorbed = std::max(c.absorption, 1e-4 * c.extinction());
     if (absorbed > 0) made.absorption_error = std::max(made.absorption_error, c.absorption_error / absorbed);
   }
-  std::vector<double> absorption, scattering;
-  for (const optics::EnsembleCoefficients& c : spectrum.coefficients)
-    absorption.push_back(std::max(c.absorption, 0.0)), scattering.push_back(c.scattering);
-  const PowerLaws sigma_a(nm, std::move(absorption)), sigma_s(nm, std::move(scattering));
-  made.scattering = SampledSpectrum::from_function(grid, [&](double l) { return unit * sigma_s(l); });
+  made.scattering =
+      SampledSpectrum::from_function(grid, [&](double l) { return unit * spectrum.scattering(l); });
   made.extinction = SampledSpectrum::from_function(
-      grid, [&](double l) { return unit * (sigma_s(l) + sigma_a(l) + of_host(l)); });
+      grid, [&](double l) { return unit * (spectrum.scattering(l) + spectrum.absorption(l) + of_host(l)); });
   accuracy.most_coefficient_radii = 0;
   const optics::PhaseTables phases =
       particles.spectrum(spectrum.phase_nm, true, accuracy, for_ranges, progress).phases;

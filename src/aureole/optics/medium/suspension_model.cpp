@@ -6,6 +6,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "aureole/optics/constants.h"
 #include "aureole/optics/particle/hard_spheres.h"
 #include "aureole/optics/particle/rayleigh_scattering.h"
 
@@ -114,6 +115,16 @@ double Suspension::density() const {
   for (std::size_t i = 0; i < ingredients_.size(); ++i) {
     if (!(ingredients_[i].density > 0)) return 0;
     sum += volume_fraction(i) * ingredients_[i].density;
+  }
+  return sum;
+}
+
+double Suspension::straight_absorption(double lambda_nm) const {
+  double sum = 0;
+  for (const ParticlePopulation& p : populations_) {
+    const double radius = p.radii.effective_radius();
+    sum += p.volume_fraction() / (4 * kPi / 3 * radius * radius * radius) *
+           p.kind->straight_absorption(radius, lambda_nm);
   }
   return sum;
 }

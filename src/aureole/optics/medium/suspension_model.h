@@ -61,6 +61,10 @@ public:
   /// Returns the real index of the host; the particles' contribution to refraction is neglected.
   double index(double lambda_nm) const { return host_.index(lambda_nm); }
 
+  /// Estimates the absorption coefficient of the particles, 1/m, without their diffraction and refraction
+  /// (`ParticleKind::straight_absorption` at the effective radius).
+  double straight_absorption(double lambda_nm) const;
+
   /// Computes the spectrum at increasing wavelengths in nm. sigma_a of the host is scaled by its volume
   /// fraction.
   MediumSpectrum spectrum(const std::vector<double>& lambda_nm, bool with_phases = true,

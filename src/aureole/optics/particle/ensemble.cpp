@@ -25,7 +25,7 @@ double wave_number(double lambda_nm, double host) { return 2 * kPi * host / (lam
 std::vector<double> front_probes() {
   std::vector<double> mu;
   for (const double degrees :
-       {1.0, 3.0, 7.0, 12.0, 18.0, 25.0, 33.0, 42.0, 50.0, 58.0, 66.0, 74.0, 82.0, 89.0})
+       {0.0, 1.0, 3.0, 7.0, 12.0, 18.0, 25.0, 33.0, 42.0, 50.0, 58.0, 66.0, 74.0, 82.0, 89.0})
     mu.push_back(std::cos(degrees * kPi / 180));
   return mu;
 }
@@ -308,7 +308,7 @@ void Ensemble::refine_coefficients(std::vector<Average>& averages, const Paralle
     averages[i].done = populations_[i % kinds].radii.is_single();
     if (!averages[i].done) averages[i].radii = 0;
   }
-  for (double density = 4;; density *= 2) {
+  for (double density = 2;; density *= 2) {
     std::vector<std::vector<RadiusNode>> nodes(averages.size());
     bool open = false;
     for (std::size_t a = 0; a < averages.size(); ++a)

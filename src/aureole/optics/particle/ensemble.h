@@ -85,8 +85,8 @@ public:
 
   const std::vector<EnsembleCoefficients>& coefficients() const { return coefficients_; }
 
-  /// Returns the cosines of the scattering angles at which averages of phase functions are compared, from 1 to
-  /// 179 degrees.
+  /// Returns the cosines of the scattering angles at which averages of phase functions are compared, from 0 to
+  /// 180 degrees.
   static std::vector<double> probes();
 
   /// Returns the scattering coefficient per solid angle, 1/(m sr), at one of the wavelengths.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/optics/particle/particle.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -48,6 +49,13 @@ private:
   double geometric_, per_steradian_;
 };
 
+/// Returns the fraction of light that is absorbed on the mean chord, volume over area, of a sphere of `radius`
+/// whose matter has the mean extinction coefficient `k`, times the area.
+double absorbed_on_mean_chord(double radius, double k, double lambda_nm) {
+  const double absorption = 4 * kPi * k / (lambda_nm * 1e-9);  // 1/m
+  return -kPi * radius * radius * std::expm1(-absorption * 4 / 3 * radius);
+}
+
 double size_parameter(double radius, double lambda_nm, double host) {
   if (!(lambda_nm > 0 && std::isfinite(lambda_nm)))
     throw std::domain_error("wavelength must be positive and finite, got " + std::to_string(lambda_nm) +
@@ -68,6 +76,9 @@ public:
       return std::make_unique<RayleighSphere>(radius, lambda_nm, n, host);
     return std::make_unique<SphereParticle<Mie>>(Mie(x, n / host), radius);
   }
+  double straight_absorption(double radius, double lambda_nm) const override {
+    return absorbed_on_mean_chord(radius, index_(lambda_nm).imag(), lambda_nm);
+  }
 
 private:
   IndexFunction index_;
@@ -84,6 +95,11 @@ public:
     return std::make_unique<SphereParticle<CoatedMie>>(
         CoatedMie(x * core / radius, x, core_(lambda_nm) / host, coat), radius);
   }
+  double straight_absorption(double radius, double lambda_nm) const override {
+    const double part = std::pow(std::max(core_radius_(radius) / radius, 0.0), 3);
+    return absorbed_on_mean_chord(radius, std::lerp(coat_(lambda_nm).imag(), core_(lambda_nm).imag(), part),
+                                  lambda_nm);
+  }
 
 private:
   IndexFunction core_, coat_;
@@ -95,6 +111,9 @@ public:
   RayleighKind(IndexFunction index, double rho) : index_(std::move(index)), rho_(rho) { king_factor(rho); }
   std::unique_ptr<const Particle> make(double radius, double lambda_nm, double host) const override {
     return std::make_unique<RayleighSphere>(radius, lambda_nm, index_(lambda_nm), host, rho_);
+  }
+  double straight_absorption(double radius, double lambda_nm) const override {
+    return absorbed_on_mean_chord(radius, index_(lambda_nm).imag(), lambda_nm);
   }
 
 private:

@@ -62,6 +62,10 @@ public:
   /// Makes a particle of the outer `radius` (m) in a medium of real index `host`. Throws std::domain_error
   /// outside the range of the theory.
   virtual std::unique_ptr<const Particle> make(double radius, double lambda_nm, double host) const = 0;
+  /// Estimates the absorption cross section, m^2, of a particle of the outer `radius` (m): rays pass it
+  /// straight, without refraction, on its mean chord. Absorption over this estimate varies less with the
+  /// wavelength than absorption alone, since what absorbs varies with both.
+  virtual double straight_absorption(double /*radius*/, double /*lambda_nm*/) const { return 0; }
 };
 
 /// Homogeneous spheres (Mie theory).
