@@ -13,6 +13,7 @@ namespace {
 
 using aureole::test::choice;
 using aureole::test::grid_over_cube;
+using aureole::test::grid_xml;
 using aureole::test::make_vol;
 using aureole::test::VolumeFolder;
 using aureole::test::write_bytes;
@@ -56,6 +57,25 @@ TEST(GridTransport, AConstantGridIsHomogeneous) {
   for (const char* integrator : {"path", "ptracer"})
     expect_same(picture(integrator, heterogeneous(filling(file, "sigma_t", "trilinear"), 2.4)),
                 picture(integrator, medium(0.24, 0.96, 0.4)), integrator);
+}
+
+// Positions along rays that are sampled by the light must end at the box, too (equiangular sampling).
+TEST(GridTransport, AMediumEndsAtTheBoxOfItsVolume) {
+  VolumeFolder folder;
+  const auto file = write_bytes(folder.path() / "one.vol", make_vol({1, 1, 1}, 1, {1}).bytes());
+  // Three quarters of the cube's length, turned; as the place of [0, 1]^3 and of [-1, 1]^3.
+  const std::string turned = "<rotate z=\"1\" angle=\"20\"/></transform>";
+  const std::string place =
+      "<transform name=\"to_world\"><translate x=\"-0.5\" y=\"-0.5\" z=\"-0.5\"/><scale value=\"1.5\"/>" +
+      turned;
+  const auto named = [](std::string volume) { return volume.insert(volume.find(' '), " name=\"sigma_t\""); };
+  const std::string constant = "<volume type=\"constvolume\">" + parameter("value", 1) + place + "</volume>";
+  for (const char* integrator : {"path", "ptracer", "bdpt"}) {
+    const Picture smaller = picture(integrator, "<transform name=\"to_world\"><scale value=\"0.75\"/>" +
+                                                    turned + heterogeneous(parameter("sigma_t", 1), 1.2));
+    expect_same(smaller, picture(integrator, heterogeneous(named(constant), 1.2)), integrator);
+    expect_same(smaller, picture(integrator, heterogeneous(named(grid_xml(file, place)), 1.2)), integrator);
+  }
 }
 
 TEST(GridTransport, AnyMajorantGivesTheSame) {

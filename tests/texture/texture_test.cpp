@@ -118,8 +118,13 @@ TEST(TextureRoles, Points) {
   const auto t = read(kReflectance, R"(<spectrum name="t" value="400:0.2, 500:0.6, 700:0.4"/>)");
   EXPECT_NEAR(at(*t, 450), 0.4, 1e-6);
   EXPECT_NEAR(at(*t, 600), 0.5, 1e-6);
-  EXPECT_EQ(at(*t, 380), 0);
-  EXPECT_EQ(at(*t, 750), 0);
+  // A property of matter keeps the values at the ends of its data, light has none outside them.
+  EXPECT_NEAR(at(*t, 380), 0.2, 1e-6);
+  EXPECT_NEAR(at(*t, 750), 0.4, 1e-6);
+  const auto light = read(kEmission, R"(<spectrum name="t" value="400:0.2, 500:0.6, 700:0.4"/>)");
+  EXPECT_NEAR(at(*light, 450), 0.4, 1e-6);
+  EXPECT_EQ(at(*light, 380), 0);
+  EXPECT_EQ(at(*light, 750), 0);
 }
 
 TEST(TextureRoles, WrongInputIsLocated) {

@@ -38,6 +38,19 @@ TEST(Volume, AConstantVolumeIsItsValue) {
     }
 }
 
+TEST(Volume, ThePlaceOfAConstantVolumeBoundsExtinctionAlone) {
+  const std::string placed =
+      "<volume name=\"v\" type=\"constvolume\"><float name=\"value\" value=\"0.7\"/><transform "
+      "name=\"to_world\"><scale value=\"2\"/></transform></volume>";
+  const VolumePtr extinction = read(SpectrumRole::unbounded, placed);
+  ASSERT_TRUE(extinction->to_box());
+  EXPECT_FALSE(extinction->is_constant());
+  EXPECT_EQ(extinction->to_box()->point({2, 1, 0}).x, 1);
+  const VolumePtr albedo = read(SpectrumRole::reflectance, placed);
+  EXPECT_FALSE(albedo->to_box());
+  EXPECT_TRUE(albedo->is_constant());
+}
+
 // As numbers of a scene file do (docs/conventions.md).
 TEST(Volume, AGridOfEmissionMultipliesD65) {
   VolumeFolder folder;

@@ -34,10 +34,9 @@ std::shared_ptr<const TabulatedPhase> make_table(const Properties& p) {
         return optics::Ensemble({{optics::sphere_kind(index), radii}}, nm, host, accuracy, for_ranges);
       };
       const std::vector<double> nm =
-          mie_spectrum(
-              grid, {&radii, 1}, host(grid.min_nm),
-              [&](const std::vector<double>& at) { return ensemble(at).coefficients(); })
-              .phase_nm;
+          mie_spectrum(grid, {&radii, 1}, host(grid.min_nm), [&](const std::vector<double>& at) {
+            return ensemble(at).coefficients();
+          }).phase_nm;
       return std::make_shared<const TabulatedPhase>(
           tabulate(ensemble(nm).phases(for_ranges, progress_of(p)), nm, grid));
     } catch (const std::domain_error& e) {

@@ -16,9 +16,11 @@ namespace aureole {
 struct MieSpectrum {
   /// At increasing wavelengths, which are nodes of the grid.
   std::vector<optics::EnsembleCoefficients> coefficients;
-  /// Those of the wavelengths [nm] at which phase functions are needed; between them they are linear.
+  /// The wavelengths [nm], some of those of `coefficients`, at which phase functions are needed; between them
+  /// phase functions are linear.
   std::vector<double> phase_nm;
-  /// An estimate of the absorption coefficient that is cheap at each wavelength.
+  /// An estimate of the absorption coefficient that is cheap at each wavelength, such as
+  /// `Suspension::straight_absorption`.
   optics::SpectralFunction estimated_absorption;
 
   /// Interpolate between the nodes: scattering as a power of the wavelength, absorption as such a power times
@@ -35,10 +37,9 @@ private:
 using MieEvaluator = std::function<std::vector<optics::EnsembleCoefficients>(const std::vector<double>& nm)>;
 
 /// Chooses the wavelengths for particles with these radii. Steps are halved until interpolation in their middle
-/// is accurate to 2e-3, which leaves a quarter of that, or until they are steps of the grid. Criteria are
-/// scattering, absorption (or 1e-4 of the extinction, if that is more) and asymmetry; for phase functions it
-/// is 2 % at `Ensemble::probes`, as far as `most_phases` allows. Without `estimated_absorption` the phase
-/// function and the asymmetry alone count. Throws std::domain_error as `require_sizes_for_tables` does.
+/// is right to 1e-3 in scattering and absorption (or in 1e-4 of the extinction, if that is more), 2e-3 in the
+/// asymmetry and, as far as `most_phases` allows, 1.5 % in the phase function at `Ensemble::probes`; or until
+/// they are steps of the grid. Without `estimated_absorption` the phase function and the asymmetry alone count. Throws std::domain_error as `require_sizes_for_tables` does.
 MieSpectrum mie_spectrum(const SpectralGrid& grid, std::span<const optics::RadiusDistribution> radii,
                          double host_index, const MieEvaluator& evaluate,
                          optics::SpectralFunction estimated_absorption = nullptr);

@@ -2,6 +2,7 @@
 // `ConstantVolume`: a volume with one spectrum at all points.
 #pragma once
 
+#include <optional>
 #include <utility>
 
 #include "aureole/volume/volume.h"
@@ -10,13 +11,15 @@ namespace aureole {
 
 class ConstantVolume : public Volume {
 public:
-  /// `value` must not vary in space.
-  ConstantVolume(const Properties& properties, TexturePtr value)
-      : Volume(properties), value_(std::move(value)) {}
+  /// `value` must not vary in space. With `to_box` the volume has a box, outside which a medium with this
+  /// extinction is empty; the value holds outside, too.
+  ConstantVolume(const Properties& properties, TexturePtr value, std::optional<Transform> to_box = {})
+      : Volume(properties), value_(std::move(value)), to_box_(std::move(to_box)) {}
 
   Spectrum eval(const Vec3&, const Wavelengths& w) const final { return value_->eval({}, w); }
   float eval_scalar(const Vec3&) const final { return value_->eval_scalar({}); }
-  bool is_constant() const final { return true; }
+  bool is_constant() const final { return !to_box_; }
+  std::optional<Transform> to_box() const final { return to_box_; }
   float maximum() const final { return value_->maximum(); }
   float minimum() const final { return value_->minimum(); }
   void note_ends() const final { value_->note_ends(properties(), "value"); }
@@ -24,6 +27,7 @@ public:
 
 private:
   TexturePtr value_;
+  std::optional<Transform> to_box_;
 };
 
 }  // namespace aureole

@@ -14,11 +14,20 @@ TexturePtr read_value(const Properties& p, SpectrumRole role) {
   return value;
 }
 
+std::optional<Transform> read_box(const Properties& p) {
+  if (!p.has("to_world")) return {};
+  return p.get_transform("to_world").inverse();
+}
+
 class ConstVolume final : public ConstantVolume {
 public:
-  explicit ConstVolume(const Properties& p) : ConstantVolume(p, read_value(p, SpectrumRole::unbounded)) {}
+  explicit ConstVolume(const Properties& p)
+      : ConstantVolume(p, read_value(p, SpectrumRole::unbounded), read_box(p)) {}
 
   VolumePtr in_role(SpectrumRole role) const override {
+    if (role == SpectrumRole::unbounded) return nullptr;
+    if (to_box())
+      properties().note("to_world", "has no effect here: the box of the extinction bounds the medium");
     return std::make_shared<ConstantVolume>(properties(), read_value(properties(), role));
   }
 };
@@ -28,9 +37,16 @@ AUREOLE_PLUGIN(ConstVolume, "volume", "constvolume",
                    "One value at all points: a number, a colour or a spectrum. A coefficient of a medium "
                    "may also be given directly, without this volume.",
                    "",
-                   {{"value", "spectrum", "", "required", "value at all points"}},
+                   {{"value", "spectrum", "", "required", "value at all points"},
+                    {"to_world", "transform", "", "none",
+                     "transform from the unit cube [0, 1]^3 to world space. As the extinction of a "
+                     "`heterogeneous` medium, the volume ends at this box; without it, it has no end"}},
                    {R"(<volume type="constvolume">
     <rgb name="value" value="0.8, 0.9, 0.7"/>
+</volume>)",
+                    R"(<volume type="constvolume">
+    <float name="value" value="0.8"/>
+    <transform name="to_world"> <scale value="2"/> <translate x="-1" y="-1" z="-1"/> </transform>
 </volume>)"}});
 
 }  // namespace

@@ -54,7 +54,7 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
       throw properties.error(name, "a texture that varies over a surface has no value inside a volume");
     return std::make_shared<ConstantVolume>(properties, std::move(value));
   }
-  const auto volume = std::dynamic_pointer_cast<const Volume>(*object);
+  auto volume = std::dynamic_pointer_cast<const Volume>(*object);
   if (volume->channels() != 1)
     throw properties.error(name,
                            fmt::format("needs one number or a colour at each point, but the volume has {} "
@@ -69,10 +69,11 @@ VolumePtr get_optional_volume(const Properties& properties, std::string_view nam
   if (role == SpectrumRole::reflectance && volume->maximum() > 1 + kTolerance)
     throw properties.error(
         name, fmt::format("must lie in [0, 1], but the volume goes up to {:.6g}", volume->maximum()));
-  if (ends_of(role) == SpectrumEnds::zero) {
-    if (VolumePtr meant = volume->in_role(role)) return meant;
-    if (role == SpectrumRole::emission) return std::make_shared<Illuminated>(properties, volume);
-  }
+  if (VolumePtr meant = volume->in_role(role))
+    volume = std::move(meant);
+  else if (role == SpectrumRole::emission)
+    return std::make_shared<Illuminated>(properties, volume);
+  if (ends_of(role) == SpectrumEnds::zero) return volume;
   if (properties.plugin() == nullptr || properties.plugin()->family != "texture") volume->note_ends();
   return volume;
 }

@@ -67,6 +67,11 @@ GivenMedium::GivenMedium(const Properties& p) : Medium(p) {
 }
 
 void GivenMedium::eval(const Vec3& p, const Vec3& d, const Wavelengths& w, MediumCoefficients& out) const {
+  if (grid_ && grid_->at(p) == 0) {
+    // Volumes may have values outside of their box, but the medium is empty there.
+    out = {};
+    return;
+  }
   const float factor = scale_ * phase_->projected_area(d, p);
   if (extinction_) {
     out.sigma_t = extinction_->eval(p, w) * factor;

@@ -121,6 +121,10 @@ ParameterDoc Mixture::density_row() {
 }
 
 void Mixture::eval(const Vec3& p, const Vec3&, const Wavelengths& w, MediumCoefficients& out) const {
+  if (grid_ && grid_->at(p) == 0) {
+    out = {};  // outside of the density's box
+    return;
+  }
   out.sigma_t = extinction_.eval(w);
   out.sigma_s = min(scattering_.eval(w), out.sigma_t);
   out.emission = 0.f;

@@ -33,9 +33,10 @@ struct ParticlePopulation {
 
 struct EnsembleAccuracy {
   /// The number of radii is doubled until scattering, extinction, asymmetry and absorption change by at most
-  /// `averaging`. Some 10 nodes per unit of 2 pi radius n/lambda suffice for scattering. The
-  /// resonances in which a weak absorber absorbs are narrower by far: each is averaged in closed form
-  /// (`Particle::mean_absorption`). A change of the absorption by less than `averaging` times `least_absorption` of the extinction does not count.
+  /// `averaging`. One or two nodes per unit of 2 pi radius n/lambda suffice for scattering. The resonances in
+  /// which a weak absorber absorbs are narrower by far: each is averaged in closed form
+  /// (`Particle::mean_absorption`). Absorption below the part `least_absorption` of the extinction may change by
+  /// `averaging` times that part.
   double averaging = 1e-3, least_absorption = 1e-6;
   /// Bound of the change of the phase function at `Ensemble::probes`: root mean square of the relative changes.
   /// The remaining error is about a third of it.

@@ -61,7 +61,7 @@ void PartialWaves::find_efficiencies() {
 
 namespace {
 
-/// What a partial wave absorbs: Re a - |a|^2.
+/// Returns the part of a partial wave that is absorbed: Re a - |a|^2.
 double absorbed(Complex a) { return std::max(a.real() - std::norm(a), 0.0); }
 
 /// Returns the mean of `absorbed` from -h to h; the three values of a are those at -d, 0 and d.
