@@ -79,7 +79,6 @@ public:
     sampler_ = tables_->sampler;
     balance_ = tables_->balance;
     needs_tangent_ = !model_->is_isotropic();
-    fill_ = model_->fill();
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -161,10 +160,10 @@ private:
       x.cosine = std::cos(angle), x.sine = std::sin(angle);
     }
     const float fr = model_->covered(x.state.area_fraction);
-    // A grey shape scatters less than it covers: the variance of A is Fr fill - Fr^2.
-    x.diffracted = std::max(fr * fill_ - fr * fr, 0.f);
-    x.nested = nested_ ? (discs_ ? fr * (2 - fill_) : 1 - fr) : 0;
+    x.diffracted = model_->diffracted(x.state.area_fraction);
     x.delta = discs_ ? (1 - fr) * (1 - fr) : fr * fr + (substrate_.is_none() ? 0 : 1 - fr);
+    // Discs leave to it what they do not transmit, openings what falls on the screen between them.
+    x.nested = nested_ ? (discs_ ? std::max(1 - x.delta - x.diffracted, 0.f) : 1 - fr) : 0;
     const float all = x.delta + x.diffracted + x.nested;
     x.probability = all > 0 ? 1 / all : 0;
     return x;
@@ -273,7 +272,6 @@ private:
   LayerSubstrate substrate_;
   LayerObliquity obliquity_;
   bool discs_, needs_tangent_ = false;
-  float fill_ = 1;
   double phase_nm_;  // 2 pi correlation_radius [nm]: k a times the wavelength
   ScalarTexture area_fraction_, radius_scale_, rotation_;
   std::shared_ptr<const LayerTables> tables_;  ///< shared by equal layers; null in a scene with errors

@@ -18,11 +18,14 @@ public:
 
 AUREOLE_PLUGIN(
     Poisson, "correlation", "poisson",
-    PluginDoc{"Independent positions, as of sparse dust: the corona is that of one scatterer, with its "
-              "bright centre. Scatterers may overlap; with the area fraction Fr they cover 1 - exp(-Fr).",
-              "S. Torquato, Random Heterogeneous Materials, 2002, section 5.1",
-              {},
-              {R"(<correlation type="poisson">
+    PluginDoc{
+        "Independent positions, as of dust: the corona has a bright centre and, where scatterers are "
+        "sparse, is that of one scatterer. Scatterers may overlap, and what they transmit multiplies (the "
+        "Boolean model): with the area fraction Fr they cover 1 - exp(-Fr), and as Fr grows the centre "
+        "loses light and dark rings fill. `stretch` has no effect.",
+        "S. Torquato, Random Heterogeneous Materials, 2002, section 5.1",
+        {},
+        {R"(<correlation type="poisson">
     <float name="stretch" value="1"/> <float name="stretch_direction" value="0"/>
 </correlation>)"}});
 

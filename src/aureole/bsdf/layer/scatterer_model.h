@@ -4,7 +4,10 @@
 // `correlated_scatterers`.
 //
 // All intensities are g(u) = (U + C S'(u))/integral, normalised so that the integral of g over the plane of u
-// is 2 pi. The density over u of diffracted light, whose fraction is Fr (1 - Fr), is g/(2 pi).
+// is 2 pi. The density over u of diffracted light, whose fraction is `diffracted`, is g/(2 pi).
+//
+// Where scatterers may overlap, U depends on the area fraction and C = 0 (optics/layer/overlapping_scatterers.h):
+// there are tables at nodes of the fraction, and g is linear between them.
 #pragma once
 
 #include <array>
@@ -28,7 +31,7 @@ public:
   struct State {
     float area_fraction;
     float inverse_total;           ///< 1/integral of (U + C S') u du
-    int first = 0, count = 1;      ///< nodes of the structure factor
+    int first = 0, count = 1;      ///< nodes of the structure factor or, where scatterers overlap, tables
     std::array<float, 4> weights;  ///< weights of these nodes
   };
 
@@ -41,20 +44,24 @@ public:
   /// Returns Fr, the fraction of the plane that the shapes cover.
   float covered(float area_fraction) const;
 
-  /// Returns the integral of A^2 over the integral of A: 1 except for grey masks.
-  float fill() const { return float(mixture_->mean_squared_area() / mixture_->mean_area()); }
+  /// Returns the fraction of light that is diffracted, the variance of the transmittance: Fr fill - Fr^2 or,
+  /// where scatterers overlap, exp(-2 Fr) (exp(Fr fill) - 1). `fill` is the integral of A^2 over that of A: 1
+  /// except for grey masks.
+  float diffracted(float area_fraction) const;
 
   /// Returns g at the wavelengths of a path.
   Spectrum intensity(const State& state, const DiffractedWave& u) const;
 
   /// Returns S'(|u|) of an isotropic arrangement.
   float structure(const State& state, float u) const {
+    if (may_overlap_) return 1;
     float sum = 0;
     for (int i = 0; i < state.count; ++i) sum += state.weights[i] * structures_[state.first + i].eval(u);
     // The table of 1/S' - 1, or of S' - 1.
     return inverse_ ? 1 / (1 + sum) : std::max(1 + sum, 0.f);
   }
   Spectrum structure(const State& state, const Spectrum& u) const {
+    if (may_overlap_) return 1.f;
     Spectrum sum(0.f);
     for (int i = 0; i < state.count; ++i) {
       const optics::RadialFunction& f = structures_[std::size_t(state.first + i)];
@@ -70,21 +77,33 @@ public:
   bool varies() const { return most_ > least_; }
   double least() const { return least_; }
   double most() const { return most_; }
-  const optics::ScattererTable& table() const { return *table_; }
+  /// Returns the table of all states or, where scatterers overlap, that of a node of the area fraction. Nodes
+  /// are equally spaced from `least` to `most`.
+  const optics::ScattererTable& table(int node = 0) const {
+    return tables_.size() > 1 ? *tables_[std::size_t(node)] : *tables_.front();
+  }
+  /// Returns the number of nodes between which intensities are linear in the area fraction; 1 if S' varies
+  /// instead, or nothing.
+  int tables() const { return int(tables_.size()); }
   /// Whether the density over the azimuth is 1 everywhere.
-  bool is_isotropic() const { return !table_->has_azimuths(); }
+  bool is_isotropic() const { return !table().has_azimuths(); }
   std::size_t bytes() const;
 
 private:
+  void tabulate_overlapping(double extent);
+  /// Returns U and C of one table.
+  Spectrum parts(const optics::ScattererTable& table, const DiffractedWave& u, Spectrum& coherent) const;
+
   std::shared_ptr<const optics::ScattererMixture> mixture_;
-  std::shared_ptr<const optics::ScattererTable> table_;
+  std::vector<std::shared_ptr<const optics::ScattererTable>> tables_;
   std::shared_ptr<const optics::StructureFactor> anisotropic_;
   double least_, most_;
   bool inverse_ = false, may_overlap_, single_ = false;
   int degree_;
   std::vector<float> ratios_;  ///< Fa/(1 - Fa) at the nodes
   std::vector<optics::RadialFunction> structures_;
-  std::vector<float> inverse_totals_;  ///< at equal steps of the area fraction
+  std::vector<float>
+      inverse_totals_;  ///< at equal steps of the area fraction; for each table if there are several
 };
 
 }  // namespace aureole

@@ -30,7 +30,8 @@ FractionNodes::FractionNodes(const ScattererModel& model) : least_(float(model.l
     return;
   }
   constexpr double kStep = 1.0 / 40;
-  const int cells = std::max(4, int(std::ceil((model.most() - model.least()) / kStep)));
+  const int cells = model.tables() > 1 ? model.tables() - 1
+                                       : std::max(4, int(std::ceil((model.most() - model.least()) / kStep)));
   for (int i = 0; i <= cells; ++i)
     states_.push_back(model.at(float(model.least() + (model.most() - model.least()) * i / cells)));
   rate_ = float(cells / (model.most() - model.least()));
@@ -45,10 +46,10 @@ FractionNodes::Place FractionNodes::at(const ScattererModel::State& state) const
 
 ProductSampler::ProductSampler(std::shared_ptr<const ScattererModel> model, bool correlated)
     : model_(std::move(model)), correlated_(correlated), nodes_(*model_) {
-  const optics::ScattererTable& table = model_->table();
-  const bool product = correlated && table.is_product();
-  const int end = product ? int(table.product_end()) : table.end();
   for (int node = 0; node < (correlated ? nodes_.count() : 1); ++node) {
+    const optics::ScattererTable& table = model_->table(node);
+    const bool product = correlated && table.is_product();
+    const int end = product ? int(table.product_end()) : table.end();
     const auto ring = [&](double u) {
       if (product) return double(table.product_ring(float(u)));
       const auto p = table.ring(float(u));
@@ -60,7 +61,7 @@ ProductSampler::ProductSampler(std::shared_ptr<const ScattererModel> model, bool
 }
 
 Spectrum ProductSampler::azimuth(int node, const DiffractedWave& u) const {
-  const optics::ScattererTable& table = model_->table();
+  const optics::ScattererTable& table = model_->table(node);
   if (table.is_product() && !correlated_) return 1.f;
   const auto bins = table.coherent_azimuths().bins<kWavelengths>(u.x.data(), u.y.data(), u.length.data());
   const Spectrum scale = make_spectrum([&](int j) { return bins.scale[j]; });
@@ -87,7 +88,7 @@ ScattererSampler::Wave ProductSampler::sample(const ScattererModel::State& state
     node = place.node + choose(xi, place.next);
   }
   const double u = radial_[node].sample(u2.x, u_max);
-  const optics::ScattererTable& table = model_->table();
+  const optics::ScattererTable& table = model_->table(node);
   if (!table.has_azimuths() || (table.is_product() && !correlated_)) {
     const Vec2 d = cos_sin_2pi(u2.y);
     return {u * d.x, u * d.y};

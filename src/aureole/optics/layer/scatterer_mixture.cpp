@@ -36,7 +36,7 @@ struct ScattererMixture::Part {
   bool isotropic;  ///< circular, or with random rotation
   double cosine = 1, sine = 0;
   /// Ring means of a shape without circular symmetry over w = |q| times its own radius, computed once.
-  std::unique_ptr<RadialFunction> amplitude, intensity;
+  std::shared_ptr<const RadialFunction> amplitude, intensity;
   std::vector<int> classes;  ///< class of each node of the size distribution, if sizes are correlated
 
   Part(Scatterer s, double correlation_radius, const ParallelFor& parallel_for)
@@ -56,8 +56,8 @@ struct ScattererMixture::Part {
             }
           },
           64);
-      amplitude = std::make_unique<RadialFunction>(amplitudes, kEnd, false);
-      intensity = std::make_unique<RadialFunction>(intensities, kEnd, true);
+      amplitude = std::make_shared<RadialFunction>(amplitudes, kEnd, false);
+      intensity = std::make_shared<RadialFunction>(intensities, kEnd, true);
     }
   }
 
@@ -86,6 +86,7 @@ struct ScattererMixture::Part {
   }
 };
 
+ScattererMixture::ScattererMixture(const ScattererMixture&) = default;
 ScattererMixture::~ScattererMixture() = default;
 
 ScattererMixture::ScattererMixture(std::vector<Scatterer> scatterers, double correlation_radius,
@@ -119,6 +120,7 @@ MixtureIntensity ScattererMixture::eval(double ux, double uy) const {
   std::complex<double> amplitudes[kMaxClasses] = {};
   double intensity = 0;
   for (const Part& part : parts_) part.add(ux, uy, amplitudes, intensity);
+  if (overlapping_) return {overlapping_->eval(ux, uy, intensity), 0};
   if (!partial_) {
     const double coherent = std::norm(amplitudes[0]);
     return {std::max(intensity - coherent, 0.0), coherent};
@@ -131,6 +133,28 @@ MixtureIntensity ScattererMixture::eval(double ux, double uy) const {
       intensity += m == l ? product * (partial_->eval(m, l, u) - 1) : 2 * product * partial_->eval(m, l, u);
     }
   return {std::max(intensity, 0.0), 0};
+}
+
+ScattererMixture ScattererMixture::overlapping(double area_fraction, const ParallelFor& parallel_for) const {
+  if (partial_) throw std::domain_error("scatterers of correlated sizes do not overlap");
+  double reach = 0;
+  for (const Part& part : parts_)
+    reach =
+        std::max(reach, part.scatterer.shape->bounding_radius() * part.scatterer.sizes.largest() * part.unit);
+  const auto independent = [this](double ux, double uy) {
+    std::complex<double> amplitudes[kMaxClasses] = {};
+    double intensity = 0;
+    for (const Part& part : parts_) part.add(ux, uy, amplitudes, intensity);
+    return intensity;
+  };
+  ScattererMixture result(*this);
+  result.overlapping_ = std::make_shared<const OverlappingScatterers>(
+      independent, mean_squared_area_, reach, area_fraction / mean_disc_area_, isotropic_, parallel_for);
+  return result;
+}
+
+double ScattererMixture::total() const {
+  return overlapping_ ? overlapping_->total() : 2 * std::numbers::pi * mean_squared_area_;
 }
 
 double ScattererMixture::independent_ring(double u) const {

@@ -16,6 +16,7 @@
 #include "aureole/core/parallel_for.h"
 #include "aureole/optics/aperture/aperture_shape.h"
 #include "aureole/optics/arrangement/partial_structure_factors.h"
+#include "aureole/optics/layer/overlapping_scatterers.h"
 #include "aureole/optics/layer/radial_function.h"
 #include "aureole/optics/particle/size_distribution.h"
 
@@ -41,6 +42,7 @@ public:
   /// radius (in the unit of the shapes). Shapes with random rotation are tabulated by `parallel_for`.
   ScattererMixture(std::vector<Scatterer> scatterers, double correlation_radius,
                    const ParallelFor& parallel_for = serial_for);
+  ScattererMixture(const ScattererMixture&);
   ~ScattererMixture();
 
   /// Gives every scatterer a hard disc of its own size, in the ratio of the correlation radius to the largest
@@ -54,12 +56,21 @@ public:
   bool has_correlated_sizes() const { return partial_ != nullptr; }
   static constexpr int kMaxClasses = 8;
 
+  /// Returns the mixture at independent positions, where scatterers overlap, with `area_fraction` of the discs:
+  /// the number of scatterers per area times the area of a disc. There C = 0, and U is that of
+  /// `OverlappingScatterers`. Throws std::domain_error if sizes are correlated.
+  ScattererMixture overlapping(double area_fraction, const ParallelFor& parallel_for = serial_for) const;
+  /// Whether C = 0.
+  bool has_no_coherent_part() const { return partial_ != nullptr || overlapping_ != nullptr; }
+
   MixtureIntensity eval(double ux, double uy) const;
   /// Returns the ring mean of sum P <|F|^2>, the intensity for random positions.
   double independent_ring(double u) const;
   bool is_isotropic() const { return isotropic_; }
   /// Whether all scatterers are equal, so that U = 0.
-  bool is_uniform() const { return uniform_ && !partial_; }
+  bool is_uniform() const { return uniform_ && !has_no_coherent_part(); }
+  /// Returns the integral of U + C over the plane of u, divided by 2 pi.
+  double total() const;
 
   /// Returns Fr/Fa: the mean area of the shapes, sum P |A|, over that of their discs.
   double covered_per_fraction() const { return mean_area_ / mean_disc_area_; }
@@ -74,6 +85,7 @@ private:
   bool isotropic_ = true, uniform_ = false;
   double mean_area_ = 0, mean_squared_area_ = 0, mean_disc_area_;
   std::shared_ptr<const PartialStructureFactors> partial_;
+  std::shared_ptr<const OverlappingScatterers> overlapping_;
 };
 
 /// Returns the integral of f(u) u du over [0, infinity), where f = C (S' - 1) is the change of the ring mean

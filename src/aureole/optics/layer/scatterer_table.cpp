@@ -84,11 +84,11 @@ ScattererTable::ScattererTable(const ScattererMixture& mixture, double extent,
     uncorrelated_azimuths_.emplace(product, last, RingAzimuths::kSpots, parallel_for);
   } else if (map_) {
     // A part that is zero everywhere has no azimuthal distribution: U if all scatterers are equal, C if sizes
-    // are correlated.
+    // are correlated or scatterers overlap.
     const auto parts = [&](std::span<const double> x, std::span<const double> y, std::span<double> values) {
       map_->eval(x, y, values);
       if (mixture.is_uniform()) std::fill_n(values.begin(), x.size(), 0.0);
-      if (mixture.has_correlated_sizes())
+      if (mixture.has_no_coherent_part())
         std::fill(values.begin() + std::ptrdiff_t(x.size()), values.end(), 0.0);
     };
     std::vector<RingAzimuths> both =
