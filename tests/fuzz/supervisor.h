@@ -23,9 +23,9 @@ inline constexpr bool kFindsLeaks = false, kSanitized = false;
 #endif
 
 struct Limits {
-  double seconds = kSanitized ? 60 : 10;  ///< processor time of a case
-  double wall_seconds = 300;              ///< for those that wait for something that never comes
-  double bytes = kSanitized ? 4e9 : 2e9;  ///< resident memory
+  double seconds = kSanitized ? 120 : 20;  ///< processor time of a case
+  double wall_seconds = 300;               ///< for those that wait for something that never comes
+  double bytes = kSanitized ? 4e9 : 2e9;   ///< resident memory
 };
 
 struct Failure {

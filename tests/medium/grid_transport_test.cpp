@@ -98,7 +98,7 @@ TEST(GridTransport, AnyMajorantGivesTheSame) {
   };
   const Picture coarse = render_of(write(1, 1, "coarse.vol"));
   expect_same(coarse, render_of(write(4, 1, "fine.vol")), "finer");
-  // Voxels of 3 in a field of 1, behind a factor of 8: all of the bounds of 4^3 voxels are eight times as high.
+  // One voxel of 8 in a field of at most 1: the only bound of 4^3 voxels is eight times as high.
   const Picture loose = render_of(write(1, 8, "loose.vol")), tight = render_of(write(4, 8, "tight.vol"));
   expect_same(loose, tight, "looser");
 }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bodies that touch or cut each other, and surfaces that lie on each other: what matters is the matter, not by how many shapes it is
-// described. References are the same matter as one block, and closed forms.
+// Bodies that touch or cut each other, and surfaces that lie on each other: the picture depends on the matter, not on
+// how many shapes describe it. References are the same matter as one block, and closed forms.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "aureole/loading/load.h"
 #include "harness/rendered.h"
@@ -66,6 +67,83 @@ TEST(TouchingMedia, AreOneBlockWhereTheyAreOfOneMatter) {
     };
     expect_equal(seen(group + instance(-0.5) + instance(0.5)), one, "instances");
   }
+}
+
+TEST(TouchingMedia, BoundariesThatWrapGlassAreGlass) {
+  const std::string flat =
+      "<texture type=\"rawconstant\" name=\"normalmap\"><vector name=\"value\" value=\"0.5, 0.5, 1\"/></texture>";
+  for (const std::string& boundary :
+       {"<bsdf type=\"normalmap\">" + flat + kWater + "</bsdf>",
+        "<bsdf type=\"blendbsdf\"><float name=\"weight\" value=\"0.5\"/>" + kWater + kWater + "</bsdf>",
+        std::string("<bsdf type=\"principled\"><float name=\"spec_trans\" value=\"1\"/><float name=\"eta\" "
+                    "value=\"1.33\"/><float name=\"roughness\" value=\"0.2\"/></bsdf>")}) {
+    const std::string matter = boundary + kScatterer;
+    const Picture one = seen(block(-1, 1, matter)), two = seen(block(-1, 0, matter) + block(0, 1, matter));
+    expect_equal(two, one, boundary);
+  }
+}
+
+/// A cube of two materials, `top` and `rest`, as an OBJ file.
+std::string cube_of_two_materials(const std::string& content) {
+  const std::string file = ::testing::TempDir() + "aureole_two_materials.obj";
+  std::ofstream(file)
+      << "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+         "usemtl rest\nf 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n"
+         "usemtl top\nf 5 6 7 8\n";
+  return "<shape type=\"obj\"><string name=\"filename\" value=\"" + file +
+         "\"/><boolean name=\"face_normals\" value=\"true\"/>" + content + "</shape>";
+}
+
+TEST(TouchingMedia, AFileOfSeveralMaterialsIsOneBody) {
+  const std::string materials = "<bsdf type=\"null\" id=\"top\"/><bsdf type=\"null\" id=\"rest\"/>",
+                    matter = medium(0.5, 0);
+  for (const std::string& p : {std::string(), priority(1)}) {
+    const std::string cube = cube_of_two_materials(matter + p),
+                      group = "<shape type=\"shapegroup\" id=\"g\">" + cube +
+                              "</shape><shape type=\"instance\"><ref id=\"g\"/></shape>";
+    // Alone, and with another body that touches it above.
+    for (const std::string& shape : {cube, group}) {
+      EXPECT_NEAR(seen(materials + shape, "direct", 4).all, std::exp(-1.0), 1e-4) << p;
+      EXPECT_NEAR(seen(materials + shape + block(1, 2, kNull + matter + p), "direct", 4).all, std::exp(-1.5),
+                  1e-4)
+          << p;
+    }
+  }
+}
+
+TEST(TouchingMedia, TransmittanceIsThatOfTheOtherWay) {
+  // The third body lies within the first, and the second cuts both: the order of the scene alone would
+  // contradict itself.
+  const auto absorber = [](double sigma) { return kNull + medium(sigma, 0); };
+  const std::string bodies =
+      block(-2, 1, absorber(0.2), 4) + block(0, 2, absorber(0.5), 3) + block(-1, 0.5, absorber(1), 2);
+  const auto along = [&](const char* way) {
+    return render("<integrator type=\"direct\"/>" + camera(way, 1, 1, 4) + bodies + kSky).all;
+  };
+  const double down = along("origin=\"0.1, 0.2, 5\" target=\"0.1, 0.2, 0\" up=\"0, 1, 0\""),
+               up = along("origin=\"0.1, 0.2, -5\" target=\"0.1, 0.2, 0\" up=\"0, 1, 0\"");
+  EXPECT_NEAR(down, up, 1e-4 * up);
+  // The second body stands before the third in the scene, which stands before the first, around it.
+  EXPECT_NEAR(down, std::exp(-(2 * 0.5 + 1 * 1 + 1 * 0.2)), 1e-3 * up);
+}
+
+TEST(TouchingMedia, AnInterfaceOfTwoBodiesIsTheSameFromBothSides) {
+  // A small lamp in the lower body, seen from within the upper one: blurred, whichever of them is the rough one.
+  const std::string rough =
+                        "<bsdf type=\"roughdielectric\"><float name=\"int_ior\" value=\"1.33\"/><float "
+                        "name=\"alpha\" value=\"0.3\"/></bsdf>",
+                    lamp =
+                        "<shape type=\"disk\"><transform name=\"to_world\"><scale value=\"0.02\"/><translate "
+                        "z=\"-0.9\"/></transform><emitter type=\"area\"><float name=\"radiance\" "
+                        "value=\"1\"/></emitter></shape>",
+                    within = "<integrator type=\"path\"/>" +
+                             camera("origin=\"0, 0, 0.5\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 0.2, 1, 4096);
+  const double from_smooth = render(within + block(0, 1, kGlass) + block(-1, 0, rough) + lamp).all,
+               from_rough = render(within + block(0, 1, rough) + block(-1, 0, kGlass) + lamp).all,
+               sharp = render(within + block(0, 1, kGlass) + block(-1, 0, kWater) + lamp).all;
+  EXPECT_LT(from_smooth, 0.5 * sharp);
+  EXPECT_LT(from_rough, 0.5 * sharp);
+  EXPECT_GT(std::min(from_smooth, from_rough), 0.01 * sharp);
 }
 
 TEST(TouchingMedia, AreCrossedByConnectionsAndLinesOfSight) {

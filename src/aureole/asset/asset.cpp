@@ -180,6 +180,8 @@ void ShapeAsset::note_losses(const Properties& element) const {
 
 void ShapeAsset::check_media(const Properties& element) {
   note_losses(element);
+  if (primitives_.size() > 1 && opening_of(primitives_).empty())
+    for (Primitive& primitive : primitives_) primitive.is_part_of_closed = true;
   if (media_.bssrdf) {
     const std::string opening = opening_of(primitives_);
     if (!opening.empty())

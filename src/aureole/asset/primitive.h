@@ -40,6 +40,9 @@ struct Primitive {
   std::vector<std::string> remarks;  ///< repairs made by the reader, for `aureole info` and a note
   /// Whether the asset that the primitive belongs to bounds a medium and has no gap.
   bool encloses_medium = false;
+  /// Whether the asset has several parts, of which this is one, that have no gap together. `Shape::opening` says
+  /// it for an asset of one shape.
+  bool is_part_of_closed = false;
 
   /// Returns the media of the shapes of an instance's group.
   std::span<const SurfaceMedia> member_media() const;
@@ -52,6 +55,8 @@ struct ShapeList {
   std::vector<ShapePtr> shapes;
   std::vector<BsdfPtr> bsdfs;
   std::vector<SurfaceMedia> media;
+  std::vector<std::shared_ptr<const Properties>> elements;  ///< from which each shape comes
+  std::vector<bool> is_part_of_closed;                      ///< as of the primitive
   Bounds3 bounds;
 
   std::size_t triangle_count() const;

@@ -27,7 +27,8 @@ public:
 
 private:
   void add(const Asset& asset);
-  void add(const ShapePtr& shape, const BsdfPtr& bsdf, const SurfaceMedia& media);
+  /// Adds a shape of another list.
+  void add(const ShapeList& other, std::size_t i);
 
   ShapeList own_;  ///< used while the group is assembled
   std::shared_ptr<const ShapeList> list_;

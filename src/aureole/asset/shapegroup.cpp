@@ -25,20 +25,25 @@ void ShapeGroup::add(const Asset& asset) {
   if (const auto& sensor = asset.sensor())
     throw Error(sensor->properties().where(), "a shape of a group cannot be a sensor");
   if (const auto* group = dynamic_cast<const ShapeGroup*>(&asset)) {
-    for (std::size_t i = 0; i < group->list_->shapes.size(); ++i)
-      add(group->list_->shapes[i], group->list_->bsdfs[i], group->list_->media[i]);
+    for (std::size_t i = 0; i < group->list_->shapes.size(); ++i) add(*group->list_, i);
     nested_.insert(nested_.end(), group->nested_.begin(), group->nested_.end());
   } else if (const auto* instance = dynamic_cast<const InstanceAsset*>(&asset)) {
     nested_.push_back({instance->group(), instance->to_world()});
   } else {
-    for (const Primitive& primitive : asset.primitives())
-      add(primitive.shape, primitive.bsdf, primitive.media);
+    for (const Primitive& primitive : asset.primitives()) {
+      own_.shapes.push_back(primitive.shape), own_.bsdfs.push_back(primitive.bsdf);
+      own_.media.push_back(primitive.media), own_.elements.push_back(primitive.element);
+      own_.is_part_of_closed.push_back(primitive.is_part_of_closed);
+      own_.bounds.extend(primitive.shape->bounds());
+    }
   }
 }
 
-void ShapeGroup::add(const ShapePtr& shape, const BsdfPtr& bsdf, const SurfaceMedia& media) {
-  own_.shapes.push_back(shape), own_.bsdfs.push_back(bsdf), own_.media.push_back(media);
-  own_.bounds.extend(shape->bounds());
+void ShapeGroup::add(const ShapeList& other, std::size_t i) {
+  own_.shapes.push_back(other.shapes[i]), own_.bsdfs.push_back(other.bsdfs[i]);
+  own_.media.push_back(other.media[i]), own_.elements.push_back(other.elements[i]);
+  own_.is_part_of_closed.push_back(other.is_part_of_closed[i]);
+  own_.bounds.extend(other.shapes[i]->bounds());
 }
 
 AUREOLE_PLUGIN(

@@ -58,6 +58,10 @@ public:
     return std::max(nested_[0]->single_scattering_loss(from_within),
                     nested_[1]->single_scattering_loss(from_within));
   }
+  bool interior_index(const Wavelengths& w, Spectrum& n) const override {
+    Spectrum other;
+    return nested_[0]->interior_index(w, n) && nested_[1]->interior_index(w, other) && !any(n.v != other.v);
+  }
   Lobe lobes() const override { return lobes_; }
 
 private:

@@ -120,6 +120,10 @@ public:
     return transmitting * loss_({NormalDistribution::ggx, g.alpha_x, g.alpha_y}, eta_, from_within);
   }
 
+  bool interior_index(const Wavelengths&, Spectrum& n) const override {
+    n = eta_;
+    return transmits_;
+  }
   Lobe lobes() const override {
     const Lobe reflected = Lobe::diffuse | Lobe::glossy | Lobe::reflect;
     return transmits_ ? reflected | Lobe::transmit : reflected;

@@ -19,7 +19,7 @@ double size_parameter(const optics::RadiusDistribution& radii, double host_index
 }
 
 /// Returns the number of steps of the first set of wavelengths, which must resolve what oscillates, so that the
-/// test in the middle of a step is no coincidence. Features move in proportion to the size parameter x.
+/// agreement in the middle of a step is not accidental. Features move in proportion to the size parameter x.
 /// Resonances of spheres of one size repeat over about one unit of x; a spread of sizes blurs them. Rainbows
 /// are not blurred: dispersion turns the rainbow of water by some 3 degrees per unit of ln(lambda). It is 120
 /// degrees x^(-2/3) wide (Airy), and nodes must be a fourth of that apart.
@@ -65,7 +65,7 @@ double interpolated_scattering(const Coefficients& a, const Coefficients& b, dou
   return power_law(a.scattering, b.scattering, fraction_of_log(a, b, nm));
 }
 
-/// The ratio of the absorption to its estimate is interpolated. It is taken as 1 where neither end absorbs.
+/// The ratio of the absorption to its estimate is interpolated; where neither end absorbs, the ratio is taken as 1.
 double interpolated_absorption(const Coefficients& a, const Coefficients& b, double nm,
                                const optics::SpectralFunction& estimate) {
   constexpr double kRounding = 1e-10;  // of the extinction: less than that is no absorption
@@ -87,7 +87,9 @@ double coefficient_error(const Coefficients& a, const Coefficients& b, const Coe
   const double absorption = std::abs(interpolated_absorption(a, b, c.lambda_nm, estimate) - c.absorption);
   const double tolerance = kTolerance * std::max(c.absorption, kLeastAbsorption * c.extinction()) +
                            2 * std::max({a.absorption_error, b.absorption_error, c.absorption_error});
-  return std::max(c.scattering > 0 ? scattering / (kTolerance * c.scattering) : 0,
+  const double scattering_tolerance =
+      kTolerance * c.scattering + 2 * std::max({a.scattering_error, b.scattering_error, c.scattering_error});
+  return std::max(scattering_tolerance > 0 ? scattering / scattering_tolerance : 0,
                   tolerance > 0 ? absorption / tolerance : 0);
 }
 
@@ -227,7 +229,7 @@ optics::EnsembleAccuracy mie_accuracy(std::span<const optics::RadiusDistribution
   double x = 1;
   for (const optics::RadiusDistribution& r : radii) x = std::max(x, size_parameter(r, host_index, nm));
   optics::EnsembleAccuracy a;
-  a.averaging = 1e-3, a.least_absorption = 1e-4, a.phase_averaging = 7e-3;
+  a.averaging = 1.5e-3, a.least_absorption = 1e-4, a.phase_averaging = 7e-3;
   // The cost grows as the square of the size, times the number of radii.
   a.most_radii = std::size_t(std::clamp(1e6 / x, 128.0, 4096.0));
   a.most_coefficient_radii = std::size_t(std::clamp(1e6 / x, 1024.0, 8192.0));

@@ -36,7 +36,8 @@ private:
 /// Computes coefficients at some wavelengths, without phase tables.
 using MieEvaluator = std::function<std::vector<optics::EnsembleCoefficients>(const std::vector<double>& nm)>;
 
-/// Chooses the wavelengths for particles with these radii. Steps are halved until interpolation in their middle
+/// Chooses the wavelengths for particles with these radii. Steps are halved (for the phase function and the
+/// asymmetry of a spread of sizes once at most, since averages have some noise) until interpolation in their middle
 /// is right to 1e-3 in scattering and absorption (or in 1e-4 of the extinction, if that is more), 2e-3 in the
 /// asymmetry and, as far as `most_phases` allows, 1.5 % in the phase function at `Ensemble::probes`; or until
 /// they are steps of the grid. Without `estimated_absorption` the phase function and the asymmetry alone count. Throws std::domain_error as `require_sizes_for_tables` does.

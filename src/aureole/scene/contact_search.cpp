@@ -103,6 +103,8 @@ private:
   void note_laid_on(const Event& laid, const Event& body);
   void note_overlaps();
   void judge_overlaps();
+  std::unordered_map<std::uint32_t, std::size_t> order_of_bodies() const;
+  void note_cut(const Surface& first, const Surface& second);
   void rank();
   void bound_ranked();
   std::string place_of(const Surface& s) const;
@@ -112,6 +114,8 @@ private:
   const Wavelengths wavelengths_;
   Contacts found_;
   std::vector<bool> has_body_;  ///< for each primitive
+  /// The primitives of each body that is not in a group: several if an asset has several parts.
+  std::unordered_map<std::uint32_t, std::vector<std::size_t>> parts_of_;
   std::uint32_t bodies_ = 0;
   std::map<std::pair<BodyKey, BodyKey>, Overlap> overlaps_;
   std::set<Surface*> ranked_;
@@ -122,30 +126,29 @@ private:
 };
 
 void Search::number_bodies() {
-  // The primitives of one asset, such as the parts of an OBJ file with several materials, bound one body.
-  std::unordered_map<const Properties*, std::size_t> count;
-  for (const Primitive& part : parts_) ++count[part.element.get()];
+  // The shapes of one asset, such as the parts of an OBJ file with several materials, bound one body.
   std::unordered_map<const Properties*, std::uint32_t> known;
-  const auto number_of = [&](const Primitive& part) {
-    const auto [entry, is_new] = known.try_emplace(part.element.get(), bodies_ + 1);
-    bodies_ += is_new;
-    return entry->second;
-  };
   has_body_.resize(parts_.size());
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Primitive& part = parts_[i];
+    std::size_t member = 0;
     for_surfaces(i, [&](Surface& s) {
+      const ShapeList* group = part.instance ? &part.instance->list() : nullptr;
+      const std::size_t at = member++;
       if (s.body == 0) {
         if (!may_bound_body(s)) return;
-        const bool is_whole = part.instance || count[part.element.get()] == 1;
-        const bool is_closed =
-            s.rank != 0 || part.encloses_medium || (is_whole && s.shape->opening().empty());
-        if (!is_closed) return;
-        s.body = part.instance ? ++bodies_ : number_of(part);
+        const bool is_part = group ? group->is_part_of_closed[at] : part.is_part_of_closed;
+        if (!(s.rank != 0 || part.encloses_medium || is_part || s.shape->opening().empty())) return;
+        const Properties* element = group ? group->elements[at].get() : part.element.get();
+        const auto [entry, is_new] = known.try_emplace(element, bodies_ + 1);
+        bodies_ += is_new;
+        s.body = entry->second;
       }
       has_body_[i] = true;
     });
   }
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    if (!parts_[i].instance && surfaces_.all[i].body != 0) parts_of_[surfaces_.all[i].body].push_back(i);
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> Search::near_pairs() {
@@ -155,14 +158,16 @@ std::vector<std::pair<std::size_t, std::size_t>> Search::near_pairs() {
   for (std::size_t i = 0; i < parts_.size(); ++i) boxes.emplace_back(widened(parts_[i].bounds()), i);
   std::sort(boxes.begin(), boxes.end(),
             [](const auto& a, const auto& b) { return a.first.lower.x < b.first.lower.x; });
+  std::size_t alone = 0;
   for (std::size_t a = 0; a < boxes.size(); ++a) {
-    if (has_body_[boxes[a].second]) pairs.emplace_back(boxes[a].second, boxes[a].second);
+    // A body's faces may touch one another.
+    if (has_body_[boxes[a].second]) pairs.emplace_back(boxes[a].second, boxes[a].second), ++alone;
     for (std::size_t b = a + 1; b < boxes.size() && boxes[b].first.lower.x <= boxes[a].first.upper.x; ++b) {
       if (!has_body_[boxes[a].second] && !has_body_[boxes[b].second]) continue;
       if (overlap(boxes[a].first, boxes[b].first))
         pairs.push_back(std::minmax(boxes[a].second, boxes[b].second));
     }
-    if (pairs.size() <= kMostPairs) continue;
+    if (pairs.size() - alone <= kMostPairs) continue;
     found_.notes.push_back(fmt::format(
         "more than {} pairs of shapes are near each other: whether bodies touch or overlap was tried for these alone",
         kMostPairs));
@@ -200,8 +205,12 @@ void Search::follow(const Ray& ray, std::size_t i, std::size_t j) {
   surfaces_.tracer->all_hits(ray, 0, hits_);
   events_.clear();
   for (const RayTracer::Hit& hit : hits_) {
-    if (hit.shape != i && hit.shape != j) continue;
     Surface& s = const_cast<Surface&>(surfaces_.of(hit));  // an element of `all`
+    // Other parts of the two bodies count as well.
+    const auto is_of = [&](std::size_t part) {
+      return hit.shape == part || (s.body != 0 && !s.instance && s.body == surfaces_.all[part].body);
+    };
+    if (!is_of(i) && !is_of(j)) continue;
     const SurfacePoint point = surfaces_.surface_point(hit, ray);
     events_.push_back(
         {hit.t, contact_distance(point, ray.d), &s, {s.body, point.instance}, dot(point.ng, ray.d) < 0});
@@ -216,8 +225,8 @@ void Search::note_contacts() {
       const Event &x = events_[k], &y = events_[l];
       if (!(y.t - x.t <= x.tolerance + y.tolerance)) break;
       if (!x.is_of_body() && !y.is_of_body()) continue;
-      // Within one body, rays that graze an edge cross two faces, too; faces that touch end the body and begin it
-      // again.
+      // Rays that graze an edge cross two faces of one body, too. It touches itself only where a ray leaves and
+      // enters it again.
       if (x.body == y.body && (x.inwards || !y.inwards)) continue;
       found_.any = true;
       for (const Event* e : {&x, &y})
@@ -232,10 +241,12 @@ void Search::note_contacts() {
 
 /// Notes that a surface which transmits light lies on a body.
 void Search::note_laid_on(const Event& laid, const Event& body) {
-  if (laid.surface->is_null() || !laid_on_.insert({laid.surface, body.surface}).second) return;
-  found_.notes.push_back(
-      fmt::format("{}: this surface lies on that of {}: light meets that one alone there. Move them apart",
-                  laid.surface->shape->properties().where().str(), place_of(*body.surface)));
+  const bool is_nothing = laid.surface->is_null() && !laid.surface->light;
+  if (is_nothing || !laid_on_.insert({laid.surface, body.surface}).second) return;
+  found_.notes.push_back(fmt::format(
+      "{}: this surface lies on that of {}: only that of the body acts there, and this one is as if it "
+      "were not there. Move them apart",
+      laid.surface->shape->properties().where().str(), place_of(*body.surface)));
 }
 
 void Search::note_overlaps() {
@@ -269,28 +280,74 @@ std::string Search::place_of(const Surface& s) const {
 
 void Search::judge_overlaps() {
   constexpr double kLeast = 1e-4;  // part of a length that counts
+  struct Cut {
+    Surface *a, *b;
+  };
+  std::vector<Cut> cuts;
   for (const auto& [pair, o] : overlaps_) {
     const double first = o.first_alone + o.both, second = o.second_alone + o.both;
     if (!(o.both > kLeast * std::min(first, second))) continue;
     Surface &a = const_cast<Surface&>(*o.first), &b = const_cast<Surface&>(*o.second);
     const bool a_within = o.first_alone <= kLeast * first, b_within = o.second_alone <= kLeast * second;
-    const bool cut = a_within == b_within;
-    if (cut) ranked_.insert(&a), ranked_.insert(&b);
-    if (a.body == b.body) continue;  // two instances of one group
-    if (cut) {
-      const bool same_matter =
-          are_equal(a.inside, b.inside) && (have_same_index(a, b, wavelengths_) || are_equal(a.bsdf, b.bsdf));
-      if ((a.rank == 0 || b.rank == 0) && !same_matter)
-        found_.notes.push_back(fmt::format(
-            "{}: this shape and the {} fill the same space and have no priorities to decide whose matter is there: "
-            "it is taken to be that of {}. State a \"priority\" for both",
-            a.shape->properties().where().str(), place_of(b),
-            a.rank != 0 || b.rank != 0 ? "the one that has a priority" : "the first of them"));
+    if (a_within != b_within) {
+      // The body within another one fills the space.
+      if (a.body != b.body) above_.emplace(a_within ? a.body : b.body, a_within ? b.body : a.body);
+      continue;
     }
-    // The body within the other one, or the first in the scene, is the one that fills the space.
-    const bool a_first = cut ? a.body < b.body : a_within;
-    above_.emplace(a_first ? a.body : b.body, a_first ? b.body : a.body);
+    ranked_.insert(&a), ranked_.insert(&b);
+    cuts.push_back({&a, &b});
   }
+  // Of bodies that cut each other, the first in the scene fills the space, where those within others stand before
+  // them: one order of all bodies, so that no three contradict each other.
+  const std::unordered_map<std::uint32_t, std::size_t> order = order_of_bodies();
+  for (const auto& [a, b] : cuts) {
+    if (a->body != b->body) {
+      const bool a_first = order.at(a->body) < order.at(b->body);
+      above_.emplace(a_first ? a->body : b->body, a_first ? b->body : a->body);
+      note_cut(a_first ? *a : *b, a_first ? *b : *a);
+    } else if (a->inside && !a->inside->is_uniform()) {
+      found_.notes.push_back(fmt::format(
+          "{}: instances of this shape overlap, but their medium differs from place to place: where they "
+          "do, that of one of them counts",
+          a->shape->properties().where().str()));
+    }
+  }
+}
+
+std::unordered_map<std::uint32_t, std::size_t> Search::order_of_bodies() const {
+  std::unordered_map<std::uint32_t, int> waiting;  // number of bodies that must stand before
+  for (const auto& [high, low] : above_) ++waiting[low];
+  std::set<std::uint32_t> ready;
+  for (std::uint32_t body = 1; body <= bodies_; ++body)
+    if (waiting.find(body) == waiting.end()) ready.insert(body);
+  std::unordered_map<std::uint32_t, std::size_t> order;
+  while (order.size() < bodies_) {
+    // Lengths along rays are measured: should they contradict each other, the rest follows in the order of the scene.
+    if (ready.empty())
+      for (std::uint32_t body = 1; body <= bodies_; ++body)
+        if (order.find(body) == order.end()) ready.insert(body);
+    const std::uint32_t next = *ready.begin();
+    ready.erase(ready.begin());
+    if (!order.try_emplace(next, order.size()).second) continue;
+    for (auto at = above_.lower_bound({next, 0}); at != above_.end() && at->first == next; ++at)
+      if (--waiting[at->second] == 0) ready.insert(at->second);
+  }
+  return order;
+}
+
+/// Notes that two bodies fill the same space where their priorities do not decide which of them counts.
+void Search::note_cut(const Surface& first, const Surface& second) {
+  const bool same_matter =
+      are_equal(first.inside, second.inside) && (!first.inside || first.inside->is_uniform()) &&
+      (have_same_index(first, second, wavelengths_) || are_equal(first.bsdf, second.bsdf));
+  if ((first.rank != 0 && second.rank != 0) || same_matter) return;
+  const Surface& winner = first.rank != 0 || second.rank == 0 ? first : second;
+  const Surface& other = &winner == &first ? second : first;
+  found_.notes.push_back(fmt::format(
+      "{}: this shape and the {} fill the same space and have no priorities to decide whose matter is "
+      "there: it is taken to be that of the {}. State a \"priority\" for both",
+      winner.shape->properties().where().str(), place_of(other),
+      winner.rank != 0 ? "one that has a priority" : "first of them"));
 }
 
 void Search::rank() {

@@ -17,8 +17,8 @@ public:
     const Surface* surface = nullptr;
     const Instance* instance = nullptr;
 
-    /// Whether the body says which medium is within. One without a medium has that around it on both sides, unless
-    /// it states a priority: then vacuum is within.
+    /// Whether the body says which medium is within. A body without a medium is filled by the
+    /// medium around it or, with a stated priority, by vacuum.
     bool decides_medium() const { return surface && (surface->rank > 0 || surface->bounds_media); }
     bool operator==(const Body& other) const {
       return surface && other.surface && surface->body == other.surface->body && instance == other.instance;

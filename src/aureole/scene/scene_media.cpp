@@ -18,7 +18,7 @@ namespace aureole {
 void Scene::shapes_around(const Ray& ray, InteriorList& inside) const {
   if (!is_in(ray.o, ranked_bounds_)) return;
   // A body that the ray leaves before it enters it contains the origin. Entering the bodies in reverse order of
-  // these exits gives the order of equal ranks for a ray from far away. All hits at once, since a march would skip
+  // these exits orders equal ranks as a ray that comes from outside would. All hits at once, since a march would skip
   // surfaces that touch.
   struct First {
     InteriorList::Body body;

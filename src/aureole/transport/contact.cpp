@@ -25,7 +25,7 @@ struct Face {
   const Surface& surface() const { return *point.surface; }
 };
 
-/// The faces within the offset of a ray's origin, the hit first. More than these do not fit.
+/// The faces within the offset of a ray's origin, the hit first: at most kMost, further ones are ignored.
 class Faces {
 public:
   static constexpr int kMost = 12;
@@ -78,7 +78,12 @@ const Face* interface(const Faces& faces, const Body& before, const Body& behind
   const Face* in = behind.surface ? faces.of(behind, true) : nullptr;
   if (!out || !in) return out ? out : in;
   if (out->surface().is_null() != in->surface().is_null()) return out->surface().is_null() ? in : out;
-  return out->surface().rank > in->surface().rank ? out : in;
+  if (out->surface().rank != in->surface().rank) return out->surface().rank > in->surface().rank ? out : in;
+  // In both directions the same one, so that paths may be followed backwards: a rough one, if one is smooth.
+  constexpr Lobe kSpread = Lobe::diffuse | Lobe::glossy;
+  if (has(out->surface().lobes, kSpread) != has(in->surface().lobes, kSpread))
+    return has(out->surface().lobes, kSpread) ? out : in;
+  return out->surface().body < in->surface().body ? out : in;
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ struct RayState;
 struct Contact {
   SurfacePoint point;  ///< the surface that acts as the interface; bounds of rounding errors are those of all
   InteriorList across;             ///< the bodies around the ray once it has crossed all surfaces
-  const Medium* medium = nullptr;  ///< there
+  const Medium* medium = nullptr;  ///< behind all of the surfaces
   bool is_inactive = false;        ///< whether light passes unchanged
 };
 

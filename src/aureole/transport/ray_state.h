@@ -16,7 +16,7 @@ namespace aureole {
 struct RayState {
   Ray ray;
   const Medium* medium = nullptr;  ///< at the origin of the ray, or null
-  InteriorList interiors;          ///< closed shapes with a priority that the origin lies in
+  InteriorList interiors;          ///< bodies with a rank that the origin lies in
   /// Distance from the surface that the ray leaves to its origin, which lies off that surface by the bound of its
   /// rounding error: media count from the surface. Kept up to date in scenes with media.
   float offset = 0;

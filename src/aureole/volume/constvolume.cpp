@@ -27,7 +27,7 @@ public:
   VolumePtr in_role(SpectrumRole role) const override {
     if (role == SpectrumRole::unbounded) return nullptr;
     if (to_box())
-      properties().note("to_world", "has no effect here: the box of the extinction bounds the medium");
+      properties().note("to_world", "has no effect here: it bounds a medium by its extinction or density");
     return std::make_shared<ConstantVolume>(properties(), read_value(properties(), role));
   }
 };
@@ -39,8 +39,8 @@ AUREOLE_PLUGIN(ConstVolume, "volume", "constvolume",
                    "",
                    {{"value", "spectrum", "", "required", "value at all points"},
                     {"to_world", "transform", "", "none",
-                     "transform from the unit cube [0, 1]^3 to world space. As the extinction of a "
-                     "`heterogeneous` medium, the volume ends at this box; without it, it has no end"}},
+                     "transform from the unit cube [0, 1]^3 to world space. As the extinction or "
+                     "the density of a medium the volume ends at this box; without it, it has no end"}},
                    {R"(<volume type="constvolume">
     <rgb name="value" value="0.8, 0.9, 0.7"/>
 </volume>)",

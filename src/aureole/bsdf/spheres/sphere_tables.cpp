@@ -23,6 +23,7 @@ struct SphereTables::Worker {
   std::vector<double> mu, phase, ring;
   std::vector<optics::MieAmplitudes> at, mirrored, specular;
   std::vector<double> energy, matrix, h, next;
+  int points = 0;  // of the following
   // Data of points on the sphere of directions: `Scattered` and weights; then for one incidence their
   // positions in the table of h and their power.
   std::vector<float> along, in, out, weight, place, share;
@@ -50,16 +51,22 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   }
   // Wavelength nodes: phases between rays through a sphere and rays past it vary with x; a spread of sizes
   // blurs narrower features.
-  constexpr double kSizeStep = 0.2;
-  constexpr int kMaxNodes = 128;
+  constexpr double kSizeStep = 0.05;
   const double range = 1 / grid.min_nm - 1 / grid.max_nm, width = grid.max_nm / grid.min_nm - 1;
   double count = kTwoPi * layer.radius_nm * layer.medium(grid.min_nm) * range / kSizeStep;
   if (layer.spread > 0) count = std::min(count, 3 * width / layer.spread);
   // Smooth spectra need few nodes. The cost per node grows with the square of the size.
-  const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0),
-               most = largest > 2000 ? kMaxNodes / 2 : kMaxNodes;
-  const int cells_of_four = int(std::ceil(std::clamp(count, least, most) / kStride));
-  wavelengths_ = cells_of_four * kStride + 1;
+  const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0), most = largest > 2000 ? 128
+                                                                                          : largest > 800
+                                                                                              ? 512
+                                                                                              : 1024;
+  const double cells = std::clamp(count, least, most);
+  // Samples and h vary less with the wavelength than the phase function.
+  constexpr int kMostSampleCells = 32, kMostBalanced = 128;
+  stride_ = std::max(4, int(std::ceil(cells / kMostSampleCells)));
+  per_stride_ = 1 / float(stride_);
+  wavelengths_ = int(std::ceil(cells / stride_)) * stride_ + 1;
+  balance_stride_ = wavelengths_ - 1 > kMostBalanced ? stride_ : 1;
   first_ = 1 / grid.max_nm;
   scale_ = (wavelengths_ - 1) / range;
 }
@@ -71,22 +78,30 @@ SphereTables::SphereTables(const SphereLayer& layer, const SpectralGrid& grid) {
     structure_[i] = float(std::max(layer.structure->eval(double(i) / kStructureRate), 0.0));
   has_peaks_ = *std::max_element(structure_.begin(), structure_.end()) > 1.5;
   const std::size_t w = std::size_t(wavelengths_), n = std::size_t(cells());
-  sizes_.resize(w);
+  sizes_.resize(w), albedos_.resize(w);
   phase_.resize((n + 1) * w);
   h_.resize((kCosines + 1) * w);
   transmitted_ = reflected_ = lost_ = h_;
-  sampling_ = SphereSamples(angles_, (wavelengths_ - 1) / kStride + 1);
+  sampling_ = SphereSamples(angles_, (wavelengths_ - 1) / stride_ + 1);
 
   std::atomic<int> next{0};
   run_workers(std::min(default_thread_count(), wavelengths_), [&](int) {
     Worker worker;
     for (int node; (node = next.fetch_add(1)) < wavelengths_;) {
       scatter(node, layer, worker);
-      balance(node, worker);
-      if (node % kStride == 0) prepare_samples(node, worker);
+      if (node % balance_stride_ == 0) balance(node, worker);
+      if (node % stride_ == 0) prepare_samples(node, worker);
     }
   });
-  samples_ = {}, sample_ends_ = {};
+  if (balance_stride_ > 1) {
+    next = 0;
+    run_workers(std::min(default_thread_count(), wavelengths_), [&](int) {
+      Worker worker;
+      for (int node; (node = next.fetch_add(1)) < wavelengths_;)
+        if (node % balance_stride_ != 0) interpolate_balance(node, worker);
+    });
+  }
+  samples_ = {}, sample_ends_ = {}, albedos_ = {};
 }
 
 /// Computes Mie's theory at one node: the phase function, the coherent light and the energies.
@@ -136,6 +151,7 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
   for (int i = 0; i <= cells(); ++i) phase_[std::size_t(i) * stride + std::size_t(node)] = float(w.phase[i]);
 
   const double albedo = extinction > 0 ? scattering / extinction : 1;
+  albedos_[std::size_t(node)] = albedo;
   w.energy.resize(kCosines + 1);
   for (int i = 0; i <= kCosines; ++i) {
     const double t = double(i) / kCosines;
@@ -148,9 +164,8 @@ void SphereTables::scatter(int node, const SphereLayer& layer, Worker& w) {
   }
 }
 
-/// Computes h by Sinkhorn's iteration for a symmetric kernel, so that each angle of incidence scatters its
-/// energy.
-void SphereTables::balance(int node, Worker& w) {
+/// Places points on the sphere of directions at which the light of a node's phase function is summed.
+void SphereTables::place_points(Worker& w) const {
   // Points of a rank-1 lattice over (cumulative power, azimuth).
   const int points_wanted = has_peaks_ ? 16384 : 8192;
   constexpr double kGolden = 0.6180339887498949;
@@ -174,35 +189,47 @@ void SphereTables::balance(int node, Worker& w) {
     }
     power += mass;
   }
+  w.points = points;
+}
 
+/// Sums the light that is scattered from the incidence `cosine` to those of the table, h left out.
+void SphereTables::sum_row(int node, int i, Worker& w) const {
   constexpr int n = kCosines + 1;
-  w.matrix.assign(std::size_t(n) * n, 0.0);
-  for (int i = 1; i < n; ++i) {
-    const float t = float(i) / kCosines, cos_i = t * t, sin_i = std::sqrt(1 - cos_i * cos_i);
-    const float *along = w.along.data(), *in = w.in.data(), *out = w.out.data(), *weight = w.weight.data(),
-                *table = structure_.data(), size = sizes_[node];
-    float* __restrict place = w.place.data(), * __restrict share = w.share.data();
-    for (int k = 0; k < points; ++k) {
-      // `Scattered` inlined, for vectorisation.
-      const float x = along[k] * sin_i + in[k] * cos_i;
-      const float u = std::min(size * std::sqrt(x * x + out[k] * out[k]) * kStructureRate, kStructureEnd);
-      const int cell = int(u);
-      const float cosine = std::min(std::abs((along[k] - 1) * cos_i - in[k] * sin_i), 1.f);
-      share[k] = weight[k] * cosine * (table[cell] + (u - float(cell)) * (table[cell + 1] - table[cell]));
-      place[k] = std::min(std::sqrt(cosine) * kCosines, kCosines - 0.001f);
-    }
-    // Neighbouring points add to the same nodes; several sums avoid waiting for the previous addition.
-    constexpr int kSums = 4;
-    float sums[kSums][n + 1] = {};
-    for (int k = 0; k < points; ++k) {
-      const int j = int(place[k]);
-      const float fraction = place[k] - float(j);
-      float* s = &sums[k % kSums][j];
-      s[0] += share[k] * (1 - fraction), s[1] += share[k] * fraction;
-    }
-    for (const auto& s : sums)
-      for (int j = 0; j < n; ++j) w.matrix[std::size_t(i) * n + std::size_t(j)] += double(s[j]);
+  const int points = w.points;
+  std::fill_n(w.matrix.begin() + std::ptrdiff_t(i) * n, n, 0.0);
+  const float t = float(i) / kCosines, cos_i = t * t, sin_i = std::sqrt(1 - cos_i * cos_i);
+  const float *along = w.along.data(), *in = w.in.data(), *out = w.out.data(), *weight = w.weight.data(),
+              *table = structure_.data(), size = sizes_[node];
+  float* __restrict place = w.place.data(), * __restrict share = w.share.data();
+  for (int k = 0; k < points; ++k) {
+    // `Scattered` inlined, for vectorisation.
+    const float x = along[k] * sin_i + in[k] * cos_i;
+    const float u = std::min(size * std::sqrt(x * x + out[k] * out[k]) * kStructureRate, kStructureEnd);
+    const int cell = int(u);
+    const float cosine = std::min(std::abs((along[k] - 1) * cos_i - in[k] * sin_i), 1.f);
+    share[k] = weight[k] * cosine * (table[cell] + (u - float(cell)) * (table[cell + 1] - table[cell]));
+    place[k] = std::min(std::sqrt(cosine) * kCosines, kCosines - 0.001f);
   }
+  // Neighbouring points add to the same nodes; several sums avoid waiting for the previous addition.
+  constexpr int kSums = 4;
+  float sums[kSums][n + 1] = {};
+  for (int k = 0; k < points; ++k) {
+    const int j = int(place[k]);
+    const float fraction = place[k] - float(j);
+    float* s = &sums[k % kSums][j];
+    s[0] += share[k] * (1 - fraction), s[1] += share[k] * fraction;
+  }
+  for (const auto& s : sums)
+    for (int j = 0; j < n; ++j) w.matrix[std::size_t(i) * n + std::size_t(j)] += double(s[j]);
+}
+
+/// Computes h by Sinkhorn's iteration for a symmetric kernel, so that each angle of incidence scatters its
+/// energy.
+void SphereTables::balance(int node, Worker& w) {
+  constexpr int n = kCosines + 1;
+  place_points(w);
+  w.matrix.assign(std::size_t(n) * n, 0.0);
+  for (int i = 1; i < n; ++i) sum_row(node, i, w);
   w.h.assign(n, 1.0), w.next.assign(n, 0.0);
   for (int iteration = 0; iteration < 1000; ++iteration) {
     double change = 0;
@@ -220,8 +247,47 @@ void SphereTables::balance(int node, Worker& w) {
     h_[std::size_t(i) * std::size_t(wavelengths_) + std::size_t(node)] = float(w.h[i]);
 }
 
+/// Sets h at a node between two of those at which it was computed: h/sqrt(energy) is linear between them, since
+/// how much light becomes diffuse oscillates with the wavelength, and where it goes varies slowly. A smooth factor
+/// then makes the energy right at some angles of incidence.
+void SphereTables::interpolate_balance(int node, Worker& w) {
+  constexpr int n = kCosines + 1, kSpacing = 8, kRounds = 3;
+  static_assert(kCosines % kSpacing == 0);
+  const std::size_t stride = std::size_t(wavelengths_), at = std::size_t(node),
+                    first = at - at % std::size_t(balance_stride_),
+                    last = first + std::size_t(balance_stride_);
+  const double t = double(at - first) / double(last - first);
+  w.h.assign(n, 0.0), w.energy.assign(n, 0.0), w.phase.resize(std::size_t(cells()) + 1);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto energy = [&](std::size_t k) { return double(lost_[i * stride + k]) * albedos_[k]; };
+    const auto relative = [&](std::size_t k) {
+      return energy(k) > 0 ? double(h_[i * stride + k]) / std::sqrt(energy(k)) : 0;
+    };
+    w.energy[i] = energy(at);
+    w.h[i] = std::lerp(relative(first), relative(last), t) * std::sqrt(energy(at));
+  }
+  for (std::size_t i = 0; i < w.phase.size(); ++i) w.phase[i] = double(phase_[i * stride + at]);
+  place_points(w);
+  w.matrix.assign(std::size_t(n) * n, 0.0);
+  for (int i = kSpacing; i < n; i += kSpacing) sum_row(node, i, w);
+  for (int round = 0; round < kRounds; ++round) {
+    double factors[kCosines / kSpacing + 1];
+    for (int i = kSpacing; i < n; i += kSpacing) {
+      double sum = 0;
+      for (int j = 0; j < n; ++j) sum += w.matrix[std::size_t(i) * n + std::size_t(j)] * w.h[j];
+      factors[i / kSpacing] = w.h[i] * sum > 0 ? std::sqrt(w.energy[i] / (w.h[i] * sum)) : 1;
+    }
+    factors[0] = factors[1];
+    for (int i = 1; i < n; ++i) {
+      const int k = std::min(i / kSpacing, kCosines / kSpacing - 1);
+      w.h[i] *= std::lerp(factors[k], factors[k + 1], double(i - k * kSpacing) / kSpacing);
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i) h_[i * stride + at] = float(w.h[i]);
+}
+
 void SphereTables::prepare_samples(int node, const Worker& w) {
-  sampling_.prepare(node / kStride, w.phase, [&](float transverse, float cos_o) {
+  sampling_.prepare(node / stride_, w.phase, [&](float transverse, float cos_o) {
     const float x = std::sqrt(cos_o) * kCosines;
     const int j = std::min(int(x), kCosines - 1);
     const double h = w.h[j] + double(x - float(j)) * (w.h[j + 1] - w.h[j]);

@@ -4,7 +4,8 @@
 // with P the phase function of a sphere (Mie, normalised), S' the structure factor of the positions and h a
 // factor that gives the diffuse albedo of the layer without breaking reciprocity. Everything is tabulated at
 // nodes that are uniform in 1/lambda. Between two nodes f, the albedos and the lobe fractions are means of
-// two layers with equal weights. Each layer conserves energy, and so does the mean at all wavelengths.
+// two layers with equal weights. Each layer conserves energy, and so does the mean at all wavelengths; where
+// there are more than 129 nodes, h is computed at some of them and interpolated, which is exact to 1e-3.
 #pragma once
 
 #include <algorithm>
@@ -62,11 +63,13 @@ public:
 private:
   struct Worker;
   static constexpr int kCosines = 96;  // cells of h and of the fractions, uniform in sqrt(cos)
-  static constexpr int kStride = 4;    // wavelength nodes per node of the samples
 
   void plan(const SphereLayer& layer, const SpectralGrid& grid);
   void scatter(int node, const SphereLayer& layer, Worker& w);
+  void place_points(Worker& w) const;
+  void sum_row(int node, int i, Worker& w) const;
   void balance(int node, Worker& w);
+  void interpolate_balance(int node, Worker& w);
   void prepare_samples(int node, const Worker& w);
   float structure(float u) const {
     const float x = std::min(u * kStructureRate, kStructureEnd);
@@ -74,7 +77,7 @@ private:
     return structure_[i] + (x - float(i)) * (structure_[i + 1] - structure_[i]);
   }
   int cells() const { return angles_.cells(); }
-  static int sample_node(float position) { return int(position * (1.f / kStride) + 0.5f); }
+  int sample_node(float position) const { return int(position * per_stride_ + 0.5f); }
 
   /// The position of each wavelength between the nodes.
   struct Nodes {
@@ -97,10 +100,14 @@ private:
   SphereAngles angles_;
   SphereSamples sampling_;
   int wavelengths_ = 0;
+  int stride_ = 4;  // wavelength nodes per node of the samples
+  float per_stride_ = 0.25f;
+  int balance_stride_ = 1;        // wavelength nodes per node at which h is computed
   bool has_peaks_ = false;        // of the structure factor
   double first_ = 0, scale_ = 0;  // node = (1/nm - first) scale
   std::vector<double> samples_;   // of mu >= 0, in the order of the nodes of one hemisphere
   std::vector<int> sample_ends_;  // per node of the hemisphere
+  std::vector<double> albedos_;   // of a sphere, at each node, while tables are made
   std::vector<float> sizes_;      // k a of the correlation discs, per wavelength
   std::vector<float> structure_;
   std::vector<float> phase_;                           // [angle][wavelength]

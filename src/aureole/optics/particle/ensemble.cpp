@@ -30,8 +30,8 @@ std::vector<double> front_probes() {
   return mu;
 }
 
-/// Drops the largest and smallest radii that contribute less than 1e-4 of the forward peak and 1e-6 of the
-/// absorption. The forward peak is roughly proportional to x^6 for small particles and x^4 for large ones,
+/// Drops the largest radii that contribute less than 1e-4 of the forward peak and of the absorption, and the
+/// smallest that contribute less than 1e-6 of the absorption. The forward peak is roughly proportional to x^6 for small particles and x^4 for large ones,
 /// the absorption to x^3 and x^2.
 std::vector<RadiusNode> without_ends(std::vector<RadiusNode> nodes, double k) {
   const auto forward = [&](const RadiusNode& n) {
@@ -100,6 +100,7 @@ struct Ensemble::Average {
   std::size_t radii = 0;                           // number of the nodes of these sums
   std::vector<double> at, mirrored;                // differential cross section at the probes
   double last_change = 0;                          // of the absorption in the last round, absolute
+  double last_scattering_change = 0;               // of the scattering
   std::vector<double> at_change, mirrored_change;  // of `at` and `mirrored`, absolute, in the last round
   bool done = false, converged = false;
   std::vector<RadiusNode> nodes;                 // of the phase function
@@ -138,7 +139,7 @@ Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<doub
   refine_phases(averages, parallel_for);
   const std::vector<Average> of_phases = averages;
   if (accuracy_.most_coefficient_radii > 0) refine_coefficients(averages, parallel_for);
-  correlate(averages, of_phases, parallel_for);
+  correlate(averages, parallel_for);
   nodes_.resize(averages.size());
   for (std::size_t w = 0; w < lambda_nm_.size(); ++w) {
     EnsembleCoefficients c;
@@ -155,6 +156,7 @@ Ensemble::Ensemble(std::vector<ParticlePopulation> populations, std::vector<doub
       c.radii += a.nodes.size(), c.coefficient_radii += a.radii;
       c.converged = c.converged && a.converged;
       c.absorption_error += density * a.last_change;
+      c.scattering_error += density * a.last_scattering_change;
       c.phase_converged = c.phase_converged && of_phases[w * kinds + i].converged;
       nodes_[w * kinds + i] = std::move(a.nodes);
       for (RadiusNode& n : nodes_[w * kinds + i]) n.weight *= density;
@@ -251,14 +253,16 @@ std::vector<RadiusNode> nodes_of(const RadiusDistribution& radii, double density
 
 }  // namespace
 
-/// Ends an average at the upper bound of the number of radii, where the next nodes are hardly more.
+/// Ends an average at the upper bound of the number of radii, where the next nodes are fewer than 1.5 times as
+/// many.
 void Ensemble::stop_at_limit(Average& average, std::vector<RadiusNode>& next) {
   if (average.radii == 0 || double(next.size()) >= 1.5 * double(average.radii)) return;
   average.done = true;
   next.clear();
 }
 
-/// Doubles the number of radii of each average until its phase function and asymmetry have converged.
+/// Doubles the number of radii of each average until its phase function and asymmetry have converged. The first
+/// round has at most half of the upper bound, so that there is another to compare it with.
 void Ensemble::refine_phases(std::vector<Average>& averages, const ParallelFor& parallel_for) const {
   const std::vector<double> mu = front_probes();
   const std::size_t kinds = populations_.size();
@@ -268,7 +272,9 @@ void Ensemble::refine_phases(std::vector<Average>& averages, const ParallelFor& 
     for (std::size_t a = 0; a < averages.size(); ++a)
       if (!averages[a].done) {
         const double k = wave_number(lambda_nm_[a / kinds], host_[a / kinds]);
-        nodes[a] = nodes_of(populations_[a % kinds].radii, density, k, accuracy_.most_radii);
+        const std::size_t most = accuracy_.most_radii;
+        nodes[a] =
+            nodes_of(populations_[a % kinds].radii, density, k, averages[a].radii > 0 ? most : most / 2);
         stop_at_limit(averages[a], nodes[a]);
         open = open || !averages[a].done;
       }
@@ -279,7 +285,10 @@ void Ensemble::refine_phases(std::vector<Average>& averages, const ParallelFor& 
       if (before.done) continue;
       after.nodes = std::move(nodes[i]);
       after.converged = populations_[i % kinds].radii.is_single();
-      after.last_change = after.converged ? 0 : std::abs(after.absorption - before.absorption);
+      if (!after.converged && before.radii > 0) {
+        after.last_change = std::abs(after.absorption - before.absorption);
+        after.last_scattering_change = std::abs(after.scattering - before.scattering);
+      }
       after.at_change.assign(mu.size(), 0), after.mirrored_change.assign(mu.size(), 0);
       if (!after.converged && before.radii > 0) {
         double squares = 0;
@@ -300,8 +309,8 @@ void Ensemble::refine_phases(std::vector<Average>& averages, const ParallelFor& 
   }
 }
 
-/// Doubles the number of radii of each average, from some per unit of the size parameter, until its coefficients
-/// have converged.
+/// Doubles the number of radii of each average, beginning at about 1.7 per unit of the size parameter, until its
+/// coefficients have converged.
 void Ensemble::refine_coefficients(std::vector<Average>& averages, const ParallelFor& parallel_for) const {
   const std::size_t kinds = populations_.size();
   for (std::size_t i = 0; i < averages.size(); ++i) {
@@ -314,7 +323,9 @@ void Ensemble::refine_coefficients(std::vector<Average>& averages, const Paralle
     for (std::size_t a = 0; a < averages.size(); ++a)
       if (!averages[a].done) {
         const double k = wave_number(lambda_nm_[a / kinds], host_[a / kinds]);
-        nodes[a] = nodes_of(populations_[a % kinds].radii, density, k, accuracy_.most_coefficient_radii);
+        const std::size_t most = accuracy_.most_coefficient_radii;
+        nodes[a] =
+            nodes_of(populations_[a % kinds].radii, density, k, averages[a].radii > 0 ? most : most / 2);
         stop_at_limit(averages[a], nodes[a]);
         open = open || !averages[a].done;
       }
@@ -324,7 +335,10 @@ void Ensemble::refine_coefficients(std::vector<Average>& averages, const Paralle
       Average &before = averages[i], &after = finer[i];
       if (before.done) continue;
       const double bound = accuracy_.averaging;
-      after.last_change = std::abs(after.absorption - before.absorption);
+      if (before.radii > 0) {
+        after.last_change = std::abs(after.absorption - before.absorption);
+        after.last_scattering_change = std::abs(after.scattering - before.scattering);
+      }
       after.converged =
           before.radii > 0 && close(before.scattering, after.scattering, bound * after.scattering) &&
           close(before.cosine, after.cosine, bound * after.scattering) &&
@@ -337,10 +351,9 @@ void Ensemble::refine_coefficients(std::vector<Average>& averages, const Paralle
   }
 }
 
-/// Computes scattering and its mean cosine with structure factors, by Gauss quadrature over mu with the radii
-/// of the phase functions; `of_phases` has the sums over these radii.
-void Ensemble::correlate(std::vector<Average>& averages, const std::vector<Average>& of_phases,
-                         const ParallelFor& parallel_for) const {
+/// Computes scattering and its mean cosine with structure factors, by Gauss quadrature over mu. Some radii
+/// suffice for the factor by which these change scattering and its mean cosine, which is applied to the averages.
+void Ensemble::correlate(std::vector<Average>& averages, const ParallelFor& parallel_for) const {
   const std::size_t kinds = populations_.size();
   parallel_for(
       averages.size(),
@@ -350,24 +363,33 @@ void Ensemble::correlate(std::vector<Average>& averages, const std::vector<Avera
           const ParticlePopulation& population = populations_[i % kinds];
           a.correlated = a.scattering, a.correlated_cosine = a.cosine;
           if (!population.hard_spheres || a.nodes.empty()) continue;
-          const double lambda = lambda_nm_[i / kinds], host = host_[i / kinds];
+          constexpr std::size_t kMostRadii = 512;
+          const double lambda = lambda_nm_[i / kinds], host = host_[i / kinds], k = wave_number(lambda, host);
+          const std::vector<RadiusNode> nodes = nodes_of(population.radii, 1, k, kMostRadii);
           // |S|^2 is a polynomial of degree 2 x; the structure factor oscillates as exp(4 i x).
-          const double x = wave_number(lambda, host) * a.nodes.back().radius;
+          const double x = k * nodes.back().radius;
           const int half = std::min(2000, 24 + int(2 * x));
           const Quadrature q = gauss_legendre(2 * half);
           const std::span<const double> mu(q.x.data(), half);  // nodes in [0, 1]; each also represents -mu
-          std::vector<double> at(half, 0), mirrored(half, 0);
-          add_differential(population, a.nodes, lambda, host, mu, at, mirrored);
-          a.correlated = a.correlated_cosine = 0;
-          for (std::size_t j = 0; j < mu.size(); ++j) {
-            a.correlated += 2 * kPi * q.weight[j] * (at[j] + mirrored[j]);
-            a.correlated_cosine += 2 * kPi * q.weight[j] * mu[j] * (at[j] - mirrored[j]);
-          }
-          // The structure factor's effect on these radii, applied to the more accurate sum without it.
-          if (of_phases[i].scattering > 0) {
-            const double scale = a.scattering / of_phases[i].scattering;
-            a.correlated *= scale, a.correlated_cosine *= scale;
-          }
+          // The integrals of the differential cross section and of its product with mu.
+          const auto integrals = [&](const ParticlePopulation& p) {
+            std::vector<double> at(half, 0), mirrored(half, 0);
+            add_differential(p, nodes, lambda, host, mu, at, mirrored);
+            std::pair<double, double> sum{0, 0};
+            for (std::size_t j = 0; j < mu.size(); ++j) {
+              sum.first += 2 * kPi * q.weight[j] * (at[j] + mirrored[j]);
+              sum.second += 2 * kPi * q.weight[j] * mu[j] * (at[j] - mirrored[j]);
+            }
+            return sum;
+          };
+          ParticlePopulation independent = population;
+          independent.hard_spheres = false;
+          const auto [with, cosine_with] = integrals(population);
+          const auto [without, cosine_without] = integrals(independent);
+          if (!(without > 0)) continue;
+          a.correlated *= with / without;
+          // The mean cosine may be 0: its change is added.
+          a.correlated_cosine += a.scattering * (cosine_with - cosine_without) / without;
         }
       },
       1);

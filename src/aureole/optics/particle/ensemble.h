@@ -61,9 +61,9 @@ struct EnsembleCoefficients {
   bool phase_converged = true;        ///< whether the phase function has it
   /// Phase function at `Ensemble::probes`, 1/sr, without structure factors; empty if nothing is scattered.
   std::vector<double> phase = {};
-  /// Estimated errors of the averages over radii: the changes by the last doubling of the radii; 0 for spheres
-  /// of one size.
-  double absorption_error = 0;
+  /// Estimated errors of the averages over radii: the changes by the last increase of their number; 0 for
+  /// spheres of one size.
+  double absorption_error = 0, scattering_error = 0;
   std::vector<double> phase_error = {};
 
   double extinction() const { return absorption + scattering; }
@@ -105,8 +105,7 @@ private:
   static void stop_at_limit(Average& average, std::vector<RadiusNode>& next);
   void refine_phases(std::vector<Average>& averages, const ParallelFor& parallel_for) const;
   void refine_coefficients(std::vector<Average>& averages, const ParallelFor& parallel_for) const;
-  void correlate(std::vector<Average>& averages, const std::vector<Average>& of_phases,
-                 const ParallelFor& parallel_for) const;
+  void correlate(std::vector<Average>& averages, const ParallelFor& parallel_for) const;
 
   std::vector<ParticlePopulation> populations_;
   std::vector<double> lambda_nm_, host_;
