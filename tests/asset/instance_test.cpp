@@ -268,6 +268,30 @@ TEST(InstanceScene, IsPassableWhereOneOfItsShapesIs) {
   EXPECT_FALSE(binary(closed + open));
 }
 
+TEST(InstanceScene, GroupsInGroupsAreCountedBeforeTheyArePlaced) {
+  // Each group has two instances of the one before.
+  std::string groups = R"(<shape type="shapegroup" id="g0"><shape type="sphere"/></shape>)";
+  for (int i = 1; i <= 40; ++i) {
+    const std::string before =
+        "<shape type=\"instance\"><ref id=\"g" + std::to_string(i - 1) + "\"/></shape>";
+    groups += "<shape type=\"shapegroup\" id=\"g" + std::to_string(i) + "\">" + before + before + "</shape>";
+  }
+  const auto load = [&](int level) {
+    return load_scene_from_string(
+        R"(<scene version="3.0.0"><integrator type="path"/><sensor type="perspective"><film type="hdrfilm"/></sensor>
+<emitter type="constant"/>)" +
+            groups + "<shape type=\"instance\"><ref id=\"g" + std::to_string(level) + "\"/></shape></scene>",
+        "test.xml");
+  };
+  EXPECT_EQ(load(6).scene->parts().surfaces.size(), 64u);
+  try {
+    load(40);
+    ADD_FAILURE();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("1.1e+12 instances"), std::string::npos) << e.what();
+  }
+}
+
 TEST(InstanceScene, GroupsAreNotRendered) {
   const auto load = [](const std::string& content) {
     return load_scene_from_string(

@@ -74,7 +74,8 @@ TEST_P(ClosedRoom, DepthCutsTheSeries) {
 }
 INSTANTIATE_TEST_SUITE_P(Rooms, ClosedRoom,
                          ::testing::Values(std::pair("sphere", 0.5), std::pair("sphere", 0.8),
-                                           std::pair("cube", 0.5), std::pair("cube", 0.7)),
+                                           std::pair("sphere", 0.99), std::pair("cube", 0.5),
+                                           std::pair("cube", 0.7)),
                          [](const auto& info) {
                            return info.param.first + std::to_string(int(100 * info.param.second));
                          });

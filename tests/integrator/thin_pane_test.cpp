@@ -92,6 +92,23 @@ TEST(ThinPane, CrossingsCountForTheLimitOfSegmentsWhereTheIntegratorSaysSo) {
   }
 }
 
+TEST(ThinPane, CrossingsCountForLampsThatTheSensorSeesThroughIt) {
+  const std::string seen =
+      camera("origin=\"0, 0, -3\" target=\"0, 0, 0\" up=\"0, 1, 0\"", 5, 2, 64) +
+      "<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"5\"/></transform><bsdf "
+      "type=\"thindielectric\"><float name=\"int_ior\" value=\"1.5\"/><float name=\"ext_ior\" value=\"1\"/></bsdf></shape>"
+      "<emitter type=\"constant\"><spectrum name=\"radiance\" value=\"1\"/></emitter>";
+  const double through = pane_transmittance(1.5, 0);
+  for (const char* type : {"path", "bdpt", "ptracer"}) {
+    // The sky that the pane reflects has a path of two segments, too.
+    EXPECT_EQ(render(method(type, 1, "") + seen).all, 0) << type;
+    const Picture two = render(method(type, 2, "") + seen);
+    const double all = std::string(type) == "ptracer" ? through : 1;
+    EXPECT_NEAR(two.all, all, 4.5 * two.all_error + 2e-3) << type;
+    EXPECT_NEAR(render(method(type, 1, kUncounted) + seen).all, through, 2e-3) << type;
+  }
+}
+
 TEST(ThinPane, UndeviatedLightOfScatterersIsSampled) {
   // Discs of area fraction f let (1 - f)^2 of the light pass undeviated: the square of the mean amplitude.
   const auto layer = [](const std::string& more) {

@@ -127,6 +127,21 @@ TEST(TouchingMedia, TransmittanceIsThatOfTheOtherWay) {
   EXPECT_NEAR(down, std::exp(-(2 * 0.5 + 1 * 1 + 1 * 0.2)), 1e-3 * up);
 }
 
+TEST(TouchingMedia, EqualPrioritiesAreDecidedByTheOrderOfTheScene) {
+  const auto absorber = [](double sigma) { return kNull + medium(sigma, 0) + priority(5); };
+  const auto along = [](const std::string& bodies, const char* way) {
+    return render("<integrator type=\"direct\"/>" + camera(way, 1, 1, 4) + bodies + kSky).all;
+  };
+  const char *down = "origin=\"0.1, 0.2, 5\" target=\"0.1, 0.2, 0\" up=\"0, 1, 0\"",
+             *up = "origin=\"0.1, 0.2, -5\" target=\"0.1, 0.2, 0\" up=\"0, 1, 0\"";
+  const std::string across = block(0, 1, absorber(0.7)) + block(0.5, 2, absorber(0.3)),
+                    within = block(-1, 1, absorber(0.3)) + block(-0.5, 0.5, absorber(0.9), 5);
+  for (const char* way : {down, up}) {
+    EXPECT_NEAR(along(across, way), std::exp(-1.0), 1e-3) << way;
+    EXPECT_NEAR(along(within, way), std::exp(-0.3 - 0.9), 1e-3) << way;
+  }
+}
+
 TEST(TouchingMedia, AnInterfaceOfTwoBodiesIsTheSameFromBothSides) {
   // A small lamp in the lower body, seen from within the upper one: blurred, whichever of them is the rough one.
   const std::string rough =
@@ -271,6 +286,24 @@ TEST(TouchingMedia, WhatCannotBeDecidedIsNoted) {
   EXPECT_EQ(count(notes_of(block(-1, 0, thin) + block(0, 1, dense)), "fill the same space"), 0) << "touching";
   EXPECT_EQ(count(notes_of(block(-1, 1, thin) + block(-0.5, 0.5, dense, 5)), "fill the same space"), 0)
       << "within";
+  EXPECT_EQ(count(notes_of(block(-1, 0.5, thin + priority(1)) + block(0, 1, dense + priority(1))),
+                  "no different priorities"),
+            1);
+  // A body within another one that states air around it, unless priorities decide.
+  const std::string states_medium = "states another medium around it", states_index = "states another index";
+  EXPECT_EQ(count(notes_of(block(-1, 1, thin) + block(-0.5, 0.5, dense, 5)), states_medium), 1);
+  EXPECT_EQ(count(notes_of(block(-1, 1, thin) + block(-0.5, 0.5, dense + priority(1), 5)), states_medium), 1);
+  EXPECT_EQ(count(notes_of(block(-1, 1, thin + priority(1)) + block(-0.5, 0.5, dense + priority(2), 5)),
+                  states_medium),
+            0);
+  std::string outside = medium(1, 0);
+  outside.replace(outside.find("interior"), 8, "exterior");
+  EXPECT_EQ(count(notes_of(block(-1, 1, thin) + block(-0.5, 0.5, dense + outside, 5)), states_medium), 0);
+  const std::string in_glass =
+      "<bsdf type=\"dielectric\"><float name=\"int_ior\" value=\"1.33\"/><float "
+      "name=\"ext_ior\" value=\"1.5\"/></bsdf>";
+  EXPECT_EQ(count(notes_of(block(-1, 1, kGlass) + block(-0.5, 0.5, kWater, 5)), states_index), 1);
+  EXPECT_EQ(count(notes_of(block(-1, 1, kGlass) + block(-0.5, 0.5, in_glass, 5)), states_index), 0);
   const std::string pane =
       "<shape type=\"rectangle\"><transform name=\"to_world\"><translate z=\"1\"/></transform><bsdf type=\"thindielectric\"/></shape>";
   EXPECT_EQ(count(notes_of(block(-1, 1, kGlass) + pane), "lies on"), 1);

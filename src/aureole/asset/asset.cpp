@@ -155,7 +155,7 @@ void ShapeAsset::note_losses(const Properties& element) const {
   Diagnostics* diagnostics = element.context().diagnostics;
   // In a scene with errors objects may lack their tables.
   if (!diagnostics || diagnostics->has_errors()) return;
-  constexpr double kNoted = 0.01;
+  constexpr double kNoted = 0.003;
   const auto scatters = [](const MediumPtr& medium) { return medium && medium->scatters(); };
   for (const Primitive& primitive : primitives_) {
     const Bsdf& bsdf = *primitive.bsdf;
@@ -188,8 +188,15 @@ void ShapeAsset::check_media(const Properties& element) {
       element.note("bssrdf", "the surface of this body is open (" + opening +
                                  "): it counts as one that goes on below without end");
   }
-  if (!media_.given() || media_.outside == media_.inside) return;
+  const bool bounds_medium = media_.given() && media_.outside != media_.inside;
+  if (!bounds_medium && media_.priority == 0) return;
   const std::string opening = opening_of(primitives_);
+  if (!bounds_medium) {
+    if (!opening.empty())
+      element.note("priority",
+                   "the shape is open (" + opening + "): it has no inside that could overlap others");
+    return;
+  }
   if (opening.empty()) {
     for (Primitive& primitive : primitives_) primitive.encloses_medium = true;
     return;

@@ -24,6 +24,8 @@ public:
   /// The group's own shapes, without those of nested groups.
   const std::shared_ptr<const ShapeList>& list() const { return list_; }
   const std::vector<Nested>& nested() const { return nested_; }
+  /// Returns how many instances of lists of shapes an instance of the group is.
+  double instance_count() const { return instance_count_; }
 
 private:
   void add(const Asset& asset);
@@ -33,6 +35,7 @@ private:
   ShapeList own_;  ///< used while the group is assembled
   std::shared_ptr<const ShapeList> list_;
   std::vector<Nested> nested_;
+  double instance_count_ = 0;
 };
 
 /// An instance of a group: one instance of the group's own shapes, and one of every nested group.

@@ -14,6 +14,8 @@ ShapeGroup::ShapeGroup(const Properties& properties) : Asset(properties) {
           diagnostics->note(child->properties().where(), remark);
   }
   if (own_.shapes.empty() && nested_.empty()) properties.note("shape", "the group holds no shapes");
+  instance_count_ = own_.shapes.empty() ? 0 : 1;
+  for (const Nested& n : nested_) instance_count_ += n.group->instance_count();
   list_ = std::make_shared<const ShapeList>(std::move(own_));
 }
 

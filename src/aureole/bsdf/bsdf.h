@@ -109,6 +109,8 @@ public:
 
   /// Sets the index of refraction on the side opposite to the normal; returns false if the BSDF has none.
   virtual bool interior_index(const Wavelengths& /*w*/, Spectrum& /*n*/) const { return false; }
+  /// Sets the index of refraction on the side of the normal that the BSDF states; returns false if it has none.
+  virtual bool exterior_index(const Wavelengths& /*w*/, Spectrum& /*n*/) const { return false; }
 
   /// Returns the largest fraction, over the surface, of diffuse light from one side that is lost because the
   /// microfacets scatter it once: of light from within (opposite to the normal) or from outside. 0 for a

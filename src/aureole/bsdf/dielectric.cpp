@@ -58,6 +58,10 @@ public:
     n = interior_.eval(w);
     return true;
   }
+  bool exterior_index(const Wavelengths& w, Spectrum& n) const override {
+    n = exterior_.eval(w);
+    return true;
+  }
   Lobe lobes() const override { return Lobe::delta | Lobe::reflect | Lobe::transmit; }
 
 private:

@@ -74,6 +74,10 @@ public:
     n = interior_.eval(w);
     return true;
   }
+  bool exterior_index(const Wavelengths& w, Spectrum& n) const override {
+    n = exterior_.eval(w);
+    return true;
+  }
   double single_scattering_loss(bool from_within) const override {
     if (multiple_ || states_energy_preserving(properties())) return 0;
     const float u = roughness_.range_u().y, v = roughness_.is_isotropic() ? u : roughness_.range_v().y;

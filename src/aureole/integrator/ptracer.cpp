@@ -13,13 +13,14 @@ namespace {
 /// Radiance that the sensor's rays see directly.
 class SeenDirectly {
 public:
-  SeenDirectly(std::span<Path> paths, bool hides_emitters) : paths_(paths), hides_emitters_(hides_emitters) {}
+  SeenDirectly(std::span<Path> paths, const PathLimits& limits) : paths_(paths), limits_(limits) {}
   const Wavelengths& wavelengths(int path) const { return paths_[size_t(path)].wavelengths; }
   void see(int path, const Light&, const SurfacePoint*, const Vec3&, const Spectrum& radiance) {
-    if (!hides_emitters_) sum[path] += radiance;
+    if (!limits_.hide_emitters) sum[path] += radiance;  // media are none
   }
   void lose(int path) { sum[path] = std::numeric_limits<float>::quiet_NaN(); }
   SegmentEmission emission(int) const { return {}; }
+  int crossings_before_light(int) const { return limits_.crossings_left(1); }
   void see(int path, const Spectrum& light) { media[path] += light / paths_[size_t(path)].wavelengths.pdf; }
 
   Spectrum sum[kBatch];
@@ -27,7 +28,7 @@ public:
 
 private:
   std::span<Path> paths_;
-  bool hides_emitters_;  ///< media are none
+  const PathLimits& limits_;
 };
 
 class ParticleTracer final : public Integrator {
@@ -66,7 +67,7 @@ public:
 private:
   /// The radiance along the sensor's rays that connections can't bring to the film.
   void see_directly(const Scene& scene, std::span<Path> paths, const BatchLog& log) const {
-    SeenDirectly seen(paths, limits_.hide_emitters);
+    SeenDirectly seen(paths, limits_);
     LinesOfSight lines(scene, seen);
     BatchRays rays;
     for (size_t i = 0; i < paths.size(); ++i) {

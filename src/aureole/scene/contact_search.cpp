@@ -65,6 +65,7 @@ public:
     judge_overlaps();
     rank();
     bound_ranked();
+    number_in_order();
     return std::move(found_);
   }
 
@@ -104,9 +105,11 @@ private:
   void note_overlaps();
   void judge_overlaps();
   std::unordered_map<std::uint32_t, std::size_t> order_of_bodies() const;
+  void note_within(Surface& inner, const Surface& outer);
   void note_cut(const Surface& first, const Surface& second);
   void rank();
   void bound_ranked();
+  void number_in_order();
   std::string place_of(const Surface& s) const;
 
   const std::vector<Primitive>& parts_;
@@ -118,6 +121,7 @@ private:
   std::unordered_map<std::uint32_t, std::vector<std::size_t>> parts_of_;
   std::uint32_t bodies_ = 0;
   std::map<std::pair<BodyKey, BodyKey>, Overlap> overlaps_;
+  std::unordered_map<std::uint32_t, std::size_t> order_;  ///< of bodies: those that fill common space first
   std::set<Surface*> ranked_;
   std::set<std::pair<const Surface*, const Surface*>> laid_on_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> above_;  ///< the first body ranks above the second
@@ -291,7 +295,8 @@ void Search::judge_overlaps() {
     const bool a_within = o.first_alone <= kLeast * first, b_within = o.second_alone <= kLeast * second;
     if (a_within != b_within) {
       // The body within another one fills the space.
-      if (a.body != b.body) above_.emplace(a_within ? a.body : b.body, a_within ? b.body : a.body);
+      Surface &inner = a_within ? a : b, &outer = a_within ? b : a;
+      if (a.body != b.body) above_.emplace(inner.body, outer.body), note_within(inner, outer);
       continue;
     }
     ranked_.insert(&a), ranked_.insert(&b);
@@ -299,10 +304,10 @@ void Search::judge_overlaps() {
   }
   // Of bodies that cut each other, the first in the scene fills the space, where those within others stand before
   // them: one order of all bodies, so that no three contradict each other.
-  const std::unordered_map<std::uint32_t, std::size_t> order = order_of_bodies();
+  order_ = order_of_bodies();
   for (const auto& [a, b] : cuts) {
     if (a->body != b->body) {
-      const bool a_first = order.at(a->body) < order.at(b->body);
+      const bool a_first = order_.at(a->body) < order_.at(b->body);
       above_.emplace(a_first ? a->body : b->body, a_first ? b->body : a->body);
       note_cut(a_first ? *a : *b, a_first ? *b : *a);
     } else if (a->inside && !a->inside->is_uniform()) {
@@ -335,19 +340,39 @@ std::unordered_map<std::uint32_t, std::size_t> Search::order_of_bodies() const {
   return order;
 }
 
+/// Notes that a body within another one states something else around it than what the other one is filled with,
+/// unless the priorities of both decide.
+void Search::note_within(Surface& inner, const Surface& outer) {
+  const bool both_stated = inner.rank != 0 && outer.rank != 0;
+  const bool both_ranked = ranked_.count(&inner) != 0 && outer.rank == 0;  // they touch
+  if (both_stated || both_ranked) return;
+  const bool other_medium =
+      outer.bounds_media && inner.bounds_media && !are_equal(inner.outside, outer.inside);
+  Spectrum stated, within;
+  const bool other_index = inner.bsdf->exterior_index(wavelengths_, stated) &&
+                           outer.bsdf->interior_index(wavelengths_, within) && any(stated.v != within.v);
+  if (!other_medium && !other_index) return;
+  found_.notes.push_back(fmt::format(
+      "{}: this shape lies within the {} but states {} around it, in which light that leaves it goes on. State {} "
+      "here, or a \"priority\" for both, the higher one here",
+      inner.shape->properties().where().str(), place_of(outer),
+      other_medium ? "another medium" : "another index of refraction",
+      other_medium ? "that medium as \"exterior\"" : "that index as \"ext_ior\""));
+}
+
 /// Notes that two bodies fill the same space where their priorities do not decide which of them counts.
 void Search::note_cut(const Surface& first, const Surface& second) {
   const bool same_matter =
       are_equal(first.inside, second.inside) && (!first.inside || first.inside->is_uniform()) &&
       (have_same_index(first, second, wavelengths_) || are_equal(first.bsdf, second.bsdf));
-  if ((first.rank != 0 && second.rank != 0) || same_matter) return;
+  if ((first.rank != 0 && second.rank != 0 && first.rank != second.rank) || same_matter) return;
   const Surface& winner = first.rank != 0 || second.rank == 0 ? first : second;
   const Surface& other = &winner == &first ? second : first;
   found_.notes.push_back(fmt::format(
-      "{}: this shape and the {} fill the same space and have no priorities to decide whose matter is "
+      "{}: this shape and the {} fill the same space and have no different priorities to decide whose matter is "
       "there: it is taken to be that of the {}. State a \"priority\" for both",
       winner.shape->properties().where().str(), place_of(other),
-      winner.rank != 0 ? "one that has a priority" : "first of them"));
+      winner.rank != other.rank ? "one that has a priority" : "first of them"));
 }
 
 void Search::rank() {
@@ -376,6 +401,12 @@ void Search::bound_ranked() {
     for_surfaces(i, [&](const Surface& s) {
       if (s.rank != 0) found_.ranked.extend(parts_[i].bounds());
     });
+}
+
+/// Numbers the bodies anew in their order, which decides among equal ranks.
+void Search::number_in_order() {
+  for (Surface& s : surfaces_.all)
+    if (s.body != 0) s.body = std::uint32_t(order_.at(s.body)) + 1;
 }
 
 }  // namespace

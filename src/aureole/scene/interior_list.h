@@ -30,16 +30,13 @@ public:
   Body filling(const Body& but) const {
     Body found;
     for (int i = 0; i < count_; ++i)
-      if (!(inside_[i] == but) && (!found.surface || inside_[i].surface->rank > found.surface->rank))
-        found = inside_[i];
+      if (!(inside_[i] == but) && (!found.surface || is_above(inside_[i], found))) found = inside_[i];
     return found;
   }
-  /// Whether the surfaces of a body are inactive because another one of higher rank fills the space. Among
-  /// equal ranks, the body that was entered first fills it.
+  /// Whether the surfaces of a body are inactive because another one of higher rank fills the space.
   bool hides(const Body& body) const {
     const Body other = filling(body);
-    return other.surface && (other.surface->rank > body.surface->rank ||
-                             (other.surface->rank == body.surface->rank && index_of(other) < index_of(body)));
+    return other.surface && is_above(other, body);
   }
   bool contains(const Body& body) const { return index_of(body) < count_; }
   /// Updates the list when the ray crosses a surface of a body into it (`inwards`) or out of it.
@@ -55,6 +52,13 @@ public:
   bool empty() const { return count_ == 0; }
 
 private:
+  /// Among equal ranks, such as equal priorities, the body of the smaller number fills the space, and of two
+  /// instances the one that was entered first.
+  bool is_above(const Body& a, const Body& b) const {
+    if (a.surface->rank != b.surface->rank) return a.surface->rank > b.surface->rank;
+    if (a.surface->body != b.surface->body) return a.surface->body < b.surface->body;
+    return index_of(a) < index_of(b);
+  }
   /// Returns the index of the body in the list, count_ if it is not there.
   int index_of(const Body& body) const {
     int i = 0;

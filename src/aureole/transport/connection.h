@@ -3,10 +3,9 @@
 // This file has the only visibility tests, and the only march through null surfaces.
 #pragma once
 
-#include <limits>
-
 #include "aureole/scene/scene.h"
 #include "aureole/transport/medium_segment.h"
+#include "aureole/transport/path_limits.h"
 #include "aureole/transport/ray_origin.h"
 #include "aureole/transport/ray_state.h"
 
@@ -30,7 +29,7 @@ struct TestSegment : Segment {
   float end_offset;  ///< distance from `target` to that surface
   bool infinite;
   bool through_emitters;  ///< surfaces of lights do not occlude it
-  static constexpr int kUnlimited = std::numeric_limits<int>::max();
+  static constexpr int kUnlimited = kUnlimitedCrossings;
   int crossings_left = kUnlimited;  ///< crossings of surfaces that count for the limit of segments
   /// Transmittance so far, times the MIS weight of the estimate. In scenes with media `finish` completes it.
   Spectrum passage;

@@ -3,11 +3,15 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "aureole/plugin/properties.h"
 #include "aureole/scene/scene.h"
 
 namespace aureole {
+
+/// The number of crossings that are left where `max_depth` does not limit them.
+inline constexpr int kUnlimitedCrossings = std::numeric_limits<int>::max();
 
 /// The parameters `max_depth`, `count_crossings`, `rr_depth`, `max_scattering` and `hide_emitters`.
 struct PathLimits {
@@ -25,15 +29,17 @@ struct PathLimits {
   /// Direct light: two segments, or three around an edge that diffracts.
   static PathLimits direct(bool hide_emitters) { return PathLimits(3, kLatestRoulette, -1, hide_emitters); }
 
-  /// Upper bound of the survival probability of Russian roulette after `depth` scattering events: 0.95 in
-  /// scenes without media. Paths in media of high albedo are long: a loss of 5 % at every vertex would make
-  /// the few that survive hundreds of times as bright as the others. There the loss at the n-th event is 1/(2
-  /// n), clamped to [0.00005, 0.001], so that the throughput of surviving paths grows as the square root of n
-  /// (docs/decisions/0099-long-path-roulette.md).
-  static float max_survival(const Scene& scene, int depth) {
-    return scene.has_media() ? 1 - std::clamp(0.5f / float(depth + 1), 5e-5f, 1e-3f) : 0.95f;
-  }
+  /// Upper bound of the survival probability of Russian roulette after `depth` scattering events. Paths in media
+  /// of high albedo and between nearly white walls are long: a loss of 5 % at every vertex would make the few that
+  /// survive hundreds of times as bright as the others. The loss at the n-th event is 1/(2 n), clamped to [0.00005,
+  /// 0.001], so that the throughput of surviving paths grows as the square root of n
+  /// (docs/decisions/0099-long-path-roulette.md, 0148-white-walls.md).
+  static float max_survival(int depth) { return 1 - std::clamp(0.5f / float(depth + 1), 5e-5f, 1e-3f); }
 
+  /// How many crossings the limit leaves to a path of so many segments.
+  int crossings_left(int segments) const {
+    return counts_crossings ? max_depth - segments : kUnlimitedCrossings;
+  }
   /// Whether crossing that surface counts.
   bool counts(const Surface& surface) const { return counts_crossings && !surface.is_null(); }
   /// Whether paths of so many segments count.

@@ -167,8 +167,7 @@ protected:
   bool has_media() const { return kAny && scene_.has_media(); }
   /// How many further crossings the limit leaves to a path with so many segments more than scattering events.
   int crossings_beside(int i, int further) const {
-    if (!limits_.counts_crossings) return TestSegment::kUnlimited;
-    return limits_.max_depth - (states_[i].depth + states_[i].crossed + further);
+    return limits_.crossings_left(states_[i].depth + states_[i].crossed + further);
   }
   /// Whether paths count that have so many segments more than scattering events.
   bool reaches(int i, int further) const {
@@ -428,7 +427,7 @@ template <class Self, class Kind>
 bool Walk<Self, Kind>::survives(int i) {
   State& s = states_[i];
   if (s.depth >= limits_.roulette_depth) {
-    const float survival = std::min(PathLimits::max_survival(scene_, s.depth), relative(i, s.density));
+    const float survival = std::min(PathLimits::max_survival(s.depth), relative(i, s.density));
     if (!(get(self().samples(i), s.vertex, Choice::roulette) < survival)) return false;
     s.density.survive(survival);
   }

@@ -109,14 +109,28 @@ TEST(Mesh, SampledPointsLieWithinTheErrorBound) {
 
 TEST(Mesh, DegenerateTrianglesAreDropped) {
   MeshData d;
-  d.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {NAN, 0, 0}, {INFINITY, 1, 1}};
-  d.triangles = {{0, 1, 1}, {0, 1, 2}, {0, 1, 3}, {0, 1, 4}, {5, 1, 2}};
+  d.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {2, 0, 0}, {NAN, 0, 0}};  // no triangle has the last one
+  d.triangles = {{0, 1, 1}, {0, 1, 2}, {0, 1, 3}};
   const TestMesh mesh(plain(), d);
   EXPECT_EQ(mesh.primitive_count(), 1u);
   ASSERT_EQ(mesh.remarks().size(), 1u);
-  EXPECT_EQ(mesh.remarks()[0], "4 degenerate triangles dropped");
+  EXPECT_EQ(mesh.remarks()[0], "2 degenerate triangles dropped");
   EXPECT_EQ(mesh.bounds().upper.x, 1);
   EXPECT_TRUE(OneShapeScene(mesh).intersect({{0.2f, 0.2f, 1}, {0, 0, -1}}));
+}
+
+TEST(Mesh, PositionsThatAreNotFiniteAreErrors) {
+  for (const float bad : {NAN, INFINITY, -INFINITY}) {
+    MeshData d;
+    d.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, bad, 0}};
+    d.triangles = {{0, 1, 2}, {0, 1, 3}};
+    try {
+      const TestMesh mesh(plain(), d);
+      ADD_FAILURE() << bad;
+    } catch (const Error& e) {
+      EXPECT_NE(std::string(e.what()).find("vertex 4 of 4"), std::string::npos) << e.what();
+    }
+  }
 }
 
 TEST(Mesh, TinyTrianglesAreKept) {

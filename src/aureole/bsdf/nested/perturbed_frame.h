@@ -28,6 +28,7 @@ public:
     return nested_->single_scattering_loss(from_within);
   }
   bool interior_index(const Wavelengths& w, Spectrum& n) const final { return nested_->interior_index(w, n); }
+  bool exterior_index(const Wavelengths& w, Spectrum& n) const final { return nested_->exterior_index(w, n); }
   Lobe lobes() const final { return nested_->lobes(); }
   Spectrum diffuse_reflectance(const Vec3& wi, const BsdfContext& ctx) const final {
     return nested_->diffuse_reflectance(wi, ctx);

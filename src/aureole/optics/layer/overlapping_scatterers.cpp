@@ -13,7 +13,7 @@ namespace {
 
 // Lengths here are in units of the reach R of the scatterers, v = u R.
 
-/// Autocorrelations end at |r| = 2: their samples in a period of 4.2 determine W and the other way round.
+/// Autocorrelations end at |r| = 2: with a period of 4.2 samples of them determine those of W, and vice versa.
 constexpr double kPeriod = 4.2;
 /// W is sampled up to |v| = kHalf 2 pi/kPeriod = 90.
 constexpr int kHalf = 60, kSide = 2 * kHalf + 1;

@@ -2,7 +2,7 @@
 // The intensity of a layer of scatterers at independent positions, which may overlap (the Boolean model;
 // Torquato, Random Heterogeneous Materials, 2002, section 5.1).
 //
-// What several scatterers transmit multiplies: light passes a point of opaque discs with the product of 1 - A
+// Transmittances of scatterers multiply: light passes a point of opaque discs with the product of 1 - A
 // over all discs, and a point of a screen with openings with 1 minus that product. With rho scatterers per
 // area, w(r) the mean autocorrelation of their transmittance A and Fr = rho times their mean area, both have
 // the autocovariance exp(-2 Fr) (exp(rho w(r)) - 1), whose Fourier transform is the intensity J(q). For small

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/shape/mesh/mesh.h"
 
+#include <fmt/format.h>
+
 #ifdef __FMA__
 #include <immintrin.h>
 #endif
@@ -127,6 +129,11 @@ Vec3 Mesh::place_normal(double x, double y, double z) const {
 void Mesh::build(MeshData data, std::string_view source) {
   data_ = std::move(data);
   if (face_normals_) data_.normals = {}, data_.normal_triangles = {};
+  for (const TriangleIndices& t : data_.triangles)
+    for (int k = 0; k < 3; ++k)
+      if (const Vec3& p = data_.positions[t[k]]; !is_finite(p))
+        throw properties().error(source, fmt::format("vertex {} of {} has a position that is not finite",
+                                                     t[k] + 1, data_.positions.size()));
   const std::size_t dropped = drop_degenerate();
   if (dropped) remarks_.push_back(count_text(dropped, "degenerate triangle") + " dropped");
   if (reverse_winding_)
