@@ -38,7 +38,12 @@ int compare(const std::string& a_file, const std::string& b_file, const std::str
       "mean {:+.2f} standard errors\n",
       c.z->mean_square, kZMeanSquareMin, kZMeanSquareMax, 100 * c.z->outside, c.z->count, 100 * kZOutsideMax,
       c.z->mean_difference);
-  fmt::print("verdict    {}\n", c.z->passes ? "the same within noise" : "DIFFERENT");
+  if (c.z->shares_noise())
+    fmt::print(
+        "verdict    UNDECIDED: they differ by much less than their noise, so that they share random numbers, or "
+        "one has the samples of the other. Render one of them with another seed of its sampler\n");
+  else
+    fmt::print("verdict    {}\n", c.z->passes ? "the same within noise" : "DIFFERENT");
   if (!map_file.empty()) write_z_map(c, map_file);
   return c.z->passes ? 0 : 1;
 }

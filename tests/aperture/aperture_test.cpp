@@ -168,7 +168,7 @@ TEST(Apertures, InlinePolygons) {
             1e-5 * 11.5e-12);
 }
 
-const char* const kSvgHead = "<svg xmlns=\"http://www.w3.org/2000/svg\">";
+const char* const kSvgHead = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 16 10\">";
 
 std::shared_ptr<const ApertureShape> from_svg(const std::string& content, const std::string& more = "") {
   const TemporaryFile file("shape.svg", kSvgHead + content + "</svg>");
@@ -194,6 +194,12 @@ TEST(SvgApertures, WaysToWriteOneShape) {
           R"X(<defs><circle r="50"/></defs><rect width="99" height="99" display="none"/>
               <path d="M.0.8e1h8v-5L4 0 0 3"/><circle r="0"/><path d="M90 90"/>)X",
           R"X(<path d="M0 8C3 8 5 8 8 8L8 7S8 5 8 3Q6 1.5 4 0L3 .75T0 3z"/>)X",
+          R"X(<rect y="3mm" width="8mm" height="0.5cm"/><polygon points="0,3 8,3 4,0" transform="scale(3.779527559055118)"/>)X",
+          R"X(<rect y="30%" width="50%" height="50%"/><polygon points="0,3 8,3 4,0"/>)X",
+          R"X(<defs><path id="house" d="M0 8H8V3L4 0 0 3Z"/></defs><use href="#house"/>)X",
+          R"X(<symbol id="house"><path d="M0 4H4V1.5L2 0 0 1.5Z" transform="scale(2)"/></symbol>
+              <g transform="translate(9 9)"><use xlink:href="#house" x="3" y="-2"/></g>)X",
+          R"X(<defs><g id="a"><use href="#b" transform="scale(3)"/></g><path id="b" d="M0 8H8V3L4 0 0 3Z"/></defs><use href="#a"/>)X",
       }) {
     SCOPED_TRACE(svg);
     EXPECT_LT(difference(*from_svg(svg), expected, 4e-6), 1e-10);
@@ -262,8 +268,17 @@ TEST(SvgApertures, Errors) {
   expect(shape_message("<polygon points=\"0,0 1,1 2\"/>"), "expected a number");
   expect(shape_message("<polygon points=\"0,0 1,1 2,z\"/>"), "expected a number");
   expect(shape_message("<rect width=\"-1\" height=\"2\"/>"), "width must not be negative");
-  expect(shape_message("<circle r=\"2mm\"/>"), "expected a number without a unit");
-  expect(shape_message("<use href=\"#a\"/>"), "<use> at byte ");
+  expect(shape_message("<circle r=\"2em\"/>"), "expected px, mm, cm, in, pt, pc, Q, % or no unit");
+  expect(message("<svg><circle r=\"5%\"/></svg>"), "a percentage needs the viewBox");
+  expect(shape_message("<use href=\"#a\"/>"), "no element has the id \"a\"");
+  expect(shape_message("<use href=\"other.svg#a\"/>"), "names no element of this file");
+  expect(shape_message("<g id=\"a\"><use href=\"#a\"/></g>"), "nested more than 64 deep");
+  std::string bomb = "<defs><g id=\"a0\"/>";
+  for (int i = 1; i < 40; ++i) {
+    const std::string use = "<use href=\"#a" + std::to_string(i - 1) + "\"/>";
+    bomb += "<g id=\"a" + std::to_string(i) + "\">" + use + use + "</g>";
+  }
+  expect(shape_message(bomb + "</defs><use href=\"#a18\"/>"), "more than 100000 elements are drawn");
   expect(shape_message("<text>a</text>"), "is not supported: convert it to a path");
   expect(shape_message("<g transform=\"turn(3)\"/>"), "\"turn\" with 1 numbers is not a transform");
   expect(shape_message("<g transform=\"scale 3\"/>"), "expected a transform such as scale(2)");
@@ -276,7 +291,7 @@ TEST(SvgApertures, Errors) {
   for (int i = 0; i < 100; ++i) deep += "</g>";
   for (int i = 0; i < 10002; ++i) many += " " + std::to_string(i) + " 1";
   for (int i = 0; i < 2000; ++i) curves += "<circle r=\"" + std::to_string(i + 1) + "\"/>";
-  expect(shape_message(deep), "groups are nested more than 64 deep");
+  expect(shape_message(deep), "groups and uses are nested more than 64 deep");
   expect(shape_message(many + "\"/>"), "more than 10000 lines and curves");
   expect(shape_message(curves), "more than 10000");
 }

@@ -75,7 +75,8 @@ AUREOLE_PLUGIN(
         "A shape with straight edges, of any number of rings in either orientation. By the even-odd rule, "
         "points inside an odd number of rings are open: a ring in a ring is a hole, and the overlap of two "
         "rings is opaque. A ring must not touch itself. An SVG file gives the outlines of all its shapes "
-        "(path, polygon, polyline, rect, circle, ellipse; fill and stroke are ignored). Curves become "
+        "(path, polygon, polyline, rect, circle, ellipse, and what use repeats; fill and stroke are ignored), in any "
+        "absolute unit or in percent. Curves become "
         "polygons, accurate to 1e-4 of the picture's size. At most 10000 vertices.",
         "S.-W. Lee, R. Mittra, Fourier transform of a polygonal shape function and its application in "
         "electromagnetics, IEEE Trans. Antennas Propag. 31, 1983",

@@ -133,7 +133,7 @@ AUREOLE_PLUGIN(
         "part is modelled by single spheres in the mean field of all others. For spheres far above the "
         "wavelength it transmits too much light beyond the angle where cos theta = area_fraction/2. Spheres "
         "of one size have sharp resonances; those narrower than the wavelength nodes (up to 1024 over the sensor's "
-        "range) are not resolved. At a single wavelength of the visible range, water drops of 2, 10 and 30 um are "
+        "range, 256 in dense or ordered layers) are not resolved. At a single wavelength of the visible range, water drops of 2, 10 and 30 um are "
         "right to 1.5, 0.5 and 0.9 % in the first rings, and to 5, 3 and 18 % of a ring's mean over all angles; "
         "a sensor with a narrower range has finer nodes. The largest sphere may have 2 pi n radius/lambda = "
         "5000. Tables take 1 to 20 MB.",

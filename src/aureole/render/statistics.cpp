@@ -80,10 +80,10 @@ Comparison compare_images(const Image& a, const Image& b, double rounding) {
   for (double v : zs) z.outside += (std::abs(v) > bound) / double(zs.size());
   z.mean_relative = c.mean_b != 0 ? c.mean_a / c.mean_b - 1 : 0;
   z.mean_difference = variance_of_mean > 0 ? (c.mean_a - c.mean_b) / std::sqrt(variance_of_mean) : 0;
-  z.passes =
-      c.not_finite == 0 && z.mean_square >= kZMeanSquareMin && z.mean_square <= kZMeanSquareMax &&
-      z.outside <= kZOutsideMax &&
+  z.is_within =
+      c.not_finite == 0 && z.mean_square <= kZMeanSquareMax && z.outside <= kZOutsideMax &&
       (std::abs(z.mean_difference) <= kZMeanStandardErrors || std::abs(z.mean_relative) <= kZMeanRelative);
+  z.passes = z.is_within && z.mean_square >= kZMeanSquareMin;
   c.z = z;
   return c;
 }

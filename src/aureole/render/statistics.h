@@ -25,6 +25,10 @@ struct ZTest {
   double mean_relative = 0;    ///< relative difference of the image means
   std::size_t count = 0;
   bool passes = false;
+
+  /// Whether it fails only because the differences are too small for independent noise.
+  bool shares_noise() const { return !passes && is_within && mean_square < kZMeanSquareMin; }
+  bool is_within = false;  ///< whether no value and no mean is off by more than noise
 };
 
 struct Comparison {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "aureole/core/error.h"
 
@@ -345,11 +346,22 @@ std::vector<optics::Ring> SvgOutline::flattened(double tolerance) const {
   return rings;
 }
 
-double parse_svg_length(std::string_view text) {
+double parse_svg_length(std::string_view text, double whole) {
+  // CSS Values and Units Module Level 3, section 5.2: an inch is 96 px.
+  static constexpr std::pair<std::string_view, double> kUnits[] = {
+      {"px", 1},         {"mm", 96 / 25.4}, {"cm", 96 / 2.54}, {"in", 96},
+      {"pt", 96 / 72.0}, {"pc", 16},        {"Q", 96 / 101.6}};
   Reader in(text);
   const double value = in.number();
-  if (in.skip() && text.substr(in.at()) != "px") in.fail("expected a number without a unit");
-  return value;
+  if (!in.skip()) return value;
+  const std::string_view unit = text.substr(in.at(), text.find_last_not_of(" \t\r\n") + 1 - in.at());
+  if (unit == "%") {
+    if (!(whole > 0)) in.fail("a percentage needs the viewBox or the width and height of the <svg>");
+    return value / 100 * whole;
+  }
+  for (const auto& [name, size] : kUnits)
+    if (unit == name) return value * size;
+  in.fail("expected px, mm, cm, in, pt, pc, Q, % or no unit");
 }
 
 }  // namespace aureole

@@ -68,7 +68,8 @@ private:
   optics::PlanePoint start_, current_;
 };
 
-/// Parses a number, plain or in px. Throws Error.
-double parse_svg_length(std::string_view text);
+/// Parses a length in user units, which are px: a number, plain or with one of CSS's absolute units, or a percentage
+/// of `whole`. Throws Error.
+double parse_svg_length(std::string_view text, double whole);
 
 }  // namespace aureole

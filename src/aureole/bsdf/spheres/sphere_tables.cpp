@@ -56,27 +56,29 @@ void SphereTables::plan(const SphereLayer& layer, const SpectralGrid& grid) {
   double count = kTwoPi * layer.radius_nm * layer.medium(grid.min_nm) * range / kSizeStep;
   if (layer.spread > 0) count = std::min(count, 3 * width / layer.spread);
   // Smooth spectra need few nodes. The cost per node grows with the square of the size.
-  const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0), most = largest > 2000 ? 128
-                                                                                          : largest > 800
-                                                                                              ? 512
-                                                                                              : 1024;
+  const double least = std::clamp((layer.spread > 0 ? 9 : 25) * width, 4.0, 32.0);
+  double most = 1024;
+  if (largest > 800) most = 512;
+  if (has_peaks_) most = 256;
+  if (largest > 2000) most = 128;
   const double cells = std::clamp(count, least, most);
-  // Samples and h vary less with the wavelength than the phase function.
+  // Samples and h vary less with the wavelength than the phase function; peaks of the structure factor move over
+  // the angles of h, so that it is computed at each node.
   constexpr int kMostSampleCells = 32, kMostBalanced = 128;
   stride_ = std::max(4, int(std::ceil(cells / kMostSampleCells)));
   per_stride_ = 1 / float(stride_);
   wavelengths_ = int(std::ceil(cells / stride_)) * stride_ + 1;
-  balance_stride_ = wavelengths_ - 1 > kMostBalanced ? stride_ : 1;
+  balance_stride_ = wavelengths_ - 1 > kMostBalanced && !has_peaks_ ? stride_ : 1;
   first_ = 1 / grid.max_nm;
   scale_ = (wavelengths_ - 1) / range;
 }
 
 SphereTables::SphereTables(const SphereLayer& layer, const SpectralGrid& grid) {
-  plan(layer, grid);
   structure_.resize(kStructureCells + 1);
   for (int i = 0; i <= kStructureCells; ++i)
     structure_[i] = float(std::max(layer.structure->eval(double(i) / kStructureRate), 0.0));
   has_peaks_ = *std::max_element(structure_.begin(), structure_.end()) > 1.5;
+  plan(layer, grid);
   const std::size_t w = std::size_t(wavelengths_), n = std::size_t(cells());
   sizes_.resize(w), albedos_.resize(w);
   phase_.resize((n + 1) * w);

@@ -5,7 +5,7 @@
 // factor that gives the diffuse albedo of the layer without breaking reciprocity. Everything is tabulated at
 // nodes that are uniform in 1/lambda. Between two nodes f, the albedos and the lobe fractions are means of
 // two layers with equal weights. Each layer conserves energy, and so does the mean at all wavelengths; where
-// there are more than 129 nodes, h is computed at some of them and interpolated, which is exact to 1e-3.
+// there are more than 129 nodes, h is computed at some of them and interpolated, which is right to 1e-3.
 #pragma once
 
 #include <algorithm>
