@@ -184,6 +184,29 @@ TEST(CorrelatedScatterers, RenormalizedEnergyIsComplete) {
     }
 }
 
+TEST(CorrelatedScatterers, RenormalizedEnergyOfSmallScatterersIsComplete) {
+  // Where k a is small, h oscillates with the wavelength and with the angle.
+  double worst = 0;
+  for (const char* radius : {"0.2um", "0.5um"}) {
+    const LayerCase s{.radius = radius,
+                      .correlation_radius = radius,
+                      .area_fraction = 0.3,
+                      .extra = R"(<boolean name="renormalize" value="true"/>)"};
+    const auto bsdf = s.build();
+    for (const float nm : {380.f, 437.f, 561.f, 689.f, 803.f}) {
+      const Context c(Mode::importance, Spectrum(nm));
+      for (const double degrees : {0., 33., 61., 85.}) {
+        const Vec3 wi = direction(degrees, 25);
+        const Energies energies =
+            integrate(s, wi, nm, [&](const Vec3& wo) { return bsdf->eval(wi, wo, c.ctx); });
+        worst = std::max(worst, std::abs(energies[0] / 0.21 - 1));
+      }
+    }
+  }
+  std::printf("largest error of the energy: %.1e\n", worst);
+  EXPECT_LT(worst, 3e-3);
+}
+
 TEST(CorrelatedScatterers, Reciprocity) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform;

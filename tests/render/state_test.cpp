@@ -3,7 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cstring>
 #include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
 #include <random>
 
 #include "loading/load_text.h"
@@ -64,6 +68,111 @@ TEST(RenderState, SurvivesAFileAndRefusesABrokenOne) {
     EXPECT_THROW(RenderState::load(folder.path / "bad.state"), Error) << i;
   }
   EXPECT_THROW(RenderState::load(folder.path / "none.state"), Error);
+}
+
+/// A state file whose header was changed, with the checksum that belongs to it.
+std::string forged(const std::string& bytes, const std::function<void(nlohmann::json&)>& change) {
+  constexpr std::size_t kMagic = 16;
+  std::uint64_t size;
+  std::memcpy(&size, bytes.data() + kMagic, 8);
+  nlohmann::json header = nlohmann::json::parse(bytes.substr(kMagic + 8, size));
+  change(header);
+  const std::string text = header.dump() + "\n";
+  size = text.size();
+  std::string made = bytes.substr(0, kMagic) + std::string(reinterpret_cast<const char*>(&size), 8) + text;
+  std::memcpy(&size, bytes.data() + kMagic, 8);
+  made += bytes.substr(kMagic + 8 + size, bytes.size() - 8 - (kMagic + 8 + size));
+  std::uint64_t h = 0xcbf29ce484222325u;
+  std::size_t at = 0;
+  for (; at + 8 <= made.size(); at += 8) {
+    std::uint64_t word;
+    std::memcpy(&word, made.data() + at, 8);
+    h = (h ^ word) * 0x100000001b3u;
+    h ^= h >> 29;
+  }
+  for (; at < made.size(); ++at) h = (h ^ std::uint8_t(made[at])) * 0x100000001b3u;
+  return made + std::string(reinterpret_cast<const char*>(&h), 8);
+}
+
+TEST(RenderState, ForgedSizesAreRefused) {
+  const TemporaryFolder folder;
+  const std::atomic<bool> go{false};
+  RenderOptions options;
+  options.end = 16, options.replicates = 2;
+  RenderJob job(small_scene(9, 7), options);
+  job.run(go);
+  const auto file = folder.path / "a.state", other = folder.path / "forged.state";
+  job.state().save(file);
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  const auto load = [&](const std::function<void(nlohmann::json&)>& change) {
+    std::ofstream(other, std::ios::binary) << forged(bytes, change);
+    return RenderState::load(other);
+  };
+  EXPECT_TRUE(same_bits(load([](nlohmann::json&) {}), job.state()));  // the checksum is right
+  using Rows = std::vector<std::vector<float>>;
+  const std::pair<const char*, nlohmann::json> cases[] = {{"rgb_rows", Rows()},
+                                                          {"rgb_rows", Rows(2, std::vector<float>(3, 1.f))},
+                                                          {"rgb_rows", Rows(3)},
+                                                          {"rows", Rows()},
+                                                          {"rows", Rows(3, std::vector<float>(20000, 1.f))},
+                                                          {"rows", Rows(100, std::vector<float>(3, 1.f))},
+                                                          {"names", std::vector<std::string>()},
+                                                          {"names", std::vector<std::string>(50, "R")},
+                                                          {"measured_channels", 1},
+                                                          {"measured_channels", 4},
+                                                          {"splat_channels", 3},
+                                                          {"replicates", 1},
+                                                          {"replicates", 1 << 30},
+                                                          {"width", 8},
+                                                          {"width", 0},
+                                                          {"width", 1 << 20},
+                                                          {"height", -7},
+                                                          {"border", 64},
+                                                          {"begin", 3},
+                                                          {"begin", -16},
+                                                          {"end", 17},
+                                                          {"end", std::int64_t(1) << 33},
+                                                          {"density_size", 63},
+                                                          {"density_size", std::int64_t(1) << 40},
+                                                          {"adaptive", "nothing"}};
+  for (const auto& [key, value] : cases)
+    EXPECT_THROW(load([&](nlohmann::json& header) { header[key] = value; }), Error) << key << value;
+
+  // Any other change gives an error, or a state that can be used.
+  std::mt19937 random(7);
+  const nlohmann::json values[] = {nullptr,
+                                   -1,
+                                   0,
+                                   1,
+                                   2,
+                                   3,
+                                   15,
+                                   64,
+                                   1e9,
+                                   1e300,
+                                   true,
+                                   "text",
+                                   Rows(3, {1.f, 2.f}),
+                                   std::vector<std::string>(3, ""),
+                                   nlohmann::json::object()};
+  int loaded = 0;
+  for (int i = 0; i < 2000; ++i) {
+    try {
+      RenderState state = load([&](nlohmann::json& header) {
+        for (std::size_t n = 1 + random() % 2; n > 0; --n) {
+          auto entry = header.begin();
+          std::advance(entry, std::ptrdiff_t(random() % header.size()));
+          *entry = values[random() % std::size(values)];
+        }
+      });
+      ++loaded;
+      state.picture(), state.rgb_picture();
+      state.merge(job.state());
+    } catch (const Error&) {
+    }
+  }
+  EXPECT_GT(loaded, 100);
 }
 
 TEST(RenderState, OfAnotherAssignmentOfRandomNumbersIsNotTakenUp) {

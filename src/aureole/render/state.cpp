@@ -2,6 +2,7 @@
 #include "aureole/render/state.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -186,6 +187,23 @@ void RenderState::save(const std::filesystem::path& file) const {
   write_file_atomically(file, bytes);
 }
 
+namespace {
+
+/// Whether the map to the picture's channels has the sizes that it needs: a factor for each measured channel.
+bool fits(const Development& d, const PictureIdentity& id) {
+  const auto has_channels = [&](const std::vector<float>& row) {
+    return row.size() == std::size_t(id.measured_channels) &&
+           std::all_of(row.begin(), row.end(), [](float f) { return std::isfinite(f); });
+  };
+  // A channel without a row, the last, is alpha.
+  const bool names =
+      !d.names.empty() && (d.rows.size() == d.names.size() || d.rows.size() + 1 == d.names.size());
+  return names && d.rgb_rows.size() == 3 && std::all_of(d.rows.begin(), d.rows.end(), has_channels) &&
+         std::all_of(d.rgb_rows.begin(), d.rgb_rows.end(), has_channels);
+}
+
+}  // namespace
+
 RenderState RenderState::load(const std::filesystem::path& file) {
   const SourceLocation where{file.string(), 0, 0};
   std::error_code ignored;
@@ -225,7 +243,7 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     if (!within(id.width, 1, 1 << 20) || !within(id.height, 1, 1 << 20) || !within(id.border, 0, 64) ||
         !within(id.measured_channels, 1, 1 << 20) || !within(id.replicates, 1, 1 << 30) ||
         !within(id.splat_channels, 0, id.measured_channels) || !within(double(begin), 0, double(end)) ||
-        !within(double(end), 0, 0x1p33))
+        !within(double(end), 0, 0x1p33) || begin % kSampleBlock != 0 || !fits(d, id))
       throw broken;
     const double left = double(bytes.data() + bytes.size() - 8 - p) - double(header_size);
     const double tiles =
@@ -243,6 +261,7 @@ RenderState RenderState::load(const std::filesystem::path& file) {
       for (auto& f : *buffers) needed += f.data().size() * sizeof(Fixed);
     if (needed != std::size_t(bytes.data() + bytes.size() - 8 - p)) throw broken;
     std::memcpy(s.done.data(), p, s.done.size());
+    if (std::any_of(s.done.begin(), s.done.end(), [](std::uint8_t v) { return v > 1; })) throw broken;
     p += s.done.size();
     if (density_size > 0) std::memcpy(s.density.data(), p, density_size);
     p += density_size;

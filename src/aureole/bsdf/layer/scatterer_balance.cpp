@@ -50,7 +50,8 @@ ScattererBalance::ScattererBalance(const optics::RadialDistribution& table, doub
                                    LayerSubstrate::Kind substrate)
     : substrate_(substrate), phase_nm_(phase_nm), first_(1 / grid.max_nm) {
   // For small k a, h oscillates: one ring per pi of k a passes the limit of evanescent waves.
-  constexpr double kStep = 0.4, kMinNodes = 4, kMaxNodes = 32;
+  constexpr double kSmall = 10, kMinNodes = 8, kMaxNodes = 64;
+  const double kStep = phase_nm / grid.max_nm < kSmall ? 0.04 : 0.4;
   const double range = 1 / grid.min_nm - 1 / grid.max_nm;
   wavelength_nodes_ = int(std::clamp(std::ceil(phase_nm * range / kStep) + 1, kMinNodes, kMaxNodes));
   scale_ = (wavelength_nodes_ - 1) / range;
