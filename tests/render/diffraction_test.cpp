@@ -165,6 +165,39 @@ TEST(RenderedEdge, WhatItTakesDoesNotDependOnHowItIsCut) {
   }
 }
 
+// A path by way of the edge crosses a pane before the screen: that counts for the limit of segments.
+TEST(RenderedEdge, PanesCountForTheLimitOfSegments) {
+  const auto light = [](const char* integrator, int depth, bool has_pane, const std::string& more = "") {
+    std::string scene = half_plane(1, "0.2mm", kSanitized ? 2 : 64);
+    const auto put = [&](const std::string& from, const std::string& to) {
+      scene.replace(scene.find(from), from.size(), to);
+    };
+    put("integrator type=\"path\"", "integrator type=\"" + std::string(integrator) + "\"");
+    put("<integer name=\"max_depth\" value=\"3\"/>",
+        "<integer name=\"max_depth\" value=\"" + std::to_string(depth) + "\"/>" + more);
+    return render(
+        scene + (has_pane
+                     ? "<shape type=\"rectangle\"><transform name=\"to_world\"><scale value=\"9\"/>"
+                       "<translate z=\"-0.3\"/></transform><bsdf type=\"thindielectric\"><float "
+                       "name=\"int_ior\" value=\"1.5\"/><float name=\"ext_ior\" value=\"1\"/></bsdf></shape>"
+                     : ""));
+  };
+  const double through = 1 - 2 * 0.04 / 1.04;  // of a pane of 1.5, straight on
+  for (const char* integrator : {"path", "bdpt"}) {
+    const Picture open = light(integrator, 3, false);
+    // The lamp sends next to nothing there straight on.
+    EXPECT_LT(light(integrator, 3, true).all, 1e-6 * open.all) << integrator;
+    for (const Picture& behind :
+         {light(integrator, 4, true),
+          light(integrator, 3, true, "<boolean name=\"count_crossings\" value=\"false\"/>")}) {
+      if (kSanitized) continue;
+      EXPECT_NEAR(behind.all, through * open.all, 4.5 * std::hypot(behind.all_error, open.all_error))
+          << integrator;
+      EXPECT_LT(behind.all_error, 0.1 * behind.all) << integrator;
+    }
+  }
+}
+
 // A square of 2 mm off the axis in the shadow of a disc or ball of 2 mm radius between a lamp and a screen. The light there is that of
 // tests/render/references/disc_shadow.py, .01731 of what it is without an obstacle.
 TEST(RenderedEdge, ShadowsOfADiscAndABallAreRound) {

@@ -30,8 +30,10 @@ bool walks_to_edges(const Scene& scene) {
 
 /// Light of one light that reaches the sensor around one edge, for one path; nothing where it is black.
 inline std::optional<Splat> light_seen_around_edge(const Scene& scene, int index, Path& path,
-                                                   bool hide_emitters) {
-  EdgePaths edges(scene, path.wavelengths, key(path.samples, 0, Stream::diffracted_light), hide_emitters);
+                                                   const PathLimits& limits) {
+  EdgePaths edges(scene, path.wavelengths, key(path.samples, 0, Stream::diffracted_light),
+                  limits.hide_emitters);
+  edges.limit_crossings(limits.crossings_left(2));
   const Vec2 lens = edges.next2();
   Splat splat{index, {}, 0.f};
   splat.estimate = single_estimate(edges.from_light_to_sensor(lens, splat.film), path.wavelengths);
@@ -81,6 +83,7 @@ public:
     KeyedRandom random(walk_key(walk, i));
     random.next();
     EdgePaths edges(scene_, walk.wavelengths(i), random, walk.limits().hide_emitters);
+    edges.limit_crossings(walk.limits().crossings_left(s.crossed + s.depth + 4 + kSegmentsBehind<W>));
     Spectrum value;
     EdgePaths::AtEdge at;
     s.density = walk.vertex_density(i);
@@ -109,6 +112,7 @@ public:
     auto& s = walk.state(i);
     EdgePaths edges(scene_, walk.wavelengths(i), key(walk.samples(i), 0, Stream::diffracted_start),
                     walk.limits().hide_emitters);
+    edges.limit_crossings(walk.limits().crossings_left(3 + kSegmentsBehind<W>));
     Spectrum value = 1.f;
     EdgePaths::AtEdge at;
     if constexpr (W::kFromSensor) {
@@ -136,6 +140,7 @@ public:
       EdgePaths edges(scene_, walk.wavelengths(i),
                       key(walk.samples(i), s.vertex, Stream::diffracted_connection),
                       walk.limits().hide_emitters);
+      edges.limit_crossings(walk.limits().crossings_left(s.crossed + s.depth + 3));
       const auto respond = [&](const Vec3& d) { return EdgePaths::response(vertex, d); };
       const EdgePaths::Place place = EdgePaths::at_vertex(vertex, s.segment);
       const float throughput = walk.relative_throughput(i);
@@ -213,7 +218,11 @@ private:
                             [&](const Vec3& d) { return so_far * respond(d); });
       }
     };
-    const auto reaches = [&](int n) { return walk.limits().reaches(n); };
+    const auto reaches = [&](int n) {
+      s.crossed += edges.take_crossed();
+      edges.limit_crossings(walk.limits().crossings_left(s.crossed + n));
+      return walk.limits().reaches(s.crossed + n);
+    };
     if (!edges.leave(first, value, s.depth, reaches, connect, s.density, s.segment, s.diffraction))
       return false;
     s.segment.begin();
@@ -252,6 +261,7 @@ private:
                            light.density.others(light.vertex.reverse_pdf(-d)) *
                            (edges.scatter_pdf(at, d) * inverse);
     walk.weigh(s.density.r_u * light.density.r_u, other, path.wavelengths, c);
+    c.crossings_left = walk.limits().crossings_left(s.crossed + s.depth + 2 + light.edges + light.crossed);
     if (scene_.has_media())
       c.begin_in(at.state,
                  std::uint32_t(combine_bits(key(walk.samples(i), s.vertex, Stream::diffracted_connection),
@@ -292,7 +302,7 @@ template <class Run>
   run(WalkInput{in.scene, in.limits, {second.data(), n}, in.log}, [&](auto& walk, BatchRays& rays) {
     for (std::size_t i = 0; i < n; ++i) {
       if (sees_lights)
-        if (const auto splat = light_seen_around_edge(in.scene, int(i), in.paths[i], in.limits.hide_emitters))
+        if (const auto splat = light_seen_around_edge(in.scene, int(i), in.paths[i], in.limits))
           splats.push_back(*splat);
       film[i] = {-1, -1};
       if (walk.begin_at_edge(int(i), film[i])) rays.add(int(i), walk.ray(int(i)));
@@ -311,7 +321,7 @@ template <class Run>
 inline void see_diffracted_light(const WalkInput& in, std::vector<Splat>& splats) {
   if (!has_diffracting_edges(in.scene)) return;
   for (std::size_t i = 0; i < in.paths.size(); ++i)
-    if (const auto splat = light_seen_around_edge(in.scene, int(i), in.paths[i], in.limits.hide_emitters))
+    if (const auto splat = light_seen_around_edge(in.scene, int(i), in.paths[i], in.limits))
       splats.push_back(*splat);
 }
 

@@ -16,11 +16,14 @@ RayState leaving(const Scene& scene, const EdgePaths::Place& from, const Vec3& d
 /// Transmittance and diffraction factor of a segment that begins or ends at an edge; `end` receives the state
 /// of a ray there.
 Spectrum passed_along(const Scene& scene, TestSegment& c, LightWay::End begin, LightWay::End finish,
-                      const Wavelengths& w, const RayState& start, std::uint32_t key, RayState* end) {
+                      const Wavelengths& w, const RayState& start, std::uint32_t key, RayState* end,
+                      int& crossings_left) {
   if (scene.has_media()) c.begin_in(start, key);
+  c.crossings_left = crossings_left;
   c.own = 1.f / kWavelengths, c.other = 0.f;  // there is no other technique
   c.passage = 1.f;
   if (!is_visible(scene, c, w)) return 0.f;
+  crossings_left = c.crossings_left;
   if (end) *end = c;
   c.passage *= left_by_edges(scene, LightWay::of(c, begin, finish), w, key + 2);
   return c.passage;
@@ -39,14 +42,14 @@ TestSegment between(const RayOrigin& from, const RayOrigin& to, bool through_emi
 
 Spectrum EdgePaths::passed_to_edge(const RayOrigin& from, LightWay::End from_end, const EdgePoint& point,
                                    const RayState& surroundings, bool through_emitters, std::uint32_t key,
-                                   RayState* end) const {
+                                   RayState* end, int& crossings_left) const {
   const RayOrigin edge = RayOrigin::in_space(point.p);
   // Rays are traced from the edge, where the ray tracer's rounding is that of the faces there and not of the
   // way. What is around has to be followed from the other end.
   TestSegment c =
       scene_.has_media() ? between(from, edge, through_emitters) : between(edge, from, through_emitters);
   return passed_along(scene_, c, scene_.has_media() ? from_end : kEdge, scene_.has_media() ? kEdge : from_end,
-                      w_, surroundings, key, end);
+                      w_, surroundings, key, end, crossings_left);
 }
 
 Spectrum EdgePaths::reach(const Place& from, const EdgePoint& point) const {
@@ -110,15 +113,16 @@ Spectrum EdgePaths::through(const EdgePoint& point, const RayOrigin& from, Light
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   const RayOrigin origin = RayOrigin::in_space(point.p);
   RayState at_edge;
+  int left = crossings_left_;  // the path itself stays where it is
   const Spectrum passed =
-      passed_to_edge(from, from_end, point, surroundings, through_emitters, key, &at_edge);
+      passed_to_edge(from, from_end, point, surroundings, through_emitters, key, &at_edge, left);
   if (is_black(passed)) return 0.f;
   TestSegment c;
   if (to.is_infinite)
     c.set(origin.spawn(to.p));
   else
     c = between(origin, *end, end_through_emitters);
-  return passed * passed_along(scene_, c, kEdge, kVertex, w_, at_edge, key + 1, nullptr);
+  return passed * passed_along(scene_, c, kEdge, kVertex, w_, at_edge, key + 1, nullptr, left);
 }
 
 Spectrum EdgePaths::light_at(const Place& from, const EdgePoint& point, const Vec3& d, const LampEnd& lamp) {
@@ -212,7 +216,7 @@ bool EdgePaths::arrive(const Place& from, const EdgePoint& point, const Vec3& d,
                        Spectrum& value, AtEdge& out) {
   const std::uint32_t key = std::uint32_t(random_.next() * 0x1p31f);
   value *= passed_to_edge(from.origin, from.end(), point, leaving(scene_, from, d), through_emitters, key,
-                          &out.state);
+                          &out.state, crossings_left_);
   out.point = point, out.d = d;
   return !is_black(value);
 }
@@ -259,7 +263,7 @@ bool EdgePaths::begin_at_light(Spectrum& value, AtEdge& out) {
     c.set(origin.spawn(wo));
   else
     c = between(origin, start, false);
-  value *= passed_along(scene_, c, kEdge, kVertex, w_, out.state, key, nullptr);
+  value *= passed_along(scene_, c, kEdge, kVertex, w_, out.state, key, nullptr, crossings_left_);
   return !is_black(value);
 }
 

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 
 #include "aureole/core/keyed_random.h"
 #include "aureole/scene/edge/scene_diffraction.h"
@@ -64,6 +65,12 @@ public:
         beams_(edges_.beams(w)),
         random_(random),
         hide_emitters_(hide_emitters) {}
+
+  /// Sets how many surfaces the path may cross from here on that count for the limit of segments; at first there
+  /// is no limit.
+  void limit_crossings(int left) { crossings_allowed_ = crossings_left_ = left; }
+  /// Returns how many of them it has crossed on its way from edge to edge since it was last asked.
+  int take_crossed() { return std::exchange(crossings_allowed_, crossings_left_) - crossings_left_; }
 
   /// A place of a path that light goes from or to around an edge: a vertex or another edge.
   struct Place {
@@ -154,7 +161,8 @@ public:
   }
   /// From an edge, which a path has come to with the factor `value`, perhaps by way of other edges, into a
   /// direction: `density`, `state` and `after` become those of the path behind it. `scattered` counts the
-  /// path's vertices, one for each edge; reaches(n): paths of n edges count; see(at, value) connects every
+  /// path's vertices, one for each edge; reaches(n): paths of n edges count (called before each step, so that it may limit
+  /// crossings); see(at, value) connects every
   /// edge with the path's far end. False where the path ends.
   template <class Density, class Reaches, class See>
   bool leave(AtEdge at, Spectrum value, int& scattered, const Reaches& reaches, const See& see,
@@ -275,7 +283,7 @@ private:
   /// `end` receives the flight there, in scenes with media.
   Spectrum passed_to_edge(const RayOrigin& from, LightWay::End from_end, const EdgePoint& point,
                           const RayState& surroundings, bool through_emitters, std::uint32_t key,
-                          RayState* end) const;
+                          RayState* end, int& crossings_left) const;
   /// The part of the light that passes from a place to an edge and from there to `to`, which is `end` or at
   /// infinity.
   Spectrum through(const EdgePoint& point, const RayOrigin& from, LightWay::End from_end,
@@ -292,6 +300,7 @@ private:
   const SceneEdges::Beams beams_;
   KeyedRandom random_;
   bool hide_emitters_;
+  int crossings_allowed_ = TestSegment::kUnlimited, crossings_left_ = TestSegment::kUnlimited;
 };
 
 }  // namespace aureole
