@@ -267,5 +267,51 @@ TEST(SameMatter, IsTheSamePictureHoweverItIsDescribed) {
   if (!::testing::Test::HasFailure()) std::filesystem::remove_all(folder);
 }
 
+// A layer has the coefficients that give it one optical thickness, whatever its own thickness: a film of some
+// millionths of its width, or a slab.
+TEST(SameMatter, FilmsScatterAsSlabsDo) {
+  std::mt19937_64 random(seed_of_commit());
+  const auto uniform = [&](double from, double to) {
+    return from + (to - from) * (double(random()) / 18446744073709551616.0);
+  };
+  double squares = 0;
+  const int layers = test::kSanitized ? 3 : 20;
+  for (int i = 0; i < layers; ++i) {
+    const double tau = std::exp(uniform(-2, 1.5)), albedo = uniform(0.3, 1), g = uniform(-0.5, 0.8),
+                 index = uniform(1.1, 1.7), tilt = uniform(0, 4);
+    const bool is_null = uniform(0, 1) < 0.5;
+    const std::string boundary = is_null ? kNull
+                                         : "<bsdf type=\"dielectric\">" + parameter("int_ior", index) +
+                                               parameter("ext_ior", 1) + "</bsdf>";
+    const auto layer = [&](double thickness, int seed) {
+      const double width = 500, sigma = tau / thickness;
+      std::string view = camera("origin=\"0, " + number(tilt) + ", 5\" target=\"0, 0, 0\" up=\"1, 0, 0\"", 1,
+                                2, test::effort(64, 1024));
+      view.insert(view.find("<integer name=\"sample_count\""),
+                  "<integer name=\"seed\" value=\"" + std::to_string(seed) + "\"/>");
+      // Light from above alone, so that what is reflected and what is transmitted differ.
+      return render(
+          "<integrator type=\"path\"/>" + view +
+          "<shape type=\"cube\"><transform name=\"to_world\"><scale x=\"" + number(width) + "\" y=\"" +
+          number(width) + "\" z=\"" + number(thickness / 2) + "\"/></transform>" + boundary +
+          medium(sigma * (1 - albedo), sigma * albedo, g) +
+          "</shape><emitter type=\"directional\"><vector name=\"direction\" x=\"0.3\" y=\"0.2\" z=\"-1\"/>"
+          "<spectrum name=\"irradiance\" value=\"1\"/></emitter><emitter type=\"constant\"/>");
+    };
+    const double thin = std::exp(uniform(std::log(5e-3), std::log(5e-2)));
+    const Picture film = layer(thin, 1), slab = layer(uniform(0.1, 1), 2);
+    const double error = std::hypot(film.all_error, slab.all_error), z = (film.all - slab.all) / error;
+    squares += z * z / layers;
+    if (test::kSanitized) continue;
+    EXPECT_LT(std::abs(film.all - slab.all), 6 * error + 1e-4 * slab.all)
+        << "tau " << tau << ", albedo " << albedo << ", g " << g << ", thickness " << thin << ", tilt "
+        << tilt << ", " << boundary;
+    EXPECT_LT(error, 0.1 * slab.all);
+  }
+  if (!test::kSanitized) {
+    EXPECT_LT(squares, 2.2);  // 30/28, with a standard deviation of some 0.36
+  }
+}
+
 }  // namespace
 }  // namespace aureole::testing
