@@ -79,8 +79,8 @@ TEST(GridTransport, AMediumEndsAtTheBoxOfItsVolume) {
 }
 
 TEST(GridTransport, AnyMajorantGivesTheSame) {
-  // One field in 4^3 voxels under one bound, in 16^3 under 4^3 of them, and where the largest value, in a
-  // corner that little light passes, loosens the bounds of all.
+  // One field in 4^3 voxels, which have one bound, and in 16^3, which have 4^3 bounds; and both with a voxel of 8 in
+  // a corner that little light passes, which raises the one bound.
   VolumeFolder folder;
   const auto write = [&](int fineness, float corner, const std::string& name) {
     const int n = 4 * fineness;

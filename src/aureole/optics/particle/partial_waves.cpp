@@ -66,12 +66,13 @@ double absorbed(Complex a) { return std::max(a.real() - std::norm(a), 0.0); }
 
 /// Returns the mean of `absorbed` from -h to h; the three values of a are those at -d, 0 and d.
 ///
-/// With 1/a = 1 + u + i c a wave absorbs u/((1 + u)^2 + c^2). Without absorption c is a real quotient C/A of
-/// smooth functions, and u = 0; a weak absorption gives u = v/A^2. In a resonance, C runs through 0 while A is
-/// small: its width in c, (1 + u)/c', may be tiny. C and A are taken as linear in t, c = (p + q t)/(1 + r t), and
-/// v, too. The root of C is the resonance; in its neighbourhood u and c' are constant and the mean has a closed
-/// form. Elsewhere the value at 0 is the mean: where there is no narrow resonance near by, or where A changes
-/// much on the way to it.
+/// 1/a = 1 + u + i c, and the wave absorbs u/((1 + u)^2 + c^2). Without absorption u = 0, and c = C/A is the
+/// quotient of two smooth real functions of the size (Bohren & Huffman 1983, section 4.4: numerator and denominator
+/// of a are A and A + i C). A weak absorption gives u = v/A^2 with a smooth v. At a resonance C runs through 0 while
+/// A is small, so that its width in the size, (1 + u) over the slope of c, may be tiny. C, A and v are taken as linear
+/// in the distance t: c = (p + q t)/(1 + r t). The root of C is the resonance; in its neighbourhood u and the slope
+/// of c are constant and the mean has a closed form. Elsewhere the value at 0 is the mean: where there is no narrow
+/// resonance near by, or where A changes much on the way to it.
 double mean_absorbed(Complex before, Complex a, Complex after, double d, double h) {
   constexpr double kReach = 6, kMostChange = 1.5, kNarrow = 0.3;
   const double middle = absorbed(a);
