@@ -41,22 +41,30 @@ TEST(FilmBuffer, KeepsFloatsAndWeights) {
   EXPECT_EQ(alpha, 1);
 }
 
-TEST(RenderState, SurvivesAFileAndRefusesABrokenOne) {
-  const TemporaryFolder folder;
-  const std::atomic<bool> go{false};
+RenderJob small_job() {
   RenderOptions options;
   options.end = 16, options.replicates = 2;
-  RenderJob job(small_scene(9, 7), options);
-  job.run(go);
-  const auto file = folder.path / "a.state";
+  return RenderJob(small_scene(9, 7), options);
+}
+
+/// Runs a job to its end, saves its state and returns the bytes of the file.
+std::string finished(RenderJob& job, const std::filesystem::path& file) {
+  job.run(std::atomic<bool>{false});
   job.state().save(file);
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(RenderState, SurvivesAFileAndRefusesABrokenOne) {
+  const TemporaryFolder folder;
+  RenderJob job = small_job();
+  const auto file = folder.path / "a.state";
+  const std::string bytes = finished(job, file);
   const RenderState loaded = RenderState::load(file);
   EXPECT_TRUE(same_bits(job.state(), loaded));
   EXPECT_EQ(loaded.done, job.state().done);
   EXPECT_EQ(loaded.identity.difference(job.state().identity), "");
 
-  std::ifstream in(file, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(in)), {});
   for (size_t n : {size_t(0), size_t(10), size_t(30), bytes.size() / 2, bytes.size() - 1}) {
     std::ofstream(folder.path / "cut.state", std::ios::binary) << bytes.substr(0, n);
     EXPECT_THROW(RenderState::load(folder.path / "cut.state"), Error) << n;
@@ -96,15 +104,9 @@ std::string forged(const std::string& bytes, const std::function<void(nlohmann::
 
 TEST(RenderState, ForgedSizesAreRefused) {
   const TemporaryFolder folder;
-  const std::atomic<bool> go{false};
-  RenderOptions options;
-  options.end = 16, options.replicates = 2;
-  RenderJob job(small_scene(9, 7), options);
-  job.run(go);
-  const auto file = folder.path / "a.state", other = folder.path / "forged.state";
-  job.state().save(file);
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  RenderJob job = small_job();
+  const auto other = folder.path / "forged.state";
+  const std::string bytes = finished(job, folder.path / "a.state");
   const auto load = [&](const std::function<void(nlohmann::json&)>& change) {
     std::ofstream(other, std::ios::binary) << forged(bytes, change);
     return RenderState::load(other);

@@ -180,17 +180,16 @@ void ShapeAsset::note_losses(const Properties& element) const {
 
 void ShapeAsset::check_media(const Properties& element) {
   note_losses(element);
-  if (primitives_.size() > 1 && opening_of(primitives_).empty())
-    for (Primitive& primitive : primitives_) primitive.is_part_of_closed = true;
-  if (media_.bssrdf) {
-    const std::string opening = opening_of(primitives_);
-    if (!opening.empty())
-      element.note("bssrdf", "the surface of this body is open (" + opening +
-                                 "): it counts as one that goes on below without end");
-  }
-  const bool bounds_medium = media_.given() && media_.outside != media_.inside;
-  if (!bounds_medium && media_.priority == 0) return;
+  const bool bounds_medium = media_.given() && media_.outside != media_.inside,
+             has_parts = primitives_.size() > 1;
+  if (!has_parts && !media_.bssrdf && !bounds_medium && media_.priority == 0) return;
   const std::string opening = opening_of(primitives_);
+  if (has_parts && opening.empty())
+    for (Primitive& primitive : primitives_) primitive.is_part_of_closed = true;
+  if (media_.bssrdf && !opening.empty())
+    element.note("bssrdf", "the surface of this body is open (" + opening +
+                               "): it counts as one that goes on below without end");
+  if (!bounds_medium && media_.priority == 0) return;
   if (!bounds_medium) {
     if (!opening.empty())
       element.note("priority",

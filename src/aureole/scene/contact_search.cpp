@@ -117,8 +117,6 @@ private:
   const Wavelengths wavelengths_;
   Contacts found_;
   std::vector<bool> has_body_;  ///< for each primitive
-  /// The primitives of each body that is not in a group: several if an asset has several parts.
-  std::unordered_map<std::uint32_t, std::vector<std::size_t>> parts_of_;
   std::uint32_t bodies_ = 0;
   std::map<std::pair<BodyKey, BodyKey>, Overlap> overlaps_;
   std::unordered_map<std::uint32_t, std::size_t> order_;  ///< of bodies: those that fill common space first
@@ -151,8 +149,6 @@ void Search::number_bodies() {
       has_body_[i] = true;
     });
   }
-  for (std::size_t i = 0; i < parts_.size(); ++i)
-    if (!parts_[i].instance && surfaces_.all[i].body != 0) parts_of_[surfaces_.all[i].body].push_back(i);
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> Search::near_pairs() {

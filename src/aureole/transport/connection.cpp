@@ -34,7 +34,7 @@ Event cross(const SurfacePoint& point, TestSegment& c, const Wavelengths& w) {
   if (!(c.through_emitters && point.surface->light) && !c.is_inactive(point, w)) {
     c.passage *= null_transmittance(point, c.d, w);
     if (is_black(c.passage)) return Event::blocked;
-    if (c.crossings_left != TestSegment::kUnlimited && !point.surface->is_null() && --c.crossings_left < 0)
+    if (c.crossings_left != kUnlimitedCrossings && !point.surface->is_null() && --c.crossings_left < 0)
       return Event::blocked;
   }
   c.pass(point, c.d, c.d);

@@ -28,9 +28,8 @@ struct TestSegment : Segment {
   Vec3 target;       ///< the far end, if there is one, off the surface that it lies on
   float end_offset;  ///< distance from `target` to that surface
   bool infinite;
-  bool through_emitters;  ///< surfaces of lights do not occlude it
-  static constexpr int kUnlimited = kUnlimitedCrossings;
-  int crossings_left = kUnlimited;  ///< crossings of surfaces that count for the limit of segments
+  bool through_emitters;                     ///< surfaces of lights do not occlude it
+  int crossings_left = kUnlimitedCrossings;  ///< crossings of surfaces that count for the limit of segments
   /// Transmittance so far, times the MIS weight of the estimate. In scenes with media `finish` completes it.
   Spectrum passage;
 
@@ -148,7 +147,7 @@ inline void TestSegment::set(const RayOrigin& from, const Vec3& direction, const
   offset = distance_from_surface(ray.o - from.p, direction);
   end_offset = distance_from_surface(target - to.p, direction);
   infinite = through_emitters = false;
-  crossings_left = kUnlimited;
+  crossings_left = kUnlimitedCrossings;
 }
 
 inline void TestSegment::set(const RayOrigin& from, const Vec3& direction) {
@@ -161,7 +160,7 @@ inline void TestSegment::set(const Ray& r) {
   origin = r.o, d = r.d;
   offset = end_offset = 0;
   infinite = true, through_emitters = false;
-  crossings_left = kUnlimited;
+  crossings_left = kUnlimitedCrossings;
 }
 
 }  // namespace aureole

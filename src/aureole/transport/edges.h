@@ -300,7 +300,7 @@ private:
   const SceneEdges::Beams beams_;
   KeyedRandom random_;
   bool hide_emitters_;
-  int crossings_allowed_ = TestSegment::kUnlimited, crossings_left_ = TestSegment::kUnlimited;
+  int crossings_allowed_ = kUnlimitedCrossings, crossings_left_ = kUnlimitedCrossings;
 };
 
 }  // namespace aureole

@@ -102,8 +102,8 @@ private:
   int degree_;
   std::vector<float> ratios_;  ///< Fa/(1 - Fa) at the nodes
   std::vector<optics::RadialFunction> structures_;
-  std::vector<float>
-      inverse_totals_;  ///< at equal steps of the area fraction; for each table if there are several
+  /// At equal steps of the area fraction; where scatterers overlap, one for each table.
+  std::vector<float> inverse_totals_;
 };
 
 }  // namespace aureole

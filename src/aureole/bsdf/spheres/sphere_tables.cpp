@@ -194,11 +194,11 @@ void SphereTables::place_points(Worker& w) const {
   w.points = points;
 }
 
-/// Sums the light that is scattered from the incidence `cosine` to those of the table, h left out.
+/// Adds to the i-th row of the matrix, which is 0, the light that is scattered from the i-th cosine of the table to
+/// all of them, h left out.
 void SphereTables::sum_row(int node, int i, Worker& w) const {
   constexpr int n = kCosines + 1;
   const int points = w.points;
-  std::fill_n(w.matrix.begin() + std::ptrdiff_t(i) * n, n, 0.0);
   const float t = float(i) / kCosines, cos_i = t * t, sin_i = std::sqrt(1 - cos_i * cos_i);
   const float *along = w.along.data(), *in = w.in.data(), *out = w.out.data(), *weight = w.weight.data(),
               *table = structure_.data(), size = sizes_[node];

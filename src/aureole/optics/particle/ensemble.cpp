@@ -31,8 +31,8 @@ std::vector<double> front_probes() {
 }
 
 /// Drops the largest radii that contribute less than 1e-4 of the forward peak and of the absorption, and the
-/// smallest that contribute less than 1e-6 of the absorption. The forward peak is roughly proportional to x^6 for small particles and x^4 for large ones,
-/// the absorption to x^3 and x^2.
+/// smallest that contribute less than 1e-6 of the absorption. The forward peak is roughly proportional to x^6 for
+/// small particles and x^4 for large ones, the absorption to x^3 and x^2.
 std::vector<RadiusNode> without_ends(std::vector<RadiusNode> nodes, double k) {
   const auto forward = [&](const RadiusNode& n) {
     const double x2 = k * k * n.radius * n.radius;
@@ -105,6 +105,13 @@ struct Ensemble::Average {
   bool done = false, converged = false;
   std::vector<RadiusNode> nodes;                 // of the phase function
   double correlated = 0, correlated_cosine = 0;  // scattering and cosine with structure factors
+
+  /// Sets the changes since the round before, if there was one.
+  void compare_with(const Average& before) {
+    if (before.radii == 0) return;
+    last_change = std::abs(absorption - before.absorption);
+    last_scattering_change = std::abs(scattering - before.scattering);
+  }
 };
 
 std::vector<double> Ensemble::probes() {
@@ -253,42 +260,41 @@ std::vector<RadiusNode> nodes_of(const RadiusDistribution& radii, double density
 
 }  // namespace
 
-/// Ends an average at the upper bound of the number of radii, where the next nodes are fewer than 1.5 times as
-/// many.
-void Ensemble::stop_at_limit(Average& average, std::vector<RadiusNode>& next) {
-  if (average.radii == 0 || double(next.size()) >= 1.5 * double(average.radii)) return;
-  average.done = true;
-  next.clear();
+/// Returns the nodes of the next round of the averages that are not done, at most `most` for each and half of that in
+/// the first round, so that there is another to compare it with. An average is done at this bound, where the next
+/// nodes are fewer than 1.5 times as many. Returns nothing once all are done.
+std::vector<std::vector<RadiusNode>> Ensemble::next_nodes(std::vector<Average>& averages, double density,
+                                                          std::size_t most) const {
+  const std::size_t kinds = populations_.size();
+  std::vector<std::vector<RadiusNode>> nodes(averages.size());
+  bool open = false;
+  for (std::size_t i = 0; i < averages.size(); ++i) {
+    Average& a = averages[i];
+    if (a.done) continue;
+    nodes[i] = nodes_of(populations_[i % kinds].radii, density,
+                        wave_number(lambda_nm_[i / kinds], host_[i / kinds]), a.radii > 0 ? most : most / 2);
+    a.done = a.radii > 0 && double(nodes[i].size()) < 1.5 * double(a.radii);
+    if (a.done) nodes[i].clear();
+    open = open || !a.done;
+  }
+  if (!open) nodes.clear();
+  return nodes;
 }
 
-/// Doubles the number of radii of each average until its phase function and asymmetry have converged. The first
-/// round has at most half of the upper bound, so that there is another to compare it with.
+/// Doubles the number of radii of each average until its phase function and asymmetry have converged.
 void Ensemble::refine_phases(std::vector<Average>& averages, const ParallelFor& parallel_for) const {
   const std::vector<double> mu = front_probes();
   const std::size_t kinds = populations_.size();
   for (double density = 1;; density *= 2) {
-    std::vector<std::vector<RadiusNode>> nodes(averages.size());
-    bool open = false;
-    for (std::size_t a = 0; a < averages.size(); ++a)
-      if (!averages[a].done) {
-        const double k = wave_number(lambda_nm_[a / kinds], host_[a / kinds]);
-        const std::size_t most = accuracy_.most_radii;
-        nodes[a] =
-            nodes_of(populations_[a % kinds].radii, density, k, averages[a].radii > 0 ? most : most / 2);
-        stop_at_limit(averages[a], nodes[a]);
-        open = open || !averages[a].done;
-      }
-    if (!open) return;
+    std::vector<std::vector<RadiusNode>> nodes = next_nodes(averages, density, accuracy_.most_radii);
+    if (nodes.empty()) return;
     std::vector<Average> finer = sum_over(nodes, mu, parallel_for);
     for (std::size_t i = 0; i < averages.size(); ++i) {
       Average &before = averages[i], &after = finer[i];
       if (before.done) continue;
       after.nodes = std::move(nodes[i]);
       after.converged = populations_[i % kinds].radii.is_single();
-      if (!after.converged && before.radii > 0) {
-        after.last_change = std::abs(after.absorption - before.absorption);
-        after.last_scattering_change = std::abs(after.scattering - before.scattering);
-      }
+      after.compare_with(before);
       after.at_change.assign(mu.size(), 0), after.mirrored_change.assign(mu.size(), 0);
       if (!after.converged && before.radii > 0) {
         double squares = 0;
@@ -318,27 +324,15 @@ void Ensemble::refine_coefficients(std::vector<Average>& averages, const Paralle
     if (!averages[i].done) averages[i].radii = 0;
   }
   for (double density = 2;; density *= 2) {
-    std::vector<std::vector<RadiusNode>> nodes(averages.size());
-    bool open = false;
-    for (std::size_t a = 0; a < averages.size(); ++a)
-      if (!averages[a].done) {
-        const double k = wave_number(lambda_nm_[a / kinds], host_[a / kinds]);
-        const std::size_t most = accuracy_.most_coefficient_radii;
-        nodes[a] =
-            nodes_of(populations_[a % kinds].radii, density, k, averages[a].radii > 0 ? most : most / 2);
-        stop_at_limit(averages[a], nodes[a]);
-        open = open || !averages[a].done;
-      }
-    if (!open) return;
+    std::vector<std::vector<RadiusNode>> nodes =
+        next_nodes(averages, density, accuracy_.most_coefficient_radii);
+    if (nodes.empty()) return;
     std::vector<Average> finer = sum_over(nodes, {}, parallel_for);
     for (std::size_t i = 0; i < averages.size(); ++i) {
       Average &before = averages[i], &after = finer[i];
       if (before.done) continue;
       const double bound = accuracy_.averaging;
-      if (before.radii > 0) {
-        after.last_change = std::abs(after.absorption - before.absorption);
-        after.last_scattering_change = std::abs(after.scattering - before.scattering);
-      }
+      after.compare_with(before);
       after.converged =
           before.radii > 0 && close(before.scattering, after.scattering, bound * after.scattering) &&
           close(before.cosine, after.cosine, bound * after.scattering) &&

@@ -102,7 +102,8 @@ private:
   struct Average;
   std::vector<Average> sum_over(std::span<const std::vector<RadiusNode>> nodes, std::span<const double> mu,
                                 const ParallelFor& parallel_for) const;
-  static void stop_at_limit(Average& average, std::vector<RadiusNode>& next);
+  std::vector<std::vector<RadiusNode>> next_nodes(std::vector<Average>& averages, double density,
+                                                  std::size_t most) const;
   void refine_phases(std::vector<Average>& averages, const ParallelFor& parallel_for) const;
   void refine_coefficients(std::vector<Average>& averages, const ParallelFor& parallel_for) const;
   void correlate(std::vector<Average>& averages, const ParallelFor& parallel_for) const;
