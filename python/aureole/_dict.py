@@ -272,6 +272,12 @@ class Writer:
         return sorted(found, key=_preference)[0]
 
 
+def other_families(kind: Any) -> List[str]:
+    """The families, the preferred one first, of a type whose family a dict that stands alone does not tell; else nothing."""
+    found = [family for family in families() if (family, kind) in plugins()] if isinstance(kind, str) else []
+    return sorted(found, key=_preference) if len(found) > 1 else []
+
+
 _serial = iter(range(1, 2**62))
 
 

@@ -9,7 +9,7 @@ from typing import Any, Dict, Iterator, List, Mapping, Optional, Tuple
 import numpy as np
 
 from . import _aureole
-from ._dict import SceneText, Transform, object_text, plugins, relocated, scene_text, value_text
+from ._dict import SceneText, Transform, object_text, other_families, plugins, relocated, scene_text, value_text
 from ._arrays import file_path, real, shown, text as checked_text
 from ._errors import Error, Problem, SceneError
 
@@ -336,7 +336,13 @@ def load_dict(description: Mapping[str, Any], *, family: Optional[str] = None, i
     try:
         return _object(text, _DICT_FILE, wavelengths)
     except SceneError as e:
-        raise relocated(e, _DICT_FILE, text.places) from None
+        error = relocated(e, _DICT_FILE, text.places)
+        found = [] if family is not None or "family" in description else other_families(kind)
+        if found:
+            choices = " or ".join(f'family="{other}"' for other in found[1:])
+            error = SceneError([*error.problems, Problem(
+                f'"{kind}" was taken for the family "{found[0]}"; {choices} reads it as another', "the dict")])
+        raise error from None
 
 
 def _object(text: SceneText, file: str, wavelengths: "Tuple[float, float]" = (360.0, 830.0)) -> Any:

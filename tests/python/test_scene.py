@@ -92,6 +92,16 @@ def test_environment_maps_and_masks_take_arrays(small_scene):
     assert isinstance(mask, aureole.Aperture)
 
 
+def test_errors_of_types_of_several_families_name_them():
+    with pytest.raises(aureole.SceneError, match='taken for the family "shape".*family="aperture" reads it as another') as error:
+        aureole.load_dict({"type": "rectangle", "width": "3um", "height": "2um"})
+    assert "width" in str(error.value)
+    assert isinstance(aureole.load_dict({"type": "rectangle", "width": "3um", "height": "2um"}, family="aperture"), aureole.Aperture)
+    with pytest.raises(aureole.SceneError) as error:
+        aureole.load_dict({"type": "rectangle", "width": "three", "height": "2um"}, family="aperture")
+    assert "taken for" not in str(error.value)
+
+
 def test_references_and_ids(small_scene):
     small_scene["paint"] = {"type": "diffuse", "reflectance": [0.1, 0.7, 0.2]}
     small_scene["ball"]["bsdf"] = {"type": "ref", "id": "paint"}
