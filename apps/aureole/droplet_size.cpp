@@ -22,8 +22,9 @@ namespace {
 
 struct Options {
   std::string photo, pixel_angle, lamp = "D65", angles, angle_error = "0.05deg", substrate = "none";
-  std::string pane_distance, lamp_distance, lamp_angle, inner, output, plot;
+  std::string pane_distance, lamp_distance, lamp_angle, inner, output, plot, correlation = "simulated";
   double fov = 0, area_fraction = -1, index = 1.5;
+  bool spread = false, second_size = false;
   std::vector<double> center, azimuths{0, 360}, masks;
 };
 
@@ -57,10 +58,14 @@ Image linear_picture(const std::string& file, double& clip) {
   return image;
 }
 
+/// Prints a value with its standard error and the interval that holds it with a probability of 95 %.
+void print_value(const char* name, const char* unit, double value, double error, double most = INFINITY) {
+  fmt::print("{:<14} {:.4g}{}, standard error {:.2g}{}, 95 % [{:.4g}, {:.4g}]\n", name, value, unit, error,
+             unit, std::max(value - 1.96 * error, 0.0), std::min(value + 1.96 * error, most));
+}
+
 void report(const Options& o, const CoronaFit& f) {
-  fmt::print("radius         {:.4g} um, standard error {:.2g} um, 95 % [{:.4g}, {:.4g}]\n", f.radius * 1e6,
-             f.radius_error * 1e6, std::max(f.radius - 1.96 * f.radius_error, 0.0) * 1e6,
-             (f.radius + 1.96 * f.radius_error) * 1e6);
+  print_value("radius", " um", f.radius * 1e6, f.radius_error * 1e6);
   const double low = std::max(f.area_fraction - 1.96 * f.area_fraction_error, 0.0),
                high = std::min(f.area_fraction + 1.96 * f.area_fraction_error, 1.0);
   if (f.fraction_fixed)
@@ -68,6 +73,11 @@ void report(const Options& o, const CoronaFit& f) {
   else
     fmt::print("area fraction  {:.3g}, standard error {:.2g}, 95 % [{:.3g}, {:.3g}]\n", f.area_fraction,
                f.area_fraction_error, low, high);
+  if (o.spread) print_value("size spread", "", f.spread, f.spread_error);
+  if (o.second_size) {
+    print_value("second radius", " um", f.second_radius * 1e6, f.second_radius_error * 1e6);
+    print_value("second share", "", f.second_share, f.second_share_error, 1);
+  }
   if (!f.fraction_fixed && high - low > 0.4)
     fmt::print("note: these rings hardly depend on the area fraction; it is not measured\n");
   if (o.output.empty()) return;
@@ -76,6 +86,11 @@ void report(const Options& o, const CoronaFit& f) {
   j["area_fraction"] = {{"value", f.area_fraction},
                         {"error", std::min(f.area_fraction_error, 1.0)},
                         {"given", f.fraction_fixed}};
+  if (o.spread) j["size_spread"] = {{"value", f.spread}, {"error", f.spread_error}};
+  if (o.second_size) {
+    j["second_radius_um"] = {{"value", f.second_radius * 1e6}, {"error", f.second_radius_error * 1e6}};
+    j["second_share"] = {{"value", f.second_share}, {"error", f.second_share_error}};
+  }
   j["correlation"] = f.correlation;
   j["residual"] = f.residual;
   const std::string text = j.dump(2) + "\n";
@@ -88,9 +103,16 @@ int droplet_size(const Options& o) {
   if (o.substrate != "none" && o.substrate != "thindielectric")
     throw Error("--substrate: unknown value \"" + o.substrate + "\"" +
                 did_you_mean(o.substrate, {"none", "thindielectric"}) + "; use none, thindielectric");
+  if (o.correlation != "simulated" && o.correlation != "percus_yevick")
+    throw Error("--correlation: unknown value \"" + o.correlation + "\"" +
+                did_you_mean(o.correlation, {"simulated", "percus_yevick"}) +
+                "; use simulated, percus_yevick");
   if (!(o.index >= 1 && o.index < 5)) throw Error("--index must be in [1, 5)");
   if (o.area_fraction != -1 && !(o.area_fraction > 0 && o.area_fraction <= kMaxFittedFraction))
     throw Error(fmt::format("--area-fraction must be in (0, {}]", kMaxFittedFraction));
+  if (o.spread && o.second_size) throw Error("give either --spread or --second-size, not both");
+  if (has_angles && (o.spread || o.second_size))
+    throw Error("--angles: angles alone do not tell several sizes; --spread and --second-size need a photo");
   const LampSpectrum lamp = lamp_spectrum(o.lamp);
   if (has_angles) {
     const auto rings = parse_ring_angles(o.angles);
@@ -111,8 +133,9 @@ int droplet_size(const Options& o) {
   const double tangent = o.fov > 0 ? 2 * std::tan(0.5 * o.fov * kDegree) / image.width
                                    : std::tan(angle_deg("--pixel-angle", o.pixel_angle) * kDegree);
   const PinholeCamera camera{tangent, 0.5 * image.width, 0.5 * image.height};
-  const auto at =
-      o.center.size() == 2 ? std::array<double, 2>{o.center[0], o.center[1]} : brightest_spot(image);
+  const PictureParts parts{o.azimuths[0], o.azimuths[1], o.masks};
+  const auto at = o.center.size() == 2 ? std::array<double, 2>{o.center[0], o.center[1]}
+                                       : corona_centre(image, clip, parts);
   if (!(at[0] >= 0 && at[1] >= 0 && at[0] <= image.width && at[1] <= image.height))
     throw Error("--center lies outside of the picture");
   const Direction direction = camera.direction(at[0], at[1]);
@@ -128,14 +151,18 @@ int droplet_size(const Options& o) {
       o.lamp_angle.empty() ? 0 : 0.5 * angle_deg("--lamp-angle", o.lamp_angle) * kDegree;
   const double inner =
       o.inner.empty() ? 5 * tangent + lamp_radius : std::sin(angle_deg("--inner", o.inner) * kDegree);
-  const PictureParts parts{o.azimuths[0], o.azimuths[1], o.masks};
   const ScatteredProfile profile = scattered_profile(image, camera, direction, parts, geometry, inner, clip);
   if (profile.s.empty())
     throw Error({o.photo, 0, 0}, "no ring is visible: nothing of the picture is left to look at");
-  CoronaModel model(lamp, profile.s.back(), lamp_radius);
+  CoronaModel model(lamp, profile.s.back(), lamp_radius,
+                    o.correlation == "simulated" ? CoronaModel::Positions::equilibrium
+                                                 : CoronaModel::Positions::percus_yevick);
   CoronaFit f;
   try {
-    f = fit_corona(profile, model);
+    f = fit_corona(profile, model,
+                   o.spread        ? CoronaSizes::spread
+                   : o.second_size ? CoronaSizes::two
+                                   : CoronaSizes::one);
   } catch (const Error& e) {
     throw Error({o.photo, 0, 0}, e.message());
   }
@@ -145,6 +172,13 @@ int droplet_size(const Options& o) {
       at[0], at[1], profile.s.size(), std::asin(profile.s.front()) / kDegree,
       std::asin(profile.s.back()) / kDegree, 100 * f.residual);
   report(o, f);
+  if (f.residual > kGoodResidual)
+    fmt::print(
+        "note: the fit leaves {:.1f} % of the rings' range unexplained, where good fits leave 1.5 %, and its "
+        "intervals do not include the cause. The scatterers may {}not be round or not be clear of one another; "
+        "the centre may be wrong (--center), the lamp may have another spectrum (--lamp) or size "
+        "(--lamp-angle), or other lights may be in the picture (--mask, --azimuths)\n",
+        100 * f.residual, o.spread || o.second_size ? "" : "be of several sizes (--spread, --second-size), ");
   if (o.plot.empty()) return 0;
   Plot plot{"Corona: green, measured and fitted", "angle, degrees", "light", {}};
   PlotSeries measured{PlotSeries::Kind::points, {}, {}, {}, {}, 0},
@@ -167,7 +201,10 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--pixel-angle", o->pixel_angle,
               "angle subtended by a pixel at the picture's centre, such as 0.01deg");
   options.add("--fov", o->fov, "horizontal field of view in degrees, instead of --pixel-angle");
-  options.add("--center", o->center, "x,y of the source in pixels (default: the brightest white spot)")
+  options
+      .add("--center", o->center,
+           "x,y of the source in pixels (default: the brightest white spot, or the point about which an "
+           "overexposed picture is most symmetric)")
       .separated_by(',')
       .takes(2);
   options.add("--lamp", o->lamp, "spectrum: CIE name, file of wavelengths and powers, or wavelength")
@@ -190,6 +227,15 @@ std::function<int()> declare(CommandOptions& options) {
               "instead of a photo: angles of extrema, such as 2.79:max:G,4.2deg:min:G (colours R, G, B, Y)");
   options.add("--angle-error", o->angle_error, "standard error of those angles").shows_default();
   options.add("--area-fraction", o->area_fraction, "fixed area fraction (with --angles)");
+  options
+      .add(
+          "--correlation", o->correlation,
+          "positions of the scatterers: simulated, hard discs in equilibrium as in nature; percus_yevick, the "
+          "theory by which scenes place them by default")
+      .shows_default();
+  options.add("--spread", o->spread, "fit the spread of sizes, too: the standard deviation of ln(radius)");
+  options.add("--second-size", o->second_size,
+              "fit scatterers of two sizes: a second radius, and its share of the covered area");
   options.add("-o,--output", o->output, "JSON file of the result");
   options.add("--plot", o->plot, "SVG of the measured and the fitted profile");
   return [=] { return droplet_size(*o); };

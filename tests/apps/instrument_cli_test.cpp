@@ -262,6 +262,10 @@ TEST_F(InstrumentCli, DropletSize) {
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--center", "500,20"},
           "outside of the picture");
   refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--substrate", "glas"}, "--substrate");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--spread", "--second-size"}, "not both");
+  refused({"droplet-size", "flat.png", "--pixel-angle", "0.05deg", "--correlation", "simulate"},
+          "did you mean \"simulated\"?");
+  refused({"droplet-size", "--angles", "2.8,3.9", "--spread"}, "need a photo");
   refused({"droplet-size"}, "either a photo or --angles");
   refused({"droplet-size", "--angles", "2.8um"}, "is not a number");
   refused({"droplet-size", "--angles", "2:max:G,2.1:max:G,2.15:max:G"},

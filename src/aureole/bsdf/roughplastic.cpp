@@ -9,6 +9,7 @@
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/bsdf/microfacet/microfacet.h"
+#include "aureole/bsdf/microfacet/microfacet_energy.h"
 #include "aureole/bsdf/microfacet/rough_coating.h"
 #include "aureole/math/warp.h"
 #include "aureole/plugin/registry.h"

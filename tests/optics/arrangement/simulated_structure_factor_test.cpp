@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "aureole/optics/arrangement/equilibrium_structure_factor.h"
 #include "aureole/optics/arrangement/hard_discs.h"
 #include "harness/effort.h"
 
@@ -138,6 +139,38 @@ TEST(SimulatedStructureFactor, LimitsAndSmoothness) {
     EXPECT_NEAR(s.eval(1e4), 1, 1e-4);
     EXPECT_EQ(s.eval(3, 4), s.eval(5));
   }
+}
+
+TEST(EquilibriumStructureFactor, IsThatOfSimulations) {
+  // The table at area fractions between its rows, and simulations with other random numbers.
+  for (const double fa : {0.15, 0.47, 0.65}) {
+    const SimulatedStructureFactor s(fa, ensemble(31, 1000, test::effort(400, 2400)));
+    double chi_squared = 0, theory = 0;
+    int n = 0;
+    for (double u = 0.25; u < 14; u += 0.25, ++n) {
+      const double value = equilibrium_structure_factor(HardDiscWave(u), u, fa);
+      chi_squared += std::pow((value - s.eval(u)) / s.error(u), 2);
+      theory += std::pow((hard_disc_structure_factor(u, fa) - s.eval(u)) / s.error(u), 2);
+    }
+    std::printf("Fa %.2f: chi2 of the table %.2f, of Percus-Yevick %.1f\n", fa, chi_squared / n, theory / n);
+    EXPECT_LT(chi_squared / n, 2.5) << fa;
+    if (fa > 0.2) EXPECT_GT(theory, 4 * chi_squared) << fa;
+  }
+}
+
+TEST(EquilibriumStructureFactor, Limits) {
+  const auto s = [](double u, double fa) { return equilibrium_structure_factor(HardDiscWave(u), u, fa); };
+  for (double u = 0; u < 50; u += 0.37) {
+    EXPECT_EQ(s(u, 0), 1) << u;
+    EXPECT_NEAR(s(u, 1e-4), hard_disc_structure_factor(u, 1e-4), 1e-5) << u;
+    for (const double fa : {0.05, 0.3, 0.5, 0.68}) {
+      EXPECT_GT(s(u, fa), 0) << u << " " << fa;
+      EXPECT_NEAR(s(u, fa), s(u, fa - 1e-6), 1e-3) << u << " " << fa;
+    }
+  }
+  EXPECT_EQ(s(40, 0.5), hard_disc_structure_factor(40, 0.5));
+  for (const double fa : {-0.01, 0.69, double(NAN)})
+    EXPECT_THROW(equilibrium_correction(1, fa), std::domain_error);
 }
 
 TEST(SimulatedStructureFactor, Errors) {

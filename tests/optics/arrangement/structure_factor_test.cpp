@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "aureole/optics/arrangement/equilibrium_structure_factor.h"
+
 namespace aureole::optics {
 namespace {
 
@@ -139,7 +141,7 @@ TEST(HardDiscStructureFactor, EquilibriumSimulation) {
   const double targets[] = {0.5, 1.2, 2.0, 2.7, 3.5, 4.5, 6.0};
   struct Shell {
     std::vector<std::array<double, 2>> q;
-    double sum = 0, expected = 0;
+    double sum = 0, expected = 0, equilibrium = 0;
   } shells[std::size(targets)];
   for (size_t k = 0; k < std::size(targets); ++k)
     for (int n = 0; n < 14; ++n) {  // wave vectors of the box spread over half a turn (-q repeats q)
@@ -149,7 +151,9 @@ TEST(HardDiscStructureFactor, EquilibriumSimulation) {
       const double y =
           2 * kPi / fluid.height() * std::round(targets[k] * std::sin(angle) * fluid.height() / 2 / kPi);
       shells[k].q.push_back({x, y});
-      shells[k].expected += hard_disc_structure_factor(std::hypot(x, y), fa) / 14;
+      const double u = std::hypot(x, y);
+      shells[k].expected += hard_disc_structure_factor(u, fa) / 14;
+      shells[k].equilibrium += equilibrium_structure_factor(HardDiscWave(u), u, fa) / 14;
     }
 
   const int samples = 700;
@@ -166,8 +170,10 @@ TEST(HardDiscStructureFactor, EquilibriumSimulation) {
       }
   }
   for (size_t k = 0; k < std::size(targets); ++k) {
-    std::printf("qa %.1f: simulation %.4f, Percus-Yevick %.4f (%+.1f %%)\n", targets[k], shells[k].sum,
-                shells[k].expected, 100 * (shells[k].expected / shells[k].sum - 1));
+    std::printf("qa %.1f: simulation %.4f, Percus-Yevick %.4f (%+.1f %%), equilibrium %+.1f %%\n", targets[k],
+                shells[k].sum, shells[k].expected, 100 * (shells[k].expected / shells[k].sum - 1),
+                100 * (shells[k].equilibrium / shells[k].sum - 1));
+    EXPECT_NEAR(shells[k].sum / shells[k].equilibrium, 1, 0.04) << targets[k];
     EXPECT_NEAR(shells[k].sum / shells[k].expected, 1, 0.05) << targets[k];
   }
 }

@@ -59,6 +59,10 @@ struct CoronaProfile {
 /// Centre of the brightest white spot [pixels].
 std::array<double, 2> brightest_spot(const Image& image);
 
+/// Centre of a corona [pixels]: the brightest spot or, where values of at least `clip` cover an area, the point about
+/// which the picture is most symmetric.
+std::array<double, 2> corona_centre(const Image& image, double clip, const PictureParts& parts);
+
 /// Relative power of a light source at wavelengths in nm.
 struct LampSpectrum {
   std::vector<double> nm, power;

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fits radius and area fraction of equal circular scatterers, arranged like hard discs, to the corona around
-// a light source. Light diffracted by s (the change of the transverse direction cosines) has, in colour c,
-// the radiance
+// Fits radius and area fraction of circular scatterers, arranged like hard discs in equilibrium, to the corona
+// around a light source. Light diffracted by s (the change of the transverse direction cosines) has, in colour
+// c, the radiance
 //     L_c(s) = A_c integral of P(lambda) r_c(lambda)/lambda^2 J(2 pi s/lambda) dlambda + b_c + d_c s,
-// with J as in `optics::ScattererLayer`. Unknowns of every colour are A_c (exposure, white balance), and b_c
-// and d_c for light from other sources.
+// with J as in `optics::ScattererLayer` for equal scatterers, and as in `optics::ScattererMixture` with
+// correlated sizes for scatterers of several sizes. Unknowns of every colour are A_c (exposure, white balance),
+// and b_c and d_c for light from other sources.
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "aureole/instrument/corona/corona.h"
+#include "aureole/optics/arrangement/hard_disc_mixture.h"
 #include "aureole/optics/arrangement/structure_factor.h"
 
 namespace aureole {
@@ -38,13 +41,25 @@ ScatteredProfile scattered_profile(const Image& linear, const PinholeCamera& cam
                                    const PictureParts& parts, const PaneGeometry& geometry, double inner,
                                    double clip);
 
+/// Circular scatterers of one size, of a log-normal distribution of sizes, or of two sizes.
+struct CoronaScatterers {
+  double radius = 0;         ///< [m]; the median of a distribution, the first of two sizes
+  double area_fraction = 0;  ///< covered by all of them
+  double spread = 0;         ///< standard deviation of ln(radius)
+  double second_radius = 0;  ///< [m]
+  double second_share = 0;   ///< of the covered area, by scatterers of the second size
+};
+
 /// The model's three colours without factors, at s = i step, for a light source that is a disc of angular
 /// radius `blur`.
 class CoronaModel {
 public:
-  CoronaModel(const LampSpectrum& lamp, double largest_s, double blur);
-  /// Sets radius [m] and area fraction.
-  void set(double radius, double area_fraction);
+  /// Positions of hard discs in equilibrium, or of the theory by which `correlated_scatterers` places them by
+  /// default. Near an area fraction of 0.5 the first ring of the theory is 3.5 % fainter.
+  enum class Positions { equilibrium, percus_yevick };
+  CoronaModel(const LampSpectrum& lamp, double largest_s, double blur,
+              Positions positions = Positions::equilibrium);
+  void set(const CoronaScatterers& scatterers);
   /// Interpolates linearly between the steps, each of which is computed on first use.
   std::array<double, 3> at(double s);
 
@@ -59,30 +74,55 @@ private:
     std::vector<char> known;
   };
   /// Extends g_ up to `largest_u`.
-  void tabulate(double area_fraction, double largest_u);
+  void tabulate(const CoronaScatterers& scatterers, double largest_u);
+  /// Returns J at u, on any scale, for the sizes in `sizes_`.
+  double mixture_intensity(double u) const;
+  /// Returns by how much 1/S' of equal discs is larger than that of theory.
+  double correction(double u, double area_fraction) const;
   const Colour& sharp(size_t i);    ///< for a point source
   const Colour& blurred(size_t i);  ///< for the disc
 
   std::vector<Line> lines_;
   double largest_s_, step_, blur_;
+  Positions positions_;
   std::vector<std::array<double, 2>> disc_;  ///< points of the disc that represent equal areas
-  double radius_ = 0, tabulated_ = -1;
-  std::vector<double> g_;                    ///< values of circle_transform^2 S' at steps of u
+  /// A size relative to `radius_`, its share of the number of scatterers, and the class whose scatterers have
+  /// one structure factor.
+  struct Size {
+    double radius, number;
+    int size_class;
+  };
+  double radius_ = 0, tabulated_ = -1, step_u_ = 0;
+  std::vector<Size> sizes_;  ///< empty for scatterers of one size
+  std::optional<optics::HardDiscMixture> mixture_;
+  std::vector<double> g_;                    ///< J at steps of u, on any scale
   std::vector<optics::HardDiscWave> waves_;  ///< at the steps of u, for any area fraction
   Table sharp_, blurred_;
 };
 
+/// Sizes that a fit allows; all allow a radius and an area fraction.
+enum class CoronaSizes { one, spread, two };
+
+/// Values with their standard errors; lengths in m.
 struct CoronaFit {
-  double radius = 0, radius_error = 0;  ///< [m], standard error
+  double radius = 0, radius_error = 0;  ///< of two sizes that which covers more
   double area_fraction = 0, area_fraction_error = 0;
+  double spread = 0, spread_error = 0;
+  double second_radius = 0, second_radius_error = 0;
+  double second_share = 0, second_share_error = 0;
   double correlation = 0;  ///< correlation of the two errors
   bool fraction_fixed = false;
   double residual = 0;                       ///< RMS, relative to the profile's range
   std::vector<std::array<double, 3>> model;  ///< at the profile's rings
 };
 
+/// Fits worse than this, as the RMS of their residuals over the range of the profile, have another cause than
+/// noise: fits of good pictures have 1.5 %.
+inline constexpr double kGoodResidual = 0.03;
+
 /// Throws Error if no ring is significant above the smooth light.
-CoronaFit fit_corona(const ScatteredProfile& profile, CoronaModel& model);
+CoronaFit fit_corona(const ScatteredProfile& profile, CoronaModel& model,
+                     CoronaSizes sizes = CoronaSizes::one);
 
 /// Angle of an extremum of one colour (0 R, 1 G, 2 B, 3 luminance).
 struct RingAngle {

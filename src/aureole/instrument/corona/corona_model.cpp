@@ -4,13 +4,19 @@
 #include <tuple>
 
 #include "aureole/instrument/corona/corona_fit.h"
+#include "aureole/optics/aperture/aperture_transform.h"
+#include "aureole/optics/arrangement/cholesky.h"
+#include "aureole/optics/arrangement/equilibrium_structure_factor.h"
 #include "aureole/optics/interface/fresnel_equations.h"
+#include "aureole/optics/particle/size_distribution.h"
 
 namespace aureole {
 namespace {
 
-constexpr double kStepU = 0.02;
-constexpr int kTableU = 10000, kTableS = 1500;
+// Steps of u for one size, and for several, which take a hundred times as long.
+constexpr double kStepU = 0.02, kMixtureStepU = 0.04;
+constexpr double kEndU = 200;
+constexpr int kTableS = 1500;
 
 /// Mean and its standard error without outliers (other light sources), which are farther than five standard
 /// deviations from the median. The deviation is estimated from the median absolute deviation.
@@ -32,8 +38,8 @@ std::pair<double, double> clipped_mean(std::vector<double>& v) {
 
 }  // namespace
 
-CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur)
-    : largest_s_(largest_s + 2 * blur), step_(largest_s_ / kTableS), blur_(blur) {
+CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur, Positions positions)
+    : largest_s_(largest_s + 2 * blur), step_(largest_s_ / kTableS), blur_(blur), positions_(positions) {
   for (Table* t : {&sharp_, &blurred_}) t->values.resize(kTableS + 2), t->known.resize(kTableS + 2);
   constexpr int kRings = 3, kSpokes = 8;
   for (int ring = 0; ring < kRings; ++ring)
@@ -61,16 +67,81 @@ CoronaModel::CoronaModel(const LampSpectrum& lamp, double largest_s, double blur
   }
 }
 
-void CoronaModel::tabulate(double area_fraction, double largest_u) {
-  if (area_fraction != tabulated_) g_.clear();
-  tabulated_ = area_fraction;
-  // Most fits use a small part of the table's range of u.
-  const size_t needed = size_t(std::min(largest_u / kStepU, double(kTableU))) + 2;
-  while (waves_.size() < needed) waves_.emplace_back(double(waves_.size()) * kStepU);
-  while (g_.size() < needed) {
-    const optics::HardDiscWave& w = waves_[g_.size()];
-    g_.push_back(w.disc * w.disc * w.structure_factor(area_fraction));
+void CoronaModel::tabulate(const CoronaScatterers& x, double largest_u) {
+  using optics::SizeDistribution;
+  if (x.spread > 0 || x.second_share > 0) {
+    g_.clear(), tabulated_ = -1;
+    sizes_.clear();
+    step_u_ = kMixtureStepU;
+    constexpr size_t kMaxClasses = 5;
+    if (x.spread > 0) {
+      const SizeDistribution distribution = SizeDistribution::log_normal(x.spread);
+      const auto& nodes = distribution.nodes();
+      for (size_t i = 0; i < nodes.size(); ++i)
+        sizes_.push_back({nodes[i].size, nodes[i].weight, int(i * kMaxClasses / nodes.size())});
+    } else {
+      const double ratio = x.second_radius / x.radius, second = x.second_share / (ratio * ratio),
+                   all = 1 - x.second_share + second;
+      sizes_ = {{1, (1 - x.second_share) / all, 0}, {ratio, second / all, 1}};
+    }
+    std::vector<double> numbers(size_t(sizes_.back().size_class) + 1), radii(numbers.size());
+    for (const Size& size : sizes_)
+      numbers[size_t(size.size_class)] += size.number,
+          radii[size_t(size.size_class)] += size.number * size.radius * size.radius;
+    for (size_t m = 0; m < radii.size(); ++m) radii[m] = std::sqrt(radii[m] / numbers[m]);
+    mixture_.emplace(radii, numbers, x.area_fraction);
+  } else {
+    sizes_.clear(), mixture_.reset();
+    step_u_ = kStepU;
+    if (x.area_fraction != tabulated_) g_.clear();
+    tabulated_ = x.area_fraction;
   }
+  // Most fits use a small part of the table's range of u.
+  const size_t needed = size_t(std::min(largest_u, kEndU) / step_u_) + 2;
+  while (!mixture_ && waves_.size() < needed) waves_.emplace_back(double(waves_.size()) * step_u_);
+  while (g_.size() < needed) {
+    const double u = double(g_.size()) * step_u_;
+    if (mixture_) {
+      g_.push_back(mixture_intensity(u));
+    } else {
+      const optics::HardDiscWave& w = waves_[g_.size()];
+      g_.push_back(w.disc * w.disc /
+                   (1 / w.structure_factor(x.area_fraction) + correction(u, x.area_fraction)));
+    }
+  }
+}
+
+double CoronaModel::correction(double u, double area_fraction) const {
+  return positions_ == Positions::equilibrium ? optics::equilibrium_correction(u, area_fraction) : 0;
+}
+
+/// Each class of sizes has one amplitude, and the matrix of structure factors of classes is (1 - C)^-1. The
+/// correction of equal discs in equilibrium is applied to each pair of classes at the mean of their radii, so
+/// that a small spread changes little.
+double CoronaModel::mixture_intensity(double u) const {
+  const int n = mixture_->classes();
+  std::vector<double> amplitude(size_t(n), 0.0), matrix(size_t(n * n));
+  double intensity = 0;
+  for (const Size& size : sizes_) {
+    const double f = size.radius * size.radius * optics::circle_transform(u * size.radius);
+    amplitude[size_t(size.size_class)] += size.number * f;
+    intensity += size.number * f * f;
+  }
+  for (int m = 0; m < n; ++m) {
+    const double p = mixture_->fraction(m);
+    amplitude[size_t(m)] /= std::sqrt(p);
+    intensity -= amplitude[size_t(m)] * amplitude[size_t(m)];
+    for (int l = 0; l <= m; ++l)
+      matrix[size_t(m * n + l)] =
+          double(m == l) - mixture_->direct(m, l, u) +
+          std::sqrt(p * mixture_->fraction(l)) *
+              correction(u * 0.5 * (mixture_->radius(m) + mixture_->radius(l)), mixture_->area_fraction());
+  }
+  const optics::Cholesky cholesky(std::move(matrix), n);
+  if (!cholesky.is_definite()) return intensity;
+  const std::vector<double> x = cholesky.solve(amplitude);
+  for (int m = 0; m < n; ++m) intensity += amplitude[size_t(m)] * x[size_t(m)];
+  return std::max(intensity, 0.0);
 }
 
 const CoronaModel::Colour& CoronaModel::sharp(size_t i) {
@@ -80,7 +151,7 @@ const CoronaModel::Colour& CoronaModel::sharp(size_t i) {
   out = {0, 0, 0};
   const double path = 2 * M_PI * double(i) * step_ * radius_;
   for (const Line& l : lines_) {
-    const double at = std::min(path * l.inverse_m / kStepU, double(kTableU));
+    const double at = std::min(path * l.inverse_m, kEndU) / step_u_;
     const size_t k = size_t(at);
     const double g = g_[k] + (at - double(k)) * (g_[k + 1] - g_[k]);
     for (size_t c = 0; c < 3; ++c) out[c] += l.rgb[c] * g;
@@ -103,11 +174,11 @@ const CoronaModel::Colour& CoronaModel::blurred(size_t i) {
   return out;
 }
 
-void CoronaModel::set(double radius, double area_fraction) {
-  radius_ = radius;
+void CoronaModel::set(const CoronaScatterers& scatterers) {
+  radius_ = scatterers.radius;
   double largest_inverse_m = 0;
   for (const Line& l : lines_) largest_inverse_m = std::max(largest_inverse_m, l.inverse_m);
-  tabulate(area_fraction, 2 * M_PI * double(sharp_.values.size()) * step_ * radius * largest_inverse_m);
+  tabulate(scatterers, 2 * M_PI * double(sharp_.values.size()) * step_ * radius_ * largest_inverse_m);
   for (Table* t : {&sharp_, &blurred_}) std::fill(t->known.begin(), t->known.end(), char(false));
 }
 

@@ -81,7 +81,7 @@ CoronaFit fit_ring_angles(const std::vector<RingAngle>& rings, const LampSpectru
   const double error = error_deg * kDegree;
   // Differences of s over the error; a missing extremum of the model counts as a large difference.
   const auto residuals = [&](double radius, double fraction) {
-    model.set(radius, fraction);
+    model.set({radius, fraction});
     std::vector<double> out, found[4][2];
     size_t used[4][2] = {};
     for (const RingAngle& r : rings) {

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+// The light of a layer of transparent scatterers on a plane, for the BSDF `correlated_caps`: what passes straight on,
+// what is diffracted and refracted into other directions, and what is turned back. The model of one scatterer is in
+// optics/layer/phase_scatterer.h.
+//
+// Directions are unit vectors of the medium outside, both outward from the surface; caps lie on the side of z > 0. A
+// direction that leaves on this side and one that leaves on the other differ by the change q of the transverse
+// wave vector, u = k a |w_i + w_o|, and
+//     f = (k a)^2/(4 pi^2) rho (U + C S'),   rho = area_fraction/(pi <s^2>),
+// with lengths relative to the median radius a and the mean <s^2> of the squares of sizes.
+//
+// Energy. The part |1 + rho <F>|^2 goes straight on. The integral of f, computed at nodes of the angle of incidence
+// and of the wavelength, should be at most what is left and not absorbed. It may be more by 1 %, and where straight
+// light happens to pass in phase, since F depends on both directions and the straight light on one; f is then
+// reduced by factors of either direction, s(w_i) s(w_o) <= 1. The rest is light that is reflected within caps, and
+// that waves without a real direction would carry; it is turned back evenly,
+//     f = L_i L_o/(pi <L>),   <L> = 2 integral of L cos,
+// which is reciprocal (Kelemen and Szirmay-Kalos, "A microfacet based coupled specular-matte BRDF model with
+// importance sampling", 2001). So a layer that does not absorb loses no light at any angle.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "aureole/math/vec.h"
+#include "aureole/optics/arrangement/structure_factor.h"
+#include "aureole/optics/layer/phase_scatterer.h"
+#include "aureole/optics/layer/radial_function.h"
+#include "aureole/spectrum/wavelengths.h"
+
+namespace aureole {
+
+/// A layer as a scene describes it.
+struct CapLayer {
+  optics::PhaseProfile profile;
+  double radius_nm = 0;  ///< of the base; the median, if sizes differ
+  double height = 0;     ///< over that radius
+  double area_fraction = 0;
+  optics::SizeDistribution sizes;
+  std::shared_ptr<const optics::StructureFactor> structure;  ///< at area_fraction
+  std::function<double(double nm)> medium;                   ///< index outside
+  std::function<double(double nm)> relative_index;           ///< index of the scatterers over that outside
+  std::function<double(double nm)> transmittance;            ///< of a scatterer, by absorption
+};
+
+class CapTables {
+public:
+  /// Throws std::domain_error if the tables would be too large.
+  CapTables(const CapLayer& layer, const SpectralGrid& grid);
+
+  /// Properties of the layer for light of one wavelength.
+  struct Light {
+    float phase;      ///< k a
+    float index;      ///< of the scatterers over that outside
+    float amplitude;  ///< square root of the transmittance
+    float node;       ///< position of the wavelength between the nodes of the tables
+  };
+  Light light(float nm, float medium, float relative_index, float transmittance) const;
+
+  /// The parts of light that arrives from one side at a cosine.
+  struct Shares {
+    float straight, scattered, turned_back;
+  };
+  Shares shares(const Light& light, bool from_caps, float cosine) const;
+
+  /// Returns f |cos o| of light that passes the layer.
+  float scattered(const Light& light, const Vec3& wi, const Vec3& wo) const;
+  /// Returns f |cos o| of light that is turned back; the sides of both directions are the same.
+  float turned_back(const Light& light, const Vec3& wi, const Vec3& wo) const;
+
+  /// Samples a direction of scattered light; false if the wave has no real direction.
+  bool sample(const Light& light, const Vec3& wi, Vec2 xi, Vec3& wo) const;
+  /// Returns the density of `sample` [1/sr].
+  float density(const Light& light, const Vec3& wi, const Vec3& wo) const;
+
+  std::size_t bytes() const;
+
+private:
+  static constexpr int kWavelengthNodes = 33, kCosines = 48;
+
+  /// A pair of directions by their transverse parts, which are those of w_i and w_o on their sides.
+  struct Pair {
+    Vec2 on_caps, on_flat;  ///< transverse parts of the direction on the side of the caps and on the other
+    float cos_caps, cos_flat;
+  };
+  static Pair pair(const Vec3& wi, const Vec3& wo);
+  /// Returns U + C S', over a^4, of a pair of directions.
+  float intensity(const Light& light, const Pair& pair) const;
+  float structure(float u) const { return std::max(1 + structure_.eval(u * structure_scale_), 0.f); }
+  Light node_light(int node) const;
+  float absorbed(const Light& light) const { return covered_ * (1 - light.amplitude * light.amplitude); }
+  float straight(const Light& light, float cosine) const;
+  /// Interpolates a table over wavelength, side and cosine.
+  float look_up(const std::vector<float>& table, const Light& light, bool on_caps, float cosine) const;
+  void sum_scattered(int node);
+
+  CapLayer layer_;
+  float covered_, density_, height_, structure_scale_;
+  double phase_nm_, first_, scale_;  ///< node = (1/nm - first) scale
+  optics::RadialFunction structure_;
+  optics::PhaseScatterer scatterer_;
+  std::vector<optics::RadialDistribution> waves_;  ///< of u, one for each node of the wavelength
+  std::vector<float> passing_;                     ///< [node][side][cosine]
+  std::vector<float> reduction_;                   ///< s, as passing_
+  std::vector<float> mean_back_;                   ///< <L>, [node][side]
+};
+
+}  // namespace aureole
