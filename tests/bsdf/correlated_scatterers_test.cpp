@@ -204,7 +204,7 @@ TEST(CorrelatedScatterers, RenormalizedEnergyOfSmallScatterersIsComplete) {
     }
   }
   std::printf("largest error of the energy: %.1e\n", worst);
-  EXPECT_LT(worst, 3e-3);
+  EXPECT_LT(worst, 1.5e-3);
 }
 
 TEST(CorrelatedScatterers, Reciprocity) {

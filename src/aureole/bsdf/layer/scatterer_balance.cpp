@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "aureole/core/parallel.h"
 #include "aureole/optics/interface/fresnel_equations.h"
 
 namespace aureole {
-
 namespace {
+
+/// Scatterers of a smaller k a diffract few rings.
+constexpr double kSmall = 10;
 
 /// Returns the position, in nodes, of a direction of transverse index p = n sin(theta) in the table of h. h
 /// varies on the scale 1/(k a) near the p beyond which waves are evanescent or totally reflected. With d the
@@ -50,17 +53,22 @@ ScattererBalance::ScattererBalance(const optics::RadialDistribution& table, doub
                                    LayerSubstrate::Kind substrate)
     : substrate_(substrate), phase_nm_(phase_nm), first_(1 / grid.max_nm) {
   // For small k a, h oscillates: one ring per pi of k a passes the limit of evanescent waves.
-  constexpr double kSmall = 10, kMinNodes = 8, kMaxNodes = 64;
+  constexpr double kMinNodes = 8, kMaxNodes = 64;
   const double kStep = phase_nm / grid.max_nm < kSmall ? 0.04 : 0.4;
   const double range = 1 / grid.min_nm - 1 / grid.max_nm;
   wavelength_nodes_ = int(std::clamp(std::ceil(phase_nm * range / kStep) + 1, kMinNodes, kMaxNodes));
   scale_ = (wavelength_nodes_ - 1) / range;
   h_.assign(size_t(wavelength_nodes_) * kStride, 1.f);
-  for (int l = 0; l < wavelength_nodes_; ++l) {
-    const double nm = std::clamp(1 / (first_ + l / scale_), grid.min_nm, grid.max_nm);
-    const auto [n_ext, n_int] = indices(nm);
-    solve(&h_[size_t(l) * kStride], table, phase_nm / nm, n_ext, n_int);
-  }
+  for_ranges(
+      size_t(wavelength_nodes_),
+      [&](size_t begin, size_t end) {
+        for (size_t l = begin; l < end; ++l) {
+          const double nm = std::clamp(1 / (first_ + double(l) / scale_), grid.min_nm, grid.max_nm);
+          const auto [n_ext, n_int] = indices(nm);
+          solve(&h_[l * kStride], table, phase_nm / nm, n_ext, n_int);
+        }
+      },
+      1);
 }
 
 void ScattererBalance::solve(float* h_out, const optics::RadialDistribution& table, double phase,
@@ -92,12 +100,15 @@ void ScattererBalance::solve(float* h_out, const optics::RadialDistribution& tab
 
   // Rows: power scattered from a direction to the nodes of h, by a rank-1 lattice in (cumulative power,
   // azimuth).
-  constexpr int kPoints = 8192;
+  // Small scatterers send light to all angles, and their h oscillates with the angle. An interface has four times
+  // as many nodes.
+  const int points = phase < kSmall ? (two_media ? 16384 : 32768) : 8192;
   constexpr double kGolden = 0.6180339887498949;
-  std::vector<double> matrix(size_t(used) * used, 0.0), cosines(kPoints), distances(kPoints);
-  const double u_max = 2 * phase * dense, power = table.cdf(u_max) / kPoints;
-  for (int k = 0; k < kPoints; ++k) {
-    distances[k] = table.sample((k + 0.5) / kPoints, u_max) / phase;
+  std::vector<double> matrix(size_t(used) * used, 0.0), cosines(size_t(points), 0.0),
+      distances(size_t(points), 0.0);
+  const double u_max = 2 * phase * dense, power = table.cdf(u_max) / points;
+  for (int k = 0; k < points; ++k) {
+    distances[k] = table.sample((k + 0.5) / points, u_max) / phase;
     cosines[k] = std::cos(M_PI * std::fmod((k + 0.5) * kGolden, 1.0));
   }
   for (int i = 0; i < used; ++i) {
@@ -112,7 +123,7 @@ void ScattererBalance::solve(float* h_out, const optics::RadialDistribution& tab
       row[j] += power * share * (1 - (x - j));
       row[j + 1] += power * share * (x - j);
     };
-    for (int k = 0; k < kPoints; ++k) {
+    for (int k = 0; k < points; ++k) {
       const double v = distances[k];
       const double p_o = std::sqrt(std::max(p * p + v * v - 2 * p * v * cosines[k], 0.0));
       const double reflected = root * root_reflectance(p_o);

@@ -29,7 +29,7 @@ public:
   Spectrum factor(const Spectrum& nm, const Spectrum& here, const Spectrum& beyond, float sine) const;
 
 private:
-  static constexpr int kNodes = 40;                 // intervals per segment of the table
+  static constexpr int kNodes = 64;                 // intervals per segment of the table
   static constexpr int kStride = 4 * (kNodes + 1);  // the rarer medium has one segment, the denser one three
 
   void solve(float* h, const optics::RadialDistribution& table, double phase, double n_ext, double n_int);
