@@ -3,7 +3,7 @@
 """Checks that includes run one way: core <- math <- spectrum <- optics, pigment <- plugin <- parameter <- families <- asset <- scene <-
 transport <- integrator <- loading <- render, instrument <- apps <- python.
 The families are ranked, too: one may include the interfaces of those before it, not their plug-ins. Prints every include against that order, rooms that include each other, and files that have the name of another one: a name says which file is meant, in an error, a
-list of open files or a talk."""
+list of open files or a talk; files that open files of the user by themselves, not by core/input_file.h or core/output_file.h."""
 import os
 import re
 import sys
@@ -88,5 +88,14 @@ edge_files = sorted(path for path in places.values() if not EDGE_ROOMS.match(pat
 if len(edge_files) > MOST_EDGE_FILES:
     problems.append(f"{len(edge_files)} files outside of scene/edge and transport/edge* name edges that diffract, at most {MOST_EDGE_FILES} may: "
                     + ", ".join(edge_files))
+# A pipe blocks who opens it, a device may have no end: files of the user are opened in one place, and where a library opens them by name, after
+# a check there.
+OPENS = re.compile(r"std::[io]?fstream\b|\bfopen\(|(?<![\w:])::open\(|\bload_file\(\w")
+OPENERS = {"src/aureole/core/input_file.cpp", "src/aureole/core/output_file.cpp", "src/aureole/core/memory.cpp",
+           "src/aureole/volume/vdb/module/vdb_module.cpp", "src/aureole/volume/vdb/module/vdb_lengths.cpp"}
+for path in sorted(set(places.values()) - OPENERS):
+    for number, line in enumerate(open(os.path.join(root, path), encoding="utf-8"), 1):
+        if OPENS.search(line.split("//")[0]):
+            problems.append(f"{path}:{number}: opens a file by itself; use InputFile, read_text_file (core/input_file.h) or write_file_atomically (core/output_file.h)")
 print("\n".join(problems) if problems else f"{count} includes, all in order; {len(edge_files)} files outside of their rooms name edges that diffract")
 sys.exit(1 if problems else 0)

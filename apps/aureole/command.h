@@ -36,11 +36,15 @@ public:
   CommandOption& separated_by(char separator) { return separator_ = separator, *this; }
   CommandOption& between(double min, double max) { return min_ = min, max_ = max, *this; }
   CommandOption& one_of(std::vector<std::string> values) { return choices_ = std::move(values), *this; }
+  /// Marks the value as the name of a file that the command writes: the program ends with an error before the
+  /// command runs if it cannot be written.
+  CommandOption& names_output() { return names_output_ = true, *this; }
 
 private:
   friend class CommandLine;
   std::string names_, help_;
   Target target_;
+  bool names_output_ = false;
   bool required_ = false, shows_default_ = false;
   int values_ = 0, values_each_time_ = 0;  ///< 0: determined by the target's type
   char separator_ = 0;

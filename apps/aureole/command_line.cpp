@@ -8,6 +8,7 @@
 #include <exception>
 
 #include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/version.h"
 #include "command.h"
 
@@ -54,7 +55,13 @@ private:
     const auto& options = declared_.emplace_back(std::make_unique<CommandOptions>());
     const std::function<int()> action = command.declare(*options);
     for (const auto& option : options->all()) add(*sub, *option);
-    sub->callback([this, action] { exit_code_ = action(); });
+    sub->callback([this, action, all = options.get()] {
+      for (const auto& option : all->all()) {
+        const auto* file = std::get_if<std::string*>(&option->target_);
+        if (option->names_output_ && file && !(*file)->empty()) require_writable(**file);
+      }
+      exit_code_ = action();
+    });
   }
 
   static void add(CLI::App& sub, const CommandOption& o) {

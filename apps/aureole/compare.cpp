@@ -53,7 +53,7 @@ std::function<int()> declare(CommandOptions& options) {
        map = std::make_shared<std::string>();
   options.add("a", *a, "picture").required();
   options.add("b", *b, "reference").required();
-  options.add("--z-map", *map, "write the z-values as a PNG (blue -4, white 0, red +4)");
+  options.add("--z-map", *map, "write the z-values as a PNG (blue -4, white 0, red +4)").names_output();
   return [=] { return compare(*a, *b, *map); };
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/units.h"
 #include "aureole/instrument/corona/corona_fit.h"
 #include "aureole/instrument/report/svg_plot.h"
@@ -236,8 +237,8 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--spread", o->spread, "fit the spread of sizes, too: the standard deviation of ln(radius)");
   options.add("--second-size", o->second_size,
               "fit scatterers of two sizes: a second radius, and its share of the covered area");
-  options.add("-o,--output", o->output, "JSON file of the result");
-  options.add("--plot", o->plot, "SVG of the measured and the fitted profile");
+  options.add("-o,--output", o->output, "JSON file of the result").names_output();
+  options.add("--plot", o->plot, "SVG of the measured and the fitted profile").names_output();
   return [=] { return droplet_size(*o); };
 }
 

@@ -11,6 +11,7 @@
 #include <filesystem>
 
 #include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/version.h"
 #include "aureole/render/output.h"
 #include "aureole/render/statistics.h"

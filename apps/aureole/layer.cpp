@@ -16,7 +16,7 @@
 #include "aureole/asset/asset.h"
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/core/error.h"
-#include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/parallel.h"
 #include "aureole/instrument/light_budget.h"
 #include "aureole/loading/load.h"
@@ -202,7 +202,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--at", o->at, "u,v of the point on the surface, for textured layers (default 0.5,0.5)")
       .separated_by(',')
       .takes(2);
-  options.add("--json", o->json, "also write the results to this file");
+  options.add("--json", o->json, "also write the results to this file").names_output();
   return [o] { return layer(*o); };
 }
 

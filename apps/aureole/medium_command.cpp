@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "aureole/core/error.h"
-#include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/units.h"
 #include "aureole/instrument/medium_figures.h"
 #include "aureole/instrument/report/svg_plot.h"
@@ -175,8 +175,9 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--along", o->along, "x,y,z of the light's direction, for oriented particles (default 0,0,1)")
       .separated_by(',')
       .takes(3);
-  options.add("--plot", o->plot, "write the phase function over the scattering angle to this SVG file");
-  options.add("--json", o->json, "also write the results to this file");
+  options.add("--plot", o->plot, "write the phase function over the scattering angle to this SVG file")
+      .names_output();
+  options.add("--json", o->json, "also write the results to this file").names_output();
   return [o] { return medium(*o); };
 }
 

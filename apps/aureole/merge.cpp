@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
 #include "aureole/render/output.h"
 #include "aureole/render/state.h"
 #include "command.h"
@@ -29,6 +30,8 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
   if (output.extension() != ".exr") throw Error("-o " + output.string() + ": the output is an .exr file");
   require_writable(output);
   const auto state_file = std::filesystem::path(output).replace_extension(".state");
+  require_writable(std::filesystem::path(output).replace_extension(".png"));
+  require_writable(state_file);
   std::error_code ignored;
   for (const auto& f : files)
     if (std::filesystem::equivalent(f, state_file, ignored))

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/version.h"
 #include "aureole/instrument/radio/power_map.h"
 #include "aureole/render/job.h"

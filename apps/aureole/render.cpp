@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "aureole/core/error.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/units.h"
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"

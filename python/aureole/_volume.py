@@ -9,6 +9,7 @@ from typing import Sequence, Tuple, Union
 import numpy as np
 import numpy.typing as npt
 
+from . import _aureole
 from ._arrays import real
 from ._errors import Error
 
@@ -70,12 +71,7 @@ def write_vol(path: Union[str, "os.PathLike[str]"], values: npt.ArrayLike,
         raise Error("box: expected a lower corner and a higher one, three numbers each")
     depth, height, width, channels = grid.shape
     file = _file(path)
-    try:
-        with open(file, "wb") as f:
-            f.write(_HEAD.pack(b"VOL", 3, 1, width, height, depth, channels, *corners.ravel()))
-            f.write(single.tobytes())
-    except OSError as problem:
-        raise Error(f"{file}: {problem.strerror}") from problem
+    _aureole.write_file(file, _HEAD.pack(b"VOL", 3, 1, width, height, depth, channels, *corners.ravel()) + single.tobytes())
 
 
 def read_vol(path: Union[str, "os.PathLike[str]"]) -> Tuple[npt.NDArray[np.float32], npt.NDArray[np.float32]]:
@@ -98,11 +94,7 @@ def read_vol(path: Union[str, "os.PathLike[str]"]) -> Tuple[npt.NDArray[np.float
         Where the file cannot be read, is none of this format, or truncated.
     """
     file = _file(path)
-    try:
-        with open(file, "rb") as f:
-            content = f.read()
-    except OSError as problem:
-        raise Error(f"{file}: {problem.strerror}") from problem
+    content = _aureole.read_file(file)
     if len(content) < _HEAD.size or content[:4] != b"VOL\x03":
         raise Error(f"{file}: is no .vol file of version 3")
     _, _, encoding, width, height, depth, channels, *box = _HEAD.unpack_from(content)

@@ -12,6 +12,8 @@
 #include <cmath>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
+#include "aureole/core/output_file.h"
 #include "aureole/render/output.h"
 #include "aureole/render/sample_density.h"
 #include "bindings.h"
@@ -20,6 +22,8 @@
 namespace aureole::python {
 
 namespace {
+
+constexpr std::uint64_t kMaxGridBytes = std::uint64_t(1) << 38;
 
 using Pixels = nb::ndarray<const float, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using PixelView = nb::ndarray<nb::numpy, const float, nb::ndim<3>, nb::c_contig>;
@@ -110,6 +114,26 @@ nb::object moved(Image image) {
 }  // namespace
 
 void bind_image(nb::module_& m) {
+  m.def(
+      "read_file",
+      [](const std::filesystem::path& file) {
+        std::string content;
+        {
+          const Unlocked release;
+          content = read_text_file(file, kMaxGridBytes);
+        }
+        return nb::bytes(content.data(), content.size());
+      },
+      nb::arg("file"));
+  m.def(
+      "write_file",
+      [](const std::filesystem::path& file, const nb::bytes& content) {
+        const std::span<const char> bytes(content.c_str(), content.size());
+        const Unlocked release;
+        require_writable(file);
+        write_file_atomically(file, bytes);
+      },
+      nb::arg("file"), nb::arg("content"));
   nb::class_<Picture>(m, "Picture", "Pixels, and what a render of them continues from.")
       .def_static("from_array", from_array, nb::arg("pixels"), nb::arg("channels"))
       .def_static(

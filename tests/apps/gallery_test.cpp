@@ -443,7 +443,7 @@ TEST_F(GalleryCommand, MistakesInTheFileAreErrorsWithTheirLine) {
   write_text("[]");
   refused_file("expected an object");
   fs::remove(folder.path / "scenes/tiny/gallery.json");
-  refused_file("gallery.json: cannot be read");
+  refused_file("gallery.json: no such file");
 
   const auto changed = [](const auto& change) {
     Json f = figures();

@@ -243,7 +243,7 @@ TEST_F(PigmentCli, ErrorIsAMap) {
 }
 
 TEST_F(PigmentCli, WrongInputHasItsPlace) {
-  fails("fit missing.csv", "missing.csv: cannot read this file");
+  fails("fit missing.csv", "missing.csv: no such file");
   write("high.csv", "paints,400,700\nwhite,0.9,0.9\nred,0.2,1.2\n");
   fails("fit high.csv -o out.csv", "high.csv:3:9: sample \"red\" at 700 nm: reflectance 1.2 is above");
   write("low.csv", "paints,400,700\nwhite,0.9,0.01\n");

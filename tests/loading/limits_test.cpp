@@ -99,9 +99,11 @@ TEST(Limits, IncludesThatDoubleAtEveryLevel) {
 }
 
 TEST(Limits, IncludesReadFilesOnly) {
-  for (const char* name : {"/dev/zero", "/dev/null", "/"})
+  for (const auto& [name, kind] :
+       {std::pair("/dev/zero", "device"), {"/dev/null", "device"}, {"/", "folder"}})
     EXPECT_EQ(error_of("<include filename=\"" + std::string(name) + "\"/>"),
-              "test.xml:3:20: cannot read the included file \"" + std::string(name) + "\"");
+              "test.xml:3:20: cannot read the included file \"" + std::string(name) +
+                  "\": not a regular file but a " + kind);
 }
 
 TEST(Limits, ManyErrorsTakeNoTime) {

@@ -140,7 +140,8 @@ TEST(Include, SearchesThePathFolders) {
 
 TEST(Include, MissingFileAndRecursionAreErrors) {
   const Parsed missing(in_scene("<include filename='gone.xml'/>"));
-  EXPECT_EQ(missing.errors().at(0), "test.xml:2:20: cannot read the included file \"gone.xml\"");
+  EXPECT_EQ(missing.errors().at(0),
+            "test.xml:2:20: cannot read the included file \"gone.xml\": no such file");
   EXPECT_FALSE(missing.scene.complete);
 
   const test::TemporaryFolder folder;

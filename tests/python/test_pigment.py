@@ -192,7 +192,7 @@ def test_grains_by_name():
     (lambda p: pigment.two_flux_error(1.1, 1), "albedo: expected at most 1"),
     (lambda p: pigment.two_flux_error(0.5, 1, 1), "g: expected at most 0.99"),
     (lambda p: pigment.two_flux_error(0.5, 1, convention="two"), "convention: expected 'three_quarters' or"),
-    (lambda p: pigment.Palette.load("missing.csv"), "cannot read this file"),
+    (lambda p: pigment.Palette.load("missing.csv"), "no such file"),
 ])
 def test_wrong_arguments_are_named(call, words):
     with pytest.raises(aureole.Error, match=words):

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <set>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
 #include "gallery/gallery_plots.h"
 
 namespace aureole {
@@ -29,9 +29,9 @@ SourceLocation place(const std::string& file, const std::string& text, std::size
 class JsonFile {
 public:
   explicit JsonFile(const std::filesystem::path& path) : name_(path.string()) {
-    std::ifstream in(path, std::ios::binary);
-    if (!in) throw Error({name_, 0, 0}, "cannot be read; a gallery is a folder with a gallery.json");
-    text_.assign(std::istreambuf_iterator<char>(in), {});
+    if (const std::string fault = fault_of_input(path); !fault.empty())
+      throw Error({name_, 0, 0}, fault + "; a gallery is a folder with a gallery.json");
+    text_ = read_text_file(path, kMaxTableBytes);
     try {
       root_ = Json::parse(Reader{&text_, 0, &offset_}, Reader{&text_, text_.size(), &offset_},
                           [this](int, Json::parse_event_t event, Json& value) {

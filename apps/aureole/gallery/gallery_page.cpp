@@ -3,9 +3,8 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
-
-#include "aureole/core/image.h"
+#include "aureole/core/input_file.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/version.h"
 #include "gallery/gallery_picture.h"
 
@@ -288,10 +287,9 @@ private:
 
 GalleryResults GalleryResults::load(const std::filesystem::path& file) {
   GalleryResults results;
-  std::ifstream in(file);
-  if (!in) return results;
+  if (!fault_of_input(file).empty()) return results;
   try {
-    const OrderedJson j = OrderedJson::parse(in);
+    const OrderedJson j = OrderedJson::parse(read_text_file(file, kMaxTableBytes));
     if (j.at("version").get<int>() != kResultsVersion) return {};
     const auto size = [](const OrderedJson& r) { return r.at("size") == "full" ? kFullSize : kPreviewSize; };
     for (const auto& [name, r] : j.at("pictures").items()) {

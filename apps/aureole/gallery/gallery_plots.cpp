@@ -12,6 +12,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 #include "aureole/instrument/report/svg_plot.h"
 #include "aureole/optics/aperture/aperture_transform.h"
 #include "aureole/optics/aperture/polygon_aperture.h"

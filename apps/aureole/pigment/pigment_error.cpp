@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
-#include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/units.h"
 #include "aureole/pigment/two_flux_error.h"
 #include "command.h"
@@ -101,7 +101,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--convention", o->convention, "relation of K and S to the transport coefficients")
       .one_of(pigment::convention_names())
       .shows_default();
-  options.add("--json", o->json, "write the map to this file");
+  options.add("--json", o->json, "write the map to this file").names_output();
   return [o] { return error_map(*o); };
 }
 

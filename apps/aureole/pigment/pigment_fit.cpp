@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
-#include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/pigment/measured_paints.h"
@@ -196,13 +196,15 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--white", o->white, "name of the white paint of the tints").shows_default();
   o->surface.declare(options, "the measurements");
   options.add("--illuminant", o->illuminant, "illuminant of the colour differences").shows_default();
-  options.add("-o,--output", o->output, "write the palette to this file, comma-separated");
-  options.add("--json", o->json, "also write palette and report to this file");
-  options.add("--plot", o->plot, "write K/S of all paints to this SVG file");
-  options.add("--plot-k", o->plot_k, "write K of all paints to this SVG file");
-  options.add("--plot-s", o->plot_s, "write S of all paints to this SVG file");
-  options.add("--plot-differences", o->plot_differences,
-              "write colour differences of predicted and measured samples to this SVG file");
+  options.add("-o,--output", o->output, "write the palette to this file, comma-separated").names_output();
+  options.add("--json", o->json, "also write palette and report to this file").names_output();
+  options.add("--plot", o->plot, "write K/S of all paints to this SVG file").names_output();
+  options.add("--plot-k", o->plot_k, "write K of all paints to this SVG file").names_output();
+  options.add("--plot-s", o->plot_s, "write S of all paints to this SVG file").names_output();
+  options
+      .add("--plot-differences", o->plot_differences,
+           "write colour differences of predicted and measured samples to this SVG file")
+      .names_output();
   return [o] { return fit(*o); };
 }
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
-#include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
 #include "aureole/pigment/hiding.h"
@@ -100,7 +100,7 @@ std::function<int()> declare(CommandOptions& options) {
   options.add("--ratio", o->ratio, "contrast ratio of a hiding layer").between(0.01, 0.9999).shows_default();
   o->surface.declare(options, "the result, instead of the palette's interface");
   options.add("--step", o->step, "step between printed wavelengths in nm").between(0.01, 1e9).shows_default();
-  options.add("--plot", o->plot, "write the contrast ratio by thickness to this SVG file");
+  options.add("--plot", o->plot, "write the contrast ratio by thickness to this SVG file").names_output();
   return [o] { return hide(*o); };
 }
 

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
-#include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 #include "aureole/core/parallel.h"
 #include "aureole/core/units.h"
 #include "aureole/instrument/paint/paint_colour.h"
@@ -151,8 +151,8 @@ std::function<int()> declare(CommandOptions& options) {
       .between(0.0, 1.0)
       .shows_default();
   o->surface.declare(options, "the result, instead of the palette's interface");
-  options.add("--json", o->json, "also write the solutions to this file");
-  options.add("--plot", o->plot, "write the reflectances of five solutions to this SVG file");
+  options.add("--json", o->json, "also write the solutions to this file").names_output();
+  options.add("--plot", o->plot, "write the reflectances of five solutions to this SVG file").names_output();
   return [o] { return match(*o); };
 }
 

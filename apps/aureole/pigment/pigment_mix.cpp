@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
-#include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
 #include "pigment/pigment_options.h"
@@ -101,7 +101,7 @@ std::function<int()> declare(CommandOptions& options) {
       .add("--ladder", o->ladder,
            "also print that many mixtures, from the first paint alone to the others alone")
       .between(1, 1000);
-  options.add("--plot", o->plot, "write the reflectance, with the ladder, to this SVG file");
+  options.add("--plot", o->plot, "write the reflectance, with the ladder, to this SVG file").names_output();
   return [o] { return mix(*o); };
 }
 

@@ -58,7 +58,7 @@ void LayerOfPaint::declare(CommandOptions& options) {
   options.add("--thickness", thickness,
               "thickness of the layer, \"20um\"; for relative palettes a number, in 1/S of the white");
   options.add("--illuminant", illuminant, "illuminant of the colours").shows_default();
-  options.add("--json", json, "also write the results to this file");
+  options.add("--json", json, "also write the results to this file").names_output();
 }
 
 pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface) {

@@ -2,8 +2,9 @@
 #include "aureole/aperture/aperture.h"
 
 #include <cmath>
-#include <fstream>
 #include <stdexcept>
+
+#include "aureole/core/input_file.h"
 
 namespace aureole {
 namespace {
@@ -16,10 +17,12 @@ optics::SizeDistribution read_sizes(const Properties& p) {
   try {
     if (histogram) {
       const auto path = p.get_file("size_histogram");
-      std::ifstream file(path);
+      std::istringstream file = read_table_file(path);
       return optics::SizeDistribution::histogram(file);
     }
     return optics::SizeDistribution::log_normal(sigma);
+  } catch (const Error& e) {
+    throw e.where().line > 0 ? e : p.error("size_histogram", e.what());
   } catch (const std::domain_error& e) {
     throw p.error(histogram ? "size_histogram" : "size_spread", e.what());
   }

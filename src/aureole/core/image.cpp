@@ -1,20 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/core/image.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <atomic>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
-#include <memory>
 #include <new>
 
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
+#include "aureole/core/input_file.h"
+#include "aureole/core/output_file.h"
 
 namespace aureole {
 
@@ -25,18 +20,11 @@ namespace {
 }
 
 std::vector<unsigned char> read_bytes(const std::filesystem::path& file) {
-  struct Closer {
-    void operator()(std::FILE* f) const { std::fclose(f); }
-  };
-  std::error_code code;
-  if (!std::filesystem::exists(file, code)) fail(file, "no such file");
-  if (std::filesystem::is_directory(file, code)) fail(file, "is a directory, not an image");
-  const std::unique_ptr<std::FILE, Closer> f(std::fopen(file.c_str(), "rb"));
-  if (!f) fail(file, std::string("cannot be opened: ") + std::strerror(errno));
-  const auto size = std::filesystem::file_size(file, code);
-  if (code) fail(file, "is not a regular file");
-  std::vector<unsigned char> bytes(size);
-  if (std::fread(bytes.data(), 1, size, f.get()) != size) fail(file, "cannot be read");
+  constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 36;
+  InputFile input(file);
+  input.require_at_most(kMaxBytes);
+  std::vector<unsigned char> bytes(input.size());
+  input.read(bytes.data(), bytes.size());
   return bytes;
 }
 
@@ -67,17 +55,6 @@ void write_encoded(const std::filesystem::path& file, const Encode& encode) {
     if (!e.where().file.empty()) throw;
     fail(file, e.message());
   }
-}
-
-/// Writes all of `bytes` and flushes them to the disc.
-bool write_all(int descriptor, std::span<const char> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::write(descriptor, bytes.data(), std::min(bytes.size(), std::size_t(1) << 30));
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    bytes = bytes.subspan(std::size_t(n));
-  }
-  return ::fsync(descriptor) == 0 || errno == EINVAL;  // pipes cannot be flushed
 }
 
 }  // namespace
@@ -124,44 +101,6 @@ float srgb_encode(float linear) {
 
 float srgb_decode(float encoded) {
   return encoded <= 0.04045f ? encoded / 12.92f : std::pow((encoded + 0.055f) / 1.055f, 2.4f);
-}
-
-void write_file_atomically(const std::filesystem::path& file, std::span<const char> bytes) {
-  namespace fs = std::filesystem;
-  std::error_code code;
-  const auto system_failure = [&](const char* what) {
-    fail(file, std::string(what) + ": " + std::strerror(errno));
-  };
-  // A symbolic link is followed, so that it stays a link. A device or pipe cannot be replaced by renaming.
-  const fs::path target = fs::is_symlink(file, code) ? fs::weakly_canonical(file, code) : file;
-  if (fs::is_directory(target, code)) fail(file, "is a directory");
-  if (fs::exists(target, code) && !fs::is_regular_file(target, code)) {
-    const int d = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
-    if (d < 0) system_failure("cannot be opened for writing");
-    const bool good = write_all(d, bytes);
-    if (::close(d) != 0 || !good) system_failure("cannot be written");
-    return;
-  }
-
-  static std::atomic<unsigned> counter{0};
-  fs::path beside;
-  int d = -1;
-  // A killed job with the same process id, which is common in containers, may have left its temporary file.
-  for (int attempt = 0; attempt < 1000 && d < 0 && (attempt == 0 || errno == EEXIST); ++attempt) {
-    beside = target;
-    beside += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
-    d = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  }
-  if (d < 0) system_failure("cannot be created");
-  const bool written = write_all(d, bytes);
-  const int write_error = errno;
-  if (::close(d) != 0 || !written || std::rename(beside.c_str(), target.c_str()) != 0) {
-    if (!written) errno = write_error;
-    const int reason = errno;
-    ::unlink(beside.c_str());
-    errno = reason;
-    system_failure("cannot be written");
-  }
 }
 
 namespace codec {

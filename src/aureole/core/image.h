@@ -5,7 +5,6 @@
 
 #include <filesystem>
 #include <map>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -67,8 +66,5 @@ void write_pfm(const std::filesystem::path& file, const Image& image);
 /// The sRGB transfer function and its inverse (IEC 61966-2-1).
 float srgb_encode(float linear);
 float srgb_decode(float encoded);
-
-/// Replaces `file` by `bytes` atomically (write, flush, rename). Throws Error.
-void write_file_atomically(const std::filesystem::path& file, std::span<const char> bytes);
 
 }  // namespace aureole

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // A measured or computed arrangement: S'(q) or g(r) from a text, or S'(q) over the plane from a picture.
 #include <algorithm>
-#include <fstream>
 #include <stdexcept>
 
 #include "aureole/core/image.h"
+#include "aureole/core/input_file.h"
 #include "aureole/correlation/correlation.h"
 #include "aureole/optics/two_columns.h"
 
@@ -23,7 +23,7 @@ public:
     std::transform(kind.begin(), kind.end(), kind.begin(), [](unsigned char c) { return std::tolower(c); });
     try {
       if (kind == ".txt" || kind == ".csv" || kind == ".dat") {
-        std::ifstream in(file);
+        std::istringstream in = read_table_file(file);
         for (const auto& [x, y] : optics::read_two_columns(in)) {
           x_.push_back(pairs ? x / radius : x * radius);
           y_.push_back(y);

@@ -5,8 +5,8 @@
 #include <bit>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 
+#include "aureole/core/input_file.h"
 #include "aureole/loading/object_pool.h"
 #include "aureole/loading/references.h"
 #include "aureole/loading/values.h"
@@ -161,12 +161,13 @@ std::uint64_t content_hash(const Node& root, const References& references) {
   Hash hash;
   add_node(root, references, hash);
   for (const auto& file : references.files) {
-    std::ifstream stream(file, std::ios::binary);
+    InputFile input(file);
     std::vector<char> block(1 << 20);
-    do {
-      stream.read(block.data(), std::streamsize(block.size()));
-      hash.bytes(block.data(), std::size_t(stream.gcount()));
-    } while (stream);
+    while (input.left() > 0) {
+      const std::size_t count = std::size_t(std::min<std::uint64_t>(block.size(), input.left()));
+      input.read(block.data(), count);
+      hash.bytes(block.data(), count);
+    }
   }
   return hash.value();
 }

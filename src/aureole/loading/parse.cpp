@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "aureole/core/input_file.h"
 #include "aureole/loading/encoding.h"
 #include "aureole/loading/parameters.h"
 
@@ -20,6 +20,17 @@ namespace {
 /// files, which may double with every level. The limits are far above real scenes and far below the size of
 /// stack and memory.
 constexpr int kDeepestElement = 256, kDeepestInclude = 32, kMaxIncludes = 1000;
+
+/// Returns the content of a file, or nothing, with an error that begins with `problem`.
+std::optional<std::string> text_of(const fs::path& file, const SourceLocation& where,
+                                   const std::string& problem, Diagnostics& diagnostics) {
+  try {
+    return read_text_file(file, kMaxSceneBytes);
+  } catch (const Error& e) {
+    diagnostics.error(where, problem + ": " + e.message());
+    return {};
+  }
+}
 
 /// Converts positions in the text that pugixml parses to lines and columns. pugixml parses in place, so that
 /// its names and values point into `buffer`, while `original` keeps the line ends that it overwrites.
@@ -184,15 +195,14 @@ private:
     file->path = find_file(name->value, *node.file, scene.search_folders);
     file->included_by = node.file;
     file->included_at = node.where;
-    std::ifstream stream(file->path, std::ios::binary);
-    std::error_code ignored;
-    // A device or pipe may be endless.
-    if (file->path.empty() || !stream || !fs::is_regular_file(file->path, ignored)) {
-      diagnostics_.error(name->where, "cannot read the included file \"" + name->value + "\"");
+    auto content = text_of(file->path, name->where, "cannot read the included file \"" + name->value + "\"",
+                           diagnostics_);
+    if (!content) {
       scene.complete = false;
       return;
     }
     int depth = 1;
+    std::error_code ignored;
     for (const SourceFile* f = node.file.get(); f; f = f->included_by.get(), ++depth) {
       if (!fs::equivalent(f->path, file->path, ignored)) continue;
       diagnostics_.error(name->where, "recursive include: \"" + name->value + "\" includes itself");
@@ -208,10 +218,8 @@ private:
     }
     file->shown = shown_path(name->value, *file, *node.file);
 
-    std::ostringstream content;
-    content << stream.rdbuf();
     Node root;
-    if (!parse(file, std::move(content).str(), root)) {
+    if (!parse(file, std::move(*content), root)) {
       scene.complete = false;
     } else if (root.tag == "scene") {
       for (Node& child : root.children) parent.children.push_back(std::move(child));
@@ -258,15 +266,9 @@ ParsedScene parse_scene(const fs::path& file, const std::optional<std::string>& 
   if (text) {
     content = *text;
   } else {
-    std::error_code ignored;
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream || fs::is_directory(file, ignored)) {
-      diagnostics.error({source->shown, 0, 0}, "cannot read the scene file");
-      return {{}, {}, {source}, false};
-    }
-    std::ostringstream all;
-    all << stream.rdbuf();
-    content = std::move(all).str();
+    auto read = text_of(file, {source->shown, 0, 0}, "cannot read the scene file", diagnostics);
+    if (!read) return {{}, {}, {source}, false};
+    content = std::move(*read);
   }
   Parameters parameters(defines);
   Parser parser(parameters, diagnostics);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "aureole/core/input_file.h"
 #include "aureole/loading/aliases.h"
 #include "aureole/plugin/registry.h"
 
@@ -110,10 +111,12 @@ private:
 
   void locate(Attribute& name, const SourceFile& from) {
     const std::filesystem::path found = find_file(name.value, from, scene_.search_folders);
-    std::error_code ignored;
-    if (found.empty() || !std::filesystem::is_regular_file(found, ignored)) {
+    const std::string kind = irregular_kind(found);
+    if (found.empty() || !kind.empty()) {
       diagnostics_.error(name.where,
-                         "no such file: \"" + name.value + "\"" + searched(from, scene_.search_folders));
+                         found.empty()
+                             ? "no such file: \"" + name.value + "\"" + searched(from, scene_.search_folders)
+                             : "not a regular file but " + kind + ": \"" + name.value + "\"");
       name.failed = true;
       return;
     }

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 
+#include "aureole/core/input_file.h"
 #include "aureole/core/units.h"
 
 namespace aureole {
@@ -206,8 +206,7 @@ SpectrumLiteral parse_spectrum(std::string_view text) {
 }
 
 SpectrumLiteral read_spectrum_file(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) throw Error("cannot read the spectrum file " + file.string());
+  std::istringstream stream = read_table_file(file);
   SpectrumLiteral s;
   s.kind = SpectrumLiteral::Kind::points;
   std::string line;

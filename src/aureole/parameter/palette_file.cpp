@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
 #include "aureole/parameter/data_range.h"
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/palette_text.h"
@@ -15,8 +15,7 @@ namespace aureole {
 
 pigment::Palette read_palette_file(const std::string& file) {
   if (file == kMeasuredPaints) return pigment::kimera_fit().palette;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error({file, 0, 0}, "cannot read this file");
+  std::istringstream stream = read_table_file(file);
   try {
     return pigment::read_palette(stream);
   } catch (const pigment::TextError& e) {

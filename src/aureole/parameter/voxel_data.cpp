@@ -8,7 +8,8 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
+
+#include "aureole/core/input_file.h"
 
 namespace aureole {
 
@@ -74,15 +75,13 @@ void check(const Header& h) {
 }  // namespace
 
 VoxelData read_vol(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error("cannot be opened");
-  in.seekg(0, std::ios::end);
-  const auto file_bytes = std::uint64_t(in.tellg());
-  in.seekg(0);
+  InputFile in(file);
+  const std::uint64_t file_bytes = in.size();
   Header h;
-  if (!in.read(reinterpret_cast<char*>(&h), sizeof h))
+  if (file_bytes < sizeof h)
     throw Error(
         fmt::format("is too short for a .vol file: {} bytes, the header alone has {}", file_bytes, sizeof h));
+  in.read(&h, sizeof h);
   check(h);
   VoxelData data;
   for (std::size_t i = 0; i < 3; ++i)
@@ -101,17 +100,16 @@ VoxelData read_vol(const std::filesystem::path& file) {
   const std::size_t numbers = std::size_t(count) * std::size_t(h.channels);
   data.values.resize(numbers);
   if (h.encoding == 1) {
-    in.read(reinterpret_cast<char*>(data.values.data()), std::streamsize(numbers * 4));
+    in.read(data.values.data(), numbers * 4);
   } else if (h.encoding == 2) {
     std::vector<std::uint16_t> halves(numbers);
-    in.read(reinterpret_cast<char*>(halves.data()), std::streamsize(numbers * 2));
+    in.read(halves.data(), numbers * 2);
     for (std::size_t i = 0; i < numbers; ++i) data.values[i] = _cvtsh_ss(halves[i]);
   } else {
     std::vector<std::uint8_t> bytes(numbers);
-    in.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(numbers));
+    in.read(bytes.data(), numbers);
     for (std::size_t i = 0; i < numbers; ++i) data.values[i] = float(bytes[i]) * (1.f / 255);
   }
-  if (!in) throw Error("cannot be read to its end");
   return data;
 }
 

@@ -2,8 +2,8 @@
 #include "aureole/plugin/properties.h"
 
 #include <algorithm>
-#include <fstream>
 
+#include "aureole/core/input_file.h"
 #include "aureole/core/units.h"
 #include "aureole/plugin/registry.h"
 
@@ -211,10 +211,8 @@ std::filesystem::path Properties::get_file(std::string_view name) const {
     throw std::logic_error("plug-in \"" + plugin_->name + "\" reads the file \"" + std::string(name) +
                            "\", which is no file in its table");
   const std::filesystem::path path = get_string(name);
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) throw error(name, "no such file: " + path.string());
-  if (!std::filesystem::is_regular_file(path, ignored) || !std::ifstream(path))
-    throw error(name, "not a readable file: " + path.string());
+  if (const std::string fault = fault_of_input(path); !fault.empty())
+    throw error(name, fault + ": " + path.string());
   return path;
 }
 

@@ -2,7 +2,6 @@
 #include "aureole/render/output.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 
@@ -86,24 +85,6 @@ void write_pictures(const RenderState& s, const std::filesystem::path& file,
 void write_preview(const RenderState& s, const std::filesystem::path& file, const std::optional<Tone>& tone) {
   const Image rgb = s.rgb_picture();
   write_png(png_of(file), tone ? toned(rgb, *tone) : display_picture(rgb));
-}
-
-void require_writable(const std::filesystem::path& file) {
-  const std::filesystem::path folder =
-      file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-  std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored))
-    throw Error("cannot write " + file.string() + ": there is no folder " + folder.string());
-  if (std::filesystem::is_directory(file, ignored))
-    throw Error("cannot write " + file.string() + ": it is a folder");
-  // Files are replaced by renaming, so the folder must be writable. access() returns success for root even on
-  // read-only media, so a file is created to test it.
-  const std::filesystem::path probe = folder / fmt::format(".aureole-write-test-{}", getpid());
-  std::FILE* f = std::fopen(probe.c_str(), "wb");
-  if (!f)
-    throw Error("cannot write " + file.string() + ": the folder " + folder.string() + " is not writable");
-  std::fclose(f);
-  std::filesystem::remove(probe, ignored);
 }
 
 }  // namespace aureole

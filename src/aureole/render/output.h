@@ -27,7 +27,4 @@ void write_picture(const RenderState& state, const Image& picture, const std::fi
 void write_preview(const RenderState& state, const std::filesystem::path& exr_file,
                    const std::optional<Tone>& tone = {});
 
-/// Throws Error if a file of this name cannot be written. Call it before spending hours on its content.
-void require_writable(const std::filesystem::path& file);
-
 }  // namespace aureole

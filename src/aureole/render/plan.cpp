@@ -2,10 +2,8 @@
 #include "aureole/render/plan.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <fstream>
-
+#include "aureole/core/memory.h"
 #include "aureole/core/version.h"
 #include "aureole/render/unit_renderer.h"
 #include "aureole/transport/dimensions.h"
@@ -13,15 +11,6 @@
 namespace aureole {
 
 namespace {
-
-double available_memory_bytes() {
-  std::ifstream in("/proc/meminfo");
-  std::string key, unit;
-  double kib;
-  while (in >> key >> kib >> unit)
-    if (key == "MemAvailable:") return kib * 1024;
-  return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE));
-}
 
 void require_range(const Film& film, const RenderOptions& options, std::int64_t end) {
   if (end <= options.begin || options.begin < 0)

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
+#include "aureole/core/output_file.h"
 #include "aureole/render/sample_density.h"
 
 namespace aureole {
@@ -206,13 +207,11 @@ bool fits(const Development& d, const PictureIdentity& id) {
 
 RenderState RenderState::load(const std::filesystem::path& file) {
   const SourceLocation where{file.string(), 0, 0};
-  std::error_code ignored;
-  std::ifstream in(file, std::ios::binary | std::ios::ate);
-  if (!in || !std::filesystem::is_regular_file(file, ignored)) throw Error(where, "cannot be read");
-  const std::streamoff size = in.tellg();
-  std::vector<char> bytes(size > 0 ? std::size_t(size) : 0);
-  in.seekg(0);
-  in.read(bytes.data(), std::streamsize(bytes.size()));
+  constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 42;
+  InputFile in(file);
+  in.require_at_most(kMaxBytes);
+  std::vector<char> bytes(in.size());
+  in.read(bytes.data(), bytes.size());
   const Error broken(where, "is not a complete state file");
   if (bytes.size() < kMagicSize + 16 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) throw broken;
   std::uint64_t header_size, sum;

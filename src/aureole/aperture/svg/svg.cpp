@@ -9,6 +9,7 @@
 
 #include "aureole/aperture/svg/svg_path.h"
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
 
 namespace aureole {
 
@@ -147,11 +148,14 @@ void SvgReader::walk(const pugi::xml_node& parent, const SvgTransform& transform
 }  // namespace
 
 std::vector<optics::Ring> read_svg_rings(const std::filesystem::path& file) {
-  std::error_code ignored;
-  if (std::filesystem::file_size(file, ignored) > kMaxBytes)
-    throw Error(file.string() + " has more than " + std::to_string(kMaxBytes) + " bytes");
+  std::string text;
+  try {
+    text = read_text_file(file, kMaxBytes);
+  } catch (const Error& problem) {
+    throw Error(problem.what());  // the parameter that names the file is the location
+  }
   pugi::xml_document document;
-  const pugi::xml_parse_result result = document.load_file(file.c_str());
+  const pugi::xml_parse_result result = document.load_buffer_inplace(text.data(), text.size());
   if (!result)
     throw Error(file.string() + " is not XML: " + result.description() + " at byte " +
                 std::to_string(result.offset));

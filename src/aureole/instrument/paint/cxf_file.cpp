@@ -5,13 +5,12 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <optional>
 #include <pugixml.hpp>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
 #include "aureole/pigment/letter_case.h"
 #include "aureole/pigment/text_table.h"
 
@@ -46,9 +45,7 @@ std::vector<pugi::xml_node> descendants(const pugi::xml_node& top, std::string_v
 class CxfReader {
 public:
   explicit CxfReader(const std::string& file) : file_(file) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Error({file, 0, 0}, "cannot read this file");
-    text_.assign(std::istreambuf_iterator<char>(stream), {});
+    text_ = read_text_file(file, kMaxTableBytes);
     for (std::size_t i = 0; i < text_.size(); ++i)
       if (text_[i] == '\n') line_ends_.push_back(std::ptrdiff_t(i));
     // Line ends are kept, so that offsets in an element are offsets in the file.

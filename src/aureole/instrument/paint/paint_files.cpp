@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
 #include "aureole/instrument/paint/cxf_file.h"
 #include "aureole/pigment/cgats_text.h"
 #include "aureole/pigment/letter_case.h"
@@ -16,12 +16,6 @@ namespace aureole {
 namespace {
 
 using nlohmann::json;
-
-std::ifstream opened(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw Error({file, 0, 0}, "cannot read this file");
-  return stream;
-}
 
 /// A value of a JSON document and its path, such as "samples[3].values[12]", for errors.
 class Item {
@@ -139,7 +133,7 @@ pigment::SampleTable paint_mixing(const Item& document) {
 pigment::SampleTable read_json_samples(const std::string& file) {
   json document;
   try {
-    std::ifstream stream = opened(file);
+    std::istringstream stream = read_table_file(file);
     document = json::parse(stream);
   } catch (const json::parse_error& e) {
     throw Error({file, 0, 0}, e.what());  // the message contains line and column
@@ -175,7 +169,7 @@ std::string kind_of(const std::string& file) {
   if (ending == ".cxf") return "cxf";
   if (ending == ".csv") return "csv";
   if (ending == ".cgats") return "cgats";
-  std::ifstream stream = opened(file);
+  std::istringstream stream = read_table_file(file);
   std::string line;
   bool is_first = true;
   for (int number = 0; number < 1000 && std::getline(stream, line); ++number) {
@@ -200,7 +194,7 @@ pigment::SampleTable read_sample_file(const std::string& file) {
   } else if (kind == "cxf") {
     table = read_cxf_file(file);
   } else {
-    std::ifstream stream = opened(file);
+    std::istringstream stream = read_table_file(file);
     try {
       table = kind == "cgats" ? pigment::read_cgats(stream) : pigment::read_samples(stream);
     } catch (const pigment::TextError& e) {

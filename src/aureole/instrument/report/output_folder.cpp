@@ -4,7 +4,7 @@
 #include <unistd.h>
 
 #include "aureole/core/error.h"
-#include "aureole/core/image.h"
+#include "aureole/core/output_file.h"
 
 namespace aureole {
 

@@ -3,24 +3,24 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
+
+#include "aureole/core/input_file.h"
 
 namespace aureole {
 
 MeshFile::MeshFile(const Properties& properties, std::filesystem::path path)
     : properties_(properties), path_(std::move(path)) {
-  struct Closer {
-    void operator()(std::FILE* f) const { std::fclose(f); }
-  };
-  const std::unique_ptr<std::FILE, Closer> file(std::fopen(path_.c_str(), "rb"));
-  std::error_code code;
-  const auto size = std::filesystem::file_size(path_, code);
-  if (!file || code) throw error("cannot be opened");
-  std::setvbuf(file.get(), nullptr, _IONBF, 0);
-  size_ = std::size_t(size);
-  bytes_ = std::make_unique_for_overwrite<char[]>(size_ + 1);
-  if (std::fread(bytes_.get(), 1, size_, file.get()) != size_) throw error("cannot be read");
-  bytes_[size_] = 0;
+  constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 38;
+  try {
+    InputFile file(path_);
+    file.require_at_most(kMaxBytes);
+    size_ = std::size_t(file.size());
+    bytes_ = std::make_unique_for_overwrite<char[]>(size_ + 1);
+    file.read(bytes_.get(), size_);
+    bytes_[size_] = 0;
+  } catch (const Error& problem) {
+    throw error(problem.message());
+  }
 }
 
 Error MeshFile::error(const std::string& message) const {

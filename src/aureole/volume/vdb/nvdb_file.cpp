@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <memory>
 #include <new>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
 #include "aureole/volume/vdb/vdb_file.h"
 
 namespace aureole {
@@ -148,39 +148,14 @@ private:
   std::uint64_t visited_ = 0;  ///< bytes of all visited nodes
 };
 
-class File {
-public:
-  explicit File(const std::filesystem::path& path) : in_(path, std::ios::binary) {
-    in_.seekg(0, std::ios::end);
-    left_ = std::uint64_t(std::max<std::streamoff>(in_.tellg(), 0));
-    in_.seekg(0);
-  }
-  std::uint64_t left() const { return left_; }
-  void read(void* to, std::uint64_t bytes) {
-    need(bytes);
-    if (!in_.read(static_cast<char*>(to), std::streamsize(bytes))) throw Error("cannot be read to its end");
-  }
-  void skip(std::uint64_t bytes) {
-    need(bytes);
-    in_.seekg(std::streamoff(bytes), std::ios::cur);
-  }
-  std::vector<char> bytes(std::uint64_t count) {
-    if (count > left_) need(count);
-    std::vector<char> all(count);
-    read(all.data(), count);
-    return all;
-  }
+std::vector<char> read_bytes(InputFile& file, std::uint64_t count) {
+  if (count > file.left()) file.skip(count);  // throws before memory is allocated
+  std::vector<char> all(count);
+  file.read(all.data(), count);
+  return all;
+}
 
-private:
-  void need(std::uint64_t bytes) {
-    if (bytes > left_) throw Error(fmt::format("is truncated: {} bytes are missing", bytes - left_));
-    left_ -= bytes;
-  }
-  std::ifstream in_;
-  std::uint64_t left_ = 0;
-};
-
-void read_grid(File& file, Codec codec, Block& block) {
+void read_grid(InputFile& file, Codec codec, Block& block) {
   if (codec == Codec::none) {
     file.read(block.data(), block.size());
     return;
@@ -188,7 +163,7 @@ void read_grid(File& file, Codec codec, Block& block) {
   const auto packed = [&] {
     std::uint64_t bytes = 0;
     file.read(&bytes, sizeof bytes);
-    return file.bytes(bytes);
+    return read_bytes(file, bytes);
   };
   if (codec == Codec::zip) {
     const std::vector<char> from = packed();
@@ -267,7 +242,7 @@ void read_nvdb(const std::filesystem::path& path, const std::optional<std::strin
   std::vector<Entry> entries;
   std::uint64_t all = 0;
   {
-    File file(path);
+    InputFile file(path);
     all = file.left();
     while (file.left() > 0) {
       SegmentHead segment;
@@ -284,7 +259,7 @@ void read_nvdb(const std::filesystem::path& path, const std::optional<std::strin
       for (int i = 0; i < segment.grid_count; ++i) {
         GridHead head;
         file.read(&head, sizeof head);
-        const std::vector<char> name = file.bytes(head.name_bytes);
+        const std::vector<char> name = read_bytes(file, head.name_bytes);
         out.grids.emplace_back(name.data(), strnlen(name.data(), name.size()));
         entries.push_back({head, segment.codec, 0});
       }
@@ -300,7 +275,7 @@ void read_nvdb(const std::filesystem::path& path, const std::optional<std::strin
   if (which >= entries.size()) return;
   out.found = true;
   const Entry& entry = entries[which];
-  File file(path);
+  InputFile file(path);
   file.skip(entry.place);
   if (entry.codec == Codec::none && entry.head.grid_bytes > file.left())
     throw Error("is truncated: it ends in the grid \"" + out.grids[which] + "\"");

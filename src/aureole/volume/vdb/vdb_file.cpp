@@ -3,12 +3,13 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <new>
 
 #include "aureole/core/error.h"
+#include "aureole/core/input_file.h"
 #include "aureole/volume/vdb/vdb_module.h"
 
 namespace aureole {
@@ -66,7 +67,10 @@ SparseVoxels read_vdb_file(const std::filesystem::path& file, const std::optiona
                            bool& unknown_grid) {
   unknown_grid = false;
   char magic[8] = {};
-  std::ifstream(file, std::ios::binary).read(magic, sizeof magic);
+  {
+    InputFile input(file);
+    input.read(magic, std::min<std::uint64_t>(sizeof magic, input.size()));
+  }
   SparseFile found;
   try {
     if (std::memcmp(magic, " BDV", 4) == 0)
