@@ -6,6 +6,7 @@
 #include <sys/resource.h>
 #include <tiffio.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <cstring>
@@ -316,6 +317,48 @@ TEST_F(ImageTest, TgaBmpHdr) {
   for (std::size_t i = 0; i < bright.pixels.size(); ++i) ASSERT_NEAR(hdr.pixels[i], bright.pixels[i], 0.26f);
   expect_truncations_fail(path("a.hdr"), 0);
   expect_damage_survived(path("a.hdr"));
+}
+
+// The headers of small files that claim large pictures, and what the library would allocate for them.
+TEST_F(ImageTest, SmallFilesMayNotNeedMuchMemory) {
+  write_exr(path("a.exr"), gradient(8, 8, {"R", "G", "B"}), ExrPixel::half, {});
+  const std::string good = bytes_of(path("a.exr"));
+  const auto text = [](std::initializer_list<std::int32_t> numbers) {
+    return std::string(reinterpret_cast<const char*>(numbers.begin()), 4 * numbers.size());
+  };
+  const auto attribute = [&](const std::string& name, const std::string& type, const std::string& value) {
+    return name + '\0' + type + '\0' + text({std::int32_t(value.size())}) + value;
+  };
+  const auto exr_error = [&](std::initializer_list<std::int32_t> window, char compression,
+                             const std::string& more = "") {
+    std::string bytes = good;
+    bytes.replace(bytes.find("dataWindow") + 11 + 6 + 4, 16, text(window));
+    bytes[bytes.find("compression") + 12 + 12 + 4] = compression;
+    put(path("bad.exr"), bytes.insert(8, more) + std::string(90000, '\0'));
+    return error_of(path("bad.exr"));
+  };
+  EXPECT_NE(exr_error({0, 0, 1048639, 63}, 9).find("its content needs 768 MiB"), std::string::npos);
+  // 256 lines of DWAB are together, however many there are.
+  EXPECT_NE(exr_error({0, 0, 1048639, 0}, 9).find("its content needs 3072 MiB"), std::string::npos);
+  EXPECT_NE(
+      exr_error({0, 0, 7, 7}, 3, attribute("chunkCount", "int", text({1 << 30}))).find("table of 1073741824"),
+      std::string::npos);
+  const std::string tiles = attribute("tiles", "tiledesc", text({1, 1}) + '\0');
+  EXPECT_NE(exr_error({0, 0, 4095, 4095}, 3, tiles).find("table of 16777216"), std::string::npos);
+  const std::string large = attribute("tiles", "tiledesc", text({16384, 16384}) + '\0');
+  EXPECT_NE(exr_error({0, 0, 7, 7}, 3, large).find("its content needs"), std::string::npos);
+  EXPECT_NE(exr_error({0, 0, 7, 7}, 3, attribute("type", "string", "deepscanline")).find("deep EXR"),
+            std::string::npos);
+
+  write_png(path("a.png"), gradient(8, 8, {"Y"}));
+  std::string png = bytes_of(path("a.png"));
+  const auto big_endian = [](std::uint32_t v) {
+    return std::string{char(v >> 24), char(v >> 16), char(v >> 8), char(v)};
+  };
+  png.replace(16, 8, big_endian(20000) + big_endian(20000));
+  png.replace(29, 4, big_endian(std::uint32_t(crc32(0, reinterpret_cast<const Bytef*>(&png[12]), 17))));
+  put(path("bad.png"), png + std::string(60000, '\0'));
+  EXPECT_NE(error_of(path("bad.png")).find("its content needs 1525 MiB"), std::string::npos);
 }
 
 TEST_F(ImageTest, WrongFiles) {

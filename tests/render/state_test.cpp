@@ -78,6 +78,63 @@ TEST(RenderState, SurvivesAFileAndRefusesABrokenOne) {
   EXPECT_THROW(RenderState::load(folder.path / "none.state"), Error);
 }
 
+TEST(UnitRanges, AreSets) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<bool> flags(60);
+    UnitRanges set;
+    const int count = int(random() % 40);
+    for (int i = 0; i < count; ++i) {
+      const std::int64_t begin = random() % 60, end = std::min<std::int64_t>(60, begin + random() % 4);
+      set.insert({begin, end});
+      for (std::int64_t unit = begin; unit < end; ++unit) flags[std::size_t(unit)] = true;
+    }
+    EXPECT_EQ(set.count(), std::count(flags.begin(), flags.end(), true));
+    for (std::int64_t a = 0; a < 60; ++a) {
+      EXPECT_EQ(set.contains(a), flags[std::size_t(a)]);
+      std::int64_t end = a;
+      while (end < 60 && flags[std::size_t(end)]) ++end;
+      EXPECT_EQ(set.end_of(a), end);
+      const auto begin = flags.begin() + a;
+      for (std::int64_t b = a; b <= 60; b += 7) {
+        const auto stop = flags.begin() + b, found = std::find(begin, stop, true);
+        EXPECT_EQ(set.count({a, b}), std::count(begin, stop, true));
+        EXPECT_EQ(set.contains({a, b}), std::count(begin, stop, true) == b - a);
+        EXPECT_EQ(set.first_in({a, b}).value_or(b), found - flags.begin());
+      }
+    }
+    UnitRanges again;
+    const auto ranges = set.ranges();
+    for (std::size_t i = 0; i < ranges.size(); ++i) {
+      again.insert(ranges[i]);
+      if (i > 0) EXPECT_GT(ranges[i].begin, ranges[i - 1].end);
+    }
+    EXPECT_EQ(again, set);
+  }
+}
+
+TEST(RenderState, ManySamplesTakeNoMemory) {
+  const TemporaryFolder folder;
+  RenderOptions options;
+  options.end = std::int64_t(1) << 31;
+  RenderJob job(small_scene(64, 64), options);
+  RenderState state = job.state();
+  EXPECT_EQ(state.units(), std::int64_t(1) << 31);
+  state.done.insert({0, 16 * 1000 + 3});
+  state.done.insert({(std::int64_t(1) << 31) - 16, std::int64_t(1) << 31});
+  EXPECT_EQ(state.samples_everywhere(), 16 * 1001);
+  const auto file = folder.path / "a.state";
+  state.save(file);
+  EXPECT_LT(std::filesystem::file_size(file), 1u << 20);
+  const RenderState loaded = RenderState::load(file);
+  EXPECT_EQ(loaded.done, state.done);
+  EXPECT_EQ(loaded.units_done(), 16 * 1001 + 3);
+  // A run continues where nothing is done, without a step for each unit that is.
+  state.done.insert({0, state.units() - 1});
+  job.resume(state);
+  EXPECT_EQ(job.run(std::atomic<bool>{false}), RenderJob::Outcome::finished);
+}
+
 /// A state file whose header was changed, with the checksum that belongs to it.
 std::string forged(const std::string& bytes, const std::function<void(nlohmann::json&)>& change) {
   constexpr std::size_t kMagic = 16;
@@ -130,13 +187,14 @@ TEST(RenderState, ForgedSizesAreRefused) {
                                                           {"width", 0},
                                                           {"width", 1 << 20},
                                                           {"height", -7},
-                                                          {"border", 64},
+                                                          {"border", 65},
                                                           {"begin", 3},
                                                           {"begin", -16},
-                                                          {"end", 17},
-                                                          {"end", std::int64_t(1) << 33},
                                                           {"density_size", 63},
                                                           {"density_size", std::int64_t(1) << 40},
+                                                          {"done_ranges", 0},
+                                                          {"done_ranges", 2},
+                                                          {"done_ranges", std::int64_t(1) << 60},
                                                           {"adaptive", "nothing"}};
   for (const auto& [key, value] : cases)
     EXPECT_THROW(load([&](nlohmann::json& header) { header[key] = value; }), Error) << key << value;
@@ -175,6 +233,36 @@ TEST(RenderState, ForgedSizesAreRefused) {
     }
   }
   EXPECT_GT(loaded, 100);
+}
+
+TEST(RenderState, RangesOfUnitsAreChecked) {
+  const TemporaryFolder folder;
+  RenderJob job = small_job();
+  const auto other = folder.path / "forged.state";
+  const std::string bytes = finished(job, folder.path / "a.state");
+  std::uint64_t header;
+  std::memcpy(&header, bytes.data() + 16, 8);
+  for (const auto& [begin, end] : {std::pair<std::int64_t, std::int64_t>{-1, 2},
+                                   {0, 3},
+                                   {1, 1},
+                                   {2, 1},
+                                   {0, std::numeric_limits<std::int64_t>::max()},
+                                   {std::numeric_limits<std::int64_t>::min(), 2}}) {
+    std::string changed = bytes;
+    std::memcpy(changed.data() + 24 + header, &begin, 8);
+    std::memcpy(changed.data() + 32 + header, &end, 8);
+    std::ofstream(other, std::ios::binary) << forged(changed, [](nlohmann::json&) {});
+    EXPECT_THROW(RenderState::load(other), Error) << begin << ":" << end;
+  }
+  std::string older = bytes;
+  older[14] = '2';
+  std::ofstream(other, std::ios::binary) << older;
+  try {
+    RenderState::load(other);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("another version of the program"), std::string::npos) << e.what();
+  }
 }
 
 TEST(RenderState, OfAnotherAssignmentOfRandomNumbersIsNotTakenUp) {

@@ -172,6 +172,17 @@ TEST(NvdbVolume, BadFilesAreLocatedErrors) {
   const std::string good = bytes_of(sample("nvdb"));
   EXPECT_NE(error_with("NanoVDB2" + good.substr(8)).find("begins with \"NanoVDB2\""), std::string::npos);
   EXPECT_NE(error_with("hello").find("is neither"), std::string::npos);
+  std::string large = good;  // each grid claims 2^37 bytes
+  std::uint16_t grids;
+  std::memcpy(&grids, &good[12], sizeof grids);
+  for (std::size_t at = 16, i = 0; i < grids; ++i) {
+    const std::uint64_t claimed = std::uint64_t(1) << 37;
+    std::uint32_t name;
+    std::memcpy(&large[at], &claimed, sizeof claimed);
+    std::memcpy(&name, &good[at + 136], sizeof name);
+    at += 176 + name;
+  }
+  EXPECT_NE(error_with(large).find("compressed too well"), std::string::npos);
   EXPECT_NE(error_with(good.substr(0, good.size() - 9)).find("is truncated"), std::string::npos);
   EXPECT_NE(error_with(good.substr(0, 100)).find("is truncated"), std::string::npos);
 }

@@ -31,7 +31,7 @@ public:
   explicit JsonFile(const std::filesystem::path& path) : name_(path.string()) {
     if (const std::string fault = fault_of_input(path); !fault.empty())
       throw Error({name_, 0, 0}, fault + "; a gallery is a folder with a gallery.json");
-    text_ = read_text_file(path, kMaxTableBytes);
+    text_ = read_text_file(path, kMaxJsonBytes);
     try {
       root_ = Json::parse(Reader{&text_, 0, &offset_}, Reader{&text_, text_.size(), &offset_},
                           [this](int, Json::parse_event_t event, Json& value) {

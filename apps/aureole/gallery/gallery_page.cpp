@@ -289,7 +289,7 @@ GalleryResults GalleryResults::load(const std::filesystem::path& file) {
   GalleryResults results;
   if (!fault_of_input(file).empty()) return results;
   try {
-    const OrderedJson j = OrderedJson::parse(read_text_file(file, kMaxTableBytes));
+    const OrderedJson j = OrderedJson::parse(read_text_file(file, kMaxJsonBytes));
     if (j.at("version").get<int>() != kResultsVersion) return {};
     const auto size = [](const OrderedJson& r) { return r.at("size") == "full" ? kFullSize : kPreviewSize; };
     for (const auto& [name, r] : j.at("pictures").items()) {

@@ -4,12 +4,17 @@
 // file.
 #include "aureole/core/exr_header.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <string>
+#include <string_view>
 
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
+#include "aureole/core/memory.h"
 
 namespace aureole::codec {
 
@@ -18,6 +23,8 @@ namespace {
 constexpr std::uint32_t kDeep = 0x800, kMultiPart = 0x1000;
 /// Upper bound of the compression ratio of whole images over all compression methods of the format.
 constexpr double kMaxRatio = 20000;
+/// Bytes of a chunk, twice, for each byte of the file: whole pictures may be one chunk, but then the file is large.
+constexpr double kChunkBytesPerByte = 16;
 
 class Cursor {
 public:
@@ -44,15 +51,50 @@ private:
   Bytes bytes_;
 };
 
-/// Returns the bytes of one pixel from the list of channels.
-double pixel_bytes(Bytes list) {
-  double sum = 0;
-  for (Cursor c(list); !c.text().empty();) {
+struct Channels {
+  double count = 0, pixel_bytes = 0;
+};
+
+Channels channels_of(Bytes list) {
+  Channels sum;
+  for (Cursor c(list); !c.text().empty(); ++sum.count) {
     const std::int32_t type = c.integer();
     c.take(12);  // skips linearity and sampling
-    sum += type == 1 ? 2 : 4;
+    sum.pixel_bytes += type == 1 ? 2 : 4;
   }
   return sum;
+}
+
+/// Number of lines that a compression method stores together, by its number in the format: none, RLE, ZIPS,
+/// ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+double lines_together(unsigned compression) {
+  constexpr double kLines[] = {1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
+  return compression < std::size(kLines) ? kLines[compression] : 1;
+}
+
+/// Sizes that the header of a part states.
+struct Part {
+  Channels channels;
+  double width = 0, height = 0, tile_width = 0, tile_height = 0, lines = 1, chunk_count = 0;
+};
+
+/// Throws Error where the library would allocate more than a file of this size can fill, or than it may need.
+void check_part(const Part& part, std::size_t file_bytes, std::size_t max_pixels) {
+  const double pixel_bytes = std::max(part.channels.pixel_bytes, 1.0);
+  check_size((long long)part.width, (long long)part.height, part.channels.count, max_pixels, file_bytes,
+             kMaxRatio / pixel_bytes);
+  const bool tiled = part.tile_width > 0 && part.tile_height > 0;
+  // A chunk, a row of tiles or some lines, is in memory several times while it is decompressed.
+  const double rows = tiled ? part.tile_height : part.lines;
+  const double chunk = std::max(part.width, part.tile_width) * rows * pixel_bytes;
+  require_content(2 * chunk, double(file_bytes), kChunkBytesPerByte);
+  const double chunks = tiled ? std::ceil(part.width / part.tile_width) * std::ceil(part.height / rows)
+                              : std::ceil(part.height / rows);
+  constexpr double kOffsetBytes = 8;
+  if (std::max(chunks, part.chunk_count) * kOffsetBytes > double(file_bytes))
+    throw Error("the file is truncated or damaged: its table of " +
+                std::to_string((long long)std::max(chunks, part.chunk_count)) + " chunks cannot be in " +
+                std::to_string(file_bytes) + " bytes");
 }
 
 }  // namespace
@@ -61,11 +103,10 @@ void check_exr_header(Bytes bytes, std::size_t max_pixels) {
   Cursor c(bytes);
   c.take(4);
   const auto version = std::uint32_t(c.integer());
-  if (version & kDeep) throw Error("a deep EXR, which is not supported");
+  const Error deep("a deep EXR, which is not supported");
+  if (version & kDeep) throw deep;
   for (bool more = true; more;) {
-    double per_pixel = 0;
-    long long width = 0, height = 0;
-    double tile = 0;
+    Part part;
     bool empty = true;
     for (std::string name = c.text(); !name.empty(); name = c.text()) {
       empty = false;
@@ -73,20 +114,22 @@ void check_exr_header(Bytes bytes, std::size_t max_pixels) {
       const std::int32_t size = c.integer();
       if (size < 0) throw Error("damaged EXR: an attribute of negative size");
       const Bytes value = c.take(std::size_t(size));
-      if (name == "channels") per_pixel = pixel_bytes(value);
+      if (name == "channels") part.channels = channels_of(value);
       if (name == "dataWindow" && size == 16) {
-        width = 1LL + Cursor::integer_at(value.subspan(8)) - Cursor::integer_at(value);
-        height = 1LL + Cursor::integer_at(value.subspan(12)) - Cursor::integer_at(value.subspan(4));
+        part.width = 1.0 + Cursor::integer_at(value.subspan(8)) - Cursor::integer_at(value);
+        part.height = 1.0 + Cursor::integer_at(value.subspan(12)) - Cursor::integer_at(value.subspan(4));
       }
-      if (name == "tiles" && size >= 8)
-        tile = double(std::uint32_t(Cursor::integer_at(value))) *
-               std::uint32_t(Cursor::integer_at(value.subspan(4)));
+      if (name == "tiles" && size >= 8) {
+        part.tile_width = std::uint32_t(Cursor::integer_at(value));
+        part.tile_height = std::uint32_t(Cursor::integer_at(value.subspan(4)));
+      }
+      if (name == "compression" && size == 1) part.lines = lines_together(value[0]);
+      if (name == "chunkCount" && size == 4) part.chunk_count = Cursor::integer_at(value);
+      if (name == "type" &&
+          std::string_view(reinterpret_cast<const char*>(value.data()), value.size()).starts_with("deep"))
+        throw deep;
     }
-    if (!empty) {
-      check_size(width, height, max_pixels, bytes.size(), kMaxRatio / (per_pixel > 0 ? per_pixel : 1));
-      if (tile * per_pixel > kMaxRatio * (double(bytes.size()) + 64))
-        throw Error("damaged EXR: impossible tiles");
-    }
+    if (!empty) check_part(part, bytes.size(), max_pixels);
     more = (version & kMultiPart) && !empty;
   }
 }

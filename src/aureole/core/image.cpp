@@ -9,6 +9,7 @@
 #include "aureole/core/error.h"
 #include "aureole/core/image_codecs.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/memory.h"
 #include "aureole/core/output_file.h"
 
 namespace aureole {
@@ -105,8 +106,8 @@ float srgb_decode(float encoded) {
 
 namespace codec {
 
-void check_size(long long width, long long height, std::size_t max_pixels, std::size_t file_bytes,
-                double most_per_byte) {
+void check_size(long long width, long long height, double channels, std::size_t max_pixels,
+                std::size_t file_bytes, double most_per_byte) {
   if (width <= 0 || height <= 0) throw Error("the image has no pixels");
   const double pixels = double(width) * double(height);
   const std::string size = std::to_string(width) + " x " + std::to_string(height) + " pixels";
@@ -115,6 +116,7 @@ void check_size(long long width, long long height, std::size_t max_pixels, std::
   if (pixels > most_per_byte * (double(file_bytes) + 64))
     throw Error("the file is truncated or damaged: " + size + " cannot be in " + std::to_string(file_bytes) +
                 " bytes");
+  require_content(pixels * channels * sizeof(float), double(file_bytes), kPixelBytesPerByte);
 }
 
 std::vector<std::string> channel_names(int count) {

@@ -13,9 +13,13 @@ namespace aureole::codec {
 using Bytes = std::span<const unsigned char>;
 
 /// Throws Error unless width x height is positive, at most max_pixels, and at most `most_per_byte` pixels per
-/// byte of the file. So a damaged header cannot cause an allocation that no file of this size can fill.
-void check_size(long long width, long long height, std::size_t max_pixels, std::size_t file_bytes,
-                double most_per_byte);
+/// byte of the file. So a damaged header cannot cause an allocation that no file of this size can fill. Also
+/// throws where the pixels as floats need more than `kPixelBytesPerByte` bytes for each byte of the file.
+void check_size(long long width, long long height, double channels, std::size_t max_pixels,
+                std::size_t file_bytes, double most_per_byte);
+
+/// Deflate compresses at most 1032 to 1, and a byte becomes a float: a PNG of one colour has this ratio.
+constexpr double kPixelBytesPerByte = 4 * 1050;
 
 /// Channel names of one to four channels: Y; Y, A; R, G, B; R, G, B, A.
 std::vector<std::string> channel_names(int count);

@@ -77,7 +77,7 @@ Image read_jpeg(Bytes bytes, std::size_t max_pixels) {
   check(read_header(s, bytes));
   const int width = int(s.jpeg.image_width), height = int(s.jpeg.image_height);
   // A block of 64 pixels takes at least one bit.
-  check_size(width, height, max_pixels, bytes.size(), 8 * 64);
+  check_size(width, height, s.jpeg.num_components, max_pixels, bytes.size(), 8 * 64);
   const int components = s.jpeg.out_color_space == JCS_GRAYSCALE ? 1
                          : s.jpeg.out_color_space == JCS_CMYK    ? 4
                                                                  : 3;

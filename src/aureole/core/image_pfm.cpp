@@ -53,7 +53,7 @@ Image read_pfm(Bytes bytes, std::size_t max_pixels) {
   const auto width = words.number<long long>(), height = words.number<long long>();
   const double scale = words.number<double>();
   if (scale == 0 || !std::isfinite(scale)) throw Error("damaged PFM: its scale is not a number other than 0");
-  check_size(width, height, max_pixels, bytes.size(), 1);
+  check_size(width, height, channels, max_pixels, bytes.size(), 1);
   const std::size_t row = std::size_t(width) * std::size_t(channels);
   const Bytes pixels = bytes.subspan(words.end());
   if (pixels.size() < row * std::size_t(height) * sizeof(float)) throw Error("the file is truncated");

@@ -110,7 +110,7 @@ Image read_png(Bytes bytes, std::size_t max_pixels) {
   if (!s.info) throw Error("libpng cannot be started");
   if (!read_header(s)) throw Error(std::string("damaged PNG: ") + s.message);
   // A byte of deflated data expands to at most 1032 bytes, each with at most 8 pixels.
-  check_size(s.width, s.height, max_pixels, bytes.size(), 1032 * 8);
+  check_size(s.width, s.height, s.channels, max_pixels, bytes.size(), 1032 * 8);
   point_rows(s, png_get_rowbytes(s.png, s.info));
   if (!read_rows(s)) throw Error(std::string("damaged PNG: ") + s.message);
   if (s.bits == 16) {

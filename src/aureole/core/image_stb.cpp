@@ -114,7 +114,7 @@ Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels) {
     throw Error(kUnknown);
   }
   // Run lengths are at most 128.
-  check_size(width, height, max_pixels, bytes.size(), 128);
+  check_size(width, height, channels, max_pixels, bytes.size(), 128);
 
   const bool hdr = stbi_is_hdr_from_callbacks(&kCallbacks, &test);
   const auto finish = [&](const auto* raw, float scale) {

@@ -145,15 +145,15 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLEFORMAT, &l.format);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_PLANARCONFIG, &l.planar);
   TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &l.photometric);
-  // No compression in use exceeds a ratio of some thousands.
-  check_size(l.width, l.height, max_pixels, bytes.size(), 20000);
   const bool real = l.format == SAMPLEFORMAT_IEEEFP;
   const bool known_bits =
       real ? l.bits == 16 || l.bits == 32 || l.bits == 64 : l.bits == 8 || l.bits == 16 || l.bits == 32;
   const bool known_format = real || l.format == SAMPLEFORMAT_UINT || l.format == SAMPLEFORMAT_VOID;
   const bool known_colour = l.photometric == PHOTOMETRIC_MINISBLACK || l.photometric == PHOTOMETRIC_RGB;
-  if (known_bits && known_format && known_colour && l.samples >= 1 && l.samples <= 64)
-    return read_plain(tiff.get(), l, !real);
+  const bool is_plain = known_bits && known_format && known_colour && l.samples >= 1 && l.samples <= 64;
+  // No compression in use exceeds a ratio of some thousands.
+  check_size(l.width, l.height, is_plain ? std::min<int>(l.samples, 4) : 4, max_pixels, bytes.size(), 20000);
+  if (is_plain) return read_plain(tiff.get(), l, !real);
   return read_converted(tiff.get(), l);
 }
 

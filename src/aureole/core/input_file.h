@@ -50,8 +50,10 @@ private:
   std::uint64_t size_ = 0, position_ = 0;
 };
 
-/// Upper bounds of text files: scenes may list many thousand objects, tables of measurements are small.
-constexpr std::uint64_t kMaxSceneBytes = std::uint64_t(1) << 30, kMaxTableBytes = std::uint64_t(1) << 26;
+/// Upper bounds of text files. Parsed text takes up to 60 times the memory of the file: a scene may list a million
+/// objects, tables of measurements are small.
+constexpr std::uint64_t kMaxSceneBytes = std::uint64_t(1) << 28, kMaxTableBytes = std::uint64_t(1) << 25,
+                        kMaxJsonBytes = std::uint64_t(1) << 24;
 
 /// Returns the content of a regular file. Throws Error located at the file, also for more than `max_bytes`.
 std::string read_text_file(const std::filesystem::path& file, std::uint64_t max_bytes);

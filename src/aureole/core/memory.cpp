@@ -8,6 +8,8 @@
 #include <fstream>
 #include <string>
 
+#include "aureole/core/error.h"
+
 namespace aureole {
 
 namespace {
@@ -32,6 +34,14 @@ double available_memory_bytes() {
     available = std::min(available,
                          std::max(0.0, double(limit.rlim_cur) - used_pages * double(sysconf(_SC_PAGESIZE))));
   return available;
+}
+
+void require_content(double bytes, double file_bytes, double per_byte) {
+  if (bytes <= std::max(kFreeContentBytes, per_byte * file_bytes)) return;
+  const auto mebibytes = [](double b) { return std::to_string((long long)(b / (1 << 20))) + " MiB"; };
+  throw Error("its content needs " + mebibytes(bytes) + " of memory; a file of " +
+              std::to_string((long long)file_bytes) + " bytes may need " +
+              mebibytes(std::max(kFreeContentBytes, per_byte * file_bytes)));
 }
 
 }  // namespace aureole

@@ -47,7 +47,7 @@ void RenderJob::resume(RenderState state) {
 
 void RenderJob::count_as_done(std::int64_t unit, const std::vector<InvalidSample>& invalid) {
   const Film& film = scene_->film();
-  state_.done[size_t(unit)] = 1;
+  state_.done.insert(unit);
   state_.invalid_samples += invalid.size();
   for (const InvalidSample& s : invalid)
     if (invalid_.size() < 16)
@@ -100,9 +100,7 @@ void RenderJob::find_densities(int threads, const std::atomic<bool>& stop,
   const std::lock_guard guard(lock_->mutex);
   state_.density = std::move(density);
   // The pilot's samples belong to the first units, which are the tiles of replicate 0.
-  if (state_.begin == 0)
-    pilot_tiles_left_ =
-        std::count(state_.done.begin(), state_.done.begin() + state_.tiles(), std::uint8_t(0));
+  if (state_.begin == 0) pilot_tiles_left_ = state_.tiles() - state_.done.count({0, state_.tiles()});
   if (pilot_tiles_left_ > 0) pilot_ = pilot;
 }
 
@@ -152,6 +150,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
 
   std::atomic<std::int64_t> next{0}, finished{0};
   std::atomic<bool> failed{false};
+  const UnitRanges done_before = state_.done;
   std::int64_t limit = units;
   const auto work = [&](int thread) {
     UnitResult buffers;
@@ -160,7 +159,11 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
       while (!stop.load(std::memory_order_relaxed) && !failed.load(std::memory_order_relaxed)) {
         const std::int64_t unit = next.fetch_add(1);
         if (unit >= limit) return;
-        if (state_.done[size_t(unit)]) continue;
+        if (const std::int64_t end = done_before.end_of(unit); end > unit) {
+          for (std::int64_t n = next; n < end && !next.compare_exchange_weak(n, end);) {
+          }
+          continue;
+        }
         render_unit(unit, buffers);
         ++finished;
         if (thread != 0) continue;
@@ -187,6 +190,7 @@ RenderJob::Outcome RenderJob::run(const std::atomic<bool>& stop,
     // that every pixel has.
     const std::int64_t per_block = state_.units_per_block();
     for (std::int64_t begin = 0; begin < units && !stop && !out_of_time; begin += per_block) {
+      if (done_before.contains({begin, begin + per_block})) continue;
       const std::int64_t finished_before = finished;
       next = begin;
       limit = begin + per_block;

@@ -51,15 +51,13 @@ AdaptiveTarget adaptive_of(const Scene& scene, const Integrator& integrator, con
 
 void require_memory(const Film& film, const PictureIdentity& id, const RenderOptions& options,
                     std::int64_t end) {
-  // The state exists twice while it is saved or displayed. Each work unit needs one byte for its flag.
-  const double units = double(id.width / kTileSize + 2) * (id.height / kTileSize + 2) * id.replicates *
-                       double((end - options.begin) / kSampleBlock + 1);
+  // The state exists twice while it is saved or displayed.
   const double sampled = double(id.width + 2 * id.border) * (id.height + 2 * id.border);
   const double pilot =
       id.adaptive == name_of(AdaptiveTarget::none)
           ? 0
           : UnitRenderer::pilot_bytes(sampled, id.measured_channels, options.begin) + density_bytes(sampled);
-  const double needed = 2 * (units + state_bytes(id)) + pilot, available = available_memory_bytes();
+  const double needed = 2 * state_bytes(id) + pilot, available = available_memory_bytes();
   if (needed > 0.8 * available)
     throw Error(
         film.properties().where(),

@@ -145,11 +145,24 @@ void SplatFilm::add(const SplatList& list, FilmBuffer& film) const {
 
 void SplatFilm::set_weights(RenderState& state) const {
   std::vector<std::int64_t> paths(state.films.size());
-  for (size_t i = 0; i < state.done.size(); ++i)
-    if (state.done[i]) {
-      const WorkUnit u = state.unit(std::int64_t(i));
-      paths[size_t(u.replicate)] += u.samples();
+  const std::int64_t per_block = state.units_per_block();
+  const auto add = [&](std::int64_t unit, std::int64_t blocks) {
+    const WorkUnit u = state.unit(unit);
+    paths[size_t(u.replicate)] += u.samples() * blocks;
+  };
+  for (const UnitRanges::Range& range : state.done.ranges()) {
+    // Whole blocks of kSampleBlock samples have the same units. The last block of a picture may be cut short.
+    const std::int64_t last_whole = (state.end - state.begin) / kSampleBlock * per_block;
+    const std::int64_t first = (range.begin + per_block - 1) / per_block * per_block,
+                       last = std::min(range.end, last_whole) / per_block * per_block;
+    if (first >= last) {
+      for (std::int64_t unit = range.begin; unit < range.end; ++unit) add(unit, 1);
+      continue;
     }
+    for (std::int64_t unit = range.begin; unit < first; ++unit) add(unit, 1);
+    for (std::int64_t unit = 0; unit < per_block; ++unit) add(first + unit, (last - first) / per_block);
+    for (std::int64_t unit = last; unit < range.end; ++unit) add(unit, 1);
+  }
   for (size_t r = 0; r < paths.size(); ++r) {
     FilmBuffer& film = state.splat_film(r);
     const int channels = film.measured_channels();

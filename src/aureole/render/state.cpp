@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
@@ -15,7 +16,9 @@ namespace aureole {
 
 namespace {
 
-constexpr char kMagic[] = "aureole-state-2\n";
+constexpr char kMagic[] = "aureole-state-3\n";
+/// The part of the magic that all versions of the format share.
+constexpr std::string_view kAnyVersion = "aureole-state-";
 constexpr std::size_t kMagicSize = sizeof kMagic - 1;
 
 std::uint64_t checksum(const char* p, std::size_t n) {
@@ -39,6 +42,7 @@ nlohmann::json header_of(const RenderState& s) {
           {"integrator", i.integrator},
           {"adaptive", i.adaptive},
           {"density_size", s.density.size()},
+          {"done_ranges", s.done.ranges().size()},
           {"scene_hash", i.scene_hash},
           {"seed", i.seed},
           {"random_version", i.random_version},
@@ -83,7 +87,6 @@ RenderState::RenderState(PictureIdentity id, Development d, std::int64_t first, 
     films.emplace_back(identity.width, identity.height, identity.measured_channels);
   for (int r = 0; r < identity.replicates && identity.splat_channels > 0; ++r)
     splats.emplace_back(identity.width, identity.height, identity.splat_channels);
-  done.assign(std::size_t(units()), 0);
 }
 
 void RenderState::mean(std::size_t replicate, int x, int y, double* measured, double* alpha) const {
@@ -91,7 +94,7 @@ void RenderState::mean(std::size_t replicate, int x, int y, double* measured, do
   if (!splats.empty()) splats[replicate].add_means(x, y, measured);
 }
 
-std::int64_t RenderState::units_done() const { return std::count(done.begin(), done.end(), std::uint8_t(1)); }
+std::int64_t RenderState::units_done() const { return done.count(); }
 
 WorkUnit RenderState::unit(std::int64_t index) const {
   const std::int64_t tile = index % tiles();
@@ -107,11 +110,12 @@ WorkUnit RenderState::unit(std::int64_t index) const {
 }
 
 std::int64_t RenderState::samples_everywhere() const {
+  const std::int64_t per_block = units_per_block();
   std::int64_t samples = 0;
-  for (std::int64_t b = 0; b < blocks(); ++b) {
-    const auto first = done.begin() + b * units_per_block();
-    if (std::find(first, first + units_per_block(), std::uint8_t(0)) == first + units_per_block())
-      samples += std::min<std::int64_t>(kSampleBlock, end - begin - b * kSampleBlock);
+  for (const UnitRanges::Range& range : done.ranges()) {
+    // The blocks that lie in the range as a whole. The last block of the picture may be cut short.
+    const std::int64_t first = (range.begin + per_block - 1) / per_block, last = range.end / per_block;
+    if (first < last) samples += std::min(last * kSampleBlock, end - begin) - first * kSampleBlock;
   }
   return samples;
 }
@@ -119,14 +123,9 @@ std::int64_t RenderState::samples_everywhere() const {
 void RenderState::set_range(std::int64_t new_begin, std::int64_t new_end) {
   if (new_begin == begin && new_end == end) return;
   const std::int64_t per_block = units_per_block();
-  RenderState changed;
-  changed.identity = identity;
-  changed.begin = new_begin, changed.end = new_end;
-  std::vector<std::uint8_t> flags(std::size_t(changed.blocks() * per_block), 0);
-  for (std::int64_t b = 0; b < blocks(); ++b) {
-    const auto first = done.begin() + b * per_block;
-    if (std::find(first, first + per_block, std::uint8_t(1)) == first + per_block) continue;
-    const std::int64_t sample = begin + b * kSampleBlock;
+  // Blocks at the ends of a range of units are checked; those between have the same samples before and after.
+  const auto require_block = [&](std::int64_t block) {
+    const std::int64_t sample = begin + block * kSampleBlock;
     const std::int64_t old_stop = std::min(sample + kSampleBlock, end),
                        new_stop = std::min(sample + kSampleBlock, new_end);
     if (sample < new_begin || sample >= new_end || old_stop != new_stop)
@@ -134,10 +133,16 @@ void RenderState::set_range(std::int64_t new_begin, std::int64_t new_end) {
                   " are done already and do not fit into the samples " + std::to_string(new_begin) + ":" +
                   std::to_string(new_end) + " asked for (use multiples of " + std::to_string(kSampleBlock) +
                   ")");
-    std::copy(first, first + per_block, flags.begin() + (sample - new_begin) / kSampleBlock * per_block);
+  };
+  const std::int64_t moved = (begin - new_begin) / kSampleBlock * per_block;
+  UnitRanges changed;
+  for (const UnitRanges::Range& range : done.ranges()) {
+    require_block(range.begin / per_block);
+    require_block((range.end - 1) / per_block);
+    changed.insert({range.begin + moved, range.end + moved});
   }
   begin = new_begin, end = new_end;
-  done = std::move(flags);
+  done = std::move(changed);
 }
 
 void RenderState::merge(const RenderState& other) {
@@ -151,12 +156,12 @@ void RenderState::merge(const RenderState& other) {
   const std::int64_t first = std::min(begin, b.begin), last = std::max(end, b.end);
   set_range(first, last);
   b.set_range(first, last);
-  for (std::size_t i = 0; i < done.size(); ++i)
-    if (done[i] && b.done[i]) {
-      const std::int64_t sample = begin + std::int64_t(i) / units_per_block() * kSampleBlock;
+  for (const UnitRanges::Range& range : b.done.ranges())
+    if (const auto unit = done.first_in(range)) {
+      const std::int64_t sample = begin + *unit / units_per_block() * kSampleBlock;
       throw Error("the states overlap: both hold samples from " + std::to_string(sample) + " on");
     }
-  for (std::size_t i = 0; i < done.size(); ++i) done[i] |= b.done[i];
+  for (const UnitRanges::Range& range : b.done.ranges()) done.insert(range);
   for (std::size_t r = 0; r < films.size(); ++r) films[r].add(b.films[r]);
   for (std::size_t r = 0; r < splats.size(); ++r) splats[r].add(b.splats[r]);
   invalid_samples += b.invalid_samples;
@@ -168,7 +173,9 @@ void RenderState::save(const std::filesystem::path& file) const {
   const std::string header =
       header_of(*this).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   std::vector<char> bytes;
-  std::size_t size = kMagicSize + 8 + header.size() + done.size() + density.size() + 8;
+  const std::vector<UnitRanges::Range> ranges = done.ranges();
+  const std::size_t ranges_size = ranges.size() * sizeof(UnitRanges::Range);
+  std::size_t size = kMagicSize + 8 + header.size() + ranges_size + density.size() + 8;
   for (const auto* buffers : {&films, &splats})
     for (const auto& f : *buffers) size += f.data().size() * sizeof(Fixed);
   bytes.reserve(size);
@@ -179,7 +186,7 @@ void RenderState::save(const std::filesystem::path& file) const {
   const std::uint64_t header_size = header.size();
   append(&header_size, 8);
   append(header.data(), header.size());
-  append(done.data(), done.size());
+  append(ranges.data(), ranges_size);
   append(density.data(), density.size());
   for (const auto* buffers : {&films, &splats})
     for (const auto& f : *buffers) append(f.data().data(), f.data().size() * sizeof(Fixed));
@@ -213,7 +220,10 @@ RenderState RenderState::load(const std::filesystem::path& file) {
   std::vector<char> bytes(in.size());
   in.read(bytes.data(), bytes.size());
   const Error broken(where, "is not a complete state file");
-  if (bytes.size() < kMagicSize + 16 || std::memcmp(bytes.data(), kMagic, kMagicSize) != 0) throw broken;
+  const std::string_view beginning(bytes.data(), std::min(bytes.size(), kMagicSize));
+  if (beginning != std::string_view(kMagic) && beginning.starts_with(kAnyVersion))
+    throw Error(where, "is a state file of another version of the program");
+  if (bytes.size() < kMagicSize + 16 || beginning != std::string_view(kMagic)) throw broken;
   std::uint64_t header_size, sum;
   std::memcpy(&header_size, bytes.data() + kMagicSize, 8);
   std::memcpy(&sum, bytes.data() + bytes.size() - 8, 8);
@@ -236,7 +246,7 @@ RenderState RenderState::load(const std::filesystem::path& file) {
     d.rgb_rows = j.at("rgb_rows").get<std::vector<std::vector<float>>>();
     d.half = j.at("half");
     const std::int64_t begin = j.at("begin"), end = j.at("end");
-    const std::size_t density_size = j.at("density_size");
+    const std::size_t density_size = j.at("density_size"), range_count = j.at("done_ranges");
     // Sizes are checked before memory is allocated for them.
     const auto within = [](double x, double least, double most) { return x >= least && x <= most; };
     if (!within(id.width, 1, 1 << 20) || !within(id.height, 1, 1 << 20) || !within(id.border, 0, 64) ||
@@ -245,23 +255,28 @@ RenderState RenderState::load(const std::filesystem::path& file) {
         !within(double(end), 0, 0x1p33) || begin % kSampleBlock != 0 || !fits(d, id))
       throw broken;
     const double left = double(bytes.data() + bytes.size() - 8 - p) - double(header_size);
-    const double tiles =
-        (double(id.width) + 2 * id.border) * (double(id.height) + 2 * id.border) / (kTileSize * kTileSize);
-    if (state_bytes(id) + tiles * id.replicates * double(end - begin) / kSampleBlock + double(density_size) >
-        left)
+    const double tiles = (double(id.width) + 2 * id.border + kTileSize) *
+                         (double(id.height) + 2 * id.border + kTileSize) / (kTileSize * kTileSize);
+    if (state_bytes(id) + double(range_count) * sizeof(UnitRanges::Range) + double(density_size) > left ||
+        tiles * id.replicates * (double(end - begin) / kSampleBlock + 1) > 0x1p60)
       throw broken;
     s = RenderState(id, d, begin, end);
     s.invalid_samples = j.at("invalid_samples"), s.seconds = j.at("seconds");
     p += header_size;
     if (density_size != 0 && density_size != s.sampled_pixels()) throw broken;
     s.density.resize(density_size);
-    std::size_t needed = s.done.size() + density_size;
+    std::size_t needed = range_count * sizeof(UnitRanges::Range) + density_size;
     for (auto* buffers : {&s.films, &s.splats})
       for (auto& f : *buffers) needed += f.data().size() * sizeof(Fixed);
     if (needed != std::size_t(bytes.data() + bytes.size() - 8 - p)) throw broken;
-    std::memcpy(s.done.data(), p, s.done.size());
-    if (std::any_of(s.done.begin(), s.done.end(), [](std::uint8_t v) { return v > 1; })) throw broken;
-    p += s.done.size();
+    std::int64_t after = -1;  // ranges that touch would be one
+    for (std::size_t i = 0; i < range_count; ++i, p += sizeof(UnitRanges::Range)) {
+      UnitRanges::Range range;
+      std::memcpy(&range, p, sizeof range);
+      if (range.begin <= after || range.end <= range.begin || range.end > s.units()) throw broken;
+      after = range.end;
+      s.done.insert(range);
+    }
     if (density_size > 0) std::memcpy(s.density.data(), p, density_size);
     p += density_size;
     for (const std::int8_t e : s.density)

@@ -10,6 +10,7 @@
 
 #include "aureole/core/image.h"
 #include "aureole/render/film_buffer.h"
+#include "aureole/render/unit_ranges.h"
 
 namespace aureole {
 
@@ -64,7 +65,7 @@ public:
   /// Splats of paths whose own radiance belongs to their pixels, one film per replicate. Splats add to the
   /// first channels of `films`, but are divided by the number of paths.
   std::vector<FilmBuffer> splats;
-  std::vector<std::uint8_t> done;  ///< per unit
+  UnitRanges done;  ///< the units whose samples are in the films
   /// For adaptive sampling: log2 of each pixel's samples per sample of the picture, row by row, border
   /// included. Empty if all pixels have equally many samples, and until the pilot is done.
   std::vector<std::int8_t> density;

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <limits>
 
+#include "aureole/core/memory.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/mesh/mesh.h"
 #include "aureole/shape/mesh/mesh_file.h"
@@ -148,6 +149,12 @@ MeshData Serialized::read(const MeshFile& file, Inflater& in, int version, bool 
       vertices > most / per_vertex || vertices * per_vertex + triangles * 12 > most)
     throw file.error("the file is truncated or damaged: " + std::to_string(vertices) + " vertices and " +
                      std::to_string(triangles) + " triangles cannot be in it");
+  constexpr double kMaxRatio = 64;  // meshes whose vertices differ compress by less than 20 to 1
+  try {
+    require_content(double(vertices * per_vertex + triangles * 12), double(file.size()), kMaxRatio);
+  } catch (const Error& problem) {
+    throw file.error(problem.message());
+  }
 
   MeshData d;
   d.positions.reserve(vertices + 1);

@@ -133,8 +133,7 @@ pigment::SampleTable paint_mixing(const Item& document) {
 pigment::SampleTable read_json_samples(const std::string& file) {
   json document;
   try {
-    std::istringstream stream = read_table_file(file);
-    document = json::parse(stream);
+    document = json::parse(read_text_file(file, kMaxJsonBytes));
   } catch (const json::parse_error& e) {
     throw Error({file, 0, 0}, e.what());  // the message contains line and column
   }

@@ -109,7 +109,7 @@ public:
   }
 
 private:
-  static constexpr std::size_t kMaxBricks = std::size_t(1) << 28;
+  static constexpr std::size_t kMaxBricks = 150000000;  // 600 MB of indices
   static constexpr std::size_t kMaxUniform = 64;
 
   template <class Fetch, class Uniform>

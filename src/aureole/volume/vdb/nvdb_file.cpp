@@ -14,6 +14,7 @@
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
+#include "aureole/core/memory.h"
 #include "aureole/volume/vdb/vdb_file.h"
 
 namespace aureole {
@@ -279,6 +280,12 @@ void read_nvdb(const std::filesystem::path& path, const std::optional<std::strin
   file.skip(entry.place);
   if (entry.codec == Codec::none && entry.head.grid_bytes > file.left())
     throw Error("is truncated: it ends in the grid \"" + out.grids[which] + "\"");
+  constexpr double kMaxRatio = 1100;  // of deflate
+  try {
+    require_content(double(entry.head.grid_bytes), double(all), kMaxRatio);
+  } catch (const Error& problem) {
+    throw Error("is damaged, or compressed too well: " + problem.message());
+  }
   Block block(entry.head.grid_bytes);
   read_grid(file, entry.codec, block);
   convert(block, out.grids[which], out.voxels);
