@@ -91,11 +91,14 @@ if len(edge_files) > MOST_EDGE_FILES:
 # A pipe blocks who opens it, a device may have no end: files of the user are opened in one place, and where a library opens them by name, after
 # a check there.
 OPENS = re.compile(r"std::[io]?fstream\b|\bfopen\(|(?<![\w:])::open\(|\bload_file\(\w")
-OPENERS = {"src/aureole/core/input_file.cpp", "src/aureole/core/output_file.cpp", "src/aureole/core/memory.cpp",
+PRINTS = re.compile(r"fmt::print\(\s*stderr")  # throws where standard error cannot be written
+OPENERS = {"src/aureole/core/input_file.cpp", "src/aureole/core/output_file.cpp", "src/aureole/core/memory.cpp", "src/aureole/core/workers.cpp",
            "src/aureole/volume/vdb/module/vdb_module.cpp", "src/aureole/volume/vdb/module/vdb_lengths.cpp"}
 for path in sorted(set(places.values()) - OPENERS):
     for number, line in enumerate(open(os.path.join(root, path), encoding="utf-8"), 1):
         if OPENS.search(line.split("//")[0]):
             problems.append(f"{path}:{number}: opens a file by itself; use InputFile, read_text_file (core/input_file.h) or write_file_atomically (core/output_file.h)")
+        if PRINTS.search(line):
+            problems.append(f"{path}:{number}: prints to standard error by itself; use tell (apps/aureole/messages.h)")
 print("\n".join(problems) if problems else f"{count} includes, all in order; {len(edge_files)} files outside of their rooms name edges that diffract")
 sys.exit(1 if problems else 0)

@@ -4,8 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
+#include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <system_error>
 
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
@@ -91,7 +95,24 @@ private:
   int exit_code_ = 0;
 };
 
-int run_command_line(int argc, char** argv) {
+namespace {
+
+/// The error that ended a print to standard output, or 0.
+int output_error = 0;
+
+/// Returns the exit code of a command that ended with `code`: what it printed must have arrived. Messages on
+/// standard error may be lost.
+int code_with_output(int code) {
+  if (std::fflush(stdout) != 0 && output_error == 0) output_error = errno;
+  if (std::ferror(stdout) && output_error == 0) output_error = EIO;
+  if (output_error == 0) return code;
+  // A reader that has seen enough, such as head, closes the pipe.
+  if (output_error != EPIPE)
+    std::fprintf(stderr, "error: standard output cannot be written: %s\n", std::strerror(output_error));
+  return code == 0 ? 1 : code;
+}
+
+int run_commands(int argc, char** argv) {
   try {
     return CommandLine().run(argc, argv);
   } catch (const ErrorList& list) {
@@ -100,10 +121,24 @@ int run_command_line(int argc, char** argv) {
     std::fprintf(stderr, "error: %s\n", e.what());
   } catch (const std::bad_alloc&) {
     std::fprintf(stderr, "error: not enough memory\n");
+  } catch (const std::system_error& e) {
+    if (std::ferror(stdout))
+      output_error = e.code().value();
+    else
+      std::fprintf(stderr, "error: %s\n", e.what());
   } catch (const std::exception& e) {
     std::fprintf(stderr, "error: %s\n", e.what());
   }
   return 2;
+}
+
+}  // namespace
+
+int run_command_line(int argc, char** argv) {
+  open_standard_streams();
+  // A closed pipe of standard error must not end a job of hours. Errors of standard output are noticed at the end.
+  std::signal(SIGPIPE, SIG_IGN);
+  return code_with_output(run_commands(argc, argv));
 }
 
 }  // namespace aureole

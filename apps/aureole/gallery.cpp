@@ -19,6 +19,7 @@
 #include "gallery/gallery_page.h"
 #include "gallery/gallery_picture.h"
 #include "gallery/gallery_plots.h"
+#include "messages.h"
 #include "table_progress_line.h"
 
 namespace aureole {
@@ -118,8 +119,7 @@ public:
       write_page();
       progress_.clear();
       if (stopped) {
-        fmt::print(stderr, "interrupted in {}: what is done is on the page; the same command continues\n",
-                   f->id);
+        tell("interrupted in {}: what is done is on the page; the same command continues\n", f->id);
         return 1;
       }
       if (!a_.quiet)
@@ -161,6 +161,7 @@ private:
                   "is a folder of something else (no results.json in it); choose a new one");
     fs::create_directories(folder_ / "exr", code);
     if (code) throw Error({folder_.string(), 0, 0}, "cannot be made: " + code.message());
+    lock_.emplace(folder_ / "index.html");
     require_writable(folder_ / "index.html");
     results_ = GalleryResults::load(folder_ / "results.json");
     results_.save(folder_ / "results.json");
@@ -244,7 +245,7 @@ private:
     fs::remove(state, ignored);
     if (r.invalid_samples > 0) {
       progress_.clear();
-      fmt::print(stderr, "note: {}: {} samples were invalid and left out\n", p.name, r.invalid_samples);
+      tell("note: {}: {} samples were invalid and left out\n", p.name, r.invalid_samples);
     }
     progress_.done(effort, r.seconds + r.load_seconds);
     return true;
@@ -267,6 +268,7 @@ private:
   Gallery gallery_;
   std::vector<const GalleryFigure*> chosen_;
   fs::path folder_;
+  std::optional<OutputLock> lock_;  ///< of the page
   GalleryResults results_;
   GalleryProgress progress_;
   std::string command_;

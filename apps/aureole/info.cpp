@@ -10,6 +10,7 @@
 #include "aureole/plugin/table_holder.h"
 #include "aureole/render/state.h"
 #include "command.h"
+#include "messages.h"
 #include "nested_objects.h"
 
 namespace aureole {
@@ -40,7 +41,7 @@ int info(const std::string& file, const std::vector<std::string>& defines) {
   load.defines = split_defines(defines);
   const LoadedScene loaded = load_scene(file, load);
   const Scene& scene = *loaded.scene;
-  for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const Film& film = scene.film();
   fmt::print("scene        {} (hash {:016x})\n", loaded.file.string(), loaded.hash);
   fmt::print("film         {} {} x {}, rendered part {} x {} at ({}, {}), channels {}\n",

@@ -17,6 +17,7 @@
 #include "aureole/loading/load.h"
 #include "aureole/spectrum/observer.h"
 #include "command.h"
+#include "messages.h"
 #include "nested_objects.h"
 #include "table_progress_line.h"
 
@@ -133,7 +134,7 @@ int medium(const MediumOptions& o) {
     load.progress = [&](const std::string& object, double part) { line.show(object, part); };
     return load_scene(file, load);
   }();
-  for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const auto& note : loaded.notes) tell("note: {}\n", note);
   const MediumPtr found =
       find_medium(*loaded.scene, file, mark == std::string::npos ? "" : o.target.substr(mark + 1));
   const std::vector<MediumFigures> rows =

@@ -7,6 +7,7 @@
 #include "aureole/render/output.h"
 #include "aureole/render/state.h"
 #include "command.h"
+#include "messages.h"
 
 namespace aureole {
 namespace {
@@ -28,6 +29,7 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
   std::optional<Tone> tone;
   if (!tonemap.empty()) tone = Tone::parse(tonemap);
   if (output.extension() != ".exr") throw Error("-o " + output.string() + ": the output is an .exr file");
+  const OutputLock lock(output);
   require_writable(output);
   const auto state_file = std::filesystem::path(output).replace_extension(".state");
   require_writable(std::filesystem::path(output).replace_extension(".png"));
@@ -57,8 +59,8 @@ int merge(const std::vector<std::string>& files, const std::filesystem::path& ou
   write_pictures(sum, output, tone);
   sum.save(state_file);
   if (sum.units_done() < sum.units())
-    fmt::print(stderr, "note: samples {}:{} are not complete: {:.1f} % are there\n", sum.begin, sum.end,
-               100.0 * double(sum.units_done()) / double(sum.units()));
+    tell("note: samples {}:{} are not complete: {:.1f} % are there\n", sum.begin, sum.end,
+         100.0 * double(sum.units_done()) / double(sum.units()));
   fmt::print("{}\n", output.string());
   return 0;
 }

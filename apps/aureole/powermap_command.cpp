@@ -15,6 +15,7 @@
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "command.h"
+#include "messages.h"
 
 namespace aureole {
 namespace {
@@ -133,6 +134,7 @@ int powermap(const Arguments& a) {
   if (output.extension() != ".exr")
     throw Error("-o " + output.string() + ": the output is an .exr file (a .png is written beside it)");
   const std::filesystem::path png = std::filesystem::path(output).replace_extension(".png");
+  const OutputLock lock(output);
   require_writable(output);
   require_writable(png);
 
@@ -141,7 +143,7 @@ int powermap(const Arguments& a) {
   load.integrator = a.integrator;
   const LoadedScene loaded = load_scene(a.scene, load);
   if (!a.quiet)
-    for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
+    for (const auto& note : loaded.notes) tell("note: {}\n", note);
   require_power_map(*loaded.scene);
   RenderOptions options;
   if (a.spp > 0) options.end = a.spp;
@@ -150,11 +152,11 @@ int powermap(const Arguments& a) {
   RenderJob job(loaded, options);
   std::signal(SIGINT, stop_map);
   if (job.run(stop_requested) == RenderJob::Outcome::interrupted) {
-    fmt::print(stderr, "interrupted: no map is written\n");
+    tell("interrupted: no map is written\n");
     return 1;
   }
   if (job.state().invalid_samples > 0)
-    fmt::print(stderr, "note: {} samples were invalid and left out\n", job.state().invalid_samples);
+    tell("note: {} samples were invalid and left out\n", job.state().invalid_samples);
 
   const std::vector<PowerMap> maps = power_maps(*loaded.scene, job.state().picture(), power);
   // The map is written before its picture, so that it is kept if the picture fails.
@@ -167,7 +169,13 @@ int powermap(const Arguments& a) {
     attributes.floats[prefix + "power_W"] = float(map.power_w);
     attributes.floats[prefix + "wavelength_m"] = float(map.wavelength_m);
   }
-  write_exr(output, as_image(maps), ExrPixel::float32, attributes);
+  const WrittenFile written = write_somewhere(output, [&](const std::filesystem::path& file) {
+    write_exr(file, as_image(maps), ExrPixel::float32, attributes);
+  });
+  if (!written.problem.empty()) {
+    tell("error: {}\nerror: the map is in {} instead\n", written.problem, written.file.string());
+    return 1;
+  }
 
   const std::string show = !a.show.empty() ? a.show : power ? "dBm" : "relative";
   const PowerMap& first = maps[0];

@@ -13,10 +13,12 @@
 #include "aureole/core/error.h"
 #include "aureole/core/output_file.h"
 #include "aureole/core/units.h"
+#include "aureole/core/workers.h"
 #include "aureole/render/job.h"
 #include "aureole/render/output.h"
 #include "aureole/render/sample_density.h"
 #include "command.h"
+#include "messages.h"
 #include "table_progress_line.h"
 
 namespace aureole {
@@ -103,7 +105,7 @@ private:
         const RenderState state = job_.snapshot();
         if (state.units_done() > 0) write_preview(state, output_, tone_);
       } catch (const std::exception& e) {
-        fmt::print(stderr, "\nnote: no more previews: {}\n", e.what());
+        tell("\nnote: no more previews: {}\n", e.what());
         return;
       }
     }
@@ -191,11 +193,14 @@ void check_numbers(const Arguments& a) {
   if (!(a.checkpoint_s > 0)) throw Error(fmt::format("--checkpoint {}: must be positive", a.checkpoint_s));
 }
 
-/// Throws Error if the pictures of a job cannot be written. Replaying a pixel writes none.
-void require_output(const Arguments& a, const std::filesystem::path& output) {
+/// Throws Error if the pictures of a job cannot be written, or another program writes them, and locks them. Replaying
+/// a pixel writes none.
+void require_output(const Arguments& a, const std::filesystem::path& output,
+                    std::optional<OutputLock>& lock) {
   for (const char* extension : {".exr", ".hdr", ".rgbe", ".pfm"})
     if (output.extension() == extension) {
       if (!a.pixel.empty()) return;
+      lock.emplace(output);
       require_writable(output);
       require_writable(std::filesystem::path(output).replace_extension(".png"));
       require_writable(std::filesystem::path(output).replace_extension(".state"));
@@ -203,6 +208,12 @@ void require_output(const Arguments& a, const std::filesystem::path& output) {
     }
   throw Error("-o " + output.string() +
               ": the output is an .exr, .hdr or .pfm file (a .png is written beside it)");
+}
+
+void note_missing_threads(const Arguments& a) {
+  const int wanted = a.threads > 0 ? a.threads : default_thread_count(), possible = available_threads(wanted);
+  if (possible < wanted && !a.quiet)
+    tell("note: {} of {} threads are used: the system refuses more\n", possible, wanted);
 }
 
 RenderOptions render_options(const Arguments& a) {
@@ -225,10 +236,9 @@ RenderOptions render_options(const Arguments& a) {
 }
 
 void print_notes(const LoadedScene& loaded) {
-  for (const auto& note : loaded.notes) fmt::print(stderr, "note: {}\n", note);
+  for (const auto& note : loaded.notes) tell("note: {}\n", note);
   for (const Primitive& part : loaded.scene->parts().surfaces)
-    for (const auto& remark : part.remarks)
-      fmt::print(stderr, "note: {}: {}\n", part.element->where().str(), remark);
+    for (const auto& remark : part.remarks) tell("note: {}: {}\n", part.element->where().str(), remark);
 }
 
 /// Continues an earlier job's samples if requested. Throws Error if a checkpoint exists and neither --resume
@@ -242,11 +252,10 @@ void take_up(const Arguments& a, const std::filesystem::path& state_file, Render
   if (exists) {
     job.resume(RenderState::load(state_file));
     if (!a.quiet)
-      fmt::print(stderr, "resuming: {:.1f} % done\n",
-                 100.0 * double(job.state().units_done()) / double(job.state().units()));
+      tell("resuming: {:.1f} % done\n",
+           100.0 * double(job.state().units_done()) / double(job.state().units()));
   } else if (!a.quiet) {
-    fmt::print(stderr, "note: there is no {} to resume from: starting at the beginning\n",
-               state_file.string());
+    tell("note: there is no {} to resume from: starting at the beginning\n", state_file.string());
   }
 }
 
@@ -256,15 +265,18 @@ RenderJob::Outcome run(const Arguments& a, const std::filesystem::path& output, 
   std::signal(SIGHUP, request_stop);
   ProgressLine line(a.quiet);
   std::optional<Preview> preview;
-  if (a.preview) preview.emplace(job, output, a.tone());
+  try {
+    if (a.preview) preview.emplace(job, output, a.tone());
+  } catch (const std::system_error& e) {
+    tell("note: no previews: {}\n", e.what());
+  }
   std::string problem;
   return job.run(stop_requested, [&](const Progress& p) {
     // `report` is called from the thread that writes checkpoints.
     if (job.checkpoint_problem() != problem) {
       problem = job.checkpoint_problem();
       line.clear();
-      if (!problem.empty())
-        fmt::print(stderr, "note: no checkpoint: {}; the next one tries again\n", problem);
+      if (!problem.empty()) tell("note: no checkpoint: {}; the next one tries again\n", problem);
     }
     line.show(p);
   });
@@ -272,14 +284,13 @@ RenderJob::Outcome run(const Arguments& a, const std::filesystem::path& output, 
 
 void print_invalid_samples(const RenderJob& job) {
   if (job.state().invalid_samples == 0) return;
-  fmt::print(stderr,
-             "note: {} samples were invalid (NaN, infinite, negative or beyond 2^60) and left out; the "
-             "first ones:\n",
-             job.state().invalid_samples);
+  tell(
+      "note: {} samples were invalid (NaN, infinite, negative or beyond 2^60) and left out; the "
+      "first ones:\n",
+      job.state().invalid_samples);
   for (const auto& s : job.invalid_samples())
-    fmt::print(stderr, "  --pixel {},{} --samples {}:{}{}\n", s.x, s.y,
-               s.sample / kSampleBlock * kSampleBlock, s.sample + 1,
-               s.replicate ? fmt::format(" (replicate {})", s.replicate) : "");
+    tell("  --pixel {},{} --samples {}:{}{}\n", s.x, s.y, s.sample / kSampleBlock * kSampleBlock,
+         s.sample + 1, s.replicate ? fmt::format(" (replicate {})", s.replicate) : "");
 }
 
 void print_speed(const RenderState& state) {
@@ -287,11 +298,31 @@ void print_speed(const RenderState& state) {
   const std::int64_t samples = state.samples_everywhere();
   const double rate =
       double(samples) * state.identity.width * state.identity.height * state.identity.replicates;
-  fmt::print(stderr, "{} in {:.2f} s ({:.2f} Msamples/s)\n",
-             state.density.empty()
-                 ? fmt::format("{} samples per pixel", samples)
-                 : fmt::format("{:.2f} samples per pixel on average", double(samples) * mean),
-             state.seconds, rate * mean / std::max(1e-9, state.seconds) * 1e-6);
+  tell("{} in {:.2f} s ({:.2f} Msamples/s)\n",
+       state.density.empty() ? fmt::format("{} samples per pixel", samples)
+                             : fmt::format("{:.2f} samples per pixel on average", double(samples) * mean),
+       state.seconds, rate * mean / std::max(1e-9, state.seconds) * 1e-6);
+}
+
+/// Writes the pictures of a job and, where they have to go elsewhere, also its state. Returns the file written.
+WrittenFile write_results(const Arguments& a, const std::filesystem::path& output, const RenderState& state) {
+  const auto beside = [](std::filesystem::path file, const char* extension) {
+    return file.replace_extension(extension);
+  };
+  const Image picture = state.picture();
+  const WrittenFile written = write_somewhere(
+      output, [&](const std::filesystem::path& file) { write_picture(state, picture, file); });
+  if (!written.problem.empty()) {
+    tell("error: {}\nerror: the picture is in {} instead\n", written.problem, written.file.string());
+    try {
+      state.save(beside(written.file, ".state"));
+      tell("error: its samples are in {}\n", beside(written.file, ".state").string());
+    } catch (const Error& e) {
+      tell("error: {}\n", e.what());
+    }
+  }
+  write_preview(state, written.file, a.tone());
+  return written;
 }
 
 /// Prints how the job ended and returns the exit code.
@@ -306,20 +337,18 @@ int report(const Arguments& a, const std::filesystem::path& output, const Render
   if (state.invalid_samples > 0 && state.invalid_samples >= std::uint64_t(state.samples_everywhere()) *
                                                                 std::uint64_t(state.identity.width) *
                                                                 std::uint64_t(state.identity.height)) {
-    fmt::print(stderr, "error: no sample was valid\n");
+    tell("error: no sample was valid\n");
     return 1;
   }
   // A part, or an interrupted job, is its state file.
   if (!job.checkpoint_problem().empty() && (!a.samples.empty() || outcome != RenderJob::Outcome::finished)) {
-    fmt::print(stderr,
-               "error: the samples are in the picture alone, there is no state file of them to {}: {}\n",
-               a.samples.empty() ? "resume from" : "merge", job.checkpoint_problem());
+    tell("error: the samples are in the picture alone, there is no state file of them to {}: {}\n",
+         a.samples.empty() ? "resume from" : "merge", job.checkpoint_problem());
     return 1;
   }
   if (outcome == RenderJob::Outcome::interrupted) {
-    fmt::print(stderr,
-               "interrupted at {:.1f} %: what is done is written; the same command with --resume continues\n",
-               100.0 * double(state.units_done()) / double(state.units()));
+    tell("interrupted at {:.1f} %: what is done is written; the same command with --resume continues\n",
+         100.0 * double(state.units_done()) / double(state.units()));
     return 1;
   }
   return 0;
@@ -329,7 +358,8 @@ int render(const Arguments& a) {
   check_numbers(a);
   // Unwritable output files are reported before a large scene is read.
   std::filesystem::path output = a.output;
-  if (!output.empty()) require_output(a, output);
+  std::optional<OutputLock> lock;
+  if (!output.empty()) require_output(a, output, lock);
   RenderOptions options = render_options(a);
   LoadOptions load;
   load.defines = split_defines(a.defines);
@@ -342,23 +372,25 @@ int render(const Arguments& a) {
   }();
   if (output.empty()) {
     output = std::filesystem::path(a.scene).replace_extension(loaded.scene->film().file_extension());
-    require_output(a, output);
+    require_output(a, output, lock);
   }
   options.state_file = std::filesystem::path(output).replace_extension(".state");
   if (!a.quiet) print_notes(loaded);
   RenderJob job(loaded, options);
+  note_missing_threads(a);
   require_format(job.state().development, a.replicates, output);
   if (!a.pixel.empty()) return replay_pixel(job, loaded.scene->film(), a, options);
 
   take_up(a, options.state_file, job);
   const RenderJob::Outcome outcome = run(a, output, job);
   if (job.state().units_done() == 0) {
-    fmt::print(stderr, "interrupted before anything was done: no picture is written\n");
+    tell("interrupted before anything was done: no picture is written\n");
     return 1;
   }
-  write_pictures(job.state(), output, a.tone());
-  job.remove_state();
-  return report(a, output, job, outcome);
+  const WrittenFile written = write_results(a, output, job.state());
+  if (written.problem.empty()) job.remove_state();
+  const int code = report(a, written.file, job, outcome);
+  return written.problem.empty() ? code : 1;
 }
 
 std::function<int()> declare(CommandOptions& options) {

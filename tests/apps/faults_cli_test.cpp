@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program under faults: inputs and outputs that are no files, folders that vanish, limits of the system.
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -7,6 +8,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <functional>
@@ -105,6 +107,106 @@ TEST_F(Faults, PipesAsOutputsAreErrorsBeforeTheWork) {
     EXPECT_EQ(o.exit_code, 2) << o.output;
     EXPECT_NE(o.output.find("d.json: cannot be written: it is a pipe"), std::string::npos) << o.output;
   }
+}
+
+TEST_F(Faults, AFolderThatVanishesDoesNotCostThePicture) {
+  const std::string s = scene();
+  fs::create_directory(folder.path / "gone");
+  const pid_t pid = start({"render", s, "-o", "gone/a.exr", "--spp", "1000000", "--time", "1", "-q"});
+  for (int i = 0; i < 500 && fs::is_empty(folder.path / "gone"); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  fs::remove_all(folder.path / "gone");
+  const Outcome o = end_of(pid);
+  EXPECT_EQ(o.exit_code, 1) << o.output;
+  EXPECT_NE(o.output.find("there is no folder gone"), std::string::npos) << o.output;
+  EXPECT_NE(o.output.find("the picture is in"), std::string::npos) << o.output;
+  std::vector<std::string> rescued;
+  for (const auto& entry : fs::directory_iterator(folder.path))
+    if (entry.path().filename().string().starts_with("rescued-"))
+      rescued.push_back(entry.path().extension().string());
+  std::sort(rescued.begin(), rescued.end());
+  EXPECT_EQ(rescued, (std::vector<std::string>{".exr", ".png", ".state"})) << o.output;
+}
+
+TEST_F(Faults, LongNamesAreCheckedBeforeTheWork) {
+  const std::string s = scene();
+  const Outcome good = run({"render", s, "-o", std::string(245, 'a') + ".exr", "--spp", "1", "-q"});
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_TRUE(fs::exists(folder.path / (std::string(245, 'a') + ".exr")));
+  const Outcome part = run({"render", s, "-o", std::string(249, 'b') + ".exr", "--samples", "0:16", "-q"});
+  EXPECT_EQ(part.exit_code, 0) << part.output;
+  const Outcome bad = run({"render", s, "-o", std::string(251, 'a') + ".exr", "--spp", "100000000"});
+  EXPECT_EQ(bad.exit_code, 2) << bad.output;
+  EXPECT_NE(bad.output.find("257 bytes"), std::string::npos) << bad.output;
+}
+
+TEST_F(Faults, OneProgramWritesAPicture) {
+  const std::string s = scene();
+  const fs::path lock = folder.path / ".a.aureole-lock";
+  const std::vector<std::string> endless{"render", s, "-o", "a.exr", "--spp", "100000000", "-q"},
+      // The pictures of both have one PNG and one state.
+      short_one{"render", s, "-o", "a.pfm", "--spp", "1", "-q", "--restart"};
+  const pid_t first = start(endless);
+  for (int i = 0; i < 1000 && !fs::exists(lock); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  const Outcome second = run(short_one);
+  EXPECT_EQ(second.exit_code, 2) << second.output;
+  EXPECT_NE(second.output.find("is being written by another program"), std::string::npos) << second.output;
+  kill(first, SIGKILL);
+  EXPECT_EQ(end_of(first).exit_code, -SIGKILL);
+  EXPECT_TRUE(fs::exists(lock));
+  const Outcome third = run(short_one);
+  EXPECT_EQ(third.exit_code, 0) << third.output;
+  EXPECT_FALSE(fs::exists(lock));
+}
+
+void redirect(int descriptor, const char* file) {
+  const int d = open(file, O_WRONLY | O_CLOEXEC);
+  if (d < 0 || dup2(d, descriptor) < 0) _exit(96);
+}
+void redirect_to_closed_pipe(int descriptor) {
+  int ends[2];
+  if (pipe(ends) != 0 || dup2(ends[1], descriptor) < 0 || close(ends[0]) != 0 || close(ends[1]) != 0)
+    _exit(96);
+  signal(SIGPIPE, SIG_DFL);
+}
+
+TEST_F(Faults, MessagesMayBeLostAndResultsNot) {
+  const std::vector<std::string> arguments{"render", scene(), "-o", "a.exr", "--spp", "4"};
+  const std::vector<std::function<void()>> lost{[] { redirect(2, "/dev/full"); }, [] { close(2); },
+                                                [] { redirect_to_closed_pipe(2); }};
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    fs::remove(folder.path / "a.exr");
+    EXPECT_EQ(run(arguments, lost[i]).exit_code, 0) << i;
+    EXPECT_EQ(read_image(folder.path / "a.exr").width, 40) << i;
+  }
+  const std::vector<std::function<void()>> unwritten{[] { redirect(1, "/dev/full"); }, [] { close(1); },
+                                                     [] { redirect_to_closed_pipe(1); }};
+  for (std::size_t i = 0; i < unwritten.size(); ++i) {
+    fs::remove(folder.path / "a.exr");
+    EXPECT_EQ(run(arguments, unwritten[i]).exit_code, 1) << i;
+    EXPECT_TRUE(fs::exists(folder.path / "a.exr")) << i;
+    const int code = run({"docs"}, unwritten[i]).exit_code;
+    EXPECT_TRUE(code == 1 || code == 2) << i << ": " << code;
+  }
+}
+
+TEST_F(Faults, ThreadsThatCannotBeMade) {
+  const std::string s = scene();
+  const Outcome one = run({"render", s, "-o", "one.exr", "--spp", "16", "--threads", "1", "-q"});
+  ASSERT_EQ(one.exit_code, 0) << one.output;
+  const Image expected = read_image(folder.path / "one.exr");
+  for (const rlim_t kib : {300000, 500000, 900000})
+    for (const char* threads : {"40", "400"}) {
+      const Outcome o = run({"render", s, "-o", "many.exr", "--spp", "16", "--threads", threads}, [kib] {
+        const rlimit limit{kib * 1024, kib * 1024};
+        if (setrlimit(RLIMIT_AS, &limit) != 0) _exit(97);
+      });
+      EXPECT_EQ(o.exit_code, 0) << kib << ", " << threads << ": " << o.output;
+      if (o.exit_code != 0) continue;
+      EXPECT_NE(o.output.find("threads are used: the system refuses more"), std::string::npos) << o.output;
+      EXPECT_EQ(read_image(folder.path / "many.exr").pixels, expected.pixels);
+    }
 }
 
 }  // namespace

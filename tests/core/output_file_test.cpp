@@ -111,5 +111,59 @@ TEST(OutputFile, LeftoversOfKilledProgramsAreRemoved) {
   EXPECT_FALSE(fs::exists(written));
 }
 
+TEST(OutputFile, FoldersOfKilledProgramsAreRemoved) {
+  const TemporaryFolder folder;
+  folder.write("out.part-4711-0/a.png", "half");
+  folder.write("out.part-4711-0-old/result.json", "the result before, which is moved aside for a moment");
+  fs::path made;
+  {
+    const PartFolder part(folder.path / "out");
+    made = part.path();
+    EXPECT_TRUE(fs::is_directory(made));
+    EXPECT_FALSE(fs::exists(folder.path / "out.part-4711-0"));
+    EXPECT_TRUE(fs::exists(folder.path / "out.part-4711-0-old/result.json"));
+    const PartFolder second(folder.path / "out");
+    EXPECT_TRUE(fs::exists(made)) << "it is in use";
+  }
+  EXPECT_FALSE(fs::exists(made));
+}
+
+TEST(OutputFile, OneHolderOfTheRightToWrite) {
+  const TemporaryFolder folder;
+  const auto error = [&](const char* name) {
+    try {
+      const OutputLock lock(folder.path / name);
+      return std::string();
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+  };
+  {
+    const OutputLock held(folder.path / "a.exr");
+    EXPECT_NE(error("a.exr").find("by another program"), std::string::npos);
+    EXPECT_NE(error("a.hdr").find("by another program"), std::string::npos) << "both have a.png";
+    EXPECT_EQ(error("b.exr"), "");
+  }
+  EXPECT_EQ(error("a.exr"), "");
+  EXPECT_EQ(count(folder.path), 0) << "no lock is left";
+}
+
+TEST(OutputFile, WhatCannotBeWrittenGoesElsewhere) {
+  const TemporaryFolder folder;
+  int calls = 0;
+  const auto write = [&](const fs::path& file) {
+    // The first two fail, as a folder that is gone and a full disc.
+    if (++calls < 3) throw Error("no. " + std::to_string(calls));
+    write_file_atomically(file, std::string("text"));
+  };
+  const WrittenFile written = write_somewhere(folder.path / "gone/a.exr", write);
+  EXPECT_EQ(written.problem, "no. 1");
+  EXPECT_EQ(content(written.file), "text");
+  EXPECT_NE(written.file.filename().string().find("a.exr"), std::string::npos);
+  fs::remove(written.file);
+  EXPECT_THROW(write_somewhere(folder.path / "a", [](const fs::path&) { throw Error("never"); }), Error);
+  EXPECT_EQ(write_somewhere(folder.path / "a", [](const fs::path&) {}).problem, "");
+}
+
 }  // namespace
 }  // namespace aureole

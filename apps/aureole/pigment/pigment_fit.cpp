@@ -14,6 +14,7 @@
 #include "aureole/pigment/measured_paints.h"
 #include "aureole/pigment/palette_text.h"
 #include "aureole/pigment/prediction.h"
+#include "messages.h"
 #include "pigment/pigment_options.h"
 
 namespace aureole {
@@ -108,8 +109,7 @@ int fit(const FitOptions& o) {
   const bool ours = o.samples == kMeasuredPaints && !o.surface.given();
   const pigment::FitSettings settings{ours ? pigment::kimera_surface() : o.surface.surface(), o.white};
   if (!ours && !o.surface.given())
-    fmt::print(stderr,
-               "note: no interface is taken off the reflectances; --geometry or --k1 and --k2 state one\n");
+    tell("note: no interface is taken off the reflectances; --geometry or --k1 and --k2 state one\n");
   const pigment::Fit found = fit_file(o.samples, table, settings);
   const pigment::Palette& palette = found.palette;
 
@@ -178,8 +178,7 @@ int fit(const FitOptions& o) {
   if (!others.empty()) differences.series.push_back(differences_line(others, "not fitted", "#3d7a45"));
   if (!o.plot_differences.empty()) {
     if (differences.series.empty())
-      fmt::print(
-          stderr,
+      tell(
           "note: --plot-differences: no measurement is repeated and every mixture is fitted: nothing to predict\n");
     else
       write_file_atomically(o.plot_differences, svg_plot(differences));

@@ -10,6 +10,7 @@
 #include "aureole/core/units.h"
 #include "aureole/instrument/paint/paint_colour.h"
 #include "aureole/instrument/paint/paint_files.h"
+#include "messages.h"
 
 namespace aureole {
 
@@ -64,7 +65,7 @@ void LayerOfPaint::declare(CommandOptions& options) {
 pigment::Palette usable_palette(const std::string& file, const SurfaceOptions& surface) {
   pigment::Palette palette = read_palette_file(file);
   if (const int count = pigment::clamp_negative(palette))
-    fmt::print(stderr, "note: {}: {} negative values of K and S count as zero\n", file, count);
+    tell("note: {}: {} negative values of K and S count as zero\n", file, count);
   if (surface.given()) palette.surface = surface.surface();
   return palette;
 }

@@ -11,9 +11,11 @@
 #include <cerrno>
 #include <climits>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
@@ -68,40 +70,92 @@ fs::path target_of(const fs::path& file) {
   return target;
 }
 
-/// A temporary file beside a target. Its name is that of the target and ".part-", process id, number. It is
-/// locked as long as it is open, so that one without a lock is the leftover of a program that was killed.
+constexpr const char* kPart = ".part-";
+
+std::size_t name_limit_of(const fs::path& folder) {
+  const long limit = ::pathconf(folder.c_str(), _PC_NAME_MAX);
+  return limit > 0 ? std::size_t(limit) : NAME_MAX;
+}
+
+/// Returns the beginning of the names of temporary files: the target's name, cut where a process id and a number
+/// would make it too long.
+std::string part_beginning(const fs::path& folder, const std::string& name) {
+  constexpr std::size_t kEndingBytes = 32;
+  return name.substr(0, std::max(name_limit_of(folder), kEndingBytes + 1) - kEndingBytes);
+}
+
+/// Returns a new name beside a target: that of the target, ".part-", process id, number.
+fs::path part_path(const fs::path& folder, const std::string& name) {
+  static std::atomic<unsigned> counter{0};
+  return folder / (part_beginning(folder, name) + kPart + std::to_string(::getpid()) + "-" +
+                   std::to_string(counter.fetch_add(1)));
+}
+
+bool is_part(const std::string& candidate, const std::string& beginning) {
+  if (!candidate.starts_with(beginning + kPart)) return false;
+  const std::string numbers = candidate.substr(beginning.size() + std::strlen(kPart));
+  return numbers.find_first_not_of("0123456789-") == std::string::npos &&
+         numbers.find('-') != std::string::npos;
+}
+
+/// Opens and locks a file or folder if nobody else has locked it; returns -1 otherwise.
+int lock_of(const fs::path& path) {
+  const int d = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+  if (d < 0 || ::flock(d, LOCK_EX | LOCK_NB) == 0) return d;
+  ::close(d);
+  return -1;
+}
+
+/// Removes the temporary files or folders of programs that were killed while they wrote the same target. Those of
+/// running programs are locked.
+void remove_leftovers(const fs::path& folder, const std::string& name) {
+  const std::string beginning = part_beginning(folder, name);
+  std::vector<fs::path> parts;
+  std::error_code code;
+  for (fs::directory_iterator i(folder, code), end; !code && i != end; i.increment(code))
+    if (is_part(i->path().filename().string(), beginning) &&
+        (i->is_regular_file(code) || i->is_directory(code)))
+      parts.push_back(i->path());
+  for (const fs::path& part : parts) {
+    const int d = lock_of(part);
+    if (d < 0) continue;
+    fs::remove_all(part, code);
+    ::close(d);
+  }
+}
+
+/// Whether an open file or folder still has its name: another program may have taken it for a leftover before it
+/// was locked.
+bool has_name(int descriptor, const fs::path& path) {
+  struct stat own, named;
+  return ::fstat(descriptor, &own) == 0 && ::lstat(path.c_str(), &named) == 0 && own.st_dev == named.st_dev &&
+         own.st_ino == named.st_ino;
+}
+
+/// A temporary file beside a target. It is locked as long as it is open, so that one without a lock is the leftover
+/// of a program that was killed.
 class PartFile {
 public:
-  /// Creates the file. Throws Error located at `shown`. With `remove_leftovers`, first removes the temporary files
-  /// of programs that were killed while they wrote the same target.
-  PartFile(const fs::path& target, const fs::path& shown, bool remove_leftovers)
-      : target_(target), shown_(shown) {
-    static std::atomic<unsigned> counter{0};
+  /// Creates the file. Throws Error located at `shown`. With `clean`, first removes leftovers for the same target.
+  PartFile(const fs::path& target, const fs::path& shown, bool clean) : target_(target), shown_(shown) {
     const fs::path folder = folder_of(target);
     std::error_code code;
     if (!fs::is_directory(folder, code))
       fail(shown, "cannot be written: there is no folder " + folder.string());
     const std::string name = target.filename().string();
-    const long name_limit = ::pathconf(folder.c_str(), _PC_NAME_MAX);
-    const std::size_t longest = name_limit > 0 ? std::size_t(name_limit) : NAME_MAX;
-    if (name.size() > longest)
+    if (const std::size_t longest = name_limit_of(folder); name.size() > longest)
       fail(shown, "cannot be written: the name " + name + " has " + std::to_string(name.size()) +
                       " bytes, and the file system's limit is " + std::to_string(longest));
-    if (remove_leftovers) remove_leftovers_of(folder, name, longest);
+    if (clean) remove_leftovers(folder, name);
     // A killed job with the same process id, which is common in containers, may have left its temporary file.
     int error = EEXIST;
     for (int attempt = 0; attempt < 1000 && descriptor_ < 0 && error == EEXIST; ++attempt) {
-      const std::string ending =
-          kPart + std::to_string(::getpid()) + "-" + std::to_string(counter.fetch_add(1));
-      path_ = folder / (beginning(name, longest) + ending);
+      path_ = part_path(folder, name);
       descriptor_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
       error = errno;
       if (descriptor_ < 0) continue;
-      // Another program may have taken the new file for a leftover before it was locked.
-      struct stat status;
       ::flock(descriptor_, LOCK_EX);
-      if (::fstat(descriptor_, &status) == 0 && status.st_nlink == 0)
-        ::close(std::exchange(descriptor_, -1)), error = EEXIST;
+      if (!has_name(descriptor_, path_)) ::close(std::exchange(descriptor_, -1)), error = EEXIST;
     }
     if (descriptor_ < 0)
       fail_by_system(shown, "cannot be written: the folder " + folder.string() + " is not writable", error);
@@ -121,37 +175,33 @@ public:
   }
 
 private:
-  static constexpr const char* kPart = ".part-";
-  /// Bytes left for what follows the target's name: process id and number.
-  static constexpr std::size_t kEndingBytes = 28;
-
-  static std::string beginning(const std::string& name, std::size_t longest) {
-    return name.substr(0, std::max(longest, kEndingBytes + 1) - kEndingBytes);
-  }
-
-  static bool is_part(const std::string& candidate, const std::string& start) {
-    if (!candidate.starts_with(start + kPart)) return false;
-    const std::string numbers = candidate.substr(start.size() + std::strlen(kPart));
-    return numbers.find_first_not_of("0123456789-") == std::string::npos &&
-           numbers.find('-') != std::string::npos;
-  }
-
-  static void remove_leftovers_of(const fs::path& folder, const std::string& name, std::size_t longest) {
-    std::error_code code;
-    for (fs::directory_iterator i(folder, code), end; !code && i != end; i.increment(code)) {
-      if (!is_part(i->path().filename().string(), beginning(name, longest))) continue;
-      const int d = ::open(i->path().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
-      if (d < 0) continue;
-      struct stat status;
-      if (::fstat(d, &status) == 0 && S_ISREG(status.st_mode) && ::flock(d, LOCK_EX | LOCK_NB) == 0)
-        ::unlink(i->path().c_str());
-      ::close(d);
-    }
-  }
-
   fs::path target_, shown_, path_;
   int descriptor_ = -1;
 };
+
+/// Names for a result that cannot have its own, in the order in which they are tried.
+std::vector<fs::path> refuges_of(const fs::path& file) {
+  std::vector<fs::path> folders{"."};
+  std::error_code code;
+  folders.push_back(fs::temp_directory_path(code));
+  if (const char* home = std::getenv("HOME")) folders.emplace_back(home);
+  std::vector<fs::path> all;
+  for (const fs::path& folder : folders) {
+    const fs::path whole = fs::absolute(folder, code);
+    if (code || folder.empty() || !fs::is_directory(whole, code)) continue;
+    // The name of the file may be what cannot be written.
+    const std::string stem = file.stem().string().substr(0, 100);
+    for (int i = 0; i < 100; ++i) {
+      fs::path name =
+          whole / ("rescued-" + std::to_string(::getpid()) + "-" + std::to_string(i) + "-" + stem);
+      name += file.extension();
+      if (fs::exists(fs::symlink_status(name, code))) continue;
+      all.push_back(name.lexically_normal());
+      break;
+    }
+  }
+  return all;
+}
 
 }  // namespace
 
@@ -166,6 +216,85 @@ void write_file_atomically(const fs::path& file, std::span<const char> bytes) {
 
 void require_writable(const fs::path& file) {
   if (!is_character_device(file)) PartFile(target_of(file), file, true);
+}
+
+void open_standard_streams() {
+  for (const auto& [descriptor, mode] : {std::pair(0, O_RDONLY), {1, O_RDONLY}, {2, O_WRONLY}})
+    if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF) {
+      // The lowest number that is free, which is this one.
+      [[maybe_unused]] const int opened = ::open("/dev/null", mode);
+    }
+}
+
+OutputLock::OutputLock(const fs::path& file) {
+  if (is_character_device(file)) return;
+  const fs::path target = target_of(file), folder = folder_of(target);
+  constexpr std::size_t kEndingBytes = 20;
+  const std::string stem = target.stem().string();
+  path_ = folder / ("." + stem.substr(0, name_limit_of(folder) - kEndingBytes) + ".aureole-lock");
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CREAT | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW, 0666);
+    if (descriptor_ < 0) return;  // `require_writable` says what is wrong with the folder
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
+      const bool is_held = errno == EWOULDBLOCK;
+      ::close(std::exchange(descriptor_, -1));
+      if (is_held) fail(file, "is being written by another program, which holds " + path_.string());
+      return;  // the file system has no locks
+    }
+    if (has_name(descriptor_, path_)) return;
+    ::close(std::exchange(descriptor_, -1));  // its last holder has removed it meanwhile
+  }
+}
+
+OutputLock::~OutputLock() {
+  if (descriptor_ < 0) return;
+  ::unlink(path_.c_str());
+  ::close(descriptor_);
+}
+
+WrittenFile write_somewhere(const fs::path& file, const std::function<void(const fs::path&)>& write) {
+  try {
+    write(file);
+    return {file, ""};
+  } catch (const Error& problem) {
+    for (const fs::path& refuge : refuges_of(file)) {
+      try {
+        write(refuge);
+        return {refuge, problem.what()};
+      } catch (const Error&) {
+      }
+    }
+    throw;
+  }
+}
+
+PartFolder::PartFolder(fs::path target) {
+  const fs::path folder = folder_of(target);
+  const std::string name = target.filename().string();
+  if (const std::size_t longest = name_limit_of(folder); name.size() > longest)
+    fail(target, "cannot be made: its name has " + std::to_string(name.size()) +
+                     " bytes, and the file system's limit is " + std::to_string(longest));
+  remove_leftovers(folder, name);
+  std::error_code code;
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    path_ = part_path(folder, name);
+    if (!fs::create_directory(path_, code)) {
+      if (code) break;
+      continue;
+    }
+    descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_DIRECTORY);
+    if (descriptor_ >= 0) ::flock(descriptor_, LOCK_EX);
+    if (descriptor_ >= 0 && has_name(descriptor_, path_)) return;
+    if (descriptor_ >= 0) ::close(std::exchange(descriptor_, -1));
+  }
+  path_.clear();
+  fail(target, "cannot be made: " + code.message());
+}
+
+PartFolder::~PartFolder() {
+  std::error_code code;
+  if (!path_.empty()) fs::remove_all(path_, code);
+  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 }  // namespace aureole

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
+#include <string>
 
 namespace aureole {
 
@@ -15,5 +17,56 @@ void write_file_atomically(const std::filesystem::path& file, std::span<const ch
 /// Throws Error if a file of this name cannot be written: tries to create the temporary file that
 /// `write_file_atomically` creates. Call it before spending hours on the file's content.
 void require_writable(const std::filesystem::path& file);
+
+/// Opens /dev/null in place of standard streams that are closed, so that no file of the user gets their numbers and
+/// messages are not written into it. What is printed to a closed standard output stays an error.
+void open_standard_streams();
+
+/// The right to write a picture and the files of its name beside it (.png, .state), held until the end of the
+/// program that has it. A lock of a program that was killed does not last.
+class OutputLock {
+public:
+  /// Throws Error if another program holds the right.
+  explicit OutputLock(const std::filesystem::path& file);
+  ~OutputLock();
+  OutputLock(const OutputLock&) = delete;
+  OutputLock& operator=(const OutputLock&) = delete;
+
+private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
+/// Where the result of a long work was written.
+struct WrittenFile {
+  std::filesystem::path file;
+  std::string problem;  ///< why it is not the file that was asked for, or empty
+};
+
+/// Calls `write(file)`. If that throws Error, as where a folder has vanished or a disc is full, calls `write` with
+/// names in the working folder, the folder for temporary files and the home folder instead, so that hours of work
+/// are not lost. Throws the first Error if none can be written.
+WrittenFile write_somewhere(const std::filesystem::path& file,
+                            const std::function<void(const std::filesystem::path&)>& write);
+
+/// A folder that is written beside its final place, under a name like that of temporary files. Folders that killed
+/// programs left there for the same place are removed first.
+class PartFolder {
+public:
+  /// Throws Error located at `target`.
+  explicit PartFolder(std::filesystem::path target);
+  /// Removes what was not taken.
+  ~PartFolder();
+  PartFolder(const PartFolder&) = delete;
+  PartFolder& operator=(const PartFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  /// Tells that the folder has its final place.
+  void take() { path_.clear(); }
+
+private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
 
 }  // namespace aureole

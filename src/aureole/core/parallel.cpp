@@ -17,6 +17,8 @@ namespace aureole {
 
 void run_workers(int threads, const std::function<void(int)>& worker) { run_std_threads(threads, worker); }
 
+void limit_library_threads() {}
+
 #else
 
 namespace {
@@ -30,13 +32,21 @@ std::atomic<bool> is_forked{false};
 
 void run_workers(int threads, const std::function<void(int)>& worker) {
   if (is_forked) return run_std_threads(threads, worker);
+  const int together = available_threads(threads);
   run_guarded(worker, [&](const Worker& guarded) {
     // More threads than cores are allowed on request; the determinism tests use them.
     tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                              size_t(std::max(threads, default_thread_count())));
-    tbb::task_arena arena(threads);
+                              size_t(std::max(together, available_threads(default_thread_count()))));
+    tbb::task_arena arena(together);
     arena.execute([&] { tbb::parallel_for(0, threads, 1, guarded, tbb::simple_partitioner()); });
   });
+}
+
+void limit_library_threads() {
+  if (is_forked) return;
+  const int cores = default_thread_count(), possible = available_threads(cores);
+  if (possible < cores)
+    static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, size_t(possible));
 }
 
 #endif

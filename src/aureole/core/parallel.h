@@ -15,6 +15,9 @@ namespace aureole {
 /// all work alone. The first exception is rethrown.
 void run_workers(int threads, const std::function<void(int)>& worker);
 
+/// Limits the threads of oneTBB to those that can be made. To be called before a library that uses oneTBB starts.
+void limit_library_threads();
+
 /// The `ParallelFor` of the renderer, on all cores: calls `body(begin, end)` for ranges of at most `grain`
 /// that partition [0, n). Ranges must be independent of each other.
 void for_ranges(std::size_t n, const std::function<void(std::size_t, std::size_t)>& body,

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "aureole/core/error.h"
+#include "aureole/core/parallel.h"
 
 namespace aureole {
 
@@ -116,6 +117,7 @@ RayTracer::RayTracer(std::span<const Primitive> parts, const RayTracer* reuse) {
   if (reuse) {
     device_ = reuse->device_;
   } else {
+    limit_library_threads();
 #ifdef AUREOLE_STD_THREADS
     // ThreadSanitizer cannot observe the synchronisation of Embree's own threads, which build in TBB.
     device_ = {rtcNewDevice("threads=1"), rtcReleaseDevice};

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/instrument/report/output_folder.h"
 
-#include <unistd.h>
-
 #include "aureole/core/error.h"
-#include "aureole/core/output_file.h"
 
 namespace aureole {
 
@@ -23,19 +20,7 @@ OutputFolder::OutputFolder(fs::path folder, const std::string& marker) : folder_
   }
   if (!fs::is_directory(folder_.parent_path(), code))
     fail("cannot be made: its parent folder does not exist");
-  for (int i = 0; i < 1000; ++i) {
-    part_ = folder_;
-    part_ += ".part-" + std::to_string(::getpid()) + "-" + std::to_string(i);
-    if (fs::create_directory(part_, code)) return;
-    if (code) break;
-  }
-  part_.clear();
-  fail("cannot be made: " + code.message());
-}
-
-OutputFolder::~OutputFolder() {
-  std::error_code code;
-  if (!part_.empty()) fs::remove_all(part_, code);
+  part_.emplace(folder_);
 }
 
 void OutputFolder::write(const std::string& name, const std::string& text) const {
@@ -46,18 +31,18 @@ void OutputFolder::commit() {
   std::error_code code;
   fs::path old;
   if (fs::exists(folder_, code)) {
-    old = part_;
+    old = part_->path();
     old += "-old";
     fs::rename(folder_, old, code);
     if (code) throw Error({folder_.string(), 0, 0}, "cannot be replaced: " + code.message());
   }
-  fs::rename(part_, folder_, code);
+  fs::rename(part_->path(), folder_, code);
   if (code) {
     const std::string why = code.message();
     if (!old.empty()) fs::rename(old, folder_, code);
     throw Error({folder_.string(), 0, 0}, "cannot be made: " + why);
   }
-  part_.clear();
+  part_->take();
   if (!old.empty()) fs::remove_all(old, code);
 }
 

@@ -4,7 +4,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+
+#include "aureole/core/output_file.h"
 
 namespace aureole {
 
@@ -13,18 +16,14 @@ public:
   /// `marker` is a file that every result of this kind contains. An existing folder that is not empty is
   /// replaced only if it contains one. Throws Error.
   OutputFolder(std::filesystem::path folder, const std::string& marker);
-  /// Removes the files if they were not committed.
-  ~OutputFolder();
-  OutputFolder(const OutputFolder&) = delete;
-  OutputFolder& operator=(const OutputFolder&) = delete;
-
   /// Temporary path of a file before the commit.
-  std::filesystem::path path(const std::string& name) const { return part_ / name; }
+  std::filesystem::path path(const std::string& name) const { return part_->path() / name; }
   void write(const std::string& name, const std::string& text) const;
   void commit();
 
 private:
-  std::filesystem::path folder_, part_;
+  std::filesystem::path folder_;
+  std::optional<PartFolder> part_;  ///< removed if it was not committed
 };
 
 }  // namespace aureole
