@@ -80,6 +80,12 @@ class Image:
             self._all.flags.writeable = False
             self._names = order
 
+    def __getstate__(self) -> Tuple[_aureole.Picture, str]:
+        return self._picture, self._outcome
+
+    def __setstate__(self, state: Tuple[_aureole.Picture, str]) -> None:
+        self._set(*state)
+
     # -- pixels ----------------------------------------------------------------------------------------------
 
     @property

@@ -44,6 +44,10 @@ class Scene:
             raise TypeError(f"opened: scenes are made by load_file, load_string and load_dict, not of {type(opened).__name__}")
         self._open = opened
 
+    def __reduce__(self) -> Any:
+        raise TypeError("a Scene cannot be pickled or copied: pass the file, XML (Scene.xml) or dictionary it was made of and load it there; "
+                        "pictures (aureole.Image) can be pickled")
+
     # -- parameters ----------------------------------------------------------------------------------------------
 
     def paths(self) -> List[str]:

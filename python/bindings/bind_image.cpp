@@ -6,10 +6,12 @@
 #include <nanobind/stl/map.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "aureole/core/error.h"
 #include "aureole/core/input_file.h"
@@ -18,6 +20,7 @@
 #include "aureole/render/sample_density.h"
 #include "bindings.h"
 #include "picture.h"
+#include "text.h"
 
 namespace aureole::python {
 
@@ -111,6 +114,39 @@ nb::object moved(Image image) {
   return view(*kept, owner);
 }
 
+/// The content of a picture for pickle: width, height, channels, pixels, whether they are encoded, the state as a
+/// file or nothing, invalid samples.
+using PictureParts = std::tuple<int, int, std::vector<std::string>, nb::bytes, bool, nb::bytes,
+                                std::vector<std::array<std::int64_t, 4>>>;
+
+PictureParts parts_of(const Picture& p) {
+  const std::vector<char> state = p.state ? p.state->to_bytes() : std::vector<char>();
+  const auto* pixels = reinterpret_cast<const char*>(p.image.pixels.data());
+  return {p.image.width,
+          p.image.height,
+          p.image.channels,
+          nb::bytes(pixels, p.image.pixels.size() * sizeof(float)),
+          p.image.srgb_encoded,
+          nb::bytes(state.data(), state.size()),
+          p.invalid};
+}
+
+Picture picture_of(const PictureParts& parts) {
+  const auto& [width, height, channels, pixels, encoded, state, invalid] = parts;
+  Picture p;
+  const std::size_t count = pixels.size() / sizeof(float);
+  const double expected = double(width) * double(height) * double(channels.size());
+  if (width < 1 || height < 1 || channels.empty() || expected != double(count))
+    throw Error("this is no pickled picture: its size is not that of its pixels");
+  p.image = {width, height, channels, std::vector<float>(count), encoded};
+  std::memcpy(p.image.pixels.data(), pixels.c_str(), count * sizeof(float));
+  if (state.size() > 0)
+    p.state = std::make_shared<const RenderState>(
+        RenderState::from_bytes({state.c_str(), state.size()}, {"pickled picture", 0, 0}));
+  p.invalid = invalid;
+  return p;
+}
+
 }  // namespace
 
 void bind_image(nb::module_& m) {
@@ -139,12 +175,19 @@ void bind_image(nb::module_& m) {
       .def_static(
           "read",
           [](const std::filesystem::path& file) {
-            const Unlocked release;
             auto picture = std::make_shared<Picture>();
-            picture->image = in_order_of_colors(read_image(file));
+            {
+              const Unlocked release;
+              picture->image = in_order_of_colors(read_image(file));
+            }
+            for (const std::string& name : picture->image.channels)
+              if (!is_utf8(name))
+                throw Error({file.string(), 0, 0}, "the name of the channel " + name + " is not UTF-8");
             return picture;
           },
           nb::arg("file"))
+      .def("__getstate__", parts_of)
+      .def("__setstate__", [](Picture& p, const PictureParts& parts) { new (&p) Picture(picture_of(parts)); })
       .def_prop_ro("array",
                    [](nb::handle_t<Picture> self) { return view(nb::cast<Picture&>(self).image, self); })
       .def_prop_ro("channels", [](const Picture& p) { return p.image.channels; })
@@ -155,7 +198,7 @@ void bind_image(nb::module_& m) {
                      nb::dict d;
                      if (!p.state) return d;
                      const RenderState& s = *p.state;
-                     d["scene"] = s.identity.scene;
+                     d["scene"] = file_name(s.identity.scene);
                      d["scene_hash"] = s.identity.scene_hash;
                      d["seed"] = s.identity.seed;
                      d["sampler"] = s.identity.sampler;

@@ -171,6 +171,19 @@ PlaceArguments::PlaceArguments(const char* a_name, nb::handle a_value, const cha
 
 void bind_objects(nb::module_& m) {
   nb::class_<Object>(m, "Object", "An instance of a plug-in.")
+      .def("__reduce__",
+           [](nb::handle self) -> nb::tuple {
+             const std::string name = nb::cast<std::string>(self.type().attr("__name__"));
+             throw nb::type_error(
+                 ("an object of the class " + name +
+                  " cannot be pickled: pass the dictionary or the XML it was made of, and call "
+                  "load_dict or load_string there")
+                     .c_str());
+           })
+      // Objects do not change, so that a copy would be the same.
+      .def("__copy__", [](nb::object self) { return self; })
+      .def(
+          "__deepcopy__", [](nb::object self, const nb::handle&) { return self; }, nb::arg("memo"))
       .def_prop_ro("id", &Object::id, "The id in the scene file, or an empty string.")
       .def_prop_ro(
           "type", [](const Object& o) { return o.properties().type(); },

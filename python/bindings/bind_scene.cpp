@@ -25,6 +25,7 @@
 #include "loading_signals.h"
 #include "objects.h"
 #include "picture.h"
+#include "text.h"
 
 namespace aureole::python {
 
@@ -323,9 +324,14 @@ void bind_scene(nb::module_& m) {
              const Given& given) { s.set(changes, given); },
           nb::arg("changes"), nb::arg("given"))
       .def("xml", [](OpenScene& s) { return s.read([](const auto& d) { return d.xml(); }); })
-      .def_prop_ro("notes", [](OpenScene& s) { return s.loaded().notes; })
+      .def_prop_ro("notes",
+                   [](OpenScene& s) {
+                     nb::list notes;
+                     for (const std::string& note : s.loaded().notes) notes.append(decoded(note));
+                     return notes;
+                   })
       .def_prop_ro("hash", [](OpenScene& s) { return s.loaded().hash; })
-      .def_prop_ro("file", [](OpenScene& s) { return s.loaded().file.string(); })
+      .def_prop_ro("file", [](OpenScene& s) { return file_name(s.loaded().file.string()); })
       .def_prop_ro("sample_count", [](OpenScene& s) { return s.scene()->sensor().sampler().sample_count(); })
       .def_prop_ro("size",
                    [](OpenScene& s) {

@@ -1,24 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // Exceptions: wrong input is `aureole.Error`, a ValueError; a bad scene is `aureole.SceneError`, which holds
 // every problem.
-#include <string_view>
 #include <system_error>
 
 #include "aureole/core/error.h"
-#include "bindings.h"
+#include "text.h"
 
 namespace aureole::python {
-
-namespace {
-
-/// Messages may cite files that are not UTF-8.
-nb::object decoded(std::string_view message) {
-  PyObject* const text = PyUnicode_DecodeUTF8(message.data(), Py_ssize_t(message.size()), "backslashreplace");
-  if (!text) throw nb::python_error();
-  return nb::steal<nb::object>(text);
-}
-
-}  // namespace
 
 void bind_errors(nb::module_& m) {
   // Both classes are Python's own (aureole/_errors.py), since they carry data.

@@ -347,6 +347,56 @@ def test_copies_and_pickles(thing):
             repr(result)
 
 
+def test_pickled_pictures_are_whole(scene_file):
+    scene = aureole.load_file(scene_file)
+    image = aureole.render(scene, spp=16, replicates=2, progress=False)
+    for other in (pickle.loads(pickle.dumps(image)), copy.deepcopy(image)):
+        assert np.array_equal(other.array, image.array) and np.array_equal(other.variance, image.variance)
+        assert np.array_equal(other.rgb, image.rgb) and other.info == image.info and repr(other) == repr(image)
+        more = aureole.render(scene, spp=32, replicates=2, start=other, progress=False)
+        assert np.array_equal(more.array, aureole.render(scene, spp=32, replicates=2, progress=False).array)
+    array = aureole.Image(np.arange(12).reshape(2, 2, 3))
+    assert np.array_equal(pickle.loads(pickle.dumps(array)).array, array.array)
+    width, height, *rest = array._picture.__getstate__()
+    with pytest.raises(aureole.Error, match="pickled picture"):
+        _aureole.Picture.__new__(_aureole.Picture).__setstate__((width, height + 1, *rest))
+
+
+def test_pickling_says_what_to_do():
+    with pytest.raises(TypeError, match="Bsdf cannot be pickled: pass the dictionary or the XML"):
+        pickle.dumps(aureole.load_dict({"type": "diffuse"}))
+    with pytest.raises(TypeError, match="Scene cannot be pickled or copied: pass the file"):
+        pickle.dumps(make())
+
+
+def test_names_that_are_not_utf8(tmp_path):
+    file = tmp_path / "a.exr"
+    aureole.Image(np.ones((4, 4, 3))).save(file)
+    content = file.read_bytes()
+    at = content.index(b"channels\0chlist\0") + len(b"channels\0chlist\0") + 4
+    file.write_bytes(content[:at] + b"\xff" + content[at + 1:])
+    with pytest.raises(aureole.Error, match="the name of the channel .* is not UTF-8"):
+        aureole.read_image(file)
+    scene = os.fsencode(tmp_path) + b"/\xff.xml"
+    with open(scene, "w") as f:
+        f.write(make().xml())
+    loaded = aureole.load_file(os.fsdecode(scene))
+    assert repr(loaded)
+    assert aureole.render(loaded, spp=1, progress=False).info["scene"] == os.fsdecode(b"\xff.xml")
+
+
+def test_pipes_are_errors(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    for read in (aureole.read_image, aureole.read_vol, aureole.load_file, aureole.pigment.Palette.load):
+        with pytest.raises(aureole.Error, match="not a regular file but a pipe"):
+            read(pipe)
+    os.mkfifo(tmp_path / "pipe.exr")
+    for write in (lambda: aureole.write_vol(pipe, np.ones((1, 1, 1))), lambda: aureole.Image(np.ones((1, 1))).save(tmp_path / "pipe.exr")):
+        with pytest.raises(aureole.Error, match="it is a pipe"):
+            write()
+
+
 def test_objects_that_were_not_made():
     """Python can leave out __init__."""
     for kind in (_aureole.Bsdf, _aureole.OpenScene, _aureole.Picture, _aureole.Array, _aureole.ApertureShape):

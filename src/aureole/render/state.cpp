@@ -169,7 +169,7 @@ void RenderState::merge(const RenderState& other) {
   if (density.empty()) density = std::move(b.density);
 }
 
-void RenderState::save(const std::filesystem::path& file) const {
+std::vector<char> RenderState::to_bytes() const {
   const std::string header =
       header_of(*this).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
   std::vector<char> bytes;
@@ -192,8 +192,10 @@ void RenderState::save(const std::filesystem::path& file) const {
     for (const auto& f : *buffers) append(f.data().data(), f.data().size() * sizeof(Fixed));
   const std::uint64_t sum = checksum(bytes.data(), bytes.size());
   append(&sum, 8);
-  write_file_atomically(file, bytes);
+  return bytes;
 }
+
+void RenderState::save(const std::filesystem::path& file) const { write_file_atomically(file, to_bytes()); }
 
 namespace {
 
@@ -213,12 +215,15 @@ bool fits(const Development& d, const PictureIdentity& id) {
 }  // namespace
 
 RenderState RenderState::load(const std::filesystem::path& file) {
-  const SourceLocation where{file.string(), 0, 0};
   constexpr std::uint64_t kMaxBytes = std::uint64_t(1) << 42;
   InputFile in(file);
   in.require_at_most(kMaxBytes);
   std::vector<char> bytes(in.size());
   in.read(bytes.data(), bytes.size());
+  return from_bytes(bytes, {file.string(), 0, 0});
+}
+
+RenderState RenderState::from_bytes(std::span<const char> bytes, const SourceLocation& where) {
   const Error broken(where, "is not a complete state file");
   const std::string_view beginning(bytes.data(), std::min(bytes.size(), kMagicSize));
   if (beginning != std::string_view(kMagic) && beginning.starts_with(kAnyVersion))

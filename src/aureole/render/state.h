@@ -5,9 +5,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "aureole/core/error.h"
 #include "aureole/core/image.h"
 #include "aureole/render/film_buffer.h"
 #include "aureole/render/unit_ranges.h"
@@ -108,6 +110,11 @@ public:
 
   void save(const std::filesystem::path& file) const;          ///< writes atomically
   static RenderState load(const std::filesystem::path& file);  ///< throws Error: missing, truncated, corrupt
+
+  /// The content of a state file.
+  std::vector<char> to_bytes() const;
+  /// Throws Error located at `where` for content that is truncated or corrupt.
+  static RenderState from_bytes(std::span<const char> bytes, const SourceLocation& where);
 
   /// Returns the mean over replicates and, with two replicates or more, the variance of that mean
   /// ("variance.R", ...).
