@@ -9,17 +9,17 @@
 namespace aureole::python {
 
 /// A text in which bytes that are not UTF-8 are shown as \xNN.
-inline nb::object decoded(std::string_view message) {
+inline nb::str decoded(std::string_view message) {
   PyObject* const text = PyUnicode_DecodeUTF8(message.data(), Py_ssize_t(message.size()), "backslashreplace");
   if (!text) throw nb::python_error();
-  return nb::steal<nb::object>(text);
+  return nb::steal<nb::str>(text);
 }
 
 /// The name of a file as Python has it (os.fsdecode), so that the file can be opened by it.
-inline nb::object file_name(std::string_view name) {
+inline nb::str file_name(std::string_view name) {
   PyObject* const text = PyUnicode_DecodeFSDefaultAndSize(name.data(), Py_ssize_t(name.size()));
   if (!text) throw nb::python_error();
-  return nb::steal<nb::object>(text);
+  return nb::steal<nb::str>(text);
 }
 
 /// Whether a text is UTF-8.
