@@ -209,8 +209,12 @@ private:
         throw properties.error("alpha",
                                "the index is the same on both sides: there is no interface to be rough");
       roughness_.emplace(properties, false);
-      coating_.emplace(roughness_->constant(), double(eta_), true);
-      leaving_ = coating_->leaving;
+      std::vector<double> key = roughness_->table_key();
+      key.push_back(double(eta_));
+      coating_ = properties.shared_model<RoughCoating>(key, [&] {
+        return std::make_shared<const RoughCoating>(roughness_->constant(), double(eta_), true);
+      });
+      if (coating_) leaving_ = coating_->leaving;
     } else {
       for (const char* name : {"distribution", "sample_visible"})
         if (properties.has(name))
@@ -276,10 +280,10 @@ private:
   bool opaque_ = true;
   TexturePtr substrate_;
   std::shared_ptr<const Bsdf> substrate_bsdf_;
-  std::optional<Roughness> roughness_;  // if the interface is rough
-  std::optional<RoughCoating> coating_;
-  float eta_ = 1;             // index of the binder over the index outside
-  float leaving_ = 1;         // 1 - k2
+  std::optional<Roughness> roughness_;           // if the interface is rough
+  std::shared_ptr<const RoughCoating> coating_;  ///< null: the interface is smooth
+  float eta_ = 1;                                // index of the binder over the index outside
+  float leaving_ = 1;                            // 1 - k2
   float seen_diffusely_ = 0;  // k1, the interface's reflectance for diffuse light from outside
 };
 

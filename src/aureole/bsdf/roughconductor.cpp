@@ -25,10 +25,12 @@ public:
         reflectance_(get_optional_texture(properties, "specular_reflectance", SpectrumRole::reflectance)),
         roughness_(properties, true) {
     if (read_energy_preserving(properties))
-      loss_.emplace(roughness_, std::vector<float>{1},
-                    [](const Microfacets& d, const Vec3& wi, float, int points) {
-                      return mirrored_energy(d, wi, points);
-                    });
+      loss_ = properties.shared_model<LossTable>(roughness_.table_key(), [&] {
+        return std::make_shared<const LossTable>(roughness_, std::vector<float>{1},
+                                                 [](const Microfacets& d, const Vec3& wi, float, int points) {
+                                                   return mirrored_energy(d, wi, points);
+                                                 });
+      });
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -96,7 +98,7 @@ private:
   ConductorIndex index_;
   TexturePtr reflectance_;
   Roughness roughness_;
-  std::optional<LossTable> loss_;
+  std::shared_ptr<const LossTable> loss_;  ///< null: light is scattered once
 };
 
 AUREOLE_PLUGIN(

@@ -55,7 +55,12 @@ public:
     const std::vector<float> etas = index_nodes(properties.context().grid);
     if (etas.size() == 1 && etas[0] == 1)
       throw properties.error("int_ior", "the index is the same on both sides, which is no interface");
-    if (read_energy_preserving(properties)) multiple_.emplace(roughness_, etas);
+    if (read_energy_preserving(properties)) {
+      std::vector<double> key = roughness_.table_key();
+      key.insert(key.end(), etas.begin(), etas.end());
+      multiple_ = properties.shared_model<Multiple>(
+          key, [&] { return std::make_shared<const Multiple>(roughness_, etas); });
+    }
   }
 
   BsdfEval eval_pdf(const Vec3& wi, const Vec3& wo, const BsdfContext& ctx) const override {
@@ -254,7 +259,7 @@ private:
   float eta_;  // without dispersion
   TexturePtr reflectance_, transmittance_;
   Roughness roughness_;
-  std::optional<Multiple> multiple_;
+  std::shared_ptr<const Multiple> multiple_;  ///< null: light is scattered once
   DiffuseLoss loss_;
 };
 

@@ -36,7 +36,9 @@ public:
     if (dispersive_) find_range(properties.context().grid);
     if (low_ == 1 && high_ == 1)
       throw properties.error("int_ior", "the index is the same on both sides, which is no coating");
-    coatings_ = properties.shared_model<std::vector<RoughCoating>>([&] {
+    std::vector<double> key = roughness_.table_key();
+    key.insert(key.end(), {double(low_), double(high_), double(preserving)});
+    coatings_ = properties.shared_model<std::vector<RoughCoating>>(key, [&] {
       auto made = std::make_shared<std::vector<RoughCoating>>();
       made->emplace_back(facets_, low_, preserving);
       if (high_ > low_) made->emplace_back(facets_, high_, preserving);

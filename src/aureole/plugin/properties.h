@@ -4,6 +4,7 @@
 // file.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "aureole/core/error.h"
+#include "aureole/core/random.h"
 #include "aureole/math/transform.h"
 #include "aureole/plugin/model_cache.h"
 #include "aureole/plugin/object.h"
@@ -162,6 +164,18 @@ public:
     auto model = context_->models->get<T>(content_, [&] { return is_new = true, make(); });
     if (!is_new) mark_documented_read();  // as `make` did for the equal object
     return model;
+  }
+
+  /// Returns tables as the other `shared_model` does, for tables of type T that depend on the numbers of `key` alone:
+  /// they are shared by objects that differ in their other parameters, such as colours.
+  template <class T, class Make>
+  std::shared_ptr<const T> shared_model(const std::vector<double>& key, Make&& make) const {
+    if (!making_.problems.empty() || (context_->diagnostics && context_->diagnostics->has_errors()))
+      return nullptr;
+    if (!context_->models) return make();
+    std::uint64_t content = key.size();
+    for (const double number : key) content = combine_bits(content, std::bit_cast<std::uint64_t>(number));
+    return context_->models->get<T>(content, make);
   }
 
   /// Records that values of the parameter which are known only later, such as the values of a mesh attribute,

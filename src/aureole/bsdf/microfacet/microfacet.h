@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <vector>
 
 #include "aureole/bsdf/bsdf.h"
 #include "aureole/texture/texture.h"
@@ -55,6 +56,7 @@ public:
         inverse_v_(1 / alpha_v),
         scale_(kInvPi * inverse_u_ * inverse_v_) {}
 
+  NormalDistribution type() const { return type_; }
   float alpha_u() const { return alpha_u_; }
   float alpha_v() const { return alpha_v_; }
   Microfacets scaled(float factor) const { return {type_, alpha_u_ * factor, alpha_v_ * factor}; }
@@ -123,6 +125,11 @@ public:
   /// Smallest and largest alpha_u and alpha_v over the surface.
   Vec2 range_u() const { return range_u_; }
   Vec2 range_v() const { return range_v_; }
+  /// Returns the numbers on which tables over all roughnesses of the surface depend.
+  std::vector<double> table_key() const {
+    return {double(type_),      double(isotropic_), double(range_u_.x),
+            double(range_u_.y), double(range_v_.x), double(range_v_.y)};
+  }
 
 private:
   static float value(const TexturePtr& texture, float constant, const BsdfContext& ctx) {

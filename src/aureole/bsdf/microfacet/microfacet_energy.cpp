@@ -66,15 +66,23 @@ double mirrored_energy(const Microfacets& d, const Vec3& wi, int points) {
 ScatteredEnergy diffuse_scattered_energy(const Microfacets& d, float eta) {
   // The square of the cosine is uniform if the density is 2 mu. All strata have different lattices, so that
   // their errors, which the critical angle makes large, cancel.
-  constexpr int kStrata = 64, kPoints = 1597;
-  ScatteredEnergy sum;
-  for (int k = 0; k < kStrata; ++k)
-    sum = sum + lattice_mean(kPoints, k * 0.7548776662466927, [&](int i, Vec2 u) {
+  constexpr int kStrata = 64;
+  const int points = d.type() == NormalDistribution::beckmann ? 610 : 1597;
+  std::array<ScatteredEnergy, kStrata> strata;
+  for_ranges(
+      kStrata,
+      [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k)
+          strata[k] = lattice_mean(points, double(k) * 0.7548776662466927, [&](int i, Vec2 u) {
             const float c2 = (float(k) + float(fraction(0.5 + i * 0.4142135623730950))) / kStrata,
                         r = std::sqrt(1 - c2);
             const Vec2 a = cos_sin_2pi(float(fraction(i * 0.5698402909980532)));
             return scatter(d, {r * a.x, r * a.y, std::sqrt(c2)}, eta, u);
           });
+      },
+      8);
+  ScatteredEnergy sum;
+  for (const ScatteredEnergy& stratum : strata) sum = sum + stratum;
   return sum * (1.0 / kStrata);
 }
 
