@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
 #include "aureole/shape/mesh/mesh.h"
 #include "shape/shape_test_support.h"
 
@@ -23,11 +25,100 @@ protected:
 
 constexpr const char* kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-TEST_F(ObjTest, TrianglesQuadsAndPolygonsAreFanned) {
+TEST_F(ObjTest, TrianglesQuadsAndConvexPolygonsAreFanned) {
   EXPECT_EQ(mesh(std::string(kSquare) + "f 1 2 3\n").primitive_count(), 1u);
   EXPECT_EQ(mesh(std::string(kSquare) + "f 1 2 3 4\n").primitive_count(), 2u);
   const Mesh& m = mesh("v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 1 0\nf 1 2 3 4 5");  // no newline at the end
   EXPECT_EQ(m.data().triangles, (std::vector<TriangleIndices>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
+}
+
+/// The area of all triangles that face up, minus that of those that face down.
+double area_up(const Mesh& m) {
+  double sum = 0;
+  for (const TriangleIndices& t : m.data().triangles) {
+    const auto &p = m.data().positions[t[0]], &q = m.data().positions[t[1]], &r = m.data().positions[t[2]];
+    sum += cross(q - p, r - p).z / 2;
+  }
+  return sum;
+}
+double area(const Mesh& m) {
+  double sum = 0;
+  for (const TriangleIndices& t : m.data().triangles) {
+    const auto &p = m.data().positions[t[0]], &q = m.data().positions[t[1]], &r = m.data().positions[t[2]];
+    sum += length(cross(q - p, r - p)) / 2;
+  }
+  return sum;
+}
+
+TEST_F(ObjTest, ConcavePolygonsCoverTheirArea) {
+  const std::string arrow = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv 0 -.5 0\nv -1 1 0\n";
+  for (const char* face : {"1 2 3 4 5", "3 4 5 1 2", "5 1 2 3 4", "2 3 4 5 1", "4 5 1 2 3"}) {
+    EXPECT_NEAR(area(mesh(arrow + "f " + face)), 2.5, 1e-6) << face;
+    EXPECT_NEAR(area_up(mesh(arrow + "f " + face)), 2.5, 1e-6) << face;
+  }
+  EXPECT_NEAR(area_up(mesh(arrow + "f 5 4 3 2 1")), -2.5, 1e-6);
+  // A quadrangle whose first diagonal lies outside, seen from all three axes, and one that is not plane.
+  for (const char* v : {"v 0 0 5\nv 2 2 5\nv 0 1 5\nv -2 2 5\n", "v 5 0 0\nv 5 2 2\nv 5 0 1\nv 5 -2 2\n",
+                        "v 0 5 0\nv 2 5 2\nv 0 5 1\nv -2 5 2\n"}) {
+    EXPECT_NEAR(area(mesh(std::string(v) + "f 2 3 4 1")), 2, 1e-6) << v;
+    EXPECT_TRUE(shape_->remarks().empty());
+  }
+  const Mesh& bent = mesh("v 0 0 0\nv 2 2 0.1\nv 0 1 0\nv -2 2 0.1\nf 2 3 4 1");
+  EXPECT_NEAR(area_up(bent), 2, 1e-6);
+}
+
+TEST_F(ObjTest, PolygonsWithHolesCombsAndSpiralsAreTriangulated) {
+  // A square with a square hole, joined along one edge that the polygon passes twice.
+  EXPECT_NEAR(area(mesh("v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 1 1 0\nv 1 2 0\nv 2 2 0\nv 2 1 0\n"
+                        "f 1 2 3 4 1 5 6 7 8 5")),
+              8, 1e-6);
+  // Corners on an edge stay corners: no triangle is degenerate.
+  const Mesh& m = mesh("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4 5");
+  EXPECT_EQ(m.primitive_count(), 3u);
+  EXPECT_NEAR(area_up(m), 4, 1e-6);
+  // A comb of 400 teeth and a spiral, from every first corner.
+  std::string comb, face;
+  int n = 0;
+  for (int i = 0; i < 400; ++i, n += 2) comb += fmt::format("v {} 0 0\nv {} 9 0\n", i, i + 0.5);
+  comb += "v 400 0 0\nv 400 -1 0\nv 0 -1 0\n";
+  for (int i = n + 3; i > 0; --i) face += fmt::format(" {}", i);
+  EXPECT_NEAR(area_up(mesh(comb + "f" + face)), 400 + 400 * 4.5, 1e-2);
+  std::string spiral;
+  std::vector<Vec3> corners;
+  for (const double r : {1.0, 0.6})
+    for (int i = 0; i <= 100; ++i) {
+      const double phi = 0.2 * (r == 1 ? i : 100 - i), radius = (r + 0.15 * phi);
+      corners.push_back({float(radius * std::cos(phi)), float(radius * std::sin(phi)), 0});
+    }
+  double expected = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec3 &p = corners[i], &q = corners[(i + 1) % corners.size()];
+    expected += (double(p.x) * q.y - double(p.y) * q.x) / 2;
+    spiral += fmt::format("v {} {} 0\n", p.x, p.y);
+  }
+  for (int first = 0; first < int(corners.size()); first += 20) {
+    std::string f = "f";
+    for (int i = 0; i < int(corners.size()); ++i)
+      f += fmt::format(" {}", 1 + (first + i) % int(corners.size()));
+    EXPECT_NEAR(area(mesh(spiral + f)), std::abs(expected), 1e-4) << first;
+    EXPECT_TRUE(shape_->remarks().empty());
+  }
+}
+
+TEST_F(ObjTest, IndicesOfConcavePolygonsStayTogether) {
+  const Mesh& m =
+      mesh("v 0 0 0\nv 2 2 0\nv 0 1 0\nv -2 2 0\nvt 0 0\nvt 2 2\nvt 0 1\nvt -2 2\nf 2/2 3/3 4/4 1/1\n");
+  for (std::size_t i = 0; i < m.data().triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_EQ(m.data().triangles[i][k], m.data().uv_triangles[i][k]) << i << " " << k;
+}
+
+TEST_F(ObjTest, PolygonsThatIntersectThemselvesAreNoted) {
+  mesh("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 2 0\nf 1 2 3 4\n");
+  ASSERT_EQ(shape_->remarks().size(), 1u);
+  EXPECT_NE(shape_->remarks()[0].find("1 polygon intersects itself"), std::string::npos);
+  mesh("v 0 0 0\nv 1 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3 4\n");
+  EXPECT_EQ(shape_->primitive_count(), 0u);
 }
 
 TEST_F(ObjTest, SeamsOfTextureCoordinatesDoNotSplitPositions) {

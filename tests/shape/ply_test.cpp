@@ -82,6 +82,24 @@ std::string binary_mesh(bool big, const char* u = "u", const char* v = "v") {
   return h + b.bytes;
 }
 
+TEST_F(PlyTest, ConcavePolygonsCoverTheirArea) {
+  const std::string head = "ply\nformat ascii 1.0\n",
+                    vertex = "element vertex 5\nproperty float x\nproperty float y\nproperty float z\n",
+                    face = "element face 2\nproperty list uchar int vertex_indices\n",
+                    vertices = "-1 -1 0\n1 -1 0\n1 1 0\n0 -.5 0\n-1 1 0\n", faces = "5 2 3 4 0 1\n3 0 1 3\n";
+  // Faces may stand before vertices.
+  for (const std::string& text : {head + vertex + face + "end_header\n" + vertices + faces,
+                                  head + face + vertex + "end_header\n" + faces + vertices}) {
+    const Mesh& m = mesh(text);
+    double sum = 0;
+    for (const TriangleIndices& t : m.data().triangles)
+      sum += length(cross(m.data().positions[t[1]] - m.data().positions[t[0]],
+                          m.data().positions[t[2]] - m.data().positions[t[0]])) /
+             2;
+    EXPECT_NEAR(sum, 2.5 + 0.5, 1e-6);
+  }
+}
+
 TEST_F(PlyTest, Ascii) {
   const Mesh& m = mesh(ascii_square());
   EXPECT_EQ(m.primitive_count(), 2u);

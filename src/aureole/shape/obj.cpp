@@ -9,6 +9,7 @@
 #include "aureole/shape/mesh/mesh.h"
 #include "aureole/shape/mesh/mesh_file.h"
 #include "aureole/shape/mesh/mesh_parts.h"
+#include "aureole/shape/mesh/mesh_polygons.h"
 
 namespace aureole {
 namespace {
@@ -43,12 +44,14 @@ private:
   const bool flip_v_;
   MeshData d_;
   std::vector<Corner> polygon_;
+  std::vector<FannedPolygon> polygons_;
   bool any_vt_ = false, any_vn_ = false, missing_vt_ = false, missing_vn_ = false;
   std::size_t small_faces_ = 0;
   std::vector<std::string> materials_{""}, libraries_;
   std::map<std::string, std::uint32_t, std::less<>> material_index_;
   std::uint32_t material_ = 0;  ///< material of the following faces
   std::set<std::string, std::less<>> ignored_;
+  std::vector<std::string> notes_;  ///< on polygons
 };
 
 /// Returns the end of the statement at `at`. A backslash before a newline continues the line and becomes a
@@ -112,6 +115,7 @@ void ObjReader::face(Scanner& s) {
     (c.vn == kNone ? missing_vn_ : any_vn_) = true;
     (c.vt == kNone ? missing_vt_ : any_vt_) = true;
   }
+  if (polygon_.size() > 3) polygons_.push_back({d_.triangles.size(), polygon_.size()});
   const Corner& a = polygon_[0];
   for (std::size_t i = 1; i + 1 < polygon_.size(); ++i) {
     const Corner &b = polygon_[i], &c = polygon_[i + 1];
@@ -191,10 +195,11 @@ void ObjReader::finish() {
   };
   resolve(d_.uvs, d_.uv_triangles, any_vt_, missing_vt_);
   resolve(d_.normals, d_.normal_triangles, any_vn_, missing_vn_);
+  notes_ = triangulate_polygons(d_, polygons_, file_);
 }
 
 std::vector<std::string> ObjReader::remarks() const {
-  std::vector<std::string> r;
+  std::vector<std::string> r = notes_;
   if (small_faces_) r.push_back(std::to_string(small_faces_) + " faces of fewer than three vertices dropped");
   for (const auto& keyword : ignored_) r.push_back("statements \"" + keyword + "\" ignored");
   return r;
@@ -232,7 +237,7 @@ private:
 AUREOLE_PLUGIN(
     Obj, "shape", "obj",
     PluginDoc{
-        .summary = "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (triangulated as fans) "
+        .summary = "A mesh from a Wavefront OBJ file: v, vt, vn and f with polygons (convex or not) "
                    "and negative indices. Groups are ignored. A nested bsdf applies to the whole mesh. "
                    "Without one (and without an emitter) each material of the file is the BSDF of the scene "
                    "that has its name as id, or is made from the .mtl file: Kd, map_Kd, Ks, Ns, d, map_d. "

@@ -9,6 +9,7 @@
 #include "aureole/plugin/registry.h"
 #include "aureole/shape/mesh/mesh.h"
 #include "aureole/shape/mesh/mesh_file.h"
+#include "aureole/shape/mesh/mesh_polygons.h"
 #include "aureole/shape/mesh/ply_attributes.h"
 #include "aureole/shape/mesh/ply_source.h"
 
@@ -52,11 +53,12 @@ public:
         if (i >= d_.positions.size())
           throw file_.error("a face refers to vertex " + std::to_string(i) + " of " +
                             std::to_string(d_.positions.size()));
+    for (std::string& note : triangulate_polygons(d_, polygons_, file_)) notes_.push_back(std::move(note));
     return std::move(d_);
   }
 
   std::vector<std::string> remarks() const {
-    std::vector<std::string> r;
+    std::vector<std::string> r = notes_;
     std::string names;
     for (const std::string& name : ignored_) names += (names.empty() ? "" : ", ") + name;
     if (!names.empty()) r.push_back("ignored in the file: " + names);
@@ -127,6 +129,7 @@ private:
       if (normals) d_.normals.push_back(place_normal(v[3], v[4], v[5]));
       if (uvs) d_.uvs.push_back({float(v[6]), float(flip_v_ ? 1 - v[7] : v[7])});
     }
+    note_noise(attributes);
   }
 
   void faces(const Element& e) {
@@ -154,9 +157,14 @@ private:
             corners = at + 1;
           });
       if (corners < 3) ++small_faces_;
+      if (corners > 3) polygons_.push_back({d_.triangles.size() + 2 - corners, corners});
       for (std::size_t k = 2; k < corners; ++k)
         if (!attributes.add()) throw wrong_attribute("face", i);
     }
+    note_noise(attributes);
+  }
+  void note_noise(const ply::AttributeReader& attributes) {
+    if (attributes.noise().any()) notes_.push_back("colours: " + attributes.noise().note());
   }
   Error wrong_attribute(const char* element, std::size_t i) const {
     return file_.error(std::string(element) + " " + std::to_string(i) +
@@ -171,6 +179,8 @@ private:
   MeshData d_;
   std::size_t small_faces_ = 0;
   std::set<std::string> ignored_;
+  std::vector<FannedPolygon> polygons_;
+  std::vector<std::string> notes_;  ///< on polygons and colours
 };
 
 class Ply final : public Mesh {
@@ -204,8 +214,8 @@ AUREOLE_PLUGIN(
     Ply, "shape", "ply",
     PluginDoc{
         .summary =
-            "A mesh from a PLY file, ASCII or binary of either byte order. Polygons are triangulated as "
-            "fans; vertex normals (nx, ny, nz) and texture coordinates (u, v or s, t or texture_u, "
+            "A mesh from a PLY file, ASCII or binary of either byte order, with polygons (convex or "
+            "not); vertex normals (nx, ny, nz) and texture coordinates (u, v or s, t or texture_u, "
             "texture_v) are read. Without normals they are computed, weighted by angle. Other properties "
             "are attributes for the texture `mesh_attribute`, kept if one reads them: r, g, b or red, "
             "green, blue are vertex_color (face_color on faces); NAME_x alone is the number vertex_NAME; "

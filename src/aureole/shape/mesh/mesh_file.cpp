@@ -21,6 +21,8 @@ MeshFile::MeshFile(const Properties& properties, std::filesystem::path path)
   } catch (const Error& problem) {
     throw error(problem.message());
   }
+  // The byte order mark of a text becomes blanks, which keeps columns and the place of data.
+  if (std::string_view(bytes_.get(), size_).starts_with("\xEF\xBB\xBF")) std::fill_n(bytes_.get(), 3, ' ');
 }
 
 Error MeshFile::error(const std::string& message) const {

@@ -113,6 +113,7 @@ bool AttributeReader::add() {
     for (std::size_t c = 0; c < columns.properties.size(); ++c) {
       const std::size_t k = columns.properties[c];
       v[c] = attribute_value(types_[k], values_[k]);
+      if (columns.is_color()) v[c] = clamp_(v[c]);
       if (!std::isfinite(v[c]) || (columns.is_color() && v[c] < 0)) return false;
     }
     data_.attributes[first_ + i].add(v);

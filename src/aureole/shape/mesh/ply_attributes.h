@@ -3,9 +3,11 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 
 #include "aureole/shape/mesh/mesh.h"
 #include "aureole/shape/mesh/ply_header.h"
+#include "aureole/spectrum/value_limit.h"
 
 namespace aureole::ply {
 
@@ -39,6 +41,8 @@ public:
   /// Adds the record's values as one more vertex or triangle. Returns false if an attribute is not finite or
   /// a colour is negative.
   bool add();
+  /// Components of colours that are below 0 by rounding, which count as 0.
+  const NoiseClamp& noise() const { return clamp_; }
 
 private:
   MeshData& data_;
@@ -46,6 +50,7 @@ private:
   std::vector<AttributeColumns> columns_;
   std::vector<double> values_;  ///< values of the record; empty if nothing is wanted
   std::vector<Type> types_;
+  NoiseClamp clamp_{0, std::numeric_limits<double>::infinity()};
 };
 
 }  // namespace aureole::ply
