@@ -51,6 +51,11 @@ const BsdfCases kLayered(
                   stack(medium(0.3, 0.5, 0) + kSmall +
                         "<bsdf type=\"conductor\"><string name=\"material\" value=\"Au\"/></bsdf>"),
                   false, false),
+     layered_case("layered_varnished_rough_gold",
+                  stack(medium(0.3, 0.5, 0) + kSmall +
+                        "<bsdf type=\"roughconductor\"><string name=\"material\" value=\"Au\"/>" +
+                        number("alpha", 0.3) + "</bsdf>"),
+                  false, false),
      layered_case("layered_clear_slide", stack(medium(0, 0, 0) + kSmall), true, true)});
 
 optics::StackDescription description(double thickness, double albedo, double g, double index) {
@@ -284,6 +289,63 @@ TEST(LayeredBsdf, NumbersKeepAllTheirDigits) {
   };
   EXPECT_EQ(below("<float name=\"ext_ior\" value=\"1.2345678\"/>"), 1.2345678f);
   EXPECT_EQ(below(number("ext_ior", 1) + "<float name=\"below_ior\" value=\"1.00000036\"/>"), 1.00000036f);
+}
+
+TEST(LayeredBsdf, IsotropicRoughSubstratesPass) {
+  const auto under = [](const std::string& bsdf) {
+    Diagnostics diagnostics;
+    std::string text;
+    try {
+      build<Bsdf>(stack(medium(0.3, 0.5, 0) + kSmall + bsdf), make_context(540, 560, &diagnostics));
+    } catch (const Error& e) {
+      text = e.what();
+    }
+    for (const std::string& note : diagnostics.notes()) text += note;
+    return text;
+  };
+  for (
+      const char* bsdf :
+      {R"(<bsdf type="roughconductor"><float name="alpha" value="0.3"/></bsdf>)",
+       R"(<bsdf type="roughplastic"><float name="alpha" value="0.3"/></bsdf>)",
+       R"(<bsdf type="principled"/>)", R"(<bsdf type="phong"/>)", R"(<bsdf type="ward"/>)",
+       R"(<bsdf type="cook_torrance"/>)", R"(<bsdf type="oren_nayar"/>)",
+       R"(<bsdf type="blendbsdf"><float name="weight" value="0.5"/><bsdf type="diffuse"/><bsdf type="phong"/></bsdf>)"})
+    EXPECT_EQ(under(bsdf), "") << bsdf;
+  EXPECT_NE(under(R"(<bsdf type="roughconductor"><float name="alpha_u" value="0.1"/>
+      <float name="alpha_v" value="0.3"/></bsdf>)")
+                .find("must not change when it is turned"),
+            std::string::npos);
+  EXPECT_NE(under(R"(<bsdf type="phong"><texture type="checkerboard" name="diffuse_reflectance"/></bsdf>)")
+                .find("is taken at one point"),
+            std::string::npos);
+}
+
+TEST(LayeredBsdf, ARoughMetalUnderAClearCoatIsItsOwnLobeBelowTheInterface) {
+  // A clear layer of index 1 adds nothing: the table has the metal's own values, apart from its interpolation.
+  const std::string metal =
+      R"(<bsdf type="roughconductor"><string name="distribution" value="ggx"/><float name="alpha" value="0.5"/></bsdf>)";
+  const auto context = make_context(540, 560);
+  const auto bare = build<Bsdf>(metal, context);
+  const auto coated = build<Bsdf>(R"(<bsdf type="layered"><string name="thickness" value="10um"/>
+      <float name="int_ior" value="1"/><float name="ext_ior" value="1"/>
+      <medium type="homogeneous"><float name="sigma_t" value="0"/></medium>)" +
+                                      metal + "</bsdf>",
+                                  context);
+  const Wavelengths w = Wavelengths::at(SpectralGrid::over(540, 560), Spectrum(550.f));
+  SurfacePoint point;
+  point.shading.n = point.ng = {0, 0, 1};
+  const BsdfContext at{w, point};
+  for (const double in : {0.9, 0.6}) {
+    const Vec3 wi{float(std::sqrt(1 - in * in)), 0, float(in)};
+    double own = 0, of_layered = 0;
+    for (int i = 0; i < 40; ++i)
+      for (int k = 0; k < 40; ++k) {
+        const double mu = (i + 0.5) / 40, phi = 2 * M_PI * (k + 0.5) / 40, s = std::sqrt(1 - mu * mu);
+        const Vec3 wo{float(s * std::cos(phi)), float(s * std::sin(phi)), float(mu)};
+        own += double(bare->eval(wi, wo, at)[0]), of_layered += double(coated->eval(wi, wo, at)[0]);
+      }
+    EXPECT_NEAR(of_layered / own, 1, 0.02) << in;
+  }
 }
 
 TEST(LayeredBsdf, ASmoothSubstrateMirrors) {

@@ -62,6 +62,7 @@ public:
     Spectrum other;
     return nested_[0]->interior_index(w, n) && nested_[1]->interior_index(w, other) && !any(n.v != other.v);
   }
+  bool needs_tangent() const override { return nested_[0]->needs_tangent() || nested_[1]->needs_tangent(); }
   Lobe lobes() const override { return lobes_; }
 
 private:

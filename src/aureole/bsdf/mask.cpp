@@ -50,6 +50,7 @@ public:
   double single_scattering_loss(bool from_within) const override {
     return nested_->single_scattering_loss(from_within);
   }
+  bool needs_tangent() const override { return nested_->needs_tangent(); }
   Lobe lobes() const override { return lobes_; }
 
 private:

@@ -15,6 +15,7 @@ public:
     return null_sample(wi, 1);
   }
   Spectrum null_transmittance(const Vec3&, const BsdfContext&) const override { return 1.f; }
+  bool needs_tangent() const override { return false; }
   Lobe lobes() const override { return kNullLobe; }
 };
 

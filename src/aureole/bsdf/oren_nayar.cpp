@@ -40,6 +40,7 @@ public:
     return BsdfSample{wo, e.value, e.pdf, lobes()};
   }
 
+  bool needs_tangent() const override { return false; }
   Lobe lobes() const override { return Lobe::diffuse | Lobe::reflect; }
 
 private:

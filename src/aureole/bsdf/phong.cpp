@@ -42,6 +42,7 @@ public:
     return BsdfSample{wo, e.value, e.pdf, (specular ? Lobe::glossy : Lobe::diffuse) | Lobe::reflect};
   }
 
+  bool needs_tangent() const override { return false; }
   Lobe lobes() const override { return Lobe::diffuse | Lobe::glossy | Lobe::reflect; }
 
 private:

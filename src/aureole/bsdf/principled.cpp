@@ -124,6 +124,7 @@ public:
     n = eta_;
     return transmits_;
   }
+  bool needs_tangent() const override { return anisotropic_.maximum() > 0; }
   Lobe lobes() const override {
     const Lobe reflected = Lobe::diffuse | Lobe::glossy | Lobe::reflect;
     return transmits_ ? reflected | Lobe::transmit : reflected;

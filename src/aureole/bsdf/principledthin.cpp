@@ -77,6 +77,7 @@ public:
     return base_color_.eval(ctx);
   }
 
+  bool needs_tangent() const override { return anisotropic_.maximum() > 0; }
   Lobe lobes() const override {
     Lobe all = Lobe::diffuse | Lobe::reflect;
     if (spec_trans_.maximum() > 0) all = all | Lobe::glossy | Lobe::transmit;

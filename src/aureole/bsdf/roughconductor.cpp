@@ -55,6 +55,7 @@ public:
     return BsdfSample{wo, e.value, e.pdf, lobes()};
   }
 
+  bool needs_tangent() const override { return !roughness_.is_isotropic(); }
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect; }
 
 private:

@@ -88,6 +88,7 @@ public:
     const float u = roughness_.range_u().y, v = roughness_.is_isotropic() ? u : roughness_.range_v().y;
     return loss_(Microfacets(roughness_.type(), u, v), eta_, from_within);
   }
+  bool needs_tangent() const override { return !roughness_.is_isotropic(); }
   Lobe lobes() const override { return Lobe::glossy | Lobe::reflect | Lobe::transmit; }
 
 private:

@@ -73,6 +73,7 @@ public:
     return diffuse_->eval(ctx.point, ctx.wavelengths);
   }
 
+  bool needs_tangent() const override { return false; }
   Lobe lobes() const override { return Lobe::diffuse | Lobe::glossy | Lobe::reflect; }
 
 private:

@@ -52,6 +52,9 @@ public:
     return BsdfSample{wo, e.value, e.pdf, (specular ? Lobe::glossy : Lobe::diffuse) | Lobe::reflect};
   }
 
+  bool needs_tangent() const override {
+    return alpha_u_.is_textured() || alpha_v_.is_textured() || alpha_u_.maximum() != alpha_v_.maximum();
+  }
   Lobe lobes() const override { return Lobe::diffuse | Lobe::glossy | Lobe::reflect; }
 
 private:

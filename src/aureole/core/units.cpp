@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/core/units.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 #include <cmath>
 #include <string>
@@ -23,8 +25,8 @@ struct Unit {
   std::string_view name;
   double factor;
 };
-constexpr Unit kLengths[] = {{"nm", 1e-9}, {"um", 1e-6}, {"µm", 1e-6}, {"μm", 1e-6},
-                             {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1},     {"km", 1e3}};
+constexpr Unit kLengths[] = {{"nm", 1e-9}, {"um", 1e-6}, {"µm", 1e-6}, {"μm", 1e-6},        {"mm", 1e-3},
+                             {"cm", 1e-2}, {"m", 1},     {"km", 1e3},  {"angstrom", 1e-10}, {"Å", 1e-10}};
 constexpr Unit kFrequencies[] = {{"Hz", 1}, {"kHz", 1e3}, {"MHz", 1e6}, {"GHz", 1e9}, {"THz", 1e12}};
 
 /// Returns the number at the start of `text` and the remaining text.
@@ -45,6 +47,8 @@ double finite(double value, std::string_view text) {
 }
 
 }  // namespace
+
+std::string shown_number(double value) { return fmt::format("{:.8g}", value); }
 
 double parse_number(std::string_view text) {
   const auto [value, rest] = split(text);

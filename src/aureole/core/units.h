@@ -2,9 +2,13 @@
 // Parses numbers with units: "5um", "0.3 mm", "589nm", "10GHz".
 #pragma once
 
+#include <string>
 #include <string_view>
 
 namespace aureole {
+
+/// Returns a number for a message, with so many digits that 1.0000001 differs from 1.
+std::string shown_number(double value);
 
 /// Parses the whole of `text` as a number without a unit; throws Error. Accepts the input of strtod in the C
 /// locale except hex and "inf"/"nan".

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "aureole/bsdf/bsdf.h"
+#include "aureole/core/units.h"
 #include "aureole/texture/texture.h"
 
 namespace aureole {
@@ -32,8 +33,8 @@ public:
     s.minimum_ = texture->minimum(), s.maximum_ = texture->maximum();
     const bool below = range.open_min ? !(s.minimum_ > range.min) : s.minimum_ < range.min - kTolerance;
     if (below || s.maximum_ > range.max + kTolerance)
-      throw properties.error(name, "goes from " + text(s.minimum_) + " to " + text(s.maximum_) +
-                                       ", but must lie " + text(range));
+      throw properties.error(name, "goes from " + shown_number(s.minimum_) + " to " +
+                                       shown_number(s.maximum_) + ", but must lie " + text(range));
     s.value_ = highest;
     if (!texture->is_constant())
       s.texture_ = texture;
@@ -45,19 +46,16 @@ public:
   float eval(const BsdfContext& ctx) const {
     return texture_ ? texture_->eval(ctx.point, ctx.wavelengths)[0] : value_;
   }
+  bool is_textured() const { return texture_ != nullptr; }
   float maximum() const { return texture_ ? maximum_ : value_; }
   float minimum() const { return texture_ ? minimum_ : value_; }
 
 private:
-  static std::string text(double v) {
-    std::string s = std::to_string(v);
-    while (s.back() == '0') s.pop_back();
-    if (s.back() == '.') s.pop_back();
-    return s;
-  }
   static std::string text(const Range& range) {
-    const std::string from = std::string(range.open_min ? "above " : "from ") + text(range.min);
-    return range.max < 1e30 ? from + " to " + text(range.max) : range.open_min ? from : from + " upwards";
+    const std::string from = std::string(range.open_min ? "above " : "from ") + shown_number(range.min);
+    return range.max < 1e30 ? from + " to " + shown_number(range.max)
+           : range.open_min ? from
+                            : from + " upwards";
   }
 
   TexturePtr texture_;  // null if it is constant

@@ -102,6 +102,18 @@ bool alike(const optics::StackDescription& a, const optics::StackDescription& b)
   return true;
 }
 
+/// Whether a BSDF or one nested in it reads a texture that varies over the surface.
+bool varies(const Bsdf& bsdf) {
+  for (const Properties::Entry& e : bsdf.properties().entries()) {
+    const auto* object = std::get_if<ObjectPtr>(&e.value);
+    if (!object) continue;
+    const auto* texture = dynamic_cast<const Texture*>(object->get());
+    const auto* nested = dynamic_cast<const Bsdf*>(object->get());
+    if ((texture && !texture->is_constant()) || (nested && varies(*nested))) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 LayeredStack::LayeredStack(const Properties& p) : p_(p) {
@@ -195,7 +207,10 @@ void LayeredStack::read_substrate() {
   if (alpha_.back() > 0)
     throw p_.error("alpha", "the substrate is no interface: there are " + std::to_string(layers_.size()));
   // A constant substrate is part of the table, since evaluating it would take 40 ns each time.
-  if (!substrate_->is_constant() && is_lambertian(*substrate_)) lambertian_ = substrate_;
+  if (!substrate_->is_constant() && is_lambertian(*substrate_))
+    lambertian_ = substrate_;
+  else if (varies(*substrate_))
+    p_.note("", "what \"layered\" lies on is taken at one point, since only a diffuse BSDF may vary there");
 }
 
 /// Whether a BSDF is diffuse only, with equal values for three pairs of directions.
