@@ -6,12 +6,13 @@
 #include "aureole/core/image.h"
 #include "aureole/render/statistics.h"
 #include "command.h"
+#include "picture_file.h"
 
 namespace aureole {
 namespace {
 
 int compare(const std::string& a_file, const std::string& b_file, const std::string& map_file) {
-  const Image a = read_image(a_file), b = read_image(b_file);
+  const Image a = read_picture(a_file), b = read_picture(b_file);
   const Comparison c = compare_images(a, b);
   fmt::print("channels   {}\n", fmt::join(c.channels, ", "));
   fmt::print("mean       {:.6g} and {:.6g} ({:+.3f} %)\n", c.mean_a, c.mean_b,

@@ -17,6 +17,7 @@
 #include "aureole/instrument/report/svg_plot.h"
 #include "aureole/math/vec.h"
 #include "command.h"
+#include "picture_file.h"
 
 namespace aureole {
 namespace {
@@ -48,7 +49,7 @@ double angle_deg(const std::string& option, std::string text) {
 
 /// Returns R, G, B proportional to radiance, and the value from which a pixel counts as clipped.
 Image linear_picture(const std::string& file, double& clip) {
-  Image image = read_image(file);
+  Image image = read_picture(file);
   if (image.channel("R") < 0 || image.channel("G") < 0 || image.channel("B") < 0)
     throw Error({file, 0, 0}, "needs the channels R, G and B");
   clip = INFINITY;

@@ -25,6 +25,7 @@
 #include "aureole/math/vec.h"
 #include "aureole/optics/layer/scatterer_layer.h"
 #include "command.h"
+#include "picture_file.h"
 
 namespace aureole {
 namespace {
@@ -114,7 +115,7 @@ CoronaProfile predict(const RingsOptions& o, const PictureParts& parts, const Pi
 }
 
 int rings(const RingsOptions& o) {
-  const Image image = read_image(o.picture);
+  const Image image = read_picture(o.picture);
   if (image.channel("R") < 0 || image.channel("G") < 0 || image.channel("B") < 0)
     throw Error(o.picture + ": needs the channels R, G and B");
   if (o.azimuths.size() != 2 || o.at.size() % 2 || o.masks.size() % 3)

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/core/image.h"
 
+#include <ImfChannelList.h>
+#include <ImfEnvmap.h>
+#include <ImfFrameBuffer.h>
+#include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <gtest/gtest.h>
 #include <png.h>
 #include <sys/resource.h>
@@ -14,6 +19,7 @@
 #include <limits>
 
 #include "aureole/core/error.h"
+#include "aureole/math/vec.h"
 
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_STATIC
@@ -278,6 +284,123 @@ TEST_F(ImageTest, TiffKinds) {
   write_tiff(path("w.tif"), 8, SAMPLEFORMAT_UINT, PLANARCONFIG_CONTIG, false, COMPRESSION_NONE,
              PHOTOMETRIC_MINISWHITE);
   EXPECT_NEAR(read_image(path("w.tif")).at(0, 0, 0), 1, 1e-4f);
+}
+
+/// A grey TIFF of one line with these samples, and as many more pages as wished.
+template <class T>
+void write_grey_tiff(const fs::path& p, const std::vector<T>& samples, int format, int pages = 1,
+                     int orientation = ORIENTATION_TOPLEFT) {
+  TIFF* t = TIFFOpen(p.c_str(), "w");
+  for (int page = 0; page < pages; ++page) {
+    TIFFSetField(t, TIFFTAG_IMAGEWIDTH, int(samples.size())), TIFFSetField(t, TIFFTAG_IMAGELENGTH, 1);
+    TIFFSetField(t, TIFFTAG_BITSPERSAMPLE, int(8 * sizeof(T))), TIFFSetField(t, TIFFTAG_SAMPLESPERPIXEL, 1);
+    TIFFSetField(t, TIFFTAG_SAMPLEFORMAT, format), TIFFSetField(t, TIFFTAG_ORIENTATION, orientation);
+    TIFFSetField(t, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    std::vector<T> line = samples;
+    for (T& v : line) v = T(v + page);
+    TIFFWriteScanline(t, line.data(), 0);
+    TIFFWriteDirectory(t);
+  }
+  TIFFClose(t);
+}
+
+TEST_F(ImageTest, SignedTiffKeepsItsOrder) {
+  const auto check = [&](const Image& image, double smallest) {
+    ASSERT_EQ(image.pixels.size(), 4u);
+    EXPECT_FLOAT_EQ(image.pixels[0], float(smallest));
+    EXPECT_EQ(image.pixels[1], 0);
+    EXPECT_GT(image.pixels[2], 0);
+    EXPECT_EQ(image.pixels[3], 1);
+    EXPECT_FALSE(image.srgb_encoded);
+    ASSERT_EQ(image.notes.size(), 1u);
+    EXPECT_NE(image.notes[0].find("signed integers"), std::string::npos);
+  };
+  write_grey_tiff<std::int8_t>(path("8.tif"), {-128, 0, 1, 127}, SAMPLEFORMAT_INT);
+  check(read_image(path("8.tif")), -128. / 127);
+  write_grey_tiff<std::int16_t>(path("16.tif"), {-32768, 0, 1, 32767}, SAMPLEFORMAT_INT);
+  check(read_image(path("16.tif")), -32768. / 32767);
+  write_grey_tiff<std::int32_t>(path("32.tif"), {-2147483647 - 1, 0, 1, 2147483647}, SAMPLEFORMAT_INT);
+  check(read_image(path("32.tif")), -1);
+  write_grey_tiff<std::int64_t>(path("64.tif"), {-1, 0, 1, 2}, SAMPLEFORMAT_INT);
+  EXPECT_NE(error_of(path("64.tif")).find("64 bits, sample format 2"), std::string::npos);
+  write_grey_tiff<std::int32_t>(path("c.tif"), {-1, 0, 1, 2}, SAMPLEFORMAT_COMPLEXINT);
+  EXPECT_NE(error_of(path("c.tif")).find("sample format 5"), std::string::npos);
+}
+
+TEST_F(ImageTest, StacksSayWhichSliceIsRead) {
+  write_grey_tiff<std::uint8_t>(path("a.tif"), {10, 20}, SAMPLEFORMAT_UINT, 3);
+  const Image image = read_image(path("a.tif"));
+  EXPECT_FLOAT_EQ(image.pixels[0], 10 / 255.f);
+  ASSERT_EQ(image.notes.size(), 1u);
+  EXPECT_EQ(image.notes[0], "the first of 3 pages of the TIFF is read");
+}
+
+TEST_F(ImageTest, TiffOrientation) {
+  write_grey_tiff<std::uint8_t>(path("a.tif"), {0, 255}, SAMPLEFORMAT_UINT, 1, ORIENTATION_BOTRIGHT);
+  EXPECT_EQ(read_image(path("a.tif")).pixels, (std::vector<float>{1, 0}));
+  write_grey_tiff<std::uint8_t>(path("a.tif"), {0, 255}, SAMPLEFORMAT_UINT, 1, ORIENTATION_RIGHTTOP);
+  const Image turned = read_image(path("a.tif"));
+  EXPECT_EQ(turned.width, 1);
+  EXPECT_EQ(turned.height, 2);
+  EXPECT_EQ(turned.pixels, (std::vector<float>{0, 1}));
+}
+
+/// An EXR of one pixel whose header states these chromaticities.
+void write_exr_of_primaries(const fs::path& p, const std::vector<float>& rgb, const Imf::Chromaticities& c,
+                            bool cube = false, int shift = 0) {
+  Imf::Header header(Imath::Box2i({0, 0}, {0, 0}), Imath::Box2i({shift, 0}, {shift, 0}));
+  Imf::addChromaticities(header, c);
+  if (cube) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+  Imf::FrameBuffer frame;
+  const char* names[] = {"R", "G", "B"};
+  for (std::size_t k = 0; k < 3; ++k) {
+    header.channels().insert(names[k], Imf::Channel(Imf::FLOAT));
+    frame.insert(names[k], Imf::Slice(Imf::FLOAT, (char*)(rgb.data() + k) - shift * 4, 4, 12));
+  }
+  Imf::OutputFile file(p.c_str(), header);
+  file.setFrameBuffer(frame);
+  file.writePixels(1);
+}
+
+TEST_F(ImageTest, ExrPrimariesAreConverted) {
+  const auto rgb = [](const Image& image) {
+    return Vec3{image.at(0, 0, std::size_t(image.channel("R"))),
+                image.at(0, 0, std::size_t(image.channel("G"))),
+                image.at(0, 0, std::size_t(image.channel("B")))};
+  };
+  const auto expect = [&](const Vec3& got, Vec3 wanted) {
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(got[k], wanted[k], 3e-4f) << k;
+  };
+  // XYZ of the colour (0.6, 0.2, 0.1) of sRGB, by the matrix of IEC 61966-2-1.
+  const Imf::Chromaticities xyz({1, 0}, {0, 1}, {0, 0}, {1 / 3.f, 1 / 3.f});
+  write_exr_of_primaries(path("xyz.exr"), {0.33701f, 0.27782f, 0.13045f}, xyz);
+  const Image image = read_image(path("xyz.exr"));
+  expect(rgb(image), {0.6f, 0.2f, 0.1f});
+  ASSERT_EQ(image.notes.size(), 1u);
+  EXPECT_NE(image.notes[0].find("red (1, 0)"), std::string::npos);
+  const Image stored = read_image(path("xyz.exr"), nullptr, 100, ImageColors::stored);
+  expect(rgb(stored), {0.33701f, 0.27782f, 0.13045f});
+  EXPECT_TRUE(stored.notes.empty());
+  // Rec. 2020: published matrix to Rec. 709 (ITU-R BT.2087), of equal white points.
+  write_exr_of_primaries(path("2020.exr"), {1, 0.5f, 0},
+                         {{0.708f, 0.292f}, {0.17f, 0.797f}, {0.131f, 0.046f}, {0.3127f, 0.329f}});
+  expect(rgb(read_image(path("2020.exr"))),
+         {1.6605f - 0.5f * 0.5876f, -0.1246f + 0.5f * 1.1329f, -0.0182f - 0.5f * 0.1006f});
+  // The primaries of sRGB change nothing.
+  write_exr_of_primaries(path("709.exr"), {0.6f, 0.2f, 0.1f}, Imf::Chromaticities());
+  EXPECT_FALSE(read_image(path("709.exr")).conversion);
+  write_exr_of_primaries(path("line.exr"), {1, 1, 1},
+                         {{0.1f, 0.1f}, {0.2f, 0.2f}, {0.3f, 0.3f}, {0.3f, 0.3f}});
+  EXPECT_NE(error_of(path("line.exr")).find("line.exr"), std::string::npos);
+}
+
+TEST_F(ImageTest, ExrWindowsAndCubesAreSaid) {
+  write_exr_of_primaries(path("a.exr"), {1, 1, 1}, Imf::Chromaticities(), true, 5);
+  const Image image = read_image(path("a.exr"));
+  EXPECT_TRUE(image.cube_map);
+  EXPECT_EQ(image.pixels, (std::vector<float>{1, 1, 1}));
+  ASSERT_EQ(image.notes.size(), 1u);
+  EXPECT_NE(image.notes[0].find("at (5, 0)"), std::string::npos);
 }
 
 TEST_F(ImageTest, TiffTruncatedOrDamaged) {

@@ -92,6 +92,42 @@ TEST(Values, BadTextIsQuoted) {
             "unexpected attribute \"valeu\" of <float>; did you mean \"value\"?");
 }
 
+TEST(Values, SpectrumFilesOfSpreadsheets) {
+  const test::TemporaryFolder folder;
+  const auto of = [&](const std::string& content, const std::string& more = "") {
+    const auto file = folder.write("a.csv", content);
+    return bsdf("<spectrum name='reflectance' filename='" + file.string() + "'" + more + "/>")->spectrum;
+  };
+  const std::vector<double> nm{400, 700}, values{0.25, 0.5};
+  for (const char* text :
+       {"\xEF\xBB\xBF"
+        "400 0.25\n700 0.5\n",
+        "\"Wavelength\",\"Reflectance\"\n\"400\",\"0.25\"\n700,0.5", "lambda;R\r\n400;0.25\r\n700;0.5\r\n",
+        "# of a file\nWavelength (nm)\tvalue\n400\t.25\n700\t.5\n", "wavelength [um] n\n0.4 0.25\n0.7 0.5\n",
+        "Wavelength/Angstrom, R\n4000, 0.25\n7000, 0.5\n"}) {
+    const SpectrumLiteral s = of(text);
+    ASSERT_EQ(s.nm.size(), 2u) << text;
+    EXPECT_NEAR(s.nm[0], 400, 1e-9) << text;
+    EXPECT_NEAR(s.nm[1], 700, 1e-9) << text;
+    EXPECT_EQ(s.values, values) << text;
+  }
+  EXPECT_NEAR(of("0.4 0.25\n0.7 0.5\n", " unit='um'").nm[1], 700, 1e-9);
+  EXPECT_NEAR(of("0.4um 0.25\n700nm 0.5\n").nm[0], 400, 1e-9);
+  EXPECT_NEAR(
+      bsdf("<spectrum name='reflectance' unit='angstrom' value='4000:0.25, 7000:0.5'/>")->spectrum.nm[0], 400,
+      1e-9);
+  EXPECT_TRUE(of("0.4 0.25\n0.7 0.5\n", " unit='um'").unit_is_stated);
+  EXPECT_TRUE(of("wavelength (nm)\n400 0.25\n700 0.5\n").unit_is_stated);
+  EXPECT_FALSE(of("400 0.25\n700 0.5\n").unit_is_stated);
+  const auto bad = folder.write("bad.csv", "wavenumber (cm^-1), R\n14000, 0.5\n20000, 0.5\n");
+  EXPECT_NE(problem("<spectrum name='reflectance' filename='" + bad.string() + "'/>")
+                .find("bad.csv:1: the header line names wavenumber"),
+            std::string::npos);
+  EXPECT_NE(problem("<spectrum name='reflectance' unit='inch' value='400:1, 700:1'/>")
+                .find("unknown unit \"inch\""),
+            std::string::npos);
+}
+
 TEST(Values, BadTransforms) {
   const auto step = [](const std::string& s) {
     return problem("<transform name='to_world'>" + s + "</transform>");

@@ -128,6 +128,39 @@ TEST(SpectrumEnds, AMetalReflectsAsAtTheEndOfItsData) {
   }
 }
 
+TEST(SpectrumEnds, OtherUnitsThanNmAreErrorsThatNameThem) {
+  const auto said = [](const std::string& xml) {
+    Diagnostics diagnostics;
+    std::string text;
+    try {
+      build<Texture>("<texture type=\"checkerboard\">" + xml + "</texture>",
+                     testing::make_context(360, 830, &diagnostics));
+    } catch (const Error& e) {
+      text = e.what();
+    }
+    return text;
+  };
+  EXPECT_NE(
+      said(R"(<spectrum name="color0" value="0.4:0.1, 0.5:0.5, 0.7:0.5"/>)")
+          .find(
+              "the wavelengths 0.4 to 0.7 are taken for nm, but the film has 360 to 830 nm; if they are in um"),
+      std::string::npos);
+  EXPECT_NE(said(R"(<spectrum name="color0" value="4000:0.1, 7000:0.5"/>)").find("in angstrom"),
+            std::string::npos);
+  EXPECT_NE(said(R"(<spectrum name="color0" type="irregular"><string name="wavelengths" value="0.4, 0.7"/>
+    <string name="values" value="1, 1"/></spectrum>)")
+                .find("in um"),
+            std::string::npos);
+  EXPECT_EQ(said(R"(<spectrum name="color0" value="1000:0.1, 1100:0.5"/>)"), "");
+
+  // Light without a point in the film's range is black, and noted.
+  Diagnostics diagnostics;
+  build<Emitter>(R"(<emitter type="constant"><spectrum name="radiance" value="900:1, 1000:1"/></emitter>)",
+                 testing::make_context(360, 830, &diagnostics));
+  ASSERT_EQ(diagnostics.notes().size(), 1u);
+  EXPECT_NE(diagnostics.notes()[0].find("none of the spectrum's points lies within"), std::string::npos);
+}
+
 TEST(SpectrumEnds, CoefficientsOfPaintsAndMedia) {
   const auto paint = build<Medium>(R"(<medium type="kubelka_munk"><spectrum name="k" value="450:8, 600:2"/>
     <spectrum name="s" value="450:3, 600:6"/></medium>)");

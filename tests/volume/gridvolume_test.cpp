@@ -159,6 +159,19 @@ TEST(GridVolume, NumbersThatAreNoColours) {
   EXPECT_NE(error_of([&] { build_grid(vectors); }).find("a colour must not be negative"), std::string::npos);
 }
 
+TEST(GridVolume, VoxelsBelowZeroByRoundingAreZero) {
+  VolumeFolder folder;
+  for (const auto& [channels, values] : {std::pair{1, std::vector<float>{1, -1e-45f, -5e-7f, 0.5f}},
+                                         {3, std::vector<float>{1, 0.5f, 0.25f, 0, -1e-45f, -5e-7f}}}) {
+    const auto file = write_bytes(folder.path() / "a.vol",
+                                  make_vol({int(values.size()) / channels, 1, 1}, channels, values).bytes());
+    EXPECT_GE(build_grid(file)->minimum(), 0) << channels;
+  }
+  const auto file =
+      write_bytes(folder.path() / "b.vol", make_vol({2, 1, 1}, 3, {1, 1, 1, 1, 1, -2e-6f}).bytes());
+  EXPECT_NE(error_of([&] { build_grid(file); }).find("a colour must not be negative"), std::string::npos);
+}
+
 TEST(GridVolume, ValuesFromAProgram) {
   auto array =
       std::make_shared<Array>(std::vector<std::size_t>{1, 2, 3}, std::vector<double>{0, 1, 2, 3, 4, 5});

@@ -11,7 +11,7 @@ namespace {
 
 optics::Mask read_mask(const Properties& p, bool invert) {
   constexpr std::size_t kMaxPixels = std::size_t(1) << 25;
-  const auto [image, source] = read_image_parameter(p, kMaxPixels);
+  const auto [image, source] = read_image_parameter(p, ImageColors::srgb, kMaxPixels);
   const int r = image.channel("R"), g = image.channel("G"), b = image.channel("B"), a = image.channel("A");
   const int y = image.channel_count() == 1 ? 0 : image.channel("Y");
   const bool color = r >= 0 && g >= 0 && b >= 0;

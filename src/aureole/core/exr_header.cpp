@@ -99,12 +99,13 @@ void check_part(const Part& part, std::size_t file_bytes, std::size_t max_pixels
 
 }  // namespace
 
-void check_exr_header(Bytes bytes, std::size_t max_pixels) {
+int check_exr_header(Bytes bytes, std::size_t max_pixels) {
   Cursor c(bytes);
   c.take(4);
   const auto version = std::uint32_t(c.integer());
   const Error deep("a deep EXR, which is not supported");
   if (version & kDeep) throw deep;
+  int parts = 0;
   for (bool more = true; more;) {
     Part part;
     bool empty = true;
@@ -129,9 +130,10 @@ void check_exr_header(Bytes bytes, std::size_t max_pixels) {
           std::string_view(reinterpret_cast<const char*>(value.data()), value.size()).starts_with("deep"))
         throw deep;
     }
-    if (!empty) check_part(part, bytes.size(), max_pixels);
+    if (!empty) check_part(part, bytes.size(), max_pixels), ++parts;
     more = (version & kMultiPart) && !empty;
   }
+  return parts;
 }
 
 }  // namespace aureole::codec

@@ -44,7 +44,21 @@ Image decode(codec::Bytes b, ExrAttributes* attributes, std::size_t max_pixels) 
     if (starts_with(b, signature)) return codec::read_tiff(b, attributes, max_pixels);
   for (const auto signature : {"PF\n"sv, "Pf\n"sv, "PF\r"sv, "Pf\r"sv, "PF "sv, "Pf "sv})
     if (starts_with(b, signature)) return codec::read_pfm(b, max_pixels);
-  return codec::read_hdr_tga_bmp(b, max_pixels);
+  if (starts_with(b, "#?"sv)) return codec::read_hdr(b, max_pixels);
+  return codec::read_tga_bmp(b, max_pixels);
+}
+
+void convert_to_srgb(Image& image) {
+  const int at[3] = {image.channel("R"), image.channel("G"), image.channel("B")};
+  if (at[0] < 0 || at[1] < 0 || at[2] < 0) return;
+  const std::array<float, 9>& m = image.conversion->to_srgb;
+  for (std::size_t i = 0; i < image.pixels.size(); i += image.channel_count()) {
+    float* const p = &image.pixels[i];
+    const float rgb[3] = {p[at[0]], p[at[1]], p[at[2]]};
+    for (std::size_t k = 0; k < 3; ++k)
+      p[at[k]] = m[3 * k] * rgb[0] + m[3 * k + 1] * rgb[1] + m[3 * k + 2] * rgb[2];
+  }
+  for (const std::string& note : image.conversion->notes) image.notes.push_back(note);
 }
 
 /// Writes the bytes that `encode` returns, and adds the file's name to its errors.
@@ -65,10 +79,13 @@ int Image::channel(const std::string& name) const {
   return found == channels.end() ? -1 : int(found - channels.begin());
 }
 
-Image read_image(const std::filesystem::path& file, ExrAttributes* attributes, std::size_t max_pixels) {
+Image read_image(const std::filesystem::path& file, ExrAttributes* attributes, std::size_t max_pixels,
+                 ImageColors colors) {
   try {
     const std::vector<unsigned char> bytes = read_bytes(file);
-    return decode(bytes, attributes, max_pixels);
+    Image image = decode(bytes, attributes, max_pixels);
+    if (image.conversion && colors == ImageColors::srgb) convert_to_srgb(image);
+    return image;
   } catch (const Error& e) {
     if (!e.where().file.empty()) throw;
     fail(file, e.message());
@@ -130,6 +147,25 @@ std::vector<std::string> channel_names(int count) {
     default:
       return {"R", "G", "B", "A"};
   }
+}
+
+Image reoriented(Image image, const Orientation& o) {
+  if (!o.transposed && !o.from_right && !o.from_bottom) return image;
+  const std::size_t channels = image.channel_count(), columns = std::size_t(image.width);
+  std::vector<float> stored(image.pixels.size());
+  stored.swap(image.pixels);
+  if (o.transposed) std::swap(image.width, image.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const std::size_t u = std::size_t(o.from_right ? image.width - 1 - x : x),
+                        v = std::size_t(o.from_bottom ? image.height - 1 - y : y);
+      const std::size_t from = o.transposed ? u * columns + v : v * columns + u;
+      std::copy_n(
+          stored.begin() + std::ptrdiff_t(from * channels), channels,
+          image.pixels.begin() +
+              std::ptrdiff_t((std::size_t(y) * std::size_t(image.width) + std::size_t(x)) * channels));
+    }
+  return image;
 }
 
 }  // namespace codec

@@ -3,12 +3,20 @@
 // top.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace aureole {
+
+/// A change of colour space that the file of an image asks for.
+struct ColorConversion {
+  std::array<float, 9> to_srgb;  ///< rows of the matrix from the stored R, G, B to linear sRGB
+  std::vector<std::string> notes;
+};
 
 /// An image with named float channels. The channels are in the file's order (or R, G, B[, A] or Y for the 8-
 /// and 16-bit formats).
@@ -17,6 +25,12 @@ struct Image {
   std::vector<std::string> channels;
   std::vector<float> pixels;  ///< height x width x channels
   bool srgb_encoded = false;  ///< values in [0, 1] are sRGB-encoded (8- and 16-bit formats)
+  bool cube_map = false;      ///< six faces one above the other (EXR attribute `envmap`)
+  /// Set where the file states other primaries or an exposure. `read_image` applies it and adds its notes to
+  /// the image's, unless asked for stored values.
+  std::optional<ColorConversion> conversion{};
+  /// How the file was understood where that is not obvious, such as "the first of 12 pages is read".
+  std::vector<std::string> notes{};
 
   std::size_t channel_count() const { return channels.size(); }
   float& at(int x, int y, std::size_t c) {
@@ -37,10 +51,14 @@ struct ExrAttributes {
   std::map<std::string, float> floats;
 };
 
+/// Colours are converted to linear sRGB where a file states other primaries or an exposure, or read as they
+/// are stored (heights, normals).
+enum class ImageColors { srgb, stored };
+
 /// Reads EXR, PNG, JPEG, TIFF, PFM, HDR, TGA or BMP; the content determines the format. Throws Error that
 /// names the file and the problem (missing, truncated, unknown format, more than `max_pixels`).
 Image read_image(const std::filesystem::path& file, ExrAttributes* attributes = nullptr,
-                 std::size_t max_pixels = std::size_t(1) << 30);
+                 std::size_t max_pixels = std::size_t(1) << 30, ImageColors colors = ImageColors::srgb);
 
 enum class ExrPixel { half, float32 };
 

@@ -36,13 +36,23 @@ Image make_image(int width, int height, int channels, bool srgb_encoded, const V
   return image;
 }
 
+/// The order in which a file stores its pixels.
+struct Orientation {
+  bool transposed = false;   ///< stored lines are columns of the picture
+  bool from_right = false;   ///< columns from right to left
+  bool from_bottom = false;  ///< rows from the bottom to the top
+};
+/// Returns an image with rows from the top and columns from the left.
+Image reoriented(Image image, const Orientation& stored);
+
 Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels);
 Image read_png(Bytes bytes, std::size_t max_pixels);
 Image read_jpeg(Bytes bytes, std::size_t max_pixels);
 Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels);
 Image read_pfm(Bytes bytes, std::size_t max_pixels);
-/// Reads HDR, TGA or BMP. TGA has no signature, so files of unknown format are read here, too.
-Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels);
+Image read_hdr(Bytes bytes, std::size_t max_pixels);
+/// Reads TGA or BMP. TGA has no signature, so files of unknown format are read here, too.
+Image read_tga_bmp(Bytes bytes, std::size_t max_pixels);
 
 std::vector<char> encode_exr(const Image& image, ExrPixel pixel, const ExrAttributes& attributes);
 std::vector<char> encode_png(const Image& image);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <ImfChannelList.h>
 #include <ImfChromaticities.h>
+#include <ImfEnvmap.h>
 #include <ImfFloatAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -10,9 +11,12 @@
 #include <ImfOutputFile.h>
 #include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
+#include <fmt/format.h>
 #include <half.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 
 #include "aureole/core/error.h"
@@ -69,11 +73,54 @@ void read_attributes(const Imf::Header& header, ExrAttributes& out) {
   }
 }
 
+bool is_near(const Imath::V2f& a, const Imath::V2f& b) {
+  return std::abs(a.x - b.x) < 5e-4f && std::abs(a.y - b.y) < 5e-4f;
+}
+
+std::string text(const Imath::V2f& v) { return fmt::format("({:.4g}, {:.4g})", v.x, v.y); }
+
+/// Finds the matrix from the file's primaries to sRGB's. As the format and Mitsuba have it, values denote
+/// colours in XYZ: another white point is not adapted.
+void read_chromaticities(const Imf::Header& header, Image& image) {
+  if (!Imf::hasChromaticities(header)) return;
+  const Imf::Chromaticities stored = Imf::chromaticities(header), srgb;
+  if (is_near(stored.red, srgb.red) && is_near(stored.green, srgb.green) && is_near(stored.blue, srgb.blue) &&
+      is_near(stored.white, srgb.white))
+    return;
+  const std::string names = fmt::format("red {}, green {}, blue {}, white {}", text(stored.red),
+                                        text(stored.green), text(stored.blue), text(stored.white));
+  // Row vectors are multiplied from the left.
+  const Imath::M44f m = Imf::RGBtoXYZ(stored, 1) * Imf::XYZtoRGB(srgb, 1);
+  std::array<float, 9> rows;
+  bool good = true;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      rows[std::size_t(3 * i + k)] = m[k][i];
+      good &= std::isfinite(m[k][i]) && std::abs(m[k][i]) < 1e4f;
+    }
+  if (!good) throw Error("the chromaticities in the EXR are of no colour space: " + names);
+  image.conversion = {rows,
+                      {"colours are converted to sRGB from the primaries that the EXR states: " + names}};
+}
+
+void read_notes(const Imf::Header& header, int parts, Image& image) {
+  if (image.channel("R") >= 0 && image.channel("G") >= 0 && image.channel("B") >= 0)
+    read_chromaticities(header, image);
+  if (Imf::hasEnvmap(header)) image.cube_map = Imf::envmap(header) == Imf::ENVMAP_CUBE;
+  if (parts > 1) image.notes.push_back(fmt::format("the first of {} parts of the EXR is read", parts));
+  if (const Imath::Box2i& data = header.dataWindow(), &display = header.displayWindow(); data != display)
+    image.notes.push_back(fmt::format(
+        "the picture is the data window of the EXR, {} x {} pixels at ({}, {}), not its display window of {} "
+        "x {} at ({}, {})",
+        image.width, image.height, data.min.x, data.min.y, display.size().x + 1, display.size().y + 1,
+        display.min.x, display.min.y));
+}
+
 }  // namespace
 
 Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) try {
   // The library allocates memory based on the header alone, so the header is checked first.
-  check_exr_header(bytes, max_pixels);
+  const int parts = check_exr_header(bytes, max_pixels);
   MemoryInput stream(bytes);
   Imf::InputFile file(stream, 0);
   const Imf::Header& header = file.header();
@@ -95,6 +142,7 @@ Image read_exr(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) t
   file.setFrameBuffer(frame);
   file.readPixels(window.min.y, window.max.y);
   if (attributes) read_attributes(header, *attributes);
+  read_notes(header, parts, image);
   return image;
 } catch (const Error&) {
   throw;

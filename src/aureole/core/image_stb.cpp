@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The formats read through stb_image: HDR, TGA, BMP.
+// The formats read through stb_image: TGA, BMP.
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
@@ -46,7 +46,6 @@ thread_local Blocks* blocks = nullptr;
 #define STBI_FREE(p) aureole::codec::blocks->free(p)
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
-#define STBI_ONLY_HDR
 #define STBI_ONLY_TGA
 #define STBI_ONLY_BMP
 #define STBI_NO_STDIO
@@ -97,7 +96,7 @@ constexpr stbi_io_callbacks kCallbacks = {Feed::read, Feed::skip, Feed::end};
 
 }  // namespace
 
-Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels) {
+Image read_tga_bmp(Bytes bytes, std::size_t max_pixels) {
   Blocks held;
   struct Guard {
     explicit Guard(Blocks& b) { blocks = &b; }
@@ -106,7 +105,7 @@ Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels) {
   constexpr const char* kUnknown =
       "unknown or damaged image; EXR, PNG, JPEG, TIFF, PFM, HDR, TGA and BMP can be read";
   int width = 0, height = 0, channels = 0;
-  Feed probe{bytes}, test{bytes}, feed{bytes};
+  Feed probe{bytes}, feed{bytes};
   try {
     if (!stbi_info_from_callbacks(&kCallbacks, &probe, &width, &height, &channels)) throw Error(kUnknown);
   } catch (const Error&) {
@@ -116,13 +115,11 @@ Image read_hdr_tga_bmp(Bytes bytes, std::size_t max_pixels) {
   // Run lengths are at most 128.
   check_size(width, height, channels, max_pixels, bytes.size(), 128);
 
-  const bool hdr = stbi_is_hdr_from_callbacks(&kCallbacks, &test);
-  const auto finish = [&](const auto* raw, float scale) {
-    if (!raw) throw Error(std::string("damaged image: ") + stbi_failure_reason());
-    return make_image(width, height, channels, !hdr, [&](std::size_t i) { return float(raw[i]) * scale; });
-  };
-  if (hdr) return finish(stbi_loadf_from_callbacks(&kCallbacks, &feed, &width, &height, &channels, 0), 1.f);
-  return finish(stbi_load_from_callbacks(&kCallbacks, &feed, &width, &height, &channels, 0), 1 / 255.f);
+  const unsigned char* const raw =
+      stbi_load_from_callbacks(&kCallbacks, &feed, &width, &height, &channels, 0);
+  if (!raw) throw Error(std::string("damaged image: ") + stbi_failure_reason());
+  return make_image(width, height, channels, true,
+                    [&](std::size_t i) { return float(raw[i]) * (1 / 255.f); });
 }
 
 }  // namespace aureole::codec

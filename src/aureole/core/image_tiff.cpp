@@ -3,6 +3,7 @@
 #include <tiffio.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 
@@ -42,12 +43,17 @@ struct Layout {
                 photometric = 0;
 };
 
+/// Unsigned integers are fractions of the largest value; signed ones likewise, so that 0 stays 0.
 float sample_value(const unsigned char* at, const Layout& l) {
   const auto as = [&](auto value) {
     std::memcpy(&value, at, sizeof value);
     return value;
   };
   const bool real = l.format == SAMPLEFORMAT_IEEEFP;
+  if (l.format == SAMPLEFORMAT_INT)
+    return l.bits == 8    ? float(as(std::int8_t())) / 127
+           : l.bits == 16 ? float(as(std::int16_t())) / 32767
+                          : float(as(std::int32_t()) / 2147483647.0);
   switch (l.bits) {
     case 8:
       return float(*at) / 255;
@@ -124,6 +130,34 @@ void read_attributes(TIFF* tiff, ExrAttributes& attributes) {
   attributes.integers["ResolutionUnit"] = unit;
 }
 
+Orientation orientation(TIFF* tiff) {
+  std::uint16_t o = ORIENTATION_TOPLEFT;
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &o);
+  return {.transposed = o >= ORIENTATION_LEFTTOP && o <= ORIENTATION_LEFTBOT,
+          .from_right = o == ORIENTATION_TOPRIGHT || o == ORIENTATION_BOTRIGHT || o == ORIENTATION_RIGHTTOP ||
+                        o == ORIENTATION_RIGHTBOT,
+          .from_bottom = o == ORIENTATION_BOTRIGHT || o == ORIENTATION_BOTLEFT || o == ORIENTATION_RIGHTBOT ||
+                         o == ORIENTATION_LEFTBOT};
+}
+
+/// The number of pictures of full size: pages of a document, slices of a stack. Leaves the first page. ImageJ
+/// writes large stacks behind one page and their number in its description.
+int page_count(TIFF* tiff) {
+  const char* description = nullptr;
+  int pages = 0;
+  if (TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description) && description)
+    if (const char* images = std::strstr(description, "\nimages=");
+        images && std::strncmp(description, "ImageJ=", 7) == 0)
+      pages = std::max(0, std::atoi(images + 8));
+  int found = 0;
+  do {
+    std::uint32_t kind = 0;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SUBFILETYPE, &kind);
+    if (!(kind & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK))) ++found;
+  } while (TIFFReadDirectory(tiff));
+  return std::max(pages, found);
+}
+
 }  // namespace
 
 Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) {
@@ -145,16 +179,33 @@ Image read_tiff(Bytes bytes, ExrAttributes* attributes, std::size_t max_pixels) 
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_SAMPLEFORMAT, &l.format);
   TIFFGetFieldDefaulted(tiff.get(), TIFFTAG_PLANARCONFIG, &l.planar);
   TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &l.photometric);
-  const bool real = l.format == SAMPLEFORMAT_IEEEFP;
-  const bool known_bits =
-      real ? l.bits == 16 || l.bits == 32 || l.bits == 64 : l.bits == 8 || l.bits == 16 || l.bits == 32;
-  const bool known_format = real || l.format == SAMPLEFORMAT_UINT || l.format == SAMPLEFORMAT_VOID;
+  const bool whole = l.format == SAMPLEFORMAT_UINT || l.format == SAMPLEFORMAT_VOID;
+  const bool real = l.format == SAMPLEFORMAT_IEEEFP, is_signed = l.format == SAMPLEFORMAT_INT;
+  const bool known_bits = l.bits == 16 || l.bits == 32 || l.bits == (real ? 64 : 8);
   const bool known_colour = l.photometric == PHOTOMETRIC_MINISBLACK || l.photometric == PHOTOMETRIC_RGB;
-  const bool is_plain = known_bits && known_format && known_colour && l.samples >= 1 && l.samples <= 64;
+  const bool is_plain =
+      known_bits && (whole || real || is_signed) && known_colour && l.samples >= 1 && l.samples <= 64;
   // No compression in use exceeds a ratio of some thousands.
   check_size(l.width, l.height, is_plain ? std::min<int>(l.samples, 4) : 4, max_pixels, bytes.size(), 20000);
-  if (is_plain) return read_plain(tiff.get(), l, !real);
-  return read_converted(tiff.get(), l);
+  Image image;
+  if (is_plain) {
+    image = reoriented(read_plain(tiff.get(), l, whole), orientation(tiff.get()));
+    if (is_signed)
+      image.notes.push_back("signed integers of the TIFF are read as fractions of the largest: " +
+                            std::to_string(l.bits == 8    ? 127
+                                           : l.bits == 16 ? 32767
+                                                          : 2147483647) +
+                            " is 1");
+  } else if (whole) {
+    image = read_converted(tiff.get(), l);
+  } else {
+    throw Error("TIFF samples of " + std::to_string(l.bits) + " bits, sample format " +
+                std::to_string(l.format) + ", photometric interpretation " + std::to_string(l.photometric) +
+                " are not supported; unsigned and signed integers and floats of grey and RGB are");
+  }
+  if (const int pages = page_count(tiff.get()); pages > 1)
+    image.notes.push_back("the first of " + std::to_string(pages) + " pages of the TIFF is read");
+  return image;
 }
 
 }  // namespace aureole::codec

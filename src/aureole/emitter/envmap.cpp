@@ -99,7 +99,10 @@ private:
   }
 
   void load(const Properties& p) {
-    const auto [image, source] = read_image_parameter(p);
+    auto [image, source] = read_image_parameter(p);
+    if (image.cube_map)
+      throw p.error(source,
+                    "is a cube map; an environment map is latitude by longitude (exrenvmap -l converts it)");
     if (image.width < 2 || image.height < 3)
       throw p.error(source, "an environment map needs at least 2 x 3 pixels");
     width_ = image.width, height_ = image.height;
@@ -109,10 +112,11 @@ private:
       if (y < 0) throw p.error(source, "the image has neither R, G, B nor Y channels");
       rgb[0] = rgb[1] = rgb[2] = y;
     }
+    // Resampled photographs often have slightly negative pixels beside bright ones.
+    mend_pixels(p, source, image, PixelRange::radiance);
     texels_.resize(size_t(width_) * size_t(height_));
     std::vector<float> luminance(texels_.size());
     double weight_sum = 0, sums[3] = {};
-    bool negative = false;
     for (int y = 0; y < height_; ++y) {
       const double weight = row_weight(y);
       for (int x = 0; x < width_; ++x) {
@@ -120,11 +124,6 @@ private:
         for (int k = 0; k < 3; ++k) {
           c[k] = image.at(x, y, size_t(rgb[k]));
           if (image.srgb_encoded) c[k] = srgb_decode(c[k]);
-          if (!std::isfinite(c[k]))
-            throw p.error(source,
-                          "pixel (" + std::to_string(x) + ", " + std::to_string(y) + ") is not finite");
-          // Resampled photographs often have slightly negative pixels beside bright ones.
-          if (c[k] < 0) c[k] = 0, negative = true;
           sums[k] += c[k] * weight;
         }
         weight_sum += weight;
@@ -133,7 +132,6 @@ private:
         luminance[i] = 0.2126f * c[0] + 0.7152f * c[1] + 0.0722f * c[2];
       }
     }
-    if (negative) p.note(source, "negative values of the map count as 0");
     for (int k = 0; k < 3; ++k) mean_[k] = float(sums[k] / weight_sum);
     build_distribution(luminance);
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 #include "aureole/core/input_file.h"
 #include "aureole/core/units.h"
@@ -90,11 +91,85 @@ void put_in_order(SpectrumLiteral& s) {
   std::reverse(s.values.begin(), s.values.end());
 }
 
+/// Reads the wavelengths of one spectrum, in nm. `unit` is that of words without one; empty: nm is assumed.
+class WavelengthReader {
+public:
+  explicit WavelengthReader(std::string unit) : unit_(std::move(unit)) { stated_ = !unit_.empty(); }
+  double operator()(std::string_view word) {
+    if (word.find_first_not_of("0123456789+-.eE") != word.npos) {
+      stated_ = true;
+      return parse_wavelength_nm(word);
+    }
+    return unit_.empty() ? parse_wavelength_nm(word) : parse_wavelength_nm(std::string(word) + unit_);
+  }
+  void set_unit(std::string unit) { unit_ = std::move(unit), stated_ = true; }
+  /// Whether no wavelength was taken for nm without being told so.
+  bool is_stated() const { return stated_; }
+
+private:
+  std::string unit_;
+  bool stated_ = false;
+};
+
 SpectrumLiteral spectrum_of(const Node& node, Diagnostics& diagnostics) {
-  const Attribute *value = node.find("value"), *file = node.find("filename");
-  check_attributes(node, {"name"}, {"value", "filename"}, diagnostics);
+  const Attribute *value = node.find("value"), *file = node.find("filename"), *unit = node.find("unit");
+  check_attributes(node, {"name"}, {"value", "filename", "unit"}, diagnostics);
   if (!value == !file) throw Error(node.where, "<spectrum> needs either \"value\", \"filename\" or \"type\"");
-  return value ? parse_spectrum(value->value) : read_spectrum_file(file->value);
+  try {
+    if (unit) parse_wavelength_nm("1" + unit->value);
+  } catch (const Error& e) {
+    throw Error(unit->where, e.message());
+  }
+  const std::string& text = unit ? unit->value : "";
+  return value ? parse_spectrum(value->value, text) : read_spectrum_file(file->value, text);
+}
+
+/// Whether a word begins like a number; others begin header lines.
+bool is_number_at_start(std::string_view word) {
+  const auto digit = word.find_first_not_of("+-.");
+  return digit != word.npos && word[digit] >= '0' && word[digit] <= '9';
+}
+
+/// Returns the unit of wavelengths that a header line names, such as "Wavelength (um)"; empty: none. Throws
+/// Error for quantities that are not wavelengths.
+std::string unit_named_in(std::string_view line) {
+  static const std::map<std::string, std::string, std::less<>> kUnits = {{"nm", "nm"},
+                                                                         {"nanometer", "nm"},
+                                                                         {"nanometers", "nm"},
+                                                                         {"nanometre", "nm"},
+                                                                         {"nanometres", "nm"},
+                                                                         {"um", "um"},
+                                                                         {"µm", "um"},
+                                                                         {"μm", "um"},
+                                                                         {"micron", "um"},
+                                                                         {"microns", "um"},
+                                                                         {"micrometer", "um"},
+                                                                         {"micrometers", "um"},
+                                                                         {"micrometre", "um"},
+                                                                         {"micrometres", "um"},
+                                                                         {"angstrom", "angstrom"},
+                                                                         {"angstroms", "angstrom"},
+                                                                         {"å", "angstrom"},
+                                                                         {"Å", "angstrom"},
+                                                                         {"ev", "!"},
+                                                                         {"cm-1", "!"},
+                                                                         {"cm^-1", "!"},
+                                                                         {"wavenumber", "!"},
+                                                                         {"wavenumbers", "!"}};
+  for (std::size_t begin = 0; begin < line.size();) {
+    constexpr std::string_view kBetween = " \t,()[]{}/:_=";
+    const std::size_t end = std::min(line.find_first_of(kBetween, begin), line.size());
+    std::string word(line.substr(begin, end - begin));
+    for (char& c : word)
+      if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+    if (const auto found = kUnits.find(word); found != kUnits.end()) {
+      if (found->second == "!")
+        throw Error("the header line names " + word + ", but a spectrum is given by wavelengths");
+      return found->second;
+    }
+    begin = end + 1;
+  }
+  return "";
 }
 
 bool has_failed_attribute(const Node& node) {
@@ -186,7 +261,7 @@ SpectrumLiteral parse_rgb(std::string_view text) {
   return s;
 }
 
-SpectrumLiteral parse_spectrum(std::string_view text) {
+SpectrumLiteral parse_spectrum(std::string_view text, const std::string& unit) {
   SpectrumLiteral s;
   const auto words = split_list(text);
   if (words.size() == 1 && words[0].find(':') == std::string_view::npos) {
@@ -194,34 +269,47 @@ SpectrumLiteral parse_spectrum(std::string_view text) {
     return s;
   }
   s.kind = SpectrumLiteral::Kind::points;
+  WavelengthReader wavelength(unit);
   for (std::string_view word : words) {
     const auto colon = word.find(':');
     if (colon == std::string_view::npos) throw Error(in_quotes(word) + " is not a \"wavelength:value\" pair");
-    add_point(s, parse_wavelength_nm(word.substr(0, colon)), parse_number(word.substr(colon + 1)));
+    add_point(s, wavelength(word.substr(0, colon)), parse_number(word.substr(colon + 1)));
   }
+  s.unit_is_stated = wavelength.is_stated();
   if (s.nm.size() < 2)
     throw Error(in_quotes(text) + " must be one number or at least two \"wavelength:value\" pairs");
   put_in_order(s);
   return s;
 }
 
-SpectrumLiteral read_spectrum_file(const std::filesystem::path& file) {
+SpectrumLiteral read_spectrum_file(const std::filesystem::path& file, const std::string& unit) {
   std::istringstream stream = read_table_file(file);
   SpectrumLiteral s;
   s.kind = SpectrumLiteral::Kind::points;
+  WavelengthReader wavelength(unit);
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
-    const auto words = split_list(std::string_view(line).substr(0, line.find('#')));
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
+    line.resize(std::min(line.find('#'), line.size()));
+    std::replace_if(
+        line.begin(), line.end(), [](char c) { return c == '"' || c == '\'' || c == ';'; }, ' ');
+    const auto words = split_list(line);
     if (words.empty()) continue;
     try {
+      if (s.nm.empty() && !is_number_at_start(words[0])) {
+        const std::string named = unit_named_in(line);
+        if (unit.empty() && !named.empty()) wavelength.set_unit(named);
+        continue;
+      }
       if (words.size() != 2) throw Error("expected two columns, wavelength and value");
-      add_point(s, parse_wavelength_nm(words[0]), parse_number(words[1]));
+      add_point(s, wavelength(words[0]), parse_number(words[1]));
     } catch (const Error& e) {
       throw Error({file.string(), number, 0}, e.message());
     }
   }
   if (s.nm.size() < 2)
     throw Error({file.string(), 0, 0}, "a spectrum needs at least two lines of wavelength and value");
+  s.unit_is_stated = wavelength.is_stated();
   put_in_order(s);
   return s;
 }

@@ -29,10 +29,12 @@ std::vector<std::string_view> split_list(std::string_view text);
 
 /// Parses one or three linear numbers, or "#rrggbb", which is sRGB-encoded and gets decoded; throws Error.
 SpectrumLiteral parse_rgb(std::string_view text);
-/// Parses one number, or "wavelength:value" pairs in order of wavelength (nm, or with a unit); throws Error.
-SpectrumLiteral parse_spectrum(std::string_view text);
-/// Reads a text file with two columns, nm and value, and # comments; throws Error located in that file.
-SpectrumLiteral read_spectrum_file(const std::filesystem::path& file);
+/// Parses one number, or "wavelength:value" pairs in order of wavelength; throws Error. `unit` is that of
+/// wavelengths without one of their own; empty: nm.
+SpectrumLiteral parse_spectrum(std::string_view text, const std::string& unit = "");
+/// Reads a text file with two columns, wavelength and value, and # comments; throws Error located in that
+/// file. Lines before the first number are a header, which may name the unit.
+SpectrumLiteral read_spectrum_file(const std::filesystem::path& file, const std::string& unit = "");
 
 /// Decodes one sRGB component (IEC 61966-2-1).
 double srgb_to_linear(double encoded);

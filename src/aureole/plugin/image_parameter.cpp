@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/plugin/image_parameter.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 #include "aureole/plugin/array.h"
 #include "aureole/plugin/properties.h"
+#include "aureole/spectrum/value_limit.h"
 
 namespace aureole {
 
@@ -34,16 +41,66 @@ Image image_of(const Properties& p, const Array& array, std::size_t max_pixels) 
 
 }  // namespace
 
-ImageParameter read_image_parameter(const Properties& p, std::size_t max_pixels) {
+ImageParameter read_image_parameter(const Properties& p, ImageColors colors, std::size_t max_pixels) {
   const auto data = p.get_object<Array>("data");
   if (data && p.has("filename")) throw p.error("data", "give either filename or data");
   if (data) return {image_of(p, *data, max_pixels), "data"};
   const std::filesystem::path file = p.get_file("filename");
   try {
-    return {read_image(file, nullptr, max_pixels), "filename"};
+    Image image = read_image(file, nullptr, max_pixels, colors);
+    for (const std::string& note : image.notes) p.note("filename", note);
+    return {std::move(image), "filename"};
   } catch (const Error& problem) {
     throw p.error("filename", problem.what());
   }
+}
+
+void mend_pixels(const Properties& p, std::string_view name, Image& image, PixelRange range) {
+  const std::size_t channels = image.channel_count(), pixels = image.pixels.size() / channels;
+  std::vector<std::size_t> used;
+  for (const char* channel : {"R", "G", "B", "Y"})
+    if (const int c = image.channel(channel); c >= 0) used.push_back(std::size_t(c));
+  if (used.empty()) used.push_back(0);
+  const auto place = [&](std::size_t pixel) {
+    return fmt::format("column {}, row {}", pixel % std::size_t(image.width),
+                       pixel / std::size_t(image.width));
+  };
+  float largest = 0;
+  for (std::size_t i = 0; i < pixels; ++i)
+    for (const std::size_t c : used)
+      if (const float v = image.pixels[i * channels + c]; std::isfinite(v))
+        largest = std::max(largest, std::abs(v));
+  std::size_t bad = 0, first_bad = 0, negative = 0, first_negative = 0;
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  NoiseClamp clamp(range == PixelRange::any ? -kNone : 0, kNone, largest);
+  const bool cuts = range == PixelRange::radiance || (range == PixelRange::not_negative && image.conversion);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    bool finite = true;
+    for (const std::size_t c : used) {
+      float& v = image.pixels[i * channels + c];
+      if (!std::isfinite(v)) {
+        finite = false;
+        v = std::isnan(v) ? 0 : std::copysign(largest, v);
+      }
+      v = clamp(v);
+      if (v < 0 && cuts) {
+        if (negative++ == 0) first_negative = i;
+        v = 0;
+      }
+    }
+    if (!finite && bad++ == 0) first_bad = i;
+  }
+  if (bad > std::max<std::size_t>(1, pixels / 100))
+    throw p.error(name, fmt::format("{} of {} pixels are NaN or infinite, the first at {}", bad, pixels,
+                                    place(first_bad)));
+  if (bad > 0)
+    p.note(name, fmt::format("{} of {} pixels {} NaN or infinite, the first at {}: NaN counts as 0, infinity "
+                             "as the largest value",
+                             bad, pixels, bad == 1 ? "is" : "are", place(first_bad)));
+  if (negative > 0)
+    p.note(name, fmt::format("{} negative values of the picture, the first at {}, count as 0", negative,
+                             place(first_negative)));
+  if (clamp.any()) p.note(name, clamp.note());
 }
 
 ParameterDoc image_file_doc(const std::string& meaning) {

@@ -4,6 +4,7 @@
 
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "aureole/core/image.h"
 #include "aureole/plugin/registry.h"
@@ -17,11 +18,19 @@ struct ImageParameter {
   std::string name;  ///< name of the parameter that gave the picture, for errors about its content
 };
 
-/// Reads the picture. Throws an Error located at the parameter if neither or both are given, if the file
+/// Reads the picture, and notes how its file was understood. Throws an Error located at the parameter if neither or both are given, if the file
 /// cannot be read, for more than `max_pixels`, or for an array whose shape is not height x width [x 1, 3 or
 /// 4].
-ImageParameter read_image_parameter(const Properties& properties, std::size_t max_pixels = std::size_t(1)
-                                                                                           << 30);
+ImageParameter read_image_parameter(const Properties& properties, ImageColors colors = ImageColors::srgb,
+                                    std::size_t max_pixels = std::size_t(1) << 30);
+
+enum class PixelRange { any, not_negative, radiance };
+
+/// Makes single bad pixels of R, G, B or Y harmless, with notes at the parameter `name`: NaN becomes 0,
+/// infinity the largest finite value, and values that are below 0 by rounding become 0. In a radiance, and
+/// where the file had other primaries, so do all negative values; elsewhere the caller judges them. Throws
+/// Error if more than one pixel in a hundred is not finite.
+void mend_pixels(const Properties& properties, std::string_view name, Image& image, PixelRange range);
 
 /// Rows of the parameter table for `filename` and `data`.
 ParameterDoc image_file_doc(const std::string& meaning);

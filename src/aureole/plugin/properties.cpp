@@ -6,19 +6,11 @@
 #include "aureole/core/input_file.h"
 #include "aureole/core/units.h"
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/value_limit.h"
 
 namespace aureole {
 
 namespace {
-
-std::string number_text(double v) {
-  std::string s = std::to_string(v);
-  if (s.find('.') != std::string::npos) {
-    while (s.back() == '0') s.pop_back();
-    if (s.back() == '.') s.pop_back();
-  }
-  return s;
-}
 
 std::string describe(const Properties::Value& v) {
   switch (v.index()) {
@@ -93,12 +85,18 @@ Error Properties::wrong_type(const Entry& e, std::string_view expected) const {
 double Properties::checked(const Entry& e, double v, Range r) const {
   const bool low = r.open_min ? !(v > r.min) : !(v >= r.min);
   if (!std::isfinite(v)) throw error(e.name, "must be a finite number");
+  if (NoiseClamp clamp(r.open_min ? -std::numeric_limits<double>::infinity() : r.min, r.max);
+      low || v > r.max)
+    if (const double moved = clamp(v); clamp.any()) {
+      note(e.name, "parameter \"" + e.name + "\": " + clamp.note());
+      return moved;
+    }
   if (low || v > r.max) {
     std::string bound = std::isfinite(r.max) ? "in " + std::string(r.open_min ? "(" : "[") +
-                                                   number_text(r.min) + ", " + number_text(r.max) + "]"
-                                             : (r.open_min ? "> " : ">= ") + number_text(r.min);
-    if (!std::isfinite(r.min)) bound = "<= " + number_text(r.max);
-    throw error(e.name, "must be " + bound + ", got " + number_text(v));
+                                                   shown_number(r.min) + ", " + shown_number(r.max) + "]"
+                                             : (r.open_min ? "> " : ">= ") + shown_number(r.min);
+    if (!std::isfinite(r.min)) bound = "<= " + shown_number(r.max);
+    throw error(e.name, "must be " + bound + ", got " + shown_number(v));
   }
   return v;
 }

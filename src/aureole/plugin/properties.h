@@ -56,6 +56,7 @@ struct SpectrumLiteral {
   double value = 0;                ///< Kind::value
   double rgb[3] = {0, 0, 0};       ///< Kind::rgb, linear sRGB
   std::vector<double> nm, values;  ///< Kind::points, nm increasing
+  bool unit_is_stated = false;     ///< Kind::points: the unit of the wavelengths was not taken for granted
 };
 
 /// A closed or half-open interval that must contain a number.

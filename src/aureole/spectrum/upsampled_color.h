@@ -8,6 +8,7 @@
 
 #include "aureole/spectrum/spectrum.h"
 #include "aureole/spectrum/upsampling.h"
+#include "aureole/spectrum/value_limit.h"
 
 namespace aureole {
 
@@ -19,7 +20,12 @@ struct alignas(16) UpsampledColor {
   bool operator==(const UpsampledColor&) const = default;
 
   static UpsampledColor of_rgb(float r, float g, float b) {
-    return of(std::max({r, g, b}) <= 1 ? upsample_srgb(r, g, b) : upsample_unbounded(r, g, b));
+    const float largest = std::max({r, g, b});
+    if (largest > 1 && largest <= 1 + float(kLimitNoise))  // by rounding: no other spectrum
+      r = std::min(r, 1.f), g = std::min(g, 1.f), b = std::min(b, 1.f);
+    else if (largest > 1)
+      return of(upsample_unbounded(r, g, b));
+    return of(upsample_srgb(r, g, b));
   }
   /// Like `of_rgb`, but black always has all members 0, so that its many representations compare equal.
   static UpsampledColor of_rgb_or_black(float r, float g, float b) {

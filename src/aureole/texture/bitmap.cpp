@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "aureole/core/image.h"
+#include "aureole/core/units.h"
 #include "aureole/plugin/image_parameter.h"
 #include "aureole/plugin/registry.h"
 #include "aureole/spectrum/tables.h"
@@ -179,7 +180,7 @@ private:
   }
 
   void load(const Properties& properties, bool raw) {
-    const auto [image, source] = read_image_parameter(properties);
+    auto [image, source] = read_image_parameter(properties, raw ? ImageColors::stored : ImageColors::srgb);
     width_ = image.width;
     height_ = image.height;
     const int r = image.channel("R"), g = image.channel("G"), b = image.channel("B");
@@ -190,16 +191,16 @@ private:
       for (const auto& name : image.channels) names += (names.empty() ? "" : ", ") + name;
       throw properties.error(source, "needs the channels R, G, B or Y, but the picture has " + names);
     }
+    mend_pixels(properties, source, image, raw ? PixelRange::any : PixelRange::not_negative);
     const bool decode = image.srgb_encoded && !raw;
     std::array<float, 256> decoded;
     for (int i = 0; i < 256; ++i) decoded[i] = srgb_decode(float(i) / 255);
     const auto value = [&](int px, int py, int c) {
       const float v = image.at(px, py, std::size_t(c));
-      if (!std::isfinite(v) || (v < 0 && !raw))
+      if (v < 0 && !raw)
         throw properties.error(source, "the pixel at column " + std::to_string(px) + ", row " +
-                                           std::to_string(py) + " is " + std::to_string(v) +
-                                           "; a texture needs finite values" +
-                                           (raw ? "" : " that are not negative"));
+                                           std::to_string(py) + " is " + shown_number(v) +
+                                           "; a texture needs values that are not negative");
       if (!decode) return v;
       const float level = v * 255;
       return level <= 255 && level == std::floor(level) ? decoded[int(level)] : srgb_decode(v);

@@ -41,11 +41,17 @@ public:
 
   void note_ends(const Properties& user, std::string_view name) const final;
   TexturePtr in_role(SpectrumRole role) const final;
+  /// Whether its points have wavelengths in common with the film.
+  bool reaches_film() const;
 
 private:
   SpectrumPoints points_;
   SpectrumEnds ends_;
 };
+
+/// Throws Error if wavelengths without a unit, taken for nm, all lie outside those of the film, but would not
+/// in um, angstrom or m.
+void check_unit(const Properties& properties, std::string_view name, double first_nm, double last_nm);
 
 /// The spectrum of a linear sRGB colour, not multiplied by an illuminant. A colour in [0, 1] is the
 /// reflectance of that colour. A brighter colour, or any colour with `emission`, is scaled to a largest

@@ -21,6 +21,9 @@ SpectrumPoints read_irregular(const Properties& properties) {
   }
   for (std::size_t i = 1; i < nm.size(); ++i)
     if (!(nm[i] > nm[i - 1])) throw properties.error("wavelengths", "must increase or decrease");
+  const auto* text = std::get_if<std::string>(&properties.find("wavelengths")->value);
+  if (!text || text->find_first_of("mHo") == text->npos)  // no unit
+    check_unit(properties, "wavelengths", nm.front(), nm.back());
   return {std::move(nm), std::move(values)};
 }
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "aureole/texture/texture.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "aureole/core/units.h"
 #include "aureole/parameter/data_range.h"
 #include "aureole/plugin/number_list.h"
 #include "aureole/plugin/registry.h"
@@ -19,20 +23,25 @@ namespace {
 /// Tolerance of bounds for rounding errors of tabulation and of image formats.
 constexpr float kTolerance = 1e-5f;
 
-std::string text(double v) {
-  std::string s = std::to_string(v);
-  while (s.back() == '0') s.pop_back();
-  if (s.back() == '.') s.pop_back();
-  return s;
-}
-
 void check_number(const Properties& properties, std::string_view name, double v, SpectrumRole role) {
   if (!std::isfinite(v)) throw properties.error(name, "must be finite");
   if (v > kLargestSpectrumValue)
     throw properties.error(name, "is too large to be computed with: 1e37 is the most");
-  if (v < 0) throw properties.error(name, "must not be negative, got " + text(v));
+  if (v < 0) throw properties.error(name, "must not be negative, got " + shown_number(v));
   if (role == SpectrumRole::reflectance && v > 1)
-    throw properties.error(name, "a reflectance or transmittance lies in [0, 1], got " + text(v));
+    throw properties.error(name, "a reflectance or transmittance lies in [0, 1], got " + shown_number(v));
+}
+
+/// Moves values to the limits of their role that they miss by rounding, with a note, and checks them.
+void check_numbers(const Properties& properties, std::string_view name, std::span<double> values,
+                   SpectrumRole role) {
+  const bool bounded = role == SpectrumRole::reflectance;
+  double largest = 0;
+  for (const double v : values)
+    if (std::isfinite(v)) largest = std::max(largest, v);
+  NoiseClamp clamp(0, bounded ? 1 : kLargestSpectrumValue, bounded || values.size() == 1 ? 1 : largest);
+  for (double& v : values) check_number(properties, name, v = clamp(v), role);
+  if (clamp.any()) properties.note(name, "parameter \"" + std::string(name) + "\": " + clamp.note());
 }
 
 /// Returns the properties of a spectrum that is not an object of the scene: the location of its parameter.
@@ -56,28 +65,29 @@ SampledSpectrum tabulate_number(const Properties& properties, std::string_view n
     properties.note(name,
                     "a number is a factor of illuminant D65, which is dark where the sensor sees: write "
                     "<spectrum name=\"" +
-                        std::string(name) + "\" value=\"" + text(v) + "\"/> for a flat spectrum");
+                        std::string(name) + "\" value=\"" + shown_number(v) + "\"/> for a flat spectrum");
   return s;
 }
 
-TexturePtr make_spectrum_texture(const Properties& properties, std::string_view name,
-                                 const SpectrumLiteral& literal, SpectrumRole role) {
+TexturePtr make_spectrum_texture(const Properties& properties, std::string_view name, SpectrumLiteral literal,
+                                 SpectrumRole role) {
   const SpectralGrid& grid = properties.context().grid;
   switch (literal.kind) {
     case SpectrumLiteral::Kind::value:
       // Unlike a plain number, a spectrum with a single value is flat for emitters as well.
-      check_number(properties, name, literal.value, role);
+      check_numbers(properties, name, {&literal.value, 1}, role);
       return make_constant(properties, name, SampledSpectrum::constant(grid, float(literal.value)));
     case SpectrumLiteral::Kind::rgb: {
-      for (double c : literal.rgb) check_number(properties, name, c, role);
+      check_numbers(properties, name, literal.rgb, role);
       const bool emits = role == SpectrumRole::emission;
       SampledSpectrum spectrum = spectrum_of_rgb(grid, literal.rgb, emits);
       return make_constant(properties, name, emits ? product(spectrum, d65_spectrum(grid, 1)) : spectrum);
     }
     case SpectrumLiteral::Kind::points:
-      for (double v : literal.values) check_number(properties, name, v, role);
+      check_numbers(properties, name, literal.values, role);
       if (literal.nm.size() < 2 || literal.nm.size() != literal.values.size())
         throw properties.error(name, "a spectrum needs at least two wavelengths, each with its value");
+      if (!literal.unit_is_stated) check_unit(properties, name, literal.nm.front(), literal.nm.back());
       return std::make_shared<PointSpectrum>(spectrum_properties(properties, name),
                                              SpectrumPoints{literal.nm, literal.values}, ends_of(role));
   }
@@ -87,16 +97,38 @@ TexturePtr make_spectrum_texture(const Properties& properties, std::string_view 
 void check_range(const Properties& properties, std::string_view name, const Texture& texture,
                  SpectrumRole role) {
   if (texture.minimum() < -kTolerance)
-    throw properties.error(name, "the texture has negative values, down to " + text(texture.minimum()));
+    throw properties.error(name,
+                           "the texture has negative values, down to " + shown_number(texture.minimum()));
   if (!(double(texture.maximum()) <= kLargestSpectrumValue))
     throw properties.error(name, "the texture has values too large to be computed with: 1e37 is the most");
   if (role == SpectrumRole::reflectance && texture.maximum() > 1 + kTolerance)
     throw properties.error(name,
                            "a reflectance or transmittance lies in [0, 1], but the texture goes up to " +
-                               text(texture.maximum()));
+                               shown_number(texture.maximum()));
+}
+
+std::string film_range(const Properties& properties) {
+  const SpectralGrid& grid = properties.context().grid;
+  return range_text(grid.min_nm, grid.max_nm);
 }
 
 }  // namespace
+
+void check_unit(const Properties& properties, std::string_view name, double first_nm, double last_nm) {
+  const SpectralGrid& grid = properties.context().grid;
+  const auto overlaps = [&](double factor) {
+    return last_nm * factor >= grid.min_nm && first_nm * factor <= grid.max_nm;
+  };
+  if (overlaps(1)) return;
+  for (const auto& [unit, factor] : {std::pair("um", 1e3), {"angstrom", 0.1}, {"m", 1e9}})
+    if (overlaps(factor))
+      throw properties.error(
+          name,
+          fmt::format(
+              "the wavelengths {0:g} to {1:g} are taken for nm, but the film has {2}; if they are in {3}, "
+              "write \"{0:g}{3}\" or <spectrum unit=\"{3}\" ...> (unit=\"nm\" if they are right)",
+              first_nm, last_nm, film_range(properties), unit));
+}
 
 ConstantTexture::ConstantTexture(const Properties& properties, SampledSpectrum spectrum)
     : Texture(properties), spectrum_(std::move(spectrum)) {
@@ -113,6 +145,11 @@ PointSpectrum::PointSpectrum(const Properties& properties, SpectrumPoints points
 
 void PointSpectrum::note_ends(const Properties& user, std::string_view name) const {
   note_data_range(user, name, "the spectrum", {points_.nm.front(), points_.nm.back()});
+}
+
+bool PointSpectrum::reaches_film() const {
+  const SpectralGrid& grid = properties().context().grid;
+  return points_.nm.back() >= grid.min_nm && points_.nm.front() <= grid.max_nm;
 }
 
 TexturePtr PointSpectrum::in_role(SpectrumRole role) const {
@@ -142,8 +179,11 @@ SampledSpectrum spectrum_of_rgb(const SpectralGrid& grid, const double rgb[3], b
   if (rgb[0] == rgb[1] && rgb[1] == rgb[2]) return SampledSpectrum::constant(grid, float(largest));
   // A reflectance must not be scaled to a largest component of 1/2: another spectrum of the same colour (a
   // metamer) would look different under coloured light.
-  const Rgb color{rgb[0], rgb[1], rgb[2]};
-  const SigmoidSpectrum s = !emission && largest <= 1 ? fit_srgb(color) : fit_unbounded(color);
+  // Nor must one that exceeds 1 by rounding, whose role may allow any value.
+  const bool fits = !emission && largest <= 1 + kLimitNoise;
+  const auto part = [&](double c) { return fits ? std::min(c, 1.0) : c; };
+  const Rgb color{part(rgb[0]), part(rgb[1]), part(rgb[2])};
+  const SigmoidSpectrum s = fits ? fit_srgb(color) : fit_unbounded(color);
   return SampledSpectrum::from_function(grid, [&](double nm) { return double(s.at(float(nm))); });
 }
 
@@ -153,14 +193,15 @@ SpectrumLiteral get_rgb(const Properties& properties, std::string_view name, boo
   const auto* literal = std::get_if<SpectrumLiteral>(&e->value);
   if (!literal || literal->kind != SpectrumLiteral::Kind::rgb)
     throw properties.error(name, "expected an rgb colour");
-  for (double c : literal->rgb)
-    check_number(properties, name, c, unbounded ? SpectrumRole::unbounded : SpectrumRole::reflectance);
-  return *literal;
+  SpectrumLiteral checked = *literal;
+  check_numbers(properties, name, checked.rgb,
+                unbounded ? SpectrumRole::unbounded : SpectrumRole::reflectance);
+  return checked;
 }
 
 std::vector<double> get_numbers(const Properties& properties, std::string_view name) {
-  const std::vector<double> numbers = get_number_list(properties, name);
-  for (const double number : numbers) check_number(properties, name, number, SpectrumRole::unbounded);
+  std::vector<double> numbers = get_number_list(properties, name);
+  check_numbers(properties, name, numbers, SpectrumRole::unbounded);
   if (numbers.size() < 2) throw properties.error(name, "needs at least two numbers");
   return numbers;
 }
@@ -186,7 +227,7 @@ TexturePtr read_texture(const Properties& properties, std::string_view name, Spe
     return texture;
   } else
     throw properties.error(name, "expected a number, a spectrum or a texture");
-  check_number(properties, name, number, role);
+  check_numbers(properties, name, {&number, 1}, role);
   return make_constant(properties, name, tabulate_number(properties, name, number, role));
 }
 
@@ -198,6 +239,11 @@ TexturePtr get_optional_texture(const Properties& properties, std::string_view n
   const std::string family = properties.plugin() ? properties.plugin()->family : "";
   if (texture && ends_of(role) == SpectrumEnds::held && family != "texture" && family != "volume")
     texture->note_ends(properties, name);
+  const auto* points = dynamic_cast<const PointSpectrum*>(texture.get());
+  if (points && ends_of(role) == SpectrumEnds::zero && !points->reaches_film())
+    properties.note(name, "parameter \"" + std::string(name) +
+                              "\": none of the spectrum's points lies within the wavelengths of the film, " +
+                              film_range(properties) + ": it is zero there");
   return texture;
 }
 
@@ -227,7 +273,7 @@ TexturePtr get_fraction(const Properties& properties, std::string_view name, std
   if (texture->maximum() > 1 + kTolerance)
     throw properties.error(name, std::string("must lie in [0, 1], but ") +
                                      (texture->is_constant() ? "is " : "the texture goes up to ") +
-                                     text(texture->maximum()));
+                                     shown_number(texture->maximum()));
   return texture;
 }
 

@@ -2,7 +2,11 @@
 // Values on a dense grid, from Mitsuba's format .vol.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "aureole/parameter/voxel_data.h"
+#include "aureole/spectrum/value_limit.h"
 #include "aureole/volume/grid/voxel_volume.h"
 
 namespace aureole {
@@ -23,8 +27,7 @@ public:
   explicit GridVolume(const Properties& p) : GridVolume(p, read_voxels(p, "data")) {}
 
 private:
-  GridVolume(const Properties& p, const VoxelData& data)
-      : VoxelVolume(p, box_of(p, data), VoxelFilter::read(p)) {
+  GridVolume(const Properties& p, VoxelData data) : VoxelVolume(p, box_of(p, data), VoxelFilter::read(p)) {
     const char* const parameter = voxels_parameter(p, "data");
     const bool raw = p.get_bool("raw", false);
     p.get_bool("accel", true);
@@ -34,6 +37,7 @@ private:
       throw p.error(parameter, fmt::format("has {} numbers at each voxel; 1, 3 (colours) and 6 are supported",
                                            channels));
     const bool colors = channels == 3 && !raw;
+    if (colors || channels == 1) drop_noise(p, data, parameter);
     if (colors) check_colors(p, data, parameter);
     try {
       if (colors && !is_grey(data))
@@ -45,6 +49,14 @@ private:
     }
   }
 
+  /// Voxels below 0 by rounding count as 0, with a note.
+  static void drop_noise(const Properties& p, VoxelData& data, const char* parameter) {
+    float largest = 0;
+    for (const float v : data.values) largest = std::max(largest, v);
+    NoiseClamp clamp(0, std::numeric_limits<double>::infinity(), largest);
+    for (float& v : data.values) v = clamp(v);
+    if (clamp.any()) p.note(parameter, clamp.note());
+  }
   static void check_colors(const Properties& p, const VoxelData& data, const char* parameter) {
     for (const float v : data.values)
       if (v < 0)

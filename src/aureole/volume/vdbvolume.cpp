@@ -2,7 +2,11 @@
 // Values on a sparse grid, from OpenVDB's format .vdb or NanoVDB's .nvdb.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
+
 #include "aureole/plugin/registry.h"
+#include "aureole/spectrum/value_limit.h"
 #include "aureole/volume/grid/voxel_volume.h"
 #include "aureole/volume/vdb/vdb_file.h"
 
@@ -121,12 +125,29 @@ Transform box_of(const Properties& p, const SparseVoxels& voxels) {
          p.get_transform("to_world").inverse();
 }
 
+/// Voxels below 0 by rounding count as 0, with a note.
+void drop_noise(const Properties& p, SparseVoxels& voxels) {
+  const auto each = [&](const auto& f) {
+    for (float& v : voxels.background) f(v);
+    for (SparseVoxels::Tile& tile : voxels.tiles)
+      for (float& v : tile.value) f(v);
+    for (float& v : voxels.values) f(v);
+  };
+  float largest = 0;
+  each([&](float v) { largest = std::max(largest, v); });
+  NoiseClamp clamp(0, std::numeric_limits<double>::infinity(), largest);
+  each([&](float& v) { v = clamp(v); });
+  if (clamp.any()) p.note("filename", clamp.note());
+}
+
 SparseVoxels read(const Properties& p) {
   const std::filesystem::path file = p.get_file("filename");
   const std::string wanted = p.get_string("grid", "");
   bool unknown = false;
   try {
-    return read_vdb_file(file, wanted.empty() ? std::nullopt : std::optional(wanted), unknown);
+    SparseVoxels voxels = read_vdb_file(file, wanted.empty() ? std::nullopt : std::optional(wanted), unknown);
+    if (voxels.channels == 1 || !p.get_bool("raw", false)) drop_noise(p, voxels);
+    return voxels;
   } catch (const Error& problem) {
     throw p.error(unknown ? "grid" : "filename", "\"" + file.string() + "\" " + problem.message());
   }

@@ -30,6 +30,7 @@ void pool_fields(size_t count, const std::function<Micrograph(size_t)>& read,
                  FieldPool& pool) {
   for (size_t f = 0; f < count; ++f) {
     const Micrograph field = read(f);
+    for (const std::string& note : field.notes) m.notes.push_back(field.name + ": " + note);
     const Segmentation s = segment(field, options);
     pool.windows.emplace_back(field.width, field.height, field.seen);
     const ObservationWindow& window = pool.windows.back();

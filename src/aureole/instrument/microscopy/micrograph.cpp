@@ -90,6 +90,7 @@ Micrograph read_micrograph(const std::filesystem::path& file, const MicrographOp
   const auto fail = [&](const std::string& what) { throw Error({file.string(), 0, 0}, what); };
   Micrograph m;
   m.name = file.string(), m.width = image.width, m.height = image.height;
+  m.notes = image.notes;
   if (std::min(m.width, m.height) < kSmallestField)
     fail(std::to_string(m.width) + " x " + std::to_string(m.height) +
          " pixels are too few: a field needs at least " + std::to_string(kSmallestField) + " on each side");

@@ -18,6 +18,7 @@ struct Micrograph {
   std::vector<float> grey;
   std::vector<std::uint8_t> seen;  ///< 1 for usable pixels; empty if all are usable
   double pixel_m = 0;
+  std::vector<std::string> notes;  ///< how the file was understood
 };
 
 struct MicrographOptions {

@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "picture_file.h"
+
+#include <fmt/format.h>
+
+namespace aureole {
+
+Image read_picture(const std::string& file) {
+  Image image = read_image(file);
+  for (const std::string& note : image.notes) fmt::print(stderr, "note: {}: {}\n", file, note);
+  return image;
+}
+
+}  // namespace aureole
